@@ -1,0 +1,290 @@
+"""The KPI formulas of heave compensation: the one definition, used live, in reports and in campaigns.
+
+Pure numpy. Heave and payout are in metres, heave positive up, payout positive lowering the unit, tension never
+negative.
+
+All functions take samples that are equally spaced in time over the evaluation window (after the transient). A KPI
+that cannot be computed
+(no samples, no reference) is NaN, and None in JSON; it is never a number that looks good.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+Array = NDArray[np.float64]
+
+AT_LIMIT = 0.999
+"""A rate is at its limit from this fraction of the limit on."""
+
+SNAP_LOW = 0.1
+SNAP_HIGH = 1.3
+SNAP_WINDOW = 2.0
+"""A snap is a tension below SNAP_LOW of the static one, followed by one above SNAP_HIGH of it within SNAP_WINDOW
+seconds.
+"""
+
+
+def sigma(values: ArrayLike) -> float:
+    """Return the standard deviation about the mean; NaN for fewer than two samples."""
+    array = np.asarray(values, dtype=float)
+    return float(array.std()) if array.size > 1 else math.nan
+
+
+def efficiency(residual: float, reference: float) -> float:
+    """Return `1 - residual / reference` of two standard deviations; negative where compensation does harm, NaN
+    without a reference.
+
+    Unit efficiency is `efficiency(s(z), s(z_off))`, outlet efficiency `efficiency(s(z0 - p), s(z0))`.
+    """
+    return 1.0 - residual / reference if reference > 0.0 else math.nan
+
+
+def significant(standard_deviation: float) -> float:
+    """Return the significant double amplitude `4 s` (H_1/3 sense) [same unit as `standard_deviation`]."""
+    return 4.0 * standard_deviation
+
+
+def kappa(unit_sigma: float, sensor_bound: float, actuator_bound: float) -> float:
+    """Return the distance from the possible, `s(z) / sqrt(s_est^2 + s_act^2)`.
+
+    `sensor_bound` is the LQG optimum of the linear system with these sensors and delay and no limits,
+    `actuator_bound` the optimum of a
+    clairvoyant controller with these limits, both standard deviations of the unit's heave [m].
+    """
+    bound = math.hypot(sensor_bound, actuator_bound)
+    return unit_sigma / bound if bound > 0.0 else math.nan
+
+
+def worse(unit_sigmas: ArrayLike, uncompensated_sigmas: ArrayLike) -> float:
+    """Return the largest `s(z) / s(z_off)` over seeds; above 1 the compensator did harm."""
+    ratios = np.asarray(unit_sigmas, dtype=float) / np.asarray(uncompensated_sigmas, dtype=float)
+    return float(ratios.max()) if ratios.size else math.nan
+
+
+def max_abs(values: ArrayLike) -> float:
+    """Return the largest deviation from the mean, `max |x - mean(x)|`."""
+    array = np.asarray(values, dtype=float)
+    return float(np.abs(array - array.mean()).max()) if array.size else math.nan
+
+
+def percentile_abs(values: ArrayLike, percent: float = 99.9) -> float:
+    """Return the percentile of the deviation from the mean."""
+    array = np.asarray(values, dtype=float)
+    return float(np.percentile(np.abs(array - array.mean()), percent)) if array.size else math.nan
+
+
+def percent_true(flags: ArrayLike) -> float:
+    """Return the share of samples that are true [%]."""
+    array = np.asarray(flags, dtype=bool)
+    return 100.0 * float(array.mean()) if array.size else math.nan
+
+
+def at_limit(rates: ArrayLike, limit: float) -> NDArray[np.bool_]:
+    """Tell at which samples a rate stands at its limit (same unit), to one part in a thousand."""
+    return np.asarray(np.abs(np.asarray(rates, dtype=float)) >= AT_LIMIT * limit, dtype=bool)
+
+
+def tension_ratios(tension: ArrayLike, static_tension: float) -> tuple[float, float]:
+    """Return `rT = Tmin / Tstatic` and the dynamic amplification `DAF = Tmax / Tstatic`."""
+    array = np.asarray(tension, dtype=float)
+    if not array.size or static_tension <= 0.0:
+        return math.nan, math.nan
+    return float(array.min()) / static_tension, float(array.max()) / static_tension
+
+
+def snap_times(time: ArrayLike, tension: ArrayLike, static_tension: float) -> Array:
+    """Return the times [s] at which the cable snapped taut.
+
+    A snap is `T < 0.1 Tstatic` followed by `T > 1.3 Tstatic` within 2 s; one slack counts at most one snap.
+    """
+    times = np.asarray(time, dtype=float)
+    values = np.asarray(tension, dtype=float)
+    if static_tension <= 0.0:
+        return np.empty(0)
+    low = values < SNAP_LOW * static_tension
+    events = np.flatnonzero(low | (values > SNAP_HIGH * static_tension))
+    snaps: list[float] = []
+    last_low = -math.inf
+    for index in events:
+        if low[index]:
+            last_low = times[index]
+        elif times[index] - last_low <= SNAP_WINDOW:
+            snaps.append(float(times[index]))
+            last_low = -math.inf
+    return np.asarray(snaps)
+
+
+@dataclass(frozen=True)
+class WinchPower:
+    """Power at the drum, `T v`. Hauling in under load motors, paying out under load regenerates.
+
+    Attributes
+    ----------
+    peak : largest |T v| [W]
+    mean_abs : mean |T v| [W]
+    motoring, regenerated : mean power of each sign [W], which is the energy per hour [Wh/h]
+    """
+
+    peak: float
+    mean_abs: float
+    motoring: float
+    regenerated: float
+
+
+def winch_power(tension: ArrayLike, payout_rate: ArrayLike) -> WinchPower:
+    """Return the power figures of a winch from top tension [N] and payout rate [m/s, positive pays out]."""
+    power = np.asarray(tension, dtype=float) * np.asarray(payout_rate, dtype=float)
+    if not power.size:
+        return WinchPower(math.nan, math.nan, math.nan, math.nan)
+    return WinchPower(
+        peak=float(np.abs(power).max()),
+        mean_abs=float(np.abs(power).mean()),
+        motoring=float(np.maximum(-power, 0.0).mean()),
+        regenerated=float(np.maximum(power, 0.0).mean()),
+    )
+
+
+@dataclass(frozen=True)
+class Harmonic:
+    """First harmonic of a signal: `mean + amplitude sin(omega t + phase)`; phase [rad]."""
+
+    mean: float
+    amplitude: float
+    phase: float
+
+
+def fit_harmonic(time: ArrayLike, values: ArrayLike, omega: float) -> Harmonic:
+    """Fit the first harmonic at `omega` [rad/s] by least squares; no whole number of periods is needed.
+
+    Raises ValueError if the samples cover less than one period.
+    """
+    times = np.asarray(time, dtype=float)
+    if times.size < 3 or times[-1] - times[0] < 2.0 * math.pi / omega * (1.0 - 1e-6):
+        raise ValueError(f"a fit at {omega:g} rad/s needs at least one period, {2.0 * math.pi / omega:g} s, of samples")
+    basis = np.column_stack((np.ones_like(times), np.sin(omega * times), np.cos(omega * times)))
+    mean, sine, cosine = np.linalg.lstsq(basis, np.asarray(values, dtype=float), rcond=None)[0]
+    return Harmonic(float(mean), math.hypot(sine, cosine), math.atan2(cosine, sine))
+
+
+def phase_lead_degrees(output: Harmonic, driver: Harmonic) -> float:
+    """Return by how much `output` leads `driver` [deg], from -180 (excluded) to 180."""
+    lead = math.degrees(output.phase - driver.phase) % 360.0
+    return lead - 360.0 if lead > 180.0 else lead
+
+
+def settling_time(time: ArrayLike, speed: ArrayLike, fault_time: float, threshold: float = 0.05) -> float:
+    """Return the time [s] from a fault until |v| stays below `threshold` [m/s] to the end; NaN if it never does."""
+    times = np.asarray(time, dtype=float)
+    after = times >= fault_time
+    times = times[after]
+    moving = np.flatnonzero(np.abs(np.asarray(speed, dtype=float)[after]) >= threshold)
+    if not times.size or (moving.size and moving[-1] == times.size - 1):
+        return math.nan
+    return float(times[moving[-1] + 1] - fault_time) if moving.size else 0.0
+
+
+def percentiles(values: ArrayLike, percents: Sequence[float] = (50.0, 99.0, 100.0)) -> list[float]:
+    """Return percentiles (100 is the maximum), NaN without samples: the timing figures p50, p99, max."""
+    array = np.asarray(values, dtype=float)
+    return [float(np.percentile(array, percent)) if array.size else math.nan for percent in percents]
+
+
+class Moments:
+    """Streaming mean, standard deviation and extremes; samples come one by one or in arrays, and nothing is stored.
+
+    Batches are merged by the pairwise update of Chan, Golub and LeVeque, which does not lose digits over long runs.
+    """
+
+    def __init__(self) -> None:
+        self.count = 0
+        self.mean = math.nan
+        self.minimum = math.inf
+        self.maximum = -math.inf
+        self._squares = 0.0
+
+    def add(self, values: ArrayLike) -> None:
+        """Take one sample or an array of them."""
+        batch = np.asarray(values, dtype=float).ravel()
+        if not batch.size:
+            return
+        mean = float(batch.mean())
+        squares = float(np.square(batch - mean).sum())
+        if self.count:
+            total = self.count + batch.size
+            difference = mean - self.mean
+            squares += self._squares + difference * difference * self.count * batch.size / total
+            mean = self.mean + difference * batch.size / total
+        self.count += batch.size
+        self.mean = mean
+        self._squares = squares
+        self.minimum = min(self.minimum, float(batch.min()))
+        self.maximum = max(self.maximum, float(batch.max()))
+
+    @property
+    def sigma(self) -> float:
+        """Standard deviation about the mean; NaN for fewer than two samples."""
+        return math.sqrt(self._squares / self.count) if self.count > 1 else math.nan
+
+
+class RollingMoments:
+    """Mean and standard deviation of the last `window` samples, in constant time per sample: for live KPIs.
+
+    Sums are taken about a reference that is renewed with every full turn of the window, so that rounding does not
+    accumulate.
+    """
+
+    def __init__(self, window: int) -> None:
+        if window < 2:
+            raise ValueError(f"a rolling window needs at least 2 samples, got {window}")
+        self._values = np.zeros(window)
+        self._next = 0
+        self._reference = 0.0
+        self._sum = 0.0
+        self._squares = 0.0
+        self.count = 0
+
+    def add(self, value: float) -> None:
+        """Take one sample; the oldest leaves when the window is full."""
+        if not math.isfinite(value):
+            raise ValueError(f"a KPI sample must be finite, got {value}")
+        if self.count == 0:
+            self._reference = value
+        if self.count == self._values.size:
+            leaving = float(self._values[self._next]) - self._reference
+            self._sum -= leaving
+            self._squares -= leaving * leaving
+        else:
+            self.count += 1
+        self._values[self._next] = value
+        entering = value - self._reference
+        self._sum += entering
+        self._squares += entering * entering
+        self._next += 1
+        if self._next == self._values.size:
+            self._next = 0
+            self._renew()
+
+    def _renew(self) -> None:
+        self._reference = float(self._values.mean())
+        deviations = self._values - self._reference
+        self._sum = float(deviations.sum())
+        self._squares = float(np.square(deviations).sum())
+
+    @property
+    def mean(self) -> float:
+        """Mean of the window; NaN while empty."""
+        return self._reference + self._sum / self.count if self.count else math.nan
+
+    @property
+    def sigma(self) -> float:
+        """Standard deviation about the mean of the window; NaN for fewer than two samples."""
+        if self.count < 2:
+            return math.nan
+        mean = self._sum / self.count
+        return math.sqrt(max(self._squares / self.count - mean * mean, 0.0))

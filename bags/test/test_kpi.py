@@ -1,0 +1,150 @@
+"""The KPI formulas against closed forms."""
+
+import math
+
+import numpy as np
+import pytest
+from heave_bags import kpi, kpi_set
+from hypothesis import given
+from hypothesis import strategies as st
+
+TIME = np.arange(0.0, 200.0, 0.05)
+OMEGA = 2.0 * math.pi / 10.0
+
+
+def sine(amplitude: float, phase: float = 0.0, mean: float = 0.0) -> np.ndarray:
+    return mean + amplitude * np.sin(OMEGA * TIME + phase)
+
+
+def run(**signals: np.ndarray) -> kpi_set.RunSignals:
+    return kpi_set.RunSignals(**{name: kpi_set.Signal(TIME, value) for name, value in signals.items()})
+
+
+def test_sigma_of_a_sine_over_whole_periods_is_amplitude_over_root_two():
+    assert kpi.sigma(sine(2.0, mean=-300.0)) == pytest.approx(2.0 / math.sqrt(2.0), rel=1e-12)
+
+
+def test_efficiencies_of_sines_are_one_minus_the_amplitude_ratio():
+    values = kpi_set.evaluate(
+        run(unit_heave=sine(0.1), uncompensated_heave=sine(1.0), boom_tip_heave=sine(1.0), payout=sine(0.95))
+    )
+    assert values["unit_efficiency"] == pytest.approx(0.9)
+    assert values["outlet_efficiency"] == pytest.approx(0.95)
+    assert values["significant_residual_m"] == pytest.approx(4.0 * 0.1 / math.sqrt(2.0))
+
+
+def test_a_compensator_that_doubles_the_motion_has_efficiency_minus_one():
+    assert kpi.efficiency(2.0, 1.0) == -1.0
+
+
+def test_what_nobody_recorded_is_nan_and_null_never_a_number():
+    values = kpi_set.evaluate(kpi_set.RunSignals())
+    assert all(math.isnan(value) for value in values.values())
+    assert set(kpi_set.to_json(values).values()) == {None}
+
+
+def test_the_json_keys_that_others_rely_on_exist():
+    keys = (
+        "unit_sigma_m uncompensated_sigma_m unit_efficiency outlet_efficiency significant_residual_m max_abs_heave_m "
+        "kappa tension_min_n tension_max_n slack_percent snaps winch_speed_max_mps winch_acceleration_max_mps2 "
+        "time_at_limit_percent power_peak_w energy_wh_per_h real_time_factor loop_age_p99_s missed_deadlines "
+        "unit_heave_amplitude_m unit_heave_phase_deg top_tension_mean_n top_tension_amplitude_n"
+    )
+    assert set(keys.split()) <= set(kpi_set.DEFINITION_OF)
+
+
+def test_the_window_leaves_the_transient_out():
+    heave = np.where(TIME < 100.0, 50.0, sine(0.1))
+    values = kpi_set.evaluate(run(unit_heave=heave), start=100.0, end=199.95)
+    assert values["unit_sigma_m"] == pytest.approx(0.1 / math.sqrt(2.0), rel=1e-9)
+
+
+@given(
+    mean=st.floats(-1e3, 1e3),
+    amplitude=st.floats(0.01, 10.0),
+    phase=st.floats(-3.0, 3.0),
+    cycles=st.floats(1.1, 30.0),
+)
+def test_the_first_harmonic_of_a_pure_sine_is_found_exactly_over_any_length(mean, amplitude, phase, cycles):
+    time = np.linspace(7.0, 7.0 + cycles * 10.0, 500)
+    fit = kpi.fit_harmonic(time, mean + amplitude * np.sin(OMEGA * time + phase), OMEGA)
+    assert fit.mean == pytest.approx(mean, abs=1e-7)
+    assert fit.amplitude == pytest.approx(amplitude, abs=1e-7)
+    assert math.remainder(fit.phase - phase, 2 * math.pi) == pytest.approx(0.0, abs=1e-5)
+
+
+def test_a_fit_over_less_than_a_period_is_refused():
+    with pytest.raises(ValueError, match="at least one period, 10 s"):
+        kpi.fit_harmonic(TIME[:100], TIME[:100], OMEGA)
+
+
+def test_driven_kpis_give_amplitude_lead_and_tension():
+    signals = run(
+        unit_heave=sine(1.05, phase=-0.2, mean=-300.0), boom_tip_heave=sine(1.0), tension=sine(760.0, mean=3e4)
+    )
+    signals.driving_omega = OMEGA
+    values = kpi_set.evaluate(signals)
+    assert values["unit_heave_amplitude_m"] == pytest.approx(1.05)
+    assert values["unit_heave_phase_deg"] == pytest.approx(math.degrees(-0.2))
+    assert values["top_tension_mean_n"] == pytest.approx(3e4)
+    assert values["top_tension_amplitude_n"] == pytest.approx(760.0)
+
+
+def test_power_of_opposed_sines_is_half_the_product_and_all_regeneration_when_in_phase():
+    power = kpi.winch_power(np.full(TIME.size, 5e4), sine(0.5))
+    assert power.peak == pytest.approx(2.5e4, rel=1e-4)
+    assert power.mean_abs == pytest.approx(2.5e4 * 2.0 / math.pi, rel=1e-4)
+    assert power.motoring == pytest.approx(power.regenerated, rel=1e-3)
+
+
+def test_a_snap_needs_low_then_high_tension_within_two_seconds():
+    time = np.arange(8) * 1.0
+    static = 100.0
+    taut_in_time = [100, 5, 140, 150, 100, 100, 100, 100]
+    too_late = [100, 5, 100, 100, 140, 100, 100, 100]
+    twice = [100, 5, 140, 5, 140, 100, 100, 100]
+    wrong_order = [140, 5, 100, 100, 100, 100, 100, 100]
+    found = [kpi.snap_times(time, tension, static).tolist() for tension in (taut_in_time, too_late, twice, wrong_order)]
+    assert found == [[2.0], [], [2.0, 4.0], []]
+
+
+def test_time_at_limit_counts_speed_or_acceleration_but_not_twice():
+    signals = run(payout_rate=np.where(TIME < 50, 2.0, 0.1), payout_acceleration=np.where(TIME < 100, 1.5, 0.0))
+    signals.speed_limit, signals.acceleration_limit = 2.0, 1.5
+    values = kpi_set.evaluate(signals)
+    assert values["time_at_speed_limit_percent"] == pytest.approx(25.0)
+    assert values["time_at_limit_percent"] == pytest.approx(50.0)
+
+
+def test_settling_time_is_that_of_the_last_motion():
+    time = np.arange(10.0)
+    speed = np.array([1, 1, 1, 0.5, 0.01, 0.2, 0.01, 0, 0, 0])
+    assert kpi.settling_time(time, speed, fault_time=2.0) == 4.0
+    assert math.isnan(kpi.settling_time(time, np.ones(10), fault_time=2.0))
+
+
+@given(st.lists(st.lists(st.floats(-1e6, 1e6), max_size=20), max_size=10))
+def test_streaming_moments_equal_those_of_the_whole_record(batches):
+    moments = kpi.Moments()
+    for batch in batches:
+        moments.add(batch)
+    whole = np.concatenate([np.asarray(batch, dtype=float) for batch in batches]) if batches else np.empty(0)
+    assert moments.count == whole.size
+    if whole.size > 1:
+        scale = 1.0 + np.abs(whole).max()
+        assert moments.sigma == pytest.approx(whole.std(), abs=1e-7 * scale)
+        assert (moments.minimum, moments.maximum) == (whole.min(), whole.max())
+
+
+@given(st.lists(st.floats(-1e3, 1e3), min_size=2, max_size=60), st.integers(2, 20))
+def test_rolling_moments_equal_those_of_the_last_samples(values, window):
+    rolling = kpi.RollingMoments(window)
+    for value in values:
+        rolling.add(value)
+    assert rolling.sigma == pytest.approx(np.std(values[-window:]), abs=1e-4)
+    assert rolling.mean == pytest.approx(np.mean(values[-window:]), abs=1e-7)
+
+
+def test_a_rolling_window_refuses_nan():
+    with pytest.raises(ValueError, match="finite"):
+        kpi.RollingMoments(5).add(math.nan)
