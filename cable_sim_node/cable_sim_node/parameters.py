@@ -1,0 +1,281 @@
+"""Parameters of the plant: cable, unit, water, seabed, passive compensator and solver.
+
+`CableSimParameters` is the root; its groups have dotted names (`cable.diameter`, `unit.mass`). Defaults are the 300 m
+system of the thesis, section 5.7.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from dataclasses import dataclass
+
+from heave_node.constants import SEAWATER_DENSITY, STANDARD_GRAVITY
+from heave_node.parameters import group, parameter
+
+
+@dataclass(frozen=True)
+class CableParameters:
+    """The main cable. The tension law is T = EA e (1 + quadratic e + cubic e^2) at strain e > 0, none when slack."""
+
+    diameter: float = parameter(
+        0.047, unit="m", minimum=1e-4, maximum=2.0, description="Outer diameter, on which drag acts."
+    )
+    displaced_diameter: float = parameter(
+        0.0,
+        unit="m",
+        minimum=0.0,
+        maximum=2.0,
+        description="Diameter of the water displaced (buoyancy and added mass); 0 means the outer diameter.",
+    )
+    mass_per_length: float = parameter(5.4, unit="kg/m", minimum=1e-4, description="Mass in air, without added mass.")
+    axial_stiffness: float = parameter(
+        1.5614508e7, unit="N", minimum=1e-3, description="EA: tension per unit strain at small strain."
+    )
+    stiffness_quadratic: float = parameter(0.0, unit="", description="Quadratic coefficient of the tension law.")
+    stiffness_cubic: float = parameter(0.0, unit="", description="Cubic coefficient of the tension law.")
+    internal_damping: float = parameter(0.0, unit="N s", minimum=0.0, description="Tension per unit strain rate.")
+    bending_stiffness: float = parameter(
+        0.0, unit="N m^2", minimum=0.0, description="EI; 0 means a perfectly flexible cable."
+    )
+    normal_drag: float = parameter(1.2, unit="", minimum=0.0, description="C_N: force (1/2) rho C_N d U^2 per metre.")
+    tangential_drag: float = parameter(
+        0.01,
+        unit="",
+        minimum=0.0,
+        description="C_tau: force (pi/2) rho C_tau d U^2 per metre (other codes' C_d is pi C_tau).",
+    )
+    added_mass: float = parameter(1.0, unit="", minimum=0.0, description="Added-mass coefficient normal to the cable.")
+
+    @property
+    def displaced_area(self) -> float:
+        """Cross-section of the displaced water [m^2]."""
+        diameter = self.displaced_diameter if self.displaced_diameter > 0.0 else self.diameter
+        return 0.25 * math.pi * diameter**2
+
+    def weight_in_fluid(self, density: float, gravity: float = STANDARD_GRAVITY) -> float:
+        """Return weight minus buoyancy per unstretched metre [N/m] in a fluid of `density` [kg/m^3]."""
+        return (self.mass_per_length - density * self.displaced_area) * gravity
+
+
+@dataclass(frozen=True)
+class SectionsParameters:
+    """Sections of other cable between unit and main cable, from the unit upwards; one entry a section in each list.
+
+    Tension law, damping, bending stiffness and hydrodynamic coefficients are those of the main cable.
+    """
+
+    length: tuple[float, ...] = parameter(
+        (), unit="m", minimum=1e-3, description="Unstretched length of each section, from the unit."
+    )
+    diameter: tuple[float, ...] = parameter((), unit="m", minimum=1e-4, description="Outer diameter of each section.")
+    displaced_diameter: tuple[float, ...] = parameter(
+        (),
+        unit="m",
+        minimum=0.0,
+        description="Displaced diameter of each section; an empty list or 0 means the outer diameter.",
+    )
+    mass_per_length: tuple[float, ...] = parameter(
+        (), unit="kg/m", minimum=1e-4, description="Mass in air of each section."
+    )
+    axial_stiffness: tuple[float, ...] = parameter((), unit="N", minimum=1e-3, description="EA of each section.")
+
+    def __post_init__(self) -> None:
+        for name in ("diameter", "mass_per_length", "axial_stiffness"):
+            count = len(getattr(self, name))
+            if count != len(self.length):
+                raise ValueError(
+                    f"sections.{name} has {count} values, sections.length {len(self.length)}: give one each"
+                )
+        if self.displaced_diameter and len(self.displaced_diameter) != len(self.length):
+            raise ValueError("sections.displaced_diameter must be empty or have one value for each section")
+
+
+@dataclass(frozen=True)
+class ClumpsParameters:
+    """Bodies clamped on the cable (weights, floats); one entry a body in each list. Drag is (1/2) rho drag_area U^2."""
+
+    position: tuple[float, ...] = parameter(
+        (), unit="m", minimum=1e-3, description="Unstretched length from the unit to each body."
+    )
+    mass: tuple[float, ...] = parameter((), unit="kg", minimum=0.0, description="Mass in air of each body.")
+    volume: tuple[float, ...] = parameter((), unit="m^3", minimum=0.0, description="Displaced volume of each body.")
+    added_mass: tuple[float, ...] = parameter((), unit="kg", minimum=0.0, description="Added mass of each body.")
+    drag_area: tuple[float, ...] = parameter(
+        (), unit="m^2", minimum=0.0, description="Drag coefficient times area of each body."
+    )
+
+    def __post_init__(self) -> None:
+        for name in ("mass", "volume", "added_mass", "drag_area"):
+            count = len(getattr(self, name))
+            if count != len(self.position):
+                raise ValueError(
+                    f"clumps.{name} has {count} values, clumps.position {len(self.position)}: give one each"
+                )
+
+
+@dataclass(frozen=True)
+class UnitParameters:
+    """The subsea unit, a point mass with its own added mass and drag along each axis of frame `world`."""
+
+    mass: float = parameter(3000.0, unit="kg", minimum=1e-6, description="Mass in air.")
+    volume: float = parameter(0.354, unit="m^3", minimum=0.0, description="Displaced volume.")
+    added_mass: tuple[float, ...] = parameter(
+        (3000.0, 3000.0, 3000.0), unit="kg", minimum=0.0, length=3, description="Added mass along x, y, z."
+    )
+    drag_coefficient: tuple[float, ...] = parameter(
+        (1.5, 1.5, 1.5), unit="", minimum=0.0, length=3, description="C_D along x, y, z."
+    )
+    drag_area: tuple[float, ...] = parameter(
+        (0.5, 0.5, 0.5), unit="m^2", minimum=0.0, length=3, description="Projected area along x, y, z."
+    )
+    thrust: tuple[float, ...] = parameter(
+        (0.0, 0.0, 0.0), unit="N", length=3, description="Constant thruster force on the unit, x, y, z."
+    )
+
+    def weight_in_fluid(self, density: float, gravity: float = STANDARD_GRAVITY) -> float:
+        """Return weight minus buoyancy [N] in a fluid of `density` [kg/m^3]."""
+        return (self.mass - density * self.volume) * gravity
+
+
+@dataclass(frozen=True)
+class SeabedParameters:
+    """A plane seabed, elastic with friction. Contact forces of the cable are per unstretched metre."""
+
+    depth: float = parameter(0.0, unit="m", minimum=0.0, description="Water depth below the origin; 0 means no seabed.")
+    slope: tuple[float, ...] = parameter(
+        (0.0, 0.0), unit="", length=2, description="Rise of the bottom per metre along x and y."
+    )
+    stiffness: float = parameter(
+        1e4, unit="N/m^2", minimum=1.0, description="Normal force per metre of cable and metre of penetration."
+    )
+    damping: float = parameter(1e3, unit="N s/m^2", minimum=0.0, description="Normal damping per metre of cable.")
+    friction: float = parameter(0.5, unit="", minimum=0.0, maximum=5.0, description="Coulomb coefficient.")
+    unit_stiffness: float = parameter(1e6, unit="N/m", minimum=1.0, description="Normal stiffness under the unit.")
+    unit_damping: float = parameter(1e5, unit="N s/m", minimum=0.0, description="Normal damping under the unit.")
+    slip_velocity: float = parameter(
+        0.01,
+        unit="m/s",
+        minimum=1e-6,
+        description="Sliding velocity at which friction reaches 76 % of its Coulomb value.",
+    )
+
+
+@dataclass(frozen=True)
+class CurrentProfileParameters:
+    """A sheared current that replaces the uniform `current`; straight between the points, constant beyond them."""
+
+    depth: tuple[float, ...] = parameter(
+        (), unit="m", description="Depths of the profile, increasing; empty means uniform."
+    )
+    velocity_x: tuple[float, ...] = parameter((), unit="m/s", description="Velocity along x at each depth.")
+    velocity_y: tuple[float, ...] = parameter((), unit="m/s", description="Velocity along y at each depth.")
+    time: tuple[float, ...] = parameter((), unit="s", description="Times of `factor`, increasing; empty means steady.")
+    factor: tuple[float, ...] = parameter((), unit="", description="What the current is multiplied by at each time.")
+
+    def __post_init__(self) -> None:
+        if not len(self.depth) == len(self.velocity_x) == len(self.velocity_y):
+            raise ValueError("current_profile.depth, .velocity_x and .velocity_y must have the same number of values")
+        if len(self.time) != len(self.factor):
+            raise ValueError("current_profile.time and .factor must have the same number of values")
+        for name in ("depth", "time"):
+            values = getattr(self, name)
+            if any(later <= earlier for earlier, later in itertools.pairwise(values)):
+                raise ValueError(f"current_profile.{name} must increase from value to value")
+
+
+@dataclass(frozen=True)
+class WaveKinematicsParameters:
+    """Water motion of one regular deep-water wave along the submerged cable. The splash zone is not modelled."""
+
+    amplitude: float = parameter(0.0, unit="m", minimum=0.0, description="Wave amplitude; 0 means still water.")
+    period: float = parameter(10.0, unit="s", minimum=0.5, description="Wave period.")
+    direction: float = parameter(0.0, unit="rad", description="Direction the wave travels to, from x towards y.")
+
+
+@dataclass(frozen=True)
+class CompensatorParameters:
+    """A passive compensator that carries the sheave: spring and damper with end stops, working along the vertical."""
+
+    stiffness: float = parameter(0.0, unit="N/m", minimum=0.0, description="Spring stiffness; 0 means no compensator.")
+    damping: float = parameter(0.0, unit="N s/m", minimum=0.0, description="Damping of the compensator.")
+    moving_mass: float = parameter(500.0, unit="kg", minimum=1.0, description="Mass that moves with the sheave.")
+    stroke: float = parameter(
+        4.0, unit="m", minimum=1e-3, description="Whole stroke; the stops stand at plus and minus half of it."
+    )
+    stop_stiffness: float = parameter(1e7, unit="N/m", minimum=1.0, description="Stiffness of the end stops.")
+    preload: float = parameter(
+        0.0,
+        unit="N",
+        minimum=0.0,
+        description="Force at mid-stroke; 0 means the static top tension at the start of the run.",
+    )
+
+
+@dataclass(frozen=True)
+class SolverParameters:
+    """Settings of the time integration (generalised-alpha)."""
+
+    time_step: float = parameter(
+        0.05,
+        unit="s",
+        minimum=1e-6,
+        maximum=1.0,
+        description="Largest inner step; an interval is divided into equal steps of at most this.",
+    )
+    spectral_radius: float = parameter(
+        0.8,
+        unit="",
+        minimum=0.0,
+        maximum=1.0,
+        description="Amplitude left of the fastest oscillation after a step: 1 keeps all energy, 0 removes it at once.",
+    )
+    tolerance: float = parameter(
+        1e-4,
+        unit="",
+        minimum=1e-12,
+        maximum=1e-2,
+        description="Last Newton correction that is accepted, in segment lengths.",
+    )
+    iterations: int = parameter(
+        12, unit="", minimum=2, maximum=100, description="Newton iterations before a step is halved."
+    )
+
+
+@dataclass(frozen=True)
+class CableSimParameters:
+    """Everything the plant needs. At payout 0 the unstretched length between unit and boom tip is `length`."""
+
+    length: float = parameter(
+        300.0, unit="m", minimum=0.01, maximum=20000.0, description="Unstretched cable length at payout 0."
+    )
+    segments: int = parameter(
+        50, unit="", minimum=1, maximum=5000, description="Segments that `length` is divided into."
+    )
+    current: tuple[float, ...] = parameter(
+        (0.0, 0.0),
+        unit="m/s",
+        length=2,
+        minimum=-10.0,
+        maximum=10.0,
+        description="Current along x and y, uniform unless a profile is given.",
+    )
+    water_density: float = parameter(
+        SEAWATER_DENSITY,
+        unit="kg/m^3",
+        minimum=0.0,
+        maximum=2000.0,
+        description="Density of the fluid all around; 0 is a vacuum.",
+    )
+    gravity: float = parameter(
+        STANDARD_GRAVITY, unit="m/s^2", minimum=0.0, maximum=100.0, description="Acceleration of gravity."
+    )
+    cable: CableParameters = group(CableParameters)
+    unit: UnitParameters = group(UnitParameters)
+    sections: SectionsParameters = group(SectionsParameters)
+    clumps: ClumpsParameters = group(ClumpsParameters)
+    seabed: SeabedParameters = group(SeabedParameters)
+    current_profile: CurrentProfileParameters = group(CurrentProfileParameters)
+    wave: WaveKinematicsParameters = group(WaveKinematicsParameters)
+    compensator: CompensatorParameters = group(CompensatorParameters)
+    solver: SolverParameters = group(SolverParameters)
