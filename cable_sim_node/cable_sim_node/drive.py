@@ -1,0 +1,164 @@
+"""Motion of the winch drum between events: the drive's law inside its limits, as one compiled loop."""
+
+from __future__ import annotations
+
+import math
+
+from numba import njit
+
+FOLLOW_SPEED = 0
+"""Speed servo: v' = (v_set - v)/T with v_set = rate_setpoint + k_p (payout_setpoint - u)."""
+FOLLOW_POSITION = 1
+"""First-order law of thesis Eq. 6.1: u' = K (u_0 - u)."""
+STOP = 2
+"""Constant deceleration to rest."""
+HOLD = 3
+"""At rest, brake engaged."""
+
+LIMIT_SPEED = 1
+LIMIT_ACCELERATION = 2
+LIMIT_PAYOUT = 4
+LIMIT_POWER = 8
+
+LONGEST_SUBSTEP = 0.001
+"""Inner step [s]. Both laws are solved exactly within it where no limit acts and k_p = 0."""
+
+
+@njit(cache=True)
+def _clip(value: float, largest: float) -> float:
+    return min(max(value, -largest), largest)
+
+
+@njit(cache=True)
+def _stop_substep(u: float, v: float, deceleration: float, h: float) -> tuple[float, float]:
+    """Return payout and rate after `h` seconds of constant deceleration that ends at rest."""
+    time_to_rest = abs(v) / deceleration
+    if time_to_rest <= h:
+        return u + 0.5 * v * time_to_rest, 0.0
+    next_v = v - math.copysign(deceleration * h, v)
+    return u + 0.5 * (v + next_v) * h, next_v
+
+
+@njit(cache=True)
+def _servo_substep(
+    u: float, v: float, v_set: float, time_constant: float, acceleration_limit: float, h: float
+) -> tuple[float, float, bool]:
+    """Return payout and rate of the speed servo after `h` seconds, and whether the acceleration limit acted."""
+    decay = math.exp(-h / time_constant)
+    change = (v_set - v) * (1.0 - decay)
+    if abs(v_set - v) <= acceleration_limit * time_constant:
+        return u + v_set * h - time_constant * change, v + change, False
+    change = _clip(change, acceleration_limit * h)
+    return u + (v + 0.5 * change) * h, v + change, True
+
+
+@njit(cache=True)
+def _position_substep(
+    u: float, v: float, target: float, rate: float, speed_limit: float, acceleration_limit: float, h: float
+) -> tuple[float, float, int]:
+    """Return payout and rate of the first-order law after `h` seconds, and the limits that acted."""
+    decay = math.exp(-rate * h)
+    demand = rate * (target - u) * decay
+    next_v = _clip(demand, speed_limit)
+    limits = LIMIT_SPEED if next_v != demand else 0
+    change = _clip(next_v - v, acceleration_limit * h)
+    if change != next_v - v:
+        limits |= LIMIT_ACCELERATION
+    if limits == 0 and abs(rate * (target - u)) <= speed_limit:
+        return target + (u - target) * decay, next_v, 0
+    return u + (v + 0.5 * change) * h, v + change, limits
+
+
+@njit(cache=True)
+def _stay_in_range(
+    u: float, v: float, next_u: float, next_v: float, u_min: float, u_max: float, deceleration: float, h: float
+) -> tuple[float, float, bool]:
+    """Return the step (next_u, next_v), or the fastest one from which the drum still stops inside the range.
+
+    The invariant is u + v abs(v) / (2 d) in [u_min, u_max]: a stop with deceleration d ends inside. A step at
+    constant acceleration to rate w keeps it when u + (v + w) h / 2 + w^2 / (2 d) <= u_max, a quadratic in w; it has
+    a solution because w = v - d h always keeps it.
+    """
+    reach = next_u + next_v * abs(next_v) / (2.0 * deceleration)
+    if u_min <= reach <= u_max and u_min <= next_u <= u_max:
+        return next_u, next_v, False
+    sign = 1.0 if reach > u_max or next_u > u_max else -1.0
+    room = (u_max - u) if sign > 0.0 else (u - u_min)
+    speed = sign * v
+    root = 0.25 * h * h - 2.0 * (0.5 * speed * h - room) / deceleration
+    if root < 0.25 * h * h:
+        stopped_u, stopped_v = _stop_substep(u, v, deceleration, h)
+        return stopped_u, stopped_v, True
+    fastest = deceleration * (math.sqrt(root) - 0.5 * h)
+    bounded_v = sign * min(max(fastest, speed - deceleration * h), max(sign * next_v, speed - deceleration * h))
+    return u + 0.5 * (v + bounded_v) * h, bounded_v, True
+
+
+@njit(cache=True)
+def advance_drum(
+    u: float,
+    v: float,
+    duration: float,
+    mode: int,
+    payout_set: float,
+    rate_set: float,
+    speed_limit: float,
+    power_speed: float,
+    acceleration_limit: float,
+    stop_deceleration: float,
+    time_constant: float,
+    position_gain: float,
+    position_rate: float,
+    u_min: float,
+    u_max: float,
+) -> tuple[float, float, float, int]:
+    """Advance the drum by `duration` with constant set-points.
+
+    Parameters
+    ----------
+    u, v : payout [m] and its rate [m/s]
+    duration : [s], above 0
+    mode : FOLLOW_SPEED, FOLLOW_POSITION, STOP or HOLD
+    payout_set, rate_set : set-points [m], [m/s]
+    speed_limit, acceleration_limit, stop_deceleration : [m/s], [m/s^2], [m/s^2]
+    power_speed : largest speed that the power limit allows at the present tension [m/s]
+    time_constant, position_gain, position_rate : T [s], k_p [1/s], K [1/s]
+    u_min, u_max : payout range [m]
+
+    Returns
+    -------
+    u, v, acceleration at the end, and the sum of the LIMIT_ flags that acted
+    """
+    if mode == HOLD:
+        return u, 0.0, 0.0, 0
+    substeps = max(1, math.ceil(duration / LONGEST_SUBSTEP - 1e-6))
+    h = duration / substeps
+    largest_speed = min(speed_limit, power_speed)
+    limits = 0
+    acceleration = 0.0
+    for _ in range(substeps):
+        if mode == STOP:
+            next_u, next_v = _stop_substep(u, v, stop_deceleration, h)
+        elif mode == FOLLOW_SPEED:
+            demand = rate_set + position_gain * (payout_set - u - 0.5 * v * h)
+            v_set = _clip(demand, largest_speed)
+            if v_set != demand:
+                limits |= LIMIT_POWER if power_speed < speed_limit else LIMIT_SPEED
+            next_u, next_v, is_limited = _servo_substep(u, v, v_set, time_constant, acceleration_limit, h)
+            if is_limited:
+                limits |= LIMIT_ACCELERATION
+        else:
+            next_u, next_v, acted = _position_substep(
+                u, v, payout_set, position_rate, largest_speed, acceleration_limit, h
+            )
+            if acted & LIMIT_SPEED and power_speed < speed_limit:
+                acted = acted - LIMIT_SPEED + LIMIT_POWER
+            limits |= acted
+        if mode != STOP:
+            next_u, next_v, is_limited = _stay_in_range(u, v, next_u, next_v, u_min, u_max, stop_deceleration, h)
+            if is_limited:
+                limits |= LIMIT_PAYOUT
+        acceleration = (next_v - v) / h
+        u = min(max(next_u, u_min), u_max)
+        v = next_v
+    return u, v, acceleration, limits

@@ -1,0 +1,367 @@
+"""The virtual winch obeys its law, its limits, its brake and its watchdog."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+
+import numpy as np
+import pytest
+from cable_sim_node.fault_parameters import FaultParameters
+from cable_sim_node.winch import VirtualWinch, WinchCommand, WinchFault, WinchLimit, WinchState
+from cable_sim_node.winch_parameters import EncoderParameters, WinchParameters
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+TICK = 0.05
+IDEAL = WinchParameters(
+    command_delay=0.0,
+    speed_limit=100.0,
+    acceleration_limit=1e6,
+    stop_deceleration=1e6,
+    encoder=EncoderParameters(resolution=0.0),
+)
+
+
+def run(
+    winch: VirtualWinch,
+    ticks: int,
+    *,
+    rate: float = 0.0,
+    payout: float = 0.0,
+    brake: bool = False,
+    tension: float = math.nan,
+) -> list[WinchState]:
+    """Step with a fresh command of these set-points in every tick."""
+    states = []
+    for _ in range(ticks):
+        tick = winch.tick
+        states.append(winch.step(tick, WinchCommand(1_000_000 + tick, payout, rate, brake), tension))
+    return states
+
+
+def starve(winch: VirtualWinch, ticks: int) -> list[WinchState]:
+    """Step without commands."""
+    return [winch.step(winch.tick, None) for _ in range(ticks)]
+
+
+def test_speed_servo_answers_a_step_like_a_first_order_lag() -> None:
+    winch = VirtualWinch(IDEAL, tick_period=TICK)
+    states = run(winch, 20, rate=0.5)
+    t = np.array([state.time for state in states])
+    lag = IDEAL.time_constant
+    # Exact solution of v' = (0.5 - v)/T from rest.
+    np.testing.assert_allclose([s.payout_rate for s in states], 0.5 * (1 - np.exp(-t / lag)), rtol=1e-12)
+    np.testing.assert_allclose([s.payout for s in states], 0.5 * (t - lag * (1 - np.exp(-t / lag))), rtol=1e-11)
+
+
+def test_speed_servo_with_position_gain_follows_its_second_order_equation() -> None:
+    gain = 1.2
+    winch = VirtualWinch(dataclasses.replace(IDEAL, position_gain=gain), tick_period=TICK)
+    states = run(winch, 100, payout=0.3, rate=0.1)
+    # T u'' + u' + k_p u = k_p u_set + v_set from rest: u_end + A exp(p1 t) + B exp(p2 t).
+    p1, p2 = np.roots([IDEAL.time_constant, 1.0, gain])
+    end = 0.3 + 0.1 / gain
+    a = end * p2 / (p1 - p2)
+    b = -end * p1 / (p1 - p2)
+    t = np.array([state.time for state in states])
+    np.testing.assert_allclose([s.payout for s in states], end + a * np.exp(p1 * t) + b * np.exp(p2 * t), atol=2e-6)
+
+
+def test_first_order_law_is_thesis_equation_6_1() -> None:
+    winch = VirtualWinch(dataclasses.replace(IDEAL, law="first_order", position_rate=1.5), tick_period=TICK)
+    states = run(winch, 60, payout=0.2)
+    t = np.array([state.time for state in states])
+    # Thesis 6.2.2: u = u_I (1 - exp(-K (t - t_0))).
+    np.testing.assert_allclose([s.payout for s in states], 0.2 * (1 - np.exp(-1.5 * t)), rtol=1e-12)
+    np.testing.assert_allclose([s.payout_rate for s in states], 0.3 * np.exp(-1.5 * t), rtol=1e-12)
+
+
+@pytest.mark.parametrize("delay", [0.0, 0.05, 0.2, 0.23, 0.0817, 1.0])
+def test_command_takes_effect_exactly_after_the_delay_also_inside_a_tick(delay: float) -> None:
+    winch = VirtualWinch(dataclasses.replace(IDEAL, command_delay=delay), tick_period=TICK)
+    states = run(winch, 40, rate=0.5)
+    lag = IDEAL.time_constant
+    since = np.maximum(np.array([state.time for state in states]) - delay, 0.0)
+    expected = 0.5 * (since - lag * (1 - np.exp(-since / lag)))
+    np.testing.assert_allclose([s.payout for s in states], expected, rtol=1e-9, atol=1e-13)
+
+
+def test_limited_step_is_a_ramp_at_the_acceleration_limit_to_the_speed_limit() -> None:
+    parameters = WinchParameters(command_delay=0.0)
+    winch = VirtualWinch(parameters, tick_period=TICK)
+    states = run(winch, 60, rate=9.0)
+    assert states[3].payout_rate == pytest.approx(1.5 * 0.2, rel=1e-12)  # v = a t
+    assert states[3].payout == pytest.approx(0.5 * 1.5 * 0.2**2, rel=1e-12)  # u = a t^2/2
+    assert states[3].limits == WinchLimit.SPEED | WinchLimit.ACCELERATION
+    assert states[-1].payout_rate == pytest.approx(2.0, rel=1e-3)
+    assert max(s.payout_rate for s in states) <= 2.0
+
+
+def test_winch_stops_at_the_end_of_its_range_and_says_so() -> None:
+    winch = VirtualWinch(WinchParameters(payout_minimum=-1.0, payout_maximum=3.0), tick_period=TICK)
+    states = run(winch, 200, rate=2.0)
+    assert states[-1].payout == pytest.approx(3.0, abs=1e-6)
+    assert max(s.payout for s in states) <= 3.0
+    assert states[-1].payout_rate == pytest.approx(0.0, abs=1e-6)
+    assert any(s.limits & WinchLimit.PAYOUT for s in states)
+    states = run(winch, 300, rate=-2.0)
+    assert states[-1].payout == pytest.approx(-1.0, abs=1e-6)
+    assert min(s.payout for s in states) >= -1.0
+
+
+def test_power_limit_bounds_the_speed_to_power_over_tension() -> None:
+    winch = VirtualWinch(WinchParameters(power_limit=50e3), tick_period=TICK)
+    states = run(winch, 100, rate=-2.0, tension=100e3)
+    assert states[-1].payout_rate == pytest.approx(-0.5, rel=1e-6)
+    assert states[-1].power == pytest.approx(50e3, rel=1e-6)
+    assert states[-1].limits == WinchLimit.POWER
+    risen = run(winch, 40, rate=-2.0, tension=200e3)
+    steps = np.diff([s.payout_rate for s in risen])
+    assert np.abs(steps).max() <= 1.5 * TICK + 1e-12
+    assert risen[-1].payout_rate == pytest.approx(-0.25, rel=1e-3)
+
+
+def test_brake_request_stops_with_the_stop_deceleration_and_then_holds() -> None:
+    winch = VirtualWinch(WinchParameters(command_delay=0.0, stop_deceleration=1.0), tick_period=TICK)
+    before = run(winch, 100, rate=1.0)[-1]
+    states = run(winch, 30, brake=True)
+    assert states[5].payout_rate == pytest.approx(before.payout_rate - 1.0 * 6 * TICK, rel=1e-9)
+    assert states[-1].brake
+    assert states[-1].payout_rate == 0.0
+    # Stopping distance v^2/(2 d).
+    assert states[-1].payout - before.payout == pytest.approx(before.payout_rate**2 / 2.0, rel=1e-9)
+    assert states[-1].fault is WinchFault.NONE
+    assert not run(winch, 1, rate=1.0)[-1].brake
+
+
+def test_brake_is_engaged_until_the_first_command() -> None:
+    winch = VirtualWinch(WinchParameters(), tick_period=TICK)
+    assert all(s.brake and s.payout == 0.0 and s.fault is WinchFault.NONE for s in starve(winch, 100))
+    assert winch.state.command_sequence == 0
+
+
+def test_watchdog_stops_brakes_and_latches_until_an_explicit_release() -> None:
+    winch = VirtualWinch(WinchParameters(command_timeout=0.5), tick_period=TICK)
+    moving = run(winch, 100, rate=1.0)[-1]
+    assert moving.fault is WinchFault.NONE
+    silent = starve(winch, 60)
+    first = next(i for i, s in enumerate(silent) if s.fault is not WinchFault.NONE)
+    # The last command, of the tick before `moving`, takes effect 0.2 s after its start; the watchdog
+    # trips 0.5 s later, and that is reported at the end of the tick that begins then.
+    assert silent[first].time == pytest.approx(moving.time - TICK + 0.2 + 0.5 + TICK)
+    assert silent[first].fault is WinchFault.COMMAND_TIMEOUT
+    assert np.abs(np.diff([s.payout_rate for s in silent])).max() <= 1.5 * TICK + 1e-12
+    assert silent[-1].brake
+    assert silent[-1].payout_rate == 0.0
+    still = run(winch, 20, rate=1.0)
+    assert all(s.brake and s.fault is WinchFault.COMMAND_TIMEOUT for s in still)
+    run(winch, 1, brake=True)
+    released = run(winch, 20, rate=1.0)[-1]
+    assert released.fault is WinchFault.NONE
+    assert released.payout_rate > 0.5
+
+
+def test_command_at_the_very_deadline_is_in_time() -> None:
+    winch = VirtualWinch(WinchParameters(command_timeout=0.5), tick_period=TICK)
+    for tick in range(100):
+        winch.step(tick, WinchCommand(tick + 1, 0.0, 0.5) if tick % 10 == 0 else None)
+    assert winch.state.fault is WinchFault.NONE
+
+
+def test_duplicates_and_stale_commands_do_not_feed_the_watchdog() -> None:
+    winch = VirtualWinch(WinchParameters(), tick_period=TICK)
+    run(winch, 20, rate=0.5)
+    newest = WinchCommand(2_000_000, 0.0, 0.5)
+    for tick in range(20, 60):
+        winch.step(tick, newest if tick % 2 else WinchCommand(7, 0.0, -2.0))
+    assert winch.state.fault is WinchFault.COMMAND_TIMEOUT
+    assert winch.refused_commands > 0
+    assert winch.state.command_sequence == 2_000_000
+
+
+@pytest.mark.parametrize("bad", [math.nan, math.inf, -math.inf])
+@pytest.mark.parametrize("field", ["payout", "payout_rate"])
+def test_command_that_is_not_a_finite_number_stops_the_winch_with_a_named_fault(bad: float, field: str) -> None:
+    winch = VirtualWinch(WinchParameters(), tick_period=TICK)
+    run(winch, 60, rate=1.0)
+    tick = winch.tick
+    winch.step(tick, dataclasses.replace(WinchCommand(1_000_000 + tick), **{field: bad}))
+    states = run(winch, 60, rate=1.0)
+    assert states[-1].fault is WinchFault.INVALID_COMMAND
+    assert states[-1].brake
+    assert all(math.isfinite(s.payout) and math.isfinite(s.payout_rate) for s in states)
+
+
+def test_restarted_controller_takes_over_only_by_a_brake_request() -> None:
+    winch = VirtualWinch(WinchParameters(), tick_period=TICK)
+    run(winch, 20, rate=0.5)
+    starve(winch, 60)
+    for sequence in range(1, 20):
+        winch.step(winch.tick, WinchCommand(sequence, 0.0, 0.5))
+    assert winch.state.fault is WinchFault.COMMAND_TIMEOUT
+    winch.step(winch.tick, WinchCommand(20, brake=True))
+    for sequence in range(21, 50):
+        winch.step(winch.tick, WinchCommand(sequence, 0.0, 0.5))
+    assert winch.state.fault is WinchFault.NONE
+    assert winch.state.payout_rate == pytest.approx(0.5, rel=0.01)
+
+
+@pytest.mark.parametrize(
+    ("kind", "fault"), [("drive", WinchFault.DRIVE), ("emergency_stop", WinchFault.EMERGENCY_STOP)]
+)
+def test_scheduled_trip_acts_at_its_time_and_needs_a_release_after_it_ended(kind: str, fault: WinchFault) -> None:
+    faults = FaultParameters(kind=(kind,), start=(5.0,), duration=(4.0,), magnitude=(0.0,))
+    winch = VirtualWinch(WinchParameters(faults=faults), tick_period=TICK)
+    before = run(winch, 100, rate=1.0)
+    assert before[-1].fault is WinchFault.NONE
+    during = run(winch, 20, rate=1.0)
+    assert during[0].fault is fault
+    assert during[0].payout_rate == pytest.approx(before[-1].payout_rate - 1.5 * TICK, rel=1e-9)
+    assert during[-1].brake
+    run(winch, 10, brake=True)
+    assert run(winch, 10, rate=1.0)[-1].fault is fault, "cannot be released while it lasts"
+    run(winch, 60, brake=True)
+    assert run(winch, 10, rate=1.0)[-1].fault is WinchFault.NONE
+
+
+def test_lost_commands_trip_the_watchdog_and_added_delay_shifts_the_answer() -> None:
+    lost = FaultParameters(kind=("gap",), start=(2.0,), duration=(3.0,), magnitude=(0.0,))
+    winch = VirtualWinch(WinchParameters(faults=lost), tick_period=TICK)
+    run(winch, 80, rate=1.0)
+    assert winch.state.fault is WinchFault.COMMAND_TIMEOUT
+
+    late = FaultParameters(kind=("delay",), start=(0.0,), duration=(0.0,), magnitude=(0.2,))
+    slow = VirtualWinch(WinchParameters(faults=late), tick_period=TICK)
+    prompt = VirtualWinch(WinchParameters(), tick_period=TICK)
+    shifted = [s.payout for s in run(slow, 40, rate=1.0)][4:]
+    np.testing.assert_allclose(shifted, [s.payout for s in run(prompt, 36, rate=1.0)], rtol=1e-12)
+
+
+def test_older_command_that_is_overtaken_when_the_delay_falls_is_not_taken() -> None:
+    late = FaultParameters(kind=("delay",), start=(0.0,), duration=(1.0,), magnitude=(0.5,))
+    winch = VirtualWinch(WinchParameters(faults=late), tick_period=TICK)
+    sequences = [s.command_sequence for s in run(winch, 60, rate=1.0)]
+    assert sequences == sorted(sequences)
+    assert winch.refused_commands > 0
+
+
+def test_encoder_rounds_to_a_millimetre() -> None:
+    winch = VirtualWinch(WinchParameters(), tick_period=TICK)
+    for state in run(winch, 100, rate=0.37):
+        assert abs(state.encoder_payout - state.payout) <= 0.0005 + 1e-12
+        assert state.encoder_payout / 0.001 == pytest.approx(round(state.encoder_payout / 0.001), abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("kind", "expected"), [("jump", [0.25, 0.25]), ("spike", [0.25, 0.0]), ("nan", [math.nan, math.nan])]
+)
+def test_encoder_faults_show_in_the_reading_and_not_in_the_truth(kind: str, expected: list[float]) -> None:
+    faults = FaultParameters(kind=(kind,), start=(2.0,), duration=(1.0,), magnitude=(0.25,))
+    winch = VirtualWinch(WinchParameters(encoder=EncoderParameters(0.001, faults)), tick_period=TICK)
+    healthy = VirtualWinch(WinchParameters(), tick_period=TICK)
+    states, truth = run(winch, 70, rate=0.3), run(healthy, 70, rate=0.3)
+    assert [s.payout for s in states] == [s.payout for s in truth]
+    errors = np.array([s.encoder_payout - t.encoder_payout for s, t in zip(states, truth, strict=True)])
+    np.testing.assert_allclose(errors[39:41], expected, atol=1e-9)  # states at t = 2.00 and 2.05 s
+    np.testing.assert_allclose(errors[:39], 0.0)
+    np.testing.assert_allclose(errors[59:], 0.0)
+
+
+def test_frozen_encoder_repeats_its_last_reading() -> None:
+    faults = FaultParameters(kind=("freeze",), start=(2.0,), duration=(1.0,), magnitude=(0.0,))
+    winch = VirtualWinch(WinchParameters(encoder=EncoderParameters(0.001, faults)), tick_period=TICK)
+    states = run(winch, 70, rate=0.3)
+    assert {s.encoder_payout for s in states[38:59]} == {states[38].encoder_payout}
+    assert abs(states[60].encoder_payout - states[60].payout) <= 0.0005 + 1e-12
+
+
+def test_ticks_left_out_run_with_the_last_command() -> None:
+    every, some = (VirtualWinch(WinchParameters(), tick_period=TICK) for _ in range(2))
+    run(every, 10, rate=0.5)
+    run(some, 10, rate=0.5)
+    starve(every, 3)
+    command = WinchCommand(2_000_000, 0.0, 0.1)
+    assert some.step(13, command).payout == pytest.approx(every.step(13, command).payout, rel=1e-12)
+    with pytest.raises(ValueError, match="tick 5 is over"):
+        some.step(5, None)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"payout_minimum": 3.0, "payout_maximum": 2.0}, "payout_minimum = 3 m must be below"),
+        ({"initial_payout": 60.0}, "initial_payout = 60 m must be from"),
+        ({"stop_deceleration": 2.0}, "stop_deceleration = 2 m/s"),
+        ({"faults": FaultParameters(("freeze",), (0.0,), (0.0,), (0.0,))}, "winch: a fault of kind freeze"),
+    ],
+)
+def test_parameters_that_contradict_each_other_are_refused(change: dict[str, object], message: str) -> None:
+    with pytest.raises(ValueError, match=message.replace("^", r"\^")):
+        dataclasses.replace(WinchParameters(), **change)
+
+
+SET_POINT = st.one_of(
+    st.floats(-60.0, 60.0), st.floats(allow_nan=True, allow_infinity=True), st.sampled_from([0.0, 2.0, -2.0])
+)
+COMMAND = st.one_of(
+    st.none(),
+    st.builds(WinchCommand, sequence=st.integers(1, 400), payout=SET_POINT, payout_rate=SET_POINT, brake=st.booleans()),
+    st.builds(
+        WinchCommand,
+        sequence=st.just(0),  # replaced by a fresh number
+        payout=st.floats(-6.0, 6.0),
+        payout_rate=st.floats(-5.0, 5.0),
+        brake=st.sampled_from([False, False, False, False, False, True]),
+    ),
+)
+
+
+@settings(max_examples=150, deadline=None)
+@given(
+    commands=st.lists(COMMAND, min_size=5, max_size=80),
+    tensions=st.lists(st.one_of(st.floats(allow_nan=True), st.floats(0.0, 2e5)), min_size=1, max_size=8),
+    law=st.sampled_from(["speed_servo", "first_order"]),
+    gain=st.sampled_from([0.0, 1.0, 20.0]),
+    delay=st.floats(0.0, 0.3),
+    lag=st.floats(0.01, 1.0),
+    power=st.sampled_from([0.0, 1e5]),
+    tick_period=st.sampled_from([0.01, 0.05, 0.2]),
+)
+def test_no_command_sequence_makes_the_winch_exceed_its_limits(
+    commands: list[WinchCommand | None],
+    tensions: list[float],
+    law: str,
+    gain: float,
+    delay: float,
+    lag: float,
+    power: float,
+    tick_period: float,
+) -> None:
+    parameters = WinchParameters(
+        law=law,
+        position_gain=gain,
+        command_delay=delay,
+        time_constant=lag,
+        power_limit=power,
+        payout_minimum=-2.0,
+        payout_maximum=1.0,
+        stop_deceleration=1.2,
+    )
+    winch = VirtualWinch(parameters, tick_period=tick_period)
+    previous = winch.state
+    for tick, given_command in enumerate(commands):
+        is_fresh = given_command is not None and given_command.sequence == 0
+        command = dataclasses.replace(given_command, sequence=1000 + tick) if is_fresh else given_command
+        state = winch.step(tick, command, tensions[tick % len(tensions)])
+        assert abs(state.payout_rate) <= 2.0 + 1e-12
+        assert abs(state.payout_acceleration) <= 1.5 + 1e-9
+        assert abs(state.payout_rate - previous.payout_rate) <= 1.5 * tick_period + 1e-12
+        assert -2.0 <= state.payout <= 1.0
+        largest = max(abs(state.payout_rate), abs(previous.payout_rate)) + 0.75 * tick_period
+        assert abs(state.payout - previous.payout) <= min(2.0, largest) * tick_period + 1e-9
+        assert not state.brake or state.payout_rate == 0.0
+        previous = state
+    for tick in range(len(commands), len(commands) + int(4.0 / tick_period)):
+        state = winch.step(tick, None)
+    assert state.brake, "without commands it always ends at rest with the brake on"

@@ -1,0 +1,10 @@
+"""Import the packages whose folder has their own name before the tests are collected.
+
+Pytest's importlib mode names a test after its folders (`cable_sim_node.test.test_x`) and would put a namespace package of
+the folder in the place of the package of that name.
+"""
+
+import importlib
+
+for package in ("cable_sim_node", "wave_vessel_node", "winch_controller_node"):
+    importlib.import_module(package)
