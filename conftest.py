@@ -1,7 +1,7 @@
 """Import the packages whose folder has their own name before the tests are collected.
 
-Pytest's importlib mode names a test after its folders (`cable_sim_node.test.test_x`) and would put a namespace package of
-the folder in the place of the package of that name.
+Pytest's importlib mode names a test after its folders (`cable_sim_node.test.test_x`) and would put a namespace
+package of the folder in the place of the package of that name.
 """
 
 import importlib
