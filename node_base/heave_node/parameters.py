@@ -1,6 +1,8 @@
-"""Node parameters as frozen dataclasses: every value has a type, a unit, a range and a description, and is checked once.
+"""Node parameters as frozen dataclasses: every value has a type, a unit, a range and a description, and is checked
+once.
 
-A parameter set is a frozen dataclass whose fields are made by `parameter`. A field whose type is itself a parameter set is a group;
+A parameter set is a frozen dataclass whose fields are made by `parameter`. A field whose type is itself a parameter
+set is a group;
 its members have dotted names (`unit.mass`). Pure Python: components and design tools use this without ROS.
 
 >>> @dataclass(frozen=True)
@@ -109,7 +111,8 @@ def parameter(
 ) -> Any:
     """Return a dataclass field that is one node parameter.
 
-    `unit` is SI, "" for a pure number or a text; `minimum` and `maximum` are inclusive and hold for each element of a list; `length` fixes
+    `unit` is SI, "" for a pure number or a text; `minimum` and `maximum` are inclusive and hold for each element of a
+    list; `length` fixes
     the number of elements of a list.
     """
     metadata = {
@@ -162,7 +165,8 @@ def flatten(parameters: object, prefix: str = "") -> dict[str, Value]:
 def build_parameters(parameters_type: type[T], values: Mapping[str, object], *, where: str) -> T:
     """Make the parameter set `parameters_type` from dotted names and values; what is not named keeps its default.
 
-    Raises ParameterError for a name that does not exist, a wrong type, a value out of range, or a set that contradicts itself (a ValueError of
+    Raises ParameterError for a name that does not exist, a wrong type, a value out of range, or a set that contradicts
+    itself (a ValueError of
     a dataclass's `__post_init__`). `where` opens the message: file and node.
     """
     infos = {info.name: info for info in describe(parameters_type)}

@@ -1,0 +1,41 @@
+"""Health of a node's parts, as DiagnosticArray."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from enum import Enum
+
+from builtin_interfaces.msg import Time
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+
+
+class Level(Enum):
+    """Severity, as in diagnostic_msgs/DiagnosticStatus."""
+
+    OK = DiagnosticStatus.OK
+    WARN = DiagnosticStatus.WARN
+    ERROR = DiagnosticStatus.ERROR
+    STALE = DiagnosticStatus.STALE
+
+
+@dataclass(frozen=True)
+class Health:
+    """Health of one part of a node: a sensor, the solver, the tick protocol."""
+
+    part: str
+    level: Level = Level.OK
+    message: str = "ok"
+    values: Mapping[str, str] = field(default_factory=dict)
+
+
+def diagnostic_array(node: str, stamp: Time, parts: Sequence[Health]) -> DiagnosticArray:
+    """Return the message that says how the parts of `node` are."""
+    message = DiagnosticArray()
+    message.header.stamp = stamp
+    for part in parts:
+        status = DiagnosticStatus(level=part.level.value, name=f"{node}: {part.part}", message=part.message)
+        status.hardware_id = node
+        status.values = [KeyValue(key=key, value=value) for key, value in part.values.items()]
+        message.status.append(status)
+    return message

@@ -1,0 +1,143 @@
+"""What a node has received of a tick, and what it still lacks: the receiving half of the tick protocol, without ROS.
+
+DDS keeps the order within a topic but not across topics. So every publisher counts what it sends, the counts travel in
+TickStart and TickDone,
+and a node steps when it has received as many messages on each input as its publishers say they have sent.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Sequence
+
+_STAMP = slice(4, 12)
+"""Where a message that begins with a Header (or is a Clock) carries its stamp, behind the 4 bytes of encapsulation."""
+_NO_STAMP = bytes(8)
+_REMEMBERED = 16
+
+
+class Inbox:
+    """Messages of one topic in order of arrival, serialised, each once.
+
+    A message that comes again byte for byte (a tick sent again) is dropped; one with stamp 0 was sent before the run
+    began and is not counted.
+    """
+
+    def __init__(self, topic: str) -> None:
+        self.topic = topic
+        self.received = 0
+        self.duplicates = 0
+        self._waiting: deque[bytes] = deque()
+        self._recent: deque[bytes] = deque(maxlen=_REMEMBERED)
+
+    def put(self, data: bytes) -> bool:
+        """Take a message; return False where it was dropped."""
+        if data[_STAMP] == _NO_STAMP:
+            return False
+        if data in self._recent:
+            self.duplicates += 1
+            return False
+        self._recent.append(data)
+        self._waiting.append(data)
+        self.received += 1
+        return True
+
+    def end_run(self) -> None:
+        """Forget the bytes of the past: the next run may begin with the very same messages."""
+        self._recent.clear()
+
+    def take(self, expected: int) -> list[bytes]:
+        """Return the messages not yet taken, up to number `expected` since the start; later ones stay."""
+        later = max(0, self.received - expected)
+        return [self._waiting.popleft() for _ in range(len(self._waiting) - later)]
+
+
+class TickGate:
+    """Tells whether a node has everything of the tick it is in.
+
+    Parameters
+    ----------
+    inputs : resolved names of the topics the node needs
+    after : names of the nodes whose part of a tick this node waits for
+    lockstep : True: each tick sees exactly its own messages; False (real time): whatever has come
+    """
+
+    def __init__(self, inputs: Sequence[str], after: Sequence[str], *, lockstep: bool = True) -> None:
+        self.lockstep = lockstep
+        self.inboxes = {topic: Inbox(topic) for topic in inputs}
+        self.after = tuple(after)
+        self.tick = (0, 0)
+        self._publishers: dict[str, list[tuple[str, int, int]]] = {}
+        self._started: Sequence[int] = ()
+        self._done: dict[str, tuple[tuple[int, int], Sequence[int]]] = {}
+
+    def add_input(self, topic: str) -> Inbox:
+        """Watch another topic; return its inbox."""
+        return self.inboxes.setdefault(topic, Inbox(topic))
+
+    def set_roster(self, nodes: Sequence[str], topics: Sequence[str]) -> None:
+        """Learn the order of the counters: entry i counts what `nodes[i]` published on `topics[i]`."""
+        position_in_node: dict[str, int] = {}
+        self._publishers = {topic: [] for topic in self.inboxes}
+        for entry, (node, topic) in enumerate(zip(nodes, topics, strict=True)):
+            position = position_in_node.get(node, 0)
+            position_in_node[node] = position + 1
+            if topic in self._publishers:
+                self._publishers[topic].append((node, entry, position))
+
+    def begin(self, epoch: int, tick: int, published: Sequence[int]) -> None:
+        """Enter tick `tick` of run `epoch`, at whose start `published` messages were out (per entry of the roster)."""
+        self.tick = (epoch, tick)
+        self._started = published
+
+    def peer_done(self, node: str, epoch: int, tick: int, published: Sequence[int]) -> None:
+        """Note that `node` has done its part of a tick, with `published` messages out (per output of that node)."""
+        self._done[node] = ((epoch, tick), published)
+
+    def expected(self, topic: str) -> int:
+        """Number of messages on `topic` since the start that this node must have in this tick."""
+        total = 0
+        for node, entry, position in self._publishers.get(topic, ()):
+            count = self._started[entry] if self._started else 0
+            if node in self.after and node in self._done:
+                count = max(count, self._done[node][1][position])
+            total += count
+        return total
+
+    def is_complete(self) -> bool:
+        """Tell whether everything of this tick is here."""
+        if any(self._tick_of(node) < self.tick for node in self.after):
+            return False
+        return all(inbox.received >= self.expected(topic) for topic, inbox in self.inboxes.items())
+
+    def missing(self) -> str:
+        """Say in words what is missing; "" where nothing is."""
+        waiting = [f"{node} to end tick {self.tick[1]}" for node in self.after if self._tick_of(node) < self.tick]
+        for topic, inbox in self.inboxes.items():
+            expected = self.expected(topic)
+            if inbox.received < expected:
+                names = " and ".join(sorted({node for node, _, _ in self._publishers[topic]}))
+                waiting.append(f"{topic} from {names} ({inbox.received} of {expected} messages)")
+        return ", ".join(waiting)
+
+    def take(self, topic: str) -> list[bytes]:
+        """Return the new messages on `topic`; in lockstep what a faster node sent for the next tick stays."""
+        return self.inboxes[topic].take(self._due(topic))
+
+    def clear(self) -> None:
+        """Forget the messages of a run that was reset."""
+        for topic, inbox in self.inboxes.items():
+            inbox.take(self._due(topic))
+
+    def end_run(self) -> None:
+        """Note that every message of the run has come."""
+        for inbox in self.inboxes.values():
+            inbox.end_run()
+
+    def _due(self, topic: str) -> int:
+        if self.lockstep and self._publishers.get(topic):
+            return self.expected(topic)
+        return self.inboxes[topic].received
+
+    def _tick_of(self, node: str) -> tuple[int, int]:
+        return self._done[node][0] if node in self._done else (0, -1)

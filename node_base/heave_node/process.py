@@ -1,0 +1,63 @@
+"""Run one node as a process: the same start, spin loop, signals and exit status for every node of the suite."""
+
+from __future__ import annotations
+
+import signal
+import sys
+from types import FrameType
+
+import rclpy
+from rclpy.lifecycle import TransitionCallbackReturn
+from rclpy.signals import SignalHandlerOptions
+
+from heave_node.environment import prepare_environment
+from heave_node.node import HeaveNode, one_line
+from heave_node.parameters import ParameterError
+from heave_node.spin import spin
+
+EXIT_OK = 0
+EXIT_FAILED = 1
+EXIT_REFUSED = 2
+
+
+def run_node(node_type: type[HeaveNode], args: list[str] | None = None) -> int:
+    """Run a node until the run ends or SIGINT or SIGTERM comes; return the exit status: 0 done, 1 failed, 2 parameters
+    refused.
+
+    Whatever goes wrong is one line on standard error: `<node>: <what>`.
+    """
+    prepare_environment()
+    # Signals end the node, not the context: its last words must still reach the others.
+    rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
+    try:
+        node = node_type()
+    except ParameterError as error:
+        return _last_word(str(error), EXIT_REFUSED)
+    _end_on_signals(node)
+    try:
+        if node.run.autostart and node.trigger_configure() == TransitionCallbackReturn.SUCCESS:
+            node.trigger_activate()
+        spin(node, node.finished, node.on_idle)
+    except Exception as error:  # nothing may pass in silence
+        node.fail(one_line(error), error)
+    try:
+        node.on_leave()
+    except Exception as error:  # closing a bag on a full disk must still be told
+        node.fail(one_line(error), error)
+    status = _last_word(f"{node.name}: {node.failure}", EXIT_FAILED) if node.failure else EXIT_OK
+    node.destroy_node()
+    rclpy.try_shutdown()
+    return status
+
+
+def _end_on_signals(node: HeaveNode) -> None:
+    def on_signal(number: int, _: FrameType | None) -> None:
+        node.fail(f"ended by {signal.Signals(number).name}")
+
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, on_signal)
+
+
+def _last_word(text: str, status: int) -> int:
+    sys.stderr.write(text + "\n")
+    return status

@@ -1,0 +1,126 @@
+"""Who takes part in a run: what the clock master knows of each participant, without ROS."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+
+
+@dataclass
+class Participant:
+    """What one node said in its TickJoin, and how far it is.
+
+    Attributes
+    ----------
+    name : node name
+    ready : it waits for the first tick
+    lag : ticks it may be behind
+    outputs, inputs : resolved topic names, with the number of peers that each one sees
+    answered : last tick it has answered
+    waiting_for : what it says it lacks
+    """
+
+    name: str
+    ready: bool = False
+    lag: int = 0
+    outputs: dict[str, int] = field(default_factory=dict)
+    inputs: dict[str, int] = field(default_factory=dict)
+    answered: int = 0
+    published: Sequence[int] = ()
+    waiting_for: str = ""
+
+
+class Roster:
+    """The participants of a run, their outputs and their counters.
+
+    Parameters
+    ----------
+    expected : names of the nodes without which no tick begins (the master included)
+    """
+
+    def __init__(self, expected: Iterable[str]) -> None:
+        self.expected = tuple(expected)
+        self.participants: dict[str, Participant] = {}
+        self._entries: list[tuple[str, str]] = []
+
+    def join(self, participant: Participant) -> None:
+        """Take what a node says of itself; its progress is kept."""
+        known = self.participants.get(participant.name)
+        if known is not None:
+            participant.answered, participant.published = known.answered, known.published
+        self.participants[participant.name] = participant
+
+    def missing(self, external_topics: Mapping[str, int]) -> list[str]:
+        """Say in words what keeps the run from starting; empty where all are there and every publisher sees its
+        subscribers.
+
+        `external_topics` holds the topics that must come from outside the protocol, each with its number of publishers.
+        """
+        lacking = [f"{name} (not seen)" for name in self.expected if name not in self.participants]
+        lacking += [f"{p.name} (not ready)" for p in self._present() if not p.ready]
+        lacking += [f"a publisher of {topic} (external)" for topic, count in external_topics.items() if count == 0]
+        readers = self._readers()
+        for participant in self._present():
+            for topic, matched in participant.outputs.items():
+                wanted = readers.get(topic, 0)
+                if matched < wanted:
+                    lacking.append(f"{participant.name} sees {matched} of {wanted} subscribers of {topic}")
+            for topic, matched in participant.inputs.items():
+                wanted = sum(topic in other.outputs for other in self._present())
+                if matched < wanted:
+                    lacking.append(f"{participant.name} sees {matched} of {wanted} publishers of {topic}")
+        return lacking
+
+    def _present(self) -> list[Participant]:
+        return [self.participants[name] for name in self.expected if name in self.participants]
+
+    def _readers(self) -> dict[str, int]:
+        readers: dict[str, int] = {}
+        for participant in self._present():
+            for topic in participant.inputs:
+                readers[topic] = readers.get(topic, 0) + 1
+        return readers
+
+    def freeze(self) -> None:
+        """Fix the order of the counters: from here on the run is under way."""
+        self._entries = [(p.name, topic) for p in self._present() for topic in p.outputs]
+        for participant in self._present():
+            participant.published = [0] * len(participant.outputs)
+
+    @property
+    def nodes(self) -> list[str]:
+        """Publisher of each counter."""
+        return [node for node, _ in self._entries]
+
+    @property
+    def topics(self) -> list[str]:
+        """Topic of each counter."""
+        return [topic for _, topic in self._entries]
+
+    @property
+    def counters(self) -> list[int]:
+        """Messages published so far, per entry."""
+        return [count for participant in self._present() for count in participant.published]
+
+    def answer(self, name: str, tick: int, published: Sequence[int]) -> None:
+        """Note that a node has done its part of `tick`. Repeated and old answers change nothing."""
+        participant = self.participants[name]
+        if tick > participant.answered:
+            participant.answered = tick
+            participant.published = published
+
+    def behind(self, tick: int, *, flush: bool = False) -> list[Participant]:
+        """Return the participants that `tick` still waits for; in a flush nobody may lag."""
+        return [p for p in self._present() if p.answered < tick - (0 if flush else p.lag)]
+
+    def restart(self) -> None:
+        """Begin tick numbers anew; message counters go on."""
+        for participant in self._present():
+            participant.answered = 0
+
+    def published_by_topic(self) -> dict[str, int]:
+        """Return how many messages the nodes say they published on each topic."""
+        totals: dict[str, int] = {}
+        for (_, topic), count in zip(self._entries, self.counters, strict=True):
+            totals[topic] = totals.get(topic, 0) + count
+        return totals

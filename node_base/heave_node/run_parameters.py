@@ -1,0 +1,78 @@
+"""Parameters that every node of a run shares; in a scenario file they stand under `/**`."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from heave_node.parameters import parameter
+
+LOCKSTEP = "lockstep"
+REALTIME = "realtime"
+
+
+@dataclass(frozen=True)
+class RunParameters:
+    """What a run is, and how long its nodes wait for one another."""
+
+    tick_period: float = parameter(0.05, unit="s", minimum=1e-3, maximum=1.0, description="Period of the control loop.")
+    duration: float = parameter(600.0, unit="s", minimum=0.0, maximum=1e6, description="Simulated length of the run.")
+    transient: float = parameter(
+        60.0, unit="s", minimum=0.0, maximum=1e6, description="Start of the run that no figure of merit counts."
+    )
+    seed: int = parameter(1, unit="", minimum=0, maximum=2**31 - 1, description="Fixes every random number of the run.")
+    pacing: str = parameter(
+        LOCKSTEP,
+        unit="",
+        choices=(LOCKSTEP, REALTIME),
+        description="lockstep: as fast as the machine can, repeatable; realtime: against the wall clock.",
+    )
+    participants: tuple[str, ...] = parameter(
+        ("wave_vessel", "virtual_winch", "winch_controller", "recorder"),
+        unit="",
+        description="Nodes that take part in each tick, besides the clock master.",
+    )
+    external: tuple[str, ...] = parameter(
+        (), unit="", description="Nodes replaced by hardware or other programs: used as they come, real time only."
+    )
+    autostart: bool = parameter(True, unit="", description="Configure and activate without a lifecycle manager.")
+    start_timeout: float = parameter(
+        90.0, unit="s", minimum=1.0, maximum=3600.0, description="Wall time to wait for all nodes before tick 1."
+    )
+    participant_timeout: float = parameter(
+        10.0, unit="s", minimum=0.1, maximum=3600.0, description="Wall time to wait for a silent node before the end."
+    )
+    resend_period: float = parameter(
+        0.25,
+        unit="s",
+        minimum=0.01,
+        maximum=60.0,
+        description="Wall time after which an unanswered tick is sent again.",
+    )
+    in_tick_wait: float = parameter(
+        0.4,
+        unit="",
+        minimum=0.0,
+        maximum=0.9,
+        description="Real time: share of the tick that a node waits for its inputs before it uses the newest it has.",
+    )
+
+    def __post_init__(self) -> None:
+        if self.external and self.pacing != REALTIME:
+            raise ValueError(
+                f"external = {list(self.external)} needs pacing: realtime, since hardware waits for no simulation"
+            )
+
+    @property
+    def tick_nanoseconds(self) -> int:
+        """Tick period [ns]; time is counted in whole ticks of it."""
+        return round(self.tick_period * 1e9)
+
+    @property
+    def tick_count(self) -> int:
+        """Number of ticks of the run."""
+        return round(self.duration / self.tick_period)
+
+    @property
+    def is_lockstep(self) -> bool:
+        """True where nodes wait for everything they need."""
+        return self.pacing == LOCKSTEP
