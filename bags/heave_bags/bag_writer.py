@@ -1,0 +1,204 @@
+"""Writes a rosbag2 folder of MCAP files: topics with definitions and QoS, splits, attachments, `metadata.yaml`."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import IO
+
+from heave_bags.bag_files import (
+    METADATA_KEY,
+    METADATA_RECORD,
+    BagSummary,
+    FileSummary,
+    TopicSummary,
+    file_name,
+    write_metadata,
+)
+from heave_bags.definitions import DefinitionError, schema_text, type_hash
+from heave_bags.errors import BagError
+from heave_bags.mcap_writer import ChunkPolicy, McapWriter
+from heave_bags.qos import OfferedQos, to_yaml
+
+RUN_RECORD = "heave_run"
+"""Name of the MCAP metadata record that says what a bag is: scenario, seed, versions."""
+
+OUTCOME_RECORD = "heave_outcome"
+"""Name of the MCAP metadata record that says how a run went: real-time factor, missed deadlines, how it ended."""
+
+
+@dataclass(frozen=True)
+class Attachment:
+    """A file carried inside a bag, such as the scenario."""
+
+    name: str
+    media_type: str
+    data: bytes
+
+
+@dataclass(frozen=True)
+class BagPolicy:
+    """How a bag is written.
+
+    Attributes
+    ----------
+    chunks : size, span and compression of chunks
+    max_file_bytes : a new file is begun after so many bytes; 0: never
+    max_file_span : a new file is begun after so much log time [ns]; 0: never
+    """
+
+    chunks: ChunkPolicy = field(default_factory=ChunkPolicy)
+    max_file_bytes: int = 0
+    max_file_span: int = 0
+
+
+@dataclass
+class _Topic:
+    summary: TopicSummary
+    schema: str
+    channel: int = 0
+    """Id in the present file; 0: not yet registered there."""
+
+
+def open_file(path: Path) -> IO[bytes]:
+    """Open a new file for writing without a buffer of its own: what is written is in the hands of the system."""
+    return path.open("xb", buffering=0)
+
+
+class BagWriter:
+    """Writes one bag. Not thread-safe.
+
+    Raises BagError if the folder exists already, or a topic is used that was not added.
+    """
+
+    def __init__(
+        self,
+        folder: Path,
+        *,
+        policy: BagPolicy | None = None,
+        run: Mapping[str, str] | None = None,
+        attachments: Sequence[Attachment] = (),
+        ros_distro: str = "",
+        opener: Callable[[Path], IO[bytes]] = open_file,
+    ) -> None:
+        self.folder = folder
+        self._policy = policy or BagPolicy()
+        self._run = dict(run or {})
+        self._attachments = tuple(attachments)
+        self._opener = opener
+        self._topics: dict[str, _Topic] = {}
+        self._schema_ids: dict[str, int] = {}
+        self._closed_files: list[FileSummary] = []
+        self._ros_distro = ros_distro
+        self.closed = False
+        try:
+            folder.mkdir(parents=True)
+        except FileExistsError:
+            raise BagError(f"{folder} exists already: a bag needs a new folder") from None
+        self._open()
+
+    def _open(self) -> None:
+        self._file_name = file_name(self.folder, len(self._closed_files))
+        self._file = self._opener(self.folder / self._file_name)
+        self._writer = McapWriter(self._file, chunks=self._policy.chunks)
+        self._is_open = True
+        self._schema_ids = {}
+        for topic in self._topics.values():
+            topic.channel = 0
+        if self._run:
+            self._writer.add_metadata(RUN_RECORD, self._run)
+        for attachment in self._attachments:
+            self._writer.add_attachment(attachment.name, attachment.media_type, attachment.data, log_time=0)
+
+    def add_topic(self, name: str, message_type: str, qos: Sequence[OfferedQos] = ()) -> str:
+        """Make a topic known. Returns "" or one line that says why its bag cannot be decoded elsewhere."""
+        if name in self._topics:
+            return ""
+        try:
+            schema, problem = schema_text(message_type), ""
+        except DefinitionError as error:
+            schema, problem = "", f"{name} is recorded without its definition: {error}"
+        summary = TopicSummary(name, message_type, tuple(qos), type_hash(message_type))
+        self._topics[name] = _Topic(summary, schema)
+        return problem
+
+    def add_foreign_topic(self, summary: TopicSummary, schema: str) -> None:
+        """Make a topic known by the definition that another bag holds."""
+        self._topics.setdefault(summary.name, _Topic(summary, schema))
+
+    def write(self, topic: str, log_time: int, data: bytes, *, publish_time: int | None = None) -> None:
+        """Write one serialised message; times in nanoseconds."""
+        try:
+            known = self._topics[topic]
+        except KeyError:
+            raise BagError(f"topic {topic} was not added to the bag {self.folder}") from None
+        if self._must_split(log_time):
+            self.split()
+        if not known.channel:
+            self._register(known)
+        known.summary.message_count += 1
+        published = log_time if publish_time is None else publish_time
+        sequence = known.summary.message_count & 0xFFFFFFFF
+        self._writer.write(known.channel, log_time, data, publish_time=published, sequence=sequence)
+
+    def _must_split(self, log_time: int) -> bool:
+        writer, policy = self._writer, self._policy
+        if not writer.message_count:
+            return False
+        too_big = 0 < policy.max_file_bytes <= writer.size + writer.pending_bytes
+        return too_big or 0 < policy.max_file_span <= log_time - writer.start_time
+
+    def _register(self, topic: _Topic) -> None:
+        name = topic.summary.type
+        if name not in self._schema_ids:
+            encoding = "ros2msg" if topic.schema else ""
+            self._schema_ids[name] = self._writer.add_schema(name, encoding, topic.schema.encode())
+        metadata = {
+            "offered_qos_profiles": to_yaml(topic.summary.qos),
+            "topic_type_hash": topic.summary.type_hash,
+        }
+        topic.channel = self._writer.add_channel(topic.summary.name, self._schema_ids[name], metadata)
+
+    def flush(self) -> None:
+        """Close the open chunk: all that was written survives a crash of this process."""
+        self._writer.close_chunk()
+
+    def split(self) -> None:
+        """Complete the present file and begin the next."""
+        self._complete_file()
+        write_metadata(self.folder, self.summary())
+        self._open()
+
+    def _complete_file(self) -> None:
+        writer = self._writer
+        writer.close_chunk()
+        self._closed_files.append(self._file_summary())
+        self._is_open = False
+        serialized = self.summary().to_yaml()
+        writer.add_metadata(METADATA_RECORD, {METADATA_KEY: serialized})
+        writer.finish()
+        self._file.close()
+
+    def _file_summary(self) -> FileSummary:
+        writer = self._writer
+        return FileSummary(self._file_name, writer.start_time, writer.end_time, writer.message_count)
+
+    def summary(self) -> BagSummary:
+        """Return what `metadata.yaml` would say now."""
+        files = [*self._closed_files, self._file_summary()] if self._is_open else list(self._closed_files)
+        topics = [self._topics[name].summary for name in sorted(self._topics)]
+        return BagSummary(files, topics, self._run, self._ros_distro)
+
+    def close(self, outcome: Mapping[str, str] | None = None) -> None:
+        """Complete the bag; `outcome` goes into a metadata record of the last file. Closing twice does nothing."""
+        if self.closed:
+            return
+        for name in sorted(self._topics):
+            if not self._topics[name].channel:
+                self._register(self._topics[name])
+        if outcome:
+            self._writer.add_metadata(OUTCOME_RECORD, outcome)
+        self._complete_file()
+        self.closed = True
+        write_metadata(self.folder, self.summary())

@@ -1,0 +1,93 @@
+"""Message definitions of installed interface packages, as a bag needs them: `ros2msg` schema texts and type hashes.
+
+Read from the ament index (`share/PACKAGE/msg`), without importing any message.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import sys
+from collections.abc import Iterator
+from functools import cache
+from pathlib import Path
+
+SEPARATOR = "=" * 80
+
+PRIMITIVES = frozenset(
+    ("bool", "byte", "char", "float32", "float64", "string", "wstring")
+    + ("int8", "uint8", "int16", "uint16", "int32", "uint32", "int64", "uint64")
+)
+
+_FIELD = re.compile(r"^(?P<type>[A-Za-z][\w/]*)(?:<=\d+)?(?:\[(?:<=)?\d*\])?\s+[A-Za-z]\w*\s*(?P<rest>.*)$")
+
+
+class DefinitionError(LookupError):
+    """No installed package defines a message type."""
+
+
+def prefixes() -> list[Path]:
+    """Return the installation prefixes that may hold interface packages, in order of precedence."""
+    named = [Path(part) for part in os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep) if part]
+    return [*named, Path(sys.prefix)]
+
+
+def field_types(text: str) -> Iterator[str]:
+    """Yield the type of each field of a .msg text, without bounds and brackets; constants are left out."""
+    for line in text.splitlines():
+        match = _FIELD.match(line.split("#", 1)[0].strip())
+        if match and not match["rest"].startswith("="):
+            yield match["type"]
+
+
+def _split(message_type: str) -> tuple[str, str]:
+    parts = message_type.split("/")
+    if len(parts) not in (2, 3) or not all(parts):
+        raise DefinitionError(f"{message_type!r} is not the name of a message type (package/msg/Type)")
+    return parts[0], parts[-1]
+
+
+def _find(message_type: str, suffix: str) -> Path:
+    package, name = _split(message_type)
+    for prefix in prefixes():
+        path = prefix / "share" / package / "msg" / f"{name}{suffix}"
+        if path.is_file():
+            return path
+    raise DefinitionError(f"no installed package defines {message_type}: {package} must be in AMENT_PREFIX_PATH")
+
+
+@cache
+def schema_text(message_type: str) -> str:
+    """Return the definition of `package/msg/Type` followed by those of all types it contains, each once.
+
+    Raises DefinitionError if the type or one it contains is not installed.
+    """
+    texts: dict[str, str] = {}
+
+    def visit(full: str) -> None:
+        package, name = _split(full)
+        key = f"{package}/{name}"
+        if key in texts:
+            return
+        text = _find(key, ".msg").read_text(encoding="utf-8")
+        texts[key] = text
+        for field_type in field_types(text):
+            if field_type not in PRIMITIVES:
+                visit(field_type if "/" in field_type else f"{package}/{field_type}")
+
+    visit(message_type)
+    (_, first), *others = texts.items()
+    return first + "".join(f"\n{SEPARATOR}\nMSG: {key}\n{text}" for key, text in others)
+
+
+@cache
+def type_hash(message_type: str) -> str:
+    """Return the type's RIHS01 hash; empty if its package does not ship one."""
+    package, name = _split(message_type)
+    try:
+        description = json.loads(_find(message_type, ".json").read_text(encoding="utf-8"))
+    except DefinitionError:
+        return ""
+    hashes = {entry["type_name"]: entry["hash_string"] for entry in description["type_hashes"]}
+    return str(hashes.get(f"{package}/msg/{name}", ""))

@@ -1,0 +1,295 @@
+"""A fast MCAP writer for one file: chunked, compressed, indexed, readable up to its last chunk after a crash.
+
+Chunks close by size or by span of log time. The same calls give the same bytes. Message records, which come by the
+thousands a second, are packed here; all other records are written by the `mcap` library's own record classes.
+"""
+
+from __future__ import annotations
+
+import struct
+import zlib
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Protocol
+
+import lz4.frame
+import zstandard
+from mcap.data_stream import RecordBuilder
+from mcap.opcode import Opcode
+from mcap.records import (
+    Attachment,
+    AttachmentIndex,
+    Channel,
+    Chunk,
+    ChunkIndex,
+    DataEnd,
+    Footer,
+    Header,
+    McapRecord,
+    Metadata,
+    MetadataIndex,
+    Schema,
+    Statistics,
+    SummaryOffset,
+)
+
+MAGIC = b"\x89MCAP0\r\n"
+COMPRESSIONS = ("zstd", "lz4", "")
+
+_MESSAGE_HEAD = struct.Struct("<BQHIQQ")
+_INDEX_HEAD = struct.Struct("<BQHI")
+_LENGTH_BEFORE_DATA = 22
+"""Bytes of a message record between its length field and its data: channel, sequence, two times."""
+
+
+class Sink(Protocol):
+    """What the writer writes to: a file opened for binary writing, or something that behaves like one."""
+
+    def write(self, data: bytes, /) -> object:
+        """Take `data`."""
+        ...
+
+
+@dataclass(frozen=True)
+class ChunkPolicy:
+    """When a chunk closes, and how it is compressed.
+
+    Attributes
+    ----------
+    size : uncompressed bytes from which a chunk closes
+    span : log time that a chunk may cover [ns]
+    compression : "zstd", "lz4" or "" (none)
+    level : of zstd
+    """
+
+    size: int = 192 * 1024
+    span: int = 2_000_000_000
+    compression: str = "zstd"
+    level: int = 1
+
+    def __post_init__(self) -> None:
+        if self.compression not in COMPRESSIONS:
+            raise ValueError(f"compression {self.compression!r} is not known: it must be zstd, lz4 or empty for none")
+
+
+@dataclass
+class _OpenChunk:
+    """Records waiting to be written as one chunk."""
+
+    parts: list[bytes] = field(default_factory=list)
+    size: int = 0
+    start: int = 0
+    end: int = 0
+    index: dict[int, list[int]] = field(default_factory=dict)
+    """Per channel: log time and offset of each message, alternating."""
+
+    def append(self, data: bytes) -> None:
+        self.parts.append(data)
+        self.size += len(data)
+
+
+def _encode(record: McapRecord) -> bytes:
+    builder = RecordBuilder()
+    record.write(builder)
+    return builder.end()
+
+
+class McapWriter:
+    """Writes one MCAP file to a sink; `finish` completes it. Not thread-safe."""
+
+    def __init__(
+        self, sink: Sink, *, profile: str = "ros2", library: str = "heave_bags", chunks: ChunkPolicy | None = None
+    ) -> None:
+        self._sink = sink
+        self._chunks = chunks or ChunkPolicy()
+        self._zstd = zstandard.ZstdCompressor(level=self._chunks.level)
+        self._chunk = _OpenChunk()
+        self._schemas: list[Schema] = []
+        self._channels: list[Channel] = []
+        self._counts: dict[int, int] = {}
+        self._chunk_indexes: list[ChunkIndex] = []
+        self._attachment_indexes: list[AttachmentIndex] = []
+        self._metadata_indexes: list[MetadataIndex] = []
+        self.start_time = 0
+        self.end_time = 0
+        self.message_count = 0
+        self.size = 0
+        self._put(MAGIC + _encode(Header(profile=profile, library=library)))
+
+    @property
+    def pending_bytes(self) -> int:
+        """Uncompressed bytes in the open chunk, which a crash would lose."""
+        return self._chunk.size
+
+    def _put(self, data: bytes) -> None:
+        self._sink.write(data)
+        self.size += len(data)
+
+    def add_schema(self, name: str, encoding: str, data: bytes) -> int:
+        """Register a schema and return its id."""
+        schema = Schema(id=len(self._schemas) + 1, name=name, encoding=encoding, data=data)
+        self._schemas.append(schema)
+        self._chunk.append(_encode(schema))
+        return schema.id
+
+    def add_channel(self, topic: str, schema_id: int, metadata: Mapping[str, str], *, encoding: str = "cdr") -> int:
+        """Register a channel and return its id."""
+        channel = Channel(
+            id=len(self._channels) + 1,
+            topic=topic,
+            message_encoding=encoding,
+            schema_id=schema_id,
+            metadata=dict(metadata),
+        )
+        self._channels.append(channel)
+        self._counts[channel.id] = 0
+        self._chunk.append(_encode(channel))
+        return channel.id
+
+    def write(self, channel: int, log_time: int, data: bytes, *, publish_time: int, sequence: int = 0) -> None:
+        """Add a message; times in nanoseconds."""
+        chunk = self._chunk
+        if not chunk.index:
+            chunk.start = chunk.end = log_time
+        elif log_time - chunk.start >= self._chunks.span:
+            self.close_chunk()
+            chunk = self._chunk
+            chunk.start = chunk.end = log_time
+        chunk.start = min(chunk.start, log_time)
+        chunk.end = max(chunk.end, log_time)
+        chunk.index.setdefault(channel, []).extend((log_time, chunk.size))
+        head = _MESSAGE_HEAD.pack(
+            Opcode.MESSAGE, _LENGTH_BEFORE_DATA + len(data), channel, sequence, log_time, publish_time
+        )
+        chunk.parts.append(head)
+        chunk.parts.append(data)
+        chunk.size += len(head) + len(data)
+        self._count(channel, log_time)
+        if chunk.size >= self._chunks.size:
+            self.close_chunk()
+
+    def _count(self, channel: int, log_time: int) -> None:
+        self._counts[channel] += 1
+        self.start_time = min(self.start_time, log_time) if self.message_count else log_time
+        self.end_time = max(self.end_time, log_time)
+        self.message_count += 1
+
+    def take_pending(self, since: int) -> list[bytes]:
+        """Return the records of the open chunk from the `since`-th piece on, for a journal."""
+        return self._chunk.parts[since:]
+
+    def close_chunk(self) -> None:
+        """Write the open chunk with its message indexes; nothing happens if it is empty."""
+        chunk, self._chunk = self._chunk, _OpenChunk()
+        if not chunk.size:
+            return
+        records = b"".join(chunk.parts)
+        record = Chunk(
+            message_start_time=chunk.start,
+            message_end_time=chunk.end,
+            uncompressed_size=len(records),
+            uncompressed_crc=zlib.crc32(records),
+            compression=self._chunks.compression,
+            data=self._compress(records),
+        )
+        encoded = _encode(record)
+        offset = self.size
+        position = offset + len(encoded)
+        index_offsets: dict[int, int] = {}
+        pieces = [encoded]
+        for channel, entries in sorted(chunk.index.items()):
+            index_offsets[channel] = position
+            size = 8 * len(entries)
+            piece = _INDEX_HEAD.pack(Opcode.MESSAGE_INDEX, 6 + size, channel, size)
+            piece += struct.pack(f"<{len(entries)}Q", *entries)
+            pieces.append(piece)
+            position += len(piece)
+        self._put(b"".join(pieces))
+        self._chunk_indexes.append(
+            ChunkIndex(
+                message_start_time=chunk.start,
+                message_end_time=chunk.end,
+                chunk_start_offset=offset,
+                chunk_length=len(encoded),
+                message_index_offsets=index_offsets,
+                message_index_length=position - offset - len(encoded),
+                compression=self._chunks.compression,
+                compressed_size=len(record.data),
+                uncompressed_size=len(records),
+            )
+        )
+
+    def _compress(self, records: bytes) -> bytes:
+        if self._chunks.compression == "zstd":
+            return self._zstd.compress(records)
+        if self._chunks.compression == "lz4":
+            compressed: bytes = lz4.frame.compress(records)
+            return compressed
+        return records
+
+    def add_attachment(self, name: str, media_type: str, data: bytes, *, log_time: int, create_time: int = 0) -> None:
+        """Add a file of its own to the MCAP file."""
+        self.close_chunk()
+        attachment = Attachment(create_time=create_time, log_time=log_time, name=name, media_type=media_type, data=data)
+        encoded = _encode(attachment)
+        self._attachment_indexes.append(
+            AttachmentIndex(
+                offset=self.size,
+                length=len(encoded),
+                create_time=create_time,
+                log_time=log_time,
+                data_size=len(data),
+                name=name,
+                media_type=media_type,
+            )
+        )
+        self._put(encoded)
+
+    def add_metadata(self, name: str, values: Mapping[str, str]) -> None:
+        """Add a record of names and values."""
+        self.close_chunk()
+        encoded = _encode(Metadata(name=name, metadata=dict(values)))
+        self._metadata_indexes.append(MetadataIndex(offset=self.size, length=len(encoded), name=name))
+        self._put(encoded)
+
+    def finish(self) -> None:
+        """Write the open chunk, the summary and the footer. The sink stays open; the writer must not be used again."""
+        self.close_chunk()
+        self._put(_encode(DataEnd(data_section_crc=0)))
+        start = self.size
+        summary, offsets = self._summary(start)
+        offsets_start = start + len(summary)
+        summary += offsets
+        head = struct.pack("<BQQQ", Opcode.FOOTER, 20, start, offsets_start)
+        crc = zlib.crc32(head, zlib.crc32(summary))
+        footer = _encode(Footer(summary_start=start, summary_offset_start=offsets_start, summary_crc=crc))
+        self._put(summary + footer + MAGIC)
+
+    def _summary(self, start: int) -> tuple[bytes, bytes]:
+        statistics = Statistics(
+            attachment_count=len(self._attachment_indexes),
+            channel_count=len(self._channels),
+            channel_message_counts=self._counts,
+            chunk_count=len(self._chunk_indexes),
+            message_count=self.message_count,
+            metadata_count=len(self._metadata_indexes),
+            message_start_time=self.start_time,
+            message_end_time=self.end_time,
+            schema_count=len(self._schemas),
+        )
+        groups: list[tuple[int, list[McapRecord]]] = [
+            (Opcode.SCHEMA, list(self._schemas)),
+            (Opcode.CHANNEL, list(self._channels)),
+            (Opcode.STATISTICS, [statistics]),
+            (Opcode.CHUNK_INDEX, list(self._chunk_indexes)),
+            (Opcode.ATTACHMENT_INDEX, list(self._attachment_indexes)),
+            (Opcode.METADATA_INDEX, list(self._metadata_indexes)),
+        ]
+        summary = offsets = b""
+        for opcode, records in groups:
+            group = b"".join(map(_encode, records))
+            if group:
+                offset = SummaryOffset(group_opcode=opcode, group_start=start + len(summary), group_length=len(group))
+                offsets += _encode(offset)
+                summary += group
+        return summary, offsets
