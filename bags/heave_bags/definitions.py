@@ -15,10 +15,8 @@ from pathlib import Path
 
 SEPARATOR = "=" * 80
 
-PRIMITIVES = frozenset(
-    ("bool", "byte", "char", "float32", "float64", "string", "wstring")
-    + ("int8", "uint8", "int16", "uint16", "int32", "uint32", "int64", "uint64")
-)
+INTEGERS = ("int8", "uint8", "int16", "uint16", "int32", "uint32", "int64", "uint64")
+PRIMITIVES = frozenset(("bool", "byte", "char", "float32", "float64", "string", "wstring", *INTEGERS))
 
 _FIELD = re.compile(r"^(?P<type>[A-Za-z][\w/]*)(?:<=\d+)?(?:\[(?:<=)?\d*\])?\s+[A-Za-z]\w*\s*(?P<rest>.*)$")
 
