@@ -1,0 +1,30 @@
+# Lets an ordinary ament_cmake package build on ROS 2 installed from wheels. Included right after project() by CMAKE_PROJECT_INCLUDE;
+# on an installed ROS 2 distribution nothing includes it.
+
+find_package(Python3 REQUIRED COMPONENTS Interpreter)
+
+# The prefix that holds ament: the environment itself, or the isolated build environment of pip.
+execute_process(
+  COMMAND "${Python3_EXECUTABLE}" -c "import ament_package, pathlib; print(pathlib.Path(ament_package.__file__).parents[4].as_posix())"
+  OUTPUT_VARIABLE ros_wheels_prefix
+  OUTPUT_STRIP_TRAILING_WHITESPACE
+  COMMAND_ERROR_IS_FATAL ANY)
+list(PREPEND CMAKE_PREFIX_PATH "${ros_wheels_prefix}")
+set(ENV{AMENT_PREFIX_PATH} "${ros_wheels_prefix}")
+
+# The wheels name include directories of the machine that built them; CMake refuses imported targets whose directories do not exist.
+foreach(package IN ITEMS builtin_interfaces geometry_msgs std_msgs action_msgs service_msgs)
+  find_package(${package} REQUIRED)
+endforeach()
+get_property(ros_wheels_targets DIRECTORY PROPERTY IMPORTED_TARGETS)
+foreach(target IN LISTS ros_wheels_targets)
+  get_target_property(include_directories ${target} INTERFACE_INCLUDE_DIRECTORIES)
+  if(include_directories)
+    list(FILTER include_directories EXCLUDE REGEX "^/opt/python/")
+    set_property(TARGET ${target} PROPERTY INTERFACE_INCLUDE_DIRECTORIES "${include_directories}")
+  endif()
+endforeach()
+
+if(SKBUILD)
+  include("${CMAKE_CURRENT_LIST_DIR}/install_node_packages.cmake")
+endif()
