@@ -1,7 +1,7 @@
 """The virtual winch: what a real winch drive does with the commands it gets, and with those it does not get.
 
-State: payout u [m] (positive lets out) and its rate v [m/s]. Laws, with the set-points held from the moment a command
-takes effect:
+State: payout u [m] (positive lets out) and its rate v [m/s], both 0 at the start. Laws, with the set-points held from
+the moment a command takes effect:
 
 - `speed_servo` (default): u' = v, v' = clip((v_set - v)/T, acceleration_limit),
   v_set = clip(payout_rate + k_p (payout - u), speed_limit) with the set-points payout_rate and payout of the command.
@@ -123,13 +123,12 @@ class Encoder:
     Parameters
     ----------
     parameters : resolution [m] and scheduled faults
-    payout : payout at time zero [m]
     """
 
-    def __init__(self, parameters: EncoderParameters, payout: float) -> None:
+    def __init__(self, parameters: EncoderParameters) -> None:
         self._resolution = parameters.resolution
         self.faults = FaultSchedule(parameters.faults, device="encoder", known=ENCODER_FAULT_KINDS)
-        self._value = self._quantise(payout)
+        self._value = 0.0
 
     def read(self, time: float, payout: float) -> float:
         """Return the reading [m] of the true `payout` [m] at `time` [s]; NaN under a nan fault."""
@@ -161,17 +160,17 @@ class VirtualWinch:
         self._parameters = parameters
         self._tick_period = tick_period
         self.faults = FaultSchedule(parameters.faults, device="winch", known=WINCH_FAULT_KINDS)
-        self.encoder = Encoder(parameters.encoder, parameters.initial_payout)
+        self.encoder = Encoder(parameters.encoder)
         self.refused_commands = 0
         self._now = 0.0  # [ticks]
-        self._payout = parameters.initial_payout
+        self._payout = 0.0
         self._rate = 0.0
         self._mode = drive.HOLD
         self._fault = WinchFault.NONE
         self._is_acknowledged = False
         self._line: list[tuple[float, WinchCommand]] = []
         self._newest_sent: WinchCommand | None = None
-        self._command = WinchCommand(0, parameters.initial_payout)
+        self._command = WinchCommand(0)
         self._command_since = 0.0
         self._reading = self.encoder.read(0.0, self._payout)
         self.state = self._make_state(0.0, WinchLimit.NONE, math.nan, self._reading)

@@ -70,9 +70,6 @@ class WinchParameters:
     payout_maximum: float = parameter(
         50.0, unit="m", minimum=-20_000.0, maximum=20_000.0, description="Upper end of the payout range."
     )
-    initial_payout: float = parameter(
-        0.0, unit="m", minimum=-20_000.0, maximum=20_000.0, description="Payout at time zero."
-    )
     power_limit: float = parameter(
         0.0,
         unit="W",
@@ -97,9 +94,9 @@ class WinchParameters:
             raise ValueError(
                 f"payout_minimum = {self.payout_minimum:g} m must be below payout_maximum = {self.payout_maximum:g} m"
             )
-        if not self.payout_minimum <= self.initial_payout <= self.payout_maximum:
+        if not self.payout_minimum <= 0.0 <= self.payout_maximum:
             raise ValueError(
-                f"initial_payout = {self.initial_payout:g} m must be from payout_minimum = {self.payout_minimum:g} m "
+                f"payout 0, where the run starts, must be from payout_minimum = {self.payout_minimum:g} m "
                 f"to payout_maximum = {self.payout_maximum:g} m"
             )
         if self.stop_deceleration > self.acceleration_limit:

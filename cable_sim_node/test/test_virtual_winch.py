@@ -291,7 +291,7 @@ def test_ticks_left_out_run_with_the_last_command() -> None:
     ("change", "message"),
     [
         ({"payout_minimum": 3.0, "payout_maximum": 2.0}, "payout_minimum = 3 m must be below"),
-        ({"initial_payout": 60.0}, "initial_payout = 60 m must be from"),
+        ({"payout_minimum": 1.0}, "payout 0, where the run starts, must be from payout_minimum = 1 m"),
         ({"stop_deceleration": 2.0}, "stop_deceleration = 2 m/s"),
         ({"faults": FaultParameters(("freeze",), (0.0,), (0.0,), (0.0,))}, "winch: a fault of kind freeze"),
     ],

@@ -1,0 +1,225 @@
+"""The plant as a component: cable and unit, the same plant with the winch locked, and the sensors on them.
+
+A tick k has two halves: `readings(k)` gives the state and the sensor readings of t_k = k tick_period, `advance(k,
+...)` takes the boom tip and the payout at t_{k+1} and integrates to there. The plant rests at equilibrium below the
+mean boom tip at t_1.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from heave_node.kinematics import PointMotion
+from numpy.typing import NDArray
+
+from cable_sim_node.dynamics import CableDynamics
+from cable_sim_node.errors import BadMotionError, PlantError
+from cable_sim_node.inputs import BridgedInput
+from cable_sim_node.node_parameters import CableSimNodeParameters
+from cable_sim_node.sensor_suite import SensorReadings, SensorSuite, SensorTruth
+from cable_sim_node.sensors import Sensor
+from cable_sim_node.shadow import ShadowPayout
+
+Array = NDArray[np.float64]
+Motion = tuple[Array, Array, Array]
+"""Position, velocity and acceleration."""
+
+LARGEST_START_GAP = 20.0
+"""Largest distance between the first boom tip and where the plant rests at the start [m]."""
+IMPLAUSIBLE_SPEED = 100.0
+"""An input that moves faster [m/s] is a false number, not a motion."""
+
+
+@dataclass(frozen=True)
+class PlantState:
+    """Truth of the plant at one time, frame `world` (z up).
+
+    Attributes
+    ----------
+    time : simulated time [s]
+    node_positions : shape (N+1, 3), node 0 is the unit, node N the boom tip [m]
+    segment_tensions : shape (N,), from the unit upwards, never negative [N]
+    top_tension : force on the top end [N]
+    unstretched_length : cable below the boom tip [m]
+    slack_segments : number of segments without tension
+    touchdown : the unit or the cable touches the seabed
+    touchdown_force : vertical force of the seabed on the unit, positive up [N]
+    compensator_stroke : extension of a passive compensator [m]
+    unit : motion of the unit
+    uncompensated : motion of the unit of the shadow plant
+    """
+
+    time: float
+    node_positions: Array
+    segment_tensions: Array
+    top_tension: float
+    unstretched_length: float
+    slack_segments: int
+    touchdown: bool
+    touchdown_force: float
+    compensator_stroke: float
+    unit: PointMotion
+    uncompensated: PointMotion
+
+
+class CableSim:
+    """The plant.
+
+    Parameters
+    ----------
+    parameters : plant and sensors
+    seed : fixes the sensors' noise
+    tick_period : [s]
+
+    Attributes
+    ----------
+    tick : number k of the tick whose start the plant stands at; 1 at first
+    boom_tip, payout : the inputs as used, and how many values were missing
+    """
+
+    def __init__(self, parameters: CableSimNodeParameters, *, seed: int, tick_period: float) -> None:
+        self._parameters = parameters
+        self._tick_period = tick_period
+        start = np.array([0.0, 0.0, parameters.boom_tip_height])
+        self.tick = 1
+        self.boom_tip = BridgedInput("boom_tip", start, tick_period=tick_period)
+        self.payout = BridgedInput("payout", np.zeros(1), tick_period=tick_period)
+        self._plant = CableDynamics(parameters)
+        self._plant.start_at_equilibrium(start, 0.0)
+        self._shadow = CableDynamics(parameters)
+        self._shadow.start_at_equilibrium(start, 0.0)
+        self._shadow_payout = ShadowPayout(tick_period=tick_period)
+        self._suite = SensorSuite(
+            parameters.sensors,
+            static_top_tension=self._plant.top_tension,
+            seed=seed,
+            tick_period=tick_period,
+        )
+
+    @property
+    def sensors(self) -> dict[str, Sensor]:
+        """The sensors by name (depth, velocity, imu, usbl, load_cell), to inject faults into."""
+        return self._suite.by_name
+
+    def state(self) -> PlantState:
+        """Return the state of t_k, k the present `tick`."""
+        plant = self._plant
+        time = self.tick * self._tick_period
+        return PlantState(
+            time=time,
+            node_positions=plant.node_positions.copy(),
+            segment_tensions=plant.segment_tensions.copy(),
+            top_tension=plant.top_tension,
+            unstretched_length=plant.unstretched_length,
+            slack_segments=plant.slack_segments,
+            touchdown=plant.touchdown,
+            touchdown_force=plant.touchdown_force,
+            compensator_stroke=plant.compensator_stroke,
+            unit=_unit_motion(plant, time),
+            uncompensated=_unit_motion(self._shadow, time),
+        )
+
+    def readings(self, tick: int) -> tuple[PlantState, SensorReadings]:
+        """Return the state of t_k and the sensor readings delivered at t_k; call once per tick, before `advance`.
+
+        Raises PlantError where the plant does not stand at t_k.
+        """
+        self._check_tick(tick)
+        state = self.state()
+        truth = SensorTruth(
+            position=state.unit.position,
+            velocity=state.unit.velocity,
+            acceleration=state.unit.acceleration,
+            top_tension=state.top_tension,
+            height_above_seabed=self._height_above_seabed(state.unit.position),
+        )
+        return state, self._suite.step(tick, truth)
+
+    def advance(
+        self,
+        tick: int,
+        boom_tip: PointMotion | None,
+        winch: tuple[float, float] | None,
+        programme: float | None = None,
+    ) -> None:
+        """Integrate from t_k to t_{k+1}.
+
+        Parameters
+        ----------
+        tick : k
+        boom_tip : motion of the boom tip at t_{k+1}; None: missing, it coasts to rest until it comes again
+        winch : payout [m] and its rate [m/s] at t_{k+1}; None: missing, likewise
+        programme : payout that the shadow plant follows where shadow_follows_programme is set [m]
+
+        Raises
+        ------
+        PlantError : the plant does not stand at t_k, the first boom tip is nowhere near the start (BadMotionError), or
+            whatever CableDynamics.advance raises.
+        """
+        self._check_tick(tick)
+        self._check_start(boom_tip)
+        tip_start, winch_start = self._tip(), self._winch()
+        self.boom_tip.advance(self._plausible(self.boom_tip, _parts(boom_tip)))
+        self.payout.advance(self._plausible(self.payout, _winch_parts(winch)))
+        shadow = self._shadow_payout
+        shadow_start = (shadow.payout, shadow.rate)
+        if self._parameters.shadow_follows_programme:
+            shadow.advance(programme)
+        self.tick += 1
+        tip_end = self._tip()
+        for dynamics, start, end in (
+            (self._plant, winch_start, self._winch()),
+            (self._shadow, shadow_start, (shadow.payout, shadow.rate)),
+        ):
+            dynamics.advance(self._tick_period, tip_start, tip_end, *start, *end)
+
+    def _tip(self) -> PointMotion:
+        tip = self.boom_tip
+        return PointMotion(self.tick * self._tick_period, tip.position, tip.velocity, tip.acceleration)
+
+    def _winch(self) -> tuple[float, float]:
+        return float(self.payout.position[0]), float(self.payout.velocity[0])
+
+    def _check_tick(self, tick: int) -> None:
+        if tick != self.tick:
+            raise PlantError(f"cable_sim: tick {tick} was asked for, but the plant stands at tick {self.tick}")
+
+    def _check_start(self, boom_tip: PointMotion | None) -> None:
+        """Refuse a first boom tip that is far from where the plant rests."""
+        if boom_tip is None or self.tick > 1:
+            return
+        distance = float(np.linalg.norm(boom_tip.position - self.boom_tip.position))
+        if distance > LARGEST_START_GAP:
+            raise BadMotionError(
+                f"cable_sim: the first boom tip is {distance:.1f} m from where the plant rests; "
+                "boom_tip_height must be the same in cable_sim and wave_vessel"
+            )
+
+    def _plausible(self, signal: BridgedInput, value: Motion | None) -> Motion | None:
+        """Return `value`, or None where it moves faster than anything real."""
+        if value is None or np.abs(value[1]).max() > IMPLAUSIBLE_SPEED:
+            return None
+        step = np.abs(value[0] - signal.position).max()
+        largest_step = IMPLAUSIBLE_SPEED * self._tick_period * (signal.missing_in_a_row + 1)
+        return value if self.tick == 1 or step <= largest_step else None
+
+    def _height_above_seabed(self, position: Array) -> float:
+        seabed = self._parameters.seabed
+        if seabed.depth == 0.0:
+            return float("inf")
+        return float(position[2] + seabed.depth - np.dot(seabed.slope, position[:2]))
+
+
+def _unit_motion(dynamics: CableDynamics, time: float) -> PointMotion:
+    return PointMotion(
+        time, dynamics.unit_position.copy(), dynamics.unit_velocity.copy(), dynamics.unit_acceleration.copy()
+    )
+
+
+def _parts(motion: PointMotion | None) -> Motion | None:
+    return None if motion is None else (motion.position, motion.velocity, motion.acceleration)
+
+
+def _winch_parts(winch: tuple[float, float] | None) -> Motion | None:
+    return None if winch is None else (np.array([winch[0]]), np.array([winch[1]]), np.zeros(1))

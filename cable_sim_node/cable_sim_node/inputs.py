@@ -1,0 +1,100 @@
+"""Bridging: an input of the plant that goes on smoothly where values are missing.
+
+In lockstep every value is there and passes unchanged. In real time a value may be late: the signal then coasts to
+rest, and when values come again the gap between coasted and true signal closes without a jump of position or
+velocity, so that a lost message never hits the cable like a hammer. So does the gap between the place where the plant
+rests at the start and the first value, where it is large enough to be felt.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+CLOSING_TIME = 0.5
+"""Time constant of coasting to rest, and of the critically damped closing of the gap afterwards [s]."""
+FELT_GAP = 1e-3
+"""Largest gap at the start that is not bridged [m]."""
+
+
+class BridgedInput:
+    """A position and its velocity, sampled once a tick, with bridging of what is missing.
+
+    Parameters
+    ----------
+    name : for messages
+    position : shape (n,), where the signal rests at the start
+    tick_period : [s]
+
+    Attributes
+    ----------
+    position, velocity, acceleration : shape (n,), the signal as last advanced
+    missing_in_a_row, missing : values that were missing just now and in all
+    """
+
+    def __init__(self, name: str, position: Array, *, tick_period: float) -> None:
+        self.name = name
+        self.position = position.copy()
+        self.velocity = np.zeros_like(position)
+        self.acceleration = np.zeros_like(position)
+        self.missing_in_a_row = 0
+        self.missing = 0
+        self._has_started = False
+        self._tick_period = tick_period
+        self._gap = np.zeros_like(position)
+        self._gap_rate = np.zeros_like(position)
+
+    def advance(self, value: tuple[Array, Array, Array] | None) -> None:
+        """Take the value (position, velocity, acceleration) of the next tick, or None where it is missing.
+
+        A value that is not finite counts as missing.
+        """
+        if value is None or not all(np.isfinite(part).all() for part in value):
+            self.missing_in_a_row += 1
+            self.missing += 1
+            self._coast()
+            return
+        position, velocity, acceleration = value
+        if self.missing_in_a_row or not self._has_started:
+            self._open_gap(position, velocity)
+        if not self._gap.any() and not self._gap_rate.any():
+            self.position, self.velocity, self.acceleration = position, velocity, acceleration
+            return
+        gap_acceleration = self._close_gap()
+        self.position = position + self._gap
+        self.velocity = velocity + self._gap_rate
+        self.acceleration = acceleration + gap_acceleration
+
+    def _coast(self) -> None:
+        decay = math.exp(-self._tick_period / CLOSING_TIME)
+        self.position = self.position + self.velocity * CLOSING_TIME * (1.0 - decay)
+        self.velocity = self.velocity * decay
+        self.acceleration = -self.velocity / CLOSING_TIME
+
+    def _open_gap(self, position: Array, velocity: Array) -> None:
+        """Note how far the signal is from where the true one was a tick ago."""
+        gap = self.position - (position - velocity * self._tick_period)
+        gap_rate = self.velocity - velocity
+        is_felt = np.abs(gap).max() > FELT_GAP or np.abs(gap_rate).max() > FELT_GAP / CLOSING_TIME
+        if self._has_started or is_felt:
+            self._gap, self._gap_rate = gap, gap_rate
+        self._has_started = True
+        self.missing_in_a_row = 0
+
+    def _close_gap(self) -> Array:
+        """Let the gap close by a tick and return its acceleration; a gap below any sensor's resolution is gone."""
+        if np.abs(self._gap).max() < 1e-9 and np.abs(self._gap_rate).max() < 1e-9:
+            self._gap = np.zeros_like(self._gap)
+            self._gap_rate = np.zeros_like(self._gap)
+            return np.zeros_like(self._gap)
+        dt = self._tick_period
+        decay = math.exp(-dt / CLOSING_TIME)
+        slope = self._gap_rate + self._gap / CLOSING_TIME
+        gap = (self._gap + slope * dt) * decay
+        rate = (self._gap_rate - slope * dt / CLOSING_TIME) * decay
+        self._gap, self._gap_rate = gap, rate
+        return -2.0 * rate / CLOSING_TIME - gap / CLOSING_TIME**2

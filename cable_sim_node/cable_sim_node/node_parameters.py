@@ -1,0 +1,32 @@
+"""Parameters of the node `cable_sim`: those of the plant, and of the sensors on it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from heave_node.parameters import group, parameter
+
+from cable_sim_node.parameters import CableSimParameters
+from cable_sim_node.sensor_parameters import SensorsParameters
+
+
+@dataclass(frozen=True)
+class CableSimNodeParameters(CableSimParameters):
+    """Everything `cable_sim` needs: the plant's parameters under their own names, and the sensors under `sensors`."""
+
+    boom_tip_height: float = parameter(
+        0.0,
+        unit="m",
+        minimum=-100.0,
+        maximum=200.0,
+        description="Height of the mean boom tip above still water, where the run starts; as in wave_vessel.",
+    )
+    shadow_follows_programme: bool = parameter(
+        False,
+        unit="",
+        description="The uncompensated plant follows the controller's depth programme; false: its winch is locked.",
+    )
+    markers_rate: float = parameter(
+        2.0, unit="Hz", minimum=0.0, maximum=1000.0, description="Rate of the markers; 0 publishes none."
+    )
+    sensors: SensorsParameters = group(SensorsParameters)

@@ -1,0 +1,245 @@
+"""Sensors measure when they should, deliver late, are as noisy as they say, and fail as told."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+
+import numpy as np
+import pytest
+from cable_sim_node.fault_parameters import FaultParameters
+from cable_sim_node.sensor_parameters import (
+    DepthSensorParameters,
+    ImuParameters,
+    LoadCellParameters,
+    SensorParameters,
+    SensorsParameters,
+    UsblParameters,
+    VelocitySensorParameters,
+)
+from cable_sim_node.sensor_suite import SensorSuite, SensorTruth
+from cable_sim_node.sensors import Reading, Sensor
+from heave_node.parameters import ParameterError, build_parameters, flatten
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy import stats
+
+TICK = 0.05
+
+
+def run(parameters: SensorParameters, ticks: int, *, sigma: float = 0.0, seed: int = 1) -> list[tuple[int, Reading]]:
+    """Let a sensor of one value look at the time itself; return the delivered readings and the ticks of delivery."""
+    sensor = Sensor(parameters, name="probe", sigma=np.array([sigma]), bias=np.zeros(1), seed=seed, tick_period=TICK)
+    return [(k, reading) for k in range(1, ticks + 1) for reading in sensor.step(k, np.array([k * TICK]))]
+
+
+def with_fault(kind: str, *, start: float = 2.0, duration: float = 1.0, magnitude: float = 0.0) -> SensorParameters:
+    faults = FaultParameters((kind,), (start,), (duration,), (magnitude,))
+    return SensorParameters(rate=10.0, latency=0.1, faults=faults)
+
+
+@pytest.mark.parametrize("rate", [1.0, 5.0, 10.0, 20.0, 7.0, 0.5, 1000.0])
+def test_number_of_samples_is_the_rate_times_the_time_and_at_most_one_a_tick(rate: float) -> None:
+    readings = run(SensorParameters(rate=rate), 2000)
+    assert len(readings) == pytest.approx(min(rate, 1.0 / TICK) * 100.0, abs=1)
+    stamps = [reading.stamp for _, reading in readings]
+    assert stamps == sorted(set(stamps))
+
+
+@pytest.mark.parametrize("latency", [0.0, 0.1, 0.12, 1.0])
+def test_reading_keeps_the_time_of_measurement_and_comes_at_the_first_tick_after_the_latency(latency: float) -> None:
+    for tick, reading in run(SensorParameters(rate=10.0, latency=latency), 400):
+        assert reading.value[0] == reading.stamp
+        assert -1e-9 <= tick * TICK - (reading.stamp + latency) < TICK - 1e-9
+
+
+def test_noise_is_white_normal_and_of_the_stated_deviation() -> None:
+    sigma = 0.02
+    readings = run(SensorParameters(rate=20.0), 20_000, sigma=sigma)
+    errors = np.array([reading.value[0] - reading.stamp for _, reading in readings])
+    low, high = stats.chi2.ppf([0.0005, 0.9995], len(errors)) / len(errors)
+    assert low < np.mean(errors**2) / sigma**2 < high
+    assert stats.kstest(errors / sigma, "norm").pvalue > 1e-3
+    assert abs(np.corrcoef(errors[1:], errors[:-1])[0, 1]) < 4.0 / math.sqrt(len(errors))
+    assert all(reading.sigma[0] == sigma for _, reading in readings)
+
+
+def test_same_seed_same_noise_and_another_seed_another() -> None:
+    first, again, other = (
+        [r.value[0] for _, r in run(SensorParameters(), 200, sigma=0.1, seed=seed)] for seed in (3, 3, 4)
+    )
+    assert first == again
+    assert first != other
+
+
+def test_scale_error_is_relative() -> None:
+    for _, reading in run(SensorParameters(scale_error=0.05), 100):
+        assert reading.value[0] == pytest.approx(1.05 * reading.stamp)
+
+
+def test_freeze_repeats_the_last_value_with_fresh_stamps() -> None:
+    readings = [r for _, r in run(with_fault("freeze"), 100)]
+    frozen = [r for r in readings if 2.0 - 1e-9 <= r.stamp < 3.0 - 1e-9]
+    assert len(frozen) == 10
+    assert [r.value[0] for r in frozen] == pytest.approx([1.9] * 10)
+    assert all(r.value[0] == r.stamp for r in readings if r not in frozen)
+
+
+def test_gap_takes_no_samples() -> None:
+    stamps = [r.stamp for _, r in run(with_fault("gap"), 100)]
+    assert not [stamp for stamp in stamps if 2.0 - 1e-9 <= stamp < 3.0 - 1e-9]
+    assert len(stamps) == pytest.approx(40, abs=1)
+
+
+def test_spike_spoils_one_sample_and_jump_all_of_its_duration() -> None:
+    spike = [r.value[0] - r.stamp for _, r in run(with_fault("spike", magnitude=5.0), 100)]
+    assert sorted(spike)[-2:] == [0.0, pytest.approx(5.0)]
+    jump = [r for _, r in run(with_fault("jump", magnitude=-3.0), 100)]
+    assert [r.stamp for r in jump if r.value[0] != r.stamp] == pytest.approx(np.arange(2.0, 3.0, 0.1))
+
+
+def test_nan_fault_delivers_nan() -> None:
+    bad = [r.stamp for _, r in run(with_fault("nan"), 100) if math.isnan(r.value[0])]
+    assert bad == pytest.approx(np.arange(2.0, 3.0, 0.1))
+
+
+def test_rate_fault_changes_the_rate_while_it_lasts() -> None:
+    stamps = np.array([r.stamp for _, r in run(with_fault("rate", duration=10.0, magnitude=1.0), 400)])
+    np.testing.assert_allclose(stamps[(stamps > 1.95) & (stamps < 11.95)], np.arange(2.0, 12.0, 1.0))
+    np.testing.assert_allclose(np.diff(stamps[stamps > 12.05]), 0.1)
+
+
+def test_delay_fault_makes_readings_later_and_keeps_their_stamps() -> None:
+    for tick, reading in run(with_fault("delay", magnitude=0.5), 200):
+        is_late = 2.0 - 1e-9 <= reading.stamp < 3.0 - 1e-9
+        assert tick * TICK - reading.stamp == pytest.approx(0.6 if is_late else 0.1)
+
+
+def test_fault_without_duration_lasts_to_the_end() -> None:
+    readings = run(with_fault("jump", duration=0.0, magnitude=1.0), 400)
+    assert all(r.value[0] == pytest.approx(r.stamp + 1.0) for _, r in readings if r.stamp > 2.0 - 1e-9)
+
+
+@pytest.mark.parametrize("kind", ["freeze", "gap", "spike", "jump", "nan", "rate", "delay"])
+def test_fault_of_one_sensor_leaves_the_noise_of_all_other_samples_as_it_was(kind: str) -> None:
+    def errors(parameters: SensorParameters) -> dict[float, float]:
+        return {r.stamp: r.value[0] for _, r in run(parameters, 200, sigma=0.1) if not 1.99 < r.stamp < 3.01}
+
+    healthy, faulty = errors(SensorParameters(rate=10.0, latency=0.1)), errors(with_fault(kind, magnitude=1.0))
+    assert faulty == healthy
+
+
+def test_fault_injected_during_the_run_acts_and_can_be_cleared() -> None:
+    sensor = Sensor(
+        SensorParameters(rate=20.0), name="probe", sigma=np.zeros(1), bias=np.zeros(1), seed=1, tick_period=TICK
+    )
+    values = []
+    for k in range(1, 61):
+        if k == 20:
+            sensor.faults.inject("jump", start=k * TICK, duration=0.0, magnitude=2.0)
+        if k == 40:
+            sensor.faults.clear(k * TICK)
+        values += [r.value[0] - r.stamp for r in sensor.step(k, np.array([k * TICK]))]
+    assert values == pytest.approx([0.0] * 19 + [2.0] * 20 + [0.0] * 21)
+    with pytest.raises(ValueError, match=r"probe: a fault of kind drive is not known here"):
+        sensor.faults.inject("drive", start=0.0, duration=0.0, magnitude=0.0)
+    with pytest.raises(ValueError, match="duration of at least 0 s"):
+        sensor.faults.inject("gap", start=0.0, duration=-1.0, magnitude=0.0)
+
+
+def fault_values(sensor: str, kind: str) -> dict[str, object]:
+    columns = {"kind": kind, "start": 0.0, "duration": 0.0, "magnitude": 0.0}
+    return {f"{sensor}.faults.{name}": [value] for name, value in columns.items()}
+
+
+@pytest.mark.parametrize(
+    ("values", "message"),
+    [
+        ({"depth.faults.kind": ["gap"], "depth.faults.start": [1.0]}, "as many values each; got 1, 1, 0, 0"),
+        ({"depth.faults.kind": ["melt"]}, "depth.faults.kind = 'melt' is not allowed"),
+        ({"depth.noise": -0.1}, "depth.noise = -0.1 is not allowed"),
+        (fault_values("usbl", "drive"), "a fault of kind drive is not known here"),
+        (fault_values("imu", "rate"), "the magnitude of kind rate must be above 0 Hz"),
+    ],
+)
+def test_wrong_sensor_parameters_are_refused_in_one_line(values: dict[str, object], message: str) -> None:
+    with pytest.raises(ParameterError) as raised:
+        build_parameters(SensorsParameters, values, where="my.yaml: cable_sim")
+    assert message in str(raised.value)
+    assert "\n" not in str(raised.value)
+
+
+def test_defaults_are_the_sensors_of_the_benchmarks() -> None:
+    values = flatten(SensorsParameters())
+    # BENCHMARKS "Sensors": depth 2 cm at 10 Hz, 0.1 s late; load cell 0.5 %.
+    assert (values["depth.noise"], values["depth.rate"], values["depth.latency"]) == (0.02, 10.0, 0.1)
+    assert values["load_cell.relative_noise"] == 0.005
+
+
+QUIET = SensorsParameters(
+    depth=DepthSensorParameters(noise=0.0, latency=0.0, bias=0.3),
+    velocity=VelocitySensorParameters(noise=0.0, latency=0.0, rate=20.0, bottom_range=50.0),
+    imu=ImuParameters(noise=0.0, gyro_noise=0.0),
+    usbl=UsblParameters(noise=0.0, range_noise=0.0, latency=0.25, rate=20.0),
+    load_cell=LoadCellParameters(relative_noise=0.0),
+)
+TRUTH = SensorTruth(
+    position=np.array([3.0, 4.0, -300.0]),
+    velocity=np.array([0.1, 0.2, -0.3]),
+    acceleration=np.array([0.5, 0.0, -1.0]),
+    top_tension=36_500.0,
+    height_above_seabed=20.0,
+)
+
+
+def suite(parameters: SensorsParameters) -> SensorSuite:
+    return SensorSuite(parameters, static_top_tension=36_500.0, seed=1, tick_period=TICK)
+
+
+def test_each_sensor_sees_its_own_truth() -> None:
+    readings = suite(QUIET).step(2, TRUTH)
+    assert readings.depth[0].value == pytest.approx([300.3])
+    assert readings.velocity[0].value == pytest.approx([0.1, 0.2, -0.3])
+    # At rest an accelerometer shows gravity upwards: 9.80665 - 1.
+    assert readings.imu[0].value == pytest.approx([0.5, 0.0, 8.80665, 0.0, 0.0, 0.0])
+    assert readings.load_cell[0].value == pytest.approx([36_500.0])
+    assert readings.usbl == ()
+
+
+def test_usbl_comes_after_the_two_way_travel_of_sound_and_its_noise_grows_with_range() -> None:
+    sensors = suite(QUIET)
+    deliveries = [k for k in range(1, 40) if sensors.step(k, TRUTH).usbl]
+    # Slant range 300.04 m: 2 * 300.04 / 1500 + 0.25 = 0.65006 s after the first sample, at 0.05 s; next is tick 15.
+    assert deliveries[0] == 15
+    noisy = suite(dataclasses.replace(QUIET, usbl=UsblParameters(noise=0.1, range_noise=0.003, rate=20.0)))
+    sigma = next(r.usbl[0].sigma[0] for r in (noisy.step(k, TRUTH) for k in range(1, 40)) if r.usbl)
+    assert sigma == pytest.approx(math.hypot(0.1, 0.003 * math.sqrt(300.0**2 + 25.0)))
+
+
+def test_dvl_has_no_reading_above_its_bottom_range() -> None:
+    sensors = suite(QUIET)
+    assert sensors.step(1, TRUTH).velocity
+    assert not sensors.step(2, dataclasses.replace(TRUTH, height_above_seabed=60.0)).velocity
+    assert sensors.step(3, TRUTH).velocity
+
+
+FAULT = st.tuples(
+    st.sampled_from(["freeze", "gap", "spike", "jump", "nan", "rate", "delay"]),
+    st.floats(0.0, 10.0),
+    st.floats(0.0, 5.0),
+    st.floats(0.1, 30.0),
+)
+
+
+@settings(max_examples=60, deadline=None)
+@given(faults=st.lists(FAULT, max_size=5), rate=st.floats(0.1, 50.0), latency=st.floats(0.0, 2.0))
+def test_whatever_the_faults_readings_are_of_the_past_and_of_distinct_times(
+    faults: list[tuple[str, float, float, float]], rate: float, latency: float
+) -> None:
+    columns = tuple(zip(*faults, strict=True)) or ((), (), (), ())
+    parameters = SensorParameters(rate=rate, latency=latency, faults=FaultParameters(*columns))
+    stamps = []
+    for tick, reading in run(parameters, 300):
+        assert reading.stamp + latency <= tick * TICK + 1e-8
+        stamps.append(reading.stamp)
+    assert len(stamps) == len(set(stamps))
