@@ -1,0 +1,409 @@
+"""Equations of motion of the lumped line: residual and symmetric block-tridiagonal Jacobian (thesis Eq. 5.1-5.6).
+
+Node 0 is the unit, node n the sheave (boom tip); segment i joins nodes i and i + 1. Blocks are symmetric 3 x 3, stored
+as xx, xy, xz, yy, yz, zz. The top segment changes its length L' at the sheave, where material passes: with q = (x_n -
+x_{n-1})/l, material at the sheave has velocity x_n' - L' q and acceleration x_n'' - L'' q - 2 L' q'.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from cable_sim_node.line_layout import (
+    ACCELERATION,
+    ADDED_MASS,
+    BED_DAMPING,
+    BED_DEPTH,
+    BED_FRICTION,
+    BED_ON,
+    BED_SLIP,
+    BED_SLOPE_X,
+    BED_SLOPE_Y,
+    BED_STIFFNESS,
+    BED_UNIT_DAMPING,
+    BED_UNIT_STIFFNESS,
+    CUBIC,
+    DAMPING,
+    DISPLACED,
+    LENGTH,
+    LUMP_ADDED_MASS,
+    LUMP_DISPLACED,
+    LUMP_DRAG,
+    LUMP_MASS,
+    LUMP_WEIGHT,
+    MASS,
+    NORMAL_DRAG,
+    QUADRATIC,
+    RATE,
+    SPRING_DAMPING,
+    SPRING_HALF_STROKE,
+    SPRING_MASS,
+    SPRING_ON,
+    SPRING_PRELOAD,
+    SPRING_STIFFNESS,
+    SPRING_STOP,
+    STIFFNESS,
+    TANGENTIAL_DRAG,
+    UNIT_DRAG,
+    UNIT_FLUID,
+    UNIT_FORCE,
+    UNIT_INERTIA,
+    WAVE_AMPLITUDE,
+    WEIGHT,
+)
+
+Array = NDArray[np.float64]
+
+
+@njit(cache=True, inline="always")
+def tension_of(row: Array, strain: float, strain_rate: float) -> tuple[float, float, float]:
+    """Return tension [N], its derivative to strain and to strain rate.
+
+    A slack segment carries none, nor does damping push.
+    """
+    if strain <= 0.0:
+        return 0.0, 0.0, 0.0
+    q, c = row[QUADRATIC], row[CUBIC]
+    tension = row[STIFFNESS] * strain * (1.0 + strain * (q + c * strain)) + row[DAMPING] * strain_rate
+    if tension <= 0.0:
+        return 0.0, 0.0, 0.0
+    return tension, row[STIFFNESS] * (1.0 + strain * (2.0 * q + 3.0 * c * strain)), row[DAMPING]
+
+
+@njit(cache=True)
+def assemble_segments(
+    n: int,
+    x: Array,
+    v: Array,
+    a: Array,
+    seg: Array,
+    flow: Array,
+    flow_acceleration: Array,
+    moving: Array,
+    settings: Array,
+    c_mass: float,
+    c_velocity: float,
+    diagonal: Array,
+    upper: Array,
+    residual: Array,
+    tensions: Array,
+) -> float:
+    """Add all segments to residual R = M a - F and Jacobian c_mass M - c_velocity dF/dv - dF/dx; return the least
+    strain.
+
+    Rows 0..n of `diagonal` (6), `residual` (3), rows 0..n-1 of `upper` (6) and `tensions` [N] are overwritten. `flow[i
+    + 1]` and `flow_acceleration[i + 1]` are the water's motion at segment i. What the drag and the added mass owe to
+    the turning of a segment is left out of the Jacobian (not of the residual): both are small beside inertia, and the
+    blocks stay symmetric.
+    """
+    least = 1e300
+    d0 = d1 = d2 = d3 = d4 = d5 = 0.0
+    r0 = r1 = r2 = 0.0
+    waves = settings[WAVE_AMPLITUDE] > 0.0
+    for i in range(n):
+        row = seg[i]
+        length = row[LENGTH]
+        ex = x[i + 1, 0] - x[i, 0]
+        ey = x[i + 1, 1] - x[i, 1]
+        ez = x[i + 1, 2] - x[i, 2]
+        stretched = math.sqrt(ex * ex + ey * ey + ez * ez)
+        inverse = 1.0 / (stretched + 1e-300)
+        per_length = 1.0 / length
+        wx, wy, wz = v[i + 1, 0], v[i + 1, 1], v[i + 1, 2]
+        gx, gy, gz = a[i + 1, 0], a[i + 1, 1], a[i + 1, 2]
+        if i == n - 1:
+            rate, acceleration = moving[RATE], moving[ACCELERATION]
+            qx, qy, qz = ex * per_length, ey * per_length, ez * per_length
+            wx -= rate * qx
+            wy -= rate * qy
+            wz -= rate * qz
+            twice = 2.0 * rate * per_length
+            gx -= acceleration * qx + twice * (wx - v[i, 0])
+            gy -= acceleration * qy + twice * (wy - v[i, 1])
+            gz -= acceleration * qz + twice * (wz - v[i, 2])
+        ex *= inverse
+        ey *= inverse
+        ez *= inverse
+        strain = stretched * per_length - 1.0
+        least = min(least, strain)
+        strain_rate = (ex * (wx - v[i, 0]) + ey * (wy - v[i, 1]) + ez * (wz - v[i, 2])) * per_length
+        tension, slope, viscous = tension_of(row, strain, strain_rate)
+        tensions[i] = tension
+        along = (slope + c_velocity * viscous) * per_length
+        across = tension * inverse
+        # drag of the segment at the mean velocity of its ends, half to each node
+        ux = 0.5 * (v[i, 0] + wx) - flow[i + 1, 0]
+        uy = 0.5 * (v[i, 1] + wy) - flow[i + 1, 1]
+        uz = 0.5 * (v[i, 2] + wz) - flow[i + 1, 2]
+        ut = ux * ex + uy * ey + uz * ez
+        nx, ny, nz = ux - ut * ex, uy - ut * ey, uz - ut * ez
+        normal_speed = math.sqrt(nx * nx + ny * ny + nz * nz)
+        normal = row[NORMAL_DRAG] * length * normal_speed
+        tangential = row[TANGENTIAL_DRAG] * length * abs(ut)
+        half_x = 0.5 * (normal * nx + tangential * ut * ex)
+        half_y = 0.5 * (normal * ny + tangential * ut * ey)
+        half_z = 0.5 * (normal * nz + tangential * ut * ez)
+        # Jacobian of the drag: quarter to each of the four blocks
+        quarter = 0.25 * c_velocity
+        drag_i = quarter * normal
+        drag_e = quarter * (2.0 * tangential - normal)
+        drag_n = quarter * row[NORMAL_DRAG] * length / (normal_speed + 1e-12)
+        b0 = drag_i + drag_e * ex * ex + drag_n * nx * nx
+        b1 = drag_e * ex * ey + drag_n * nx * ny
+        b2 = drag_e * ex * ez + drag_n * nx * nz
+        b3 = drag_i + drag_e * ey * ey + drag_n * ny * ny
+        b4 = drag_e * ey * ez + drag_n * ny * nz
+        b5 = drag_i + drag_e * ez * ez + drag_n * nz * nz
+        # stiffness across I + (along - across) e e'
+        ke = along - across
+        k0 = across + ke * ex * ex
+        k1 = ke * ex * ey
+        k2 = ke * ex * ez
+        k3 = across + ke * ey * ey
+        k4 = ke * ey * ez
+        k5 = across + ke * ez * ez
+        upper[i, 0] = b0 - k0
+        upper[i, 1] = b1 - k1
+        upper[i, 2] = b2 - k2
+        upper[i, 3] = b3 - k3
+        upper[i, 4] = b4 - k4
+        upper[i, 5] = b5 - k5
+        # half the segment's mass, and half its added mass across the segment only, on each end
+        added = 0.5 * row[ADDED_MASS] * length
+        inertia = 0.5 * row[MASS] * length + added
+        m0 = inertia - added * ex * ex
+        m1 = -added * ex * ey
+        m2 = -added * ex * ez
+        m3 = inertia - added * ey * ey
+        m4 = -added * ey * ez
+        m5 = inertia - added * ez * ez
+        s0 = b0 + k0 + c_mass * m0
+        s1 = b1 + k1 + c_mass * m1
+        s2 = b2 + k2 + c_mass * m2
+        s3 = b3 + k3 + c_mass * m3
+        s4 = b4 + k4 + c_mass * m4
+        s5 = b5 + k5 + c_mass * m5
+        half_z += 0.5 * row[WEIGHT] * length
+        if waves:
+            fx, fy, fz = flow_acceleration[i + 1, 0], flow_acceleration[i + 1, 1], flow_acceleration[i + 1, 2]
+            fluid = 0.5 * row[DISPLACED] * length + added
+            fe = added * (fx * ex + fy * ey + fz * ez)
+            half_x -= fluid * fx - fe * ex
+            half_y -= fluid * fy - fe * ey
+            half_z -= fluid * fz - fe * ez
+        diagonal[i, 0] = d0 + s0
+        diagonal[i, 1] = d1 + s1
+        diagonal[i, 2] = d2 + s2
+        diagonal[i, 3] = d3 + s3
+        diagonal[i, 4] = d4 + s4
+        diagonal[i, 5] = d5 + s5
+        px, py, pz = a[i, 0], a[i, 1], a[i, 2]
+        residual[i, 0] = r0 + m0 * px + m1 * py + m2 * pz + half_x - tension * ex
+        residual[i, 1] = r1 + m1 * px + m3 * py + m4 * pz + half_y - tension * ey
+        residual[i, 2] = r2 + m2 * px + m4 * py + m5 * pz + half_z - tension * ez
+        d0, d1, d2, d3, d4, d5 = s0, s1, s2, s3, s4, s5
+        r0 = m0 * gx + m1 * gy + m2 * gz + half_x + tension * ex
+        r1 = m1 * gx + m3 * gy + m4 * gz + half_y + tension * ey
+        r2 = m2 * gx + m4 * gy + m5 * gz + half_z + tension * ez
+    diagonal[n, 0], diagonal[n, 1], diagonal[n, 2] = d0, d1, d2
+    diagonal[n, 3], diagonal[n, 4], diagonal[n, 5] = d3, d4, d5
+    residual[n, 0], residual[n, 1], residual[n, 2] = r0, r1, r2
+    return least
+
+
+@njit(cache=True)
+def assemble_nodes(
+    n: int,
+    x: Array,
+    v: Array,
+    a: Array,
+    seg: Array,
+    lump: Array,
+    unit: Array,
+    flow: Array,
+    flow_acceleration: Array,
+    settings: Array,
+    c_mass: float,
+    c_velocity: float,
+    diagonal: Array,
+    residual: Array,
+) -> bool:
+    """Add unit, lumps and seabed to the residual and the Jacobian; return whether anything touches the seabed.
+
+    The unit's drag works along each axis by itself (thesis 5.2.2): (1/2) rho C_Dx S_x abs(u_x) u_x, and so on.
+    """
+    for k in range(3):
+        u = v[0, k] - flow[0, k]
+        residual[0, k] += unit[UNIT_INERTIA + k] * a[0, k] + unit[UNIT_DRAG + k] * abs(u) * u - unit[UNIT_FORCE + k]
+        residual[0, k] -= unit[UNIT_FLUID + k] * flow_acceleration[0, k]
+        entry = 0 if k == 0 else (3 if k == 1 else 5)
+        diagonal[0, entry] += c_mass * unit[UNIT_INERTIA + k] + c_velocity * 2.0 * unit[UNIT_DRAG + k] * abs(u)
+    for i in range(1, n + 1):
+        inertia = lump[i, LUMP_MASS] + lump[i, LUMP_ADDED_MASS]
+        if inertia == 0.0 and lump[i, LUMP_DRAG] == 0.0:
+            continue
+        fluid = lump[i, LUMP_DISPLACED] + lump[i, LUMP_ADDED_MASS]
+        ux, uy, uz = v[i, 0] - flow[i, 0], v[i, 1] - flow[i, 1], v[i, 2] - flow[i, 2]
+        drag = lump[i, LUMP_DRAG] * math.sqrt(ux * ux + uy * uy + uz * uz)
+        residual[i, 0] += inertia * a[i, 0] + drag * ux - fluid * flow_acceleration[i, 0]
+        residual[i, 1] += inertia * a[i, 1] + drag * uy - fluid * flow_acceleration[i, 1]
+        residual[i, 2] += inertia * a[i, 2] + drag * uz - fluid * flow_acceleration[i, 2] + lump[i, LUMP_WEIGHT]
+        # the full derivative lies between drag and 2 drag: an upper bound keeps the correction short
+        added = c_mass * inertia + 2.0 * c_velocity * drag
+        diagonal[i, 0] += added
+        diagonal[i, 3] += added
+        diagonal[i, 5] += added
+    touching = False
+    if settings[BED_ON] > 0.0:
+        for i in range(n):
+            touching |= add_contact(i, x, v, seg, settings, c_velocity, diagonal, residual)
+    return touching
+
+
+@njit(cache=True)
+def add_contact(
+    i: int, x: Array, v: Array, seg: Array, settings: Array, c_velocity: float, diagonal: Array, residual: Array
+) -> bool:
+    """Add the seabed's push and friction on node i; return whether it touches.
+
+    Normal to the plane z = -depth + slope . (x, y): N = k d + c d' while positive, d the depth of penetration.
+    Friction mu N tanh(v_t / v_s) against the sliding velocity.
+    """
+    sx, sy = settings[BED_SLOPE_X], settings[BED_SLOPE_Y]
+    norm = 1.0 / math.sqrt(1.0 + sx * sx + sy * sy)
+    depth = (-settings[BED_DEPTH] + sx * x[i, 0] + sy * x[i, 1] - x[i, 2]) * norm
+    if depth <= 0.0:
+        return False
+    if i == 0:
+        stiffness, damping = settings[BED_UNIT_STIFFNESS], settings[BED_UNIT_DAMPING]
+    else:
+        share = 0.5 * (seg[i - 1, LENGTH] + seg[i, LENGTH])
+        stiffness, damping = settings[BED_STIFFNESS] * share, settings[BED_DAMPING] * share
+    mx, my, mz = -sx * norm, -sy * norm, norm
+    vn = v[i, 0] * mx + v[i, 1] * my + v[i, 2] * mz
+    # damping grows in with the penetration over 1 cm: no jump in force at first touch
+    grown = min(depth / 0.01, 1.0)
+    push = stiffness * depth - damping * grown * vn
+    if push <= 0.0:
+        return True
+    tx, ty, tz = v[i, 0] - vn * mx, v[i, 1] - vn * my, v[i, 2] - vn * mz
+    speed = math.sqrt(tx * tx + ty * ty + tz * tz)
+    ratio = speed / settings[BED_SLIP]
+    # tanh(r)/r is 1 at rest
+    per_speed = settings[BED_FRICTION] * push / settings[BED_SLIP] * (math.tanh(ratio) / ratio if ratio > 1e-6 else 1.0)
+    residual[i, 0] += per_speed * tx - push * mx
+    residual[i, 1] += per_speed * ty - push * my
+    residual[i, 2] += per_speed * tz - push * mz
+    hard = stiffness + c_velocity * damping * grown
+    soft = c_velocity * per_speed
+    diagonal[i, 0] += soft + (hard - soft) * mx * mx
+    diagonal[i, 1] += (hard - soft) * mx * my
+    diagonal[i, 2] += (hard - soft) * mx * mz
+    diagonal[i, 3] += soft + (hard - soft) * my * my
+    diagonal[i, 4] += (hard - soft) * my * mz
+    diagonal[i, 5] += soft + (hard - soft) * mz * mz
+    return True
+
+
+@njit(cache=True)
+def add_compensator(
+    n: int,
+    x: Array,
+    v: Array,
+    a: Array,
+    tip: Array,
+    settings: Array,
+    c_mass: float,
+    c_velocity: float,
+    diagonal: Array,
+    residual: Array,
+) -> None:
+    """Make node n the sheave on a passive compensator, free along z only; `tip` is position and velocity of the boom
+    tip, shape (2, 3).
+
+    Stroke s = z_tip - z_n, upward force on the sheave F0 + k s + c s', beyond the half stroke stiffened by the stops.
+    The preload F0 carries the moving mass as well, so that the static stroke is 0 where F0 is the static top tension.
+    """
+    if settings[SPRING_ON] == 0.0:
+        return
+    stroke = tip[0, 2] - x[n, 2]
+    speed = tip[1, 2] - v[n, 2]
+    force = settings[SPRING_PRELOAD] + settings[SPRING_STIFFNESS] * stroke + settings[SPRING_DAMPING] * speed
+    stiffness = settings[SPRING_STIFFNESS] + c_velocity * settings[SPRING_DAMPING]
+    over = abs(stroke) - settings[SPRING_HALF_STROKE]
+    if over > 0.0:
+        force += settings[SPRING_STOP] * math.copysign(over, stroke)
+        stiffness += settings[SPRING_STOP]
+    residual[n, 0] = 0.0
+    residual[n, 1] = 0.0
+    residual[n, 2] += settings[SPRING_MASS] * a[n, 2] - force
+    diagonal[n, 5] += c_mass * settings[SPRING_MASS] + stiffness
+    diagonal[n, 0] = diagonal[n, 3] = 1e30
+    diagonal[n, 1] = diagonal[n, 2] = diagonal[n, 4] = 0.0
+
+
+@njit(cache=True)
+def solve_blocks(count: int, diagonal: Array, upper: Array, residual: Array, sweep: Array, correction: Array) -> None:
+    """Solve the symmetric block-tridiagonal system J correction = -residual for rows 0..count-1 (block Gauss, one pass
+    each way).
+
+    `sweep` (9 columns) is scratch; `diagonal` and `residual` are used up. Row `count` of `correction` must be what is
+    prescribed there.
+    """
+    for i in range(count):
+        a0, a1, a2, a3, a4, a5 = (
+            diagonal[i, 0],
+            diagonal[i, 1],
+            diagonal[i, 2],
+            diagonal[i, 3],
+            diagonal[i, 4],
+            diagonal[i, 5],
+        )
+        c0 = a3 * a5 - a4 * a4
+        c1 = a2 * a4 - a1 * a5
+        c2 = a1 * a4 - a2 * a3
+        scale = 1.0 / (a0 * c0 + a1 * c1 + a2 * c2)
+        i0, i1, i2 = c0 * scale, c1 * scale, c2 * scale
+        i3 = (a0 * a5 - a2 * a2) * scale
+        i4 = (a1 * a2 - a0 * a4) * scale
+        i5 = (a0 * a3 - a1 * a1) * scale
+        r0, r1, r2 = -residual[i, 0], -residual[i, 1], -residual[i, 2]
+        y0 = i0 * r0 + i1 * r1 + i2 * r2
+        y1 = i1 * r0 + i3 * r1 + i4 * r2
+        y2 = i2 * r0 + i4 * r1 + i5 * r2
+        correction[i, 0] = y0
+        correction[i, 1] = y1
+        correction[i, 2] = y2
+        if i == count - 1:
+            break
+        u0, u1, u2, u3, u4, u5 = upper[i, 0], upper[i, 1], upper[i, 2], upper[i, 3], upper[i, 4], upper[i, 5]
+        w00 = i0 * u0 + i1 * u1 + i2 * u2
+        w01 = i0 * u1 + i1 * u3 + i2 * u4
+        w02 = i0 * u2 + i1 * u4 + i2 * u5
+        w10 = i1 * u0 + i3 * u1 + i4 * u2
+        w11 = i1 * u1 + i3 * u3 + i4 * u4
+        w12 = i1 * u2 + i3 * u4 + i4 * u5
+        w20 = i2 * u0 + i4 * u1 + i5 * u2
+        w21 = i2 * u1 + i4 * u3 + i5 * u4
+        w22 = i2 * u2 + i4 * u4 + i5 * u5
+        sweep[i, 0], sweep[i, 1], sweep[i, 2] = w00, w01, w02
+        sweep[i, 3], sweep[i, 4], sweep[i, 5] = w10, w11, w12
+        sweep[i, 6], sweep[i, 7], sweep[i, 8] = w20, w21, w22
+        diagonal[i + 1, 0] -= u0 * w00 + u1 * w10 + u2 * w20
+        diagonal[i + 1, 1] -= u0 * w01 + u1 * w11 + u2 * w21
+        diagonal[i + 1, 2] -= u0 * w02 + u1 * w12 + u2 * w22
+        diagonal[i + 1, 3] -= u1 * w01 + u3 * w11 + u4 * w21
+        diagonal[i + 1, 4] -= u1 * w02 + u3 * w12 + u4 * w22
+        diagonal[i + 1, 5] -= u2 * w02 + u4 * w12 + u5 * w22
+        residual[i + 1, 0] += u0 * y0 + u1 * y1 + u2 * y2
+        residual[i + 1, 1] += u1 * y0 + u3 * y1 + u4 * y2
+        residual[i + 1, 2] += u2 * y0 + u4 * y1 + u5 * y2
+    for i in range(count - 2, -1, -1):
+        z0, z1, z2 = correction[i + 1, 0], correction[i + 1, 1], correction[i + 1, 2]
+        correction[i, 0] -= sweep[i, 0] * z0 + sweep[i, 1] * z1 + sweep[i, 2] * z2
+        correction[i, 1] -= sweep[i, 3] * z0 + sweep[i, 4] * z1 + sweep[i, 5] * z2
+        correction[i, 2] -= sweep[i, 6] * z0 + sweep[i, 7] * z1 + sweep[i, 8] * z2

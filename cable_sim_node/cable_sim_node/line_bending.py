@@ -1,0 +1,92 @@
+"""Bending stiffness of the line: a hinge spring at each inner node (Pinto; thesis appendix 12.4.6), and the wider
+solve it needs.
+
+Energy of the hinge at node i between segments of lengths l and m: (1/2) B |e_i - e_{i-1}|^2 with B = EI / ((l + m)/2),
+e the unit vectors along the segments; |e_i - e_{i-1}| / ((l + m)/2) is the curvature.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from cable_sim_node.line_layout import BENDING, LENGTH
+
+Array = NDArray[np.float64]
+
+_HALF = 8
+"""Half bandwidth: two neighbours on each side, three coordinates each."""
+
+
+@njit(cache=True)
+def add_bending(n: int, x: Array, seg: Array, residual: Array, band: Array) -> None:
+    """Add the hinges' forces to the residual and write their stiffness into `band` (column 8 + j - i of row i), which
+    is cleared.
+
+    The stiffness is the part that keeps the segments' directions: B G' G with G the derivative of e_i - e_{i-1}. It is
+    positive semidefinite; what is left out is of the order of the bending force itself.
+    """
+    band[:] = 0.0
+    g = np.empty((3, 9))
+    for i in range(1, n):
+        ax, ay, az = x[i, 0] - x[i - 1, 0], x[i, 1] - x[i - 1, 1], x[i, 2] - x[i - 1, 2]
+        bx, by, bz = x[i + 1, 0] - x[i, 0], x[i + 1, 1] - x[i, 1], x[i + 1, 2] - x[i, 2]
+        la, lb = math.sqrt(ax * ax + ay * ay + az * az), math.sqrt(bx * bx + by * by + bz * bz)
+        ea = (ax / la, ay / la, az / la)
+        eb = (bx / lb, by / lb, bz / lb)
+        span = 0.5 * (seg[i - 1, LENGTH] + seg[i, LENGTH])
+        stiffness = 0.5 * (seg[i - 1, BENDING] + seg[i, BENDING]) / span
+        for p in range(3):
+            for q in range(3):
+                one = 1.0 if p == q else 0.0
+                pa = (one - ea[p] * ea[q]) / la
+                pb = (one - eb[p] * eb[q]) / lb
+                g[p, q] = pa
+                g[p, 3 + q] = -pa - pb
+                g[p, 6 + q] = pb
+        base = 3 * (i - 1)
+        for r in range(9):
+            force = 0.0
+            for p in range(3):
+                force += g[p, r] * (eb[p] - ea[p])
+            residual[i - 1 + r // 3, r % 3] += stiffness * force
+            for c in range(9):
+                total = 0.0
+                for p in range(3):
+                    total += g[p, r] * g[p, c]
+                band[base + r, _HALF + c - r] += stiffness * total
+
+
+@njit(cache=True)
+def solve_with_bending(
+    count: int, diagonal: Array, upper: Array, residual: Array, band: Array, correction: Array
+) -> None:
+    """Solve (blocks + band) correction = -residual by banded elimination; definite, so without pivoting."""
+    entry = ((0, 1, 2), (1, 3, 4), (2, 4, 5))
+    size = 3 * count
+    for i in range(count):
+        for p in range(3):
+            row = 3 * i + p
+            correction[i, p] = -residual[i, p]
+            for q in range(3):
+                band[row, _HALF + q - p] += diagonal[i, entry[p][q]]
+                if i + 1 < count:
+                    band[row, _HALF + 3 + q - p] += upper[i, entry[p][q]]
+                    band[row + 3, _HALF - 3 + q - p] += upper[i, entry[p][q]]
+    for row in range(size):
+        pivot = 1.0 / band[row, _HALF]
+        for below in range(row + 1, min(row + _HALF + 1, size)):
+            factor = band[below, _HALF + row - below] * pivot
+            if factor == 0.0:
+                continue
+            for column in range(row + 1, min(row + _HALF + 1, size)):
+                band[below, _HALF + column - below] -= factor * band[row, _HALF + column - row]
+            correction[below // 3, below % 3] -= factor * correction[row // 3, row % 3]
+    for row in range(size - 1, -1, -1):
+        value = correction[row // 3, row % 3]
+        for column in range(row + 1, min(row + _HALF + 1, size)):
+            value -= band[row, _HALF + column - row] * correction[column // 3, column % 3]
+        correction[row // 3, row % 3] = value / band[row, _HALF]
