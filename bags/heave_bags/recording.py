@@ -1,0 +1,88 @@
+"""Messages of ticks in an order that depends on the run alone: what makes two bags of one seed the same, byte for
+byte.
+
+Pure: raw messages go in, a `BagWriter` gets them. A message carries the start of the tick in which it was published
+as log time and publish
+time. Within a tick the clock master's topics come first, then those of the others, each by name and, within a topic,
+as published.
+"""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Callable, Collection, Mapping, Sequence
+
+from heave_bags.bag_writer import BagWriter
+
+_STAMP = struct.Struct("<iI")
+_STAMP_OFFSET = 4
+
+
+def header_stamp(data: bytes) -> int:
+    """Return the header stamp of a serialised message that begins with a Header [ns]."""
+    seconds, nanoseconds = _STAMP.unpack_from(data, _STAMP_OFFSET)
+    return int(seconds) * 1_000_000_000 + int(nanoseconds)
+
+
+class TickOrder:
+    """Sorts what a recorder has received by tick `k` into the ticks in which it was published.
+
+    A recorder that enters tick k has everything the master published up to tick k, and everything the others
+    published up to tick k - 1.
+
+    Parameters
+    ----------
+    publishers : per topic the names of the nodes that publish it
+    master : name of the clock master
+    """
+
+    def __init__(self, publishers: Mapping[str, Collection[str]], master: str) -> None:
+        self._shared = sorted(topic for topic, nodes in publishers.items() if len(set(nodes)) > 1)
+        self._of_master = sorted(topic for topic, nodes in publishers.items() if set(nodes) == {master})
+        known = {*self._shared, *self._of_master}
+        self._of_others = sorted(topic for topic in publishers if topic not in known)
+        self._held: dict[str, list[bytes]] = {topic: [] for topic in self._shared}
+
+    def write(
+        self, writer: BagWriter, take: Callable[[str], Sequence[bytes]], *, tick_start: int, tick_before: int
+    ) -> None:
+        """Write what has become complete by the tick that starts at `tick_start` [ns]; `tick_before` is the start of
+        the one before it.
+        """
+        self._write_others(writer, take, tick_start, tick_before)
+        for topic in self._of_master:
+            for data in take(topic):
+                writer.write(topic, tick_start, data)
+
+    def _write_others(
+        self, writer: BagWriter, take: Callable[[str], Sequence[bytes]], tick_start: int, tick_before: int
+    ) -> None:
+        ready: dict[str, Sequence[bytes]] = {topic: take(topic) for topic in self._of_others}
+        for topic in self._shared:
+            ready[topic] = self._settled(topic, take(topic), tick_start)
+        for topic in sorted(ready):
+            for data in ready[topic]:
+                writer.write(topic, tick_before, data)
+
+    def _settled(self, topic: str, arrived: Sequence[bytes], tick_start: int) -> list[bytes]:
+        """Return the messages of a topic of several publishers that were stamped before `tick_start`, in the order of
+        their bytes.
+
+        Their order of arrival is chance; those of this tick wait until the other publishers' are here.
+        """
+        held = self._held[topic] + list(arrived)
+        self._held[topic] = [data for data in held if header_stamp(data) >= tick_start]
+        return sorted(
+            (data for data in held if header_stamp(data) < tick_start), key=lambda data: (header_stamp(data), data)
+        )
+
+    def write_rest(self, writer: BagWriter, take: Callable[[str], Sequence[bytes]], *, tick_start: int) -> None:
+        """Write whatever is left when a run ends, complete or not."""
+        for topic in self._shared:
+            rest = self._held[topic] + list(take(topic))
+            for data in sorted(rest, key=lambda data: (header_stamp(data), data)):
+                writer.write(topic, tick_start, data)
+            self._held[topic] = []
+        for topic in sorted(self._of_master + self._of_others):
+            for data in take(topic):
+                writer.write(topic, tick_start, data)
