@@ -1,0 +1,124 @@
+"""The sea, the vessel and its motion reference unit as one component, stepped by tick number. No ROS."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from heave_node.kinematics import PointMotion
+from heave_node.randomness import random_stream
+from numpy.typing import NDArray
+
+from wave_vessel_node.motion_sources import FilterSource, MotionSource, RampedSource, RegularSource, SecondOrderSource
+from wave_vessel_node.mru import MotionReferenceUnit, MruReading
+from wave_vessel_node.parameters import WaveVesselParameters
+from wave_vessel_node.realisation import WaveComponents, draw_components
+from wave_vessel_node.sea import SeaState, build_spectrum, describe_sea
+from wave_vessel_node.shaping_filter import shaping_filter
+from wave_vessel_node.spectra import WaveSpectrum
+from wave_vessel_node.vessel import SecondOrderVessel
+from wave_vessel_node.vessel_motion import VesselMotion, point_motion
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class WaveVesselOutputs:
+    """What one tick k gives.
+
+    Attributes
+    ----------
+    mru : the reading delivered at t_k, None if there is none (rate, gap, restart, latency at the start)
+    boom_tip : true motion of the boom tip at t_{k+1}, frame world
+    vessel : true motion of the vessel at t_{k+1}
+    wave_elevation : sea surface below the boom tip at t_{k+1} [m]
+    """
+
+    mru: MruReading | None
+    boom_tip: PointMotion
+    vessel: VesselMotion
+    wave_elevation: float
+
+
+class WaveVessel:
+    """Sea state to boom-tip motion, and what the MRU says of it.
+
+    Parameters
+    ----------
+    parameters : see WaveVesselParameters
+    seed : fixes the sea and the noise
+    tick_period : [s]
+
+    Raises SpectrumError, SpectrumFileError, RaoError or RecordingError when the parameters name something that cannot
+    be used.
+    """
+
+    def __init__(self, parameters: WaveVesselParameters, *, seed: int, tick_period: float) -> None:
+        self.parameters = parameters
+        self._arm = np.zeros(3)
+        self._spectrum: WaveSpectrum | None = None
+        if parameters.boom_tip_source in ("spectrum", "filter"):
+            self._spectrum = build_spectrum(parameters)
+        self._source = RampedSource(self._build_source(seed, tick_period), parameters, tick_period)
+        self._sea_state = describe_sea(parameters, self._spectrum, seed)
+        self.mru = MotionReferenceUnit(parameters.mru, seed=seed, tick_period=tick_period)
+        self._tick_period = tick_period
+        self._next_tick = 1
+        self._motion = self._source.motion(1)
+
+    def sea_state(self) -> SeaState:
+        """Return the sea as it is published."""
+        return self._sea_state
+
+    def initial_boom_tip(self) -> PointMotion:
+        """Return the motion of the boom tip at the first tick, from which the plant starts; call it before the first
+        step.
+        """
+        return point_motion(self._motion, self._arm, self.parameters.boom_tip_height)
+
+    def step(self, tick: int) -> WaveVesselOutputs:
+        """Do tick `tick`: the MRU reading of t_k, motions of t_{k+1}. Ticks come in order, from 1.
+
+        Raises ValueError if `tick` is not the next one.
+        """
+        if tick != self._next_tick:
+            raise ValueError(f"ticks come in order: wanted {self._next_tick}, got {tick}")
+        here = self._boom_tip_heave(self._motion)
+        reading = self.mru.step(tick, here, self._motion)
+        self._motion = self._source.motion(tick + 1)
+        self._next_tick = tick + 1
+        boom_tip = point_motion(self._motion, self._arm, self.parameters.boom_tip_height)
+        return WaveVesselOutputs(reading, boom_tip, self._motion, self._motion.elevation)
+
+    def _boom_tip_heave(self, motion: VesselMotion) -> Array:
+        point = point_motion(motion, self._arm, 0.0)
+        return np.array([point.position[2], point.velocity[2], point.acceleration[2]])
+
+    def _second_order_vessel(self) -> SecondOrderVessel | None:
+        vessel = self.parameters.vessel
+        if vessel.model == "direct":
+            return None
+        return SecondOrderVessel(vessel.natural_frequency, vessel.damping_ratio, vessel.gain)
+
+    def _build_source(self, seed: int, tick_period: float) -> MotionSource:
+        parameters = self.parameters
+        if parameters.boom_tip_source == "regular":
+            return RegularSource(parameters.amplitude, parameters.period, tick_period)
+        if parameters.boom_tip_source == "filter":
+            assert self._spectrum is not None
+            wave = shaping_filter(self._spectrum, parameters.filter.form, parameters.filter.states)
+            return FilterSource(wave, self._second_order_vessel(), seed, tick_period)
+        return SecondOrderSource(
+            self._components(seed), self._second_order_vessel(), parameters.vessel.pitch_gain, tick_period
+        )
+
+    def _components(self, seed: int) -> WaveComponents:
+        parameters = self.parameters
+        assert self._spectrum is not None
+        return draw_components(
+            self._spectrum,
+            parameters.components,
+            random_stream(seed, "wave_vessel/sea"),
+            direction=parameters.direction,
+            spreading_exponent=parameters.spreading.exponent,
+        )

@@ -1,0 +1,142 @@
+"""Where the vessel's motion comes from: each source gives the motion at any tick, in order."""
+
+from __future__ import annotations
+
+import math
+from typing import Protocol
+
+import numpy as np
+from heave_node.randomness import random_stream
+from numpy.typing import NDArray
+
+from wave_vessel_node.parameters import WaveVesselParameters
+from wave_vessel_node.ramp import apply_ramp
+from wave_vessel_node.realisation import HarmonicSum, WaveComponents
+from wave_vessel_node.state_space import StateSpace, covariance_factor, discretise
+from wave_vessel_node.vessel import SecondOrderVessel, wave_slope_response
+from wave_vessel_node.vessel_motion import HEAVE, PITCH, VesselMotion
+
+Array = NDArray[np.float64]
+
+
+class MotionSource(Protocol):
+    """Gives the vessel's motion, without start ramp, tick by tick."""
+
+    def motion(self, tick: int) -> VesselMotion:
+        """Return the motion at tick * tick_period; ticks are asked in rising order, each once."""
+
+
+class RegularSource:
+    """Boom tip moved as a_i sin(omega t) along world x, y, z; the sea surface follows z."""
+
+    def __init__(self, amplitude: tuple[float, ...], period: float, tick_period: float) -> None:
+        self._amplitude = np.array(amplitude)
+        self._omega = 2.0 * math.pi / period
+        self._tick_period = tick_period
+
+    def motion(self, tick: int) -> VesselMotion:
+        """See MotionSource."""
+        time = tick * self._tick_period
+        sine, cosine = math.sin(self._omega * time), math.cos(self._omega * time)
+        motion = VesselMotion(time)
+        motion.displacement[:3] = self._amplitude * sine
+        motion.velocity[:3] = self._amplitude * (self._omega * cosine)
+        motion.acceleration[:3] = self._amplitude * (-self._omega * self._omega * sine)
+        motion.elevation = float(motion.displacement[HEAVE])
+        return motion
+
+
+class SecondOrderSource:
+    """Components through the second-order vessel (thesis Eq. 6.25), each by its exact steady response.
+
+    `vessel` None: the boom tip follows the sea surface.
+    """
+
+    def __init__(
+        self, components: WaveComponents, vessel: SecondOrderVessel | None, pitch_gain: float, tick_period: float
+    ) -> None:
+        omega = components.frequency
+        phasor = components.amplitude * np.exp(1j * components.phase)
+        response = np.ones(omega.size, dtype=complex) if vessel is None else vessel.response(omega)
+        rows = [phasor, phasor * response]
+        self._has_pitch = pitch_gain > 0.0 and vessel is not None
+        if self._has_pitch:
+            assert vessel is not None
+            shape = vessel.response(omega) / vessel.gain if vessel.gain else 0.0 * response
+            # bow-down pitch is positive and the waves meet the bow: the slope along their travel is the pitch
+            rows.append(phasor * shape * pitch_gain * wave_slope_response(omega))
+        self._sum = HarmonicSum(omega, np.vstack(rows), tick_period)
+        self._tick_period = tick_period
+
+    def motion(self, tick: int) -> VesselMotion:
+        """See MotionSource."""
+        values = self._sum.at(tick)
+        motion = VesselMotion(tick * self._tick_period, elevation=float(values[0, 0]))
+        motion.displacement[HEAVE], motion.velocity[HEAVE], motion.acceleration[HEAVE] = values[:, 1]
+        if self._has_pitch:
+            motion.displacement[PITCH], motion.velocity[PITCH], motion.acceleration[PITCH] = values[:, 2]
+        return motion
+
+
+class FilterSource:
+    """White noise through a shaping filter and the second-order vessel, discretised exactly; starts stationary.
+
+    Without a vessel the boom tip follows the surface; its acceleration is then that of the filter without its white
+    part.
+    """
+
+    def __init__(self, wave: StateSpace, vessel: SecondOrderVessel | None, seed: int, tick_period: float) -> None:
+        system = _boom_tip_system(wave, vessel)
+        self._transition, noise = discretise(system, tick_period)
+        self._noise_factor = covariance_factor(noise)
+        self._generator = random_stream(seed, "wave_vessel/shaping_filter")
+        start = covariance_factor(system.stationary_covariance())
+        self._state = start @ self._generator.standard_normal(system.order)
+        self._tick = 0
+        self._outputs = system.C
+        self._tick_period = tick_period
+
+    def motion(self, tick: int) -> VesselMotion:
+        """See MotionSource."""
+        while self._tick < tick:
+            noise = self._noise_factor @ self._generator.standard_normal(self._state.size)
+            self._state = self._transition @ self._state + noise
+            self._tick += 1
+        elevation, heave, rate, acceleration = self._outputs @ self._state
+        motion = VesselMotion(tick * self._tick_period, elevation=float(elevation))
+        motion.displacement[HEAVE], motion.velocity[HEAVE], motion.acceleration[HEAVE] = heave, rate, acceleration
+        return motion
+
+
+def _boom_tip_system(wave: StateSpace, vessel: SecondOrderVessel | None) -> StateSpace:
+    """Return the system from white noise to elevation, heave, heave rate and heave acceleration."""
+    if vessel is None:
+        rows = np.vstack((wave.C, wave.C, wave.C @ wave.A, wave.C @ wave.A @ wave.A))
+        return StateSpace(wave.A, wave.B, rows, wave.names)
+    boom = vessel.state_space()
+    n, m = boom.order, wave.order
+    A = np.block([[boom.A, boom.B @ wave.C], [np.zeros((m, n)), wave.A]])
+    B = np.vstack((np.zeros((n, 1)), wave.B))
+    heave = np.hstack((boom.C[:1], np.zeros((1, m))))
+    elevation = np.hstack((np.zeros((1, n)), wave.C))
+    rows = np.vstack((elevation, heave, heave @ A, heave @ A @ A))
+    return StateSpace(A, B, rows, boom.names + wave.names)
+
+
+class RampedSource:
+    """Another source, growing from rest over the ramp; at the first tick (number 1) everything is still."""
+
+    def __init__(self, source: MotionSource, parameters: WaveVesselParameters, tick_period: float) -> None:
+        self._source = source
+        self._ramp = parameters.ramp
+        self._tick_period = tick_period
+
+    def motion(self, tick: int) -> VesselMotion:
+        """See MotionSource."""
+        motion = self._source.motion(tick)
+        since_start = (tick - 1) * self._tick_period
+        if since_start < self._ramp:
+            six = np.stack((motion.displacement, motion.velocity, motion.acceleration))
+            motion.displacement, motion.velocity, motion.acceleration = apply_ramp(six, since_start, self._ramp)
+            motion.elevation *= float(apply_ramp(np.array([1.0, 0.0, 0.0]), since_start, self._ramp)[0])
+        return motion

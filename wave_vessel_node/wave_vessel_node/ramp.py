@@ -1,0 +1,31 @@
+"""A start from rest that is twice differentiable, so that neither cable nor filters are kicked."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+def smooth_ramp(time: float, duration: float) -> tuple[float, float, float]:
+    """Return the quintic ramp r(time / duration) from 0 to 1 and its first two time derivatives; r = 1 if `duration`
+    is 0.
+    """
+    if time >= duration:
+        return 1.0, 0.0, 0.0
+    if time <= 0.0:
+        return 0.0, 0.0, 0.0
+    x = time / duration
+    value = x**3 * (10.0 + x * (6.0 * x - 15.0))
+    rate = 30.0 * x**2 * (1.0 - x) ** 2 / duration
+    acceleration = 60.0 * x * (1.0 - x) * (1.0 - 2.0 * x) / duration**2
+    return value, rate, acceleration
+
+
+def apply_ramp(motion: Array, time: float, duration: float) -> Array:
+    """Return r q, (r q)', (r q)'' for `motion` = (q, q', q''), shape (3, ...)."""
+    r, r1, r2 = smooth_ramp(time, duration)
+    return np.stack(
+        (r * motion[0], r * motion[1] + r1 * motion[0], r * motion[2] + 2.0 * r1 * motion[1] + r2 * motion[0])
+    )
