@@ -1,0 +1,54 @@
+# `make run` and `make test` set up everything they need in .venv. Another Python: make run PYTHON=python3.12
+VENV := .venv
+BIN := $(VENV)/bin
+PYTHON ?=
+SOURCES := node_base wave_vessel_node cable_sim_node winch_controller_node bags bringup
+# What a build copies; Python files, scenarios among them, are used where they lie.
+BUILD_INPUTS := pyproject.toml $(wildcard cmake/* msgs/*.txt msgs/*.xml msgs/msg/* msgs/srv/* msgs/action/* */package.xml */launch/* */config/*)
+
+# The mark that the ROS wheels leave in the environment belongs to one Python; another must set itself up.
+unexport _ROS_WHEELS_BOOTSTRAP_COMPLETE
+export OMP_NUM_THREADS ?= 1
+
+.PHONY: help run test lint check coverage install clean
+.DELETE_ON_ERROR:
+
+help:  ## what can be made
+	@sed -n 's/^\([a-z]*\):.*## */make \1\t/p' $(MAKEFILE_LIST)
+
+run: $(VENV)/.installed  ## set up, then the calm-sea scenario for ten simulated minutes: a bag and a report under runs/
+	$(BIN)/heave run b2_calm_300 --duration 600
+
+test: lint  ## set up, then every check: ruff, mypy, pytest
+	$(BIN)/python -m pytest $(PYTEST)
+
+lint: $(VENV)/.test-installed  ## set up, then ruff and mypy
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy $(SOURCES:%=%/) tests
+
+coverage: $(VENV)/.test-installed  ## the tests with the lines they reach
+	$(BIN)/coverage run -m pytest $(PYTEST)
+	$(BIN)/coverage combine --quiet || true
+	$(BIN)/coverage report
+
+install: $(VENV)/.installed  ## set up only: .venv/bin/heave
+
+# uv installs in a third of pip's time; where it cannot (a mirror that only pip is told of) pip does.
+$(VENV)/bin/uv:
+	@python=$$(sh tools/find_python.sh $(PYTHON)) && echo "setup: $$python" && "$$python" -m venv --clear $(VENV)
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check uv
+
+$(VENV)/.installed: $(VENV)/bin/uv $(BUILD_INPUTS)
+	@echo "setup: ROS 2 from wheels, then the messages are compiled: a minute or two"
+	@VIRTUAL_ENV=$(CURDIR)/$(VENV) $(BIN)/uv pip install --quiet --reinstall-package heave --editable . || \
+		$(BIN)/python -m pip install --quiet --editable .
+	@touch $@
+
+$(VENV)/.test-installed: $(VENV)/.installed
+	@VIRTUAL_ENV=$(CURDIR)/$(VENV) $(BIN)/uv pip install --quiet --requirement pyproject.toml --extra test || \
+		$(BIN)/python -m pip install --quiet --editable '.[test]'
+	@touch $@
+
+clean:  ## remove the environment and what was built; runs/ stays
+	rm -rf $(VENV) build install log dist
