@@ -92,8 +92,8 @@ def simulate_axial(
         raise AxialError(f"the cable is hauled in to {length + float(paid.min()):g} m: its length must stay positive")
 
     substeps = max(1, math.ceil(sample_period / largest_step - 1e-9))
-    time = np.arange(len(heave)) * sample_period
-    fine = np.linspace(0.0, time[-1], (len(heave) - 1) * substeps + 1)
+    time = sample_period * np.arange(len(heave), dtype=np.float64)
+    fine = np.linspace(0.0, time[-1], (len(heave) - 1) * substeps + 1, dtype=np.float64)
     top, top_velocity = _interpolate(time, heave, fine)
     feed, feed_rate = _interpolate(time, paid, fine)
     out_length = length + feed

@@ -1,0 +1,174 @@
+"""Finding the three unknowns: a Newton search that cannot fail for dead loads, and continuation in the current.
+
+Under dead loads the end position is the gradient of the complementary energy by the tension vector at s = 0, a convex
+function. Newton with a line search on that energy therefore reaches the only answer from any start, slack or taut.
+Drag turns with the cable and spoils convexity: there Newton starts from the dead-load answer and, where it diverges,
+follows the answer while the current is raised in steps (thesis 2.5, 2.7).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cable_sim_node.statics.errors import NoEquilibriumError
+from cable_sim_node.statics.shape import StaticShape, shape_from
+from cable_sim_node.statics.system import Current, StaticCable
+
+Array = NDArray[np.float64]
+
+RELATIVE_TOLERANCE = 1e-11
+"""Residual at which a search ends, over the scale of each equation."""
+
+ACCEPTABLE = 1e-8
+"""Residual over scale that is taken for an answer when rounding leaves no better one."""
+
+CONVEX_LIMIT = 400
+NEWTON_LIMIT = 40
+SMALLEST_STEP = 2.0**-12
+"""Smallest step of the current in a continuation."""
+
+PICARD_LIMIT = 60
+
+
+@dataclass(frozen=True)
+class Equations:
+    """Three equations for three unknowns.
+
+    Attributes
+    ----------
+    evaluate : (unknowns, current factor) to (residuals over scale, their exact Jacobian, shape), None where impossible
+    """
+
+    evaluate: Callable[[Array, float], tuple[Array, Array, StaticShape] | None]
+
+
+def solve_dead_loads(
+    cable: StaticCable, current: Current, origin: Array, span: Array, known: Array, guess: Array, drag: Array
+) -> Array | None:
+    """Return the tension vector below node 0 under dead loads, or None if the search does not end.
+
+    Parameters
+    ----------
+    origin : position of node 0 [m]
+    span : wanted position of the other end relative to it [m]; only axes that are not `known` count
+    known : which components of the tension vector are given (`guess` has them)
+    guess : start of the search [N]
+    drag : dead loads on the segments beside weight, shape (n, 3) [N/m]
+    """
+    free = np.logical_not(known)
+    start = guess.copy()
+    scale = cable.length + float(np.linalg.norm(span[free]))
+
+    def evaluate(at: Array) -> tuple[float, Array, Array] | None:
+        shape = shape_from(cable, current, origin, at, factor=0.0, frozen_drag=drag)
+        if shape is None:
+            return None
+        gradient = shape.positions[-1] - origin - span
+        return shape.energy - float(span[free] @ at[free]), gradient[free], shape.partials[:3, 3:][np.ix_(free, free)]
+
+    state = evaluate(start)
+    best = np.inf
+    for _ in range(CONVEX_LIMIT):
+        if state is None:
+            return None
+        energy, gradient, compliance = state
+        miss = float(np.abs(gradient).max()) / scale
+        if miss < RELATIVE_TOLERANCE:
+            return start
+        # a compliance without stiffness in some direction (a straight weightless cable) keeps a floor
+        floor = 1e-13 * float(np.trace(compliance)) * np.eye(int(free.sum()))
+        step = np.zeros(3)
+        step[free] = -np.linalg.solve(compliance + floor, gradient)
+        slope = float(gradient @ step[free])
+        share, found = 1.0, None
+        while share > 1e-14:
+            trial = evaluate(start + share * step)
+            # near the answer the energy is flat within rounding: there the slope decides
+            if trial is not None:
+                trial_slope = float(trial[1] @ step[free])
+                if trial[0] <= energy + 1e-4 * share * slope or abs(trial_slope) <= 0.5 * abs(slope):
+                    found = trial
+                    break
+            share *= 0.5
+        if found is None:
+            return start if miss < ACCEPTABLE else None
+        if miss >= best and miss < ACCEPTABLE:
+            return start
+        best = min(best, miss)
+        start = start + share * step
+        state = found
+    return None
+
+
+def solve_newton(equations: Equations, guess: Array, factor: float) -> tuple[Array, StaticShape] | None:
+    """Damped Newton at one strength of the current; None where it does not converge."""
+    unknowns = guess.copy()
+    state = equations.evaluate(unknowns, factor)
+    for _ in range(NEWTON_LIMIT):
+        if state is None:
+            return None
+        residual, jacobian, shape = state
+        miss = float(np.linalg.norm(residual))
+        if miss < RELATIVE_TOLERANCE:
+            return unknowns, shape
+        try:
+            step = -np.linalg.solve(jacobian, residual)
+        except np.linalg.LinAlgError:
+            return None
+        share, found = 1.0, None
+        while share > 1e-4:
+            trial = equations.evaluate(unknowns + share * step, factor)
+            if trial is not None and float(np.linalg.norm(trial[0])) < (1.0 - 0.1 * share) * miss:
+                found = trial
+                break
+            share *= 0.5
+        if found is None:
+            return (unknowns, shape) if miss < ACCEPTABLE else None
+        unknowns = unknowns + share * step
+        state = found
+    return None
+
+
+def follow_current(equations: Equations, still: Array, what: str) -> StaticShape:
+    """Return the answer at full current, reached from the answer `still` without any by raising it step by step.
+
+    Each answer starts the next with the tangent of the last two; steps that fail are halved.
+
+    Raises
+    ------
+    NoEquilibriumError
+        if the steps become too small; says at what share of the current the answer was lost.
+    """
+    direct = solve_newton(equations, still, 1.0)
+    if direct is not None:
+        return direct[1]
+    begin = solve_newton(equations, still, 0.0)
+    if begin is None:
+        raise NoEquilibriumError(f"{what}: no equilibrium was found even without current")
+    factor, step = 0.0, 0.125
+    previous: tuple[float, Array] | None = None
+    unknowns, shape = begin
+    while factor < 1.0:
+        target = min(1.0, factor + step)
+        guess = unknowns
+        if previous is not None:
+            guess = unknowns + (unknowns - previous[1]) * (target - factor) / (factor - previous[0])
+        answer = solve_newton(equations, guess, target)
+        if answer is None and previous is not None:
+            answer = solve_newton(equations, unknowns, target)
+        if answer is None:
+            step *= 0.5
+            if step < SMALLEST_STEP:
+                raise NoEquilibriumError(
+                    f"{what}: no equilibrium was found beyond {100.0 * factor:.3g} % of the current"
+                )
+            continue
+        previous = (factor, unknowns)
+        factor = target
+        unknowns, shape = answer
+        step = min(2.0 * step, 0.25)
+    return shape

@@ -1,0 +1,243 @@
+"""The three boundary value problems of thesis 2.2.4: submerged, towing and mooring cable."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from cable_sim_node.statics.drag import segment_drag
+from cable_sim_node.statics.errors import NoEquilibriumError, StaticsError
+from cable_sim_node.statics.march import FORCE, LENGTH, NORMAL, STIFFNESS, TANGENTIAL
+from cable_sim_node.statics.newton import (
+    PICARD_LIMIT,
+    Equations,
+    follow_current,
+    solve_dead_loads,
+    solve_newton,
+)
+from cable_sim_node.statics.shape import StaticShape, shape_from
+from cable_sim_node.statics.system import Current, StaticCable
+
+Array = NDArray[np.float64]
+
+STILL_WATER = Current()
+
+
+def submerged_cable(
+    cable: StaticCable, start: ArrayLike, end: ArrayLike, current: Current = STILL_WATER
+) -> StaticShape:
+    """Return the equilibrium of a cable held at both ends (thesis 2.3.1).
+
+    Parameters
+    ----------
+    cable : the cable, s = 0 at `start`
+    start, end : positions of both ends [m], z up
+    current : steady current
+
+    Raises
+    ------
+    StaticsError
+        for positions that are not finite, and for a weightless cable longer than its span with no load on it, whose
+        shape is not determined.
+    NoEquilibriumError
+        if the current's answer cannot be reached.
+    """
+    origin, target = _point(start, "start"), _point(end, "end")
+    span = target - origin
+    scale = cable.length + float(np.linalg.norm(span))
+
+    def evaluate(unknowns: Array, factor: float) -> tuple[Array, Array, StaticShape] | None:
+        shape = shape_from(cable, current, origin, unknowns, factor=factor)
+        if shape is None:
+            return None
+        return (shape.positions[-1] - target) / scale, shape.partials[:3, 3:] / scale, shape
+
+    equations = Equations(evaluate)
+    none_known = np.zeros(3, dtype=bool)
+    drag = np.zeros_like(cable.steady_loads)
+    if not _is_determined(cable, span, drag):
+        drag = _drag_on_chord(cable, current, origin, span)
+        if not _is_determined(cable, span, drag):
+            raise StaticsError(
+                "a weightless cable longer than its span has no one shape in still water: give it a load"
+            )
+    guess = _catenary_guess(cable, span, drag)
+    start_tension = solve_dead_loads(cable, current, origin, span, none_known, guess, drag)
+    if start_tension is None:
+        raise NoEquilibriumError("submerged cable: no equilibrium was found under dead loads")
+    if current.is_still and cable.feed == 0.0:
+        shape = shape_from(cable, current, origin, start_tension)
+        assert shape is not None, "the answer of a search can be marched"
+        return shape
+    answer = solve_newton(equations, start_tension, 1.0)
+    if answer is not None:
+        return answer[1]
+    try:
+        return follow_current(equations, start_tension, "submerged cable")
+    except NoEquilibriumError:
+        relaxed = _relax_drag(cable, current, origin, span, none_known, start_tension, drag)
+        answer = None if relaxed is None else solve_newton(equations, relaxed, 1.0)
+        if answer is None:
+            raise
+        return answer[1]
+
+
+def towing_cable(
+    cable: StaticCable, end: ArrayLike, current: Current = STILL_WATER, *, free_force: ArrayLike = (0.0, 0.0, 0.0)
+) -> StaticShape:
+    """Return the equilibrium of a cable hung at `end` (s = L) with known forces at its free end s = 0 (thesis 2.3.2).
+
+    The shape follows directly from the free end; the only unknown left is its depth, on which current and drag depend.
+
+    Parameters
+    ----------
+    cable : the cable; the unit is a point load at label 0
+    end : position of the held end [m], z up
+    current : steady current
+    free_force : force on the free end beside the point loads, for example thrust [N]
+
+    Raises
+    ------
+    NoEquilibriumError
+        if there is no depth of the free end that fits.
+    """
+    target = _point(end, "end")
+    start = _point(free_force, "free_force") * -1.0
+    scale = cable.length
+
+    def evaluate(unknowns: Array, factor: float) -> tuple[Array, Array, StaticShape] | None:
+        shape = shape_from(cable, current, unknowns, start, factor=factor)
+        if shape is None:
+            return None
+        return (shape.positions[-1] - target) / scale, shape.partials[:3, :3] / scale, shape
+
+    guess = target - np.array([0.0, 0.0, cable.length])
+    still = shape_from(cable, current, guess, start, factor=0.0)
+    if still is not None:
+        guess = guess + target - still.positions[-1]
+    return follow_current(Equations(evaluate), guess, "towing cable")
+
+
+def mooring_cable(
+    cable: StaticCable,
+    start: ArrayLike,
+    height: float,
+    horizontal_force: ArrayLike,
+    current: Current = STILL_WATER,
+) -> StaticShape:
+    """Return the equilibrium of a cable anchored at s = 0 whose other end is pulled sideways at a given height (2.3.3).
+
+    Parameters
+    ----------
+    cable : the cable, s = 0 at the anchor
+    start : position of the anchor [m]
+    height : z of the other end [m]
+    horizontal_force : force x, y on that end [N], beside the point loads there
+    current : steady current
+
+    Raises
+    ------
+    StaticsError
+        for values that are not finite, or no pull on a weightless cable.
+    NoEquilibriumError
+        if no vertical force brings the end to that height, or the current's answer cannot be reached.
+    """
+    origin = _point(start, "start")
+    pull = np.asarray(horizontal_force, dtype=np.float64)
+    if pull.shape != (2,) or not (np.all(np.isfinite(pull)) and np.isfinite(height)):
+        raise StaticsError(f"horizontal_force must be two finite numbers and height finite; got {pull} and {height}")
+    force_scale = float(np.abs(cable.steady_loads[:, 2]) @ cable.segments[:, LENGTH])
+    force_scale += float(np.linalg.norm(pull)) + float(np.abs(cable.nodes[:, FORCE : FORCE + 3]).sum())
+    if force_scale == 0.0:
+        raise StaticsError("a weightless mooring cable without pull has no one shape: give it a load")
+    length_scale = cable.length + abs(height - origin[2])
+
+    def evaluate(unknowns: Array, factor: float) -> tuple[Array, Array, StaticShape] | None:
+        shape = shape_from(cable, current, origin, unknowns, factor=factor)
+        if shape is None:
+            return None
+        residual = np.array([*((shape.end_force[:2] - pull) / force_scale), (shape.positions[-1, 2] - height)])
+        jacobian = np.vstack((shape.partials[3:5, 3:] / force_scale, shape.partials[2:3, 3:]))
+        residual[2] /= length_scale
+        jacobian[2] /= length_scale
+        return residual, jacobian, shape
+
+    steady = cable.nodes[:, FORCE : FORCE + 3].sum(axis=0)
+    span = np.array([0.0, 0.0, height - origin[2]])
+    guess = _catenary_guess(cable, span, np.zeros_like(cable.steady_loads))
+    guess[:2] = pull + steady[:2]
+    known = np.array([True, True, False])
+    start_tension = solve_dead_loads(cable, current, origin, span, known, guess, np.zeros_like(cable.steady_loads))
+    if start_tension is None:
+        raise NoEquilibriumError("mooring cable: no vertical force brings the end to that height")
+    return follow_current(Equations(evaluate), start_tension, "mooring cable")
+
+
+def _point(value: ArrayLike, name: str) -> Array:
+    point = np.asarray(value, dtype=np.float64)
+    if point.shape != (3,) or not np.all(np.isfinite(point)):
+        raise StaticsError(f"{name} must be three finite numbers x, y, z; got {value!r}")
+    return point
+
+
+def _is_determined(cable: StaticCable, span: Array, drag: Array) -> bool:
+    """Whether dead loads or stretch give the cable a shape at all."""
+    loads = np.abs(cable.steady_loads + drag).sum() + np.abs(cable.nodes[1:-1, FORCE : FORCE + 3]).sum()
+    return bool(loads > 0.0 or np.linalg.norm(span) > cable.length)
+
+
+def _drag_on_chord(cable: StaticCable, current: Current, origin: Array, span: Array) -> Array:
+    """Drag of every segment were it to lie along the span, at its depth there; shape (n, 3) [N/m]."""
+    middles = 0.5 * (cable.labels[:-1] + cable.labels[1:]) / cable.length
+    chord = span if np.any(span) else np.array([0.0, 0.0, 1.0])
+    drag = np.empty((len(middles), 3))
+    scratch = np.empty((3, 3)), np.empty((3, 3))
+    for index, share in enumerate(middles):
+        flow = current.at(-(origin[2] + share * span[2]))
+        row = cable.segments[index]
+        segment_drag(chord, flow, cable.feed, row[NORMAL], row[TANGENTIAL], drag[index], *scratch)
+    return drag
+
+
+def _catenary_guess(cable: StaticCable, span: Array, drag: Array) -> Array:
+    """Tension vector at s = 0 of a shallow curve under the mean load: good enough to start a convex search."""
+    lengths = cable.segments[:, LENGTH]
+    total = lengths @ (cable.steady_loads + drag) + cable.nodes[:, FORCE : FORCE + 3].sum(axis=0)
+    distance = float(np.linalg.norm(span))
+    stiffness = cable.length / float(np.sum(lengths / cable.segments[:, STIFFNESS]))
+    if distance == 0.0:
+        return np.asarray(0.5 * total)
+    along = span / distance
+    across = float(np.linalg.norm(total - along * (total @ along)))
+    slack = cable.length / distance - 1.0
+    pull = across / np.sqrt(24.0 * max(slack, 1e-6)) + stiffness * max(-slack, 0.0)
+    pull = max(pull, 1e-6 * (float(np.linalg.norm(total)) + stiffness * 1e-6))
+    return np.asarray(pull * along + 0.5 * total)
+
+
+def _relax_drag(
+    cable: StaticCable, current: Current, origin: Array, span: Array, known: Array, start: Array, drag: Array
+) -> Array | None:
+    """Thesis 2.5: solve under the last shape's drag as dead loads, again and again, half the change at a time."""
+    tension = start
+    for _ in range(PICARD_LIMIT):
+        shape = shape_from(cable, current, origin, tension, factor=0.0, frozen_drag=drag)
+        if shape is None:
+            return None
+        drag = 0.5 * (drag + _drag_of_shape(cable, current, shape))
+        answer = solve_dead_loads(cable, current, origin, span, known, tension, drag)
+        if answer is None:
+            return None
+        tension = answer
+    return tension
+
+
+def _drag_of_shape(cable: StaticCable, current: Current, shape: StaticShape) -> Array:
+    """Drag of every segment as it lies; shape (n, 3) [N/m]."""
+    drag = np.empty_like(shape.drag)
+    scratch = np.empty((3, 3)), np.empty((3, 3))
+    for index, row in enumerate(cable.segments):
+        chord = shape.positions[index + 1] - shape.positions[index]
+        flow = current.at(-0.5 * (shape.positions[index, 2] + shape.positions[index + 1, 2]))
+        segment_drag(chord, flow, cable.feed, row[NORMAL], row[TANGENTIAL], drag[index], *scratch)
+    return drag

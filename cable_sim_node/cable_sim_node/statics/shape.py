@@ -1,0 +1,107 @@
+"""The answer of statics: where the cable lies and what it pulls."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cable_sim_node.statics.march import LENGTH, STIFFNESS, march
+from cable_sim_node.statics.segment import segment_span
+from cable_sim_node.statics.system import Current, StaticCable
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class StaticShape:
+    """An equilibrium; frame z up, vectors in newtons and metres, one row per node from s = 0.
+
+    Attributes
+    ----------
+    cable : what was solved
+    positions : shape (n + 1, 3) [m]
+    lower, upper : shape (n, 3), tension vectors at the two ends of each segment, pointing along increasing s [N]
+    drag : shape (n, 3), drag on each segment per unstretched metre [N/m]
+    start_force, end_force : forces that hold the cable at s = 0 and at s = L, point loads there not included [N]
+    partials : shape (6, 6): (position at s = L, end_force) by (position at s = 0, minus start_force)
+    energy : complementary energy [N m]
+    """
+
+    cable: StaticCable
+    positions: Array
+    lower: Array
+    upper: Array
+    drag: Array
+    start_force: Array
+    end_force: Array
+    partials: Array
+    energy: float
+
+    @property
+    def tension(self) -> Array:
+        """Tension at each node, the larger of both sides where a load makes it jump, shape (n + 1,) [N]."""
+        above = np.linalg.norm(np.vstack((self.lower, self.upper[-1:])), axis=1)
+        below = np.linalg.norm(np.vstack((self.lower[:1], self.upper)), axis=1)
+        return np.asarray(np.maximum(above, below))
+
+    @property
+    def top_tension(self) -> float:
+        """Tension in the cable at s = L [N]."""
+        return float(np.linalg.norm(self.upper[-1]))
+
+    @property
+    def top_angle(self) -> float:
+        """Angle between the cable at s = L and the vertical [rad]; 0 hangs straight down."""
+        pull = self.upper[-1]
+        return float(np.arctan2(np.hypot(pull[0], pull[1]), pull[2]))
+
+    @property
+    def stretched_length(self) -> float:
+        """Length under load [m]."""
+        mean = 0.0
+        for index, row in enumerate(self.cable.segments):
+            load = (self.lower[index] - self.upper[index]) / row[LENGTH]
+            scratch = np.empty(3), np.empty((3, 3)), np.empty((3, 3))
+            integral = segment_span(self.lower[index], load, row[LENGTH], row[STIFFNESS], *scratch)
+            mean += row[LENGTH] + integral / row[STIFFNESS]
+        return float(mean)
+
+    def curve(self, per_segment: int = 4) -> Array:
+        """Return points along the exact curve, `per_segment` to a segment, shape (n * per_segment + 1, 3) [m]."""
+        points = [self.positions[0]]
+        scratch = np.empty((3, 3)), np.empty((3, 3))
+        for index, row in enumerate(self.cable.segments):
+            load = (self.lower[index] - self.upper[index]) / row[LENGTH]
+            for part in range(1, per_segment + 1):
+                span = np.empty(3)
+                segment_span(self.lower[index], load, row[LENGTH] * part / per_segment, row[STIFFNESS], span, *scratch)
+                points.append(self.positions[index] + span)
+        return np.array(points)
+
+
+def shape_from(
+    cable: StaticCable,
+    current: Current,
+    origin: Array,
+    start: Array,
+    *,
+    factor: float = 1.0,
+    frozen_drag: Array | None = None,
+) -> StaticShape | None:
+    """March from s = 0 with the tension vector `start` below node 0; None where a segment has no solution.
+
+    `factor` multiplies the current; `frozen_drag` replaces the segments' drag by dead loads [N/m].
+    """
+    count = len(cable.segments)
+    positions, lower, upper = np.empty((count + 1, 3)), np.empty((count, 3)), np.empty((count, 3))
+    drag = np.zeros((count, 3)) if frozen_drag is None else frozen_drag.copy()
+    end, partials = np.empty(3), np.empty((6, 6))
+    energy = march(
+        origin, start, cable.segments, cable.nodes, current.depths, current.velocities, factor, cable.feed,
+        frozen_drag is not None, drag, positions, lower, upper, end, partials,
+    )  # fmt: skip
+    if not np.isfinite(energy) or not np.all(np.isfinite(partials)):
+        return None
+    return StaticShape(cable, positions, lower, upper, drag, -start, end, partials, float(energy))
