@@ -19,6 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 from cable_sim_node import line_layout as at
 from cable_sim_node.equilibrium import hang
 from cable_sim_node.errors import BadMotionError, CableTooShortError, NotConvergedError, PlantError
+from cable_sim_node.line_assembly import add_contact
 from cable_sim_node.line_feed import set_top_segment
 from cable_sim_node.line_grid import build_line, settings_row
 from cable_sim_node.line_step import advance, evaluate
@@ -219,6 +220,16 @@ class CableDynamics:
         bed = self.parameters.seabed
         x, y, z = self._line.x[0]
         return bed.depth > 0.0 and z <= -bed.depth + bed.slope[0] * x + bed.slope[1] * y
+
+    @property
+    def touchdown_force(self) -> float:
+        """Vertical force of the seabed on the unit, positive up [N]; 0 off the seabed."""
+        line = self._line
+        if line.settings[at.BED_ON] == 0.0:
+            return 0.0
+        residual = np.zeros((1, 3))
+        add_contact(0, line.x, line.v, line.seg, line.settings, 0.0, np.zeros((1, 6)), residual)
+        return float(-residual[0, 2])
 
     @property
     def grounded_length(self) -> float:
