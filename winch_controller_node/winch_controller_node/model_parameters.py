@@ -1,0 +1,305 @@
+"""What the controller believes of plant, winch, sea and sensors.
+
+Names are those of the plant's own parameters where both have one.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from heave_node.parameters import ParameterError, group, parameter
+
+KNOWN_SENSORS = ("mru", "depth", "encoder", "velocity", "imu", "load_cell")
+
+
+@dataclass(frozen=True)
+class CableModelParameters:
+    """The two-state cable a x'' + b x' + x = x0 - payout (thesis Eq. 6.2): from the plant's data, or as identified."""
+
+    inertia: float = parameter(
+        0.0, unit="s^2", minimum=0.0, maximum=1e4, description="a; 0 takes it from cable, unit and length."
+    )
+    damping: float = parameter(
+        0.0, unit="s", minimum=0.0, maximum=1e4, description="b; 0 takes it from drag linearised at drag_amplitude."
+    )
+    inertia_factor: float = parameter(
+        1.0, unit="", minimum=0.1, maximum=10.0, description="What a is multiplied by: model errors, trials."
+    )
+    damping_factor: float = parameter(
+        1.0, unit="", minimum=0.0, maximum=100.0, description="What b is multiplied by: model errors, trials."
+    )
+    drag_amplitude: float = parameter(
+        0.1,
+        unit="m",
+        minimum=0.0,
+        maximum=20.0,
+        description="Boom-tip amplitude about which drag is made linear; the compensated unit hardly moves.",
+    )
+    disturbance: float = parameter(
+        1e-3,
+        unit="m/s^2/sqrt(Hz)",
+        minimum=0.0,
+        maximum=10.0,
+        description="White acceleration of the unit that the model does not know (two-sided density).",
+    )
+
+
+@dataclass(frozen=True)
+class WinchModelParameters:
+    """The winch as the controller believes it: law, lags, delay and limits."""
+
+    law: str = parameter(
+        "speed_servo",
+        unit="",
+        choices=("speed_servo", "first_order"),
+        description="speed_servo: v' = (v_set - v)/T; first_order: u' = K (u_0 - u), thesis Eq. 6.1.",
+    )
+    time_constant: float = parameter(0.15, unit="s", minimum=1e-3, maximum=60.0, description="T of the speed servo.")
+    position_gain: float = parameter(
+        0.0,
+        unit="1/s",
+        minimum=0.0,
+        maximum=1e3,
+        description="k_p of the servo's position loop; the payout set-point is the mean payout then.",
+    )
+    position_rate: float = parameter(
+        1.0, unit="1/s", minimum=1e-3, maximum=1e3, description="K of the first-order winch."
+    )
+    command_delay: float = parameter(
+        0.2, unit="s", minimum=0.0, maximum=60.0, description="From the start of a command's tick to its effect."
+    )
+    speed_limit: float = parameter(2.0, unit="m/s", minimum=1e-3, maximum=100.0, description="Largest payout speed.")
+    acceleration_limit: float = parameter(
+        1.5, unit="m/s^2", minimum=1e-3, maximum=1e6, description="Largest payout acceleration."
+    )
+    payout_minimum: float = parameter(
+        -50.0, unit="m", minimum=-20_000.0, maximum=20_000.0, description="Lower end of the payout range."
+    )
+    payout_maximum: float = parameter(
+        50.0, unit="m", minimum=-20_000.0, maximum=20_000.0, description="Upper end of the payout range."
+    )
+    power_limit: float = parameter(
+        0.0, unit="W", minimum=0.0, maximum=1e9, description="Largest power of the winch; 0 means no limit."
+    )
+    disturbance: float = parameter(
+        0.01,
+        unit="m/s^2/sqrt(Hz)",
+        minimum=0.0,
+        maximum=10.0,
+        description="White drum acceleration that the servo model does not know (two-sided density).",
+    )
+
+    def __post_init__(self) -> None:
+        if self.payout_minimum >= self.payout_maximum:
+            raise ParameterError(
+                f"winch.payout_minimum = {self.payout_minimum:g} m must be below winch.payout_maximum = "
+                f"{self.payout_maximum:g} m"
+            )
+
+
+@dataclass(frozen=True)
+class SwellModelParameters:
+    """The swell of an Ochi-Hubble sea."""
+
+    significant_wave_height: float = parameter(
+        1.0, unit="m", minimum=0.0, maximum=25.0, description="Significant wave height of the swell alone."
+    )
+    peak_period: float = parameter(16.0, unit="s", minimum=1.0, maximum=40.0, description="Peak period of the swell.")
+    shape: float = parameter(3.0, unit="", minimum=0.5, maximum=20.0, description="Ochi-Hubble shape of the swell.")
+
+
+@dataclass(frozen=True)
+class SeaModelParameters:
+    """The sea the controller is designed for."""
+
+    spectrum: str = parameter(
+        "bretschneider",
+        unit="",
+        choices=("bretschneider", "pierson_moskowitz", "jonswap", "ochi_hubble"),
+        description="Spectrum of the sea.",
+    )
+    significant_wave_height: float = parameter(
+        1.0,
+        unit="m",
+        minimum=0.01,
+        maximum=25.0,
+        description="Significant wave height (of the wind sea in ochi_hubble).",
+    )
+    peak_period: float = parameter(
+        8.0, unit="s", minimum=1.0, maximum=40.0, description="Peak period (of the wind sea in ochi_hubble)."
+    )
+    peak_enhancement: float = parameter(
+        3.3, unit="", minimum=1.0, maximum=10.0, description="gamma of the JONSWAP spectrum."
+    )
+    shape: float = parameter(1.0, unit="", minimum=0.5, maximum=20.0, description="Ochi-Hubble shape of the wind sea.")
+    swell: SwellModelParameters = group(SwellModelParameters)
+    filter_form: str = parameter(
+        "auto",
+        unit="",
+        choices=("auto", "thesis", "four_state", "six_state", "fit"),
+        description="Shaping filter that stands for the sea; auto takes the best.",
+    )
+    filter_states: int = parameter(
+        6, unit="", minimum=4, maximum=16, description="States of a fitted filter; even. Two-peaked seas need 10."
+    )
+
+
+@dataclass(frozen=True)
+class VesselModelParameters:
+    """The second-order vessel of thesis Eq. 6.25, or the boom tip that follows the sea."""
+
+    model: str = parameter(
+        "second_order",
+        unit="",
+        choices=("second_order", "direct"),
+        description="second_order (thesis Eq. 6.25), direct (boom tip follows the sea).",
+    )
+    natural_frequency: float = parameter(
+        0.9, unit="rad/s", minimum=0.01, maximum=10.0, description="omega_v of the vessel."
+    )
+    damping_ratio: float = parameter(0.4, unit="", minimum=0.01, maximum=5.0, description="xi_v of the vessel.")
+    gain: float = parameter(1.0, unit="", minimum=1e-3, maximum=10.0, description="K_v of the vessel.")
+
+
+@dataclass(frozen=True)
+class MruModelParameters:
+    """The motion reference unit as the controller believes it."""
+
+    noise: float = parameter(0.01, unit="m", minimum=1e-5, maximum=10.0, description="White noise of heave, 1 sigma.")
+    rate_noise: float = parameter(
+        0.01, unit="m/s", minimum=1e-5, maximum=10.0, description="White noise of heave rate, 1 sigma."
+    )
+    high_pass_period: float = parameter(
+        0.0, unit="s", minimum=0.0, maximum=300.0, description="Cut-off period of its high-pass; 0 is none."
+    )
+    high_pass_damping: float = parameter(
+        0.7071, unit="", minimum=0.2, maximum=2.0, description="Damping ratio of its high-pass."
+    )
+    scale_sigma: float = parameter(
+        0.0, unit="", minimum=0.0, maximum=0.5, description="Possible scale error, 1 sigma; 0 does not estimate it."
+    )
+    lever_arm_sigma: float = parameter(
+        0.0,
+        unit="m",
+        minimum=0.0,
+        maximum=10.0,
+        description="Possible lever-arm error, 1 sigma along x and y; 0 does not estimate it.",
+    )
+    rate: float = parameter(20.0, unit="Hz", minimum=0.01, maximum=1000.0, description="Readings per second.")
+
+
+@dataclass(frozen=True)
+class DepthModelParameters:
+    """The depth sensor as the controller believes it."""
+
+    noise: float = parameter(0.02, unit="m", minimum=1e-5, maximum=100.0, description="White noise, 1 sigma.")
+    rate: float = parameter(10.0, unit="Hz", minimum=0.01, maximum=1000.0, description="Readings per second.")
+    latency: float = parameter(
+        0.1,
+        unit="s",
+        minimum=0.0,
+        maximum=5.0,
+        description="Age of a reading when it arrives; used by predictions only.",
+    )
+    bias_sigma: float = parameter(
+        1.0, unit="m", minimum=0.0, maximum=100.0, description="Unknown of the mean depth at the start, 1 sigma."
+    )
+    bias_drift: float = parameter(
+        1e-3,
+        unit="m/sqrt(s)",
+        minimum=0.0,
+        maximum=1.0,
+        description="Random walk of the mean depth: tide, sensor drift, stretch.",
+    )
+
+
+@dataclass(frozen=True)
+class SensorsModelParameters:
+    """Which sensors the estimator uses, and what it believes of them."""
+
+    use: tuple[str, ...] = parameter(
+        ("mru", "depth", "encoder"), unit="", choices=KNOWN_SENSORS, description="Sensors the estimator takes."
+    )
+    mru: MruModelParameters = group(MruModelParameters)
+    depth: DepthModelParameters = group(DepthModelParameters)
+    encoder_noise: float = parameter(
+        3e-4, unit="m", minimum=1e-6, maximum=1.0, description="Noise of the encoder; 1 mm steps are 0.29 mm, 1 sigma."
+    )
+    velocity_noise: float = parameter(
+        0.01, unit="m/s", minimum=1e-5, maximum=10.0, description="Noise of the unit's velocity (DVL), 1 sigma."
+    )
+    velocity_rate: float = parameter(5.0, unit="Hz", minimum=0.01, maximum=1000.0, description="Readings per second.")
+    imu_noise: float = parameter(
+        0.02, unit="m/s^2", minimum=1e-5, maximum=10.0, description="Noise of the unit's acceleration, 1 sigma."
+    )
+    load_cell_noise: float = parameter(
+        0.005,
+        unit="",
+        minimum=1e-6,
+        maximum=1.0,
+        description="Noise of the load cell over the static tension, 1 sigma.",
+    )
+
+
+@dataclass(frozen=True)
+class WeightParameters:
+    """Sizes that weigh alike in the quadratic cost (Bryson's rule): a smaller size is a larger weight.
+
+    0 leaves it out.
+    """
+
+    unit_heave: float = parameter(0.01, unit="m", minimum=0.0, description="Heave of the unit.")
+    unit_heave_rate: float = parameter(0.0, unit="m/s", minimum=0.0, description="Heave rate of the unit.")
+    outlet_heave: float = parameter(0.05, unit="m", minimum=0.0, description="Boom-tip heave less payout.")
+    payout: float = parameter(50.0, unit="m", minimum=0.0, description="Payout about its mean: keeps it from drifting.")
+    payout_rate: float = parameter(0.0, unit="m/s", minimum=0.0, description="Payout speed.")
+    payout_acceleration: float = parameter(2.0, unit="m/s^2", minimum=0.0, description="Payout acceleration.")
+    command: float = parameter(
+        20.0, unit="m/s", minimum=0.0, description="The command itself (m for a first-order winch); must not be 0."
+    )
+
+
+@dataclass(frozen=True)
+class EstimatorParameters:
+    """The Kalman filter."""
+
+    gate: float = parameter(
+        25.0,
+        unit="",
+        minimum=1.0,
+        maximum=1e6,
+        description="Normalised innovation squared above which a reading is refused.",
+    )
+    gate_limit: int = parameter(
+        20,
+        unit="",
+        minimum=1,
+        maximum=10_000,
+        description="After so many refusals in a row the estimate's uncertainty grows until the sensor fits again.",
+    )
+    largest_age: float = parameter(
+        1.0, unit="s", minimum=0.0, maximum=10.0, description="Readings older than this at arrival are not used."
+    )
+    sea_adaptation: bool = parameter(
+        True, unit="", description="Follow the sea state seen in the estimate: scale the driving noise of the sea."
+    )
+
+
+@dataclass(frozen=True)
+class ScheduleParameters:
+    """Gain schedule over the deployed length."""
+
+    minimum_length: float = parameter(
+        0.0, unit="m", minimum=0.0, description="Shortest scheduled length; 0 and 0 design at `length` only."
+    )
+    maximum_length: float = parameter(
+        0.0, unit="m", minimum=0.0, description="Longest scheduled length; 0 and 0 design at `length` only."
+    )
+    points: int = parameter(9, unit="", minimum=2, maximum=200, description="Lengths at which gains are computed.")
+
+    def __post_init__(self) -> None:
+        if self.maximum_length < self.minimum_length:
+            raise ParameterError(
+                f"schedule.maximum_length = {self.maximum_length:g} m must not be below schedule.minimum_length "
+                f"= {self.minimum_length:g} m"
+            )
