@@ -1,0 +1,180 @@
+"""Plant and winch data as ROS messages, and back."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from builtin_interfaces.msg import Time
+from geometry_msgs.msg import Point, PoseWithCovarianceStamped, Quaternion, TwistWithCovarianceStamped, Vector3
+from heave_msgs.msg import CableState, LoadCell
+from heave_msgs.msg import PointMotion as PointMotionMessage
+from heave_msgs.msg import WinchCommand as WinchCommandMessage
+from heave_msgs.msg import WinchState as WinchStateMessage
+from heave_node.constants import ATMOSPHERIC_PRESSURE
+from heave_node.kinematics import PointMotion
+from heave_node.tick import seconds_of, stamp_of_seconds
+from nav_msgs.msg import Odometry
+from numpy.typing import NDArray
+from sensor_msgs.msg import FluidPressure, Imu
+from std_msgs.msg import Header
+
+from cable_sim_node.component import PlantState
+from cable_sim_node.sensors import Reading
+from cable_sim_node.winch import WinchCommand, WinchState
+
+Array = NDArray[np.float64]
+
+WORLD = "world"
+UNIT = "unit"
+UPRIGHT = (0.0, 0.0, 0.0, 1.0)
+UNKNOWN_VARIANCE = 1e6
+"""Variance [SI] of what a sensor does not measure, in messages that cannot leave it out."""
+
+
+def header(stamp: Time, frame: str) -> Header:
+    """Return a header."""
+    return Header(stamp=stamp, frame_id=frame)
+
+
+def _vector(values: Array) -> Vector3:
+    return Vector3(x=float(values[0]), y=float(values[1]), z=float(values[2]))
+
+
+def point_message(values: Array) -> Point:
+    """Return a position, shape (3,), as a message."""
+    return Point(x=float(values[0]), y=float(values[1]), z=float(values[2]))
+
+
+def _upright() -> Quaternion:
+    x, y, z, w = UPRIGHT
+    return Quaternion(x=x, y=y, z=z, w=w)
+
+
+def _diagonal(first: Array, rest: float) -> list[float]:
+    """Return a row-major 6x6 covariance with variances `first` (3,) and `rest` for the other three."""
+    return [float(v) for v in np.diag(np.concatenate([first, np.full(3, rest)])).ravel()]
+
+
+def cable_state_message(state: PlantState, stamp: Time) -> CableState:
+    """Return the state of the cable."""
+    return CableState(
+        header=header(stamp, WORLD),
+        nodes=[point_message(position) for position in state.node_positions],
+        segment_tension=state.segment_tensions,
+        top_tension=float(state.top_tension),
+        bottom_tension=float(state.segment_tensions[0]),
+        unstretched_length=float(state.unstretched_length),
+        slack_segments=int(state.slack_segments),
+        touchdown=bool(state.touchdown),
+        touchdown_force=float(state.touchdown_force),
+        compensator_stroke=float(state.compensator_stroke),
+    )
+
+
+def point_motion_message(motion: PointMotion, stamp: Time) -> PointMotionMessage:
+    """Return the motion of a point in frame `world`."""
+    return PointMotionMessage(
+        header=header(stamp, WORLD),
+        position=point_message(motion.position),
+        velocity=_vector(motion.velocity),
+        acceleration=_vector(motion.acceleration),
+    )
+
+
+def point_motion_of(message: PointMotionMessage) -> PointMotion:
+    """Return the motion that a message tells."""
+    p, v, a = message.position, message.velocity, message.acceleration
+    return PointMotion(
+        seconds_of(message.header.stamp),
+        np.array([p.x, p.y, p.z]),
+        np.array([v.x, v.y, v.z]),
+        np.array([a.x, a.y, a.z]),
+    )
+
+
+def unit_odometry_message(motion: PointMotion, stamp: Time) -> Odometry:
+    """Return the true motion of the unit, which does not turn: child frame `unit` has the axes of `world`."""
+    message = Odometry(header=header(stamp, WORLD), child_frame_id=UNIT)
+    message.pose.pose.position = point_message(motion.position)
+    message.pose.pose.orientation = _upright()
+    message.twist.twist.linear = _vector(motion.velocity)
+    return message
+
+
+def pressure_message(reading: Reading, density: float, gravity: float) -> FluidPressure:
+    """Return a depth reading as absolute pressure: atmosphere plus the still water above [Pa]."""
+    per_metre = density * gravity
+    return FluidPressure(
+        header=header(stamp_of_seconds(reading.stamp), UNIT),
+        fluid_pressure=ATMOSPHERIC_PRESSURE + per_metre * float(reading.value[0]),
+        variance=(per_metre * float(reading.sigma[0])) ** 2,
+    )
+
+
+def velocity_message(reading: Reading) -> TwistWithCovarianceStamped:
+    """Return a DVL reading; the axes of `unit` are those of `world`, turn rates are not measured."""
+    message = TwistWithCovarianceStamped(header=header(stamp_of_seconds(reading.stamp), UNIT))
+    message.twist.twist.linear = _vector(reading.value)
+    message.twist.covariance = _diagonal(reading.sigma**2, UNKNOWN_VARIANCE)
+    return message
+
+
+def imu_message(reading: Reading) -> Imu:
+    """Return an IMU reading: specific force and turn rate; orientation is not measured (covariance -1, REP-145)."""
+    message = Imu(header=header(stamp_of_seconds(reading.stamp), UNIT), orientation=_upright())
+    message.orientation_covariance[0] = -1.0
+    message.linear_acceleration = _vector(reading.value[:3])
+    message.angular_velocity = _vector(reading.value[3:])
+    variance = reading.sigma**2
+    message.linear_acceleration_covariance = np.diag(variance[:3]).ravel()
+    message.angular_velocity_covariance = np.diag(variance[3:]).ravel()
+    return message
+
+
+def usbl_message(reading: Reading) -> PoseWithCovarianceStamped:
+    """Return a USBL reading: position in frame `world`; orientation is not measured."""
+    message = PoseWithCovarianceStamped(header=header(stamp_of_seconds(reading.stamp), WORLD))
+    message.pose.pose.position = point_message(reading.value)
+    message.pose.pose.orientation = _upright()
+    message.pose.covariance = _diagonal(reading.sigma**2, UNKNOWN_VARIANCE)
+    return message
+
+
+def load_cell_message(reading: Reading) -> LoadCell:
+    """Return a load-cell reading."""
+    return LoadCell(
+        header=header(stamp_of_seconds(reading.stamp), ""),
+        tension=float(reading.value[0]),
+        tension_sigma=float(reading.sigma[0]),
+    )
+
+
+def winch_state_message(state: WinchState, stamp: Time) -> WinchStateMessage:
+    """Return the state of the winch."""
+    return WinchStateMessage(
+        header=header(stamp, ""),
+        command_sequence=state.command_sequence,
+        payout=state.payout,
+        payout_rate=state.payout_rate,
+        payout_acceleration=state.payout_acceleration,
+        encoder_payout=state.encoder_payout,
+        encoder_payout_rate=state.encoder_payout_rate,
+        tension=state.tension,
+        power=state.power,
+        limits_hit=int(state.limits),
+        brake=state.brake,
+        fault=int(state.fault),
+    )
+
+
+def winch_command_of(message: WinchCommandMessage) -> WinchCommand:
+    """Return the command that a message tells."""
+    return WinchCommand(message.sequence, message.payout, message.payout_rate, message.brake)
+
+
+def payout_of(message: WinchStateMessage) -> tuple[float, float]:
+    """Return payout [m] and rate [m/s]: the drum's truth, or the encoder's reading of hardware that knows no better."""
+    if math.isfinite(message.payout) and math.isfinite(message.payout_rate):
+        return message.payout, message.payout_rate
+    return message.encoder_payout, message.encoder_payout_rate

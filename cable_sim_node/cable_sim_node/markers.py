@@ -1,0 +1,81 @@
+"""What RViz and Foxglove show of the plant: cable, unit, boom tip, sea surface and seabed."""
+
+from __future__ import annotations
+
+import numpy as np
+from builtin_interfaces.msg import Duration, Time
+from geometry_msgs.msg import Point, Vector3
+from numpy.typing import NDArray
+from std_msgs.msg import ColorRGBA
+from visualization_msgs.msg import Marker, MarkerArray
+
+from cable_sim_node.component import PlantState
+from cable_sim_node.conversions import WORLD, header, point_message
+from cable_sim_node.parameters import SeabedParameters
+
+Array = NDArray[np.float64]
+
+NAMESPACE = "plant"
+TAUT = ColorRGBA(r=1.0, g=0.8, b=0.1, a=1.0)
+SLACK = ColorRGBA(r=0.9, g=0.1, b=0.1, a=1.0)
+YELLOW = ColorRGBA(r=1.0, g=0.6, b=0.0, a=1.0)
+GREY = ColorRGBA(r=0.6, g=0.6, b=0.6, a=0.5)
+SEA = ColorRGBA(r=0.1, g=0.4, b=0.8, a=0.3)
+BED = ColorRGBA(r=0.5, g=0.4, b=0.3, a=0.8)
+
+
+def plant_markers(state: PlantState, seabed: SeabedParameters, stamp: Time) -> MarkerArray:
+    """Return the markers: the cable (a segment without tension is red), unit, shadow unit, boom tip, sea, seabed."""
+    length = max(float(state.unstretched_length), 1.0)
+    size = max(0.01 * length, 0.5)
+    markers = [
+        _cable(state, stamp, width=0.2 * size),
+        _body(1, Marker.CUBE, state.unit.position, size, YELLOW, stamp),
+        _body(2, Marker.CUBE, state.uncompensated.position, size, GREY, stamp),
+        _body(3, Marker.SPHERE, state.node_positions[-1], 0.5 * size, YELLOW, stamp),
+        _plane(4, 0.0, (0.0, 0.0), length, SEA, stamp),
+    ]
+    if seabed.depth > 0.0:
+        markers.append(_plane(5, -seabed.depth, (seabed.slope[0], seabed.slope[1]), length, BED, stamp))
+    return MarkerArray(markers=markers)
+
+
+def _marker(identifier: int, kind: int, stamp: Time) -> Marker:
+    marker = Marker(header=header(stamp, WORLD), ns=NAMESPACE, id=identifier, type=kind, action=Marker.ADD)
+    marker.pose.orientation.w = 1.0
+    marker.lifetime = Duration()
+    return marker
+
+
+def _cable(state: PlantState, stamp: Time, *, width: float) -> Marker:
+    marker = _marker(0, Marker.LINE_STRIP, stamp)
+    marker.scale.x = width
+    marker.points = [point_message(position) for position in state.node_positions]
+    colors = [TAUT if tension > 0.0 else SLACK for tension in state.segment_tensions]
+    marker.colors = [*colors, colors[-1]]
+    marker.color = TAUT
+    return marker
+
+
+def _body(identifier: int, kind: int, position: Array, size: float, color: ColorRGBA, stamp: Time) -> Marker:
+    marker = _marker(identifier, kind, stamp)
+    marker.pose.position = point_message(position)
+    marker.scale = Vector3(x=size, y=size, z=size)
+    marker.color = color
+    return marker
+
+
+def _plane(
+    identifier: int, height: float, slope: tuple[float, float], length: float, color: ColorRGBA, stamp: Time
+) -> Marker:
+    """Return a square about the origin, as wide as the cable is long, seen from both sides."""
+    marker = _marker(identifier, Marker.TRIANGLE_LIST, stamp)
+    marker.scale = Vector3(x=1.0, y=1.0, z=1.0)
+    half = 0.5 * length
+    corners = [
+        Point(x=x, y=y, z=height + slope[0] * x + slope[1] * y)
+        for x, y in ((-half, -half), (half, -half), (half, half), (-half, half))
+    ]
+    marker.points = [corners[i] for i in (0, 1, 2, 0, 2, 3, 0, 2, 1, 0, 3, 2)]
+    marker.color = color
+    return marker

@@ -1,0 +1,143 @@
+"""ROS shell of the plant: the clock master of a run."""
+
+from __future__ import annotations
+
+import sys
+from typing import Any
+
+from heave_msgs.srv import InjectFault
+from heave_node import topics
+from heave_node.diagnostics import Health, Level
+from heave_node.master import ClockMasterNode
+from heave_node.node import NodeError
+from heave_node.process import run_node
+from heave_node.tick import Tick, nanoseconds_of
+
+from cable_sim_node import conversions
+from cable_sim_node.component import CableSim, PlantState
+from cable_sim_node.errors import PlantError
+from cable_sim_node.markers import plant_markers
+from cable_sim_node.node_parameters import CableSimNodeParameters
+
+
+class CableSimNode(ClockMasterNode):
+    """Publishes state and sensor readings of t_k; integrates to t_{k+1} with the boom tip and the payout of then."""
+
+    name = "cable_sim"
+    parameters_type = CableSimNodeParameters
+    after = ("wave_vessel", "virtual_winch")
+
+    def on_build(self) -> None:
+        """Make the plant, the outputs and the inputs; one tick of a throw-away plant compiles the solver."""
+        warm_up = self._make_plant()
+        warm_up.readings(1)
+        warm_up.advance(1, None, None)
+        self.plant = self._make_plant()
+        self.state: PlantState | None = None
+        self.cable_state = self.add_output(topics.CABLE_STATE)
+        self.unit_odometry = self.add_output(topics.UNIT_ODOMETRY)
+        self.uncompensated = self.add_output(topics.UNIT_UNCOMPENSATED)
+        self.pressure = self.add_output(topics.UNIT_PRESSURE)
+        self.velocity = self.add_output(topics.UNIT_VELOCITY)
+        self.imu = self.add_output(topics.UNIT_IMU)
+        self.usbl = self.add_output(topics.UNIT_USBL)
+        self.load_cell = self.add_output(topics.LOAD_CELL)
+        self.markers = self.add_output(topics.MARKERS)
+        self.boom_tip = self.add_input(topics.BOOM_TIP)
+        self.winch_state = self.add_input(topics.WINCH_STATE)
+        self.controller_state = self.add_input(topics.CONTROLLER_STATE)
+        self.create_service(InjectFault, f"{self.name}/inject_fault", self._serve_inject_fault)
+
+    def on_reset(self) -> None:
+        """Start from rest again, without the faults that were injected."""
+        self.plant = self._make_plant()
+
+    def on_readings(self, tick: Tick) -> None:
+        """Publish the state of t_k and the sensor readings delivered at t_k."""
+        try:
+            self.state, readings = self.plant.readings(tick.number)
+        except PlantError as error:
+            raise NodeError(str(error)) from error
+        state = self.state
+        self.cable_state.publish(conversions.cable_state_message(state, tick.stamp))
+        self.unit_odometry.publish(conversions.unit_odometry_message(state.unit, tick.stamp))
+        self.uncompensated.publish(conversions.point_motion_message(state.uncompensated, tick.stamp))
+        density, gravity = self.parameters.water_density, self.parameters.gravity
+        for reading in readings.depth:
+            self.pressure.publish(conversions.pressure_message(reading, density, gravity))
+        for reading in readings.velocity:
+            self.velocity.publish(conversions.velocity_message(reading))
+        for reading in readings.imu:
+            self.imu.publish(conversions.imu_message(reading))
+        for reading in readings.usbl:
+            self.usbl.publish(conversions.usbl_message(reading))
+        for reading in readings.load_cell:
+            self.load_cell.publish(conversions.load_cell_message(reading))
+        if self._are_markers_due(tick):
+            self.markers.publish(plant_markers(state, self.parameters.seabed, tick.stamp))
+
+    def on_advance(self, tick: Tick) -> None:
+        """Integrate to t_{k+1} with what is here of then; what is missing is bridged and counted."""
+        for port in (self.boom_tip, self.winch_state, self.controller_state):
+            self.take(port)
+        tip, winch, controller = self.boom_tip.latest, self.winch_state.latest, self.controller_state.latest
+        try:
+            self.plant.advance(
+                tick.number,
+                conversions.point_motion_of(tip) if _is_of(tip, tick) else None,
+                conversions.payout_of(winch) if _is_of(winch, tick) else None,
+                controller.depth_set_point if controller is not None else None,
+            )
+        except PlantError as error:
+            raise NodeError(str(error)) from error
+
+    def diagnose(self) -> list[Health]:
+        """Say what of the inputs is missing and whether the cable is slack."""
+        parts = []
+        for signal in (self.plant.boom_tip, self.plant.payout):
+            level = Level.WARN if signal.missing_in_a_row else Level.OK
+            text = f"missing for {signal.missing_in_a_row} ticks" if signal.missing_in_a_row else "ok"
+            parts.append(Health(f"input {signal.name}", level, text, {"missing": str(signal.missing)}))
+        slack = self.state.slack_segments if self.state is not None else 0
+        parts.append(
+            Health("cable", Level.WARN, f"{slack} segments are slack") if slack else Health("cable", Level.OK, "taut")
+        )
+        return parts
+
+    def _make_plant(self) -> CableSim:
+        try:
+            return CableSim(self.parameters, seed=self.run.seed, tick_period=self.run.tick_period)
+        except PlantError as error:
+            raise NodeError(str(error)) from error
+
+    def _are_markers_due(self, tick: Tick) -> bool:
+        rate = self.parameters.markers_rate
+        if rate == 0.0:
+            return False
+        ticks = max(1, round(1.0 / (rate * self.run.tick_period)))
+        return tick.number % ticks == 0
+
+    def _serve_inject_fault(self, request: InjectFault.Request, response: InjectFault.Response) -> InjectFault.Response:
+        """Let a fault of a sensor begin with the next tick."""
+        sensor = self.plant.sensors.get(request.device)
+        if sensor is None:
+            response.message = f"{self.name} has no device {request.device}; it has {', '.join(self.plant.sensors)}"
+            return response
+        start = (self.plant.tick + 1) * self.run.tick_period
+        try:
+            sensor.faults.inject(request.kind, start=start, duration=request.duration, magnitude=request.magnitude)
+        except ValueError as error:
+            response.message = str(error)
+            return response
+        response.success, response.message = True, f"{request.device}: {request.kind} from t = {start:.3f} s"
+        return response
+
+
+def _is_of(message: Any, tick: Tick) -> bool:
+    """Tell whether a message is of the end of `tick`."""
+    return message is not None and nanoseconds_of(message.header.stamp) == tick.end_nanoseconds
+
+
+def main() -> None:
+    """Run the node."""
+    sys.exit(run_node(CableSimNode))

@@ -1,0 +1,83 @@
+"""ROS shell of the virtual winch."""
+
+from __future__ import annotations
+
+import sys
+
+from heave_msgs.srv import InjectFault
+from heave_node import topics
+from heave_node.diagnostics import Health, Level
+from heave_node.participant import ParticipantNode
+from heave_node.process import run_node
+from heave_node.tick import Tick
+
+from cable_sim_node.conversions import winch_command_of, winch_state_message
+from cable_sim_node.faults import FaultSchedule
+from cable_sim_node.winch import VirtualWinch, WinchFault
+from cable_sim_node.winch_parameters import WinchParameters
+
+
+class VirtualWinchNode(ParticipantNode):
+    """Takes the command of tick k and publishes the state of the winch at t_{k+1}."""
+
+    name = "virtual_winch"
+    parameters_type = WinchParameters
+    after = ("winch_controller",)
+
+    def on_build(self) -> None:
+        """Make the winch; one step of a throw-away winch compiles the drive."""
+        self._make_winch().step(0, None)
+        self.winch = self._make_winch()
+        self.state = self.add_output(topics.WINCH_STATE)
+        self.command = self.add_input(topics.WINCH_COMMAND)
+        self.cable_state = self.add_input(topics.CABLE_STATE)
+        self.create_service(InjectFault, f"{self.name}/inject_fault", self._serve_inject_fault)
+
+    def on_reset(self) -> None:
+        """Start from rest with the brake engaged, without the faults that were injected."""
+        self.winch = self._make_winch()
+
+    def on_tick(self, tick: Tick) -> None:
+        """Step the winch with the newest command of this tick."""
+        commands = self.take(self.command)
+        self.take(self.cable_state)
+        cable = self.cable_state.latest
+        state = self.winch.step(
+            tick.number,
+            winch_command_of(commands[-1]) if commands else None,
+            cable.top_tension if cable is not None else float("nan"),
+        )
+        self.state.publish(winch_state_message(state, tick.end_stamp))
+
+    def diagnose(self) -> list[Health]:
+        """Say why the winch stopped by itself, and what commands it refused."""
+        state = self.winch.state
+        values = {"refused commands": str(self.winch.refused_commands), "brake": str(state.brake)}
+        if state.fault is WinchFault.NONE:
+            return [Health("drive", Level.OK, "ok", values)]
+        text = state.fault.name.lower().replace("_", " ")
+        return [Health("drive", Level.ERROR, f"stopped by itself: {text}; release: brake on, then off", values)]
+
+    def _make_winch(self) -> VirtualWinch:
+        return VirtualWinch(self.parameters, tick_period=self.run.tick_period)
+
+    def _serve_inject_fault(self, request: InjectFault.Request, response: InjectFault.Response) -> InjectFault.Response:
+        """Let a fault of the winch or its encoder begin with the next tick."""
+        devices: dict[str, FaultSchedule] = {"winch": self.winch.faults, "encoder": self.winch.encoder.faults}
+        faults = devices.get(request.device)
+        if faults is None:
+            response.message = f"{self.name} has no device {request.device}; it has {', '.join(devices)}"
+            return response
+        start = self.winch.tick * self.run.tick_period
+        try:
+            faults.inject(request.kind, start=start, duration=request.duration, magnitude=request.magnitude)
+        except ValueError as error:
+            response.message = str(error)
+            return response
+        response.success, response.message = True, f"{request.device}: {request.kind} from t = {start:.3f} s"
+        return response
+
+
+def main() -> None:
+    """Run the node."""
+    sys.exit(run_node(VirtualWinchNode))
