@@ -323,8 +323,8 @@ class CableDynamics:
         stroke = (-self.top_force[2] - spring.preload) / spring.stiffness
         if abs(stroke) > 0.5 * spring.stroke:
             raise PlantError(
-                f"compensator.preload = {spring.preload:g} N leaves it {stroke:.2f} m from mid-stroke at rest, outside its "
-                f"stroke of {spring.stroke:g} m; the static top tension is {-self.top_force[2]:.0f} N"
+                f"compensator.preload = {spring.preload:g} N leaves it {stroke:.2f} m from mid-stroke at rest, beyond "
+                f"its {spring.stroke:g} m; the static top tension is {-self.top_force[2]:.0f} N"
             )
         self._line.x[: self.segments + 1, 2] -= stroke
         self._fresh = False
@@ -337,7 +337,7 @@ class CableDynamics:
         clearance = x[:, 2] + bed.depth - bed.slope[0] * x[:, 0] - bed.slope[1] * x[:, 1]
         if clearance.min() < 0.0:
             raise PlantError(
-                f"at the start the line reaches {-clearance.min():.2f} m below the seabed (unit at depth {-x[0, 2]:.2f} m, "
+                f"at the start the line reaches {-clearance.min():.2f} m below the seabed (unit at {-x[0, 2]:.2f} m, "
                 f"seabed.depth {bed.depth:g} m): shorten `length` or give a deeper seabed"
             )
 

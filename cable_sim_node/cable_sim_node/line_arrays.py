@@ -48,6 +48,10 @@ class LineArrays(NamedTuple):
     """Time and length where the equations hold."""
     middle_tip: Array
     """Boom tip where the equations hold."""
+    end: Array
+    """Time and length at the end of the step."""
+    end_tip: Array
+    """Boom tip at the end of the step."""
     flow: Array
     flow_acceleration: Array
     x_middle: Array
@@ -58,6 +62,8 @@ class LineArrays(NamedTuple):
     residual: Array
     sweep: Array
     correction: Array
+    hinge: Array
+    """Scratch of the bending, shape (3, 9)."""
     tensions: Array
     band: Array
     """Scratch of the solve with bending, shape (3 rows, 17); one row without bending."""
@@ -98,6 +104,8 @@ def allocate(
         tip=np.zeros((3, 3)),
         middle=np.zeros(STATE_COLUMNS),
         middle_tip=np.zeros((3, 3)),
+        end=np.zeros(STATE_COLUMNS),
+        end_tip=np.zeros((3, 3)),
         flow=scratch(3),
         flow_acceleration=scratch(3),
         x_middle=scratch(3),
@@ -108,6 +116,7 @@ def allocate(
         residual=scratch(3),
         sweep=scratch(9),
         correction=scratch(3),
+        hinge=np.zeros((3, 9)),
         tensions=np.zeros(rows),
         band=np.zeros((3 * rows if bending else 1, 17)),
         counters=np.zeros(COUNTER_COLUMNS, dtype=np.int64),

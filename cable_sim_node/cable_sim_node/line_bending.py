@@ -22,7 +22,7 @@ _HALF = 8
 
 
 @njit(cache=True)
-def add_bending(n: int, x: Array, seg: Array, residual: Array, band: Array) -> None:
+def add_bending(n: int, x: Array, seg: Array, residual: Array, band: Array, g: Array) -> None:
     """Add the hinges' forces to the residual and write their stiffness into `band` (column 8 + j - i of row i), which
     is cleared.
 
@@ -30,7 +30,6 @@ def add_bending(n: int, x: Array, seg: Array, residual: Array, band: Array) -> N
     positive semidefinite; what is left out is of the order of the bending force itself.
     """
     band[:] = 0.0
-    g = np.empty((3, 9))
     for i in range(1, n):
         ax, ay, az = x[i, 0] - x[i - 1, 0], x[i, 1] - x[i - 1, 1], x[i, 2] - x[i - 1, 2]
         bx, by, bz = x[i + 1, 0] - x[i, 0], x[i + 1, 1] - x[i, 1], x[i + 1, 2] - x[i, 2]
@@ -61,21 +60,27 @@ def add_bending(n: int, x: Array, seg: Array, residual: Array, band: Array) -> N
 
 
 @njit(cache=True)
+def _entry(p: int, q: int) -> int:
+    """Return the column where a symmetric block stores its element (p, q)."""
+    low, high = min(p, q), max(p, q)
+    return high if low == 0 else low + high + 1
+
+
+@njit(cache=True)
 def solve_with_bending(
     count: int, diagonal: Array, upper: Array, residual: Array, band: Array, correction: Array
 ) -> None:
     """Solve (blocks + band) correction = -residual by banded elimination; definite, so without pivoting."""
-    entry = ((0, 1, 2), (1, 3, 4), (2, 4, 5))
     size = 3 * count
     for i in range(count):
         for p in range(3):
             row = 3 * i + p
             correction[i, p] = -residual[i, p]
             for q in range(3):
-                band[row, _HALF + q - p] += diagonal[i, entry[p][q]]
+                band[row, _HALF + q - p] += diagonal[i, _entry(p, q)]
                 if i + 1 < count:
-                    band[row, _HALF + 3 + q - p] += upper[i, entry[p][q]]
-                    band[row + 3, _HALF - 3 + q - p] += upper[i, entry[p][q]]
+                    band[row, _HALF + 3 + q - p] += upper[i, _entry(p, q)]
+                    band[row + 3, _HALF - 3 + q - p] += upper[i, _entry(p, q)]
     for row in range(size):
         pivot = 1.0 / band[row, _HALF]
         for below in range(row + 1, min(row + _HALF + 1, size)):

@@ -56,7 +56,7 @@ _SMALLEST_SHARE = 2.0**-16
 def hermite(
     share: float, duration: float, start: float, start_rate: float, end: float, end_rate: float
 ) -> tuple[float, float, float]:
-    """Return value, rate and acceleration, at `share` of `duration`, of the cubic through values and rates at both ends."""
+    """Return value, rate and acceleration at `share` of `duration` of the cubic through both ends."""
     s = share
     delta = end - start
     bend = delta - duration * start_rate
@@ -124,15 +124,16 @@ def assemble(line: LineArrays, n: int, at_middle: bool, c_mass: float, c_velocit
         line.residual,
     )
     if line.settings[BENDING_ON] > 0.0:
-        add_bending(n, x, line.seg, line.residual, line.band)
+        add_bending(n, x, line.seg, line.residual, line.band, line.hinge)
     if at_middle:
         add_compensator(n, x, v, a, tip, line.settings, c_mass, c_velocity, line.diagonal, line.residual)
     return least, touching
 
 
 @njit(cache=True)
-def predict(line: LineArrays, n: int, count: int, h: float, end_length: Array, end_tip: Array) -> None:
-    """Set the middle state for constant acceleration of nodes 0..count-1 and the given end of length and boom tip."""
+def predict(line: LineArrays, n: int, count: int, h: float) -> None:
+    """Set the middle state for constant acceleration of nodes 0..count-1; length and boom tip go to `end` and `end_tip`."""
+    end_length, end_tip = line.end, line.end_tip
     af, am = line.settings[ALPHA_F], line.settings[ALPHA_M]
     for k in range(STATE_COLUMNS):
         line.middle[k] = af * line.moving[k] + (1.0 - af) * end_length[k]
@@ -160,8 +161,9 @@ def predict(line: LineArrays, n: int, count: int, h: float, end_length: Array, e
 
 
 @njit(cache=True)
-def finish(line: LineArrays, n: int, count: int, h: float, end_length: Array, end_tip: Array) -> None:
+def finish(line: LineArrays, n: int, count: int, h: float) -> None:
     """Carry the middle state to the end of the step."""
+    end_tip = line.end_tip
     am, beta, gamma = line.settings[ALPHA_M], line.settings[BETA], line.settings[GAMMA]
     for i in range(count):
         for k in range(3):
@@ -170,22 +172,30 @@ def finish(line: LineArrays, n: int, count: int, h: float, end_length: Array, en
             line.x[i, k] += h * (v + h * ((0.5 - beta) * a + beta * new))
             line.v[i, k] = v + h * ((1.0 - gamma) * a + gamma * new)
             line.a[i, k] = new
-    line.moving[:] = end_length
-    line.tip[:] = end_tip
+    take_ends(line)
     for k in range(3 if count == n else 2):
         line.x[n, k], line.v[n, k], line.a[n, k] = end_tip[0, k], end_tip[1, k], end_tip[2, k]
     set_top_segment(n, line.moving[TOTAL], line.grid, line.grid_s, line.grid_lump, line.seg, line.lump)
 
 
 @njit(cache=True)
-def step(line: LineArrays, n: int, h: float, end_length: Array, end_tip: Array) -> bool:
-    """Make one step of `h` seconds; return False, with the state as it was, where Newton finds no solution."""
+def take_ends(line: LineArrays) -> None:
+    """Make the end of the step the present: time, length and boom tip."""
+    for k in range(STATE_COLUMNS):
+        line.moving[k] = line.end[k]
+    for k in range(3):
+        line.tip[0, k], line.tip[1, k], line.tip[2, k] = line.end_tip[0, k], line.end_tip[1, k], line.end_tip[2, k]
+
+
+@njit(cache=True)
+def step(line: LineArrays, n: int, h: float) -> bool:
+    """Make one step of `h` seconds to `end` and `end_tip`; return False, with the state as it was, where Newton finds no solution."""
     settings = line.settings
     af, am, beta, gamma = settings[ALPHA_F], settings[ALPHA_M], settings[BETA], settings[GAMMA]
     c_velocity = gamma / (beta * h)
     c_mass = (1.0 - am) / ((1.0 - af) * beta * h * h)
     count = n if settings[SPRING_ON] == 0.0 else n + 1
-    predict(line, n, count, h, end_length, end_tip)
+    predict(line, n, count, h)
     bending = settings[BENDING_ON] > 0.0
     tolerance = settings[TOLERANCE]
     correction = line.correction
@@ -210,7 +220,7 @@ def step(line: LineArrays, n: int, h: float, end_length: Array, end_tip: Array) 
         # where a segment is or may become slack, or the seabed is touched, the equations have a kink: ask for much more
         smooth = least > 4.0 * size and not touching
         if size < (tolerance if smooth else min(tolerance, 1e-2 * tolerance)):
-            finish(line, n, count, h, end_length, end_tip)
+            finish(line, n, count, h)
             return True
     return False
 
@@ -228,11 +238,9 @@ def advance(line: LineArrays, duration: float, ends: Array, lengths: Array) -> i
     start_time = moving[TIME]
     shares = max(math.ceil(duration / line.settings[STEP] - 1e-9), 1)
     nominal = 1.0 / shares
-    end_length = np.empty(STATE_COLUMNS)
-    end_tip = np.empty((3, 3))
-    load_ends(0.0, duration, start_time, ends, lengths, end_length, end_tip)
-    moving[:] = end_length
-    line.tip[:] = end_tip
+    end_tip = line.end_tip
+    load_ends(0.0, duration, start_time, ends, lengths, line.end, end_tip)
+    take_ends(line)
     free = 3 if line.settings[SPRING_ON] == 0.0 else 2
     for k in range(free):
         line.x[n, k], line.v[n, k], line.a[n, k] = end_tip[0, k], end_tip[1, k], end_tip[2, k]
@@ -242,11 +250,11 @@ def advance(line: LineArrays, duration: float, ends: Array, lengths: Array) -> i
         goal = 1.0 if j == shares - 1 else (j + 1) * nominal
         while done < goal:
             at = goal if done + size > goal - 1e-12 else done + size
-            load_ends(at, duration, start_time, ends, lengths, end_length, end_tip)
-            if end_length[TOTAL] < MERGE_AT * line.grid_s[1]:
+            load_ends(at, duration, start_time, ends, lengths, line.end, end_tip)
+            if line.end[TOTAL] < MERGE_AT * line.grid_s[1]:
                 outcome = TOO_SHORT
                 break
-            if step(line, n, (at - done) * duration, end_length, end_tip):
+            if step(line, n, (at - done) * duration):
                 done = at
                 line.counters[SUBSTEPS] += 1
                 n = feed(line, n)
