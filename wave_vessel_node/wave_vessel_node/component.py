@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,14 +11,15 @@ from heave_node.randomness import random_stream
 from numpy.typing import NDArray
 
 from wave_vessel_node.motion_sources import FilterSource, MotionSource, RampedSource, RegularSource, SecondOrderSource
-from wave_vessel_node.mru import MotionReferenceUnit, MruReading
+from wave_vessel_node.mru import MotionReferenceUnit, MruReading, high_pass_response
 from wave_vessel_node.parameters import WaveVesselParameters
 from wave_vessel_node.realisation import WaveComponents, draw_components
 from wave_vessel_node.sea import SeaState, build_spectrum, describe_sea
+from wave_vessel_node.sea_state_estimate import SeaStateEstimate, SeaStateEstimator
 from wave_vessel_node.shaping_filter import shaping_filter
 from wave_vessel_node.spectra import WaveSpectrum
 from wave_vessel_node.vessel import SecondOrderVessel
-from wave_vessel_node.vessel_motion import VesselMotion, point_motion
+from wave_vessel_node.vessel_motion import VesselMotion, lever_arm_matrix, point_motion
 
 Array = NDArray[np.float64]
 
@@ -32,12 +34,14 @@ class WaveVesselOutputs:
     boom_tip : true motion of the boom tip at t_{k+1}, frame world
     vessel : true motion of the vessel at t_{k+1}
     wave_elevation : sea surface below the boom tip at t_{k+1} [m]
+    estimate : a new sea-state estimate from the MRU readings up to t_k, when one is due and the record long enough
     """
 
     mru: MruReading | None
     boom_tip: PointMotion
     vessel: VesselMotion
     wave_elevation: float
+    estimate: SeaStateEstimate | None = None
 
 
 class WaveVessel:
@@ -49,22 +53,27 @@ class WaveVessel:
     seed : fixes the sea and the noise
     tick_period : [s]
 
+    `warnings` names what was repaired in the files read.
+
     Raises SpectrumError, SpectrumFileError, RaoError or RecordingError when the parameters name something that cannot
     be used.
     """
 
     def __init__(self, parameters: WaveVesselParameters, *, seed: int, tick_period: float) -> None:
         self.parameters = parameters
-        self._arm = np.zeros(3)
+        self.warnings: list[str] = []
+        self._lever = lever_arm_matrix(np.zeros(3))
         self._spectrum: WaveSpectrum | None = None
         if parameters.boom_tip_source in ("spectrum", "filter"):
-            self._spectrum = build_spectrum(parameters)
+            self._spectrum = build_spectrum(parameters, self.warnings)
         self._source = RampedSource(self._build_source(seed, tick_period), parameters, tick_period)
         self._sea_state = describe_sea(parameters, self._spectrum, seed)
         self.mru = MotionReferenceUnit(parameters.mru, seed=seed, tick_period=tick_period)
-        self._tick_period = tick_period
+        self._estimator = self._build_estimator()
+        self._ticks_between_estimates = max(1, round(parameters.estimate.period / tick_period))
         self._next_tick = 1
         self._motion = self._source.motion(1)
+        self._boom_tip = self._point(self._motion)
 
     def sea_state(self) -> SeaState:
         """Return the sea as it is published."""
@@ -74,7 +83,7 @@ class WaveVessel:
         """Return the motion of the boom tip at the first tick, from which the plant starts; call it before the first
         step.
         """
-        return point_motion(self._motion, self._arm, self.parameters.boom_tip_height)
+        return self._boom_tip
 
     def step(self, tick: int) -> WaveVesselOutputs:
         """Do tick `tick`: the MRU reading of t_k, motions of t_{k+1}. Ticks come in order, from 1.
@@ -83,16 +92,20 @@ class WaveVessel:
         """
         if tick != self._next_tick:
             raise ValueError(f"ticks come in order: wanted {self._next_tick}, got {tick}")
-        here = self._boom_tip_heave(self._motion)
-        reading = self.mru.step(tick, here, self._motion)
+        here = self._boom_tip
+        height = self.parameters.boom_tip_height
+        heave = np.array([here.position[2] - height, here.velocity[2], here.acceleration[2]])
+        reading = self.mru.step(tick, heave, self._motion)
         self._motion = self._source.motion(tick + 1)
         self._next_tick = tick + 1
-        boom_tip = point_motion(self._motion, self._arm, self.parameters.boom_tip_height)
-        return WaveVesselOutputs(reading, boom_tip, self._motion, self._motion.elevation)
+        self._boom_tip = self._point(self._motion)
+        if reading is not None:
+            self._estimator.add(reading)
+        estimate = self._estimator.estimate() if tick % self._ticks_between_estimates == 0 else None
+        return WaveVesselOutputs(reading, self._boom_tip, self._motion, self._motion.elevation, estimate)
 
-    def _boom_tip_heave(self, motion: VesselMotion) -> Array:
-        point = point_motion(motion, self._arm, 0.0)
-        return np.array([point.position[2], point.velocity[2], point.acceleration[2]])
+    def _point(self, motion: VesselMotion) -> PointMotion:
+        return point_motion(motion, self._lever, self.parameters.boom_tip_height)
 
     def _second_order_vessel(self) -> SecondOrderVessel | None:
         vessel = self.parameters.vessel
@@ -121,4 +134,28 @@ class WaveVessel:
             random_stream(seed, "wave_vessel/sea"),
             direction=parameters.direction,
             spreading_exponent=parameters.spreading.exponent,
+        )
+
+    def _build_estimator(self) -> SeaStateEstimator:
+        """Make the estimator; it knows the data sheet of the unit and the vessel's response, not the sea."""
+        mru = self.parameters.mru
+
+        def unit_response(omega: Array) -> Array:
+            if mru.high_pass_period == 0.0:
+                return np.ones_like(omega)
+            cut_off = 2.0 * math.pi / mru.high_pass_period
+            return np.asarray(np.abs(high_pass_response(omega, cut_off, mru.high_pass_damping)) ** 2)
+
+        def vessel_response(omega: Array) -> Array:
+            vessel = self._second_order_vessel()
+            if vessel is None or self.parameters.boom_tip_source in ("regular", "file"):
+                return np.ones_like(omega)
+            return np.asarray(np.abs(vessel.response(omega)) ** 2)
+
+        return SeaStateEstimator(
+            self.parameters.estimate,
+            sample_period=self.mru.reading_period,
+            noise=mru.noise,
+            unit_response=unit_response,
+            vessel_response=vessel_response,
         )

@@ -145,6 +145,11 @@ class MotionReferenceUnit:
         self._done_restarts: set[float] = set()
         self._started = False
 
+    @property
+    def reading_period(self) -> float:
+        """Time between two readings [s]: the nearest whole number of ticks to 1 / rate."""
+        return self._ticks_between * self._period
+
     def inject(self, kind: str, start: float, duration: float = 0.0, size: float = 0.0) -> None:
         """Schedule a fault at simulated time `start` [s]: restart, gap, freeze (`duration` [s]), spike (one
         reading is `size` [m] off) or bias (all are, for `duration`). A duration of 0 lasts until the end (a restart:
@@ -238,9 +243,8 @@ class MotionReferenceUnit:
 
     def _active(self, kind: str, now: float) -> tuple[str, float, float, float] | None:
         """Return the fault of `kind` that holds at `now`, if any; a spike holds for one reading."""
-        one_reading = self._ticks_between * self._period
         for fault in self._faults:
-            length = one_reading if fault[0] == _SPIKE else fault[2]
+            length = self.reading_period if fault[0] == _SPIKE else fault[2]
             if fault[0] == kind and fault[1] - 1e-9 <= now < fault[1] + length - 1e-9:
                 return fault
         return None

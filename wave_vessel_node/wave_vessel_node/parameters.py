@@ -349,7 +349,7 @@ class WaveVesselParameters:
             )
         if self.boom_tip_source == "file" and self.recording_kind == "elevation" and self.vessel.model == "rao":
             raise ParameterError(
-                "recording_kind = elevation goes with vessel.model second_order or direct: an elevation has no direction"
+                "recording_kind = elevation goes with vessel.model second_order or direct: it has no direction"
             )
         if self.filter.states % 2:
             raise ParameterError(f"filter.states must be even, got {self.filter.states}")

@@ -22,8 +22,8 @@ from wave_vessel_node.spectrum_files import read_spectra
 Array = NDArray[np.float64]
 
 
-def build_spectrum(parameters: WaveVesselParameters) -> WaveSpectrum:
-    """Return the spectrum the parameters name.
+def build_spectrum(parameters: WaveVesselParameters, warnings: list[str] | None = None) -> WaveSpectrum:
+    """Return the spectrum the parameters name; what was repaired in a file is added to `warnings`.
 
     Raises SpectrumError or SpectrumFileError when it cannot be (a file that is missing or broken, a record beyond its
     end).
@@ -41,7 +41,10 @@ def build_spectrum(parameters: WaveVesselParameters) -> WaveSpectrum:
             OchiHubbleSystem(height, period, parameters.shape),
             OchiHubbleSystem(swell.significant_wave_height, swell.peak_period, swell.shape),
         )
-    return read_spectra(parameters.spectrum_file).select(parameters.spectrum_record).spectrum
+    file = read_spectra(parameters.spectrum_file)
+    if warnings is not None:
+        warnings.extend(file.warnings)
+    return file.select(parameters.spectrum_record).spectrum
 
 
 @dataclass(frozen=True)

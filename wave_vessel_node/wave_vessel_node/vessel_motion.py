@@ -51,16 +51,21 @@ def lever_arm_matrix(arm: Array) -> Array:
     return np.hstack((np.eye(3), cross))
 
 
-def point_motion(motion: VesselMotion, arm: Array, mean_height: float) -> PointMotion:
-    """Return the motion of the point at `arm` (vessel axes) in frame world, whose origin is below the mean point.
+def point_motion(motion: VesselMotion, lever: Array, mean_height: float) -> PointMotion:
+    """Return the motion of a point in frame world, whose origin is below the mean point.
 
-    The frame travels with the mean position of the vessel (forward speed is not in it); `mean_height` is the mean z of
-    the point.
+    Parameters
+    ----------
+    lever : `lever_arm_matrix` of the point
+    mean_height : mean z of the point [m]
+
+    The frame travels with the mean position of the vessel: forward speed is not in it.
     """
-    lever = lever_arm_matrix(arm)
-    cosine, sine = np.cos(motion.heading), np.sin(motion.heading)
-    rotation = np.array([[cosine, -sine, 0.0], [sine, cosine, 0.0], [0.0, 0.0, 1.0]])
-    to_world = rotation @ lever
-    position = to_world @ motion.displacement
-    position[2] += mean_height
-    return PointMotion(motion.time, position, to_world @ motion.velocity, to_world @ motion.acceleration)
+    six = np.stack((motion.displacement, motion.velocity, motion.acceleration))
+    vessel = six @ lever.T
+    if motion.heading != 0.0:
+        cosine, sine = np.cos(motion.heading), np.sin(motion.heading)
+        x, y = vessel[:, 0].copy(), vessel[:, 1].copy()
+        vessel[:, 0], vessel[:, 1] = cosine * x - sine * y, sine * x + cosine * y
+    vessel[0, 2] += mean_height
+    return PointMotion(motion.time, vessel[0], vessel[1], vessel[2])

@@ -1,0 +1,114 @@
+"""The ROS shell of the sea and vessel."""
+
+from __future__ import annotations
+
+import math
+import sys
+
+from heave_msgs.srv import InjectFault
+from heave_node import topics
+from heave_node.diagnostics import Health, Level
+from heave_node.node import NodeError
+from heave_node.participant import ParticipantNode
+from heave_node.process import run_node
+from heave_node.tick import Tick, stamp_of_seconds
+
+from wave_vessel_node import messages
+from wave_vessel_node.component import WaveVessel
+from wave_vessel_node.mru import FAULT_KINDS, STATUS_OK
+from wave_vessel_node.parameters import WaveVesselParameters
+
+_MRU_SILENCE = 1.0  # s without a reading that diagnostics calls an error
+
+
+class WaveVesselNode(ParticipantNode):
+    """Publishes in tick k the MRU reading delivered at t_k, and the boom tip, vessel and surface at t_{k+1}.
+
+    Service `wave_vessel/inject_fault` makes the MRU misbehave from the next tick on: restart, gap, freeze, spike, bias.
+    """
+
+    name = "wave_vessel"
+    parameters_type = WaveVesselParameters
+
+    def on_build(self) -> None:
+        """See HeaveNode. Compiles the sum of components by asking for the first motion."""
+        self.component = self._new_component()
+        self.sea_state = self.add_output(topics.SEA_STATE)
+        self.estimate = self.add_output(topics.SEA_STATE_ESTIMATE)
+        self.elevation = self.add_output(topics.WAVE_ELEVATION)
+        self.odometry = self.add_output(topics.VESSEL_ODOMETRY)
+        self.boom_tip = self.add_output(topics.BOOM_TIP)
+        self.mru = self.add_output(topics.MRU)
+        self._pending_faults: list[tuple[str, float, float]] = []
+        self._last_reading_time = 0.0
+        self._last_status = STATUS_OK
+        self.create_service(InjectFault, f"{self.name}/inject_fault", self._on_inject_fault)
+
+    def on_reset(self) -> None:
+        """See HeaveNode."""
+        self.component = self._new_component()
+        self._pending_faults.clear()
+        self._last_reading_time = 0.0
+        self._last_status = STATUS_OK
+
+    def on_tick(self, tick: Tick) -> None:
+        """See HeaveNode."""
+        for kind, duration, magnitude in self._pending_faults:
+            self.component.mru.inject(kind, tick.time, duration, magnitude)
+        self._pending_faults.clear()
+        if tick.number == 1:
+            self.sea_state.publish(messages.sea_state_message(self.component.sea_state(), tick.stamp))
+        outputs = self.component.step(tick.number)
+        reading = outputs.mru
+        if reading is not None:
+            mru = self.parameters.mru
+            stamp = stamp_of_seconds(reading.time)
+            self.mru.publish(messages.mru_message(reading, stamp, (mru.noise, mru.rate_noise)))
+            self._last_reading_time, self._last_status = tick.time, reading.status
+        self.boom_tip.publish(messages.boom_tip_message(outputs.boom_tip, tick.end_stamp))
+        self.odometry.publish(messages.odometry_message(outputs.vessel, tick.end_stamp))
+        self.elevation.publish(messages.elevation_message(outputs.wave_elevation, tick.end_stamp))
+        if outputs.estimate is not None:
+            stamp = stamp_of_seconds(outputs.estimate.time)
+            self.estimate.publish(messages.estimate_message(outputs.estimate, stamp))
+
+    def diagnose(self) -> list[Health]:
+        """Tell how the MRU is, and what was repaired in the files read."""
+        assert self.tick is not None
+        silence = self.tick.time - self._last_reading_time
+        health = [Health("mru")]
+        if silence > _MRU_SILENCE:
+            health = [Health("mru", Level.ERROR, f"no reading for {silence:.1f} s")]
+        elif self._last_status != STATUS_OK:
+            health = [Health("mru", Level.WARN, "settling: its high-pass has not settled")]
+        if self.component.warnings:
+            health.append(Health("files", Level.WARN, "; ".join(self.component.warnings)))
+        return health
+
+    def _new_component(self) -> WaveVessel:
+        try:
+            component = WaveVessel(self.parameters, seed=self.run.seed, tick_period=self.run.tick_period)
+        except ValueError as error:
+            raise NodeError(f"{self.name}: {error}") from error
+        for warning in component.warnings:
+            self.get_logger().warning(warning)
+        return component
+
+    def _on_inject_fault(self, request: InjectFault.Request, response: InjectFault.Response) -> InjectFault.Response:
+        if request.device != "mru" or request.kind not in FAULT_KINDS:
+            response.message = f"{self.name} knows device mru with kinds {', '.join(FAULT_KINDS)}"
+        elif not (math.isfinite(request.duration) and request.duration >= 0.0 and math.isfinite(request.magnitude)):
+            response.message = "duration must be a number of at least 0, magnitude a number"
+        else:
+            self._pending_faults.append((request.kind, request.duration, request.magnitude))
+            response.success, response.message = True, f"{request.kind} from the next tick"
+        return response
+
+
+def main() -> None:
+    """Run the node until its run ends."""
+    sys.exit(run_node(WaveVesselNode))
+
+
+if __name__ == "__main__":
+    main()
