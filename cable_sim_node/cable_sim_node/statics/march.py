@@ -177,7 +177,7 @@ def march(
     depths, velocities, factor : the current, as `current_at` takes it
     feed : see `segment_drag`
     frozen : True takes the segments' drag from `drag` as a dead load, False computes it and leaves it in `drag`
-    drag : shape (n, 3) [N/m]
+    drag : shape (n, 3) [N/m]; its first row is where the search for the first segment's drag begins
     positions : out, shape (n + 1, 3) [m]
     lower, upper : out, shape (n, 3), tension vectors at each segment's two ends [N]
     end : out, tension vector beyond node n: the force that holds the other end [N]
@@ -185,7 +185,7 @@ def march(
     """
     count = len(segments)
     position, tension = origin.copy(), start.copy()
-    span, load, force = np.empty(3), np.empty(3), np.zeros(3)
+    span, load, force = np.empty(3), np.empty(3), drag[0].copy()
     by_tension, by_load, by_chord = np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3))
     by_depth, matrix = np.empty(3), np.empty((3, 3))
     partials[:] = 0.0
@@ -201,6 +201,8 @@ def march(
         lower[index] = tension
         if frozen:
             force[:] = drag[index]
+        elif is_dead:
+            force[:] = 0.0
         load[:] = force
         load[2] -= row[WEIGHT]
         integral = segment_span(tension, load, length, row[STIFFNESS], span, by_tension, by_load)

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import brentq
 
 from cable_sim_node.statics.march import LENGTH, STIFFNESS, march
 from cable_sim_node.statics.segment import segment_span
@@ -81,6 +82,49 @@ class StaticShape:
         return np.array(points)
 
 
+@dataclass(frozen=True)
+class Crossing:
+    """Where a shape, followed from s = 0, first reaches a height.
+
+    Attributes
+    ----------
+    label : unstretched length from s = 0 [m]
+    position : [m]
+    tension : tension vector there [N]
+    """
+
+    label: float
+    position: Array
+    tension: Array
+
+
+def cut_at_height(shape: StaticShape, height: float) -> Crossing | None:
+    """Return where the cable first comes up to z = `height`, None if it does not."""
+    above = np.nonzero(shape.positions[1:, 2] >= height)[0]
+    if len(above) == 0 or shape.positions[0, 2] >= height:
+        return None
+    index = int(above[0])
+    row = shape.cable.segments[index]
+    load = (shape.lower[index] - shape.upper[index]) / row[LENGTH]
+    span, scratch = np.empty(3), (np.empty((3, 3)), np.empty((3, 3)))
+
+    def miss(part: float) -> float:
+        if part == 0.0:
+            return float(shape.positions[index, 2] - height)
+        segment_span(shape.lower[index], load, part, row[STIFFNESS], span, *scratch)
+        return float(shape.positions[index, 2] + span[2] - height)
+
+    size = float(row[LENGTH])
+    part = size if miss(size) <= 0.0 else float(brentq(miss, 0.0, size, xtol=1e-13 * size))
+    if part > 0.0:
+        miss(part)
+    else:
+        span[:] = 0.0
+    return Crossing(
+        float(shape.cable.labels[index]) + part, shape.positions[index] + span, shape.lower[index] - load * part
+    )
+
+
 def shape_from(
     cable: StaticCable,
     current: Current,
@@ -89,14 +133,18 @@ def shape_from(
     *,
     factor: float = 1.0,
     frozen_drag: Array | None = None,
+    first_drag: Array | None = None,
 ) -> StaticShape | None:
     """March from s = 0 with the tension vector `start` below node 0; None where a segment has no solution.
 
-    `factor` multiplies the current; `frozen_drag` replaces the segments' drag by dead loads [N/m].
+    `factor` multiplies the current; `frozen_drag` replaces the segments' drag by dead loads [N/m]; `first_drag` is a
+    guess of the first segment's drag, needed where its tension is so small that drag decides its direction.
     """
     count = len(cable.segments)
     positions, lower, upper = np.empty((count + 1, 3)), np.empty((count, 3)), np.empty((count, 3))
     drag = np.zeros((count, 3)) if frozen_drag is None else frozen_drag.copy()
+    if first_drag is not None:
+        drag[0] = first_drag
     end, partials = np.empty(3), np.empty((6, 6))
     energy = march(
         origin, start, cable.segments, cable.nodes, current.depths, current.velocities, factor, cable.feed,
