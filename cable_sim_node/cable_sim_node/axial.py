@@ -16,6 +16,7 @@ from scipy.interpolate import CubicSpline
 
 from cable_sim_node.axial_kernel import integrate
 from cable_sim_node.axial_line import AxialLine
+from cable_sim_node.errors import PlantError
 
 Array = NDArray[np.float64]
 
@@ -23,7 +24,7 @@ LARGEST_STEP = 0.01
 """Integration step [s] unless a caller asks for another: 0.005 % amplitude error at 1.26 rad/s (BDF2, (w h)^2 / 3)."""
 
 
-class AxialError(ValueError):
+class AxialError(PlantError, ValueError):
     """An axial run that cannot be done or did not converge; the message says what and when."""
 
 

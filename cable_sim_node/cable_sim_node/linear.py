@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import brentq, least_squares
 
 from cable_sim_node.axial_line import AxialLine, AxialSection
+from cable_sim_node.errors import PlantError
 
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
@@ -29,7 +30,7 @@ DRAG_PIECES = 12
 DRAG_ITERATIONS = 60
 
 
-class LinearisationError(ValueError):
+class LinearisationError(PlantError, ValueError):
     """A linearisation that cannot be made; the message says why."""
 
 

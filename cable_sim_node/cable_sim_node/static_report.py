@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from cable_sim_node.errors import NoEquilibriumError
 from cable_sim_node.parameters import CableParameters, CableSimParameters
-from cable_sim_node.statics.errors import NoEquilibriumError, StaticsError
+from cable_sim_node.statics.errors import StaticsError
 from cable_sim_node.statics.march import LENGTH, STIFFNESS
 from cable_sim_node.statics.problems import towing_cable
 from cable_sim_node.statics.shape import StaticShape

@@ -1,11 +1,9 @@
-"""What statics can refuse."""
+"""What statics can refuse; `NoEquilibriumError` of `cable_sim_node.errors` is the other answer that is not a shape."""
 
 from __future__ import annotations
 
+from cable_sim_node.errors import PlantError
 
-class StaticsError(ValueError):
+
+class StaticsError(PlantError, ValueError):
     """A statics problem that is not well posed; the message says what is wrong."""
-
-
-class NoEquilibriumError(StaticsError):
-    """No equilibrium with these boundary conditions exists or was found; the message says how far it got."""

@@ -15,8 +15,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from cable_sim_node.errors import NoEquilibriumError
 from cable_sim_node.statics.drag import segment_drag
-from cable_sim_node.statics.errors import NoEquilibriumError, StaticsError
+from cable_sim_node.statics.errors import StaticsError
 from cable_sim_node.statics.problems import STILL_WATER
 from cable_sim_node.statics.shape import cut_at_height, shape_from
 from cable_sim_node.statics.system import Current, StaticSection, static_cable

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from cable_sim_node.statics.errors import NoEquilibriumError
+from cable_sim_node.errors import NoEquilibriumError
 from cable_sim_node.statics.shape import StaticShape, shape_from
 from cable_sim_node.statics.system import Current, StaticCable
 

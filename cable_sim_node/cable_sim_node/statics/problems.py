@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from cable_sim_node.errors import NoEquilibriumError
 from cable_sim_node.statics.drag import segment_drag
-from cable_sim_node.statics.errors import NoEquilibriumError, StaticsError
+from cable_sim_node.statics.errors import StaticsError
 from cable_sim_node.statics.march import FORCE, LENGTH, NORMAL, STIFFNESS, TANGENTIAL
 from cable_sim_node.statics.newton import (
     PICARD_LIMIT,
