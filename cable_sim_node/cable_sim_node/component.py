@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from cable_sim_node.dynamics import CableDynamics
 from cable_sim_node.errors import BadMotionError, PlantError
 from cable_sim_node.inputs import BridgedInput
+from cable_sim_node.linear_plant import LinearPlant
 from cable_sim_node.node_parameters import CableSimNodeParameters
 from cable_sim_node.sensor_suite import SensorReadings, SensorSuite, SensorTruth
 from cable_sim_node.sensors import Sensor
@@ -24,6 +25,7 @@ from cable_sim_node.shadow import ShadowPayout
 Array = NDArray[np.float64]
 Motion = tuple[Array, Array, Array]
 """Position, velocity and acceleration."""
+Dynamics = CableDynamics | LinearPlant
 
 LARGEST_START_GAP = 20.0
 """Largest distance between the first boom tip and where the plant rests at the start [m]."""
@@ -85,10 +87,8 @@ class CableSim:
         self.tick = 1
         self.boom_tip = BridgedInput("boom_tip", start, tick_period=tick_period)
         self.payout = BridgedInput("payout", np.zeros(1), tick_period=tick_period)
-        self._plant = CableDynamics(parameters)
-        self._plant.start_at_equilibrium(start, 0.0)
-        self._shadow = CableDynamics(parameters)
-        self._shadow.start_at_equilibrium(start, 0.0)
+        self._plant = _at_rest(parameters, start)
+        self._shadow = _at_rest(parameters, start)
         self._shadow_payout = ShadowPayout(tick_period=tick_period)
         self._suite = SensorSuite(
             parameters.sensors,
@@ -211,7 +211,19 @@ class CableSim:
         return float(position[2] + seabed.depth - np.dot(seabed.slope, position[:2]))
 
 
-def _unit_motion(dynamics: CableDynamics, time: float) -> PointMotion:
+def _at_rest(parameters: CableSimNodeParameters, boom_tip: Array) -> Dynamics:
+    """Return the plant in equilibrium below the boom tip."""
+    dynamics: Dynamics
+    if parameters.model == "linear":
+        linear = parameters.linear
+        dynamics = LinearPlant(parameters, inertia=linear.inertia, damping=linear.damping)
+    else:
+        dynamics = CableDynamics(parameters)
+    dynamics.start_at_equilibrium(boom_tip, 0.0)
+    return dynamics
+
+
+def _unit_motion(dynamics: Dynamics, time: float) -> PointMotion:
     return PointMotion(
         time, dynamics.unit_position.copy(), dynamics.unit_velocity.copy(), dynamics.unit_acceleration.copy()
     )

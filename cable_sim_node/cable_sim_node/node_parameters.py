@@ -11,9 +11,24 @@ from cable_sim_node.sensor_parameters import SensorsParameters
 
 
 @dataclass(frozen=True)
+class LinearModelParameters:
+    """The two-state plant of thesis Eq. 6.2: a x'' + b x' + x = x_0 - u."""
+
+    inertia: float = parameter(0.8959, unit="s^2", minimum=1e-6, maximum=1e6, description="a of thesis Eq. 6.2.")
+    damping: float = parameter(0.1658, unit="s", minimum=0.0, maximum=1e6, description="b of thesis Eq. 6.2.")
+
+
+@dataclass(frozen=True)
 class CableSimNodeParameters(CableSimParameters):
     """Everything `cable_sim` needs: the plant's parameters under their own names, and the sensors under `sensors`."""
 
+    model: str = parameter(
+        "lumped_mass",
+        unit="",
+        choices=("lumped_mass", "linear"),
+        description="lumped_mass (thesis chapter 5), or the linear two-state plant of thesis Eq. 6.2.",
+    )
+    linear: LinearModelParameters = group(LinearModelParameters)
     boom_tip_height: float = parameter(
         0.0,
         unit="m",
