@@ -27,8 +27,12 @@ class LoopTiming:
         self.missed_deadlines = 0
         self.resends = 0
         self._ages = array("d")
-        self._began = time.monotonic()
-        self._last_wall = self._began
+        self._began = self._run_began = self._last_wall = time.monotonic()
+        self._last_simulated = 0.0
+
+    def run_began(self) -> None:
+        """Note the start of a run."""
+        self._run_began = self._last_wall = time.monotonic()
         self._last_simulated = 0.0
 
     def tick_began(self) -> None:
@@ -51,6 +55,10 @@ class LoopTiming:
         ages = np.frombuffer(self._ages)
         p50, p99 = np.percentile(ages, [50, 99])
         return LoopAge(float(p50), float(p99), float(ages.max()))
+
+    def overall_factor(self, simulated_time: float) -> float:
+        """Return simulated over wall time since the run began."""
+        return simulated_time / max(time.monotonic() - self._run_began, 1e-9)
 
     def real_time_factor(self, simulated_time: float) -> float:
         """Return simulated over wall time since the last call."""

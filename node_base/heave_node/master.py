@@ -115,6 +115,7 @@ class ClockMasterNode(HeaveNode):
         self.gate.set_roster(self.roster.nodes, self.roster.topics)
         self.has_started = True
         self.state = TickStatus.RUNNING
+        self.timing.run_began()
         if self.run.is_lockstep:
             self._begin_tick(1)
 
@@ -333,6 +334,7 @@ class ClockMasterNode(HeaveNode):
         age = self.timing.loop_age()
         time_now = self.tick.time if self.tick is not None else 0.0
         is_over = self.state in (TickStatus.ENDED, TickStatus.FAILED)
+        factor = self.timing.overall_factor if is_over else self.timing.real_time_factor
         totals = self.roster.published_by_topic() if is_over else {}
         self._status_publisher.publish(
             TickStatus(
@@ -341,7 +343,7 @@ class ClockMasterNode(HeaveNode):
                 epoch=self.epoch,
                 tick=self.tick_number,
                 simulated_time=time_now,
-                real_time_factor=self.timing.real_time_factor(time_now),
+                real_time_factor=factor(time_now),
                 loop_age_p50=age.p50,
                 loop_age_p99=age.p99,
                 loop_age_max=age.max,

@@ -82,6 +82,8 @@ class ParameterInfo:
     def _check_scalar(self, value: object, *, where: str) -> Scalar:
         if self.type is float and isinstance(value, int) and not isinstance(value, bool):
             value = float(value)
+        if self.type is str and isinstance(value, bool) and ("on" if value else "off") in self.choices:
+            value = "on" if value else "off"  # YAML reads a bare off as false
         is_right_type = isinstance(value, self.type) and not (self.type is int and isinstance(value, bool))
         if not is_right_type or (isinstance(value, float) and not math.isfinite(value)):
             raise self._refusal(value, where)

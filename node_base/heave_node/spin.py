@@ -1,8 +1,7 @@
 """The one spin loop of the suite.
 
 The events executor is three times as fast as the default one. Its `spin` does not dispatch in every release, so the
-loop asks it to spin until a
-future completes, in slices; between slices a node may look at the wall clock.
+loop asks it to spin until a future completes, in slices; between slices a node may look at the wall clock.
 """
 
 from __future__ import annotations
@@ -18,15 +17,31 @@ IDLE_PERIOD = 0.2
 """Wall time between two calls of `on_idle` [s]."""
 
 
-def spin(node: Node, finished: Future, on_idle: Callable[[], None] | None = None) -> None:
-    """Serve the callbacks of `node` until `finished` completes or the context is shut down (SIGINT)."""
-    executor = EventsExecutor()
-    executor.add_node(node)
+class Spinner:
+    """Serves the callbacks of one node."""
+
+    def __init__(self, node: Node) -> None:
+        self._node = node
+        self._executor = EventsExecutor()
+        self._executor.add_node(node)
+
+    def spin_for(self, seconds: float, until: Future | None = None) -> None:
+        """Serve callbacks for some wall time, or until a future completes."""
+        self._executor.spin_until_future_complete(Future() if until is None else until, seconds)
+
+    def close(self) -> None:
+        """Serve no more."""
+        self._executor.remove_node(self._node)
+        self._executor.shutdown()
+
+
+def spin(node: Node, finished: Future, on_idle: Callable[[], None]) -> None:
+    """Serve the callbacks of `node` until `finished` completes or the context is shut down."""
+    spinner = Spinner(node)
     try:
         while rclpy.ok() and not finished.done():
-            executor.spin_until_future_complete(finished, IDLE_PERIOD)
-            if on_idle is not None and rclpy.ok() and not finished.done():
+            spinner.spin_for(IDLE_PERIOD, until=finished)
+            if not finished.done():
                 on_idle()
     finally:
-        executor.remove_node(node)
-        executor.shutdown()
+        spinner.close()

@@ -1,0 +1,1 @@
+"""Scenarios, launching, and the `heave` command."""

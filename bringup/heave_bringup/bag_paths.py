@@ -1,0 +1,11 @@
+"""Bags as a user names them: the bag's folder, or the folder of the run that holds it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+
+def bag_folders(paths: Sequence[Path]) -> list[Path]:
+    """Return the bag folders meant by `paths`; what is wrong with one is said by whoever reads it."""
+    return [path / "bag" if (path / "bag" / "metadata.yaml").is_file() else path for path in paths]

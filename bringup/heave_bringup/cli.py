@@ -1,0 +1,43 @@
+"""The `heave` command."""
+
+from __future__ import annotations
+
+import importlib
+import sys
+from collections.abc import Sequence
+
+from heave_bags.errors import BagError
+from heave_node.parameters import ParameterError
+
+from heave_bringup.errors import CommandError
+from heave_bringup.parser import make_parser
+
+EXIT_OK = 0
+EXIT_FAILED = 1
+EXIT_USAGE = 2
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the `heave` command; return its exit status: 0 only when it did what it says."""
+    options = make_parser().parse_args(arguments)
+    command = importlib.import_module(f"heave_bringup.commands.{options.command}")
+    try:
+        command.execute(options)
+    except ParameterError as error:
+        return _complain(error, EXIT_USAGE)
+    except (CommandError, BagError) as error:
+        return _complain(error, EXIT_FAILED)
+    except KeyboardInterrupt:
+        return _complain("interrupted", EXIT_FAILED)
+    except BrokenPipeError:
+        return EXIT_FAILED
+    return EXIT_OK
+
+
+def _complain(error: object, status: int) -> int:
+    sys.stderr.write(f"heave: {error}\n")
+    return status
+
+
+if __name__ == "__main__":
+    sys.exit(main())

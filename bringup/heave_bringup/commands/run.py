@@ -1,0 +1,70 @@
+"""`heave run`: run a scenario, check that the bag is complete, print its figures of merit, write the report."""
+
+from __future__ import annotations
+
+import argparse
+import os
+from collections.abc import Mapping
+from pathlib import Path
+
+from heave_bags import analysis
+from heave_bags.reader import Bag
+from heave_bags.report import write_report
+from heave_bags.run_record import RunRecord
+from heave_msgs.msg import TickStatus
+
+from heave_bringup.errors import CommandError
+from heave_bringup.output import write_result
+from heave_bringup.progress import ProgressLine
+from heave_bringup.run import RunFolder, new_run_folder, run_scenario
+from heave_bringup.scenarios import Scenario, load_scenario
+
+
+def execute(options: argparse.Namespace) -> None:
+    """Run, check, analyse, report."""
+    if options.network:
+        os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "SUBNET"
+    scenario = load_scenario(options.scenario, settings=options.set, common=_common_values(options))
+    folder = new_run_folder(scenario.name, options.bag)
+    status = run_scenario(scenario, folder)
+    if scenario.run.is_lockstep:
+        _check_complete(folder.bag, status)
+    record = _report(folder, with_report=not options.no_report)
+    text = "\n".join([analysis.table([record]), "", *_where(scenario, folder, with_report=not options.no_report)])
+    write_result(options, text, {**analysis.to_json(record), "folder": str(folder.path)})
+
+
+def _common_values(options: argparse.Namespace) -> Mapping[str, object]:
+    """Return the command's own options as parameters of every node."""
+    given = {
+        "pacing": options.pacing,
+        "duration": options.duration,
+        "seed": options.seed,
+        "external": options.external or None,
+    }
+    return {name: value for name, value in given.items() if value is not None}
+
+
+def _check_complete(bag: Path, status: TickStatus) -> None:
+    """Refuse a lockstep bag that lacks a message which a node says it published."""
+    recorded = {name: topic.message_count for name, topic in Bag(bag).topics.items()}
+    for topic, published in zip(status.topics, status.published, strict=True):
+        if recorded.get(topic, 0) != published:
+            raise CommandError(f"{bag}: holds {recorded.get(topic, 0)} of {published} messages of {topic}")
+
+
+def _report(folder: RunFolder, *, with_report: bool) -> RunRecord:
+    progress = ProgressLine()
+    try:
+        if with_report:
+            return write_report(
+                [folder.bag], folder.report, progress=lambda share: progress.show(f"report {share:4.0%}")
+            )[0]
+        return analysis.analyse([folder.bag], progress=lambda share: progress.show(f"analysis {share:4.0%}"))[0]
+    finally:
+        progress.close()
+
+
+def _where(scenario: Scenario, folder: RunFolder, *, with_report: bool) -> list[str]:
+    lines = [f"scenario  {scenario.path}", f"bag       {folder.bag}"]
+    return [*lines, f"report    {folder.report}"] if with_report else lines

@@ -1,0 +1,5 @@
+"""Errors that the `heave` command tells its user in one line."""
+
+
+class CommandError(Exception):
+    """The command could not do what it says; the message is one line."""

@@ -1,0 +1,84 @@
+"""Node processes: started together, watched, and ended without leaving one behind."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from heave_bringup.node_table import NODE_BY_NAME
+
+GRACE = 8.0
+"""Wall time that a node has to end after it was asked to [s]."""
+
+
+@dataclass
+class NodeProcess:
+    """One running node."""
+
+    name: str
+    process: subprocess.Popen[bytes]
+    log: Path
+
+    def obituary(self) -> str:
+        """Say in one line how the node ended: its own last words where it had any."""
+        status = self.process.returncode
+        if status is not None and status < 0:
+            return f"{self.name} was killed by {signal.Signals(-status).name}"
+        words = [line for line in self.log.read_text(errors="replace").splitlines() if line.strip()]
+        if words and words[-1].startswith((f"{self.name}:", "/")):
+            return words[-1]
+        return f"{self.name} ended with exit status {status}" + (f": {words[-1]}" if words else "")
+
+
+class Launcher:
+    """The node processes of one run."""
+
+    def __init__(self) -> None:
+        self.nodes: list[NodeProcess] = []
+
+    def start(
+        self, names: Sequence[str], scenario_file: Path, logs: Path, environment: Mapping[str, str] | None = None
+    ) -> None:
+        """Start nodes with one parameter file; what each prints goes to `logs`/NAME.log."""
+        logs.mkdir(parents=True, exist_ok=True)
+        for name in names:
+            log = logs / f"{name}.log"
+            command = [sys.executable, "-m", NODE_BY_NAME[name].module]
+            command += ["--ros-args", "--params-file", str(scenario_file)]
+            with log.open("wb") as sink:
+                process = subprocess.Popen(
+                    command,
+                    stdin=subprocess.DEVNULL,
+                    stdout=sink,
+                    stderr=subprocess.STDOUT,
+                    env={**os.environ, **(environment or {})},
+                    start_new_session=True,  # a Ctrl-C in the terminal is passed on in order, not to all at once
+                )
+            self.nodes.append(NodeProcess(name, process, log))
+
+    def failed(self) -> list[NodeProcess]:
+        """Return the nodes that have ended with an exit status other than 0."""
+        return [node for node in self.nodes if node.process.poll() not in (None, 0)]
+
+    def all_ended(self) -> bool:
+        """Tell whether no node runs any more."""
+        return all(node.process.poll() is not None for node in self.nodes)
+
+    def stop(self, grace: float = GRACE) -> None:
+        """End every node: SIGINT, time to close files, then SIGKILL."""
+        for node in self.nodes:
+            if node.process.poll() is None:
+                node.process.send_signal(signal.SIGINT)
+        deadline = time.monotonic() + grace
+        while not self.all_ended() and time.monotonic() < deadline:
+            time.sleep(0.02)
+        for node in self.nodes:
+            if node.process.poll() is None:
+                node.process.kill()
+                node.process.wait()

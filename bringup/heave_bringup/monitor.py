@@ -1,0 +1,59 @@
+"""What the `heave` command hears of a run: the master's status and the controller's live figures."""
+
+from __future__ import annotations
+
+import time
+
+import rclpy
+from heave_msgs.msg import CompensationKpi, TickStatus
+from heave_node import topics
+from heave_node.qos import qos_of
+from heave_node.spin import Spinner
+from rclpy.node import Node
+from rclpy.signals import SignalHandlerOptions
+
+DISCOVERY = 0.6
+"""Wall time in which a run that is already under way in this domain shows itself [s]."""
+
+
+class Monitor:
+    """Listens to a run from outside; takes no part in it."""
+
+    def __init__(self) -> None:
+        # The command handles Ctrl-C itself: it must end the nodes in order.
+        rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
+        self._node = Node("heave_command", start_parameter_services=False)
+        self.status: TickStatus | None = None
+        self.kpi: CompensationKpi | None = None
+        self._node.create_subscription(
+            TickStatus, topics.TICK_STATUS.name, self._on_status, qos_of(topics.TICK_STATUS.role)
+        )
+        self._node.create_subscription(
+            CompensationKpi, topics.CONTROLLER_KPI.name, self._on_kpi, qos_of(topics.CONTROLLER_KPI.role)
+        )
+        self._spinner = Spinner(self._node)
+
+    def _on_status(self, message: TickStatus) -> None:
+        self.status = message
+
+    def _on_kpi(self, message: CompensationKpi) -> None:
+        self.kpi = message
+
+    def spin(self, seconds: float) -> None:
+        """Listen for some wall time."""
+        self._spinner.spin_for(seconds)
+
+    def another_run(self) -> bool:
+        """Tell whether another run's clock master is in this ROS domain."""
+        deadline = time.monotonic() + DISCOVERY
+        while time.monotonic() < deadline:
+            self.spin(0.1)
+            if self._node.count_publishers(topics.TICK_START.name):
+                return True
+        return False
+
+    def close(self) -> None:
+        """Leave ROS."""
+        self._spinner.close()
+        self._node.destroy_node()
+        rclpy.try_shutdown()

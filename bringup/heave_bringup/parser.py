@@ -1,0 +1,102 @@
+"""The command line of `heave`: every subcommand's arguments, help and example."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import Any
+
+from heave_node.run_parameters import LOCKSTEP, REALTIME
+
+from heave_bringup.node_table import NODE_BY_NAME
+
+
+def make_parser() -> argparse.ArgumentParser:
+    """Return the parser of the whole command; the chosen subcommand is in `command`."""
+    parser = argparse.ArgumentParser(
+        prog="heave",
+        description="Active heave compensation: run scenarios over ROS 2, record, replay, analyse, design.",
+        epilog="example: heave run b2_calm_300 --duration 600",
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
+    for add in (_add_run, _add_list, _add_report, _add_kpi):
+        add(commands)
+    return parser
+
+
+def _add(commands: Any, name: str, description: str, example: str) -> argparse.ArgumentParser:
+    """Add a subcommand with its example in the help, and the options that all have."""
+    parser: argparse.ArgumentParser = commands.add_parser(
+        name,
+        help=description[0].lower() + description[1:].rstrip("."),
+        description=description,
+        epilog=f"example: {example}",
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument(
+        "--json", metavar="FILE", help="write the result as JSON; - for standard output, and nothing else there"
+    )
+    return parser
+
+
+def _add_scenario(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("scenario", metavar="SCENARIO", help="a shipped scenario (heave list) or a parameter file")
+    parser.add_argument(
+        "--set",
+        action="append",
+        default=[],
+        metavar="NODE.PARAM=VALUE",
+        help="change a parameter; NODE may be all; may be given again",
+    )
+
+
+def _add_run(commands: Any) -> None:
+    parser = _add(
+        commands,
+        "run",
+        "Run a scenario: start its nodes, record every topic, print the figures of merit, write a report.",
+        "heave run b2_calm_300 --duration 600 --set wave_vessel.peak_period=7",
+    )
+    _add_scenario(parser)
+    parser.add_argument("--pacing", choices=(LOCKSTEP, REALTIME), help="as fast as possible, or against the wall clock")
+    parser.add_argument("--duration", type=float, metavar="S", help="simulated seconds")
+    parser.add_argument("--seed", type=int, metavar="N", help="seed of every random number")
+    parser.add_argument(
+        "--bag", type=Path, metavar="DIR", help="folder for the bag and the report (default: runs/SCENARIO-NNN)"
+    )
+    parser.add_argument(
+        "--external",
+        action="append",
+        default=[],
+        metavar="NODE",
+        choices=tuple(NODE_BY_NAME),
+        help="do not start NODE: hardware or another program takes its place (real time)",
+    )
+    parser.add_argument("--network", action="store_true", help="discover nodes on other hosts of the subnet, too")
+    parser.add_argument("--no-report", action="store_true", help="leave out the HTML report")
+
+
+def _add_list(commands: Any) -> None:
+    _add(commands, "list", "List the shipped scenarios.", "heave list")
+
+
+def _add_report(commands: Any) -> None:
+    parser = _add(
+        commands,
+        "report",
+        "Write the HTML report of one or several bags: one file that opens offline.",
+        "heave report runs/b2_calm_300-001/bag --output report.html",
+    )
+    parser.add_argument("bags", metavar="BAG", type=Path, nargs="+", help="bag folder, or the folder of a run")
+    parser.add_argument("--output", type=Path, metavar="FILE", help="default: report.html beside the first bag")
+
+
+def _add_kpi(commands: Any) -> None:
+    parser = _add(
+        commands,
+        "kpi",
+        "Print the figures of merit of one or several bags, side by side.",
+        "heave kpi runs/b2_calm_300-001/bag --json -",
+    )
+    parser.add_argument("bags", metavar="BAG", type=Path, nargs="+", help="bag folder, or the folder of a run")

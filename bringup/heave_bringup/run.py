@@ -1,0 +1,139 @@
+"""Run a scenario: start the nodes, show how it goes, end them all, and say what became of it."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from heave_msgs.msg import TickStatus
+from heave_node.environment import prepare_environment
+from heave_node.scenario import NodeValues, write_scenario
+
+from heave_bringup.errors import CommandError
+from heave_bringup.launcher import Launcher
+from heave_bringup.monitor import Monitor
+from heave_bringup.node_table import MASTER, NODES
+from heave_bringup.progress import ProgressLine
+from heave_bringup.scenarios import Scenario
+
+LOOK_PERIOD = 0.1
+"""Wall time between two looks at the nodes [s]."""
+AFTERMATH = 3.0
+"""Real time: wall time that goes on after a node died, so that the bag shows how the winch stops [s]."""
+
+
+@dataclass
+class RunFolder:
+    """Where a run leaves its files."""
+
+    path: Path
+    bag: Path = field(init=False)
+    report: Path = field(init=False)
+    scenario: Path = field(init=False)
+    logs: Path = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.bag = self.path / "bag"
+        self.report = self.path / "report.html"
+        self.scenario = self.path / "scenario.yaml"
+        self.logs = self.path / "logs"
+
+
+def new_run_folder(name: str, chosen: Path | None) -> RunFolder:
+    """Make the folder of a run: the chosen one, or the next free `runs/NAME-NNN`. Raises CommandError where it is
+    taken.
+    """
+    if chosen is not None:
+        if chosen.exists() and any(chosen.iterdir()):
+            raise CommandError(f"{chosen}: is not empty; name another folder or remove it")
+        path = chosen
+    else:
+        number = 1
+        while (path := Path("runs") / f"{name}-{number:03d}").exists():
+            number += 1
+    path.mkdir(parents=True, exist_ok=True)
+    return RunFolder(path.resolve())
+
+
+def run_scenario(scenario: Scenario, folder: RunFolder) -> TickStatus:
+    """Run a scenario to its end and return the master's last word on it; raise CommandError, in one line, where it
+    does not reach it.
+
+    Whatever happens, no node process is left behind and the bag is closed by then.
+    """
+    prepare_environment()
+    write_scenario(_resolved(scenario, folder), folder.scenario)
+    monitor = Monitor()
+    launcher = Launcher()
+    progress = ProgressLine()
+    try:
+        if monitor.another_run():
+            raise CommandError("another run is under way in this ROS domain: end it, or set another ROS_DOMAIN_ID")
+        launcher.start(_nodes_to_start(scenario), folder.scenario, folder.logs)
+        return _watch(scenario, launcher, monitor, progress)
+    except KeyboardInterrupt:
+        raise CommandError("interrupted; the bag holds what was recorded until then") from None
+    finally:
+        progress.close()
+        launcher.stop()
+        monitor.close()
+
+
+def _nodes_to_start(scenario: Scenario) -> list[str]:
+    wanted = {MASTER, *scenario.run.participants} - set(scenario.run.external)
+    return [node.name for node in NODES if node.name in wanted]
+
+
+def _resolved(scenario: Scenario, folder: RunFolder) -> NodeValues:
+    """Return the scenario with the folder's paths in it: the file that the nodes get and the bag carries."""
+    values = {node: dict(section) for node, section in scenario.values.items()}
+    values.setdefault("recorder", {}).update(
+        directory=str(folder.bag), scenario_file=str(folder.scenario), scenario=scenario.name
+    )
+    return values
+
+
+def _watch(scenario: Scenario, launcher: Launcher, monitor: Monitor, progress: ProgressLine) -> TickStatus:
+    while True:
+        monitor.spin(LOOK_PERIOD)
+        progress.show(_progress_text(scenario, monitor))
+        failed = launcher.failed()
+        if failed:
+            _let_the_bag_show_it(scenario, monitor)
+            launcher.stop()
+            raise CommandError(_cause([node.obituary() for node in launcher.failed()], failed[0].obituary(), monitor))
+        if launcher.all_ended():
+            break
+    status = monitor.status
+    if status is None or status.state != TickStatus.ENDED:
+        raise CommandError("the nodes ended without saying that the run was over; see the logs")
+    return status
+
+
+def _let_the_bag_show_it(scenario: Scenario, monitor: Monitor) -> None:
+    if not scenario.run.is_lockstep:
+        monitor.spin(AFTERMATH)
+
+
+def _cause(obituaries: Sequence[str], first: str, monitor: Monitor) -> str:
+    """Return the line that tells why a run failed: a node that was killed before those that only missed it."""
+    killed = [text for text in obituaries if "was killed by" in text]
+    cause = killed[0] if killed else first
+    time_of_death = f" at t = {monitor.status.simulated_time:.2f} s" if monitor.status and " t = " not in cause else ""
+    return cause + time_of_death
+
+
+def _progress_text(scenario: Scenario, monitor: Monitor) -> str:
+    status, kpi = monitor.status, monitor.kpi
+    if status is None:
+        return "starting the nodes"
+    if status.state == TickStatus.WAITING:
+        return f"waiting for {status.reason}"[: shutil.get_terminal_size().columns - 1]
+    share = status.simulated_time / scenario.run.duration if scenario.run.duration else 1.0
+    text = f"{status.simulated_time:7.1f} s of {scenario.run.duration:g} s ({min(share, 1.0):4.0%})"
+    text += f"  {status.real_time_factor:5.1f} x real time"
+    if kpi is not None:
+        text += f"  unit sigma {100.0 * kpi.unit_sigma:.2f} cm  efficiency {100.0 * kpi.unit_efficiency:.1f} %"
+    return text

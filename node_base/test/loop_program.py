@@ -1,0 +1,162 @@
+"""A small loop of real processes to test the tick protocol with: sea -> controller -> winch -> plant, numbers instead
+of physics.
+
+Run as `python loop_program.py NODE --ros-args ...`. The parameter `fault` makes the node misbehave at tick
+`fault_tick`. Every node checks that it
+has exactly the messages of its tick, and the plant prints what it saw at the end.
+"""
+
+import os
+import signal
+import sys
+import time
+from dataclasses import dataclass
+
+from heave_msgs.msg import LoadCell, MruSample, PointMotion, TickStatus, WinchCommand, WinchState
+from heave_node import topics
+from heave_node.master import ClockMasterNode
+from heave_node.node import NodeError
+from heave_node.parameters import parameter
+from heave_node.participant import ParticipantNode
+from heave_node.process import run_node
+from heave_node.tick import stamp_of
+
+FAULTS = ("", "die", "hang", "late", "duplicate", "lose", "lose_for_ever", "future_stamp", "old_stamp", "raise")
+
+
+@dataclass(frozen=True)
+class LoopParameters:
+    fault: str = parameter("", unit="", choices=FAULTS, description="How the node misbehaves.")
+    fault_tick: int = parameter(20, unit="", minimum=1, description="When.")
+    strict: bool = parameter(True, unit="", description="Check that each tick has exactly its messages.")
+
+
+def expect(condition: bool, what: str) -> None:
+    if not condition:
+        raise NodeError(f"protocol broken: {what}")
+
+
+class LoopNode(ParticipantNode):
+    parameters_type = LoopParameters
+    memory = 0
+
+    def on_reset(self) -> None:
+        self.memory = 0
+
+    def check(self, tick, got: int, wanted: int, what: str) -> None:
+        expect(not self.parameters.strict or got == wanted, f"tick {tick.number}: {got} of {wanted} {what}")
+
+    def send(self, output, message, tick) -> None:
+        """Publish as asked, or as the fault has it."""
+        fault = self.parameters.fault if tick.number == self.parameters.fault_tick else ""
+        if fault == "die":
+            os.kill(os.getpid(), signal.SIGKILL)
+        if fault == "raise":
+            raise NodeError("the solver gave up")
+        if fault == "hang":
+            time.sleep(60.0)
+        if fault == "late":
+            time.sleep(0.8)
+        if fault in ("future_stamp", "old_stamp"):
+            shift = 10_000_000_000 if fault == "future_stamp" else -tick.period_nanoseconds * 5
+            message.header.stamp = stamp_of(tick.start_nanoseconds + shift)
+        if fault in ("lose", "lose_for_ever"):
+            output.published += 1
+            if fault == "lose":
+                output._of_this_tick.append(message)
+            return
+        output.publish(message)
+        if fault == "duplicate":
+            output.publisher.publish(message)
+
+
+class Sea(LoopNode):
+    name = "wave_vessel"
+
+    def on_build(self) -> None:
+        self.mru = self.add_output(topics.MRU)
+        self.tip = self.add_output(topics.BOOM_TIP)
+
+    def on_tick(self, tick) -> None:
+        self.memory += 1
+        message = MruSample(sequence=self.memory)
+        message.header.stamp = tick.stamp
+        self.send(self.mru, message, tick)
+        tip = PointMotion()
+        tip.header.stamp = tick.end_stamp
+        self.tip.publish(tip)
+
+
+class Controller(LoopNode):
+    name = "winch_controller"
+    after = ("wave_vessel",)
+
+    def on_build(self) -> None:
+        self.inputs = [self.add_input(t) for t in (topics.MRU, topics.LOAD_CELL, topics.WINCH_STATE)]
+        self.command = self.add_output(topics.WINCH_COMMAND)
+
+    def on_tick(self, tick) -> None:
+        mru, load, winch = (self.take(port) for port in self.inputs)
+        self.check(tick, len(mru), 1, "mru samples")
+        self.check(tick, len(load), 1, "load cell readings")
+        self.check(tick, len(winch), int(tick.number > 1), "winch states")
+        message = WinchCommand(sequence=tick.number, payout=float(mru[-1].sequence if mru else -1))
+        message.header.stamp = tick.stamp
+        self.send(self.command, message, tick)
+
+
+class Winch(LoopNode):
+    name = "virtual_winch"
+    after = ("winch_controller",)
+
+    def on_build(self) -> None:
+        self.command = self.add_input(topics.WINCH_COMMAND)
+        self.state = self.add_output(topics.WINCH_STATE)
+
+    def on_tick(self, tick) -> None:
+        commands = self.take(self.command)
+        self.check(tick, len(commands), 1, "commands")
+        message = WinchState(payout=commands[-1].payout if commands else -1.0)
+        message.header.stamp = tick.end_stamp
+        self.send(self.state, message, tick)
+
+
+class Plant(ClockMasterNode):
+    name = "cable_sim"
+    parameters_type = LoopParameters
+    after = ("wave_vessel", "virtual_winch")
+
+    def on_build(self) -> None:
+        self.tip = self.add_input(topics.BOOM_TIP)
+        self.winch = self.add_input(topics.WINCH_STATE)
+        self.load = self.add_output(topics.LOAD_CELL)
+        self.sum = 0.0
+
+    def on_reset(self) -> None:
+        self.sum = 0.0
+
+    def on_readings(self, tick) -> None:
+        if self.parameters.fault == "die" and tick.number == self.parameters.fault_tick:
+            os.kill(os.getpid(), signal.SIGKILL)
+        message = LoadCell(tension=self.sum)
+        message.header.stamp = tick.stamp
+        self.load.publish(message)
+
+    def on_advance(self, tick) -> None:
+        tips, winches = self.take(self.tip), self.take(self.winch)
+        if self.parameters.strict:
+            counts = (len(tips), len(winches))
+            expect(counts == (1, 1), f"tick {tick.number}: {counts} boom tips and winch states")
+        self.sum += sum(message.payout for message in winches)
+
+    def on_leave(self) -> None:
+        super().on_leave()
+        ended = self.state == TickStatus.ENDED
+        timing = self.timing
+        sys.stdout.write(f"ended={ended} ticks={self.tick_number} epoch={self.epoch} sum={self.sum:g}\n")
+        sys.stdout.write(f"missed={timing.missed_deadlines} resends={timing.resends}\n")
+
+
+if __name__ == "__main__":
+    programs = {program.name: program for program in (Sea, Controller, Winch, Plant)}
+    sys.exit(run_node(programs[sys.argv[1]]))

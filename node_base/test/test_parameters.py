@@ -1,0 +1,91 @@
+"""Parameter sets: what is accepted, what is refused and in which words."""
+
+import math
+from dataclasses import dataclass
+
+import pytest
+from heave_node.parameters import ParameterError, build_parameters, describe, flatten, group, parameter
+from heave_node.run_parameters import RunParameters
+from hypothesis import given
+from hypothesis import strategies as st
+
+
+@dataclass(frozen=True)
+class Inner:
+    mass: float = parameter(1.0, unit="kg", minimum=0.0, description="Mass.")
+    area: tuple[float, ...] = parameter((1.0, 2.0, 3.0), unit="m^2", minimum=0.0, length=3, description="Areas.")
+
+
+@dataclass(frozen=True)
+class Outer:
+    count: int = parameter(3, unit="", minimum=1, maximum=10, description="Count.")
+    kind: str = parameter("a", unit="", choices=("a", "b"), description="Kind.")
+    on: bool = parameter(True, unit="", description="Switch.")
+    unit: Inner = group(Inner, mass=5.0)
+
+    def __post_init__(self) -> None:
+        if self.count > 5 and not self.on:
+            raise ValueError("count above 5 needs on: true")
+
+
+def build(**values):
+    return build_parameters(
+        Outer, {name.replace("__", "."): value for name, value in values.items()}, where="f.yaml: n"
+    )
+
+
+def test_defaults_hold_where_nothing_is_given_and_a_group_may_change_them():
+    assert build() == Outer()
+    assert build().unit.mass == 5.0
+
+
+def test_dotted_names_reach_into_groups():
+    assert build(unit__mass=2.5).unit == Inner(mass=2.5)
+
+
+def test_a_whole_number_is_taken_for_a_float_and_nothing_else_is_converted():
+    assert build(unit__mass=2).unit.mass == 2.0
+    for wrong in ({"count": 2.0}, {"count": True}, {"on": 1}, {"kind": 1}, {"unit__mass": "2"}, {"unit__mass": None}):
+        with pytest.raises(ParameterError):
+            build(**wrong)
+
+
+@pytest.mark.parametrize(
+    ("values", "words"),
+    [
+        ({"count": 11}, "f.yaml: n: count = 11 is not allowed: it must be a whole number from 1 to 10"),
+        ({"kind": "c"}, "one of a, b"),
+        ({"unit__mass": -1.0}, "unit.mass = -1.0 is not allowed: it must be a number of at least 0 [kg]"),
+        ({"unit__mass": math.nan}, "unit.mass = nan"),
+        ({"unit__area": [1.0, 2.0]}, "a list of 3 values"),
+        ({"unit__mas": 1.0}, "there is no parameter unit.mas; did you mean unit.mass?"),
+        ({"zzz": 1.0}, "known: count, kind, on, unit.area, unit.mass"),
+        ({"count": 6, "on": False}, "count above 5 needs on: true"),
+    ],
+)
+def test_a_refusal_says_where_what_and_what_is_allowed(values, words):
+    with pytest.raises(ParameterError) as refusal:
+        build(**values)
+    assert words in str(refusal.value)
+    assert "\n" not in str(refusal.value)
+
+
+@given(st.integers(1, 5), st.sampled_from("ab"), st.floats(0, 1e6), st.lists(st.floats(0, 10), min_size=3, max_size=3))
+def test_flatten_is_the_inverse_of_build(count, kind, mass, area):
+    values = {"count": count, "kind": kind, "unit.mass": mass, "unit.area": area}
+    assert flatten(build_parameters(Outer, values, where=""))["unit.area"] == tuple(area)
+    assert build_parameters(Outer, flatten(build_parameters(Outer, values, where="")), where="") == build_parameters(
+        Outer, values, where=""
+    )
+
+
+def test_every_parameter_is_described():
+    infos = {info.name: info for info in describe(Outer)}
+    assert list(infos) == ["count", "kind", "on", "unit.mass", "unit.area"]
+    assert infos["unit.mass"].default == 5.0
+    assert all(info.description for info in infos.values())
+
+
+def test_external_nodes_need_real_time():
+    with pytest.raises(ParameterError, match="needs pacing: realtime"):
+        build_parameters(RunParameters, {"external": ["virtual_winch"]}, where="")
