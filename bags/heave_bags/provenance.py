@@ -13,6 +13,8 @@ from heave_bags.errors import BagError
 
 LIBRARIES = ("ros-rclpy", "rclpy", "numpy", "scipy", "numba", "mcap", "control", "filterpy")
 SCENARIO_ATTACHMENT = "scenario.yaml"
+PARAMETERS_ATTACHMENT = "parameters.yaml"
+"""The parameters that all nodes had in a run, defaults included."""
 
 
 def versions() -> dict[str, str]:

@@ -55,7 +55,7 @@ class BagTopic(TopicSummary):
     schema: str = ""
 
 
-def _ignore(_share: float) -> None:
+def no_progress(_share: float) -> None:
     """Report no progress."""
 
 
@@ -187,7 +187,7 @@ class Bag:
         *,
         start: int = 0,
         end: int = 1 << 63,
-        progress: Progress = _ignore,
+        progress: Progress = no_progress,
     ) -> Iterator[RawMessage]:
         """Yield messages in the order of the bag, one file behind the other.
 
@@ -246,7 +246,7 @@ class Bag:
         *,
         start: int = 0,
         end: int = 1 << 63,
-        progress: Progress = _ignore,
+        progress: Progress = no_progress,
     ) -> dict[str, Columns]:
         """Return columns of several topics in one pass.
 

@@ -261,3 +261,7 @@ class RecorderNode(ParticipantNode):
 def main() -> None:
     """Run the recorder."""
     sys.exit(run_node(RecorderNode))
+
+
+if __name__ == "__main__":
+    main()
