@@ -1,0 +1,128 @@
+"""One tree, two builds: what pip and colcon are told of each package must agree."""
+
+import ast
+import re
+import sys
+from pathlib import Path
+from xml.etree import ElementTree
+
+import pytest
+from ament_index_python.packages import get_package_prefix, get_package_share_path
+from heave_node.environment import prepare_environment
+
+if sys.version_info >= (3, 11):
+    import tomllib
+else:
+    import tomli as tomllib
+
+REPOSITORY = Path(__file__).parents[1]
+PYPROJECT = tomllib.loads((REPOSITORY / "pyproject.toml").read_text())
+MANIFESTS = sorted(REPOSITORY.glob("*/package.xml"))
+PYTHON_MANIFESTS = [path for path in MANIFESTS if path.parent.name != "msgs"]
+
+
+def manifest(path: Path) -> ElementTree.Element:
+    return ElementTree.parse(path).getroot()
+
+
+def name_of(path: Path) -> str:
+    return manifest(path).findtext("name") or ""
+
+
+def folder_id(path: Path) -> str:
+    return path.parent.name
+
+
+def console_scripts_of_setup(path: Path) -> dict[str, str]:
+    """Return the console scripts of a setup.py, read without running it."""
+    for node in ast.walk(ast.parse(path.read_text())):
+        if isinstance(node, ast.keyword) and node.arg == "entry_points":
+            scripts = ast.literal_eval(node.value).get("console_scripts", [])
+            return dict(re.split(r"\s*=\s*", script, maxsplit=1) for script in scripts)
+    raise AssertionError(f"{path} has no entry_points")
+
+
+def test_every_package_of_the_house_has_a_manifest():
+    assert [path.parent.name for path in MANIFESTS] == [
+        "bags",
+        "bringup",
+        "cable_sim_node",
+        "msgs",
+        "node_base",
+        "wave_vessel_node",
+        "winch_controller_node",
+    ]
+
+
+@pytest.mark.parametrize("path", MANIFESTS, ids=folder_id)
+def test_version_and_licence_of_a_manifest_are_those_of_pyproject(path):
+    root = manifest(path)
+    assert root.findtext("version") == PYPROJECT["project"]["version"]
+    assert root.findtext("license") == PYPROJECT["project"]["license"]
+
+
+@pytest.mark.parametrize("path", PYTHON_MANIFESTS, ids=folder_id)
+def test_a_python_package_is_in_the_wheel_and_in_the_ament_index(path):
+    name = name_of(path)
+    assert f"{path.parent.name}/{name}" in PYPROJECT["tool"]["scikit-build"]["wheel"]["packages"]
+    assert (path.parent / "resource" / name).is_file()
+    assert (path.parent / name / "py.typed").is_file()
+
+
+@pytest.mark.parametrize("path", PYTHON_MANIFESTS, ids=folder_id)
+def test_every_folder_with_modules_is_a_package_that_setuptools_finds(path):
+    package = path.parent / name_of(path)
+    without_init = {module.parent for module in package.rglob("*.py") if not (module.parent / "__init__.py").exists()}
+    assert not without_init
+
+
+def test_pip_and_colcon_install_the_same_executables():
+    by_colcon: dict[str, str] = {}
+    for path in PYTHON_MANIFESTS:
+        by_colcon |= console_scripts_of_setup(path.parent / "setup.py")
+    assert by_colcon == PYPROJECT["project"]["scripts"]
+
+
+def test_ros_finds_each_executable_under_the_package_that_colcon_puts_it_in():
+    listed = re.findall(
+        r"^install_node_package\((.*)\)", (REPOSITORY / "cmake/install_node_packages.cmake").read_text(), re.M
+    )
+    by_pip = {words[1]: set(words[2:]) for words in map(str.split, listed)}
+    by_colcon = {name_of(path): set(console_scripts_of_setup(path.parent / "setup.py")) for path in PYTHON_MANIFESTS}
+    assert by_pip == by_colcon
+
+
+@pytest.mark.parametrize("path", PYTHON_MANIFESTS, ids=folder_id)
+def test_a_manifest_names_each_package_of_the_suite_that_is_imported_and_no_other(path):
+    suite = {name_of(other) for other in MANIFESTS}
+    named = {element.text for element in manifest(path) if element.tag in ("depend", "exec_depend")} & suite
+    imported = set()
+    for module in (path.parent / name_of(path)).rglob("*.py"):
+        for node in ast.walk(ast.parse(module.read_text())):
+            if isinstance(node, ast.ImportFrom) and node.level == 0:
+                imported.add((node.module or "").split(".")[0])
+            elif isinstance(node, ast.Import):
+                imported |= {alias.name.split(".")[0] for alias in node.names}
+            elif isinstance(node, ast.Constant) and isinstance(node.value, str):  # modules started or looked up by name
+                imported |= {name for name in suite if node.value.startswith((f"{name}.", f"{name}:"))}
+    assert named == (imported & suite) - {name_of(path)}
+
+
+@pytest.mark.parametrize("path", MANIFESTS, ids=folder_id)
+def test_the_installed_environment_knows_every_package(path, monkeypatch):
+    monkeypatch.delenv("AMENT_PREFIX_PATH", raising=False)
+    prepare_environment()
+    name = name_of(path)
+    assert manifest(get_package_share_path(name) / "package.xml").findtext("name") == name
+    if path in PYTHON_MANIFESTS:
+        for executable in console_scripts_of_setup(path.parent / "setup.py"):
+            assert (Path(get_package_prefix(name)) / "lib" / name / executable).stat().st_mode & 0o111
+
+
+def test_the_message_files_name_only_types_of_packages_that_the_manifest_depends_on():
+    root = manifest(REPOSITORY / "msgs/package.xml")
+    declared = {element.text for element in root.findall("depend")} | {"heave_msgs"}
+    used = set()
+    for path in REPOSITORY.glob("msgs/*/*"):
+        used |= set(re.findall(r"^(\w+)/\w+", path.read_text(), re.M))
+    assert used <= declared
