@@ -94,7 +94,7 @@ class KalmanEstimator:
     measurements : what can be measured
     initial_covariance : shape (n, n)
     gate : normalised innovation squared above which a reading is refused
-    gate_limit : refusals in a row after which the covariance is doubled with each further one
+    gate_limit : refusals in a row after which the next reading is believed and the covariance grown to fit it
     largest_age : ticks; older readings are refused
 
     Attributes
@@ -110,7 +110,7 @@ class KalmanEstimator:
         initial_covariance: Array,
         *,
         gate: float = 25.0,
-        gate_limit: int = 20,
+        gate_limit: int = 100,
         largest_age: int = 20,
     ) -> None:
         self.model = model
@@ -224,14 +224,12 @@ class KalmanEstimator:
         nis = innovation**2 / variance
         accepted = bool(nis <= self._gate)
         self.innovations[reading.name] = Innovation(innovation, math.sqrt(variance), nis, accepted)
-        if accepted:
+        self.refusals[reading.name] = 0 if accepted else self.refusals[reading.name] + 1
+        if self.refusals[reading.name] > self._gate_limit and math.isfinite(nis):
+            # so many in a row: it is the filter that is wrong, and it must doubt itself enough to come back
+            self._filter.P = nis * self._filter.P
             self.refusals[reading.name] = 0
-        else:
-            self.refusals[reading.name] += 1
-            if self.refusals[reading.name] > self._gate_limit and math.isfinite(innovation):
-                # the filter is surely wrong, not twenty readings in a row: let it doubt itself
-                self._filter.P = 2.0 * self._filter.P
-                self.refusals[reading.name] = self._gate_limit // 2
+            return True
         return accepted
 
     def _linearise(self, measurement: MeasurementModel, reading: Measurement) -> tuple[Array, float]:

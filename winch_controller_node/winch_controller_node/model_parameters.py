@@ -271,11 +271,11 @@ class EstimatorParameters:
         description="Normalised innovation squared above which a reading is refused.",
     )
     gate_limit: int = parameter(
-        20,
+        100,
         unit="",
         minimum=1,
-        maximum=10_000,
-        description="After so many refusals in a row the estimate's uncertainty grows until the sensor fits again.",
+        maximum=100_000,
+        description="After so many refusals in a row of a sensor its next reading is believed, with a new covariance.",
     )
     largest_age: float = parameter(
         1.0, unit="s", minimum=0.0, maximum=10.0, description="Readings older than this at arrival are not used."

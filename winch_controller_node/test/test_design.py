@@ -1,0 +1,86 @@
+"""Designing a controller: what comes out, and what is refused in words."""
+
+import numpy as np
+import pytest
+from heave_node.parameters import ParameterError, build_parameters
+from winch_controller_node.design import design_controller
+from winch_controller_node.linear_model import linear_model, spectral_abscissa, with_feedback
+from winch_controller_node.lqr import DesignError, QuadraticCost, check_stabilisable, lqr_gain
+from winch_controller_node.parameters import WinchControllerParameters
+
+
+def parameters(**values):
+    named = {name.replace("__", "."): value for name, value in values.items()}
+    return build_parameters(WinchControllerParameters, named, where="test: winch_controller")
+
+
+def design(**values):
+    return design_controller(parameters(**values), tick_period=0.05)
+
+
+def test_the_closed_loop_of_the_full_state_gain_is_stable():
+    result = design()
+    closed = with_feedback(result.model, result.gain)
+    slow = [name for name in closed.state_names if name == "depth_bias"]
+    keep = [name for name in closed.state_names if name not in slow]
+    assert spectral_abscissa(closed.select_states(keep)) < 1.0
+
+
+def test_the_delay_of_0_2_s_is_four_past_commands():
+    assert design().delay_states == tuple(f"payout_rate_command_{i}" for i in (1, 2, 3, 4))
+
+
+def test_sensor_states_have_no_gain():
+    result = design(sensors__mru__high_pass_period=60.0, sensors__mru__scale_sigma=0.05)
+    for name in ("mru_offset", "mru_offset_rate", "mru_scale", "depth_bias"):
+        assert result.gain[result.model.state(name)] == 0.0
+
+
+def test_the_regulator_gain_leaves_the_sea_out_and_nothing_else():
+    result = design()
+    for name, full, alone in zip(result.model.state_names, result.gain, result.regulator_gain, strict=True):
+        assert alone == (0.0 if name.startswith(("vessel_", "wave_")) else full)
+
+
+@pytest.mark.parametrize(
+    ("values", "message"),
+    [
+        ({"weights__command": 0.0}, "weights.command must be above 0"),
+        ({"weights__unit_heave": 0.0, "weights__outlet_heave": 0.0, "weights__payout": 0.0,
+        "weights__payout_acceleration": 0.0}, "no output has a weight"), ({"weights__outlet_heave": 0.0,
+        "weights__unit_heave": 0.0, "weights__payout": 0.0}, "leave .*payout.* free"), ({"sensors__use": ("mru",
+        "depth")}, "must have the encoder"), ({"sensors__use": ("encoder",)}, "must have one of mru"),
+        ({"sensors__use": ("mru", "encoder"), "sensors__mru__scale_sigma": 0.05}, "mru_scale cannot be seen"),
+        ({"winch__command_delay": 20.0}, "longer than any useful prediction"),
+    ],
+)  # fmt: skip
+def test_what_cannot_be_designed_is_refused_in_words(values, message):
+    with pytest.raises(DesignError, match=message):
+        design(**values)
+
+
+def test_depth_bias_that_no_other_sensor_resolves_is_named():
+    # depth with a free bias sees x + bias; without MRU the mean of x is still tied to the payout, so this is detectable
+    assert design(sensors__use=("depth", "encoder")).model.has_state("depth_bias")
+
+
+def test_an_unknown_sensor_is_refused_by_the_parameter_check():
+    with pytest.raises(ParameterError, match="one of mru"):
+        parameters(sensors__use=("sonar", "encoder"))
+
+
+def test_a_growing_state_out_of_reach_is_named():
+    model = linear_model([[0.1, 0.0], [0.0, -1.0]], states=("runaway", "x"), inputs={"u": [0.0, 1.0]})
+    with pytest.raises(DesignError, match="no effect on runaway"):
+        check_stabilisable(model)
+
+
+def test_indefinite_weights_are_refused():
+    model = linear_model([[-1.0]], states=("x",), inputs={"u": [1.0]})
+    with pytest.raises(DesignError, match="indefinite"):
+        lqr_gain(model, QuadraticCost(-np.eye(1), np.zeros((1, 1)), np.eye(1)))
+
+
+def test_an_identified_cable_is_taken_as_given():
+    result = design(cable_model__inertia=0.9, cable_model__damping=0.2, cable_model__inertia_factor=1.3)
+    assert (result.cable.a, result.cable.b) == (pytest.approx(1.17), pytest.approx(0.2))
