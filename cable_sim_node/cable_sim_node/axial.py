@@ -104,8 +104,8 @@ def simulate_axial(
     unit = np.array([line.unit.inertia, line.unit.weight, line.unit.drag])
     output = np.empty((len(heave), 4))
     failed = integrate(
-        line.starts(), line.totals(), line.densities(), unit, top, top_velocity, out_length, feed_rate,
-        sample_period / substeps, substeps, segments, allow_slack, output,
+        line.starts(), line.totals(), line.densities(), line.clump_table(), unit, top, top_velocity,
+        out_length, feed_rate, sample_period / substeps, substeps, segments, allow_slack, output,
     )  # fmt: skip
     if failed >= 0:
         raise AxialError(

@@ -40,11 +40,19 @@ def cumulative(label: float, starts: Array, totals: Array, densities: Array) -> 
 
 @njit(cache=True)
 def _discretise(
-    length: float, starts: Array, totals: Array, densities: Array, stiffness: Array, damping: Array, lumps: Array
+    length: float,
+    starts: Array,
+    totals: Array,
+    densities: Array,
+    clumps: Array,
+    stiffness: Array,
+    damping: Array,
+    lumps: Array,
 ) -> None:
     """Fill element stiffness [N/m] and damping [N s/m] and the node lumps (mass [kg], weight [N], drag [N s2/m2]).
 
-    Rows of `totals` and `densities`: compliance 1/EA, mass, weight, drag, internal damping over stiffness.
+    Rows of `totals` and `densities`: compliance 1/EA, mass, weight, drag, internal damping over stiffness; of `clumps`:
+    label, inertia, weight, drag. A clump between two nodes is shared by the lever rule, so it passes them smoothly.
     """
     elements = len(stiffness)
     size = length / elements
@@ -62,6 +70,13 @@ def _discretise(
             amount -= cumulative(low, starts, totals[row + 1], densities[row + 1])
             lumps[row, j] += 0.5 * amount
             lumps[row, j + 1] += 0.5 * amount
+    for body in clumps:
+        if body[0] <= length:
+            j = min(int(body[0] / size), elements - 1)
+            share = body[0] / size - j
+            for row in range(3):
+                lumps[row, j] += (1.0 - share) * body[row + 1]
+                lumps[row, j + 1] += share * body[row + 1]
 
 
 @njit(cache=True)
@@ -153,6 +168,7 @@ def integrate(
     starts: Array,
     totals: Array,
     densities: Array,
+    clumps: Array,
     unit: Array,
     top: Array,
     top_velocity: Array,
@@ -176,7 +192,7 @@ def integrate(
     velocity, velocity_before, velocity_earlier = np.empty(nodes), np.empty(nodes), np.empty(nodes)
     lower, diagonal, upper, right = np.empty(nodes), np.empty(nodes), np.empty(nodes), np.empty(nodes)
 
-    _discretise(length[0], starts, totals, densities, stiffness, damping, lumps)
+    _discretise(length[0], starts, totals, densities, clumps, stiffness, damping, lumps)
     first_velocity = top_velocity[0] - length_rate[0]
     steady_positions(top[0], length[0], first_velocity, stiffness, lumps, unit, position)
     before[:] = position - h * first_velocity
@@ -191,7 +207,7 @@ def integrate(
             velocity_before[:] = velocity
             for i in range(nodes):  # start Newton from constant velocity
                 position[i] = 2.0 * before[i] - earlier[i]
-            _discretise(length[step], starts, totals, densities, stiffness, damping, lumps)
+            _discretise(length[step], starts, totals, densities, clumps, stiffness, damping, lumps)
             position[elements] = top[step] - length[step]
             solved = _newton(
                 position, before, earlier, velocity, velocity_before, velocity_earlier, length[step], length_rate[step],

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import itertools
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields
 
 import numpy as np
 from numpy.typing import NDArray
 
-from cable_sim_node.parameters import CableParameters, CableSimParameters
+from cable_sim_node import line_layout as at
+from cable_sim_node.line_grid import segment_row, unit_row
+from cable_sim_node.parameters import CableSimParameters
 
 Array = NDArray[np.float64]
 
@@ -52,11 +55,29 @@ class AxialUnit:
 
 
 @dataclass(frozen=True)
+class AxialClump:
+    """A body clamped on the cable at `label`, unstretched length from the unit [m]; the rest as for `AxialUnit`."""
+
+    label: float
+    inertia: float
+    weight: float
+    drag: float = 0.0
+
+
+@dataclass(frozen=True)
+class AxialPiece(AxialSection):
+    """A piece of the cable that is out, and the clumps at its lower end."""
+
+    clumps: tuple[AxialClump, ...] = ()
+
+
+@dataclass(frozen=True)
 class AxialLine:
-    """Cable (sections counted from the unit upwards) and unit."""
+    """Cable (sections counted from the unit upwards), unit, and bodies on the cable in the order of their labels."""
 
     sections: tuple[AxialSection, ...]
     unit: AxialUnit
+    clumps: tuple[AxialClump, ...] = ()
 
     def starts(self) -> Array:
         """Labels at which the sections begin [m], counted from the unit."""
@@ -74,67 +95,76 @@ class AxialLine:
         sums = np.cumsum(self.densities()[:, :-1] * lengths, axis=1)
         return np.concatenate((np.zeros((5, 1)), sums), axis=1)
 
-    def pieces(self, length: float) -> list[AxialSection]:
-        """Return the sections of the cable that is out, from the unit upwards, cut at `length` [m]."""
+    def clump_table(self) -> Array:
+        """Return shape (clumps, 4): label, inertia, weight and drag of each."""
+        return np.array([(c.label, c.inertia, c.weight, c.drag) for c in self.clumps]).reshape(-1, 4)
+
+    def section_at(self, label: float) -> AxialSection:
+        """Return the section to which the point at `label` [m] belongs."""
+        return self.sections[int(np.searchsorted(self.starts(), label, side="right")) - 1]
+
+    def pieces(self, length: float) -> list[AxialPiece]:
+        """Return the cable that is out, cut at joints and clumps, from the unit upwards."""
+        marks = {0.0, length, *self.starts(), *(clump.label for clump in self.clumps)}
+        cuts = sorted(float(mark) for mark in marks if mark <= length)
         pieces = []
-        left = length
-        for section in self.sections[:-1]:
-            if section.length >= left:
-                break
-            pieces.append(section)
-            left -= section.length
-        return [*pieces, replace(self.sections[len(pieces)], length=left)]
+        for low, high in itertools.pairwise(cuts):
+            section = self.section_at(0.5 * (low + high))
+            values = {field.name: getattr(section, field.name) for field in fields(AxialSection)}
+            bodies = tuple(clump for clump in self.clumps if clump.label == low)
+            pieces.append(AxialPiece(**{**values, "length": high - low}, clumps=bodies))
+        return pieces
 
     def static_stretch(self, length: float) -> float:
         """Elongation under weight in still water [m]."""
         stretch, load = 0.0, self.unit.weight
         for piece in self.pieces(length):
+            load += sum(clump.weight for clump in piece.clumps)
             stretch += piece.length * (load + 0.5 * piece.weight * piece.length) / piece.axial_stiffness
             load += piece.weight * piece.length
         return stretch
 
     def static_top_tension(self, length: float) -> float:
         """Tension at the top in still water [N]."""
-        return self.unit.weight + sum(piece.weight * piece.length for piece in self.pieces(length))
+        weight = self.unit.weight
+        for piece in self.pieces(length):
+            weight += piece.weight * piece.length + sum(clump.weight for clump in piece.clumps)
+        return weight
 
 
 def axial_line(parameters: CableSimParameters) -> AxialLine:
     """Return the axial model's view of a cable system: vertical weight, stiffness, inertia and drag.
 
-    Linear elastic (EA at small strain); the vertical part of the unit's thrust counts as weight; clumps are not part of
-    it.
+    Linear elastic (EA at small strain); the vertical part of the unit's thrust counts as weight.
     """
-    density, gravity = parameters.water_density, parameters.gravity
-    cable, extra, unit = parameters.cable, parameters.sections, parameters.unit
-    friction = 0.5 * math.pi * density * cable.tangential_drag
     sections = []
-    for index, size in enumerate(extra.length):
-        displaced = extra.displaced_diameter[index] if extra.displaced_diameter else 0.0
-        piece = replace(
-            cable,
-            diameter=extra.diameter[index],
-            displaced_diameter=displaced,
-            mass_per_length=extra.mass_per_length[index],
-            axial_stiffness=extra.axial_stiffness[index],
+    start = 0.0
+    for size in (*parameters.sections.length, math.inf):
+        row = segment_row(parameters, start)
+        sections.append(
+            AxialSection(
+                length=size,
+                axial_stiffness=float(row[at.STIFFNESS]),
+                mass=float(row[at.MASS]),
+                weight=float(row[at.WEIGHT]),
+                drag=float(row[at.TANGENTIAL_DRAG]),
+                damping_time=float(row[at.DAMPING] / row[at.STIFFNESS]),
+            )
         )
-        sections.append(_section(piece, size, friction, piece.weight_in_fluid(density, gravity)))
-    sections.append(_section(cable, math.inf, friction, cable.weight_in_fluid(density, gravity)))
+        start += size
+    unit = unit_row(parameters)
+    density, clumps = parameters.water_density, parameters.clumps
+    bodies = [
+        AxialClump(
+            label=label,
+            inertia=clumps.mass[i] + (clumps.added_mass[i] if density > 0.0 else 0.0),
+            weight=(clumps.mass[i] - density * clumps.volume[i]) * parameters.gravity,
+            drag=0.5 * density * clumps.drag_area[i],
+        )
+        for i, label in enumerate(clumps.position)
+    ]
     return AxialLine(
         tuple(sections),
-        AxialUnit(
-            inertia=unit.mass + unit.added_mass[2],
-            weight=unit.weight_in_fluid(density, gravity) - unit.thrust[2],
-            drag=0.5 * density * unit.drag_coefficient[2] * unit.drag_area[2],
-        ),
-    )
-
-
-def _section(cable: CableParameters, length: float, friction: float, weight: float) -> AxialSection:
-    return AxialSection(
-        length=length,
-        axial_stiffness=cable.axial_stiffness,
-        mass=cable.mass_per_length,
-        weight=weight,
-        drag=friction * cable.diameter,
-        damping_time=cable.internal_damping / cable.axial_stiffness,
+        AxialUnit(float(unit[at.UNIT_INERTIA + 2]), -float(unit[at.UNIT_FORCE + 2]), float(unit[at.UNIT_DRAG + 2])),
+        tuple(sorted(bodies, key=lambda body: body.label)),
     )

@@ -7,7 +7,6 @@ cycle, 8/(3 pi) * drag * velocity amplitude, found by iteration with the local a
 
 from __future__ import annotations
 
-import itertools
 import math
 from dataclasses import dataclass, replace
 
@@ -15,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import brentq, least_squares
 
-from cable_sim_node.axial_line import AxialLine, AxialSection
+from cable_sim_node.axial_line import AxialLine, AxialPiece
 from cable_sim_node.errors import PlantError
 
 Array = NDArray[np.float64]
@@ -92,8 +91,9 @@ def heave_transfer_function(
     if not (length > 0.0 and np.all(np.isfinite(omega)) and np.all(omega > 0.0)):
         raise LinearisationError("length and all frequencies must be positive and finite")
     tip = np.broadcast_to(np.asarray(amplitude, dtype=np.float64), omega.shape)
-    pieces = [part for piece in line.pieces(length) for part in _divide(piece, length)]
-    has_drag = bool(np.any(tip > 0.0)) and (line.unit.drag > 0.0 or any(piece.drag > 0.0 for piece in pieces))
+    pieces = [part for piece in line.pieces(length) for part in _divide(piece, length / DRAG_PIECES)]
+    drags = [line.unit.drag, *(clump.drag for clump in line.clumps), *(section.drag for section in line.sections)]
+    has_drag = bool(np.any(tip > 0.0)) and max(drags) > 0.0
     speeds = np.zeros((len(pieces) + 1, len(omega)))
     motion = _march(line, pieces, omega, speeds)
     if has_drag:
@@ -117,19 +117,23 @@ class _March:
     top_tension: ComplexArray
 
 
-def _divide(piece: AxialSection, length: float) -> list[AxialSection]:
-    """Cut a section into pieces of at most length/DRAG_PIECES."""
-    count = max(1, math.ceil(DRAG_PIECES * piece.length / length - 1e-9))
-    return [replace(piece, length=piece.length / count)] * count
+def _divide(piece: AxialPiece, size: float) -> list[AxialPiece]:
+    """Cut a piece into equal pieces of at most `size` [m]; the clumps stay at the lower end."""
+    count = max(1, math.ceil(piece.length / size - 1e-9))
+    part = replace(piece, length=piece.length / count)
+    return [part, *[replace(part, clumps=())] * (count - 1)]
 
 
-def _march(line: AxialLine, pieces: list[AxialSection], omega: Array, speeds: Array) -> _March:
+def _march(line: AxialLine, pieces: list[AxialPiece], omega: Array, speeds: Array) -> _March:
     """Carry displacement and tension from the unit (displacement 1) to the top, piece by piece in closed form."""
     displacement = np.ones(len(omega), dtype=np.complex128)
     unit_damping = HARMONIC_DRAG * line.unit.drag * speeds[0]
     tension = -line.unit.inertia * omega**2 + 1j * omega * unit_damping
     heave = [displacement]
     for piece, speed in zip(pieces, speeds[1:], strict=True):
+        for clump in piece.clumps:
+            drag = 1j * omega * HARMONIC_DRAG * clump.drag * speed
+            tension = tension + (drag - clump.inertia * omega**2) * displacement
         stiffness = piece.axial_stiffness * (1.0 + 1j * omega * piece.damping_time)
         load = piece.mass * omega**2 - 1j * omega * HARMONIC_DRAG * piece.drag * speed
         number = np.sqrt(load / stiffness)
@@ -151,15 +155,17 @@ def natural_frequencies(line: AxialLine, length: float, count: int) -> Array:
     """
     if not (length > 0.0 and count >= 1):
         raise LinearisationError("length must be positive and count at least 1")
-    pieces = [AxialSection(p.length, p.axial_stiffness, p.mass, p.weight, 0.0, 0.0) for p in line.pieces(length)]
+    pieces = _undamped(line.pieces(length))
     speeds = np.zeros((len(pieces) + 1, 1))
 
     def top(omega: float) -> float:
         return float(_march(line, pieces, np.array([omega]), speeds).heave[-1].real[0])
 
-    travel = sum(p.length * math.sqrt(p.mass / p.axial_stiffness) for p in pieces)
-    rough = math.sqrt(1.0 / (sum(p.length / p.axial_stiffness for p in pieces) * _moving_mass(line, pieces)))
-    step = 0.05 * min(rough, math.pi / travel) if travel > 0.0 else 0.05 * rough
+    travel = sum(piece.length * math.sqrt(piece.mass / piece.axial_stiffness) for piece in pieces)
+    compliance = sum(piece.length / piece.axial_stiffness for piece in pieces)
+    mass = sum(piece.mass * piece.length for piece in pieces)
+    mass += line.unit.inertia + sum(clump.inertia for clump in line.clumps)
+    step = 0.05 * min(1.0 / math.sqrt(compliance * mass), math.pi / travel)
     roots: list[float] = []
     low, value = 0.0, 1.0
     while len(roots) < count:
@@ -172,20 +178,18 @@ def natural_frequencies(line: AxialLine, length: float, count: int) -> Array:
     return np.array(roots)
 
 
-def _moving_mass(line: AxialLine, pieces: list[AxialSection]) -> float:
-    return line.unit.inertia + sum(piece.mass * piece.length for piece in pieces)
+def _undamped(pieces: list[AxialPiece]) -> list[AxialPiece]:
+    return [replace(piece, damping_time=0.0) for piece in pieces]
 
 
-def mode_shape(line: AxialLine, length: float, omega: float, points: int = 51) -> tuple[Array, Array]:
-    """Return labels counted from the unit [m] and the heave there of the free vibration at `omega`, largest 1."""
-    labels = np.linspace(0.0, length, points)
-    cuts: list[AxialSection] = []
-    for low, high in itertools.pairwise(labels):
-        middle = 0.5 * (low + high)
-        index = int(np.searchsorted(line.starts(), middle, side="right")) - 1
-        section = line.sections[index]
-        cuts.append(replace(section, length=high - low, damping_time=0.0))
-    march = _march(line, cuts, np.array([omega]), np.zeros((points, 1)))
+def mode_shape(line: AxialLine, length: float, omega: float, points: int = 50) -> tuple[Array, Array]:
+    """Return labels counted from the unit [m] and the heave there of the free vibration at `omega`, largest 1.
+
+    There are `points` labels, or some more where the cable has joints.
+    """
+    pieces = [part for piece in _undamped(line.pieces(length)) for part in _divide(piece, length / points)]
+    labels = np.concatenate(([0.0], np.cumsum([piece.length for piece in pieces])))
+    march = _march(line, pieces, np.array([omega]), np.zeros((len(pieces) + 1, 1)))
     shape = march.heave[:, 0].real
     return labels, shape / float(np.max(np.abs(shape)))
 

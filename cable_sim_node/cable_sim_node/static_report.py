@@ -10,7 +10,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from cable_sim_node import line_layout as at
 from cable_sim_node.errors import NoEquilibriumError
+from cable_sim_node.line_grid import segment_row, unit_row
 from cable_sim_node.parameters import CableParameters, CableSimParameters
 from cable_sim_node.statics.errors import StaticsError
 from cable_sim_node.statics.march import LENGTH, STIFFNESS
@@ -123,7 +125,7 @@ def static_report(parameters: CableSimParameters, boom_tip: ArrayLike = (0.0, 0.
     tip = np.asarray(boom_tip, dtype=np.float64)
     current = current_of(parameters)
     cable = cable_of(parameters)
-    shape = _with_tension_law(parameters.cable, cable, tip, current, _main_cable_start(parameters))
+    shape = _with_tension_law(parameters.cable, cable, tip, current)
     unit = shape.positions[0]
     seabed = parameters.seabed
     depth = seabed.depth if seabed.depth > 0.0 else None
@@ -157,63 +159,44 @@ def current_of(parameters: CableSimParameters) -> Current:
 
 def cable_of(parameters: CableSimParameters, *, segments: int | None = None) -> StaticCable:
     """Return the cable with unit and clumps, s = 0 at the unit; `segments` as in the parameters but 100 at least."""
-    density, gravity = parameters.water_density, parameters.gravity
-    extra, unit = parameters.sections, parameters.unit
     sections = []
-    left = parameters.length
-    for index, size in enumerate(extra.length):
-        if left <= 0.0:
+    start = 0.0
+    for size in (*parameters.sections.length, parameters.length):
+        if start >= parameters.length:
             break
-        piece = replace(
-            parameters.cable,
-            diameter=extra.diameter[index],
-            displaced_diameter=extra.displaced_diameter[index] if extra.displaced_diameter else 0.0,
-            mass_per_length=extra.mass_per_length[index],
-            axial_stiffness=extra.axial_stiffness[index],
+        row = segment_row(parameters, start)
+        sections.append(
+            StaticSection(
+                length=min(size, parameters.length - start),
+                axial_stiffness=row[at.STIFFNESS],
+                weight=row[at.WEIGHT],
+                normal_drag=row[at.NORMAL_DRAG],
+                tangential_drag=row[at.TANGENTIAL_DRAG],
+            )
         )
-        sections.append(_section(piece, min(size, left), density, gravity))
-        left -= size
-    if left > 0.0:
-        sections.append(_section(parameters.cable, left, density, gravity))
-    weight = unit.weight_in_fluid(density, gravity)
-    drag = [0.5 * density * c * s for c, s in zip(unit.drag_coefficient, unit.drag_area, strict=True)]
-    thrust = unit.thrust
-    loads = [PointLoad(0.0, (thrust[0], thrust[1], thrust[2] - weight), (drag[0], drag[1], drag[2]))]
+        start += size
+    force, drag = np.split(unit_row(parameters), 4)[2], np.split(unit_row(parameters), 4)[1]
+    loads = [PointLoad(0.0, (force[0], force[1], force[2]), (drag[0], drag[1], drag[2]))]
+    density = parameters.water_density
     clumps = parameters.clumps
     for index, label in enumerate(clumps.position):
-        in_water = (clumps.mass[index] - density * clumps.volume[index]) * gravity
+        in_water = (clumps.mass[index] - density * clumps.volume[index]) * parameters.gravity
         loads.append(PointLoad(label, (0.0, 0.0, -in_water), body_drag=0.5 * density * clumps.drag_area[index]))
     count = max(parameters.segments, 100) if segments is None else segments
     return static_cable(sections, loads, segments=count)
 
 
-def _section(cable: CableParameters, length: float, density: float, gravity: float) -> StaticSection:
-    return StaticSection(
-        length=length,
-        axial_stiffness=cable.axial_stiffness,
-        weight=cable.weight_in_fluid(density, gravity),
-        normal_drag=0.5 * density * cable.normal_drag * cable.diameter,
-        tangential_drag=0.5 * math.pi * density * cable.tangential_drag * cable.diameter,
-    )
-
-
-def _main_cable_start(parameters: CableSimParameters) -> float:
-    return float(sum(parameters.sections.length))
-
-
-def _with_tension_law(
-    law: CableParameters, cable: StaticCable, tip: Array, current: Current, main_start: float
-) -> StaticShape:
+def _with_tension_law(law: CableParameters, cable: StaticCable, tip: Array, current: Current) -> StaticShape:
     """Solve; with a tension law that is not straight, again with each segment's secant stiffness until it settles."""
     shape = towing_cable(cable, tip, current)
     if law.stiffness_quadratic == 0.0 and law.stiffness_cubic == 0.0:
         return shape
-    middles = 0.5 * (cable.labels[:-1] + cable.labels[1:])
+    small_strain = cable.segments[:, STIFFNESS].copy()
     for _ in range(STIFFNESS_ITERATIONS):
         tension = 0.5 * (np.linalg.norm(shape.lower, axis=1) + np.linalg.norm(shape.upper, axis=1))
         strain = tension / cable.segments[:, STIFFNESS]
         shaped = 1.0 + law.stiffness_quadratic * strain + law.stiffness_cubic * strain**2
-        wanted = np.where(middles > main_start, law.axial_stiffness * shaped, cable.segments[:, STIFFNESS])
+        wanted = small_strain * shaped
         if not np.all(wanted > 0.0):
             raise NoEquilibriumError("the cable's tension law carries no load at the static strain")
         segments = cable.segments.copy()
