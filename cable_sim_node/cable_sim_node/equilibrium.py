@@ -36,7 +36,7 @@ Array = NDArray[np.float64]
 _PASSES = 200
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def strain_at(row: Array, tension: float) -> float:
     """Return the strain at which the tension law gives `tension` [N]; NaN where it does not reach it."""
     strain = tension / row[STIFFNESS]
@@ -53,7 +53,7 @@ def strain_at(row: Array, tension: float) -> float:
     return strain
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def march(line: LineArrays, n: int, unit_position: Array) -> bool:
     """Place nodes 0..n above the unit by equilibrium, with the flow as it stands in `line.flow`.
 

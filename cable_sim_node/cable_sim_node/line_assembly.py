@@ -57,24 +57,84 @@ from cable_sim_node.line_layout import (
 )
 
 Array = NDArray[np.float64]
+Vector = tuple[float, float, float]
+Block = tuple[float, float, float, float, float, float]
 
 
-@njit(cache=True, inline="always")
-def tension_of(row: Array, strain: float, strain_rate: float) -> tuple[float, float, float]:
+@njit(cache=True, error_model="numpy")
+def tension_of(
+    stiffness: float, q: float, c: float, damping: float, strain: float, strain_rate: float
+) -> tuple[float, float, float]:
     """Return tension [N], its derivative to strain and to strain rate.
 
     A slack segment carries none, nor does damping push.
     """
     if strain <= 0.0:
         return 0.0, 0.0, 0.0
-    q, c = row[QUADRATIC], row[CUBIC]
-    tension = row[STIFFNESS] * strain * (1.0 + strain * (q + c * strain)) + row[DAMPING] * strain_rate
+    tension = stiffness * strain * (1.0 + strain * (q + c * strain)) + damping * strain_rate
     if tension <= 0.0:
         return 0.0, 0.0, 0.0
-    return tension, row[STIFFNESS] * (1.0 + strain * (2.0 * q + 3.0 * c * strain)), row[DAMPING]
+    return tension, stiffness * (1.0 + strain * (2.0 * q + 3.0 * c * strain)), damping
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
+def rank_one(a: float, b: float, x: float, y: float, z: float) -> Block:
+    """Return the block a I + b w w' with w = (x, y, z)."""
+    return a + b * x * x, b * x * y, b * x * z, a + b * y * y, b * y * z, a + b * z * z
+
+
+@njit(cache=True, error_model="numpy")
+def add_blocks(p: Block, q: Block) -> Block:
+    """Return p + q."""
+    return p[0] + q[0], p[1] + q[1], p[2] + q[2], p[3] + q[3], p[4] + q[4], p[5] + q[5]
+
+
+@njit(cache=True, error_model="numpy")
+def times(m: Block, x: float, y: float, z: float) -> Vector:
+    """Return the block times a vector."""
+    return m[0] * x + m[1] * y + m[2] * z, m[1] * x + m[3] * y + m[4] * z, m[2] * x + m[4] * y + m[5] * z
+
+
+@njit(cache=True, error_model="numpy")
+def put_block(target: Array, i: int, m: Block) -> None:
+    """Write a block into row i."""
+    target[i, 0], target[i, 1], target[i, 2] = m[0], m[1], m[2]
+    target[i, 3], target[i, 4], target[i, 5] = m[3], m[4], m[5]
+
+
+@njit(cache=True, error_model="numpy")
+def drag_of(normal: float, tangential: float, e: Vector, ux: float, uy: float, uz: float) -> tuple[Vector, Block]:
+    """Return half the drag [N] on a segment along `e` that moves with (ux, uy, uz) through the water, and
+    d(drag)/d(velocity) / 4.
+
+    `normal` = (1/2) rho C_N d l, `tangential` = (pi/2) rho C_tau d l: normal abs(u_n) u_n across, tangential
+    abs(u_t) u_t along. The sign is that of the motion, the force on the segment the opposite.
+    """
+    ut = ux * e[0] + uy * e[1] + uz * e[2]
+    nx, ny, nz = ux - ut * e[0], uy - ut * e[1], uz - ut * e[2]
+    speed = math.sqrt(nx * nx + ny * ny + nz * nz)
+    across = 0.5 * normal * speed
+    slip = 0.5 * tangential * abs(ut)
+    along = slip * ut
+    half = (across * nx + along * e[0], across * ny + along * e[1], across * nz + along * e[2])
+    slope = add_blocks(
+        rank_one(0.5 * across, slip - 0.5 * across, e[0], e[1], e[2]),
+        rank_one(0.0, 0.25 * normal / (speed + 1e-12), nx, ny, nz),
+    )
+    return half, slope
+
+
+@njit(cache=True, error_model="numpy")
+def sheave_material(
+    dx: float, v_top: float, a_top: float, v_low: float, length: float, rate: float, acceleration: float
+) -> tuple[float, float]:
+    """Return velocity and acceleration of the material at the sheave along one axis (see the module's text)."""
+    q = dx / length
+    velocity = v_top - rate * q
+    return velocity, a_top - acceleration * q - 2.0 * rate * (velocity - v_low) / length
+
+
+@njit(cache=True, error_model="numpy")
 def assemble_segments(
     n: int,
     x: Array,
@@ -95,127 +155,84 @@ def assemble_segments(
     """Add all segments to residual R = M a - F and Jacobian c_mass M - c_velocity dF/dv - dF/dx; return the least
     strain.
 
-    Rows 0..n of `diagonal` (6), `residual` (3), rows 0..n-1 of `upper` (6) and `tensions` [N] are overwritten. `flow[i
-    + 1]` and `flow_acceleration[i + 1]` are the water's motion at segment i. What the drag and the added mass owe to
-    the turning of a segment is left out of the Jacobian (not of the residual): both are small beside inertia, and the
-    blocks stay symmetric.
+    Rows 0..n of `diagonal` (6), `residual` (3), rows 0..n-1 of `upper` (6) and `tensions` [N] are overwritten.
+    `flow[i + 1]`
+    and `flow_acceleration[i + 1]` are the water's motion at segment i. What the drag and the added mass owe to
+    the turning of
+    a segment is left out of the Jacobian (not of the residual): both are small beside inertia, and the blocks
+    stay symmetric.
     """
     least = 1e300
-    d0 = d1 = d2 = d3 = d4 = d5 = 0.0
+    below = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     r0 = r1 = r2 = 0.0
     waves = settings[WAVE_AMPLITUDE] > 0.0
     for i in range(n):
         row = seg[i]
         length = row[LENGTH]
-        ex = x[i + 1, 0] - x[i, 0]
-        ey = x[i + 1, 1] - x[i, 1]
-        ez = x[i + 1, 2] - x[i, 2]
-        stretched = math.sqrt(ex * ex + ey * ey + ez * ez)
-        inverse = 1.0 / (stretched + 1e-300)
-        per_length = 1.0 / length
+        ex, ey, ez = x[i + 1, 0] - x[i, 0], x[i + 1, 1] - x[i, 1], x[i + 1, 2] - x[i, 2]
         wx, wy, wz = v[i + 1, 0], v[i + 1, 1], v[i + 1, 2]
         gx, gy, gz = a[i + 1, 0], a[i + 1, 1], a[i + 1, 2]
         if i == n - 1:
-            rate, acceleration = moving[RATE], moving[ACCELERATION]
-            qx, qy, qz = ex * per_length, ey * per_length, ez * per_length
-            wx -= rate * qx
-            wy -= rate * qy
-            wz -= rate * qz
-            twice = 2.0 * rate * per_length
-            gx -= acceleration * qx + twice * (wx - v[i, 0])
-            gy -= acceleration * qy + twice * (wy - v[i, 1])
-            gz -= acceleration * qz + twice * (wz - v[i, 2])
-        ex *= inverse
-        ey *= inverse
-        ez *= inverse
+            wx, gx = sheave_material(ex, wx, gx, v[i, 0], length, moving[RATE], moving[ACCELERATION])
+            wy, gy = sheave_material(ey, wy, gy, v[i, 1], length, moving[RATE], moving[ACCELERATION])
+            wz, gz = sheave_material(ez, wz, gz, v[i, 2], length, moving[RATE], moving[ACCELERATION])
+        stretched = math.sqrt(ex * ex + ey * ey + ez * ez)
+        inverse = 1.0 / (stretched + 1e-300)
+        ex, ey, ez = ex * inverse, ey * inverse, ez * inverse
+        per_length = 1.0 / length
         strain = stretched * per_length - 1.0
         least = min(least, strain)
         strain_rate = (ex * (wx - v[i, 0]) + ey * (wy - v[i, 1]) + ez * (wz - v[i, 2])) * per_length
-        tension, slope, viscous = tension_of(row, strain, strain_rate)
+        tension, slope, viscous = tension_of(
+            row[STIFFNESS], row[QUADRATIC], row[CUBIC], row[DAMPING], strain, strain_rate
+        )
         tensions[i] = tension
-        along = (slope + c_velocity * viscous) * per_length
-        across = tension * inverse
-        # drag of the segment at the mean velocity of its ends, half to each node
+        # the segment moves through the water with the mean of its ends; half its drag, weight and mass goes to each
+        # of them
         ux = 0.5 * (v[i, 0] + wx) - flow[i + 1, 0]
         uy = 0.5 * (v[i, 1] + wy) - flow[i + 1, 1]
         uz = 0.5 * (v[i, 2] + wz) - flow[i + 1, 2]
-        ut = ux * ex + uy * ey + uz * ez
-        nx, ny, nz = ux - ut * ex, uy - ut * ey, uz - ut * ez
-        normal_speed = math.sqrt(nx * nx + ny * ny + nz * nz)
-        normal = row[NORMAL_DRAG] * length * normal_speed
-        tangential = row[TANGENTIAL_DRAG] * length * abs(ut)
-        half_x = 0.5 * (normal * nx + tangential * ut * ex)
-        half_y = 0.5 * (normal * ny + tangential * ut * ey)
-        half_z = 0.5 * (normal * nz + tangential * ut * ez)
-        # Jacobian of the drag: quarter to each of the four blocks
-        quarter = 0.25 * c_velocity
-        drag_i = quarter * normal
-        drag_e = quarter * (2.0 * tangential - normal)
-        drag_n = quarter * row[NORMAL_DRAG] * length / (normal_speed + 1e-12)
-        b0 = drag_i + drag_e * ex * ex + drag_n * nx * nx
-        b1 = drag_e * ex * ey + drag_n * nx * ny
-        b2 = drag_e * ex * ez + drag_n * nx * nz
-        b3 = drag_i + drag_e * ey * ey + drag_n * ny * ny
-        b4 = drag_e * ey * ez + drag_n * ny * nz
-        b5 = drag_i + drag_e * ez * ez + drag_n * nz * nz
-        # stiffness across I + (along - across) e e'
-        ke = along - across
-        k0 = across + ke * ex * ex
-        k1 = ke * ex * ey
-        k2 = ke * ex * ez
-        k3 = across + ke * ey * ey
-        k4 = ke * ey * ez
-        k5 = across + ke * ez * ez
-        upper[i, 0] = b0 - k0
-        upper[i, 1] = b1 - k1
-        upper[i, 2] = b2 - k2
-        upper[i, 3] = b3 - k3
-        upper[i, 4] = b4 - k4
-        upper[i, 5] = b5 - k5
-        # half the segment's mass, and half its added mass across the segment only, on each end
+        (hx, hy, hz), damping = drag_of(
+            row[NORMAL_DRAG] * length, row[TANGENTIAL_DRAG] * length, (ex, ey, ez), ux, uy, uz
+        )
+        hz += 0.5 * row[WEIGHT] * length
         added = 0.5 * row[ADDED_MASS] * length
-        inertia = 0.5 * row[MASS] * length + added
-        m0 = inertia - added * ex * ex
-        m1 = -added * ex * ey
-        m2 = -added * ex * ez
-        m3 = inertia - added * ey * ey
-        m4 = -added * ey * ez
-        m5 = inertia - added * ez * ez
-        s0 = b0 + k0 + c_mass * m0
-        s1 = b1 + k1 + c_mass * m1
-        s2 = b2 + k2 + c_mass * m2
-        s3 = b3 + k3 + c_mass * m3
-        s4 = b4 + k4 + c_mass * m4
-        s5 = b5 + k5 + c_mass * m5
-        half_z += 0.5 * row[WEIGHT] * length
+        mass = rank_one(0.5 * row[MASS] * length + added, -added, ex, ey, ez)
         if waves:
             fx, fy, fz = flow_acceleration[i + 1, 0], flow_acceleration[i + 1, 1], flow_acceleration[i + 1, 2]
-            fluid = 0.5 * row[DISPLACED] * length + added
-            fe = added * (fx * ex + fy * ey + fz * ez)
-            half_x -= fluid * fx - fe * ex
-            half_y -= fluid * fy - fe * ey
-            half_z -= fluid * fz - fe * ez
-        diagonal[i, 0] = d0 + s0
-        diagonal[i, 1] = d1 + s1
-        diagonal[i, 2] = d2 + s2
-        diagonal[i, 3] = d3 + s3
-        diagonal[i, 4] = d4 + s4
-        diagonal[i, 5] = d5 + s5
-        px, py, pz = a[i, 0], a[i, 1], a[i, 2]
-        residual[i, 0] = r0 + m0 * px + m1 * py + m2 * pz + half_x - tension * ex
-        residual[i, 1] = r1 + m1 * px + m3 * py + m4 * pz + half_y - tension * ey
-        residual[i, 2] = r2 + m2 * px + m4 * py + m5 * pz + half_z - tension * ez
-        d0, d1, d2, d3, d4, d5 = s0, s1, s2, s3, s4, s5
-        r0 = m0 * gx + m1 * gy + m2 * gz + half_x + tension * ex
-        r1 = m1 * gx + m3 * gy + m4 * gz + half_y + tension * ey
-        r2 = m2 * gx + m4 * gy + m5 * gz + half_z + tension * ez
-    diagonal[n, 0], diagonal[n, 1], diagonal[n, 2] = d0, d1, d2
-    diagonal[n, 3], diagonal[n, 4], diagonal[n, 5] = d3, d4, d5
+            px, py, pz = times(rank_one(0.5 * row[DISPLACED] * length + added, -added, ex, ey, ez), fx, fy, fz)
+            hx, hy, hz = hx - px, hy - py, hz - pz
+        across = tension * inverse
+        stiffness = rank_one(across, (slope + c_velocity * viscous) * per_length - across, ex, ey, ez)
+        b, k, m = damping, stiffness, mass
+        c = c_velocity
+        put_block(
+            upper,
+            i,
+            (c * b[0] - k[0], c * b[1] - k[1], c * b[2] - k[2], c * b[3] - k[3], c * b[4] - k[4], c * b[5] - k[5]),
+        )
+        own = (
+            c * b[0] + k[0] + c_mass * m[0],
+            c * b[1] + k[1] + c_mass * m[1],
+            c * b[2] + k[2] + c_mass * m[2],
+            c * b[3] + k[3] + c_mass * m[3],
+            c * b[4] + k[4] + c_mass * m[4],
+            c * b[5] + k[5] + c_mass * m[5],
+        )
+        put_block(diagonal, i, add_blocks(below, own))
+        px, py, pz = times(mass, a[i, 0], a[i, 1], a[i, 2])
+        residual[i, 0] = r0 + px + hx - tension * ex
+        residual[i, 1] = r1 + py + hy - tension * ey
+        residual[i, 2] = r2 + pz + hz - tension * ez
+        px, py, pz = times(mass, gx, gy, gz)
+        r0, r1, r2 = px + hx + tension * ex, py + hy + tension * ey, pz + hz + tension * ez
+        below = own
+    put_block(diagonal, n, below)
     residual[n, 0], residual[n, 1], residual[n, 2] = r0, r1, r2
     return least
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def assemble_nodes(
     n: int,
     x: Array,
@@ -264,7 +281,7 @@ def assemble_nodes(
     return touching
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def add_contact(
     i: int, x: Array, v: Array, seg: Array, settings: Array, c_velocity: float, diagonal: Array, residual: Array
 ) -> bool:
@@ -309,7 +326,7 @@ def add_contact(
     return True
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def add_compensator(
     n: int,
     x: Array,
@@ -346,7 +363,7 @@ def add_compensator(
     diagonal[n, 1] = diagonal[n, 2] = diagonal[n, 4] = 0.0
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def solve_blocks(count: int, diagonal: Array, upper: Array, residual: Array, sweep: Array, correction: Array) -> None:
     """Solve the symmetric block-tridiagonal system J correction = -residual for rows 0..count-1 (block Gauss, one pass
     each way).

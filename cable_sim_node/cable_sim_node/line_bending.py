@@ -21,7 +21,7 @@ _HALF = 8
 """Half bandwidth: two neighbours on each side, three coordinates each."""
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def add_bending(n: int, x: Array, seg: Array, residual: Array, band: Array, g: Array) -> None:
     """Add the hinges' forces to the residual and write their stiffness into `band` (column 8 + j - i of row i), which
     is cleared.
@@ -59,14 +59,14 @@ def add_bending(n: int, x: Array, seg: Array, residual: Array, band: Array, g: A
                 band[base + r, _HALF + c - r] += stiffness * total
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _entry(p: int, q: int) -> int:
     """Return the column where a symmetric block stores its element (p, q)."""
     low, high = min(p, q), max(p, q)
     return high if low == 0 else low + high + 1
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def solve_with_bending(
     count: int, diagonal: Array, upper: Array, residual: Array, band: Array, correction: Array
 ) -> None:

@@ -39,7 +39,7 @@ from cable_sim_node.line_layout import (
 Array = NDArray[np.float64]
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def set_top_segment(
     n: int, total: float, grid: Array, grid_s: Array, grid_lump: Array, seg: Array, lump: Array
 ) -> None:
@@ -76,7 +76,7 @@ def set_top_segment(
     row[STIFFNESS] = 1.0 / compliance
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def restore_row(i: int, grid: Array, grid_lump: Array, seg: Array, lump: Array) -> None:
     """Give segment i and node i back the properties of the grid."""
     for c in range(SEGMENT_COLUMNS):
@@ -85,7 +85,7 @@ def restore_row(i: int, grid: Array, grid_lump: Array, seg: Array, lump: Array) 
         lump[i, c] = grid_lump[i, c]
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def merge_top(n: int, x: Array, v: Array, a: Array) -> int:
     """Remove the node below the sheave; return the new number of segments."""
     for k in range(3):
@@ -95,7 +95,7 @@ def merge_top(n: int, x: Array, v: Array, a: Array) -> int:
     return n - 1
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def split_top(n: int, moving: Array, grid_s: Array, x: Array, v: Array, a: Array) -> int:
     """Put a node on grid point n, on the straight line between its neighbours; return the new number of segments.
 
@@ -115,7 +115,7 @@ def split_top(n: int, moving: Array, grid_s: Array, x: Array, v: Array, a: Array
     return n + 1
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def settle_node(line: LineArrays, k: int, n: int) -> None:
     """Move the newborn node k to where its forces give it the acceleration it has.
 
@@ -179,7 +179,7 @@ def settle_node(line: LineArrays, k: int, n: int) -> None:
             return
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def feed(line: LineArrays, n: int) -> int:
     """Let nodes be born or die until the top segment is neither too long nor too short; return the number of segments.
 

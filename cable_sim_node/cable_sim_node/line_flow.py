@@ -13,7 +13,7 @@ from cable_sim_node.line_layout import TIME, WAVE_AMPLITUDE, WAVE_FREQUENCY, WAV
 Array = NDArray[np.float64]
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def interpolate(at: float, table: Array, column: int) -> float:
     """Interpolate `table[:, column]` over the increasing `table[:, 0]`, constant beyond its ends."""
     last = table.shape[0] - 1
@@ -32,7 +32,7 @@ def interpolate(at: float, table: Array, column: int) -> float:
     return table[low, column] + share * (table[high, column] - table[low, column])
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def set_flow(
     n: int,
     x: Array,

@@ -52,7 +52,7 @@ _SMALLEST_SHARE = 2.0**-16
 """A step is halved at most so far before the advance is given up."""
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def hermite(
     share: float, duration: float, start: float, start_rate: float, end: float, end_rate: float
 ) -> tuple[float, float, float]:
@@ -67,7 +67,7 @@ def hermite(
     return value, rate, acceleration
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def largest_relative_correction(count: int, seg: Array, correction: Array) -> float:
     """Return the largest difference of neighbours' corrections per length of their segment (NaN stays NaN)."""
     largest = 0.0
@@ -81,7 +81,7 @@ def largest_relative_correction(count: int, seg: Array, correction: Array) -> fl
     return math.sqrt(largest)
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def assemble(line: LineArrays, n: int, at_middle: bool, c_mass: float, c_velocity: float) -> tuple[float, bool]:
     """Assemble everything at the middle of the step or at its end.
 
@@ -130,9 +130,11 @@ def assemble(line: LineArrays, n: int, at_middle: bool, c_mass: float, c_velocit
     return least, touching
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def predict(line: LineArrays, n: int, count: int, h: float) -> None:
-    """Set the middle state for constant acceleration of nodes 0..count-1; length and boom tip go to `end` and `end_tip`."""
+    """Set the middle state for constant acceleration of nodes 0..count-1; length and boom tip go to `end` and
+    `end_tip`.
+    """
     end_length, end_tip = line.end, line.end_tip
     af, am = line.settings[ALPHA_F], line.settings[ALPHA_M]
     for k in range(STATE_COLUMNS):
@@ -160,7 +162,7 @@ def predict(line: LineArrays, n: int, count: int, h: float) -> None:
     )
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def finish(line: LineArrays, n: int, count: int, h: float) -> None:
     """Carry the middle state to the end of the step."""
     end_tip = line.end_tip
@@ -178,7 +180,7 @@ def finish(line: LineArrays, n: int, count: int, h: float) -> None:
     set_top_segment(n, line.moving[TOTAL], line.grid, line.grid_s, line.grid_lump, line.seg, line.lump)
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def take_ends(line: LineArrays) -> None:
     """Make the end of the step the present: time, length and boom tip."""
     for k in range(STATE_COLUMNS):
@@ -187,9 +189,11 @@ def take_ends(line: LineArrays) -> None:
         line.tip[0, k], line.tip[1, k], line.tip[2, k] = line.end_tip[0, k], line.end_tip[1, k], line.end_tip[2, k]
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def step(line: LineArrays, n: int, h: float) -> bool:
-    """Make one step of `h` seconds to `end` and `end_tip`; return False, with the state as it was, where Newton finds no solution."""
+    """Make one step of `h` seconds to `end` and `end_tip`; return False, with the state as it was, where Newton
+    finds no solution.
+    """
     settings = line.settings
     af, am, beta, gamma = settings[ALPHA_F], settings[ALPHA_M], settings[BETA], settings[GAMMA]
     c_velocity = gamma / (beta * h)
@@ -225,7 +229,7 @@ def step(line: LineArrays, n: int, h: float) -> bool:
     return False
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def advance(line: LineArrays, duration: float, ends: Array, lengths: Array) -> int:
     """Integrate over `duration` [s]; return the outcome (DONE, NOT_CONVERGED, TOO_SHORT).
 
@@ -271,7 +275,7 @@ def advance(line: LineArrays, duration: float, ends: Array, lengths: Array) -> i
     return outcome
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def load_ends(
     share: float, duration: float, start_time: float, ends: Array, lengths: Array, end_length: Array, end_tip: Array
 ) -> None:
@@ -284,7 +288,7 @@ def load_ends(
         end_tip[0, k], end_tip[1, k], end_tip[2, k] = value, rate, acceleration
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def evaluate(line: LineArrays) -> float:
     """Fill `tensions` and `residual` at the present state; return the least strain.
 
