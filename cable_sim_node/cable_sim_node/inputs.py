@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-CLOSING_TIME = 0.5
+CLOSING_TIME = 2.0
 """Time constant of coasting to rest, and of the critically damped closing of the gap afterwards [s]."""
 FELT_GAP = 1e-3
 """Largest gap at the start that is not bridged [m]."""

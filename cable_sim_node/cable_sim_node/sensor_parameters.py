@@ -13,8 +13,8 @@ from cable_sim_node.fault_parameters import SENSOR_FAULT_KINDS, FaultParameters
 class SensorParameters:
     """What every sensor has: when it measures, when its readings arrive, and its scheduled faults.
 
-    Samples are taken at ticks: the first one at or after each multiple of 1/rate. A rate above the tick rate gives one
-    sample a tick.
+    Samples are taken at ticks: the first one at or after each whole multiple of 1/rate. A rate above the tick rate
+    gives one sample a tick.
     """
 
     rate: float = parameter(10.0, unit="Hz", minimum=1e-3, maximum=10_000.0, description="Samples per second.")

@@ -67,7 +67,7 @@ class Sensor:
         self._bias = bias
         self._tick_period = tick_period
         self._random = random_stream(seed, f"cable_sim/{name}")
-        self._next_sample = 0.0
+        self._next_sample = 1.0 / parameters.rate
         self._rate = parameters.rate
         self._frozen: Array | None = None
         self._last: Array | None = None

@@ -22,7 +22,7 @@ def heave(tick: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     )
 
 
-def follow(missing: set[int], ticks: int = 400) -> tuple[BridgedInput, np.ndarray, np.ndarray]:
+def follow(missing: set[int], ticks: int = 2000) -> tuple[BridgedInput, np.ndarray, np.ndarray]:
     signal = BridgedInput("boom_tip", np.zeros(3), tick_period=TICK)
     positions, velocities = [], []
     for tick in range(ticks):
@@ -34,8 +34,8 @@ def follow(missing: set[int], ticks: int = 400) -> tuple[BridgedInput, np.ndarra
 
 def test_complete_signal_passes_bit_for_bit() -> None:
     _, positions, velocities = follow(set())
-    assert positions.tolist() == [heave(tick)[0][2] for tick in range(400)]
-    assert velocities.tolist() == [heave(tick)[1][2] for tick in range(400)]
+    assert positions.tolist() == [heave(tick)[0][2] for tick in range(2000)]
+    assert velocities.tolist() == [heave(tick)[1][2] for tick in range(2000)]
 
 
 @pytest.mark.parametrize("missing", [{100}, set(range(100, 105)), set(range(100, 200)), {100, 102, 103, 110}])
@@ -45,9 +45,9 @@ def test_missing_values_are_bridged_without_a_jump_and_counted(missing: set[int]
     assert signal.missing_in_a_row == 0
     # Consistent motion: each step of position is the mean of its end velocities, to the curvature of the signal.
     np.testing.assert_allclose(np.diff(positions), 0.5 * TICK * (velocities[1:] + velocities[:-1]), atol=2e-3)
-    assert np.abs(np.diff(velocities)).max() / TICK < 20.0
-    true = np.array([heave(tick)[0][2] for tick in range(400)])
-    late = max(missing) + int(20 * CLOSING_TIME / TICK)
+    assert np.abs(np.diff(velocities)).max() / TICK < 2.0
+    true = np.array([heave(tick)[0][2] for tick in range(2000)])
+    late = max(missing) + int(30 * CLOSING_TIME / TICK)
     assert np.abs(positions - true)[late:].max() < 1e-6
 
 
@@ -61,23 +61,23 @@ def test_values_that_are_not_finite_count_as_missing() -> None:
 
 
 def test_silent_signal_comes_to_rest() -> None:
-    signal, _, velocities = follow(set(range(100, 400)))
+    signal, _, velocities = follow(set(range(100, 2000)))
     assert abs(velocities[-1]) < 1e-6
-    assert signal.missing_in_a_row == 300
+    assert signal.missing_in_a_row == 1900
 
 
 def test_start_in_full_motion_is_taken_up_smoothly() -> None:
     signal = BridgedInput("boom_tip", np.zeros(3), tick_period=TICK)
     offset = np.array([0.0, 0.0, 2.0])
     velocities = []
-    for tick in range(400):
+    for tick in range(2000):
         position, velocity, acceleration = heave(tick)
         signal.advance((position + offset, velocity, acceleration))
         velocities.append(signal.velocity[2])
         if tick == 0:
             assert abs(signal.position[2]) < 0.02
-    assert np.abs(np.diff(velocities)).max() / TICK < 10.0
-    assert signal.position[2] == pytest.approx(heave(399)[0][2] + 2.0, abs=1e-6)
+    assert np.abs(np.diff(velocities)).max() / TICK < 2.0
+    assert signal.position[2] == pytest.approx(heave(1999)[0][2] + 2.0, abs=1e-6)
 
 
 def test_shadow_payout_follows_the_programme_smoothly_and_rests_without_one() -> None:

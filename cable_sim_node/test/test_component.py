@@ -1,0 +1,240 @@
+"""The plant component: driven systems against a peer code, readings, missing inputs, shadow, errors."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from cable_sim_node.component import CableSim, PlantState
+from cable_sim_node.errors import PlantError
+from cable_sim_node.node_parameters import CableSimNodeParameters
+from cable_sim_node.parameters import SeabedParameters
+from cable_sim_node.sensor_parameters import (
+    DepthSensorParameters,
+    LoadCellParameters,
+    SensorsParameters,
+    VelocitySensorParameters,
+)
+from heave_node.kinematics import PointMotion
+from heave_node.parameters import build_parameters
+
+TICK = 0.05
+S300 = CableSimNodeParameters(length=300.0, segments=20)
+S900 = build_parameters(
+    CableSimNodeParameters,
+    {
+        "length": 900.0,
+        "segments": 40,
+        "cable.displaced_diameter": 0.045868,
+        "cable.mass_per_length": 7.2,
+        "cable.axial_stiffness": 15770645.9,
+        "cable.tangential_drag": 0.025,
+        "unit.mass": 65000.0,
+        "unit.volume": 58.4404,
+        "unit.added_mass": (60000.0, 60000.0, 60000.0),
+        "unit.drag_coefficient": (1.0, 1.0, 1.0),
+        "unit.drag_area": (1.0, 1.0, 1.0),
+    },
+    where="test",
+)
+
+
+def ramped_sine(amplitude: tuple[float, float, float], omega: float, ramp: float) -> Callable[[int], PointMotion]:
+    """Return the boom tip of tick k: a sin(w t), grown from rest by a quintic (twice differentiable)."""
+    a = np.array(amplitude)
+
+    def motion(tick: int) -> PointMotion:
+        t = tick * TICK
+        s = min(t / ramp, 1.0)
+        grown, growing = s**3 * (10 - 15 * s + 6 * s * s), 30 * s * s * (1 - s) ** 2 / ramp
+        sine, cosine = math.sin(omega * t), math.cos(omega * t)
+        return PointMotion(t, a * grown * sine, a * (grown * omega * cosine + growing * sine), np.zeros(3))
+
+    return motion
+
+
+def drive(sim: CableSim, motion: Callable[[int], PointMotion | None], ticks: int) -> list[PlantState]:
+    states = []
+    for tick in range(sim.tick, sim.tick + ticks):
+        states.append(sim.readings(tick)[0])
+        sim.advance(tick, motion(tick + 1), (0.0, 0.0))
+    return states
+
+
+def harmonic(times: np.ndarray, values: np.ndarray, omega: float) -> tuple[float, float, float]:
+    """Return mean, amplitude and phase [deg] of the first harmonic."""
+    basis = np.column_stack([np.ones_like(times), np.sin(omega * times), np.cos(omega * times)])
+    mean, sine, cosine = np.linalg.lstsq(basis, values, rcond=None)[0]
+    return float(mean), math.hypot(sine, cosine), math.degrees(math.atan2(cosine, sine))
+
+
+TWELVE_SECONDS = 2.0 * math.pi / 12.0
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("parameters", "amplitude", "omega", "times", "expected"),
+    [
+        (S300, (1.0, 1.0, 1.0), 0.628, (60.0, 300.0, 400.0), (1.054776, -0.198, -300.5912, 36517.0, 3160.4)),
+        (S300, (1.0, 1.0, 1.0), 1.256, (60.0, 300.0, 400.0), (1.264064, -1.131, -300.5841, 36541.2, 14933.0)),
+        (S900, (0.0, 0.0, 1.0), TWELVE_SECONDS, (200.0, 600.0, 1000.0), (1.02759, -179.422, -904.24, 98600.0, 35242.0)),
+    ],
+    ids=["s300 at 0.628 rad/s", "s300 at 1.256 rad/s", "s900 at 12 s"],
+)  # fmt: skip
+def test_driven_plant_agrees_with_the_peer_code(
+    parameters: CableSimNodeParameters,
+    amplitude: tuple[float, float, float],
+    omega: float,
+    times: tuple[float, float, float],
+    expected: tuple[float, float, float, float, float],
+) -> None:
+    """Expected: refined MoorDyn runs: unit heave, its phase, mean height, top tension, its first harmonic."""
+    ramp, start, end = times
+    sim = CableSim(parameters, seed=1, tick_period=TICK)
+    states = [s for s in drive(sim, ramped_sine(amplitude, omega, ramp), round(end / TICK)) if s.time >= start]
+    t = np.array([s.time for s in states])
+    mean, heave, phase = harmonic(t, np.array([s.unit.position[2] for s in states]), omega)
+    tension, swing, _ = harmonic(t, np.array([s.top_tension for s in states]), omega)
+    assert heave == pytest.approx(expected[0], rel=1e-3)
+    assert (phase - expected[1] + 180.0) % 360.0 - 180.0 == pytest.approx(0.0, abs=0.05)
+    assert mean == pytest.approx(expected[2], abs=0.01)
+    assert tension == pytest.approx(expected[3], rel=1e-3)
+    assert swing == pytest.approx(expected[4], rel=2e-3)
+
+
+def test_plant_rests_where_it_starts_and_its_sensors_say_so() -> None:
+    quiet = SensorsParameters(
+        depth=DepthSensorParameters(noise=0.0, latency=0.0),
+        velocity=VelocitySensorParameters(noise=0.0, latency=0.0),
+        load_cell=LoadCellParameters(relative_noise=0.0),
+    )
+    sim = CableSim(dataclasses.replace(S300, sensors=quiet), seed=1, tick_period=TICK)
+    depths, tensions = [], []
+    for tick in range(1, 201):
+        state, readings = sim.readings(tick)
+        depths += [(r.stamp, r.value[0]) for r in readings.depth]
+        tensions += [r.value[0] for r in readings.load_cell]
+        sim.advance(tick, PointMotion((tick + 1) * TICK), (0.0, 0.0))
+    assert len(depths) == 100
+    # Static: weight in water of unit and cable, 25861.5 + 300 * 35.517 N; peer 36516.6 N.
+    assert tensions == pytest.approx([36516.6] * 200, abs=0.5)
+    assert [depth for _, depth in depths] == pytest.approx([-state.unit.position[2]] * 100, abs=1e-9)
+
+
+def test_shadow_plant_moves_as_the_plant_does_with_its_winch_locked() -> None:
+    motion = ramped_sine((0.0, 0.0, 1.0), 0.8, 10.0)
+    locked = drive(CableSim(S300, seed=1, tick_period=TICK), motion, 400)
+    sim = CableSim(S300, seed=2, tick_period=TICK)
+    for tick in range(1, 401):
+        state, _ = sim.readings(tick)
+        assert np.array_equal(state.uncompensated.position, locked[tick - 1].unit.position)
+        payout = motion(tick + 1).position[2], motion(tick + 1).velocity[2]
+        sim.advance(tick, motion(tick + 1), payout)
+    assert np.std([s.unit.position[2] for s in locked]) > 0.3
+
+
+def test_cable_that_is_fed_as_the_boom_tip_heaves_holds_the_unit_still() -> None:
+    motion = ramped_sine((0.0, 0.0, 1.0), 0.8, 10.0)
+    sim = CableSim(S300, seed=1, tick_period=TICK)
+    heave = []
+    for tick in range(1, 801):
+        heave.append(sim.readings(tick)[0].unit.position[2])
+        tip = motion(tick + 1)
+        sim.advance(tick, tip, (float(tip.position[2]), float(tip.velocity[2])))
+    # What is left is the stretch of the cable that is fed, T/EA = 2.34 mm per metre, two metres peak to peak; the mass
+    # on its spring (2.7 rad/s) makes that 1/(1 - (0.8/2.7)^2) = 1.1 times more.
+    assert np.ptp(heave) == pytest.approx(1.1 * 2.0 * 36516.6 / 15614500.9, rel=0.05)
+
+
+def test_runs_of_one_seed_are_equal_bit_for_bit() -> None:
+    def run(seed: int) -> list[float]:
+        sim = CableSim(S300, seed=seed, tick_period=TICK)
+        motion = ramped_sine((0.5, 0.0, 1.0), 0.8, 5.0)
+        numbers: list[float] = []
+        for tick in range(1, 200):
+            state, readings = sim.readings(tick)
+            numbers += [state.top_tension, *state.unit.position]
+            for group in (readings.depth, readings.velocity, readings.imu, readings.usbl, readings.load_cell):
+                numbers += [float(v) for reading in group for v in reading.value]
+            sim.advance(tick, motion(tick + 1), (0.0, 0.0))
+        return numbers
+
+    assert run(5) == run(5)
+    assert run(5) != run(6)
+
+
+def test_missing_boom_tip_is_bridged_counted_and_kept_from_snapping_the_cable() -> None:
+    motion = ramped_sine((0.0, 0.0, 1.0), 0.8, 10.0)
+    whole = drive(CableSim(S300, seed=1, tick_period=TICK), motion, 600)
+    sim = CableSim(S300, seed=1, tick_period=TICK)
+    gapped = drive(sim, lambda tick: None if 300 <= tick < 320 else motion(tick), 600)
+    assert sim.boom_tip.missing == 20
+    swing = np.ptp([s.top_tension for s in whole])
+    assert np.ptp([s.top_tension for s in gapped]) < 3.0 * swing
+    assert sim.boom_tip.position[2] == pytest.approx(motion(601).position[2], abs=0.01)
+
+
+@pytest.mark.parametrize("bad", [math.nan, math.inf, 1e6])
+def test_boom_tip_that_cannot_be_true_is_taken_for_missing(bad: float) -> None:
+    sim = CableSim(S300, seed=1, tick_period=TICK)
+
+    def motion(tick: int) -> PointMotion:
+        z = bad if tick == 50 else 0.0
+        return PointMotion(tick * TICK, np.array([0.0, 0.0, z]), np.zeros(3), np.zeros(3))
+
+    states = drive(sim, motion, 100)
+    assert sim.boom_tip.missing == 1
+    assert states[-1].unit.position[2] == pytest.approx(states[0].unit.position[2], abs=1e-6)
+
+
+def test_first_boom_tip_far_from_the_start_is_refused() -> None:
+    sim = CableSim(S300, seed=1, tick_period=TICK)
+    far = PointMotion(2 * TICK, np.array([0.0, 0.0, 25.0]))
+    with pytest.raises(PlantError, match="boom_tip_height must be the same"):
+        sim.advance(1, far, (0.0, 0.0))
+
+
+def test_tick_out_of_order_is_refused() -> None:
+    sim = CableSim(S300, seed=1, tick_period=TICK)
+    with pytest.raises(PlantError, match="tick 3 was asked for, but the plant stands at tick 1"):
+        sim.readings(3)
+
+
+def test_cable_hauled_in_to_nothing_is_a_named_error() -> None:
+    sim = CableSim(dataclasses.replace(S300, length=20.0, segments=10), seed=1, tick_period=TICK)
+    with pytest.raises(PlantError, match="of cable is left"):
+        for tick in range(1, 1000):
+            sim.advance(tick, PointMotion((tick + 1) * TICK), (-1.0 * tick * TICK, -1.0))
+
+
+def test_landing_is_seen_and_the_seabed_carries_the_unit() -> None:
+    parameters = dataclasses.replace(S300, length=50.0, segments=10, seabed=SeabedParameters(depth=51.0))
+    sim = CableSim(parameters, seed=1, tick_period=TICK)
+    for tick in range(1, 401):
+        state, _ = sim.readings(tick)
+        sim.advance(tick, PointMotion((tick + 1) * TICK), (min(0.1 * tick * TICK, 1.5), 0.1 if tick < 300 else 0.0))
+    assert state.touchdown
+    # Slack cable above: the bed carries the unit's weight in water, (3000 - 1025 * 0.354) * 9.80665 N, and some cable.
+    assert state.touchdown_force == pytest.approx((3000.0 - 1025.0 * 0.354) * 9.80665, rel=0.02)
+    assert state.segment_tensions.min() >= 0.0
+
+
+def test_shadow_follows_the_programme_where_told() -> None:
+    parameters = dataclasses.replace(S300, shadow_follows_programme=True)
+    sim = CableSim(parameters, seed=1, tick_period=TICK)
+    for tick in range(1, 1001):
+        state, _ = sim.readings(tick)
+        still = PointMotion((tick + 1) * TICK)
+        sim.advance(tick, still, (0.0, 0.0), programme=min(0.2 * tick * TICK, 5.0))
+    assert state.uncompensated.position[2] - state.unit.position[2] == pytest.approx(-5.0, abs=0.02)
+
+
+def test_linear_model_is_chosen_by_its_name() -> None:
+    sim = CableSim(dataclasses.replace(S300, model="linear"), seed=1, tick_period=TICK)
+    states = drive(sim, ramped_sine((0.0, 0.0, 1.0), 0.5, 20.0), 3000)
+    late = [s for s in states if s.time > 75.0]
+    _, amplitude, _ = harmonic(np.array([s.time for s in late]), np.array([s.unit.position[2] for s in late]), 0.5)
+    assert amplitude == pytest.approx(abs(1.0 / (1.0 - 0.8959 * 0.25 + 0.1658j * 0.5)), rel=0.01)
