@@ -66,6 +66,10 @@ class Launcher:
         """Return the nodes that have ended with an exit status other than 0."""
         return [node for node in self.nodes if node.process.poll() not in (None, 0)]
 
+    def left(self) -> list[NodeProcess]:
+        """Return the nodes that have ended of their own accord with exit status 0."""
+        return [node for node in self.nodes if node.process.poll() == 0]
+
     def all_ended(self) -> bool:
         """Tell whether no node runs any more."""
         return all(node.process.poll() is not None for node in self.nodes)

@@ -12,7 +12,7 @@ from heave_node.environment import prepare_environment
 from heave_node.scenario import NodeValues, write_scenario
 
 from heave_bringup.errors import CommandError
-from heave_bringup.launcher import Launcher
+from heave_bringup.launcher import Launcher, NodeProcess
 from heave_bringup.monitor import Monitor
 from heave_bringup.node_table import MASTER, NODES
 from heave_bringup.progress import ProgressLine
@@ -20,6 +20,8 @@ from heave_bringup.scenarios import Scenario
 
 LOOK_PERIOD = 0.1
 """Wall time between two looks at the nodes [s]."""
+DESERTION = 1.0
+"""Wall time in which the news that a run is over may come after the first node that left for it [s]."""
 AFTERMATH = 3.0
 """Real time: wall time that goes on after a node died, so that the bag shows how the winch stops [s]."""
 
@@ -99,17 +101,28 @@ def _watch(scenario: Scenario, launcher: Launcher, monitor: Monitor, progress: P
     while True:
         monitor.spin(LOOK_PERIOD)
         progress.show(_progress_text(scenario, monitor))
-        failed = launcher.failed()
+        failed = launcher.failed() or _deserters(launcher, monitor)
         if failed:
             _let_the_bag_show_it(scenario, monitor)
             launcher.stop()
-            raise CommandError(_cause([node.obituary() for node in launcher.failed()], failed[0].obituary(), monitor))
+            obituaries = [node.obituary() for node in launcher.failed()]
+            raise CommandError(_cause(obituaries, failed[0].obituary(), monitor))
         if launcher.all_ended():
             break
     status = monitor.status
     if status is None or status.state != TickStatus.ENDED:
         raise CommandError("the nodes ended without saying that the run was over; see the logs")
     return status
+
+
+def _deserters(launcher: Launcher, monitor: Monitor) -> list[NodeProcess]:
+    """Return the nodes that left, as if all were well, before the run was over."""
+    is_over = monitor.status is not None and monitor.status.state in (TickStatus.ENDED, TickStatus.FAILED)
+    if is_over or not launcher.left():
+        return []
+    monitor.spin(DESERTION)
+    is_over = monitor.status is not None and monitor.status.state in (TickStatus.ENDED, TickStatus.FAILED)
+    return [] if is_over else launcher.left()
 
 
 def _let_the_bag_show_it(scenario: Scenario, monitor: Monitor) -> None:

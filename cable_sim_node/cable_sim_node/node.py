@@ -141,3 +141,7 @@ def _is_of(message: Any, tick: Tick) -> bool:
 def main() -> None:
     """Run the node."""
     sys.exit(run_node(CableSimNode))
+
+
+if __name__ == "__main__":
+    main()

@@ -81,3 +81,7 @@ class VirtualWinchNode(ParticipantNode):
 def main() -> None:
     """Run the node."""
     sys.exit(run_node(VirtualWinchNode))
+
+
+if __name__ == "__main__":
+    main()

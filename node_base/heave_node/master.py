@@ -51,7 +51,7 @@ class ClockMasterNode(HeaveNode):
         peers = [name for name in self.run.participants if name not in self.run.external and name != self.name]
         self.roster = Roster([self.name, *peers])
         self.timing = LoopTiming()
-        self.state = TickStatus.WAITING
+        self.run_state = TickStatus.WAITING
         self._reason = ""
         self._stepped = True
         self._pause_at: int | None = None
@@ -114,7 +114,7 @@ class ClockMasterNode(HeaveNode):
         )
         self.gate.set_roster(self.roster.nodes, self.roster.topics)
         self.has_started = True
-        self.state = TickStatus.RUNNING
+        self.run_state = TickStatus.RUNNING
         self.timing.run_began()
         if self.run.is_lockstep:
             self._begin_tick(1)
@@ -186,14 +186,14 @@ class ClockMasterNode(HeaveNode):
         if self._reset_wanted or self.tick_number >= self.run.tick_count:
             self._begin_flush()
         elif self._pause_at is not None and self.tick_number >= self._pause_at:
-            self.state = TickStatus.PAUSED
+            self.run_state = TickStatus.PAUSED
         else:
             self._begin_tick(self.tick_number + 1)
 
     def _follow_wall_clock(self) -> None:
         """Begin the ticks that are due; a late machine catches up, and the deadlines it missed are counted."""
         elapsed = round((time.monotonic() - self._clock_started_at) / self.run.tick_period)
-        while self.state == TickStatus.RUNNING and not self.failure and not self._is_flushing:
+        while self.run_state == TickStatus.RUNNING and not self.failure and not self._is_flushing:
             if self.tick_number >= elapsed:
                 return
             if self.tick is not None:
@@ -221,7 +221,7 @@ class ClockMasterNode(HeaveNode):
     def _serve_step(
         self, request: StepSimulation.Request, response: StepSimulation.Response
     ) -> StepSimulation.Response:
-        response.success = self.state == TickStatus.PAUSED
+        response.success = self.run_state == TickStatus.PAUSED
         response.message = f"from tick {self.tick_number}" if response.success else "not paused"
         if response.success and request.ticks > 0:
             self._resume(until=self.tick_number + request.ticks)
@@ -229,21 +229,21 @@ class ClockMasterNode(HeaveNode):
 
     def _resume(self, until: int | None) -> None:
         self._pause_at = until
-        if self.state != TickStatus.PAUSED:
+        if self.run_state != TickStatus.PAUSED:
             return
-        self.state = TickStatus.RUNNING
+        self.run_state = TickStatus.RUNNING
         # A pause is no time that simulation has to catch up with.
         self._clock_started_at = time.monotonic() - self.tick_number * self.run.tick_period
         if self.run.is_lockstep:
             self._begin_what_follows()
 
     def _serve_reset(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
-        response.success = self.state in (TickStatus.RUNNING, TickStatus.PAUSED)
+        response.success = self.run_state in (TickStatus.RUNNING, TickStatus.PAUSED)
         response.message = "a new run begins" if response.success else "no run is under way"
         if response.success:
             self._reset_wanted = True
             self._pause_at = None
-            if self.state == TickStatus.PAUSED:
+            if self.run_state == TickStatus.PAUSED:
                 self._resume(until=None)
         return response
 
@@ -271,15 +271,15 @@ class ClockMasterNode(HeaveNode):
         self._begin_run()
 
     def _end(self, state: int, reason: str) -> None:
-        self.state, self._reason = state, reason
+        self.run_state, self._reason = state, reason
         if state == TickStatus.FAILED:
             self.fail(reason)
         self.finish()
 
     def on_leave(self) -> None:
         """Tell the others how the run ended, whatever the reason for leaving, and give them the time to hear it."""
-        if self.state != TickStatus.ENDED:
-            self.state, self._reason = TickStatus.FAILED, self.failure
+        if self.run_state != TickStatus.ENDED:
+            self.run_state, self._reason = TickStatus.FAILED, self.failure
         self._publish_status()
         self._status_publisher.wait_for_all_acked(FAREWELL)
 
@@ -293,7 +293,7 @@ class ClockMasterNode(HeaveNode):
         if now - self._status_at > STATUS_PERIOD:
             self._status_at = now
             self._publish_status()
-        if self.state == TickStatus.WAITING:
+        if self.run_state == TickStatus.WAITING:
             self._try_to_start()
             self._complain(now - self._created_at, self.run.start_timeout, self._reason)
         elif not self._stepped:
@@ -333,12 +333,12 @@ class ClockMasterNode(HeaveNode):
     def _publish_status(self) -> None:
         age = self.timing.loop_age()
         time_now = self.tick.time if self.tick is not None else 0.0
-        is_over = self.state in (TickStatus.ENDED, TickStatus.FAILED)
+        is_over = self.run_state in (TickStatus.ENDED, TickStatus.FAILED)
         factor = self.timing.overall_factor if is_over else self.timing.real_time_factor
         totals = self.roster.published_by_topic() if is_over else {}
         self._status_publisher.publish(
             TickStatus(
-                state=self.state,
+                state=self.run_state,
                 reason=self._reason,
                 epoch=self.epoch,
                 tick=self.tick_number,

@@ -151,7 +151,7 @@ class Plant(ClockMasterNode):
 
     def on_leave(self) -> None:
         super().on_leave()
-        ended = self.state == TickStatus.ENDED
+        ended = self.run_state == TickStatus.ENDED
         timing = self.timing
         sys.stdout.write(f"ended={ended} ticks={self.tick_number} epoch={self.epoch} sum={self.sum:g}\n")
         sys.stdout.write(f"missed={timing.missed_deadlines} resends={timing.resends}\n")
