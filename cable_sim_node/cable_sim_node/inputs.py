@@ -17,8 +17,9 @@ Array = NDArray[np.float64]
 
 CLOSING_TIME = 2.0
 """Time constant of coasting to rest, and of the critically damped closing of the gap afterwards [s]."""
-FELT_GAP = 1e-3
-"""Largest gap at the start that is not bridged [m]."""
+FELT_GAP = 0.02
+FELT_GAP_RATE = 0.1
+"""A gap at the start is bridged where it, or its rate, is larger [m], [m/s]."""
 
 
 class BridgedInput:
@@ -79,7 +80,7 @@ class BridgedInput:
         """Note how far the signal is from where the true one was a tick ago."""
         gap = self.position - (position - velocity * self._tick_period)
         gap_rate = self.velocity - velocity
-        is_felt = np.abs(gap).max() > FELT_GAP or np.abs(gap_rate).max() > FELT_GAP / CLOSING_TIME
+        is_felt = np.abs(gap).max() > FELT_GAP or np.abs(gap_rate).max() > FELT_GAP_RATE
         if self._has_started or is_felt:
             self._gap, self._gap_rate = gap, gap_rate
         self._has_started = True

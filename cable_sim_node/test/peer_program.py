@@ -1,0 +1,123 @@
+"""Stand-ins for the sea and the controller of a loop with the real plant and the real winch.
+
+Run as `python peer_program.py NODE --ros-args ...`. The controller asks for a constant payout rate and prints at the
+end, as JSON, what it received.
+"""
+
+import json
+import math
+import sys
+from dataclasses import dataclass
+
+import numpy as np
+from cable_sim_node.conversions import point_motion_message
+from heave_msgs.msg import TickStatus, WinchCommand
+from heave_msgs.srv import InjectFault
+from heave_node import topics
+from heave_node.kinematics import PointMotion
+from heave_node.parameters import parameter
+from heave_node.participant import ParticipantNode
+from heave_node.process import run_node
+from heave_node.tick import Tick, nanoseconds_of
+from std_msgs.msg import Header
+
+HEARD = (
+    topics.CABLE_STATE,
+    topics.UNIT_ODOMETRY,
+    topics.UNIT_UNCOMPENSATED,
+    topics.UNIT_PRESSURE,
+    topics.UNIT_VELOCITY,
+    topics.UNIT_IMU,
+    topics.UNIT_USBL,
+    topics.LOAD_CELL,
+    topics.MARKERS,
+    topics.WINCH_STATE,
+)
+
+
+@dataclass(frozen=True)
+class SeaParameters:
+    unused: bool = parameter(True, unit="", description="Nothing.")
+
+
+@dataclass(frozen=True)
+class ControllerParameters:
+    rate: float = parameter(0.1, unit="m/s", description="Payout rate asked for.")
+    inject: str = parameter("", unit="", description="NODE DEVICE KIND: a fault to ask for in tick 10.")
+
+
+class Sea(ParticipantNode):
+    name = "wave_vessel"
+    parameters_type = SeaParameters
+
+    def on_build(self) -> None:
+        self.tip = self.add_output(topics.BOOM_TIP)
+
+    def on_tick(self, tick: Tick) -> None:
+        t = tick.end_nanoseconds * 1e-9
+        height, rate = 0.5 * (1.0 - math.cos(0.8 * t)), 0.4 * math.sin(0.8 * t)
+        motion = PointMotion(t, np.array([0.0, 0.0, height]), np.array([0.0, 0.0, rate]))
+        self.tip.publish(point_motion_message(motion, tick.end_stamp))
+
+
+class Controller(ParticipantNode):
+    name = "winch_controller"
+    parameters_type = ControllerParameters
+    after = ("wave_vessel",)
+
+    def on_build(self) -> None:
+        self.command = self.add_output(topics.WINCH_COMMAND)
+        self.ports = {topic.name: self.add_input(topic) for topic in HEARD}
+        self.heard = {name: [] for name in self.ports}
+        self.answer = ""
+        words = self.parameters.inject.split()
+        self.fault = self.create_client(InjectFault, f"{words[0]}/inject_fault") if words else None
+
+    def on_tick(self, tick: Tick) -> None:
+        for name, port in self.ports.items():
+            self.heard[name] += self.take(port)
+        if tick.number == 10 and self.fault is not None:
+            _, device, kind = self.parameters.inject.split()
+            request = InjectFault.Request(device=device, kind=kind, duration=0.0, magnitude=1.0)
+            self.fault.call_async(request).add_done_callback(self._on_answer)
+        self.command.publish(
+            WinchCommand(header=Header(stamp=tick.stamp), sequence=tick.number, payout_rate=self.parameters.rate)
+        )
+
+    def _on_answer(self, future: object) -> None:
+        self.answer = future.result().message
+
+    def on_end(self, status: TickStatus) -> None:
+        cable, winch = self.heard["cable/state"], self.heard["winch/state"]
+        pressure = self.heard["unit/pressure"]
+        markers = self.heard["markers"]
+        result = {
+            "ended": status.state == TickStatus.ENDED,
+            "counts": {name: len(messages) for name, messages in self.heard.items()},
+            "cable_stamps": [nanoseconds_of(m.header.stamp) for m in cable],
+            "winch_stamps": [nanoseconds_of(m.header.stamp) for m in winch],
+            "pressure_stamps": [nanoseconds_of(m.header.stamp) for m in pressure],
+            "pressure": [m.fluid_pressure for m in pressure],
+            "top_tension": [m.top_tension for m in cable],
+            "length": [m.unstretched_length for m in cable],
+            "tip": [m.nodes[-1].z for m in cable],
+            "unit": [m.pose.pose.position.z for m in self.heard["unit/odometry"]],
+            "uncompensated": [m.position.z for m in self.heard["unit_uncompensated"]],
+            "payout": [m.payout for m in winch],
+            "power": [m.power for m in winch],
+            "tension": [m.tension for m in winch],
+            "brake": [m.brake for m in winch],
+            "fault": [m.fault for m in winch],
+            "imu": [m.linear_acceleration.z for m in self.heard["unit/imu"]],
+            "markers": [[m.ns, m.type, len(m.points)] for m in markers[-1].markers] if markers else [],
+            "cable_marker": [[p.x, p.y, p.z] for p in markers[-1].markers[0].points] if markers else [],
+            "marker_stamp": nanoseconds_of(markers[-1].markers[0].header.stamp) if markers else 0,
+            "cable_nodes": {str(nanoseconds_of(m.header.stamp)): [[p.x, p.y, p.z] for p in m.nodes] for m in cable},
+            "answer": self.answer,
+        }
+        sys.stdout.write(json.dumps(result) + "\n")
+
+
+if __name__ == "__main__":
+    nodes = {node.name: node for node in (Sea, Controller)}
+    sys.exit(run_node(nodes[sys.argv[1]], sys.argv))

@@ -1,0 +1,139 @@
+"""The nodes cable_sim and virtual_winch as processes, with stand-ins for sea and controller."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+pytest.importorskip("rclpy")
+pytest.importorskip("heave_msgs")
+domain_coordinator = pytest.importorskip("domain_coordinator")
+
+PEERS = Path(__file__).with_name("peer_program.py")
+COMMANDS = {
+    "cable_sim": ["-m", "cable_sim_node.node"],
+    "virtual_winch": ["-m", "cable_sim_node.winch_node"],
+    "wave_vessel": [str(PEERS), "wave_vessel"],
+    "winch_controller": [str(PEERS), "winch_controller"],
+}
+TICK = 50_000_000  # ns
+TICKS = 100
+
+
+@pytest.fixture(scope="module")
+def domain() -> Iterator[int]:
+    with domain_coordinator.domain_id() as number:
+        yield number
+
+
+def run(domain: int, tmp_path: Path, **of_nodes: dict[str, object]) -> tuple[dict[str, Any], dict[str, str]]:
+    """Run five simulated seconds; return what the controller received and each node's standard error."""
+    environment = {**os.environ, "ROS_DOMAIN_ID": str(domain), "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"}
+    processes = {}
+    for name, command in COMMANDS.items():
+        given = {
+            "duration": 5.0,
+            "participants": "[wave_vessel, winch_controller, virtual_winch]",
+            **of_nodes.get(name, {}),
+        }
+        arguments = [part for key, value in given.items() for part in ("-p", f"{key}:={value}")]
+        processes[name] = subprocess.Popen(
+            [sys.executable, *command, "--ros-args", *arguments],
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+            env=environment,
+            cwd=tmp_path,
+        )
+    ends = {name: process.communicate(timeout=90.0) for name, process in processes.items()}
+    errors = {name: err for name, (_, err) in ends.items()}
+    lines = ends["winch_controller"][0].strip().splitlines()
+    assert lines, errors
+    return json.loads(lines[-1]), errors
+
+
+@pytest.fixture(scope="module")
+def heard(domain: int, tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
+    return run(domain, tmp_path_factory.mktemp("run"))[0]
+
+
+def test_run_ends_well_and_state_comes_in_every_tick_at_its_time(heard: dict[str, Any]) -> None:
+    assert heard["ended"]
+    assert heard["cable_stamps"] == [k * TICK for k in range(1, TICKS + 1)]
+    # The winch's state of tick k is that of t_{k+1}; the controller gets it in tick k + 1.
+    assert heard["winch_stamps"] == [k * TICK for k in range(2, TICKS + 1)]
+
+
+def test_sensors_come_at_their_rates(heard: dict[str, Any]) -> None:
+    counts = heard["counts"]
+    assert counts["unit/odometry"] == counts["unit_uncompensated"] == TICKS
+    assert counts["winch/load_cell"] == counts["unit/imu"] == TICKS
+    # 10 Hz, 0.1 s late: samples of 0.1 s to 4.9 s have come by 5.0 s.
+    assert heard["pressure_stamps"] == [2 * k * TICK for k in range(1, 50)]
+    assert counts["markers"] == 10
+
+
+def test_pressure_is_that_of_still_water_above_the_unit(heard: dict[str, Any]) -> None:
+    depth = {stamp: -z for stamp, z in zip(heard["cable_stamps"], heard["unit"], strict=True)}
+    for stamp, pressure in zip(heard["pressure_stamps"], heard["pressure"], strict=True):
+        assert (pressure - 101_325.0) / (1025.0 * 9.80665) == pytest.approx(depth[stamp], abs=0.1)
+
+
+def test_plant_follows_boom_tip_and_winch_of_the_tick(heard: dict[str, Any]) -> None:
+    t = np.arange(2, TICKS + 1) * 0.05
+    np.testing.assert_allclose(heard["tip"][1:], 0.5 * (1.0 - np.cos(0.8 * t)), atol=1e-9)
+    np.testing.assert_allclose(np.array(heard["length"][1:]) - 300.0, heard["payout"], atol=1e-9)
+    assert heard["payout"][-1] > 0.4
+    assert heard["unit"][-1] < heard["uncompensated"][-1] - 0.3
+    assert np.mean(heard["imu"]) == pytest.approx(9.80665, abs=0.1)
+
+
+def test_power_is_negative_while_the_load_drives_the_winch_down(heard: dict[str, Any]) -> None:
+    assert heard["power"][-1] == pytest.approx(-0.1 * heard["tension"][-1], rel=0.01)
+    assert heard["tension"][-1] == heard["top_tension"][-2]
+
+
+def test_markers_show_the_cable_where_it_is(heard: dict[str, Any]) -> None:
+    assert [ns for ns, _, _ in heard["markers"]] == ["plant"] * 5
+    np.testing.assert_allclose(heard["cable_marker"], heard["cable_nodes"][str(heard["marker_stamp"])])
+
+
+@pytest.mark.slow
+def test_fault_injected_by_service_stops_the_winch(domain: int, tmp_path: Path) -> None:
+    heard, _ = run(domain, tmp_path, winch_controller={"inject": "virtual_winch winch emergency_stop"})
+    assert heard["answer"].startswith("winch: emergency_stop from t = ")
+    assert heard["fault"][-1] == 4
+    assert heard["brake"][-1]
+
+
+@pytest.mark.slow
+def test_unknown_device_is_told_with_those_there_are(domain: int, tmp_path: Path) -> None:
+    heard, _ = run(domain, tmp_path, winch_controller={"inject": "cable_sim sonar gap"})
+    assert heard["answer"] == "cable_sim has no device sonar; it has depth, velocity, imu, usbl, load_cell"
+
+
+def test_plant_that_cannot_start_ends_with_one_line(domain: int, tmp_path: Path) -> None:
+    environment = {**os.environ, "ROS_DOMAIN_ID": str(domain), "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"}
+    command = [sys.executable, *COMMANDS["cable_sim"], "--ros-args", "-p", "seabed.depth:=200.0"]
+    ended = subprocess.run(command, capture_output=True, text=True, env=environment, timeout=60.0, check=False)
+    assert ended.returncode == 1
+    assert ended.stderr.strip().splitlines()[-1].startswith("cable_sim: at the start the line reaches 100.")
+    assert "Traceback" not in ended.stderr
+
+
+def test_wrong_parameter_of_the_winch_is_refused_with_one_line(domain: int, tmp_path: Path) -> None:
+    environment = {**os.environ, "ROS_DOMAIN_ID": str(domain), "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"}
+    command = [sys.executable, *COMMANDS["virtual_winch"], "--ros-args", "-p", "speed_limit:=-2.0"]
+    ended = subprocess.run(command, capture_output=True, text=True, env=environment, timeout=60.0, check=False)
+    assert ended.returncode == 2
+    assert ended.stderr.strip() == (
+        "virtual_winch: speed_limit = -2.0 is not allowed: it must be a number from 0.001 to 100 [m/s]"
+    )
