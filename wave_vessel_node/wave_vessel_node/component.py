@@ -10,10 +10,23 @@ from heave_node.kinematics import PointMotion
 from heave_node.randomness import random_stream
 from numpy.typing import NDArray
 
-from wave_vessel_node.motion_sources import FilterSource, MotionSource, RampedSource, RegularSource, SecondOrderSource
+from wave_vessel_node.course import Course
+from wave_vessel_node.motion_sources import (
+    CourseSource,
+    DriftingSource,
+    FilterSource,
+    MotionSource,
+    RampedSource,
+    RegularSource,
+    SecondOrderSource,
+)
 from wave_vessel_node.mru import MotionReferenceUnit, MruReading, high_pass_response
 from wave_vessel_node.parameters import WaveVesselParameters
+from wave_vessel_node.rao import ResponseTable
+from wave_vessel_node.rao_files import read_rao
+from wave_vessel_node.rao_source import RaoSource
 from wave_vessel_node.realisation import WaveComponents, draw_components
+from wave_vessel_node.recording import RecordedSource, read_recording
 from wave_vessel_node.sea import SeaState, build_spectrum, describe_sea
 from wave_vessel_node.sea_state_estimate import SeaStateEstimate, SeaStateEstimator
 from wave_vessel_node.shaping_filter import shaping_filter
@@ -62,11 +75,14 @@ class WaveVessel:
     def __init__(self, parameters: WaveVesselParameters, *, seed: int, tick_period: float) -> None:
         self.parameters = parameters
         self.warnings: list[str] = []
-        self._lever = lever_arm_matrix(np.zeros(3))
+        self._rao = self._read_rao()
+        arm = np.zeros(3) if self._rao is None else np.array(parameters.vessel.boom_tip_arm)
+        self._lever = lever_arm_matrix(arm)
+        self._course = Course(parameters.course)
         self._spectrum: WaveSpectrum | None = None
         if parameters.boom_tip_source in ("spectrum", "filter"):
             self._spectrum = build_spectrum(parameters, self.warnings)
-        self._source = RampedSource(self._build_source(seed, tick_period), parameters, tick_period)
+        self._source = self._build_source(seed, tick_period)
         self._sea_state = describe_sea(parameters, self._spectrum, seed)
         self.mru = MotionReferenceUnit(parameters.mru, seed=seed, tick_period=tick_period)
         self._estimator = self._build_estimator()
@@ -114,16 +130,48 @@ class WaveVessel:
         return SecondOrderVessel(vessel.natural_frequency, vessel.damping_ratio, vessel.gain)
 
     def _build_source(self, seed: int, tick_period: float) -> MotionSource:
+        """Stack the sources: what moves the vessel, then its course, drift and the ramp."""
+        parameters = self.parameters
+        source = self._build_wave_source(seed, tick_period)
+        if parameters.boom_tip_source in ("spectrum", "filter"):
+            source = CourseSource(source, self._course)
+        if any(parameters.drift.standard_deviation):
+            source = DriftingSource(source, parameters.drift, seed, tick_period)
+        return RampedSource(source, parameters, tick_period)
+
+    def _build_wave_source(self, seed: int, tick_period: float) -> MotionSource:
         parameters = self.parameters
         if parameters.boom_tip_source == "regular":
             return RegularSource(parameters.amplitude, parameters.period, tick_period)
+        if parameters.boom_tip_source == "file":
+            recording = read_recording(parameters.recording_file, parameters.recording_topic)
+            self.warnings.extend(recording.warnings)
+            is_elevation = parameters.recording_kind == "elevation"
+            return RecordedSource(recording, self._second_order_vessel() if is_elevation else None, tick_period)
+        assert self._spectrum is not None
         if parameters.boom_tip_source == "filter":
-            assert self._spectrum is not None
             wave = shaping_filter(self._spectrum, parameters.filter.form, parameters.filter.states)
             return FilterSource(wave, self._second_order_vessel(), seed, tick_period)
-        return SecondOrderSource(
-            self._components(seed), self._second_order_vessel(), parameters.vessel.pitch_gain, tick_period
-        )
+        if self._rao is not None:
+            arm = np.array(parameters.vessel.boom_tip_arm)
+            return RaoSource(self._components(seed), self._rao, self._course, arm, tick_period)
+        vessel = self._second_order_vessel()
+        return SecondOrderSource(self._components(seed), vessel, parameters.vessel.pitch_gain, tick_period)
+
+    def _read_rao(self) -> ResponseTable | None:
+        """Read the table of RAOs where the vessel is one, at the speeds of the course."""
+        vessel, course = self.parameters.vessel, self.parameters.course
+        if vessel.model != "rao" or self.parameters.boom_tip_source != "spectrum":
+            return None
+        fastest = max(course.speed, course.speed + course.speed_change)
+        speeds = sorted({0.0, course.speed, max(0.0, course.speed + course.speed_change)})
+        table = read_rao(vessel.rao_file, speeds)
+        if fastest > table.speed[-1] + 1e-9:
+            self.warnings.append(
+                f"{vessel.rao_file or 'shipped RAO'}: has speeds up to {table.speed[-1]:g} m/s, the course goes to "
+                f"{fastest:g} m/s: responses of the highest are taken"
+            )
+        return table
 
     def _components(self, seed: int) -> WaveComponents:
         parameters = self.parameters
@@ -147,6 +195,8 @@ class WaveVessel:
             return np.asarray(np.abs(high_pass_response(omega, cut_off, mru.high_pass_damping)) ** 2)
 
         def vessel_response(omega: Array) -> Array:
+            if self._rao is not None:
+                return self._boom_tip_response(omega)
             vessel = self._second_order_vessel()
             if vessel is None or self.parameters.boom_tip_source in ("regular", "file"):
                 return np.ones_like(omega)
@@ -159,3 +209,11 @@ class WaveVessel:
             unit_response=unit_response,
             vessel_response=vessel_response,
         )
+
+    def _boom_tip_response(self, omega: Array) -> Array:
+        """Return |H|^2 from the sea to boom-tip heave of the RAOs, at the first heading and speed."""
+        assert self._rao is not None
+        course = self.parameters.course
+        relative = np.full(omega.shape, self.parameters.direction - course.heading)
+        response = self._rao.at(omega, relative, course.speed)
+        return np.asarray(np.abs(self._lever[2] @ response) ** 2)

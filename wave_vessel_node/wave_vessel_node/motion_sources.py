@@ -9,14 +9,18 @@ import numpy as np
 from heave_node.randomness import random_stream
 from numpy.typing import NDArray
 
-from wave_vessel_node.parameters import WaveVesselParameters
+from wave_vessel_node.course import Course
+from wave_vessel_node.parameters import DriftParameters, WaveVesselParameters
 from wave_vessel_node.ramp import apply_ramp
-from wave_vessel_node.realisation import HarmonicSum, WaveComponents
+from wave_vessel_node.realisation import HarmonicSum, WaveComponents, draw_components
+from wave_vessel_node.spectra import TabulatedSpectrum
 from wave_vessel_node.state_space import StateSpace, covariance_factor, discretise
 from wave_vessel_node.vessel import SecondOrderVessel, wave_slope_response
 from wave_vessel_node.vessel_motion import HEAVE, PITCH, VesselMotion
 
 Array = NDArray[np.float64]
+
+_DRIFT_COMPONENTS = 120
 
 
 class MotionSource(Protocol):
@@ -139,4 +143,52 @@ class RampedSource:
             six = np.stack((motion.displacement, motion.velocity, motion.acceleration))
             motion.displacement, motion.velocity, motion.acceleration = apply_ramp(six, since_start, self._ramp)
             motion.elevation *= float(apply_ramp(np.array([1.0, 0.0, 0.0]), since_start, self._ramp)[0])
+        return motion
+
+
+class CourseSource:
+    """Another source on a course: heading, rate of turn and speed are the course's (they turn the axes and disturb the
+    MRU).
+    """
+
+    def __init__(self, source: MotionSource, course: Course) -> None:
+        self._source = source
+        self._course = course
+
+    def motion(self, tick: int) -> VesselMotion:
+        """See MotionSource."""
+        motion = self._source.motion(tick)
+        motion.heading = self._course.heading(motion.time)
+        motion.turn_rate = self._course.turn_rate(motion.time)
+        motion.turn_acceleration = self._course.turn_acceleration(motion.time)
+        motion.speed = self._course.speed(motion.time)
+        return motion
+
+
+class DriftingSource:
+    """Another source with slow drift in surge and sway added: narrow-band noise about the natural period of position
+    keeping.
+    """
+
+    def __init__(self, source: MotionSource, drift: DriftParameters, seed: int, tick_period: float) -> None:
+        self._source = source
+        natural = 2.0 * math.pi / drift.period
+        omega = np.linspace(0.05, 3.0, 300) * natural
+        resonance = (natural**2 - omega**2) ** 2 + (2.0 * drift.damping_ratio * natural * omega) ** 2
+        spectrum = TabulatedSpectrum(omega, 1.0 / resonance, name="slow drift")
+        self._sums = []
+        for axis, deviation in zip(("surge", "sway"), drift.standard_deviation, strict=True):
+            generator = random_stream(seed, f"wave_vessel/drift/{axis}")
+            sea = draw_components(spectrum, _DRIFT_COMPONENTS, generator)
+            amplitude = sea.amplitude * deviation / math.sqrt(spectrum.moment(0))
+            self._sums.append(HarmonicSum(sea.frequency, amplitude * np.exp(1j * sea.phase), tick_period))
+
+    def motion(self, tick: int) -> VesselMotion:
+        """See MotionSource."""
+        motion = self._source.motion(tick)
+        for axis, harmonics in enumerate(self._sums):
+            value, rate, acceleration = harmonics.at(tick)[:, 0]
+            motion.displacement[axis] += value
+            motion.velocity[axis] += rate
+            motion.acceleration[axis] += acceleration
         return motion

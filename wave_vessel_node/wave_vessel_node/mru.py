@@ -18,8 +18,8 @@ from dataclasses import dataclass
 import numpy as np
 from heave_node.randomness import random_stream
 from numpy.typing import NDArray
-from scipy.linalg import expm
 
+from wave_vessel_node.oscillator import DrivenOscillator
 from wave_vessel_node.parameters import MruParameters
 from wave_vessel_node.vessel_motion import PITCH, ROLL, VesselMotion
 
@@ -59,51 +59,27 @@ class HighPass:
 
     def __init__(self, cut_off: float, damping: float, period: float) -> None:
         """Make the filter with cut-off omega = `cut_off` [rad/s]; 0 lets everything pass."""
-        self._cut_off, self._damping, self._period = cut_off, damping, period
-        self._state = np.zeros(2)
-        self._last = np.zeros(2)
-        # states e, e', and the polynomial x, x', x'', x''' as a chain of integrators, and d
-        generator = np.zeros((7, 7))
-        generator[0, 1] = 1.0
-        generator[1, :2] = -(cut_off**2), -2.0 * damping * cut_off
-        generator[1, 2:4] = cut_off**2, 2.0 * damping * cut_off
-        generator[1, 6] = -1.0
-        generator[2, 3] = generator[3, 4] = generator[4, 5] = 1.0
-        self._transition = expm(generator * period)[:2]
+        self._cut_off, self._damping = cut_off, damping
+        self._taken = DrivenOscillator(
+            cut_off, damping, value_gain=cut_off**2, rate_gain=2.0 * damping * cut_off, period=period
+        )
 
     def reset(self, value: float, rate: float) -> None:
         """Begin anew at the true motion `value`, `rate`: the unit knows nothing and reads zero."""
-        self._state[:] = value, rate
-        self._last[:] = value, rate
+        self._taken.start(value, rate, state=(value, rate))
 
     def settle(self, value: float, rate: float) -> None:
-        """Begin settled about `value`: the reading is the truth less nothing."""
-        self._state[:] = 0.0
-        self._last[:] = value, rate
+        """Begin with nothing taken away: right for a motion about zero that has been at rest."""
+        self._taken.start(value, rate)
 
     def step(self, value: float, rate: float, acceleration_error: float = 0.0) -> tuple[float, float, float]:
-        """Advance one period to the motion `value`, `rate`; return what to subtract from value, rate and
-        acceleration.
+        """Advance one period to the motion `value`, `rate`.
+
+        Returns what to subtract from value, rate and acceleration.
         """
-        h = self._period
-        x0, v0 = self._last
-        slope = (value - x0) / h
-        second = (6.0 * slope - 4.0 * v0 - 2.0 * rate) / h
-        third = (6.0 * v0 + 6.0 * rate - 12.0 * slope) / h**2
-        if self._cut_off > 0.0:
-            self._state = self._transition @ np.array(
-                [self._state[0], self._state[1], x0, v0, second, third, acceleration_error]
-            )
-        self._last[:] = value, rate
-        offset, offset_rate = self._state
         if self._cut_off == 0.0:
             return 0.0, 0.0, 0.0
-        offset_acceleration = (
-            self._cut_off**2 * (value - offset)
-            + 2.0 * self._damping * self._cut_off * (rate - offset_rate)
-            - acceleration_error
-        )
-        return float(offset), float(offset_rate), float(offset_acceleration)
+        return self._taken.step(value, rate, -acceleration_error)
 
 
 def high_pass_response(omega: Array, cut_off: float, damping: float) -> NDArray[np.complex128]:

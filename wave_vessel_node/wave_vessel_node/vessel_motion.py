@@ -28,7 +28,8 @@ class VesselMotion:
     time : simulated time [s]
     displacement, velocity, acceleration : surge, sway, heave [m], roll, pitch, yaw [rad] and derivatives, shape (6,)
     elevation : sea surface above still water below the boom tip [m]
-    heading, turn_rate, speed : mean heading from world x [rad], its rate [rad/s], forward speed [m/s]
+    heading, turn_rate, turn_acceleration : mean heading from world x [rad] and derivatives
+    speed : mean forward speed [m/s]
     """
 
     time: float = 0.0
@@ -38,6 +39,7 @@ class VesselMotion:
     elevation: float = 0.0
     heading: float = 0.0
     turn_rate: float = 0.0
+    turn_acceleration: float = 0.0
     speed: float = 0.0
 
 
@@ -63,9 +65,19 @@ def point_motion(motion: VesselMotion, lever: Array, mean_height: float) -> Poin
     """
     six = np.stack((motion.displacement, motion.velocity, motion.acceleration))
     vessel = six @ lever.T
+    if motion.turn_rate != 0.0:
+        _add_turning(vessel, motion.turn_rate, motion.turn_acceleration)
     if motion.heading != 0.0:
         cosine, sine = np.cos(motion.heading), np.sin(motion.heading)
         x, y = vessel[:, 0].copy(), vessel[:, 1].copy()
         vessel[:, 0], vessel[:, 1] = cosine * x - sine * y, sine * x + cosine * y
     vessel[0, 2] += mean_height
     return PointMotion(motion.time, vessel[0], vessel[1], vessel[2])
+
+
+def _add_turning(vessel: Array, rate: float, acceleration: float) -> None:
+    """Add to velocity and acceleration (rows 1, 2) what turning axes give a point that is off the mean."""
+    position, velocity = vessel[0, :2].copy(), vessel[1, :2].copy()
+    across, across_velocity = np.array([-position[1], position[0]]), np.array([-velocity[1], velocity[0]])
+    vessel[1, :2] += rate * across
+    vessel[2, :2] += 2.0 * rate * across_velocity - rate**2 * position + acceleration * across

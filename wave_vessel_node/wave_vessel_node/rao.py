@@ -1,0 +1,144 @@
+"""Response amplitude operators (RAO) of a vessel: six motions per unit wave amplitude, by speed, heading and frequency.
+
+Convention: e^{+i omega t}; a wave of unit amplitude cos(omega t - k x) at the reference point gives the motion Re(H
+e^{i omega_e t}). The heading
+of the waves is relative to the bow: 0 following, pi/2 waves travelling to port, pi head sea. Axes and signs: see
+`vessel_motion`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from heave_node.constants import STANDARD_GRAVITY
+from numpy.typing import ArrayLike, NDArray
+from scipy.interpolate import CubicSpline
+
+Array = NDArray[np.float64]
+ComplexArray = NDArray[np.complex128]
+
+_MIRROR = np.array([1.0, -1.0, 1.0, -1.0, 1.0, -1.0])  # motions of a ship with waves from the other side
+
+
+class RaoError(ValueError):
+    """RAOs that cannot be used; the message names file, place and what was wanted."""
+
+
+@dataclass(frozen=True)
+class ResponseTable:
+    """RAOs on a grid.
+
+    Attributes
+    ----------
+    speed : forward speeds [m/s], shape (s,), rising
+    heading : relative wave headings [rad], shape (h,), rising, 0 to pi (a symmetric ship, mirrored) or 0 to below 2 pi
+    frequency : wave frequency (not of encounter) [rad/s], shape (f,), rising
+    response : shape (s, h, 6, f), [m/m] for surge, sway, heave and [rad/m] for roll, pitch, yaw
+    """
+
+    speed: Array
+    heading: Array
+    frequency: Array
+    response: ComplexArray
+
+    def __post_init__(self) -> None:
+        shape = (self.speed.size, self.heading.size, 6, self.frequency.size)
+        if self.response.shape != shape:
+            raise RaoError(
+                f"responses of shape {self.response.shape} where speeds, headings and frequencies want {shape}"
+            )
+        for name, values in (("speed", self.speed), ("heading", self.heading), ("frequency", self.frequency)):
+            if not np.isfinite(values).all() or (np.diff(values) <= 0.0).any():
+                raise RaoError(f"{name} must be numbers that rise strictly")
+        if not np.isfinite(self.response).all():
+            raise RaoError("responses must be numbers, found NaN or infinity")
+        if self.frequency.size < 4 or self.frequency[0] <= 0.0:
+            raise RaoError("frequencies must be above 0 and at least 4")
+        if self.heading[0] > 1e-6 or self.heading[-1] < np.pi - 1e-3:
+            raise RaoError("headings must reach from 0 to pi (a symmetric ship) or all the way round from 0")
+
+    def at(self, frequency: ArrayLike, heading: ArrayLike, speed: float = 0.0) -> ComplexArray:
+        """Return H at pairs of wave frequency [rad/s] and relative heading [rad], shape (6, n); see
+        `SampledResponse`.
+        """
+        frequency = np.atleast_1d(np.asarray(frequency, dtype=float))
+        return self.sampled(frequency).at(np.broadcast_to(np.asarray(heading, dtype=float), frequency.shape), speed)
+
+    def sampled(self, frequency: Array) -> SampledResponse:
+        """Return the table at given wave frequencies [rad/s], for many headings and speeds.
+
+        Cubic splines in frequency and heading. Above the highest frequency a motion falls as 1/omega^4; below the
+        lowest it is held.
+        """
+        inside = np.clip(frequency, self.frequency[0], self.frequency[-1])
+        tail = np.where(frequency > self.frequency[-1], (self.frequency[-1] / frequency) ** 4, 1.0)
+        headings = self._headings()
+        coefficients = []
+        for response in self.response:
+            in_frequency = CubicSpline(self.frequency, self._all_round(response), axis=2)(inside) * tail
+            spline = CubicSpline(headings, in_frequency, axis=0, bc_type="periodic")
+            coefficients.append(np.ascontiguousarray(spline.c.transpose(3, 1, 2, 0)))  # (n, cell, 6, 4)
+        return SampledResponse(self.speed, headings, np.array(coefficients))
+
+    def _is_half(self) -> bool:
+        return bool(self.heading[-1] <= np.pi + 1e-3)
+
+    def _headings(self) -> Array:
+        """Return the headings all the way round, closed at 2 pi."""
+        if self._is_half():
+            return np.concatenate((self.heading[:-1], [np.pi], 2.0 * np.pi - self.heading[-2::-1]))
+        return np.append(self.heading, 2.0 * np.pi)
+
+    def _all_round(self, response: ComplexArray) -> ComplexArray:
+        if self._is_half():
+            mirrored = response[-2::-1] * _MIRROR[:, None]
+            response = np.concatenate((response, mirrored))
+            # in line with the waves a symmetric ship has no sway, roll or yaw: what rounding left would break the
+            # period
+            response[0] = response[-1] = 0.5 * (response[0] + response[-1])
+            return response
+        return np.concatenate((response, response[:1]))
+
+
+@dataclass(frozen=True)
+class SampledResponse:
+    """RAOs at fixed wave frequencies, as periodic cubic splines in heading; linear in speed, held beyond its range.
+
+    Attributes
+    ----------
+    speed : [m/s], shape (s,)
+    knots : headings all the way round, 0 to 2 pi [rad]
+    coefficients : shape (s, n, cells, 6, 4), highest power first
+    """
+
+    speed: Array
+    knots: Array
+    coefficients: ComplexArray
+
+    def speed_share(self, speed: float) -> tuple[int, int, float]:
+        """Return the two speeds about `speed` and the share of the upper."""
+        if speed <= self.speed[0] or self.speed.size == 1:
+            return 0, 0, 0.0
+        if speed >= self.speed[-1]:
+            return self.speed.size - 1, self.speed.size - 1, 0.0
+        upper = int(np.searchsorted(self.speed, speed))
+        return upper - 1, upper, float((speed - self.speed[upper - 1]) / (self.speed[upper] - self.speed[upper - 1]))
+
+    def at(self, heading: Array, speed: float) -> ComplexArray:
+        """Return H (6, n), one relative heading [rad] for each frequency."""
+        angle = np.mod(heading, 2.0 * np.pi)
+        cell = np.clip(np.searchsorted(self.knots, angle, side="right") - 1, 0, self.knots.size - 2)
+        powers = (angle - self.knots[cell])[:, None] ** np.arange(3, -1, -1)
+        lower, upper, share = self.speed_share(speed)
+        pick = np.arange(angle.size)
+        chosen = (1.0 - share) * self.coefficients[lower, pick, cell] + share * self.coefficients[upper, pick, cell]
+        return np.asarray(np.einsum("ndp,np->dn", chosen, powers))
+
+
+def encounter_frequency(frequency: ArrayLike, heading: ArrayLike, speed: float) -> Array:
+    """Return omega_e = omega - omega^2 / g * speed * cos(heading) [rad/s], deep water; negative where the ship
+    overtakes the waves.
+    """
+    frequency = np.asarray(frequency, dtype=float)
+    return np.asarray(frequency - frequency**2 / STANDARD_GRAVITY * speed * np.cos(np.asarray(heading, dtype=float)))
