@@ -3,7 +3,6 @@
 import os
 import shlex
 import shutil
-import shutil
 import subprocess
 import sys
 from collections.abc import Iterator, Mapping
