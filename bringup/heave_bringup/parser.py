@@ -20,7 +20,7 @@ def make_parser() -> argparse.ArgumentParser:
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
-    for add in (_add_run, _add_list, _add_report, _add_kpi):
+    for add in (_add_run, _add_list, _add_report, _add_kpi, _add_static):
         add(commands)
     return parser
 
@@ -100,3 +100,14 @@ def _add_kpi(commands: Any) -> None:
         "heave kpi runs/b2_calm_300-001/bag --json -",
     )
     parser.add_argument("bags", metavar="BAG", type=Path, nargs="+", help="bag folder, or the folder of a run")
+
+
+def _add_static(commands: Any) -> None:
+    parser = _add(
+        commands,
+        "static",
+        "Print and draw the static equilibrium of a scenario: end forces, positions, top tension and angle.",
+        "heave static s300_driven --set 'cable_sim.current=[0.5, 0.0]' --picture shape.png",
+    )
+    _add_scenario(parser)
+    parser.add_argument("--picture", type=Path, metavar="FILE", help="PNG or SVG (default: SCENARIO_static.svg)")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import shutil
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -59,11 +59,15 @@ def new_run_folder(name: str, chosen: Path | None) -> RunFolder:
     return RunFolder(path.resolve())
 
 
-def run_scenario(scenario: Scenario, folder: RunFolder) -> TickStatus:
+OnLook = Callable[[Launcher, "TickStatus | None"], None]
+
+
+def run_scenario(scenario: Scenario, folder: RunFolder, on_look: OnLook | None = None) -> TickStatus:
     """Run a scenario to its end and return the master's last word on it; raise CommandError, in one line, where it
     does not reach it.
 
-    Whatever happens, no node process is left behind and the bag is closed by then.
+    Whatever happens, no node process is left behind and the bag is closed by then. `on_look` is called a few times per
+    second while the run lasts.
     """
     prepare_environment()
     write_scenario(_resolved(scenario, folder), folder.scenario)
@@ -74,7 +78,7 @@ def run_scenario(scenario: Scenario, folder: RunFolder) -> TickStatus:
         if monitor.another_run():
             raise CommandError("another run is under way in this ROS domain: end it, or set another ROS_DOMAIN_ID")
         launcher.start(_nodes_to_start(scenario), folder.scenario, folder.logs)
-        return _watch(scenario, launcher, monitor, progress)
+        return _watch(scenario, launcher, monitor, progress, on_look)
     except KeyboardInterrupt:
         raise CommandError("interrupted; the bag holds what was recorded until then") from None
     finally:
@@ -97,16 +101,19 @@ def _resolved(scenario: Scenario, folder: RunFolder) -> NodeValues:
     return values
 
 
-def _watch(scenario: Scenario, launcher: Launcher, monitor: Monitor, progress: ProgressLine) -> TickStatus:
+def _watch(
+    scenario: Scenario, launcher: Launcher, monitor: Monitor, progress: ProgressLine, on_look: OnLook | None
+) -> TickStatus:
     while True:
         monitor.spin(LOOK_PERIOD)
+        if on_look is not None:
+            on_look(launcher, monitor.status)
         progress.show(_progress_text(scenario, monitor))
         failed = launcher.failed() or _deserters(launcher, monitor)
         if failed:
+            cause = _cause([node.obituary() for node in failed], monitor)
             _let_the_bag_show_it(scenario, monitor)
-            launcher.stop()
-            obituaries = [node.obituary() for node in launcher.failed()]
-            raise CommandError(_cause(obituaries, failed[0].obituary(), monitor))
+            raise CommandError(cause)
         if launcher.all_ended():
             break
     status = monitor.status
@@ -130,10 +137,10 @@ def _let_the_bag_show_it(scenario: Scenario, monitor: Monitor) -> None:
         monitor.spin(AFTERMATH)
 
 
-def _cause(obituaries: Sequence[str], first: str, monitor: Monitor) -> str:
-    """Return the line that tells why a run failed: a node that was killed before those that only missed it."""
+def _cause(obituaries: Sequence[str], monitor: Monitor) -> str:
+    """Return the line that tells why a run failed: a node that was killed goes before those that only missed it."""
     killed = [text for text in obituaries if "was killed by" in text]
-    cause = killed[0] if killed else first
+    cause = (killed or obituaries)[0]
     time_of_death = f" at t = {monitor.status.simulated_time:.2f} s" if monitor.status and " t = " not in cause else ""
     return cause + time_of_death
 

@@ -76,16 +76,15 @@ def load_scenario(name: str, *, settings: Iterable[str] = (), common: Mapping[st
     values.setdefault(WILDCARD, {}).update(common or {})
     _refuse_unknown_nodes(values, path)
     of_run = {info.name for info in describe(RunParameters)}
-    run = RunParameters()
+    run = build_parameters(RunParameters, values[WILDCARD], where=f"{path}: {WILDCARD}")
     parameters: dict[str, Any] = {}
     for node in NODES:
         where = f"{path}: {node.name}"
         given = values_of_node(values, node.name)
         run_values = {key: value for key, value in given.items() if key in of_run}
-        run = build_parameters(RunParameters, run_values, where=where)
+        build_parameters(RunParameters, run_values, where=where)
         own = {key: value for key, value in given.items() if key not in of_run}
         parameters[node.name] = build_parameters(node.parameters_type(), own, where=where)
-    run = build_parameters(RunParameters, values.get(WILDCARD, {}), where=f"{path}: {WILDCARD}")
     return Scenario(path.stem, path, values, run, parameters)
 
 

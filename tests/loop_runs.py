@@ -1,0 +1,39 @@
+"""Runs of the whole loop for tests: the `heave` command as a user gives it, in a ROS domain of its own."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+from domain_coordinator import domain_id
+
+
+def command(*arguments: str) -> list[str]:
+    return [sys.executable, "-m", "heave_bringup.cli", *arguments]
+
+
+def environment(domain: int) -> dict[str, str]:
+    return {**os.environ, "ROS_DOMAIN_ID": str(domain), "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"}
+
+
+def heave(*arguments: str, timeout: float = 120.0) -> subprocess.CompletedProcess[str]:
+    """Give the `heave` command and return what it printed and its exit status."""
+    with domain_id() as domain:
+        return subprocess.run(
+            command(*arguments),
+            env=environment(domain),
+            capture_output=True,
+            text=True,
+            timeout=timeout,
+            check=False,
+        )
+
+
+def run_scenario(folder: Path, scenario: str = "b2_calm_300", *, duration: float, options: Sequence[str] = ()) -> Path:
+    """Run a scenario and return its bag; the run must succeed."""
+    result = heave("run", scenario, "--duration", str(duration), "--bag", str(folder), "--no-report", *options)
+    assert result.returncode == 0, result.stderr
+    return folder / "bag"
