@@ -1,0 +1,132 @@
+"""Campaigns: one scenario, many cases (seeds, a grid of settings, random draws), one table.
+
+A campaign file is YAML:
+
+    scenario: b9_model_error
+    duration: 600                     # optional; the scenario's own otherwise
+    seeds: [1, 2, 3]                  # or a number of seeds, counted from 1
+    set: {winch_controller.law: mpc}  # for every case
+    vary: {wave_vessel.peak_period: [8, 10, 12]}       # every combination
+    draw:                                              # random cases, seeded
+      count: 64
+      seed: 1
+      uniform: {cable_sim.cable.axial_stiffness: [1.1e7, 2.0e7]}
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import yaml
+from heave_node.parameters import ParameterError
+from heave_node.randomness import random_stream
+
+_KEYS = {"scenario", "duration", "seeds", "set", "vary", "draw"}
+_DRAW_KEYS = {"count", "seed", "uniform"}
+
+
+@dataclass(frozen=True)
+class Case:
+    """One run of a campaign: its seed, and the settings by which it differs from the others."""
+
+    number: int
+    seed: int
+    settings: Mapping[str, object]
+
+    @property
+    def label(self) -> str:
+        """Say in short what the case is."""
+        differences = " ".join(f"{name.split('.', 1)[1]}={_short(value)}" for name, value in self.settings.items())
+        return f"seed={self.seed} {differences}".strip()
+
+
+@dataclass(frozen=True)
+class Campaign:
+    """A campaign file, read and checked."""
+
+    path: Path
+    scenario: str
+    duration: float | None
+    seeds: tuple[int, ...]
+    common: Mapping[str, object] = field(default_factory=dict)
+    vary: Mapping[str, tuple[object, ...]] = field(default_factory=dict)
+    draw_count: int = 0
+    draw_seed: int = 1
+    uniform: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+
+    def cases(self) -> Iterator[Case]:
+        """Yield every case: seeds within draws within combinations."""
+        number = 0
+        combinations = itertools.product(*self.vary.values())
+        for combination in combinations:
+            chosen = dict(zip(self.vary, combination, strict=True))
+            for drawn in self._draws():
+                for seed in self.seeds:
+                    number += 1
+                    yield Case(number, seed, {**chosen, **drawn})
+
+    def _draws(self) -> Iterator[dict[str, object]]:
+        if not self.draw_count:
+            yield {}
+            return
+        stream = random_stream(self.draw_seed, "campaign/draws")
+        for _ in range(self.draw_count):
+            yield {name: float(stream.uniform(low, high)) for name, (low, high) in self.uniform.items()}
+
+
+def read_campaign(path: Path) -> Campaign:
+    """Read and check a campaign file; raise ParameterError, in one line, for what is wrong with it."""
+    try:
+        content = yaml.safe_load(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise ParameterError(f"{path}: cannot be read: {error.strerror}") from error
+    except (yaml.YAMLError, UnicodeDecodeError) as error:
+        raise ParameterError(f"{path}: is not YAML: {' '.join(str(error).split())}") from error
+    if not isinstance(content, Mapping) or "scenario" not in content:
+        raise ParameterError(f"{path}: must be a mapping with at least the key scenario")
+    _refuse_unknown(content, _KEYS, str(path))
+    draw = content.get("draw") or {}
+    _refuse_unknown(draw, _DRAW_KEYS, f"{path}: draw")
+    try:
+        return Campaign(
+            path=path,
+            scenario=str(content["scenario"]),
+            duration=float(content["duration"]) if "duration" in content else None,
+            seeds=_seeds(content.get("seeds", 1)),
+            common=dict(content.get("set") or {}),
+            vary={name: tuple(values) for name, values in (content.get("vary") or {}).items()},
+            draw_count=int(draw.get("count", 0)),
+            draw_seed=int(draw.get("seed", 1)),
+            uniform={name: (float(low), float(high)) for name, (low, high) in (draw.get("uniform") or {}).items()},
+        )
+    except (TypeError, ValueError) as error:
+        raise ParameterError(f"{path}: {error}") from error
+
+
+def as_settings(values: Mapping[str, object]) -> list[str]:
+    """Return settings as the NODE.PARAM=VALUE texts that a scenario is loaded with."""
+    return [
+        f"{name}={yaml.safe_dump(value, default_flow_style=True).split(chr(10), 1)[0]}"
+        for name, value in values.items()
+    ]
+
+
+def _seeds(value: Any) -> tuple[int, ...]:
+    seeds = tuple(range(1, value + 1)) if isinstance(value, int) else tuple(int(seed) for seed in value)
+    if not seeds:
+        raise ValueError("seeds must be a number of at least 1 or a list of seeds")
+    return seeds
+
+
+def _refuse_unknown(content: Mapping[str, object], known: set[str], where: str) -> None:
+    unknown = sorted(set(content) - known)
+    if unknown:
+        raise ParameterError(f"{where}: there is no key {unknown[0]}; known: {', '.join(sorted(known))}")
+
+
+def _short(value: object) -> str:
+    return f"{value:.4g}" if isinstance(value, float) else str(value)
