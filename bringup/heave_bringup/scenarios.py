@@ -12,7 +12,7 @@ from typing import Any
 import yaml
 from heave_node.parameters import ParameterError, build_parameters, describe
 from heave_node.run_parameters import RunParameters
-from heave_node.scenario import WILDCARD, NodeValues, read_scenario, values_of_node
+from heave_node.scenario import WILDCARD, NodeValues, parse_yaml, read_scenario, values_of_node
 
 from heave_bringup.node_table import NODE_BY_NAME, NODES
 
@@ -98,7 +98,7 @@ def _apply_setting(values: NodeValues, setting: str) -> None:
     elif node not in NODE_BY_NAME:
         raise ParameterError(f"--set {setting}: there is no node {node}; known: all, {', '.join(NODE_BY_NAME)}")
     try:
-        values.setdefault(node, {})[parameter] = yaml.safe_load(text)
+        values.setdefault(node, {})[parameter] = parse_yaml(text)
     except yaml.YAMLError as error:
         raise ParameterError(f"--set {setting}: {text!r} is not a YAML value") from error
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -17,6 +18,20 @@ NodeValues = dict[str, dict[str, object]]
 """Parameter values by node name and dotted parameter name; WILDCARD holds those of every node."""
 
 
+class _RosLoader(yaml.SafeLoader):
+    """Reads numbers as the parameter reader of ROS 2 does: 1e-5 is one, though YAML 1.1 wants a point in it."""
+
+
+_RosLoader.add_implicit_resolver(
+    "tag:yaml.org,2002:float", re.compile(r"^[-+]?(\d+\.?\d*|\.\d+)[eE][-+]?\d+$"), list("-+.0123456789")
+)
+
+
+def parse_yaml(text: str) -> Any:
+    """Return the value of a YAML text, numbers as ROS 2 reads them; raises yaml.YAMLError."""
+    return yaml.load(text, Loader=_RosLoader)
+
+
 def read_scenario(path: Path) -> NodeValues:
     """Read the scenario file `path`.
 
@@ -24,7 +39,7 @@ def read_scenario(path: Path) -> NodeValues:
     file.
     """
     try:
-        content = yaml.safe_load(path.read_text(encoding="utf-8"))
+        content = parse_yaml(path.read_text(encoding="utf-8"))
     except OSError as error:
         raise ParameterError(f"{path}: cannot be read: {error.strerror}") from error
     except (yaml.YAMLError, UnicodeDecodeError) as error:

@@ -89,3 +89,13 @@ def test_every_parameter_is_described():
 def test_external_nodes_need_real_time():
     with pytest.raises(ParameterError, match="needs pacing: realtime"):
         build_parameters(RunParameters, {"external": ["virtual_winch"]}, where="")
+
+
+def test_a_bare_off_in_yaml_is_the_text_off_where_off_is_a_choice():
+    @dataclass(frozen=True)
+    class Law:
+        law: str = parameter("mpc", unit="", description="Law.", choices=("off", "mpc"))
+
+    assert build_parameters(Law, {"law": False}, where="x").law == "off"
+    with pytest.raises(ParameterError):
+        build_parameters(Law, {"law": True}, where="x")

@@ -2,7 +2,7 @@
 
 import pytest
 from heave_node.parameters import ParameterError
-from heave_node.scenario import read_scenario, values_of_node, write_scenario
+from heave_node.scenario import parse_yaml, read_scenario, values_of_node, write_scenario
 
 
 def test_a_scenario_survives_writing_and_reading(tmp_path):
@@ -42,3 +42,9 @@ def test_a_file_of_another_form_is_refused_in_one_line(tmp_path, text, words):
 def test_a_missing_file_is_named(tmp_path):
     with pytest.raises(ParameterError, match=r"nowhere\.yaml: cannot be read: No such file"):
         read_scenario(tmp_path / "nowhere.yaml")
+
+
+@pytest.mark.parametrize(("text", "value"), [("1e-5", 1e-5), ("-2E3", -2e3), ("1.5e+2", 150.0), ("1e", "1e"), ("7", 7)])
+def test_numbers_with_an_exponent_are_numbers_as_for_ros(text: str, value: object) -> None:
+    assert parse_yaml(text) == value
+    assert type(parse_yaml(text)) is type(value)
