@@ -94,7 +94,8 @@ class KalmanEstimator:
     measurements : what can be measured
     initial_covariance : shape (n, n)
     gate : normalised innovation squared above which a reading is refused
-    gate_limit : refusals in a row after which the next reading is believed and the covariance grown to fit it
+    gate_limit : refusals in a row after which the next reading is believed and the
+        initial covariance added
     largest_age : ticks; older readings are refused
 
     Attributes
@@ -227,7 +228,7 @@ class KalmanEstimator:
         self.refusals[reading.name] = 0 if accepted else self.refusals[reading.name] + 1
         if self.refusals[reading.name] > self._gate_limit and math.isfinite(nis):
             # so many in a row: it is the filter that is wrong, and it must doubt itself enough to come back
-            self._filter.P = nis * self._filter.P
+            self._filter.P = self._filter.P + self._initial_covariance
             self.refusals[reading.name] = 0
             return True
         return accepted

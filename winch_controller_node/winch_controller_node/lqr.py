@@ -129,19 +129,15 @@ def check_seen_by_cost(model: LinearModel, cost: QuadraticCost) -> None:
 def unreachable_modes(A: Array, B: Array, *, discrete: bool) -> Array | None:
     """Return the direction of a mode that does not decay and is out of reach of B, shape (n,), or None.
 
-    Popov-Belevitch-Hautus: w' [A - lambda I, B] = 0 with w not 0 for such a mode. States are scaled to comparable size
-    first.
+    Popov-Belevitch-Hautus: w' [A - lambda I, B] = 0 with w not 0 for such a mode.
     """
-    size = np.sqrt(np.maximum(np.sum(np.abs(A), axis=0), 1e-12) / np.maximum(np.sum(np.abs(A), axis=1), 1e-12))
-    scaled = A * size[None, :] / size[:, None]
-    reach = B / size[:, None]
-    columns = np.linalg.norm(reach, axis=0)
-    reach = reach / np.where(columns > 0.0, columns, 1.0)
-    for value in np.linalg.eigvals(scaled):
+    columns = np.linalg.norm(B, axis=0)
+    reach = B / np.where(columns > 0.0, columns, 1.0)
+    for value in np.linalg.eigvals(A):
         decays = abs(value) < 1.0 - 1e-9 if discrete else value.real < -1e-9
         if decays:
             continue
-        test = np.hstack([scaled - value * np.eye(len(A)), reach])
+        test = np.hstack([A - value * np.eye(len(A)), reach])
         left, singular, _ = np.linalg.svd(test, full_matrices=False)
         if singular[-1] <= PBH_TOLERANCE * max(singular[0], 1.0):
             return np.asarray(np.abs(left[:, -1]))

@@ -36,7 +36,7 @@ class CableModelParameters:
         description="Boom-tip amplitude about which drag is made linear; the compensated unit hardly moves.",
     )
     disturbance: float = parameter(
-        1e-3,
+        3e-4,
         unit="m/s^2/sqrt(Hz)",
         minimum=0.0,
         maximum=10.0,
@@ -205,7 +205,7 @@ class DepthModelParameters:
         1.0, unit="m", minimum=0.0, maximum=100.0, description="Unknown of the mean depth at the start, 1 sigma."
     )
     bias_drift: float = parameter(
-        1e-3,
+        2e-4,
         unit="m/sqrt(s)",
         minimum=0.0,
         maximum=1.0,
