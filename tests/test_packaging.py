@@ -3,6 +3,7 @@
 import ast
 import re
 import sys
+from importlib.metadata import packages_distributions
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -31,6 +32,21 @@ def name_of(path: Path) -> str:
 
 def folder_id(path: Path) -> str:
     return path.parent.name
+
+
+def canonical(distribution: str) -> str:
+    return re.sub(r"[-_.]+", "-", distribution).lower()
+
+
+def imported_names(module: Path) -> set[str]:
+    """Return the top-level names of what a module imports."""
+    names: set[str] = set()
+    for node in ast.walk(ast.parse(module.read_text())):
+        if isinstance(node, ast.ImportFrom) and node.level == 0:
+            names.add((node.module or "").split(".")[0])
+        elif isinstance(node, ast.Import):
+            names |= {alias.name.split(".")[0] for alias in node.names}
+    return names
 
 
 def console_scripts_of_setup(path: Path) -> dict[str, str]:
@@ -96,16 +112,29 @@ def test_ros_finds_each_executable_under_the_package_that_colcon_puts_it_in():
 def test_a_manifest_names_each_package_of_the_suite_that_is_imported_and_no_other(path):
     suite = {name_of(other) for other in MANIFESTS}
     named = {element.text for element in manifest(path) if element.tag in ("depend", "exec_depend")} & suite
-    imported = set()
+    imported: set[str] = set()
     for module in (path.parent / name_of(path)).rglob("*.py"):
+        imported |= imported_names(module)
         for node in ast.walk(ast.parse(module.read_text())):
-            if isinstance(node, ast.ImportFrom) and node.level == 0:
-                imported.add((node.module or "").split(".")[0])
-            elif isinstance(node, ast.Import):
-                imported |= {alias.name.split(".")[0] for alias in node.names}
-            elif isinstance(node, ast.Constant) and isinstance(node.value, str):  # modules started or looked up by name
+            if isinstance(node, ast.Constant) and isinstance(node.value, str):  # modules started or looked up by name
                 imported |= {name for name in suite if node.value.startswith((f"{name}.", f"{name}:"))}
     assert named == (imported & suite) - {name_of(path)}
+
+
+@pytest.mark.parametrize("path", PYTHON_MANIFESTS, ids=folder_id)
+def test_every_distribution_that_is_imported_is_declared(path):
+    wanted = [*PYPROJECT["project"]["dependencies"], *PYPROJECT["project"]["optional-dependencies"]["capytaine"]]
+    declared = {canonical(re.split(r"[\[<>=~!; ]", requirement)[0]) for requirement in wanted}
+    suite = {name_of(other) for other in MANIFESTS}
+    providers = packages_distributions()
+    undeclared = set()
+    for module in (path.parent / name_of(path)).rglob("*.py"):
+        for name in imported_names(module) - suite - set(sys.stdlib_module_names):
+            # A ROS package's wheel also brings an egg-info of the bare name: either spelling is the same wheel.
+            names = {canonical(provider) for provider in providers.get(name, [name])}
+            if not names & declared and f"ros-{canonical(name)}" not in declared:
+                undeclared.add(name)
+    assert not undeclared
 
 
 @pytest.mark.parametrize("path", MANIFESTS, ids=folder_id)
