@@ -1,0 +1,144 @@
+"""Messages say what plant, sensors and winch say, in the units and frames of their definitions."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+
+import numpy as np
+import pytest
+
+pytest.importorskip("heave_msgs")
+
+from builtin_interfaces.msg import Time
+from cable_sim_node.component import PlantState
+from cable_sim_node.parameters import SeabedParameters
+from cable_sim_node.sensors import Reading
+from cable_sim_node.winch import VirtualWinch, WinchCommand
+from cable_sim_node.winch_parameters import WinchParameters
+from heave_msgs.msg import WinchCommand as WinchCommandMessage
+from heave_msgs.msg import WinchState as WinchStateMessage
+from heave_node.kinematics import PointMotion
+from visualization_msgs.msg import Marker
+
+from cable_sim_node import conversions, markers
+
+STAMP = Time(sec=12, nanosec=350_000_000)
+MOTION = PointMotion(12.35, np.array([1.0, -2.0, -300.5]), np.array([0.1, 0.2, -0.3]), np.array([0.4, 0.5, 0.6]))
+STATE = PlantState(
+    time=12.35,
+    node_positions=np.array([[1.0, -2.0, -300.5], [0.5, -1.0, -150.0], [0.0, 0.0, 1.0]]),
+    segment_tensions=np.array([0.0, 31_000.0]),
+    top_tension=33_000.0,
+    unstretched_length=301.0,
+    slack_segments=1,
+    touchdown=True,
+    touchdown_force=1500.0,
+    compensator_stroke=0.2,
+    unit=MOTION,
+    uncompensated=MOTION,
+)
+
+
+def reading(*values: float, sigma: float = 0.02) -> Reading:
+    return Reading(12.25, np.array(values), np.full(len(values), sigma))
+
+
+def test_cable_state_holds_the_plant_from_the_unit_upwards() -> None:
+    message = conversions.cable_state_message(STATE, STAMP)
+    assert (message.header.stamp, message.header.frame_id) == (STAMP, "world")
+    assert [(p.x, p.y, p.z) for p in message.nodes] == [tuple(row) for row in STATE.node_positions]
+    assert list(message.segment_tension) == [0.0, 31_000.0]
+    assert (message.bottom_tension, message.top_tension, message.unstretched_length) == (0.0, 33_000.0, 301.0)
+    assert (message.slack_segments, message.touchdown, message.touchdown_force) == (1, True, 1500.0)
+    assert message.compensator_stroke == 0.2
+
+
+def test_point_motion_survives_the_way_there_and_back() -> None:
+    back = conversions.point_motion_of(conversions.point_motion_message(MOTION, STAMP))
+    for name in ("position", "velocity", "acceleration"):
+        np.testing.assert_array_equal(getattr(back, name), getattr(MOTION, name))
+    assert back.time == pytest.approx(12.35)
+
+
+def test_odometry_of_the_unit_is_in_world_with_the_unit_upright() -> None:
+    message = conversions.unit_odometry_message(MOTION, STAMP)
+    assert (message.header.frame_id, message.child_frame_id) == ("world", "unit")
+    assert message.pose.pose.position.z == -300.5
+    assert message.twist.twist.linear.z == -0.3
+    q = message.pose.pose.orientation
+    assert (q.x, q.y, q.z, q.w) == (0.0, 0.0, 0.0, 1.0)
+
+
+def test_pressure_is_absolute_and_its_variance_that_of_the_depth() -> None:
+    message = conversions.pressure_message(reading(300.0), 1025.0, 9.80665)
+    assert message.fluid_pressure == pytest.approx(101_325.0 + 1025.0 * 9.80665 * 300.0)
+    assert message.variance == pytest.approx((1025.0 * 9.80665 * 0.02) ** 2)
+    assert (message.header.stamp.sec, message.header.stamp.nanosec) == (12, 250_000_000)
+    assert message.header.frame_id == "unit"
+
+
+def test_velocity_and_position_state_their_covariances_and_leave_the_rest_unknown() -> None:
+    twist = conversions.velocity_message(reading(0.1, 0.2, 0.3))
+    assert (twist.twist.twist.linear.x, twist.twist.twist.linear.z) == (0.1, 0.3)
+    pose = conversions.usbl_message(reading(1.0, 2.0, -3.0, sigma=0.5))
+    assert pose.pose.pose.position.z == -3.0
+    for covariance, variance in ((twist.twist.covariance, 0.02**2), (pose.pose.covariance, 0.25)):
+        matrix = np.reshape(covariance, (6, 6))
+        np.testing.assert_allclose(np.diag(matrix), [variance] * 3 + [conversions.UNKNOWN_VARIANCE] * 3)
+        assert np.count_nonzero(matrix) == 6
+
+
+def test_imu_says_that_it_knows_no_orientation() -> None:
+    message = conversions.imu_message(reading(0.1, 0.2, 9.8, 0.01, 0.02, 0.03, sigma=0.005))
+    assert message.orientation_covariance[0] == -1.0
+    assert message.linear_acceleration.z == 9.8
+    assert message.angular_velocity.y == 0.02
+    assert message.linear_acceleration_covariance[8] == pytest.approx(0.005**2)
+
+
+def test_load_cell_reading_and_its_accuracy() -> None:
+    message = conversions.load_cell_message(reading(36_500.0, sigma=182.0))
+    assert (message.tension, message.tension_sigma) == (36_500.0, 182.0)
+
+
+def test_winch_state_and_command_keep_every_field() -> None:
+    winch = VirtualWinch(WinchParameters(command_delay=0.0), tick_period=0.05)
+    for tick in range(1, 20):
+        state = winch.step(tick, WinchCommand(tick, 0.0, 5.0), 30_000.0)
+    message = conversions.winch_state_message(state, STAMP)
+    for field in dataclasses.fields(state):
+        if field.name not in ("time", "limits"):
+            assert getattr(message, field.name) == getattr(state, field.name), field.name
+    assert message.limits_hit == WinchStateMessage.LIMIT_SPEED + WinchStateMessage.LIMIT_ACCELERATION
+    assert message.power < 0.0
+    command = WinchCommandMessage(sequence=7, payout=1.5, payout_rate=-0.2, brake=True)
+    assert conversions.winch_command_of(command) == WinchCommand(7, 1.5, -0.2, True)
+
+
+def test_hardware_that_knows_only_its_encoder_moves_the_plant_by_it() -> None:
+    message = WinchStateMessage(payout=math.nan, payout_rate=math.nan, encoder_payout=1.25, encoder_payout_rate=0.5)
+    assert conversions.payout_of(message) == (1.25, 0.5)
+    message.payout, message.payout_rate = 1.2501, 0.49
+    assert conversions.payout_of(message) == (1.2501, 0.49)
+
+
+def test_markers_show_every_part_and_a_slack_segment_in_red() -> None:
+    shown = markers.plant_markers(STATE, SeabedParameters(depth=300.0, slope=(0.01, 0.0)), STAMP).markers
+    assert [marker.id for marker in shown] == [0, 1, 2, 3, 4, 5]
+    cable = shown[0]
+    assert cable.type == Marker.LINE_STRIP
+    assert [(p.x, p.y, p.z) for p in cable.points] == [tuple(row) for row in STATE.node_positions]
+    assert len(cable.colors) == len(cable.points)
+    assert (cable.colors[0], cable.colors[1]) == (markers.SLACK, markers.TAUT)
+    unit = shown[1].pose.position
+    assert (unit.x, unit.y, unit.z) == (1.0, -2.0, -300.5)
+    seabed = shown[5]
+    for p in seabed.points:
+        assert p.z == pytest.approx(-300.0 + 0.01 * p.x)
+    assert all(m.header.frame_id == "world" and m.header.stamp == STAMP for m in shown)
+    assert all(m.pose.orientation.w == 1.0 and m.color.a > 0.0 for m in shown)
+
+
+def test_without_a_seabed_none_is_shown() -> None:
+    assert len(markers.plant_markers(STATE, SeabedParameters(), STAMP).markers) == 5
