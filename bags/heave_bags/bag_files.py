@@ -19,6 +19,12 @@ STORAGE = "mcap"
 METADATA_RECORD = "rosbag2"
 METADATA_KEY = "serialized_metadata"
 
+RUN_RECORD = "heave_run"
+"""Name of the MCAP metadata record that says what a bag is: scenario, seed, versions."""
+
+OUTCOME_RECORD = "heave_outcome"
+"""Name of the MCAP metadata record that says how a run went: real-time factor, missed deadlines, how it ended."""
+
 
 @dataclass
 class TopicSummary:

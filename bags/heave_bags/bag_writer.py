@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import IO
 
 from heave_bags.bag_files import (
     METADATA_KEY,
     METADATA_RECORD,
+    OUTCOME_RECORD,
+    RUN_RECORD,
     BagSummary,
     FileSummary,
     TopicSummary,
@@ -17,15 +19,11 @@ from heave_bags.bag_files import (
     write_metadata,
 )
 from heave_bags.definitions import DefinitionError, schema_text, type_hash
-from heave_bags.errors import BagError
+from heave_bags.errors import BagError, StorageError
 from heave_bags.mcap_writer import ChunkPolicy, McapWriter
 from heave_bags.qos import OfferedQos, to_yaml
-
-RUN_RECORD = "heave_run"
-"""Name of the MCAP metadata record that says what a bag is: scenario, seed, versions."""
-
-OUTCOME_RECORD = "heave_outcome"
-"""Name of the MCAP metadata record that says how a run went: real-time factor, missed deadlines, how it ended."""
+from heave_bags.reader import Bag, summary_of
+from heave_bags.storage import DirectStorage, Storage
 
 
 @dataclass(frozen=True)
@@ -61,15 +59,22 @@ class _Topic:
     """Id in the present file; 0: not yet registered there."""
 
 
-def open_file(path: Path) -> IO[bytes]:
-    """Open a new file for writing without a buffer of its own: what is written is in the hands of the system."""
-    return path.open("xb", buffering=0)
-
-
 class BagWriter:
     """Writes one bag. Not thread-safe.
 
-    Raises BagError if the folder exists already, or a topic is used that was not added.
+    Parameters
+    ----------
+    folder : of the bag
+    policy : chunks and splits
+    run : what the bag says of itself, in metadata records and `metadata.yaml`
+    attachments : files carried in each file of the bag
+    ros_distro : for `metadata.yaml`
+    opener : makes the storage of each file
+    closing_attachments : gives what is attached at the end
+
+    Raises BagError if the folder exists already, or a topic is used that was not added; StorageError if the disk
+    refuses. After
+    a StorageError nothing more can be written, but `close` still leaves a readable bag.
     """
 
     def __init__(
@@ -80,17 +85,20 @@ class BagWriter:
         run: Mapping[str, str] | None = None,
         attachments: Sequence[Attachment] = (),
         ros_distro: str = "",
-        opener: Callable[[Path], IO[bytes]] = open_file,
+        opener: Callable[[Path], Storage] = DirectStorage,
+        closing_attachments: Callable[[], Sequence[Attachment]] = tuple,
     ) -> None:
         self.folder = folder
         self._policy = policy or BagPolicy()
         self._run = dict(run or {})
         self._attachments = tuple(attachments)
         self._opener = opener
+        self._closing_attachments = closing_attachments
         self._topics: dict[str, _Topic] = {}
         self._schema_ids: dict[str, int] = {}
         self._closed_files: list[FileSummary] = []
         self._ros_distro = ros_distro
+        self._last_time = 0
         self.closed = False
         try:
             folder.mkdir(parents=True)
@@ -138,6 +146,7 @@ class BagWriter:
         if not known.channel:
             self._register(known)
         known.summary.message_count += 1
+        self._last_time = log_time
         published = log_time if publish_time is None else publish_time
         sequence = known.summary.message_count & 0xFFFFFFFF
         self._writer.write(known.channel, log_time, data, publish_time=published, sequence=sequence)
@@ -160,9 +169,9 @@ class BagWriter:
         }
         topic.channel = self._writer.add_channel(topic.summary.name, self._schema_ids[name], metadata)
 
-    def flush(self) -> None:
-        """Close the open chunk: all that was written survives a crash of this process."""
-        self._writer.close_chunk()
+    def acknowledge(self) -> None:
+        """Journal what was written since: it survives a crash of this process."""
+        self._file.acknowledge(self._writer.take_pending())
 
     def split(self) -> None:
         """Complete the present file and begin the next."""
@@ -191,14 +200,42 @@ class BagWriter:
         return BagSummary(files, topics, self._run, self._ros_distro)
 
     def close(self, outcome: Mapping[str, str] | None = None) -> None:
-        """Complete the bag; `outcome` goes into a metadata record of the last file. Closing twice does nothing."""
+        """Complete the bag; `outcome` goes into a metadata record of the last file. Closing twice does nothing.
+
+        Raises StorageError if the disk has refused something; the bag can be read all the same, and the message
+        says what it lacks.
+        """
         if self.closed:
             return
+        self.closed = True
+        try:
+            self._complete(outcome)
+        except (StorageError, OSError) as error:
+            reason = str(error) if isinstance(error, StorageError) else f"{self.folder}: {error.strerror}"
+            raise StorageError(f"{reason}; {self._salvage()}") from error
+
+    def _complete(self, outcome: Mapping[str, str] | None) -> None:
         for name in sorted(self._topics):
             if not self._topics[name].channel:
                 self._register(self._topics[name])
+        for attachment in self._closing_attachments():
+            self._writer.add_attachment(attachment.name, attachment.media_type, attachment.data, log_time=0)
         if outcome:
             self._writer.add_metadata(OUTCOME_RECORD, outcome)
         self._complete_file()
-        self.closed = True
         write_metadata(self.folder, self.summary())
+
+    def _salvage(self) -> str:
+        """Close what could not be completed, describe it as it is, and say what it lacks."""
+        with suppress(StorageError, OSError):
+            self._file.close()
+        saved = Bag(self.folder)
+        summary = summary_of(saved)
+        with suppress(OSError):
+            write_metadata(self.folder, summary)
+        written = sum(topic.summary.message_count for topic in self._topics.values())
+        lost = written - saved.message_count
+        if not lost:
+            return "no message was lost"
+        first, last = saved.end_time * 1e-9, self._last_time * 1e-9
+        return f"{lost} messages from {first:.3f} s to {last:.3f} s were lost"

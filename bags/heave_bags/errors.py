@@ -3,3 +3,7 @@
 
 class BagError(Exception):
     """A bag that cannot be written, read or used as asked; the message says which bag, what, and what to do."""
+
+
+class StorageError(BagError):
+    """The disk refuses what is to be written: full, too slow, or gone."""

@@ -25,6 +25,7 @@ from mcap.records import Attachment, Channel, Metadata, Schema
 
 from heave_bags.errors import BagError
 from heave_bags.mcap_writer import MAGIC
+from heave_bags.storage import read_journal
 
 _HEAD = struct.Struct("<BQ")
 _MESSAGE = struct.Struct("<HIQQ")
@@ -33,6 +34,8 @@ _MAX_RECORD = 1 << 32
 _CHUNK_NAMES = (b"\x04\x00\x00\x00zstd", b"\x03\x00\x00\x00lz4")
 _NAME_OFFSET = _HEAD.size + _CHUNK.size
 _SEARCH_BLOCK = 1 << 20
+
+NO_FOOTER = "the file ends without a footer (its writer was stopped)"
 
 
 class Message(NamedTuple):
@@ -173,7 +176,9 @@ class McapScan:
                 return
             yield from self._record(stream, opcode, position, length)
             position = following
-        self._lose(position, "the file ends without a footer (its writer was stopped)", 0)
+        yield from self._walk(read_journal(self.path, position), position)
+        self._settle_lost_chunk()
+        self._lose(position, NO_FOOTER, 0)
 
     def _record(self, stream: IO[bytes], opcode: int, position: int, length: int) -> Iterator[Message]:
         if opcode == Opcode.MESSAGE_INDEX:
@@ -188,6 +193,11 @@ class McapScan:
 
     def _truncated(self, stream: IO[bytes], opcode: int, position: int) -> Iterator[Message]:
         """Read what is there of the last record; a compressed chunk gives the blocks that are whole."""
+        journal = read_journal(self.path, position)
+        if journal:
+            yield from self._walk(journal, position)
+            self._lose(position, NO_FOOTER, 0)
+            return
         rest = stream.read()
         reason = "the file ends within a record"
         if opcode != Opcode.CHUNK or len(rest) < _CHUNK.size + 12:

@@ -104,6 +104,7 @@ class McapWriter:
         self._chunks = chunks or ChunkPolicy()
         self._zstd = zstandard.ZstdCompressor(level=self._chunks.level)
         self._chunk = _OpenChunk()
+        self._journalled = 0
         self._schemas: list[Schema] = []
         self._channels: list[Channel] = []
         self._counts: dict[int, int] = {}
@@ -174,13 +175,15 @@ class McapWriter:
         self.end_time = max(self.end_time, log_time)
         self.message_count += 1
 
-    def take_pending(self, since: int) -> list[bytes]:
-        """Return the records of the open chunk from the `since`-th piece on, for a journal."""
-        return self._chunk.parts[since:]
+    def take_pending(self) -> bytes:
+        """Return the records that the open chunk has gained since the last call, for a journal."""
+        parts, self._journalled = self._chunk.parts[self._journalled :], len(self._chunk.parts)
+        return b"".join(parts)
 
     def close_chunk(self) -> None:
         """Write the open chunk with its message indexes; nothing happens if it is empty."""
         chunk, self._chunk = self._chunk, _OpenChunk()
+        self._journalled = 0
         if not chunk.size:
             return
         records = b"".join(chunk.parts)

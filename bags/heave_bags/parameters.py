@@ -19,6 +19,13 @@ class RecorderParameters:
     directory: str = parameter("bag", unit="", description="Folder of the bag; it must not exist yet.")
     scenario: str = parameter("", unit="", description="Name of the scenario, for the bag's metadata.")
     scenario_file: str = parameter("", unit="", description="Parameter file of the run, carried in the bag.")
+    record: bool = parameter(True, unit="", description="Record from the start; false waits for the service start.")
+    snapshot_duration: float = parameter(
+        0.0, unit="s", minimum=0.0, maximum=86400.0, description="Past kept in memory for snapshots; 0: none."
+    )
+    snapshot_size: int = parameter(
+        256 << 20, unit="byte", minimum=1 << 20, maximum=1 << 36, description="Memory that the past may take."
+    )
     exclude: tuple[str, ...] = parameter(
         ("/rosout", "/parameter_events", "*/transition_event"),
         unit="",

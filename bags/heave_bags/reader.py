@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 import struct
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -20,8 +20,15 @@ from mcap.reader import make_reader
 from mcap.records import Channel, Schema
 from numpy.typing import NDArray
 
-from heave_bags.bag_files import METADATA_NAME, TopicSummary, sorted_files
-from heave_bags.bag_writer import OUTCOME_RECORD, RUN_RECORD
+from heave_bags.bag_files import (
+    METADATA_NAME,
+    OUTCOME_RECORD,
+    RUN_RECORD,
+    BagSummary,
+    FileSummary,
+    TopicSummary,
+    sorted_files,
+)
 from heave_bags.cdr_columns import ColumnDecoder, Columns, join
 from heave_bags.errors import BagError
 from heave_bags.mcap_scan import FileContents, Loss, McapScan
@@ -65,7 +72,7 @@ class Bag:
     Attributes
     ----------
     path : the folder or file
-    files : its MCAP files, in order
+    files, file_summaries : its MCAP files, in order, and what is in them (after the first look at `topics`)
     losses : what could not be read in the last pass; empty for a sound bag
 
     Raises BagError if there is no bag at `path`.
@@ -76,6 +83,7 @@ class Bag:
         self.files = _find_files(self.path)
         self.losses: list[Loss] = []
         self._contents: list[FileContents] | None = None
+        self.file_summaries: list[FileSummary] = []
         self._topics: dict[str, BagTopic] | None = None
         self._span: tuple[int, int] | None = None
 
@@ -169,6 +177,7 @@ class Bag:
         """Learn topics, counts and times: from the summaries of the files, or by reading those that have none."""
         surveys = [_survey_file(path) for path in self.files]
         self._contents = [survey.contents for survey in surveys]
+        self.file_summaries = [survey.summary(path) for survey, path in zip(surveys, self.files, strict=True)]
         spans = [survey.span for survey in surveys if survey.span is not None]
         self._span = (min(span[0] for span in spans), max(span[1] for span in spans)) if spans else (0, 0)
         topics: dict[str, BagTopic] = {}
@@ -392,6 +401,10 @@ class _Survey:
     counts: dict[int, int]
     span: tuple[int, int] | None
 
+    def summary(self, path: Path) -> FileSummary:
+        start, end = self.span or (0, 0)
+        return FileSummary(path.name, start, end, sum(self.counts.values()))
+
 
 def _survey_file(path: Path) -> _Survey:
     """Learn what a file holds from its summary; read it through if it has none."""
@@ -425,6 +438,13 @@ def _read_through(path: Path) -> _Survey:
     return _Survey(scan.contents, counts, (int(first), int(last)) if counts else None)
 
 
+def summary_of(bag: Bag) -> BagSummary:
+    """Return what a bag's `metadata.yaml` should say, from the files themselves."""
+    topics: list[TopicSummary] = list(bag.topics.values())
+    distro = str(metadata_of(bag).get("ros_distro", ""))
+    return BagSummary(bag.file_summaries, topics, bag.run, distro)
+
+
 def metadata_of(bag: Bag) -> dict[str, Any]:
     """Return the content of a bag's `metadata.yaml`; empty if it has none or it cannot be read."""
     path = bag.path / METADATA_NAME
@@ -434,9 +454,3 @@ def metadata_of(bag: Bag) -> dict[str, Any]:
         return {}
     information = content.get("rosbag2_bagfile_information") if isinstance(content, dict) else None
     return information if isinstance(information, dict) else {}
-
-
-def topics_of_type(bag: Bag, types: Iterable[str]) -> list[str]:
-    """Return the names of the topics that have one of `types`."""
-    wanted = set(types)
-    return [topic.name for topic in bag.topics.values() if topic.type in wanted]

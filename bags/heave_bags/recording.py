@@ -1,7 +1,7 @@
 """Messages of ticks in an order that depends on the run alone: what makes two bags of one seed the same, byte for
 byte.
 
-Pure: raw messages go in, a `BagWriter` gets them. A message carries the start of the tick in which it was published
+Pure: raw messages go in, a writer gets them. A message carries the start of the tick in which it was published
 as log time and publish
 time. Within a tick the clock master's topics come first, then those of the others, each by name and, within a topic,
 as published.
@@ -11,8 +11,16 @@ from __future__ import annotations
 
 import struct
 from collections.abc import Callable, Collection, Mapping, Sequence
+from typing import Protocol
 
-from heave_bags.bag_writer import BagWriter
+
+class MessageWriter(Protocol):
+    """What takes messages: a BagWriter or a RecordingSession."""
+
+    def write(self, topic: str, log_time: int, data: bytes, /) -> None:
+        """Take a message at its log time [ns]."""
+        ...
+
 
 _STAMP = struct.Struct("<iI")
 _STAMP_OFFSET = 4
@@ -44,7 +52,7 @@ class TickOrder:
         self._held: dict[str, list[bytes]] = {topic: [] for topic in self._shared}
 
     def write(
-        self, writer: BagWriter, take: Callable[[str], Sequence[bytes]], *, tick_start: int, tick_before: int
+        self, writer: MessageWriter, take: Callable[[str], Sequence[bytes]], *, tick_start: int, tick_before: int
     ) -> None:
         """Write what has become complete by the tick that starts at `tick_start` [ns]; `tick_before` is the start of
         the one before it.
@@ -55,7 +63,7 @@ class TickOrder:
                 writer.write(topic, tick_start, data)
 
     def _write_others(
-        self, writer: BagWriter, take: Callable[[str], Sequence[bytes]], tick_start: int, tick_before: int
+        self, writer: MessageWriter, take: Callable[[str], Sequence[bytes]], tick_start: int, tick_before: int
     ) -> None:
         ready: dict[str, Sequence[bytes]] = {topic: take(topic) for topic in self._of_others}
         for topic in self._shared:
@@ -76,7 +84,7 @@ class TickOrder:
             (data for data in held if header_stamp(data) < tick_start), key=lambda data: (header_stamp(data), data)
         )
 
-    def write_rest(self, writer: BagWriter, take: Callable[[str], Sequence[bytes]], *, tick_start: int) -> None:
+    def write_rest(self, writer: MessageWriter, take: Callable[[str], Sequence[bytes]], *, tick_start: int) -> None:
         """Write whatever is left when a run ends, complete or not."""
         for topic in self._shared:
             rest = self._held[topic] + list(take(topic))

@@ -128,7 +128,7 @@ def read_run(path: str | Path, *, transient: float | None = None, progress: Prog
     surveyed = list(bag.losses)
     columns = bag.columns(selection, progress=progress)
     end = bag.end_time * 1e-9
-    record = RunRecord(bag.path.resolve().name, RunSignals(), 0.0, end, run=bag.run, outcome=bag.outcome)
+    record = RunRecord(_name(bag.path.resolve()), RunSignals(), 0.0, end, run=bag.run, outcome=bag.outcome)
     record.losses = bag.losses or surveyed
     columns = {topic: _newest_run(topic, values, record) for topic, values in columns.items()}
     _fill_motion(record, columns)
@@ -138,11 +138,17 @@ def read_run(path: str | Path, *, transient: float | None = None, progress: Prog
     _fill_outcome(record)
     _fill_parameters(record, _parameters(bag))
     window = transient if transient is not None else float(bag.run.get("transient_s", "0"))
-    record.start = bag.start_time * 1e-9 + window
+    first = bag.start_time * 1e-9
+    record.start = window if first < 1.0 else first + window
     if record.start >= record.end:
         record.notes.append(f"the run ended within its transient of {window:g} s: figures are of the whole run")
-        record.start = bag.start_time * 1e-9
+        record.start = first
     return record
+
+
+def _name(path: Path) -> str:
+    """Return what to call a bag: its folder, or the run's folder where the bag is just called bag."""
+    return path.parent.name if path.name == "bag" else path.name
 
 
 def _newest_run(topic: str, columns: Columns, record: RunRecord) -> Columns:

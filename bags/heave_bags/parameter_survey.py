@@ -1,0 +1,59 @@
+"""Asks the nodes of a run for their parameters, so that a bag carries the values that were in force, defaults
+included.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any
+
+import yaml
+from rclpy.node import Node
+from rclpy.parameter import parameter_value_to_python
+from rclpy.parameter_client import AsyncParameterClient
+from rclpy.task import Future
+
+
+class ParameterSurvey:
+    """Collects the parameters of nodes; who does not answer is left out."""
+
+    def __init__(self, node: Node) -> None:
+        self._node = node
+        self._clients: dict[str, AsyncParameterClient] = {}
+        self._values: dict[str, dict[str, Any]] = {}
+
+    def ask(self, names: Iterable[str]) -> None:
+        """Ask nodes whose services are there and that have not been asked."""
+        for name in names:
+            client = self._clients.setdefault(name, AsyncParameterClient(self._node, name))
+            if name not in self._values and client.services_are_ready():
+                self._values[name] = {}
+                client.list_parameters(callback=self._listener(name, client))
+
+    def _listener(self, name: str, client: AsyncParameterClient) -> Any:
+        def on_list(future: Future) -> None:
+            answer: Any = future.result()
+            names = list(answer.result.names)
+            client.get_parameters(names, callback=lambda values: self._keep(name, names, values.result()))
+
+        return on_list
+
+    def _keep(self, name: str, names: list[str], answer: Any) -> None:
+        values = [parameter_value_to_python(value) for value in answer.values]
+        plain = {key: _plain(value) for key, value in zip(names, values, strict=True)}
+        self._values[name] = {key: value for key, value in sorted(plain.items()) if value is not None}
+
+    def to_yaml(self) -> bytes:
+        """Return what was learnt as a parameter file."""
+        content = {name: {"ros__parameters": values} for name, values in sorted(self._values.items()) if values}
+        text: str = yaml.safe_dump(content, sort_keys=False)
+        return text.encode()
+
+    @property
+    def is_empty(self) -> bool:
+        """Tell whether no node has answered."""
+        return not any(self._values.values())
+
+
+def _plain(value: Any) -> Any:
+    return list(value) if hasattr(value, "__iter__") and not isinstance(value, str) else value

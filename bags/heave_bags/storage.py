@@ -1,0 +1,204 @@
+"""Where a recorder's bytes go: the MCAP file, and beside it a journal that holds the open chunk, so that a crash
+loses nothing acknowledged.
+
+`DirectStorage` writes at once, and a slow disk holds up its caller: right in lockstep, where the run waits.
+`BackgroundStorage` writes in a
+thread: right in real time, where nobody may wait; what it has not yet written is bounded, and what does not fit
+is refused and told.
+"""
+
+from __future__ import annotations
+
+import errno
+import os
+import struct
+import threading
+from collections import deque
+from collections.abc import Callable
+from pathlib import Path
+from typing import Protocol
+
+from heave_bags.errors import StorageError
+
+JOURNAL_SUFFIX = ".journal"
+_JOURNAL_HEAD = struct.Struct("<8sQ")
+_JOURNAL_MAGIC = b"HVJRNL01"
+
+BACKLOG_LIMIT = 256 << 20
+"""Bytes that may wait for a slow disk: twenty seconds of ten thousand messages of 1 kB a second."""
+
+
+class Storage(Protocol):
+    """What a bag file is written to."""
+
+    def write(self, data: bytes, /) -> object:
+        """Append to the file. Raises StorageError where the disk refuses; the file then ends with the last whole
+        piece.
+        """
+        ...
+
+    def acknowledge(self, pending: bytes) -> None:
+        """Append to the journal what the open chunk has gained; when it returns, a crash of this process does not
+        lose it.
+        """
+        ...
+
+    def close(self) -> None:
+        """Close the file and remove the journal."""
+        ...
+
+
+def journal_path(path: Path) -> Path:
+    """Return the journal of an MCAP file."""
+    return path.with_name(path.name + JOURNAL_SUFFIX)
+
+
+def read_journal(path: Path, position: int) -> bytes:
+    """Return the records of the journal of `path` that belong behind byte `position` of the file; empty if there
+    are none.
+    """
+    try:
+        data = journal_path(path).read_bytes()
+    except OSError:
+        return b""
+    if len(data) < _JOURNAL_HEAD.size:
+        return b""
+    magic, base = _JOURNAL_HEAD.unpack_from(data)
+    return data[_JOURNAL_HEAD.size :] if magic == _JOURNAL_MAGIC and base == position else b""
+
+
+def _write_all(descriptor: int, data: bytes) -> None:
+    view = memoryview(data)
+    while view:
+        view = view[os.write(descriptor, view) :]
+
+
+class DirectStorage:
+    """Writes to the file and its journal at once, without buffers of its own.
+
+    Raises StorageError if the files cannot be made.
+    """
+
+    def __init__(self, path: Path, *, journal: bool = True) -> None:
+        self.path = path
+        self._size = 0
+        self._journal: int | None = None
+        try:
+            self._file = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o644)
+            if journal:
+                self._journal = os.open(journal_path(path), os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o644)
+        except OSError as error:
+            raise StorageError(f"{path}: cannot be made: {error.strerror}") from error
+
+    def write(self, data: bytes, /) -> None:
+        """Append to the file, all or nothing; the journal begins anew."""
+        try:
+            _write_all(self._file, data)
+        except OSError as error:
+            self._undo()
+            raise StorageError(_refusal(self.path, error)) from error
+        self._size += len(data)
+        self._restart_journal()
+
+    def _undo(self) -> None:
+        """Cut off a piece that was written in part."""
+        os.ftruncate(self._file, self._size)
+        os.lseek(self._file, self._size, os.SEEK_SET)
+
+    def _restart_journal(self) -> None:
+        if self._journal is None:
+            return
+        try:
+            os.ftruncate(self._journal, 0)
+            os.lseek(self._journal, 0, os.SEEK_SET)
+            _write_all(self._journal, _JOURNAL_HEAD.pack(_JOURNAL_MAGIC, self._size))
+        except OSError as error:
+            raise StorageError(_refusal(journal_path(self.path), error)) from error
+
+    def acknowledge(self, pending: bytes) -> None:
+        """Append to the journal."""
+        if self._journal is None or not pending:
+            return
+        try:
+            _write_all(self._journal, pending)
+        except OSError as error:
+            raise StorageError(_refusal(journal_path(self.path), error)) from error
+
+    def close(self) -> None:
+        """Close the file and remove the journal."""
+        os.close(self._file)
+        if self._journal is not None:
+            os.close(self._journal)
+            journal_path(self.path).unlink(missing_ok=True)
+
+
+def _refusal(path: Path, error: OSError) -> str:
+    full = error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
+    return f"{path}: " + ("the disk is full" if full else f"cannot be written: {error.strerror}")
+
+
+class BackgroundStorage:
+    """Hands everything to another storage in a thread, in order.
+
+    `write` and `acknowledge` return at once. What goes wrong in the thread is raised by the next call. Raises
+    StorageError where more than
+    `limit` bytes wait.
+    """
+
+    def __init__(self, storage: Storage, limit: int = BACKLOG_LIMIT) -> None:
+        self._storage = storage
+        self._limit = limit
+        self._queue: deque[tuple[Callable[[bytes], object], bytes]] = deque()
+        self._waiting = threading.Condition()
+        self._closing = False
+        self._error: StorageError | None = None
+        self.backlog = 0
+        self._thread = threading.Thread(target=self._work, name="bag writer", daemon=True)
+        self._thread.start()
+
+    def write(self, data: bytes, /) -> None:
+        """Append to the file, later."""
+        self._put(self._storage.write, data)
+
+    def acknowledge(self, pending: bytes) -> None:
+        """Append to the journal, later; a slow disk delays the acknowledgement, not the caller."""
+        if pending:
+            self._put(self._storage.acknowledge, pending)
+
+    def _put(self, work: Callable[[bytes], object], data: bytes) -> None:
+        with self._waiting:
+            if self._error is not None:
+                raise self._error
+            if self.backlog + len(data) > self._limit:
+                raise StorageError(f"the disk is too slow: {self.backlog >> 20} MB wait to be written")
+            self._queue.append((work, data))
+            self.backlog += len(data)
+            self._waiting.notify()
+
+    def _work(self) -> None:
+        while True:
+            with self._waiting:
+                self._waiting.wait_for(lambda: self._queue or self._closing)
+                if not self._queue:
+                    return
+                work, data = self._queue.popleft()
+            try:
+                work(data)
+            except StorageError as error:
+                with self._waiting:
+                    self._error = error
+                    self._queue.clear()
+                    self.backlog = 0
+                return
+            with self._waiting:
+                self.backlog -= len(data)
+
+    def close(self) -> None:
+        """Write what waits, then close. Raises StorageError if something could not be written."""
+        with self._waiting:
+            self._closing = True
+            self._waiting.notify()
+        self._thread.join()
+        self._storage.close()
+        if self._error is not None:
+            raise self._error
