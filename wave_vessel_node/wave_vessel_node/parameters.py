@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from heave_node.parameters import ParameterError, group, parameter
+from heave_node.parameters import group, parameter
 
 SPECTRA = ("bretschneider", "pierson_moskowitz", "jonswap", "ochi_hubble", "file")
 BOOM_TIP_SOURCES = ("spectrum", "filter", "regular", "file")
@@ -221,7 +221,7 @@ class MruParameters:
             ("spike_time", "spike_size"),
         ):
             if len(getattr(self, starts)) != len(getattr(self, ends)):
-                raise ParameterError(
+                raise ValueError(
                     f"mru.{starts} has {len(getattr(self, starts))} values and mru.{ends} {len(getattr(self, ends))}: "
                     "give as many of each"
                 )
@@ -243,7 +243,7 @@ class SeaStateEstimateParameters:
 
     def __post_init__(self) -> None:
         if self.window < 2 * self.segment:
-            raise ParameterError(
+            raise ValueError(
                 f"estimate.window ({self.window:g} s) must hold at least two of estimate.segment ({self.segment:g} s)"
             )
 
@@ -339,17 +339,17 @@ class WaveVesselParameters:
 
     def __post_init__(self) -> None:
         if self.boom_tip_source in ("spectrum", "filter") and self.spectrum == "file" and not self.spectrum_file:
-            raise ParameterError("spectrum = file needs spectrum_file: name the file of the measured spectrum")
+            raise ValueError("spectrum = file needs spectrum_file: name the file of the measured spectrum")
         if self.boom_tip_source == "file" and not self.recording_file:
-            raise ParameterError("boom_tip_source = file needs recording_file: name the CSV file or the bag")
+            raise ValueError("boom_tip_source = file needs recording_file: name the CSV file or the bag")
         if self.boom_tip_source == "filter" and self.vessel.model == "rao":
-            raise ParameterError(
+            raise ValueError(
                 "boom_tip_source = filter goes with vessel.model second_order or direct; fit a vessel to the "
                 "RAO and give its natural_frequency, damping_ratio and gain"
             )
         if self.boom_tip_source == "file" and self.recording_kind == "elevation" and self.vessel.model == "rao":
-            raise ParameterError(
+            raise ValueError(
                 "recording_kind = elevation goes with vessel.model second_order or direct: it has no direction"
             )
         if self.filter.states % 2:
-            raise ParameterError(f"filter.states must be even, got {self.filter.states}")
+            raise ValueError(f"filter.states must be even, got {self.filter.states}")

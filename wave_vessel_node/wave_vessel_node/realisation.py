@@ -54,7 +54,7 @@ def draw_components(
     direction: float = 0.0,
     spreading_exponent: float = 0.0,
 ) -> WaveComponents:
-    """Draw `count` components of `spectrum`.
+    """Draw `count` components of `spectrum` (fewer where it has gaps).
 
     Parameters
     ----------
@@ -76,16 +76,12 @@ def draw_components(
     cell_energy = np.diff(at_edges)
     top = np.interp((1.0 - _TAIL_ENERGY) * total, cumulative, grid)
     drawn = at_edges[:-1] + cell_energy * generator.random(count)
-    frequency = np.minimum(_invert(drawn, cumulative, grid), top)
+    frequency = np.minimum(np.interp(drawn, cumulative, grid), top)
     phase = 2.0 * np.pi * generator.random(count)
     angle = _draw_spreading(spreading_exponent, count, generator)
-    return WaveComponents(frequency, np.sqrt(2.0 * cell_energy), phase, direction + angle)
-
-
-def _invert(values: Array, cumulative: Array, grid: Array) -> Array:
-    """Invert the cumulative energy; flat parts (no energy) are skipped."""
-    rising = np.concatenate(([True], np.diff(cumulative) > 0.0))
-    return np.interp(values, cumulative[rising], grid[rising])
+    full = cell_energy > 0.0  # a measured spectrum may have gaps: cells there carry nothing
+    amplitude = np.sqrt(2.0 * cell_energy[full])
+    return WaveComponents(frequency[full], amplitude, phase[full], direction + angle[full])
 
 
 def _cell_edges(grid: Array, fraction: Array, count: int) -> Array:
@@ -94,7 +90,7 @@ def _cell_edges(grid: Array, fraction: Array, count: int) -> Array:
     """
     low, high = np.interp([1e-9, 1.0 - _TAIL_ENERGY], fraction, grid)
     mixed = 0.5 * fraction + 0.5 * np.clip((grid - low) / (high - low), 0.0, 1.0)
-    edges = _invert(np.linspace(0.0, mixed[-1], count + 1), mixed, grid)
+    edges = np.interp(np.linspace(0.0, mixed[-1], count + 1), mixed, grid)
     edges[0], edges[-1] = grid[0], grid[-1]
     return edges
 

@@ -1,0 +1,194 @@
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from wave_vessel_node.mru import (
+    STATUS_OK,
+    STATUS_SETTLING,
+    HighPass,
+    MotionReferenceUnit,
+    high_pass_response,
+)
+from wave_vessel_node.parameters import MruParameters
+from wave_vessel_node.vessel_motion import PITCH, ROLL, VesselMotion
+
+DT = 0.05
+
+
+def run(parameters, ticks, heave=lambda t: (0.0, 0.0, 0.0), motion=VesselMotion, unit=None, seed=1):
+    """Return the readings of `ticks` ticks, None where there is none."""
+    unit = unit or MotionReferenceUnit(parameters, seed=seed, tick_period=DT)
+    return [unit.step(tick, np.array(heave(tick * DT)), motion()) for tick in range(1, ticks + 1)]
+
+
+def sine(omega, amplitude=1.0):
+    return lambda t: (
+        amplitude * math.sin(omega * t),
+        amplitude * omega * math.cos(omega * t),
+        -amplitude * omega**2 * math.sin(omega * t),
+    )
+
+
+SILENT = {"noise": 0.0, "rate_noise": 0.0}
+
+
+def test_a_perfect_unit_says_the_truth_at_the_time_of_its_stamp():
+    heave = sine(0.7)
+    for tick, reading in enumerate(run(MruParameters(**SILENT), 50, heave), start=1):
+        assert reading.time == pytest.approx(tick * DT)
+        assert reading.sequence == tick
+        assert reading.status == STATUS_OK
+        assert (reading.heave, reading.heave_rate, reading.heave_acceleration) == pytest.approx(heave(tick * DT))
+
+
+def test_noise_is_white_and_has_the_stated_deviation():
+    readings = run(MruParameters(noise=0.02, rate_noise=0.03), 20000)
+    heave = np.array([reading.heave for reading in readings])
+    # chi-square: 5 sigma of a standard deviation from n samples is 5 / sqrt(2 n); of a correlation 5 / sqrt(n)
+    assert heave.std() == pytest.approx(0.02, rel=5 / math.sqrt(40000))
+    assert np.std([reading.heave_rate for reading in readings]) == pytest.approx(0.03, rel=5 / math.sqrt(40000))
+    for lag in (1, 2, 7):
+        assert abs(np.corrcoef(heave[:-lag], heave[lag:])[0, 1]) < 5 / math.sqrt(20000)
+
+
+@given(st.floats(0.08, 2.5))
+@settings(max_examples=25, deadline=None)
+def test_the_high_pass_answers_as_its_formula_says(omega):
+    cut_off, damping = 2 * math.pi / 60.0, 0.7071
+    high_pass = HighPass(cut_off, damping, DT)
+    high_pass.settle(0.0, omega)
+    count = 24000  # 1200 s: transients e^(-zeta omega_c t) are 1e-38
+    time = np.arange(1, count + 1) * DT
+    offsets = [high_pass.step(math.sin(omega * t), omega * math.cos(omega * t)) for t in time]
+    output = np.sin(omega * time) - np.array(offsets)[:, 0]
+    late = time > 600.0
+    basis = np.column_stack((np.sin(omega * time[late]), np.cos(omega * time[late])))
+    (in_phase, quadrature), *_ = np.linalg.lstsq(basis, output[late], rcond=None)
+    assert complex(in_phase, quadrature) == pytest.approx(
+        complex(high_pass_response(omega, cut_off, damping)), abs=1e-5
+    )
+
+
+def test_rates_of_the_high_pass_are_derivatives_of_its_heave():
+    parameters = MruParameters(high_pass_period=60.0, **SILENT)
+    readings = run(parameters, 400, sine(0.8))
+    heave = np.array([reading.heave for reading in readings])
+    rate = np.array([reading.heave_rate for reading in readings])
+    acceleration = np.array([reading.heave_acceleration for reading in readings])
+    # Simpson over two ticks, error h^5/90 of the fourth derivative
+    np.testing.assert_allclose(heave[2:] - heave[:-2], DT / 3 * (rate[2:] + 4 * rate[1:-1] + rate[:-2]), atol=1e-8)
+    np.testing.assert_allclose(
+        rate[2:] - rate[:-2], DT / 3 * (acceleration[2:] + 4 * acceleration[1:-1] + acceleration[:-2]), atol=1e-8
+    )
+
+
+def test_scale_and_lever_arm_errors_enter_the_reading():
+    parameters = MruParameters(scale_error=0.05, lever_arm_error=(0.2, -0.3, 0.1), **SILENT)
+
+    def motion():
+        state = VesselMotion()
+        state.displacement[PITCH], state.displacement[ROLL] = 0.02, 0.05
+        return state
+
+    reading = run(parameters, 1, lambda t: (1.0, 0.0, 0.0), motion)[0]
+    # heave of a point: heave - x pitch + y roll
+    assert reading.heave == pytest.approx(1.05 * (1.0 - 0.2 * 0.02 - 0.3 * 0.05))
+    assert (reading.roll, reading.pitch) == (0.05, 0.02)
+
+
+def test_latency_delays_the_reading_and_the_stamp_says_so():
+    heave = sine(0.7)
+    readings = run(MruParameters(latency=0.15, **SILENT), 20, heave)
+    assert readings[:3] == [None] * 3
+    assert readings[10].time == pytest.approx(11 * DT - 0.15)
+    assert readings[10].heave == pytest.approx(heave(11 * DT - 0.15)[0])
+
+
+def test_a_stamp_error_delays_the_reading_and_the_stamp_does_not():
+    heave = sine(0.7)
+    reading = run(MruParameters(stamp_error=0.1, **SILENT), 20, heave)[-1]
+    assert reading.time == pytest.approx(1.0)
+    assert reading.heave == pytest.approx(heave(0.9)[0])
+
+
+def test_the_rate_sets_which_ticks_have_a_reading():
+    readings = run(MruParameters(rate=5.0, **SILENT), 40)
+    assert [tick for tick, reading in enumerate(readings, 1) if reading] == list(range(4, 41, 4))
+    assert [reading.sequence for reading in readings if reading] == list(range(1, 11))
+
+
+def test_a_gap_loses_samples_and_their_numbers():
+    readings = run(MruParameters(dropout_start=(0.5,), dropout_duration=(0.25,), **SILENT), 30)
+    missing = [tick for tick, reading in enumerate(readings, 1) if reading is None]
+    assert missing == [10, 11, 12, 13, 14]
+    assert readings[14].sequence == 15
+
+
+def test_a_freeze_holds_the_value_while_stamps_go_on():
+    parameters = MruParameters(freeze_start=(0.5,), freeze_duration=(0.5,))
+    readings = run(parameters, 40, sine(1.0))
+    frozen = readings[9:19]
+    assert len({(r.heave, r.heave_rate) for r in frozen}) == 1
+    assert len({r.time for r in frozen}) == 10
+    assert readings[20].heave != frozen[0].heave
+
+
+def test_a_spike_is_one_wrong_reading():
+    readings = run(MruParameters(spike_time=(0.5,), spike_size=(3.0,), **SILENT), 20)
+    assert [round(reading.heave, 9) for reading in readings].count(3.0) == 1
+    assert readings[9].heave == 3.0
+
+
+def test_after_a_restart_the_unit_is_silent_then_settling_then_right():
+    parameters = MruParameters(
+        high_pass_period=10.0,
+        restart_time=(5.0,),
+        restart_duration=2.0,
+        settling_periods=10.0,
+        restart_bias=0.05,
+        **SILENT,
+    )
+    readings = run(parameters, 4000, sine(0.8))
+    reference = run(MruParameters(high_pass_period=10.0, **SILENT), 4000, sine(0.8))
+    assert all(reading is None for reading in readings[100:139])
+    settling = [reading for reading in readings[140:] if reading.status == STATUS_SETTLING]
+    assert len(settling) * DT == pytest.approx(100.0, abs=2 * DT)
+    early = max(abs(a.heave - b.heave) for a, b in zip(readings[140:240], reference[140:240], strict=True))
+    late = max(abs(a.heave - b.heave) for a, b in zip(readings[2200:], reference[2200:], strict=True))
+    assert early > 0.02
+    assert late < 1e-4
+
+
+def test_a_turn_disturbs_the_unit_and_its_status_says_so():
+    parameters = MruParameters(high_pass_period=10.0, turn_sensitivity=0.02, settling_periods=2.0, **SILENT)
+    unit = MotionReferenceUnit(parameters, seed=1, tick_period=DT)
+    turning = run(parameters, 200, motion=lambda: VesselMotion(turn_rate=0.05, speed=4.0), unit=unit)
+    assert turning[-1].status == STATUS_SETTLING
+    # the steady error of the high-pass under a constant acceleration error d is d / omega_c^2; 10 s in, most of it is there
+    assert turning[-1].heave == pytest.approx(0.02 * 4.0 * 0.05 / (2 * math.pi / 10.0) ** 2, rel=0.1)
+    after = [unit.step(tick, np.zeros(3), VesselMotion()) for tick in range(201, 201 + 1200)]
+    assert after[300].status == STATUS_SETTLING
+    assert after[-1].status == STATUS_OK
+    assert abs(after[-1].heave) < 1e-4
+
+
+def test_faults_can_be_injected_while_running():
+    unit = MotionReferenceUnit(MruParameters(**SILENT), seed=1, tick_period=DT)
+    unit.inject("bias", 0.2, 0.1, 0.5)
+    readings = run(None, 10, unit=unit)
+    assert [reading.heave for reading in readings] == [0, 0, 0, 0.5, 0.5, 0, 0, 0, 0, 0]
+    with pytest.raises(ValueError, match="knows no fault 'explode'"):
+        unit.inject("explode", 0.0)
+
+
+def test_faults_do_not_change_the_noise_of_other_readings():
+    plain = run(MruParameters(), 100)
+    gap = run(MruParameters(dropout_start=(1.0,), dropout_duration=(1.0,)), 100)
+    assert [r.heave for r in plain[60:]] == [r.heave for r in gap[60:]]
+
+
+def test_fault_lists_of_different_length_are_refused():
+    with pytest.raises(ValueError, match=r"mru.freeze_start has 1 values and mru.freeze_duration 0"):
+        MruParameters(freeze_start=(1.0,))
