@@ -96,7 +96,7 @@ def lay(
     origin = np.array([0.0, 0.0, -depth])
     for _ in range(8):
         cable = static_cable([StaticSection(length, *_properties(section))], segments=segments, feed=feed)
-        shape = shape_from(cable, water, origin, tension * direction, first_drag=drag)
+        shape = shape_from(cable, water, origin, tension * direction, drag_guess=_first_row(drag, len(cable.segments)))
         crossing = None if shape is None else cut_at_height(shape, 0.0)
         if shape is not None and crossing is not None:
             if crossing.label < 0.8 * length:  # use the segments on the cable that hangs
@@ -107,6 +107,12 @@ def lay(
             return Laying(-crossing.position[:2], crossing.label, float(np.linalg.norm(crossing.tension)), points)
         length *= 2.0
     raise NoEquilibriumError("the cable does not come up to the ship: it is laid too fast for its weight")
+
+
+def _first_row(drag: Array, count: int) -> Array:
+    guess = np.full((count, 3), np.nan)
+    guess[0] = drag
+    return guess
 
 
 def _properties(section: StaticSection) -> tuple[float, float, float, float]:

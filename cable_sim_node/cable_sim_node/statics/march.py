@@ -177,7 +177,8 @@ def march(
     depths, velocities, factor : the current, as `current_at` takes it
     feed : see `segment_drag`
     frozen : True takes the segments' drag from `drag` as a dead load, False computes it and leaves it in `drag`
-    drag : shape (n, 3) [N/m]; its first row is where the search for the first segment's drag begins
+    drag : shape (n, 3) [N/m]; unless frozen its rows are where the search for each segment's drag begins, or NaN to
+        begin at the drag of the segment below
     positions : out, shape (n + 1, 3) [m]
     lower, upper : out, shape (n, 3), tension vectors at each segment's two ends [N]
     end : out, tension vector beyond node n: the force that holds the other end [N]
@@ -185,7 +186,7 @@ def march(
     """
     count = len(segments)
     position, tension = origin.copy(), start.copy()
-    span, load, force = np.empty(3), np.empty(3), drag[0].copy()
+    span, load, force = np.empty(3), np.empty(3), np.zeros(3)
     by_tension, by_load, by_chord = np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3))
     by_depth, matrix = np.empty(3), np.empty((3, 3))
     partials[:] = 0.0
@@ -199,10 +200,10 @@ def march(
         length = row[LENGTH]
         positions[index] = position
         lower[index] = tension
-        if frozen:
-            force[:] = drag[index]
-        elif is_dead:
+        if is_dead and not frozen:
             force[:] = 0.0
+        elif math.isfinite(drag[index, 0]):
+            force[:] = drag[index]
         load[:] = force
         load[2] -= row[WEIGHT]
         integral = segment_span(tension, load, length, row[STIFFNESS], span, by_tension, by_load)

@@ -28,10 +28,8 @@ ACCEPTABLE = 1e-8
 
 CONVEX_LIMIT = 400
 NEWTON_LIMIT = 40
-SMALLEST_STEP = 2.0**-12
+SMALLEST_STEP = 2.0**-8
 """Smallest step of the current in a continuation."""
-
-PICARD_LIMIT = 60
 
 
 @dataclass(frozen=True)
@@ -40,14 +38,23 @@ class Equations:
 
     Attributes
     ----------
-    evaluate : (unknowns, current factor) to (residuals over scale, their exact Jacobian, shape), None where impossible
+    evaluate : (unknowns, current factor, guess of the segments' drag) to (residuals over scale, their exact Jacobian,
+        shape), None where impossible
     """
 
-    evaluate: Callable[[Array, float], tuple[Array, Array, StaticShape] | None]
+    evaluate: Callable[[Array, float, Array | None], tuple[Array, Array, StaticShape] | None]
 
 
 def solve_dead_loads(
-    cable: StaticCable, current: Current, origin: Array, span: Array, known: Array, guess: Array, drag: Array
+    cable: StaticCable,
+    current: Current,
+    origin: Array,
+    span: Array,
+    known: Array,
+    guess: Array,
+    drag: Array,
+    *,
+    factor: float = 0.0,
 ) -> Array | None:
     """Return the tension vector below node 0 under dead loads, or None if the search does not end.
 
@@ -58,13 +65,14 @@ def solve_dead_loads(
     known : which components of the tension vector are given (`guess` has them)
     guess : start of the search [N]
     drag : dead loads on the segments beside weight, shape (n, 3) [N/m]
+    factor : of the current that drags on bodies at the nodes
     """
     free = np.logical_not(known)
     start = guess.copy()
     scale = cable.length + float(np.linalg.norm(span[free]))
 
     def evaluate(at: Array) -> tuple[float, Array, Array] | None:
-        shape = shape_from(cable, current, origin, at, factor=0.0, frozen_drag=drag)
+        shape = shape_from(cable, current, origin, at, factor=factor, frozen_drag=drag)
         if shape is None:
             return None
         gradient = shape.positions[-1] - origin - span
@@ -104,10 +112,16 @@ def solve_dead_loads(
     return None
 
 
-def solve_newton(equations: Equations, guess: Array, factor: float) -> tuple[Array, StaticShape] | None:
-    """Damped Newton at one strength of the current; None where it does not converge."""
+def solve_newton(
+    equations: Equations, guess: Array, factor: float, drag: Array | None = None
+) -> tuple[Array, StaticShape] | None:
+    """Damped Newton at one strength of the current; None where it does not converge.
+
+    `drag` is a guess of the segments' drag; later each shape guesses it for the next, which keeps a hairpin bend, where
+    several directions fit, on its branch.
+    """
     unknowns = guess.copy()
-    state = equations.evaluate(unknowns, factor)
+    state = equations.evaluate(unknowns, factor, drag)
     for _ in range(NEWTON_LIMIT):
         if state is None:
             return None
@@ -121,7 +135,7 @@ def solve_newton(equations: Equations, guess: Array, factor: float) -> tuple[Arr
             return None
         share, found = 1.0, None
         while share > 1e-4:
-            trial = equations.evaluate(unknowns + share * step, factor)
+            trial = equations.evaluate(unknowns + share * step, factor, shape.drag)
             if trial is not None and float(np.linalg.norm(trial[0])) < (1.0 - 0.1 * share) * miss:
                 found = trial
                 break
@@ -157,9 +171,10 @@ def follow_current(equations: Equations, still: Array, what: str) -> StaticShape
         guess = unknowns
         if previous is not None:
             guess = unknowns + (unknowns - previous[1]) * (target - factor) / (factor - previous[0])
-        answer = solve_newton(equations, guess, target)
+        drag = shape.drag if factor > 0.0 else None
+        answer = solve_newton(equations, guess, target, drag)
         if answer is None and previous is not None:
-            answer = solve_newton(equations, unknowns, target)
+            answer = solve_newton(equations, unknowns, target, drag)
         if answer is None:
             step *= 0.5
             if step < SMALLEST_STEP:

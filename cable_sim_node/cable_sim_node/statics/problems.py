@@ -10,7 +10,6 @@ from cable_sim_node.statics.drag import segment_drag
 from cable_sim_node.statics.errors import StaticsError
 from cable_sim_node.statics.march import FORCE, LENGTH, NORMAL, STIFFNESS, TANGENTIAL
 from cable_sim_node.statics.newton import (
-    PICARD_LIMIT,
     Equations,
     follow_current,
     solve_dead_loads,
@@ -22,6 +21,11 @@ from cable_sim_node.statics.system import Current, StaticCable
 Array = NDArray[np.float64]
 
 STILL_WATER = Current()
+
+RELAXATION = (0.3,) * 150 + (0.1,) * 300 + (0.03,) * 600
+"""Part of the change in drag that each pass of `_relax_drag` takes: smaller where larger parts go round in circles."""
+
+RELAXATION_TOLERANCE = 1e-9
 
 
 def submerged_cable(
@@ -47,8 +51,8 @@ def submerged_cable(
     span = target - origin
     scale = cable.length + float(np.linalg.norm(span))
 
-    def evaluate(unknowns: Array, factor: float) -> tuple[Array, Array, StaticShape] | None:
-        shape = shape_from(cable, current, origin, unknowns, factor=factor)
+    def evaluate(unknowns: Array, factor: float, drag: Array | None) -> tuple[Array, Array, StaticShape] | None:
+        shape = shape_from(cable, current, origin, unknowns, factor=factor, drag_guess=drag)
         if shape is None:
             return None
         return (shape.positions[-1] - target) / scale, shape.partials[:3, 3:] / scale, shape
@@ -76,11 +80,11 @@ def submerged_cable(
     try:
         return follow_current(equations, start_tension, "submerged cable")
     except NoEquilibriumError:
-        relaxed = _relax_drag(cable, current, origin, span, none_known, start_tension, drag)
-        answer = None if relaxed is None else solve_newton(equations, relaxed, 1.0)
-        if answer is None:
+        shape = _relax_drag(cable, current, origin, span, start_tension, drag)
+        if shape is None:
             raise
-        return answer[1]
+        polished = solve_newton(equations, -shape.start_force, 1.0, shape.drag)
+        return shape if polished is None else polished[1]
 
 
 def towing_cable(
@@ -106,8 +110,8 @@ def towing_cable(
     start = _point(free_force, "free_force") * -1.0
     scale = cable.length
 
-    def evaluate(unknowns: Array, factor: float) -> tuple[Array, Array, StaticShape] | None:
-        shape = shape_from(cable, current, unknowns, start, factor=factor)
+    def evaluate(unknowns: Array, factor: float, drag: Array | None) -> tuple[Array, Array, StaticShape] | None:
+        shape = shape_from(cable, current, unknowns, start, factor=factor, drag_guess=drag)
         if shape is None:
             return None
         return (shape.positions[-1] - target) / scale, shape.partials[:3, :3] / scale, shape
@@ -153,8 +157,8 @@ def mooring_cable(
         raise StaticsError("a weightless mooring cable without pull has no one shape: give it a load")
     length_scale = cable.length + abs(height - origin[2])
 
-    def evaluate(unknowns: Array, factor: float) -> tuple[Array, Array, StaticShape] | None:
-        shape = shape_from(cable, current, origin, unknowns, factor=factor)
+    def evaluate(unknowns: Array, factor: float, drag: Array | None) -> tuple[Array, Array, StaticShape] | None:
+        shape = shape_from(cable, current, origin, unknowns, factor=factor, drag_guess=drag)
         if shape is None:
             return None
         residual = np.array([*((shape.end_force[:2] - pull) / force_scale), (shape.positions[-1, 2] - height)])
@@ -217,20 +221,26 @@ def _catenary_guess(cable: StaticCable, span: Array, drag: Array) -> Array:
 
 
 def _relax_drag(
-    cable: StaticCable, current: Current, origin: Array, span: Array, known: Array, start: Array, drag: Array
-) -> Array | None:
-    """Thesis 2.5: solve under the last shape's drag as dead loads, again and again, half the change at a time."""
+    cable: StaticCable, current: Current, origin: Array, span: Array, start: Array, drag: Array
+) -> StaticShape | None:
+    """Thesis 2.5: solve under the last shape's drag as dead loads, again and again, until drag and shape agree.
+
+    Each solution is certain, for dead loads are convex; taking a part of the change in drag at a time lets a slack
+    cable settle as it would in the water. Slow, so the last resort. None if it does not settle.
+    """
     tension = start
-    for _ in range(PICARD_LIMIT):
-        shape = shape_from(cable, current, origin, tension, factor=0.0, frozen_drag=drag)
-        if shape is None:
+    nothing_known = np.zeros(3, dtype=bool)
+    for part in RELAXATION:
+        answer = solve_dead_loads(cable, current, origin, span, nothing_known, tension, drag, factor=1.0)
+        shape = None if answer is None else shape_from(cable, current, origin, answer, frozen_drag=drag)
+        if answer is None or shape is None:
             return None
-        drag = 0.5 * (drag + _drag_of_shape(cable, current, shape))
-        answer = solve_dead_loads(cable, current, origin, span, known, tension, drag)
-        if answer is None:
-            return None
+        change = _drag_of_shape(cable, current, shape) - drag
+        if float(np.abs(change).max()) < RELAXATION_TOLERANCE * (1e-12 + float(np.abs(drag).max())):
+            return shape
+        drag = drag + part * change
         tension = answer
-    return tension
+    return None
 
 
 def _drag_of_shape(cable: StaticCable, current: Current, shape: StaticShape) -> Array:

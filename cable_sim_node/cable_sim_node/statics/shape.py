@@ -133,18 +133,19 @@ def shape_from(
     *,
     factor: float = 1.0,
     frozen_drag: Array | None = None,
-    first_drag: Array | None = None,
+    drag_guess: Array | None = None,
 ) -> StaticShape | None:
     """March from s = 0 with the tension vector `start` below node 0; None where a segment has no solution.
 
-    `factor` multiplies the current; `frozen_drag` replaces the segments' drag by dead loads [N/m]; `first_drag` is a
-    guess of the first segment's drag, needed where its tension is so small that drag decides its direction.
+    `factor` multiplies the current; `frozen_drag` replaces the segments' drag by dead loads [N/m]; `drag_guess` is
+    where the search for each segment's drag begins, needed where tension is so small that drag decides its direction.
     """
     count = len(cable.segments)
     positions, lower, upper = np.empty((count + 1, 3)), np.empty((count, 3)), np.empty((count, 3))
-    drag = np.zeros((count, 3)) if frozen_drag is None else frozen_drag.copy()
-    if first_drag is not None:
-        drag[0] = first_drag
+    drag = np.full((count, 3), np.nan)
+    for given in (drag_guess, frozen_drag):
+        if given is not None:
+            drag[:] = given
     end, partials = np.empty(3), np.empty((6, 6))
     energy = march(
         origin, start, cable.segments, cable.nodes, current.depths, current.velocities, factor, cable.feed,
