@@ -4,7 +4,10 @@ import numpy as np
 import pytest
 from heave_node.parameters import ParameterError, build_parameters, describe
 from wave_vessel_node.component import WaveVessel
+from wave_vessel_node.motion_sources import FilterSource, boom_tip_system
 from wave_vessel_node.parameters import CourseParameters, DriftParameters, VesselParameters, WaveVesselParameters
+from wave_vessel_node.shaping_filter import shaping_filter
+from wave_vessel_node.spectra import Bretschneider
 from wave_vessel_node.vessel import SecondOrderVessel
 
 DT = 0.05
@@ -30,10 +33,17 @@ KINDS = {
     "turn": WaveVesselParameters(
         vessel=RAO,
         ramp=5.0,
-        course=CourseParameters(speed=3.0, turn_start=3.0, turn_angle=0.5, turn_rate=0.1, speed_change_start=12.0, speed_change=-1.0,
-                                speed_change_duration=3.0),
+        course=CourseParameters(
+            speed=3.0,
+            turn_start=3.0,
+            turn_angle=0.5,
+            turn_rate=0.1,
+            speed_change_start=12.0,
+            speed_change=-1.0,
+            speed_change_duration=3.0,
+        ),
     ),
-}  # fmt: skip
+}
 
 
 @pytest.mark.parametrize("kind", [kind for kind in KINDS if kind != "filter"])
@@ -44,9 +54,9 @@ def test_position_velocity_and_acceleration_fit_one_another(kind):
     for low, high in ((position, velocity), (velocity, acceleration)):
         simpson = DT / 3 * (high[2:] + 4 * high[1:-1] + high[:-2])
         error = np.abs(low[2:] - low[:-2] - simpson)[smooth & (time > 4 * DT)]
-        # Simpson's error is h^5/90 of the fourth derivative of `high`: 1e-6 at 4 rad/s; where the boom tip follows the sea, up to
-        # 8 rad/s, and rates within manoeuvres are differences over 0.02 s
-        assert error.max() < {"turn": 1e-4, "direct": 1e-4}.get(kind, 5e-6)
+        # Simpson's error is h^5/90 of the fourth derivative of `high`: 1e-6 at 4 rad/s; where the boom tip follows the
+        # sea, up to 8 rad/s; rates within manoeuvres are differences over 0.02 s, and their third derivatives jump
+        assert error.max() < {"turn": 2e-4, "direct": 1e-4}.get(kind, 5e-6)
 
 
 @pytest.mark.parametrize("kind", list(KINDS))
@@ -105,7 +115,7 @@ def test_ticks_out_of_order_are_refused():
 
 
 def test_the_second_order_vessel_answers_each_component_as_eq_6_25():
-    # amplitude and phase against the differential equation integrated by itself: x'' + 2 xi w x' + w^2 x = K w^2 cos(omega t)
+    # amplitude and phase put into the differential equation x'' + 2 xi w x' + w^2 x = K w^2 cos(omega t)
     vessel = SecondOrderVessel(0.393, 0.6, 0.5)
     for omega in (0.1, 0.393, 1.2):
         H = complex(vessel.response(omega))
@@ -116,14 +126,11 @@ def test_the_second_order_vessel_answers_each_component_as_eq_6_25():
 
 
 def test_the_filter_source_has_the_variance_of_the_lyapunov_equation():
-    from wave_vessel_node.motion_sources import FilterSource, _boom_tip_system
-    from wave_vessel_node.shaping_filter import shaping_filter
-    from wave_vessel_node.spectra import Bretschneider
 
     wave, vessel = shaping_filter(Bretschneider(2.0, 6.0)), SecondOrderVessel(0.9, 0.4, 1.0)
     source = FilterSource(wave, vessel, seed=5, tick_period=0.5)
     heave = np.array([source.motion(tick).displacement[2] for tick in range(1, 40001)])
-    system = _boom_tip_system(wave, vessel)
+    system = boom_tip_system(wave, vessel)
     exact = float(system.C[1] @ system.stationary_covariance() @ system.C[1])
     # variance of a variance: 2 pi / T integral S^2, T = 20000 s
     omega = np.linspace(0.01, 4.0, 4000)

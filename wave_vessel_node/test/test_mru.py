@@ -166,7 +166,8 @@ def test_a_turn_disturbs_the_unit_and_its_status_says_so():
     unit = MotionReferenceUnit(parameters, seed=1, tick_period=DT)
     turning = run(parameters, 200, motion=lambda: VesselMotion(turn_rate=0.05, speed=4.0), unit=unit)
     assert turning[-1].status == STATUS_SETTLING
-    # the steady error of the high-pass under a constant acceleration error d is d / omega_c^2; 10 s in, most of it is there
+    # the steady error of the high-pass under a constant acceleration error d is d / omega_c^2; 10 s in, most of it is
+    # there
     assert turning[-1].heave == pytest.approx(0.02 * 4.0 * 0.05 / (2 * math.pi / 10.0) ** 2, rel=0.1)
     after = [unit.step(tick, np.zeros(3), VesselMotion()) for tick in range(201, 201 + 1200)]
     assert after[300].status == STATUS_SETTLING

@@ -39,7 +39,8 @@ def test_no_component_lies_where_the_spectrum_has_no_energy():
 
 
 def test_the_sea_does_not_repeat_within_three_hours():
-    # autocorrelation at all lags from 5 min to 3 h: equal spacing would bring it back to 1; for 800 independent lines the
+    # autocorrelation at all lags from 5 min to 3 h: equal spacing would bring it back to 1; for 800 independent lines
+    # the
     # mean square is sum a^4 / (2 (sum a^2)^2), here 0.03 rms, and 5 sigma of it is the most to expect among 1e5 lags
     components = draw_components(Bretschneider(2.0, 9.0), 800, np.random.default_rng(5))
     energy = components.amplitude**2

@@ -90,7 +90,7 @@ class FilterSource:
     """
 
     def __init__(self, wave: StateSpace, vessel: SecondOrderVessel | None, seed: int, tick_period: float) -> None:
-        system = _boom_tip_system(wave, vessel)
+        system = boom_tip_system(wave, vessel)
         self._transition, noise = discretise(system, tick_period)
         self._noise_factor = covariance_factor(noise)
         self._generator = random_stream(seed, "wave_vessel/shaping_filter")
@@ -112,7 +112,7 @@ class FilterSource:
         return motion
 
 
-def _boom_tip_system(wave: StateSpace, vessel: SecondOrderVessel | None) -> StateSpace:
+def boom_tip_system(wave: StateSpace, vessel: SecondOrderVessel | None) -> StateSpace:
     """Return the system from white noise to elevation, heave, heave rate and heave acceleration."""
     if vessel is None:
         rows = np.vstack((wave.C, wave.C, wave.C @ wave.A, wave.C @ wave.A @ wave.A))

@@ -92,7 +92,7 @@ def read_spectra(path: str | Path) -> SpectrumFile:
     path = Path(path)
     if not path.is_file():
         raise SpectrumFileError(f"{path}: there is no such file")
-    if path.suffix.lower() in (".nc", ".nc4", ".spec", ".swn", ".sp2"):
+    if path.suffix.lower() in (".nc", ".nc4", ".spec", ".swn"):
         from wave_vessel_node.wavespectra_files import read_with_wavespectra  # noqa: PLC0415
 
         return read_with_wavespectra(path)

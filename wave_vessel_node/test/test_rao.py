@@ -1,0 +1,279 @@
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+from heave_node.constants import STANDARD_GRAVITY
+from wave_vessel_node.course import Course
+from wave_vessel_node.parameters import CourseParameters
+from wave_vessel_node.rao import RaoError, ResponseTable, encounter_frequency
+from wave_vessel_node.rao_files import COLUMNS, read_capytaine, read_rao, read_rao_csv, shipped_rao, write_rao_csv
+from wave_vessel_node.rao_source import RaoSource
+from wave_vessel_node.realisation import WaveComponents
+from wave_vessel_node.spectra import Bretschneider
+from wave_vessel_node.vessel import SecondOrderVessel
+from wave_vessel_node.vessel_fit import boom_tip_heave_response, fit_vessel
+from wave_vessel_node.vessel_motion import VesselMotion, lever_arm_matrix, point_motion
+
+HEAVE, ROLL, PITCH = 2, 3, 4
+OMEGA = np.linspace(0.2, 2.0, 10)
+
+
+def flat_table(value=1.0, headings=(0.0, np.pi / 2, np.pi), speeds=(0.0,)):
+    response = np.full((len(speeds), len(headings), 6, OMEGA.size), value, dtype=complex)
+    response[:, :, [1, 3, 5]] = 0.0
+    return ResponseTable(np.array(speeds), np.array(headings), OMEGA, response)
+
+
+def one_wave(omega, direction=0.0, amplitude=1.0, phase=0.0):
+    return WaveComponents(np.array([omega]), np.array([amplitude]), np.array([phase]), np.array([direction]))
+
+
+def test_long_waves_carry_the_shipped_hull_with_them():
+    # limit of zero frequency: heave follows the surface, pitch and roll its slope k
+    table = shipped_rao()
+    omega = table.frequency[0]
+    slope = omega**2 / STANDARD_GRAVITY
+    head = table.at([omega], np.pi, 0.0)[:, 0]
+    beam = table.at([omega], np.pi / 2, 0.0)[:, 0]
+    assert head[HEAVE] == pytest.approx(1.0, abs=2e-3)
+    # head sea: the slope along the waves' travel is bow-down pitch, -i k; heading pi turns the sign with the bow
+    assert head[PITCH] == pytest.approx(-1j * slope, rel=0.03)
+    assert beam[HEAVE] == pytest.approx(1.0, abs=2e-3)
+    assert abs(beam[ROLL]) == pytest.approx(slope, rel=0.1)
+
+
+def test_short_waves_leave_the_shipped_hull_still_and_beam_seas_move_it_most():
+    table = shipped_rao()
+    assert np.abs(table.at([2.5], np.pi, 0.0)).max() < 5e-3
+    omega = np.array([0.8])
+    assert abs(table.at(omega, np.pi / 2)[HEAVE, 0]) > 3.0 * abs(table.at(omega, np.pi)[HEAVE, 0])
+    assert np.abs(table.at(table.frequency, np.pi)[[1, 3, 5]]).max() < 1e-3
+
+
+def test_a_symmetric_ship_answers_waves_from_both_sides_alike():
+    table = shipped_rao()
+    omega = np.linspace(0.3, 2.0, 7)
+    port, starboard = table.at(omega, 1.1), table.at(omega, 2 * np.pi - 1.1)
+    np.testing.assert_allclose(
+        starboard, port * np.array([1, -1, 1, -1, 1, -1])[:, None], atol=1e-6
+    )  # headings in the file have 6 decimals
+
+
+def test_the_table_is_met_at_its_own_points():
+    table = shipped_rao()
+    for s, h, f in ((0, 3, 10), (2, 7, 25), (1, 12, 5)):
+        value = table.at([table.frequency[f]], table.heading[h], table.speed[s])[:, 0]
+        np.testing.assert_allclose(value, table.response[s, h, :, f], atol=2e-5)
+
+
+def test_speed_between_two_tables_is_linear():
+    response = np.concatenate((flat_table(1.0).response, flat_table(3.0).response))
+    table = ResponseTable(np.array([0.0, 4.0]), np.array([0.0, np.pi / 2, np.pi]), OMEGA, response)
+    assert table.at([1.0], 0.5, 1.0)[HEAVE, 0] == pytest.approx(1.5)
+    assert table.at([1.0], 0.5, 9.0)[HEAVE, 0] == pytest.approx(3.0)
+
+
+def test_encounter_frequency_rises_in_head_seas_and_vanishes_where_waves_are_as_fast_as_the_ship():
+    speed = 5.0
+    assert encounter_frequency(1.0, np.pi, speed) == pytest.approx(1.0 + 5.0 / STANDARD_GRAVITY)
+    assert encounter_frequency(1.0, np.pi / 2, speed) == pytest.approx(1.0)
+    assert encounter_frequency(STANDARD_GRAVITY / speed, 0.0, speed) == pytest.approx(0.0, abs=1e-12)
+
+
+def test_a_ship_under_way_meets_the_waves_at_the_encounter_frequency():
+    course = Course(CourseParameters(speed=4.0))
+    source = RaoSource(one_wave(0.9, direction=np.pi), flat_table(speeds=(0.0, 8.0)), course, np.zeros(3), 0.05)
+    expected = 0.9 + 0.9**2 / STANDARD_GRAVITY * 4.0
+    for tick in (1, 100, 5000):
+        motion = source.motion(tick)
+        assert motion.displacement[HEAVE] == pytest.approx(math.cos(expected * tick * 0.05), abs=1e-9)
+        assert motion.velocity[HEAVE] == pytest.approx(-expected * math.sin(expected * tick * 0.05), abs=1e-9)
+        assert motion.elevation == pytest.approx(motion.displacement[HEAVE], abs=1e-9)
+
+
+def test_the_elevation_is_taken_below_the_boom_tip():
+    arm = np.array([20.0, 0.0, 10.0])
+    source = RaoSource(one_wave(0.9), flat_table(), Course(CourseParameters()), arm, 0.05)
+    expected = math.cos(0.9 * 0.05 - 0.9**2 / STANDARD_GRAVITY * 20.0)
+    assert source.motion(1).elevation == pytest.approx(expected, abs=1e-12)
+
+
+def test_phases_are_continuous_through_a_loop_turn():
+    parameters = CourseParameters(speed=3.0, turn_start=20.0, turn_angle=2 * math.pi, turn_rate=0.2)
+    source = RaoSource(one_wave(0.8, 0.4), flat_table(speeds=(0.0, 4.0)), Course(parameters), np.zeros(3), 0.05)
+    motions = [source.motion(tick) for tick in range(1, 2400)]
+    heave = np.array([m.displacement[HEAVE] for m in motions])
+    rate = np.array([m.velocity[HEAVE] for m in motions])
+    # heave is the elevation at the ship's place: no jump beyond the trapezium rule's h^3/12 of the third derivative
+    np.testing.assert_allclose(np.diff(heave), 0.025 * (rate[1:] + rate[:-1]), atol=5e-5)
+
+
+def test_a_loop_turn_comes_back_to_its_heading_and_a_circle_to_its_place():
+    parameters = CourseParameters(speed=3.0, heading=0.3, turn_start=10.0, turn_angle=2 * math.pi, turn_rate=0.05)
+    course = Course(parameters)
+    end = course.legs[-1].start
+    assert course.heading(end) == pytest.approx(0.3 + 2 * math.pi)
+    assert max(abs(course.turn_rate(t)) for t in np.linspace(0, end, 2001)) == pytest.approx(0.05, rel=1e-5)
+    times = np.linspace(0.0, end + 20.0, 20001)
+    velocity = np.array([course.velocity(t) for t in times])
+    travelled = np.trapezoid(velocity, times, axis=0)
+    np.testing.assert_allclose(course.place(times[-1]), travelled, atol=1e-3)
+
+
+def test_a_change_of_speed_is_smooth_and_counted():
+    course = Course(CourseParameters(speed=2.0, speed_change=-3.0, speed_change_start=5.0, speed_change_duration=10.0))
+    assert course.speed(0.0) == 2.0
+    assert course.speed(100.0) == 0.0
+    assert len(course.legs) == 2
+
+
+def test_the_boom_tip_moves_as_a_rigid_body():
+    # heave - x pitch + y roll, and the horizontal parts, against the rotation matrix of a small turn
+    arm = np.array([-20.0, 10.0, 15.0])
+    q = np.array([0.3, -0.2, 0.5, 1e-6, -2e-6, 3e-6])
+    roll, pitch, yaw = q[3:]
+    skew = np.array([[0, -yaw, pitch], [yaw, 0, -roll], [-pitch, roll, 0]])
+    expected = q[:3] + skew @ arm
+    np.testing.assert_allclose(lever_arm_matrix(arm) @ q, expected, atol=1e-15)
+    heave = (lever_arm_matrix(arm) @ q)[2]
+    assert heave == pytest.approx(0.5 + 20.0 * pitch + 10.0 * roll, abs=1e-12)
+
+
+def test_heading_turns_the_horizontal_motion_into_the_world():
+    motion = VesselMotion(heading=math.pi / 2)
+    motion.displacement[0] = 2.0
+    tip = point_motion(motion, lever_arm_matrix(np.zeros(3)), 5.0)
+    np.testing.assert_allclose(tip.position, [0.0, 2.0, 5.0], atol=1e-12)
+
+
+def test_a_table_written_is_read_back(tmp_path):
+    table = shipped_rao()
+    write_rao_csv(tmp_path / "t.csv", table, comments=["a copy"])
+    again = read_rao_csv(tmp_path / "t.csv")
+    np.testing.assert_allclose(again.response, table.response, atol=1e-4)
+
+
+def csv_text(rows, columns=COLUMNS):
+    return "\n".join([",".join(columns), *(",".join(str(value) for value in row) for row in rows)]) + "\n"
+
+
+def rows_of(headings=(0.0, 1.6, 3.14159), omegas=(0.2, 0.5, 1.0, 2.0)):
+    return [[0.0, heading, omega] + [1.0, 0.0] * 6 for heading in headings for omega in omegas]
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        (csv_text(rows_of(), COLUMNS[:-1]), "missing columns yaw_phase_rad"),
+        (csv_text(rows_of()[:-1]), "omega_radps 2 is missing"),
+        (csv_text([*rows_of(), rows_of()[0]]), "there more than once"),
+        (
+            csv_text(rows_of()).replace("3.14159,0.2,1.0", "3.14159,0.2,x1"),
+            "line 10: surge_m_per_m: 'x1' is not a number",
+        ),
+        (csv_text(rows_of()).replace("3.14159,0.2,1.0", "3.14159,0.2,nan"), "not a finite number"),
+        (csv_text(rows_of()).replace("3.14159,0.2,1.0", "3.14159,0.2,-1.0"), "amplitude is negative"),
+        (csv_text(rows_of(headings=(0.0, 1.0))), "headings must reach"),
+        (csv_text(rows_of(omegas=(0.5, 1.0))), "at least 4"),
+        ("", "found 0 lines"),
+        (csv_text(rows_of())[:-20], "line 13: 11 values where the header has 15"),
+    ],
+)
+def test_a_table_that_cannot_be_used_is_refused_in_one_line(tmp_path, text, says):
+    path = tmp_path / "bad.csv"
+    path.write_text(text)
+    with pytest.raises(RaoError, match=says) as error:
+        read_rao(path)
+    assert "bad.csv" in str(error.value)
+    assert "\n" not in str(error.value)
+
+
+def test_files_that_are_missing_or_of_another_kind_are_refused(tmp_path):
+    with pytest.raises(RaoError, match="no such file"):
+        read_rao(tmp_path / "none.csv")
+    (tmp_path / "x.txt").write_text("")
+    with pytest.raises(RaoError, match=r"ends in \.csv"):
+        read_rao(tmp_path / "x.txt")
+
+
+def capytaine_database(tmp_path, drop=()):
+    """Write a database of a heaving buoy as Capytaine lays it out: mass 2, added mass 1, damping 0.6, stiffness 4,
+    force 3."""
+    xarray = pytest.importorskip("xarray")
+    pytest.importorskip("netCDF4")
+    dofs = ["Surge", "Sway", "Heave", "Roll", "Pitch", "Yaw"]
+    omega, direction = np.linspace(0.3, 3.0, 28), np.linspace(0.0, np.pi, 5)
+    identity = np.eye(6)
+    grid = ("omega", "influenced_dof", "radiating_dof")
+    force = np.zeros((2, omega.size, direction.size, 6))
+    force[0, :, :, 2], force[1, :, :, 2] = 2.0, 0.5
+    axes = ("complex", "omega", "wave_direction", "influenced_dof")
+    variables = {
+        "added_mass": (grid, np.tile(1.0 * identity, (omega.size, 1, 1))),
+        "radiation_damping": (grid, np.tile(0.6 * identity, (omega.size, 1, 1))),
+        "inertia_matrix": (grid[1:], 2.0 * identity),
+        "hydrostatic_stiffness": (grid[1:], 4.0 * identity),
+        "Froude_Krylov_force": (axes, force),
+        "diffraction_force": (axes, 0.5 * force),
+    }
+    coordinates = {
+        "omega": omega,
+        "wave_direction": direction,
+        "influenced_dof": dofs,
+        "radiating_dof": dofs,
+        "complex": ["re", "im"],
+    }
+    dataset = xarray.Dataset({name: value for name, value in variables.items() if name not in drop}, coordinates)
+    path = tmp_path / "buoy.nc"
+    dataset.to_netcdf(path, engine="netcdf4")
+    return path
+
+
+def test_a_capytaine_database_gives_the_motions_of_the_equation_of_motion(tmp_path):
+    table = read_capytaine(capytaine_database(tmp_path), speeds=(0.0, 2.0))
+    omega = table.frequency
+    # Capytaine's phases are e^(-i omega t): the force 3 + 0.75 i is 3 - 0.75 i here
+    expected = (3.0 - 0.75j) / (4.0 - 3.0 * omega**2 + 0.6j * omega)
+    np.testing.assert_allclose(table.response[0, 2, HEAVE], expected, rtol=1e-10)
+    encounter = encounter_frequency(omega, np.pi, 2.0)
+    moving = (3.0 - 0.75j) / (4.0 - 3.0 * encounter**2 + 0.6j * encounter)
+    np.testing.assert_allclose(table.response[1, 4, HEAVE], moving, rtol=1e-10)
+
+
+def test_an_incomplete_or_foreign_database_is_refused(tmp_path):
+    with pytest.raises(RaoError, match="not a complete Capytaine database"):
+        read_capytaine(capytaine_database(tmp_path, drop=("added_mass",)))
+    (tmp_path / "x.nc").write_bytes(b"CDF no")
+    with pytest.raises(RaoError, match="cannot be read as NetCDF"):
+        read_capytaine(tmp_path / "x.nc")
+
+
+def test_a_fit_gives_a_second_order_vessel_back():
+    omega = np.linspace(0.2, 3.0, 60)
+    true = SecondOrderVessel(0.9, 0.4, 1.1)
+    fit = fit_vessel(omega, true.response(omega), Bretschneider(2.0, 8.0))
+    assert (fit.vessel.natural_frequency, fit.vessel.damping_ratio, fit.vessel.gain) == pytest.approx((0.9, 0.4, 1.1))
+    assert fit.relative_error < 1e-6
+
+
+def test_a_second_order_vessel_stands_for_the_shipped_hull_in_beam_seas():
+    omega = np.linspace(0.25, 2.4, 80)
+    response = boom_tip_heave_response(shipped_rao(), omega, np.pi / 2, 0.0, np.array([-20.0, 10.0, 15.0]))
+    fit = fit_vessel(omega, response, Bretschneider(2.0, 9.0))
+    assert fit.relative_error < 0.15
+    assert fit.sigma_ratio == pytest.approx(1.0, abs=0.03)
+
+
+def test_a_fit_without_energy_is_refused():
+    with pytest.raises(RaoError, match="where the sea has energy"):
+        fit_vessel(np.linspace(0.2, 2.0, 20), np.zeros(20), Bretschneider(2.0, 8.0))
+
+
+def test_the_shipped_table_says_where_it_comes_from():
+    import wave_vessel_node
+
+    path = Path(wave_vessel_node.__file__).parent / "data" / "wigley_90m.csv"
+    comments = [line for line in path.read_text().splitlines() if line.startswith("#")]
+    assert any("Capytaine" in line for line in comments)
+    assert any("compute_hull_rao.py" in line for line in comments)

@@ -1,0 +1,175 @@
+import gzip
+import math
+from datetime import datetime, timezone
+from pathlib import Path
+
+import numpy as np
+import pytest
+from wave_vessel_node.spectra import Bretschneider
+from wave_vessel_node.spectrum_files import SpectrumFileError, read_spectra
+
+DATA = Path(__file__).parent / "data"
+REAL_TIME, HISTORICAL = DATA / "real_time.data_spec", DATA / "historical.txt"
+MEASURED = Path(__file__).parents[2].parent / "shared" / "data" / "waves"
+
+
+def write(tmp_path, text, name="spectra.txt"):
+    path = tmp_path / name
+    path.write_text(text)
+    return path
+
+
+def edited(tmp_path, source, line, edit):
+    """Return a copy of `source` with one line (from 1) changed."""
+    lines = source.read_text().splitlines()
+    lines[line - 1] = edit(lines[line - 1])
+    return write(tmp_path, "\n".join(lines) + "\n")
+
+
+def test_the_real_time_format_is_read_in_order_of_time():
+    # the sample file was made from Bretschneider spectra: 2.4 m 10 s is the oldest, 2 m 9 s the newest
+    file = read_spectra(REAL_TIME)
+    assert [record.time.hour for record in file.records] == [2, 3, 4, 5]
+    assert file.records[-1].time == datetime(2024, 3, 1, 5, 40, tzinfo=timezone.utc)
+    assert file.warnings == ()
+    assert file.records[-1].spectrum.significant_wave_height == pytest.approx(2.0, rel=0.02)
+    assert file.records[0].spectrum.peak_period == pytest.approx(10.0, abs=0.3)
+
+
+def test_densities_per_hertz_become_densities_per_radian():
+    spectrum = read_spectra(REAL_TIME).records[-1].spectrum
+    omega = 2 * math.pi * 0.11
+    assert spectrum.density(omega) == pytest.approx(Bretschneider(2.0, 9.0).density(omega), abs=1e-3)
+
+
+def test_the_historical_format_is_read_and_a_row_of_fill_values_is_left_out_by_name():
+    file = read_spectra(HISTORICAL)
+    assert [record.time.hour for record in file.records] == [0, 1, 3]
+    assert file.records[0].time.year == 1997
+    assert len(file.warnings) == 1
+    assert "missing" in file.warnings[0]
+    assert "first on line 4" in file.warnings[0]
+
+
+def test_a_compressed_file_is_read(tmp_path):
+    path = tmp_path / "w.txt.gz"
+    path.write_bytes(gzip.compress(HISTORICAL.read_bytes()))
+    assert len(read_spectra(path).records) == 3
+
+
+def test_one_fill_value_is_bridged_and_said(tmp_path):
+    path = edited(tmp_path, HISTORICAL, 2, lambda line: " ".join([*line.split()[:20], "99.00", *line.split()[21:]]))
+    with_fill = read_spectra(path)
+    assert len(with_fill.records) == 3
+    assert any("filled from its neighbours" in warning for warning in with_fill.warnings)
+    assert with_fill.records[0].spectrum.significant_wave_height == pytest.approx(3.0, rel=0.05)
+
+
+def test_nan_counts_as_missing(tmp_path):
+    def without_one(line):
+        fields = line.split()
+        fields[fields.index("(0.110)") - 1] = "NaN"
+        return " ".join(fields)
+
+    file = read_spectra(edited(tmp_path, REAL_TIME, 2, without_one))
+    assert len(file.records) == 4
+    assert "filled from its neighbours" in file.warnings[0]
+    assert np.isfinite(file.records[-1].spectrum.density(np.linspace(0.2, 3.0, 200))).all()
+
+
+def test_a_record_with_negative_density_is_left_out_by_name(tmp_path):
+    path = edited(tmp_path, HISTORICAL, 2, lambda line: line.rsplit(maxsplit=1)[0] + " -1.00")
+    file = read_spectra(path)
+    assert len(file.records) == 2
+    assert any("negative density" in warning and "line 2" in warning for warning in file.warnings)
+
+
+def test_a_record_cut_short_is_left_out_by_name(tmp_path):
+    for source in (REAL_TIME, HISTORICAL):
+        lines = source.read_text().splitlines()
+        cut = write(tmp_path, "\n".join([*lines[:-1], lines[-1][: len(lines[-1]) // 2]]))
+        file = read_spectra(cut)
+        assert len(file.records) == len(read_spectra(source).records) - 1
+        assert any("left out" in warning and f"line {len(lines)}" in warning for warning in file.warnings)
+
+
+def test_two_records_of_one_time_are_one(tmp_path):
+    lines = REAL_TIME.read_text().splitlines()
+    file = read_spectra(write(tmp_path, "\n".join([*lines, lines[1]])))
+    assert len(file.records) == 4
+    assert "second record of the same time" in file.warnings[0]
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ("", "has 0 lines"),
+        ("#YY  MM DD hh mm Sep_Freq  < spec_1 (freq_1) >\n", "has 1 lines"),
+        ("time,hs\n1,2\n", "line 1: wanted an NDBC header"),
+        ("YY MM DD hh .03 .04\n97 01 01 00 1.0 2.0\n", "3 frequencies or more"),
+        ("YY MM DD hh .03 .05 .04\n97 01 01 00 1.0 2.0 1.0\n", "rise strictly"),
+        ("YY MM DD hh .03 .04 .05\n97 13 01 00 1.0 2.0 1.0\n", "line 2: '97 13 01 00' is not a date"),
+        ("YY MM DD hh .03 .04 .05\n97 01 01 00 1.0 0.0a47 1.0\n", "line 2: '0.0a47' is not a number"),
+        ("YY MM DD hh .03 .04 .05\n97 01 01 00 0.0 0.0 0.0\n", "no usable spectrum"),
+        ("YY MM DD hh .03 .04 .05\n97 01 01 00 999.0 999.0 999.0\n", "no usable spectrum"),
+    ],
+)
+def test_a_file_that_cannot_be_used_is_refused_in_one_line(tmp_path, text, says):
+    with pytest.raises(SpectrumFileError, match=says) as error:
+        read_spectra(write(tmp_path, text))
+    assert "\n" not in str(error.value)
+    assert "spectra.txt" in str(error.value)
+
+
+def test_a_missing_file_a_binary_one_and_a_broken_archive_are_refused(tmp_path):
+    with pytest.raises(SpectrumFileError, match="no such file"):
+        read_spectra(tmp_path / "none.txt")
+    (tmp_path / "b.txt").write_bytes(bytes(range(256)))
+    with pytest.raises(SpectrumFileError, match="not a text file"):
+        read_spectra(tmp_path / "b.txt")
+    (tmp_path / "c.txt.gz").write_bytes(gzip.compress(HISTORICAL.read_bytes())[:200])
+    with pytest.raises(SpectrumFileError, match="cannot be read to its end"):
+        read_spectra(tmp_path / "c.txt.gz")
+
+
+def test_a_record_beyond_the_last_is_refused():
+    with pytest.raises(SpectrumFileError, match="no record 4: the file has 0 to 3"):
+        read_spectra(REAL_TIME).select(4)
+
+
+@pytest.mark.skipif(not MEASURED.is_dir(), reason=f"the measured files are not beside the checkout ({MEASURED})")
+def test_the_measured_files_of_two_buoys_are_read():
+    # counts as in the files: 149 rows; 8712 rows of which 112 are fill values
+    atlantic = read_spectra(MEASURED / "ndbc_41010.data_spec")
+    pacific = read_spectra(MEASURED / "ndbc_46042w1996.txt.gz")
+    assert len(atlantic.records) == 149
+    assert len(pacific.records) == 8600
+    assert "112 times" in pacific.warnings[0]
+    for file in (atlantic, pacific):
+        heights = [record.spectrum.significant_wave_height for record in file.records[:200]]
+        assert min(heights) > 0.3
+        assert max(heights) < 12.0
+
+
+def test_what_wavespectra_writes_is_read(tmp_path):
+    wavespectra = pytest.importorskip("wavespectra")
+    xarray = pytest.importorskip("xarray")
+    frequency, direction = np.arange(0.04, 0.4, 0.01), np.arange(0.0, 360.0, 30.0)
+    oned = 2 * math.pi * Bretschneider(2.0, 9.0).density(2 * math.pi * frequency)
+    density = np.repeat(oned[None, :, None], direction.size, axis=2) / 360.0
+    times = np.array(["2024-01-01T00:00"], dtype="datetime64[ns]")
+    data = xarray.DataArray(density, {"time": times, "freq": frequency, "dir": direction}, ("time", "freq", "dir"))
+    path = tmp_path / "sea.nc"
+    dataset = data.to_dataset(name="efth")
+    assert wavespectra.SpecDataset is not None
+    dataset.spec.to_netcdf(str(path))
+    file = read_spectra(path)
+    assert file.records[0].spectrum.significant_wave_height == pytest.approx(2.0, rel=0.03)
+    assert file.records[0].time == datetime(2024, 1, 1, tzinfo=timezone.utc)
+
+
+def test_a_netcdf_file_of_another_kind_is_refused(tmp_path):
+    pytest.importorskip("wavespectra")
+    (tmp_path / "x.nc").write_bytes(b"not netcdf")
+    with pytest.raises(SpectrumFileError, match="wavespectra cannot read it"):
+        read_spectra(tmp_path / "x.nc")
