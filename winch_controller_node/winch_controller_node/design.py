@@ -82,6 +82,17 @@ class ControllerDesign:
         """Names of the past commands, the newest first."""
         return tuple(name for name in self.model.state_names if name.startswith(self.command + "_"))
 
+    @property
+    def sea_states(self) -> tuple[str, ...]:
+        """Names of the states of waves and vessel: those that grow with the sea."""
+        return tuple(name for name in self.model.state_names if _is_sea(name))
+
+    @property
+    def unit_weight(self) -> float:
+        """Submerged weight of the unit as believed [N]."""
+        unit = self.parameters.unit
+        return (unit.mass - self.parameters.water_density * unit.volume) * self.parameters.gravity
+
     def make_estimator(self) -> KalmanEstimator:
         """Return a Kalman filter at its initial state."""
         estimator = self.parameters.estimator
@@ -113,7 +124,7 @@ def design_controller(
     measurements = measurement_models(parameters, model, cable)
     _check_observability(parameters, model, measurements)
     cost = design_cost(parameters, model)
-    gain = _full_gain(model, cost)
+    gain = full_gain(model, cost)
     covariance, sigma = _locked_covariance(parameters, model)
     return ControllerDesign(
         parameters=parameters,
@@ -258,7 +269,7 @@ def is_sensor_state(name: str) -> bool:
     return name.startswith("mru_") or name in (DEPTH_BIAS, LEVER_ARM_X, LEVER_ARM_Y)
 
 
-def _full_gain(model: LinearModel, cost: QuadraticCost) -> Array:
+def full_gain(model: LinearModel, cost: QuadraticCost) -> Array:
     """Return the LQR gain over all states; sensor states, which move nothing, have none."""
     keep = [i for i, name in enumerate(model.state_names) if not is_sensor_state(name)]
     plant = model.select_states([model.state_names[i] for i in keep])

@@ -8,6 +8,18 @@ from cable_sim_node.parameters import CableParameters, UnitParameters
 from heave_node.constants import SEAWATER_DENSITY, STANDARD_GRAVITY
 from heave_node.parameters import ParameterError, group, parameter
 
+from winch_controller_node.law_parameters import (
+    LAWS,
+    FeedforwardParameters,
+    GuardParameters,
+    HealthParameters,
+    LimitParameters,
+    ModeParameters,
+    MoveParameters,
+    MpcParameters,
+    ProgrammeParameters,
+    TensionLawParameters,
+)
 from winch_controller_node.model_parameters import (
     KNOWN_SENSORS,
     CableModelParameters,
@@ -19,8 +31,6 @@ from winch_controller_node.model_parameters import (
     WeightParameters,
     WinchModelParameters,
 )
-
-LAWS = ("off", "lqr", "lqg", "feedforward", "mpc")
 
 
 @dataclass(frozen=True)
@@ -55,6 +65,18 @@ class WinchControllerParameters:
     weights: WeightParameters = group(WeightParameters)
     estimator: EstimatorParameters = group(EstimatorParameters)
     schedule: ScheduleParameters = group(ScheduleParameters)
+    limits: LimitParameters = group(LimitParameters)
+    mpc: MpcParameters = group(MpcParameters)
+    feedforward: FeedforwardParameters = group(FeedforwardParameters)
+    guard: GuardParameters = group(GuardParameters)
+    modes: ModeParameters = group(ModeParameters)
+    tension: TensionLawParameters = group(TensionLawParameters)
+    move: MoveParameters = group(MoveParameters)
+    programme: ProgrammeParameters = group(ProgrammeParameters)
+    health: HealthParameters = group(HealthParameters)
+    kpi_window: float = parameter(
+        60.0, unit="s", minimum=1.0, maximum=3600.0, description="Length of the rolling window of controller/kpi."
+    )
 
     def __post_init__(self) -> None:
         if self.sea.filter_states % 2:

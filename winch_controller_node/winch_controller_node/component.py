@@ -1,0 +1,405 @@
+"""The winch controller as a component: measurements of a tick in, one winch order out. No ROS, no truth, no clock.
+
+Each tick: gates, estimator, shadow of the uncompensated unit, guard, mode, mean payout, law, governor. The state is
+split by linearity into the mean payout's own motion (known exactly, it is our command) and the rest, which is what the
+estimator and the laws deal with; the two are superposed in the command.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from winch_controller_node.design import ControllerDesign, design_controller
+from winch_controller_node.guard import HarmGuard
+from winch_controller_node.laws.build import Law, limits_of, make_governor, make_law
+from winch_controller_node.laws.feedback import LawCommand
+from winch_controller_node.laws.feedforward import SpeedFeedforward
+from winch_controller_node.laws.governor import GovernedCommand
+from winch_controller_node.laws.loop_state import AuthorityShift, LoopState, Reference
+from winch_controller_node.laws.tension import ConstantTension
+from winch_controller_node.linear_model import Array
+from winch_controller_node.models import DEPTH_BIAS, shadow_model
+from winch_controller_node.modes import Mode, ModeError, ModeMachine, ModeOutput, Situation
+from winch_controller_node.observation import Observer
+from winch_controller_node.parameters import WinchControllerParameters
+from winch_controller_node.programme import Programme, ProgrammeStep
+from winch_controller_node.readings import Measurements, Outputs, Report, RollingKpi, WinchOrder
+from winch_controller_node.rolling_kpi import KpiWindow
+from winch_controller_node.trajectory import MeanPayout
+
+RETURN_SPEED = 0.05
+"""Speed at which a payout left over from before a stop returns to the mean [m/s]."""
+
+IDLE = LawCommand(0.0)
+
+
+class WinchController:
+    """The controller.
+
+    Parameters
+    ----------
+    parameters : what it believes and how it works
+    tick_period : [s]
+    seed : taken like every component's; the controller itself draws no random number
+
+    Raises DesignError where no controller can be designed from the parameters.
+    """
+
+    def __init__(self, parameters: WinchControllerParameters, *, tick_period: float, seed: int = 0) -> None:
+        del seed
+        self.parameters = parameters
+        self._dt = tick_period
+        self.mean = MeanPayout(parameters.move, tick_period=tick_period)
+        self._left_over = MeanPayout(parameters.move, tick_period=tick_period)
+        self.modes = ModeMachine(
+            parameters.modes, law=parameters.law, factor=parameters.factor, tick_period=tick_period
+        )
+        self.programme = Programme(parameters.programme)
+        design = design_controller(parameters, tick_period=tick_period)
+        self.estimator = design.make_estimator()
+        self.observer = Observer(design, parameters.health)
+        self.guard = HarmGuard(parameters.guard, limits_of(design), tick_period=tick_period)
+        self._kpi = KpiWindow(parameters.kpi_window, parameters.winch, tick_period=tick_period)
+        self._mean_state: Array = np.zeros(design.model.order)
+        self._shadow_state: Array = np.zeros(2)
+        self._take_design(design)
+        self._sequence = 0
+        self._compensating_command = 0.0
+        self._total_command = 0.0
+        self._last_rate = 0.0
+        self._has_landed = False
+        self._is_lifting = False
+        self._alarms: list[str] = []
+
+    @property
+    def mode(self) -> Mode:
+        """Mode after the last tick."""
+        return self.modes.mode
+
+    @property
+    def depth(self) -> float:
+        """Estimated mean depth of the unit, positive down [m]; NaN before the first depth reading."""
+        zero = self.observer.depth_zero
+        if zero is None:
+            return math.nan
+        mean_heave = float(self._mean_state[self.design.model.state("unit_heave")])
+        return zero + self._depth_bias() - mean_heave + self._left_over.point.payout
+
+    def set_mode(self, name: str, tension: float = 0.0) -> str:
+        """Ask for a mode by name, with the tension to hold [N] in constant_tension (0: the present mean).
+
+        Returns the mode taken in words. Raises ModeError, saying why, where it cannot be taken.
+        """
+        if name == Mode.CONSTANT_TENSION.value:
+            measured = self._tension_law.measured
+            if not math.isfinite(measured):
+                raise ModeError("constant tension needs the load cell: no reading has come yet")
+            if not math.isfinite(tension) or tension < 0.0:
+                raise ModeError(f"a tension of {tension} N cannot be held")
+            self.modes.request(name)
+            self.mean.stop()
+            self._tension_law.hold(tension if tension > 0.0 else measured)
+            return self.modes.mode.value
+        if name == Mode.COMPENSATING.value and self._has_landed:
+            self._lift_off()
+            return "lifting off: constant tension until the unit hangs"
+        self.modes.request(name)
+        return self.modes.mode.value
+
+    def move_to_depth(self, depth: float, speed: float = 0.0) -> None:
+        """Move the unit to the mean depth [m] at no more than `speed` [m/s] (0: the default).
+
+        Raises ModeError where the depth is not known, the winch does not compensate, or its range does not reach.
+        """
+        if self.observer.depth_zero is None:
+            raise ModeError("a move needs the depth sensor: no reading has come yet")
+        if self.modes.mode is not Mode.COMPENSATING:
+            raise ModeError(f"a move needs mode compensating; the mode is {self.modes.mode.value}")
+        if not math.isfinite(depth):
+            raise ModeError(f"a depth of {depth} m cannot be reached")
+        self.move_to_payout(depth - self.observer.depth_zero - self._depth_bias(), speed)
+
+    def move_to_payout(self, payout: float, speed: float = 0.0) -> None:
+        """Move the mean payout to `payout` [m]. Raises ModeError where the winch's range does not reach."""
+        limits = self._governor.limits
+        if not limits.payout_minimum <= payout <= limits.payout_maximum:
+            raise ModeError(
+                f"that needs a payout of {payout:.1f} m; the winch reaches {limits.payout_minimum:g} to "
+                f"{limits.payout_maximum:g} m"
+            )
+        self.mean.move_to(payout, speed)
+
+    def cancel_move(self) -> None:
+        """Bring the mean payout to rest smoothly."""
+        self.mean.stop()
+
+    def redesign(self, parameters: WinchControllerParameters) -> ControllerDesign:
+        """Design again from `parameters` and go on with the new design; states must be the same.
+
+        Raises DesignError or ValueError, the old design then stays.
+        """
+        design = design_controller(parameters, tick_period=self._dt)
+        self.estimator.set_model(design.model, design.measurements)
+        self.parameters = parameters
+        self._take_design(design)
+        return design
+
+    def step(self, tick: int, measurements: Measurements) -> Outputs:
+        """Do tick k: take the readings delivered at t_k, return the order for [t_k, t_{k+1}] and what is believed."""
+        self._alarms = []
+        self._run_programme(tick * self._dt)
+        estimate = self._estimate(tick, measurements)
+        uncompensated = self._advance_shadow(estimate)
+        fault = 0 if measurements.winch is None else measurements.winch.fault
+        mode = self._step_mode(estimate, uncompensated, fault)
+        self._watch_landing(mode)
+        asked, governed = self._command(mode, estimate, uncompensated)
+        self._advance_mean()
+        order = self._order(mode, governed)
+        self._note_kpi(tick, estimate, uncompensated)
+        report = self._report(tick, mode, asked, governed, order, estimate)
+        kpi = self._kpi.figures() if tick % max(1, round(1.0 / self._dt)) == 0 else None
+        return Outputs(order, report, kpi, tuple(self._alarms))
+
+    def _take_design(self, design: ControllerDesign) -> None:
+        """Use a design from now on; estimate, mode and mean payout stay."""
+        self.design = design
+        self._law: Law = make_law(design)
+        self._governor = make_governor(design)
+        self._tension_law = ConstantTension(design.model, design.cable, self.parameters.winch, self.parameters.tension)
+        if math.isfinite(self.observer.tension):
+            self._tension_law.observe(self.observer.tension)
+        self._shift = AuthorityShift(design.model, design.sea_states)
+        self._shadow = shadow_model(design.cable, self._dt)
+        self._unit_weight = design.unit_weight
+        model = design.model
+        self._unit_row, self._payout_row = model.row("unit_heave"), model.row("payout")
+        self._rate_row = model.row("payout_rate")
+        self._tip_rows = np.array([model.row("boom_tip_heave"), model.row("boom_tip_heave_rate")])
+
+    def _run_programme(self, time: float) -> None:
+        """Do what the programme has due; what cannot be done now is said and left."""
+        for due in self.programme.due(time):
+            self._do(due)
+
+    def _do(self, due: ProgrammeStep) -> None:
+        try:
+            if due.mode:
+                self.set_mode(due.mode)
+            else:
+                self.move_to_payout(due.payout, due.speed)
+        except (ModeError, ValueError) as error:
+            self._alarms.append(f"programme at {due.time:g} s: {error}")
+
+    def _estimate(self, tick: int, measurements: Measurements) -> Array:
+        """Gate, take the mean payout's share off, estimate; return the estimate."""
+        self.observer.remember_share(tick, self._mean_state)
+        rate = float(self._rate_row @ (self.estimator.estimate + self._mean_state))
+        readings = self.observer.observe(tick, measurements, self.estimator, rate)
+        if measurements.load_cell and math.isfinite(self.observer.tension):
+            self._tension_law.observe(self.observer.tension)
+        estimate = self.estimator.step(tick, self._compensating_command, readings)
+        self.observer.learn(self.estimator)
+        return estimate
+
+    def _advance_shadow(self, estimate: Array) -> Array:
+        """Advance what the unit would do with the winch locked; return its heave and rate, shape (2,)."""
+        self._shadow_state = self._shadow.A @ self._shadow_state + self._shadow.B @ (self._tip_rows @ estimate)
+        return self._shadow_state
+
+    def _step_mode(self, estimate: Array, uncompensated: Array, fault: int) -> ModeOutput:
+        residual = float(self._unit_row @ estimate)
+        tip_rate = float(self._tip_rows[1] @ estimate)
+        is_judged = not self._has_landed and self.modes.mode is not Mode.CONSTANT_TENSION
+        self.guard.update(residual, float(uncompensated[0]), tip_rate, self.modes.authority if is_judged else 0.0)
+        before = self.modes.mode
+        situation = Situation(
+            lost=self.observer.lost(self._vital()),
+            has_estimate=bool(self.observer.gates["encoder"].state(0.0).accepted),
+            winch_fault=fault,
+            harm=self.guard.reason,
+            speed=abs(self._total_command),
+        )
+        mode = self.modes.step(situation)
+        if mode.mode is not before:
+            self._enter(mode.mode, before, estimate)
+        return mode
+
+    def _vital(self) -> tuple[str, ...]:
+        if self.modes.mode is Mode.CONSTANT_TENSION:
+            return ("mru", "encoder", "load_cell")
+        return ("mru", "encoder")
+
+    def _enter(self, mode: Mode, before: Mode, estimate: Array) -> None:
+        """Make the change of mode without a step."""
+        self._alarms.append(f"mode {mode.value}: {self.modes.reason}")
+        if mode in (Mode.STOPPING, Mode.STOPPED, Mode.EMERGENCY_STOP, Mode.FADE_OUT, Mode.CONSTANT_TENSION):
+            self.mean.stop()
+        is_returning = mode is Mode.COMPENSATING and before is not Mode.FADE_OUT
+        if is_returning or (mode is Mode.FADE_OUT and before is Mode.CONSTANT_TENSION):
+            # what was left over is the new mean, and goes away slowly
+            self._left_over.jump_to(float(self._payout_row @ estimate))
+            self._left_over.move_to(0.0, RETURN_SPEED)
+            self._law.reset()
+
+    def _watch_landing(self, mode: ModeOutput) -> None:
+        """Notice touchdown while lowering, and that the unit hangs again after lift-off."""
+        measured, static = self._tension_law.measured, self.design.cable.static_tension
+        if not math.isfinite(measured):
+            return
+        share = (measured - static) / self._unit_weight + 1.0
+        parameters = self.parameters.tension
+        if not self._has_landed:
+            lowering = mode.mode is Mode.COMPENSATING and self.mean.point.rate > RETURN_SPEED
+            if lowering and mode.authority > 0.5 and share < parameters.touchdown_ratio:
+                self._land(static - (1.0 - parameters.landing_ratio) * self._unit_weight)
+        elif self._is_lifting and share > parameters.lift_off_ratio:
+            self._hang()
+
+    def _land(self, tension: float) -> None:
+        """Go over to constant tension on the seabed."""
+        self._has_landed, self._is_lifting = True, False
+        self.observer.uses_unit = False
+        self.set_mode(Mode.CONSTANT_TENSION.value, tension)
+        self._alarms.append("touchdown")
+
+    def _lift_off(self) -> None:
+        """Raise the tension until the unit hangs."""
+        self._is_lifting = True
+        self._tension_law.hold(self.design.cable.static_tension + 0.02 * self._unit_weight)
+
+    def _hang(self) -> None:
+        """Compensate again: the unit hangs."""
+        self._has_landed, self._is_lifting = False, False
+        self.observer.uses_unit = True
+        self.modes.request(Mode.COMPENSATING.value)
+        self._alarms.append("unit hangs")
+
+    def _command(self, mode: ModeOutput, estimate: Array, uncompensated: Array) -> tuple[LawCommand, GovernedCommand]:
+        """Return what the law asks for and what the governor lets through, the mean payout's share included."""
+        total_state = estimate + self._mean_state
+        payout, rate = self._governor.predict(total_state)
+        reference_command = self._reference_command()
+        mean_payout, mean_rate = self._governor.predict(self._mean_state)
+        state = LoopState(
+            x=self._law_state(mode, estimate, uncompensated),
+            reference=Reference(mean_payout, mean_rate, reference_command),
+            static_tension=self.design.cable.static_tension,
+        )
+        asked = self._ask(mode, state, estimate)
+        if mode.brake:
+            governed = GovernedCommand(0.0, ())
+        else:
+            tension = self.observer.tension if math.isfinite(self.observer.tension) else state.static_tension
+            governed = self._governor.govern(asked.value + reference_command, payout, rate, tension)
+        self._total_command = governed.value
+        self._compensating_command = governed.value - (0.0 if mode.brake else reference_command)
+        return asked, governed
+
+    def _law_state(self, mode: ModeOutput, estimate: Array, uncompensated: Array) -> Array:
+        if mode.mode is Mode.CONSTANT_TENSION:
+            return estimate
+        x = self._shift.shift(estimate, uncompensated, mode.authority)
+        left = self._left_over.point.payout
+        if left != 0.0:
+            x[self.design.model.state("payout")] -= left
+            x[self.design.model.state("unit_heave")] += left
+        return x
+
+    def _ask(self, mode: ModeOutput, state: LoopState, estimate: Array) -> LawCommand:
+        if mode.mode is Mode.CONSTANT_TENSION:
+            return self._tension_law.command(LoopState(estimate, state.reference, state.static_tension))
+        if mode.mode in (Mode.COMPENSATING, Mode.FADE_OUT):
+            if isinstance(self._law, SpeedFeedforward):
+                self._law.reading = mode.authority * self.observer.mru_rate
+            return self._law.command(state)
+        if mode.mode is Mode.STOPPING:
+            step = self.parameters.modes.stop_deceleration * self._dt
+            slower = math.copysign(max(abs(self._total_command) - step, 0.0), self._total_command)
+            return LawCommand(slower - state.reference.command)
+        return IDLE
+
+    def _reference_command(self) -> float:
+        """Return the share of the command that moves the mean payout: its rate, and the servo's lag ahead."""
+        point = self.mean.point
+        if self.parameters.winch.law == "first_order":
+            return point.payout + point.rate / self.parameters.winch.position_rate
+        return point.rate + self.parameters.winch.time_constant * point.acceleration
+
+    def _advance_mean(self) -> None:
+        """Advance the mean payout and the loop's known answer to it by a tick."""
+        share = self._total_command - self._compensating_command
+        self._mean_state = self.design.model.A @ self._mean_state + self.design.model.B[:, 0] * share
+        if not self.modes.brake:
+            self.mean.advance()
+            self._left_over.advance()
+
+    def _order(self, mode: ModeOutput, governed: GovernedCommand) -> WinchOrder:
+        self._sequence += 1
+        payout = self.mean.point.payout + self._left_over.point.payout
+        if self.parameters.winch.law == "first_order":
+            return WinchOrder(self._sequence, governed.value, 0.0, mode.brake)
+        return WinchOrder(self._sequence, payout, governed.value, mode.brake)
+
+    def _depth_bias(self) -> float:
+        """Return how much deeper the mean is than the first reading [m]."""
+        model = self.design.model
+        return -float(self.estimator.estimate[model.state(DEPTH_BIAS)]) if model.has_state(DEPTH_BIAS) else 0.0
+
+    def _note_kpi(self, tick: int, estimate: Array, uncompensated: Array) -> None:
+        del tick
+        rate = float(self._rate_row @ (estimate + self._mean_state))
+        self._kpi.add(
+            unit=float(self._unit_row @ estimate),
+            uncompensated=float(uncompensated[0]),
+            tip=float(self._tip_rows[0] @ estimate),
+            payout=float(self._payout_row @ estimate),
+            rate=rate,
+            acceleration=(rate - self._last_rate) / self._dt,
+            tension=self.observer.tension,
+        )
+        self._last_rate = rate
+
+    def figures(self) -> RollingKpi:
+        """Return the figures of merit of the last window."""
+        return self._kpi.figures()
+
+    def _report(
+        self,
+        tick: int,
+        mode: ModeOutput,
+        asked: LawCommand,
+        governed: GovernedCommand,
+        order: WinchOrder,
+        estimate: Array,
+    ) -> Report:
+        innovations = self.estimator.innovations
+        names = tuple(self.estimator.measurements)
+        rows = [innovations.get(name) for name in names]
+        tip = float(self._tip_rows[0] @ estimate)
+        return Report(
+            mode=mode.mode.value,
+            law=self.parameters.law,
+            reason=mode.reason,
+            state_names=self.design.model.state_names,
+            estimate=tuple(estimate.tolist()),
+            covariance_diagonal=tuple(np.diagonal(self.estimator.covariance).tolist()),
+            measurement_names=names,
+            innovation=tuple(math.nan if row is None else row.value for row in rows),
+            innovation_sigma=tuple(math.nan if row is None else row.sigma for row in rows),
+            nis=tuple(math.nan if row is None else row.nis for row in rows),
+            gain=tuple(self._law.gain.tolist()),
+            predicted_unit_heave=float(self._unit_row @ estimate),
+            predicted_boom_tip_heave=tip,
+            predicted_uncompensated_heave=float(self._shadow_state[0]),
+            payout_set_point=order.payout,
+            payout_rate_set_point=order.payout_rate,
+            depth_set_point=self.mean.point.payout + self._left_over.point.payout,
+            authority=mode.authority,
+            active_limits=tuple(dict.fromkeys(governed.active + asked.active)),
+            solver_status=asked.status,
+            solver_iterations=asked.iterations,
+            sensors=self.observer.states(tick),
+        )

@@ -1,0 +1,148 @@
+"""Never worse than off: compares the residual with what the unit would do uncompensated, live, from estimates.
+
+Both are exponentially weighted variances of estimated motion. Compensation that does harm is faded out; after a hold
+time, which doubles with every harm, it is tried again once the sea asks for no more than the winch can give.
+"""
+
+from __future__ import annotations
+
+import math
+
+from winch_controller_node.law_parameters import GuardParameters
+from winch_controller_node.laws.governor import WinchLimits
+
+SLOW_MEAN_FACTOR = 3.0
+"""The mean about which motion is judged is followed this many times more slowly than the variance."""
+
+SIGNIFICANT = 2.0
+"""Significant amplitude over standard deviation of a narrow-banded sea."""
+
+
+class RunningSigma:
+    """Exponentially weighted standard deviation about a slow mean.
+
+    Parameters
+    ----------
+    time_constant : memory [s]
+    tick_period : [s]
+    """
+
+    def __init__(self, time_constant: float, tick_period: float) -> None:
+        self._weight = tick_period / time_constant
+        self._count = 0
+        self._mean = 0.0
+        self._variance = 0.0
+
+    def add(self, value: float) -> None:
+        """Take a value in; the first ones weigh as in a plain average."""
+        self._count += 1
+        weight = max(self._weight, 1.0 / self._count)
+        self._mean += max(self._weight / SLOW_MEAN_FACTOR, 1.0 / self._count) * (value - self._mean)
+        self._variance += weight * ((value - self._mean) ** 2 - self._variance)
+
+    @property
+    def sigma(self) -> float:
+        """Standard deviation, in the unit of the values."""
+        return math.sqrt(self._variance)
+
+
+class HarmGuard:
+    """Says when compensation shall be faded out, and when it may be tried again.
+
+    Parameters
+    ----------
+    parameters : window, ratio, hold times
+    limits : of the winch, for what the sea may ask for
+    tick_period : [s]
+
+    Attributes
+    ----------
+    is_harming : compensation is to be off
+    reason : in words, empty when all is well
+    """
+
+    def __init__(self, parameters: GuardParameters, limits: WinchLimits, *, tick_period: float) -> None:
+        self._parameters = parameters
+        self._limits = limits
+        self._dt = tick_period
+        self.is_harming = False
+        self.reason = ""
+        self._hold = parameters.hold_time
+        self._off_time = 0.0
+        self._on_time = 0.0
+        self._reset_sigmas()
+        self._tip_rate = RunningSigma(parameters.window, tick_period)
+        self._tip_acceleration = RunningSigma(parameters.window, tick_period)
+        self._last_rate: float | None = None
+
+    def _reset_sigmas(self) -> None:
+        self._residual = RunningSigma(self._parameters.window, self._dt)
+        self._uncompensated = RunningSigma(self._parameters.window, self._dt)
+
+    @property
+    def residual_sigma(self) -> float:
+        """Residual motion of the unit, estimated [m]."""
+        return self._residual.sigma
+
+    @property
+    def uncompensated_sigma(self) -> float:
+        """What it would be with the winch locked, estimated [m]."""
+        return self._uncompensated.sigma
+
+    @property
+    def demand(self) -> float:
+        """What the sea asks of the winch over its limits: significant amplitude of speed or acceleration [-]."""
+        speed = SIGNIFICANT * self._tip_rate.sigma / self._limits.speed
+        acceleration = SIGNIFICANT * self._tip_acceleration.sigma / self._limits.acceleration
+        return max(speed, acceleration)
+
+    def update(self, residual: float, uncompensated: float, tip_rate: float, authority: float) -> None:
+        """Take one tick in.
+
+        Parameters
+        ----------
+        residual, uncompensated : estimated unit heave with and without compensation [m]
+        tip_rate : estimated heave rate of the boom tip [m/s]
+        authority : share of the sea that is compensated now
+        """
+        self._tip_rate.add(tip_rate)
+        if self._last_rate is not None:
+            self._tip_acceleration.add((tip_rate - self._last_rate) / self._dt)
+        self._last_rate = tip_rate
+        if self.is_harming:
+            self._wait(authority)
+            return
+        if authority <= 0.0:
+            self._on_time = 0.0
+            self._reset_sigmas()
+            return
+        self._residual.add(residual)
+        self._uncompensated.add(uncompensated)
+        self._on_time += self._dt
+        self._judge()
+
+    def _judge(self) -> None:
+        parameters = self._parameters
+        if self._on_time < 0.5 * parameters.window:
+            return
+        residual, uncompensated = self.residual_sigma, self.uncompensated_sigma
+        if residual > parameters.floor and residual > parameters.harm_ratio * uncompensated:
+            self.is_harming = True
+            self._off_time = 0.0
+            self.reason = (
+                f"compensation does harm: residual {residual:.3f} m against {uncompensated:.3f} m uncompensated"
+            )
+        elif self._on_time > 4.0 * self._hold:
+            self._hold = parameters.hold_time
+
+    def _wait(self, authority: float) -> None:
+        """Count the time off, and let compensation be tried again."""
+        if authority > 0.0:
+            return
+        self._off_time += self._dt
+        if self._off_time >= self._hold and self.demand <= self._parameters.demand_ratio:
+            self.is_harming = False
+            self.reason = ""
+            self._hold = min(2.0 * self._hold, self._parameters.hold_time_limit)
+            self._on_time = 0.0
+            self._reset_sigmas()

@@ -1,0 +1,237 @@
+"""Parameters of laws, modes, interlocks and sensor gates of the winch controller."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from heave_node.parameters import ParameterError, parameter
+
+LAWS = ("off", "lqr", "lqg", "feedforward", "mpc")
+
+
+@dataclass(frozen=True)
+class LimitParameters:
+    """How much of the winch the controller uses, and what the cable must keep."""
+
+    speed_use: float = parameter(
+        1.0, unit="", minimum=0.05, maximum=1.0, description="Share of the winch's speed limit that is used."
+    )
+    acceleration_use: float = parameter(
+        1.0, unit="", minimum=0.05, maximum=1.0, description="Share of the winch's acceleration limit that is used."
+    )
+    payout_margin: float = parameter(
+        1.0, unit="m", minimum=0.0, maximum=100.0, description="Distance kept from the ends of the payout range."
+    )
+    minimum_tension_ratio: float = parameter(
+        0.1, unit="", minimum=0.0, maximum=0.95, description="Least tension over static tension; 0 means no bound."
+    )
+
+
+@dataclass(frozen=True)
+class MpcParameters:
+    """The constrained law."""
+
+    horizon: float = parameter(10.0, unit="s", minimum=1.0, maximum=60.0, description="Prediction horizon.")
+    solve_ticks: int = parameter(1, unit="", minimum=1, maximum=20, description="Ticks from one solution to the next.")
+    iteration_limit: int = parameter(
+        200, unit="", minimum=5, maximum=100_000, description="Iterations after which the last good plan is followed."
+    )
+    softness: float = parameter(
+        1e-7, unit="", minimum=1e-12, maximum=1.0, description="Reciprocal weight of a violated constraint."
+    )
+
+
+@dataclass(frozen=True)
+class FeedforwardParameters:
+    """The speed feed-forward of the MRU: what industry does."""
+
+    prediction: bool = parameter(
+        True, unit="", description="Predict the boom tip over the winch's delay and lag; false: command the MRU's rate."
+    )
+    centring_time: float = parameter(
+        60.0, unit="s", minimum=1.0, maximum=3600.0, description="Time constant that brings the mean payout back."
+    )
+
+
+@dataclass(frozen=True)
+class GuardParameters:
+    """Never worse than off: compensation is faded out when it does harm."""
+
+    window: float = parameter(
+        40.0, unit="s", minimum=1.0, maximum=3600.0, description="Memory of the comparison with uncompensated."
+    )
+    harm_ratio: float = parameter(
+        0.9,
+        unit="",
+        minimum=0.05,
+        maximum=10.0,
+        description="Fade out above this residual over uncompensated motion.",
+    )
+    floor: float = parameter(
+        0.02, unit="m", minimum=0.0, maximum=10.0, description="Residual, 1 sigma, that is never held to be harm."
+    )
+    hold_time: float = parameter(
+        60.0, unit="s", minimum=0.0, maximum=86_400.0, description="Time off before compensation is tried again."
+    )
+    hold_time_limit: float = parameter(
+        960.0, unit="s", minimum=0.0, maximum=86_400.0, description="The hold time doubles at each harm up to this."
+    )
+    demand_ratio: float = parameter(
+        3.0,
+        unit="",
+        minimum=0.1,
+        maximum=100.0,
+        description="No try while the sea asks for more than this multiple of the winch's limits (1/3 highest).",
+    )
+
+
+@dataclass(frozen=True)
+class ModeParameters:
+    """Times and rates of the mode machine."""
+
+    start: str = parameter(
+        "compensating",
+        unit="",
+        choices=("standby", "compensating"),
+        description="Mode the controller goes to by itself once its estimate has settled.",
+    )
+    settling_time: float = parameter(
+        20.0, unit="s", minimum=0.0, maximum=3600.0, description="Time the estimator runs before compensation starts."
+    )
+    fade_in_time: float = parameter(
+        10.0, unit="s", minimum=0.05, maximum=600.0, description="Time over which compensation is faded in."
+    )
+    fade_out_time: float = parameter(
+        10.0, unit="s", minimum=0.05, maximum=600.0, description="Time over which compensation is faded out."
+    )
+    coast_time: float = parameter(
+        1.5, unit="s", minimum=0.0, maximum=10.0, description="Time to run on prediction when the MRU is lost."
+    )
+    resume: bool = parameter(
+        True, unit="", description="Compensate again by itself when a lost sensor is back; faults of the winch wait."
+    )
+    resume_time: float = parameter(
+        15.0, unit="s", minimum=0.0, maximum=3600.0, description="Time all sensors must be well before that."
+    )
+    stop_deceleration: float = parameter(
+        0.5, unit="m/s^2", minimum=1e-3, maximum=100.0, description="Deceleration of an orderly stop."
+    )
+
+
+@dataclass(frozen=True)
+class TensionLawParameters:
+    """The constant-tension mode and landing."""
+
+    landing_ratio: float = parameter(
+        0.2,
+        unit="",
+        minimum=0.0,
+        maximum=0.95,
+        description="Share of the unit's weight that the cable carries after touchdown.",
+    )
+    touchdown_ratio: float = parameter(
+        0.6,
+        unit="",
+        minimum=0.0,
+        maximum=0.99,
+        description="The unit has landed when, lowering, the cable carries less than this share of its weight.",
+    )
+    lift_off_ratio: float = parameter(
+        0.95, unit="", minimum=0.1, maximum=1.0, description="The unit hangs when the cable carries this share again."
+    )
+    time_constant: float = parameter(
+        2.0, unit="s", minimum=0.1, maximum=600.0, description="Time constant of the tension loop."
+    )
+    ramp_time: float = parameter(
+        8.0, unit="s", minimum=0.1, maximum=600.0, description="Time over which the set-point goes to its new value."
+    )
+    speed_limit: float = parameter(
+        0.3, unit="m/s", minimum=0.001, maximum=10.0, description="Largest correction on top of the boom-tip rate."
+    )
+
+
+@dataclass(frozen=True)
+class MoveParameters:
+    """Moves to another depth."""
+
+    speed: float = parameter(0.5, unit="m/s", minimum=1e-3, maximum=10.0, description="Largest mean speed of a move.")
+    acceleration: float = parameter(
+        0.05, unit="m/s^2", minimum=1e-4, maximum=5.0, description="Largest mean acceleration of a move."
+    )
+    jerk_time: float = parameter(
+        2.0, unit="s", minimum=0.0, maximum=60.0, description="Time over which acceleration builds up."
+    )
+
+
+@dataclass(frozen=True)
+class ProgrammeParameters:
+    """Moves and modes at given times: what an operator would ask for, for scenarios."""
+
+    move_times: tuple[float, ...] = parameter(
+        (), unit="s", minimum=0.0, description="Simulated times at which moves start, ascending."
+    )
+    move_payouts: tuple[float, ...] = parameter(
+        (), unit="m", description="Mean payout that each move goes to; as many as move_times."
+    )
+    move_speeds: tuple[float, ...] = parameter(
+        (), unit="m/s", minimum=0.0, description="Largest speed of each move; 0 or none: move.speed."
+    )
+    mode_times: tuple[float, ...] = parameter(
+        (), unit="s", minimum=0.0, description="Simulated times at which modes are asked for, ascending."
+    )
+    modes: tuple[str, ...] = parameter(
+        (),
+        unit="",
+        choices=("standby", "compensating", "constant_tension", "stopped", "emergency_stop"),
+        description="Mode asked for at each of mode_times.",
+    )
+
+    def __post_init__(self) -> None:
+        if len(self.move_payouts) != len(self.move_times):
+            raise ParameterError("programme.move_payouts must have as many values as programme.move_times")
+        if self.move_speeds and len(self.move_speeds) != len(self.move_times):
+            raise ParameterError("programme.move_speeds must be empty or have as many values as programme.move_times")
+        if len(self.modes) != len(self.mode_times):
+            raise ParameterError("programme.modes must have as many values as programme.mode_times")
+        for name in ("move_times", "mode_times"):
+            times = getattr(self, name)
+            if list(times) != sorted(times):
+                raise ParameterError(f"programme.{name} must be ascending; got {list(times)}")
+
+
+@dataclass(frozen=True)
+class HealthParameters:
+    """Gates in front of the estimator."""
+
+    frozen_samples: int = parameter(
+        3, unit="", minimum=2, maximum=1000, description="So many equal readings in a row are a frozen sensor."
+    )
+    stale_samples: float = parameter(
+        3.0, unit="", minimum=1.0, maximum=1000.0, description="A sensor is lost after so many missing readings."
+    )
+    spike_sigmas: float = parameter(
+        8.0,
+        unit="",
+        minimum=3.0,
+        maximum=1000.0,
+        description="A reading so many standard deviations off its prediction is a spike.",
+    )
+    spike_floor: float = parameter(
+        0.3, unit="m", minimum=0.0, maximum=100.0, description="Heave or depth nearer than this is never a spike."
+    )
+    recover_samples: int = parameter(
+        10, unit="", minimum=1, maximum=10_000, description="Good readings in a row that make a lost sensor good again."
+    )
+    jump_samples: int = parameter(
+        20,
+        unit="",
+        minimum=2,
+        maximum=10_000,
+        description="So many refused readings that agree are a jump, not spikes.",
+    )
+    stamp_tolerance: float = parameter(
+        0.001, unit="s", minimum=0.0, maximum=1.0, description="A reading may be stamped this much later than now."
+    )
+    encoder_step: float = parameter(
+        0.05, unit="m", minimum=1e-3, maximum=10.0, description="An encoder step further off than this is a jump."
+    )

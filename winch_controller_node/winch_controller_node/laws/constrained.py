@@ -1,0 +1,236 @@
+"""The constrained law: model predictive control on the same estimate and gain as LQG.
+
+The command is u = -G x + c with a correction c over the horizon, zero after it. For the LQR gain G the cost of any c is
+J = J_LQR + W sum c^2 exactly, W = R + B' P B: the best correction is the smallest that keeps the limits, and where the
+LQR keeps them by itself there is none. The QP then has the identity for a Hessian (in a basis of hat functions), its
+matrices never change, and each tick only its bounds are new. Constraints are soft, with a weight that makes a
+violation dear: a QP without a solution does not exist. DAQP (dual active set, warm-started from the last active set)
+solves it in some tens of microseconds; its iterations are capped, so that it is as repeatable as it is fast.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import daqp
+import numpy as np
+
+from winch_controller_node.law_parameters import MpcParameters
+from winch_controller_node.laws.feedback import LawCommand
+from winch_controller_node.laws.governor import ACCELERATION, PAYOUT, POWER, SPEED, TENSION, WinchLimits
+from winch_controller_node.laws.loop_state import LoopState
+from winch_controller_node.linear_model import Array, LinearModel
+from winch_controller_node.lqr import DesignError
+
+SOFT = 8
+"""DAQP's mark of a soft constraint."""
+
+ACTIVE_TOLERANCE = 1e-3
+"""A limit shapes the plan when the plan comes this near to it, relative to the limit."""
+
+
+def correction_knots(horizon: float, dt: float) -> list[int]:
+    """Return the ticks of the hat functions: dense where the next commands are made, sparse far ahead."""
+    knots, time = [0], 0.0
+    while time < horizon - 1e-9:
+        time += 0.1 if time < 0.5 else 0.25 if time < 3.0 else 0.35
+        tick = round(min(time, horizon) / dt)
+        if tick > knots[-1]:
+            knots.append(tick)
+    return knots
+
+
+def constrained_ticks(first: int, horizon_ticks: int, dt: float) -> list[int]:
+    """Return the ticks at which limits are kept: each one soon, some later."""
+    ticks: list[int] = []
+    tick = first
+    while tick < horizon_ticks:
+        ticks.append(tick)
+        ahead = (tick - first) * dt
+        tick += max(1, round((0.05 if ahead < 2.3 else 0.1 if ahead < 4.8 else 0.15) / dt))
+    return ticks
+
+
+@dataclass(frozen=True)
+class _Rows:
+    """Rows of one kind of constraint: which rows, and when [s from now]."""
+
+    name: str
+    rows: slice
+    times: Array
+
+
+class ConstrainedLaw:
+    """MPC with limits on winch speed, acceleration, power, payout and tension.
+
+    Parameters
+    ----------
+    model : the design's augmented model, speed servo
+    gain : LQR gain of that model, shape (n,)
+    limits : to be kept
+    parameters : horizon, ticks between solutions, caps
+
+    Raises DesignError for a first-order winch and for a horizon that the delay fills.
+    """
+
+    def __init__(self, model: LinearModel, gain: Array, limits: WinchLimits, parameters: MpcParameters) -> None:
+        if "payout_acceleration" not in model.output_names:
+            raise DesignError("law mpc bounds the winch's acceleration: it needs winch.law speed_servo")
+        assert model.dt is not None
+        self.gain = gain
+        self.limits = limits
+        self._parameters = parameters
+        horizon_ticks = round(parameters.horizon / model.dt)
+        command = model.input_names[0]
+        delay = sum(name.startswith(command + "_") for name in model.state_names)
+        if delay >= horizon_ticks:
+            raise DesignError(
+                f"mpc.horizon = {parameters.horizon:g} s must be longer than the command delay ({delay * model.dt:g} s)"
+            )
+        self._basis = _hat_functions(correction_knots(parameters.horizon, model.dt), horizon_ticks)
+        self._build_rows(model, delay, horizon_ticks)
+        self._setup_solver(model.dt)
+        self.reset()
+
+    def _build_rows(self, model: LinearModel, delay: int, horizon_ticks: int) -> None:
+        assert model.dt is not None
+        dense = constrained_ticks(delay, horizon_ticks, model.dt)
+        sparse = dense[::3]
+        kinds: list[tuple[str, str, list[int]]] = [
+            (SPEED, "payout_rate", dense),
+            (ACCELERATION, "payout_acceleration", dense),
+            (PAYOUT, "payout", sparse),
+            (TENSION, "tension", sparse),
+        ]
+        free, forced = _responses(model, self.gain, self._basis, horizon_ticks)
+        blocks_free, blocks_forced, self._rows = [], [], []
+        start = 0
+        for name, output, ticks in kinds:
+            row, through = model.row(output), float(model.D[model.output_names.index(output), 0])
+            feedback = row - through * self.gain
+            blocks_free.append(np.array([feedback @ free[k] for k in ticks]))
+            blocks_forced.append(
+                np.array([feedback @ forced[k] + through * self._basis[min(k, horizon_ticks - 1)] for k in ticks])
+            )
+            times = np.array(ticks) * model.dt
+            self._rows.append(_Rows(name, slice(start, start + len(ticks)), times))
+            start += len(ticks)
+        self._free = np.vstack(blocks_free)
+        self._forced = np.vstack(blocks_forced)
+
+    def _setup_solver(self, dt: float) -> None:
+        hessian = self._basis.T @ self._basis * dt
+        scale = 1.0 / np.sqrt(np.diag(hessian))
+        self._scale = scale
+        self._scaled_hessian = np.ascontiguousarray(hessian * scale[:, None] * scale[None, :])
+        self._scaled_forced = np.ascontiguousarray(self._forced * scale[None, :])
+        self._sense = np.full(len(self._forced), SOFT, dtype=np.int32)
+
+    def reset(self) -> None:
+        """Forget the plan and the solver's warm start."""
+        count = len(self._forced)
+        self._solver = daqp.Model()
+        self._solver.settings = {
+            "iter_limit": self._parameters.iteration_limit,
+            "rho_soft": self._parameters.softness,
+        }
+        self._solver.setup(
+            self._scaled_hessian,
+            np.zeros(self._basis.shape[1]),
+            self._scaled_forced,
+            np.full(count, 1e30),
+            np.full(count, -1e30),
+            self._sense,
+        )
+        self._plan = np.zeros(self._basis.shape[1])
+        self._plan_age = 0
+        self._since_solution = 0
+        self._last = LawCommand(0.0, "no solution yet")
+
+    def command(self, state: LoopState) -> LawCommand:
+        """Return the command at `state`: solve when it is time, else follow the plan."""
+        if self._since_solution == 0:
+            self._solve(state)
+        else:
+            self._plan_age += 1
+        self._since_solution = (self._since_solution + 1) % self._parameters.solve_ticks
+        correction = 0.0
+        if self._plan_age < len(self._basis):
+            correction = float(self._basis[self._plan_age] @ self._plan)
+        last = self._last
+        return LawCommand(correction - float(self.gain @ state.x), last.status, last.iterations, last.active)
+
+    def _solve(self, state: LoopState) -> None:
+        free = self._free @ state.x
+        lower, upper = self._bounds(state)
+        if np.all(free <= upper) and np.all(free >= lower):
+            self._plan[:] = 0.0
+            self._plan_age = 0
+            self._last = LawCommand(0.0, "free")
+            return
+        self._solver.update(bupper=upper - free, blower=lower - free)
+        solution, _, flag, info = self._solver.solve()
+        iterations = int(info["iterations"])
+        if flag > 0 and np.all(np.isfinite(solution)):
+            self._plan = np.asarray(solution) * self._scale
+            self._plan_age = 0
+            planned = free + self._forced @ self._plan
+            self._last = LawCommand(0.0, "solved", iterations, self._active(planned, lower, upper))
+        else:
+            self._plan_age += 1
+            status = f"not solved in {iterations} iterations: plan of {self._plan_age} ticks ago followed"
+            self._last = LawCommand(0.0, status, iterations, self._last.active)
+            # a solver that stopped in mid-way starts afresh
+            self._restart_solver()
+
+    def _restart_solver(self) -> None:
+        plan, age, last, since = self._plan, self._plan_age, self._last, self._since_solution
+        self.reset()
+        self._plan, self._plan_age, self._last, self._since_solution = plan, age, last, since
+
+    def _bounds(self, state: LoopState) -> tuple[Array, Array]:
+        """Return lower and upper bounds of the constrained outputs, the mean payout's share taken off."""
+        limits, reference = self.limits, state.reference
+        count = len(self._forced)
+        lower, upper = np.full(count, -1e30), np.full(count, 1e30)
+        largest_tension = state.static_tension + max(float(np.max(self._free[self._rows[3].rows] @ state.x)), 0.0)
+        speed = limits.speed_under(largest_tension)
+        for kind in self._rows:
+            if kind.name == SPEED:
+                lower[kind.rows], upper[kind.rows] = -speed - reference.rate, speed - reference.rate
+            elif kind.name == ACCELERATION:
+                lower[kind.rows], upper[kind.rows] = -limits.acceleration, limits.acceleration
+            elif kind.name == PAYOUT:
+                mean = reference.payout + reference.rate * kind.times
+                lower[kind.rows], upper[kind.rows] = limits.payout_minimum - mean, limits.payout_maximum - mean
+            elif limits.minimum_tension > 0.0:
+                lower[kind.rows] = limits.minimum_tension - state.static_tension
+        return lower, upper
+
+    def _active(self, planned: Array, lower: Array, upper: Array) -> tuple[str, ...]:
+        active = []
+        for kind in self._rows:
+            values, low, high = planned[kind.rows], lower[kind.rows], upper[kind.rows]
+            if np.any(values >= high - ACTIVE_TOLERANCE * np.abs(high)) or np.any(
+                values <= low + ACTIVE_TOLERANCE * np.abs(low)
+            ):
+                is_power = kind.name == SPEED and math.isfinite(self.limits.power)
+                active.append(POWER if is_power and float(np.max(high)) < self.limits.speed else kind.name)
+        return tuple(active)
+
+
+def _hat_functions(knots: list[int], ticks: int) -> Array:
+    """Return the basis of the correction, shape (ticks, knots): linear between knots."""
+    time = np.arange(ticks)
+    return np.column_stack([np.interp(time, knots, np.eye(len(knots))[j]) for j in range(len(knots))])
+
+
+def _responses(model: LinearModel, gain: Array, basis: Array, ticks: int) -> tuple[list[Array], list[Array]]:
+    """Return per tick 0..ticks the free response (n, n) and the response to each basis function (n, m)."""
+    closed = model.A - model.B @ gain[None, :]
+    free, forced = [np.eye(model.order)], [np.zeros((model.order, basis.shape[1]))]
+    for k in range(ticks):
+        free.append(closed @ free[-1])
+        forced.append(closed @ forced[-1] + model.B @ basis[k][None, :])
+    return free, forced

@@ -1,0 +1,139 @@
+"""The command governor: no command leaves that would take the winch beyond its limits.
+
+The command of a tick acts after the delay; what counts is the winch's state then, which the model predicts from the
+commands already on their way. The governed command is what the estimator is told, so that it never believes in a
+motion that the winch cannot make: that is all the anti-windup a state-feedback law needs.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from winch_controller_node.law_parameters import LimitParameters
+from winch_controller_node.linear_model import Array, LinearModel
+from winch_controller_node.model_parameters import WinchModelParameters
+
+SPEED, ACCELERATION, PAYOUT, POWER, TENSION = "speed", "acceleration", "payout", "power", "tension"
+
+
+@dataclass(frozen=True)
+class WinchLimits:
+    """Limits in force: the winch's own less what the controller does not use.
+
+    Attributes
+    ----------
+    speed [m/s], acceleration [m/s^2], payout_minimum, payout_maximum [m]
+    power [W], infinite without a limit; minimum_tension [N]
+    """
+
+    speed: float
+    acceleration: float
+    payout_minimum: float
+    payout_maximum: float
+    power: float = math.inf
+    minimum_tension: float = 0.0
+
+    def speed_under(self, tension: float) -> float:
+        """Return the speed limit [m/s] under `tension` [N], the power limit included."""
+        if not math.isfinite(self.power) or not tension > 0.0:
+            return self.speed
+        return min(self.speed, self.power / tension)
+
+
+def winch_limits(winch: WinchModelParameters, limits: LimitParameters, static_tension: float) -> WinchLimits:
+    """Return the limits in force for a winch and a static top tension [N]."""
+    span = winch.payout_maximum - winch.payout_minimum
+    margin = min(limits.payout_margin, 0.25 * span)
+    return WinchLimits(
+        speed=winch.speed_limit * limits.speed_use,
+        acceleration=winch.acceleration_limit * limits.acceleration_use,
+        payout_minimum=winch.payout_minimum + margin,
+        payout_maximum=winch.payout_maximum - margin,
+        power=winch.power_limit if winch.power_limit > 0.0 else math.inf,
+        minimum_tension=limits.minimum_tension_ratio * static_tension,
+    )
+
+
+@dataclass(frozen=True)
+class GovernedCommand:
+    """What came out: the command and the names of the limits that shaped it."""
+
+    value: float
+    active: tuple[str, ...]
+
+
+class CommandGovernor:
+    """Saturates commands against the predicted state of the winch.
+
+    Parameters
+    ----------
+    model : the design's augmented model, one input
+    winch : its law and lags
+    limits : in force
+    """
+
+    def __init__(self, model: LinearModel, winch: WinchModelParameters, limits: WinchLimits) -> None:
+        self._winch = winch
+        self.limits = limits
+        command = model.input_names[0]
+        delay = sum(name.startswith(command + "_") for name in model.state_names)
+        ahead = np.linalg.matrix_power(model.A, delay)
+        self._payout_ahead: Array = model.row("payout") @ ahead
+        self._rate_ahead: Array = model.row("payout_rate") @ ahead
+
+    def predict(self, x: Array) -> tuple[float, float]:
+        """Return payout [m] and rate [m/s] at the moment the next command takes effect, from the model's state."""
+        return float(self._payout_ahead @ x), float(self._rate_ahead @ x)
+
+    def govern(self, wanted: float, payout: float, rate: float, tension: float) -> GovernedCommand:
+        """Return the nearest command to `wanted` within the limits.
+
+        Parameters
+        ----------
+        wanted : rate command [m/s], or payout command [m] of a first-order winch
+        payout, rate : of the winch when the command takes effect, mean motion included [m], [m/s]
+        tension : expected at the top, for the power limit [N]
+        """
+        if self._winch.law == "first_order":
+            return self._govern_payout(wanted, payout, tension)
+        limits = self.limits
+        active: list[str] = []
+        speed = limits.speed_under(tension)
+        step = limits.acceleration * self._winch.time_constant
+        value = wanted
+        for lower, upper, name in (
+            (-speed, speed, SPEED if speed >= limits.speed else POWER),
+            (*self._room(payout, rate), PAYOUT),
+            (rate - step, rate + step, ACCELERATION),
+        ):
+            if value < lower or value > upper:
+                active.append(name)
+                value = min(max(value, lower), upper)
+        return GovernedCommand(value, tuple(active))
+
+    def _room(self, payout: float, rate: float) -> tuple[float, float]:
+        """Return the rate commands from which the winch can still stop before the ends of its range."""
+        limits = self.limits
+        lag = self._winch.time_constant
+        # the servo needs its lag before it brakes; half the acceleration leaves the other half for errors
+        down = limits.payout_maximum - payout - max(rate, 0.0) * 2.0 * lag
+        up = payout - limits.payout_minimum - max(-rate, 0.0) * 2.0 * lag
+        lower, upper = (math.copysign(math.sqrt(limits.acceleration * abs(room)), room) for room in (up, down))
+        return -lower, upper
+
+    def _govern_payout(self, wanted: float, payout: float, tension: float) -> GovernedCommand:
+        limits = self.limits
+        step = limits.speed_under(tension) / self._winch.position_rate
+        active: list[str] = []
+        value = wanted
+        for lower, upper, name in (
+            (limits.payout_minimum, limits.payout_maximum, PAYOUT),
+            (payout - step, payout + step, SPEED),
+        ):
+            if value < lower or value > upper:
+                active.append(name)
+                value = min(max(value, lower), upper)
+        return GovernedCommand(value, tuple(active))

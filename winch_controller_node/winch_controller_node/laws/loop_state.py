@@ -1,0 +1,67 @@
+"""What a law is given each tick: the compensation problem as the laws see it.
+
+Compensation of the share `authority` of the sea, about a mean payout that may move, is the plain problem in shifted
+states: unit heave minus (1 - authority) times the uncompensated heave, boom tip and waves times authority, payout
+minus the mean payout. The plant is linear in all of them, so that one law serves every authority, and authority may
+move at any time without a step in the command.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from winch_controller_node.linear_model import Array, LinearModel
+
+
+@dataclass(frozen=True)
+class Reference:
+    """Motion of the mean payout that compensation is superposed on, at the moment the next command takes effect.
+
+    Attributes
+    ----------
+    payout, rate : of the winch as it follows the mean payout [m], [m/s]
+    command : share of the rate command that belongs to it [m/s]
+    """
+
+    payout: float = 0.0
+    rate: float = 0.0
+    command: float = 0.0
+
+
+@dataclass(frozen=True)
+class LoopState:
+    """State of the loop at a tick.
+
+    Attributes
+    ----------
+    x : state of the compensation problem, names of the design's model, shape (n,)
+    reference : the mean payout's motion
+    static_tension : tension at the top about which the model's tension counts [N]
+    """
+
+    x: Array
+    reference: Reference
+    static_tension: float
+
+
+class AuthorityShift:
+    """Takes an estimate to the state of the compensation problem at some authority.
+
+    Parameters
+    ----------
+    model : the design's augmented model
+    sea_states : names of vessel and wave states, which scale with the authority
+    """
+
+    def __init__(self, model: LinearModel, sea_states: tuple[str, ...]) -> None:
+        self._unit = [model.state("unit_heave"), model.state("unit_heave_rate")]
+        self._sea = [model.state(name) for name in sea_states]
+
+    def shift(self, estimate: Array, uncompensated: Array, authority: float) -> Array:
+        """Return the shifted state, shape (n,); `uncompensated` is its unit heave and rate, shape (2,)."""
+        x = np.array(estimate)
+        x[self._unit] -= (1.0 - authority) * uncompensated
+        x[self._sea] *= authority
+        return x

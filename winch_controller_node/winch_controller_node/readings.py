@@ -1,0 +1,152 @@
+"""What the controller is given and gives in one tick: plain data, no ROS."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+MRU_OK, MRU_SETTLING, MRU_INVALID = 0, 1, 2
+"""Status words of an MRU reading, as in heave_msgs/MruSample."""
+
+
+@dataclass(frozen=True)
+class MruReading:
+    """The MRU's word on the boom tip: time of measurement [s], heave [m] and rate [m/s] positive up, attitude [rad]."""
+
+    time: float
+    heave: float
+    heave_rate: float
+    roll: float = 0.0
+    pitch: float = 0.0
+    status: int = MRU_OK
+    sequence: int = 0
+
+
+@dataclass(frozen=True)
+class ScalarReading:
+    """One scalar: time of measurement [s] and value in the sensor's unit."""
+
+    time: float
+    value: float
+
+
+@dataclass(frozen=True)
+class WinchReading:
+    """What the winch says of itself: encoder [m], [m/s], brake, fault and limits as in heave_msgs/WinchState."""
+
+    time: float
+    encoder_payout: float
+    encoder_payout_rate: float
+    brake: bool
+    fault: int = 0
+    command_sequence: int = 0
+    limits_hit: int = 0
+
+
+@dataclass(frozen=True)
+class Measurements:
+    """All that was delivered at a tick.
+
+    Attributes
+    ----------
+    mru : readings of the motion reference unit
+    depth : depth of the unit, positive down [m], from its pressure sensor
+    velocity : vertical velocity of the unit, positive up [m/s] (DVL)
+    imu : vertical acceleration of the unit, positive up, without gravity [m/s^2]
+    load_cell : top tension [N]
+    winch : newest state of the winch; None: none came
+    """
+
+    mru: tuple[MruReading, ...] = ()
+    depth: tuple[ScalarReading, ...] = ()
+    velocity: tuple[ScalarReading, ...] = ()
+    imu: tuple[ScalarReading, ...] = ()
+    load_cell: tuple[ScalarReading, ...] = ()
+    winch: WinchReading | None = None
+
+
+@dataclass(frozen=True)
+class WinchOrder:
+    """The command of a tick: set-points of payout [m] and rate [m/s], brake, and the number of the command."""
+
+    sequence: int
+    payout: float
+    payout_rate: float
+    brake: bool
+
+
+@dataclass(frozen=True)
+class SensorState:
+    """How one sensor is seen.
+
+    Attributes
+    ----------
+    sensor : name; level : 0 OK, 1 suspect, 2 lost; reason : why, empty when OK
+    age : of the newest accepted reading [s], infinite before the first
+    accepted, refused : readings so far
+    """
+
+    sensor: str
+    level: int
+    reason: str
+    age: float
+    accepted: int
+    refused: int
+
+
+@dataclass(frozen=True)
+class Report:
+    """What the controller believes and does, as published in heave_msgs/ControllerState; names as there."""
+
+    mode: str
+    law: str
+    reason: str
+    state_names: tuple[str, ...]
+    estimate: tuple[float, ...]
+    covariance_diagonal: tuple[float, ...]
+    measurement_names: tuple[str, ...]
+    innovation: tuple[float, ...]
+    innovation_sigma: tuple[float, ...]
+    nis: tuple[float, ...]
+    gain: tuple[float, ...]
+    predicted_unit_heave: float
+    predicted_boom_tip_heave: float
+    predicted_uncompensated_heave: float
+    payout_set_point: float
+    payout_rate_set_point: float
+    depth_set_point: float
+    authority: float
+    active_limits: tuple[str, ...]
+    solver_status: str
+    solver_iterations: int
+    sensors: tuple[SensorState, ...]
+
+
+@dataclass(frozen=True)
+class RollingKpi:
+    """Figures of merit over the last window, from sensors and estimates alone; names of heave_msgs/CompensationKpi."""
+
+    window: float
+    unit_sigma: float
+    uncompensated_sigma: float
+    boom_tip_sigma: float
+    unit_efficiency: float
+    outlet_efficiency: float
+    significant_residual: float
+    max_abs_heave: float
+    winch_speed_max: float
+    winch_acceleration_max: float
+    power_peak: float
+    power_mean: float
+    tension_min: float
+    tension_max: float
+    time_at_limit: float
+
+
+@dataclass(frozen=True)
+class Outputs:
+    """What a tick gives: the order to the winch, the report, and once a second the KPI."""
+
+    order: WinchOrder
+    report: Report
+    kpi: RollingKpi | None = None
+    alarms: tuple[str, ...] = field(default=())
