@@ -248,7 +248,7 @@ class WeightParameters:
     0 leaves it out.
     """
 
-    unit_heave: float = parameter(0.01, unit="m", minimum=0.0, description="Heave of the unit.")
+    unit_heave: float = parameter(0.05, unit="m", minimum=0.0, description="Heave of the unit.")
     unit_heave_rate: float = parameter(0.0, unit="m/s", minimum=0.0, description="Heave rate of the unit.")
     outlet_heave: float = parameter(0.05, unit="m", minimum=0.0, description="Boom-tip heave less payout.")
     payout: float = parameter(50.0, unit="m", minimum=0.0, description="Payout about its mean: keeps it from drifting.")

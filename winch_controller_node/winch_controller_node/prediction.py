@@ -9,21 +9,28 @@ k+1).
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 import scipy.linalg
 
-from winch_controller_node.design import ControllerDesign, is_sensor_state
+from winch_controller_node.design import ControllerDesign, full_gain, is_sensor_state
 from winch_controller_node.estimator import MeasurementModel
 from winch_controller_node.linear_model import Array, LinearModel, with_feedback
-from winch_controller_node.lqr import DesignError, QuadraticCost, lqr_gain, output_cost
+from winch_controller_node.lqr import DesignError, output_cost
 
 LONGEST_PATTERN = 240
 """Ticks after which the pattern of all sensors must repeat."""
 
+SETTLED = 1e-7
+"""Relative change of a covariance over a pattern at which it counts as stationary."""
+
 PERIODS_TO_SETTLE = 40_000
 """Ticks after which a covariance that still changes is a design that cannot be predicted."""
+
+
+ErrorCovariances = list[tuple[Array, Array]]
+"""Covariance of the estimate's error before and after the readings, for each tick of the sensors' pattern."""
 
 
 @dataclass(frozen=True)
@@ -69,7 +76,7 @@ class _FilterModel:
     variances: list[Array]
 
 
-def error_covariances(design: ControllerDesign) -> list[tuple[Array, Array]]:
+def error_covariances(design: ControllerDesign) -> ErrorCovariances:
     """Return the covariance of the estimate's error before and after the readings, for each tick of the sensors'
     pattern.
 
@@ -91,26 +98,30 @@ def error_covariances(design: ControllerDesign) -> list[tuple[Array, Array]]:
             P = _corrected(prior, rows, variances)
             pairs.append((prior[: model.order, : model.order], P[: model.order, : model.order]))
         level = float(np.sum(np.sqrt(np.maximum(np.diag(P), 0.0))))
-        if abs(level - previous) < 1e-9 * level:
+        if abs(level - previous) < SETTLED * level:
             return pairs
         previous = level
     raise DesignError("the covariance of the estimate does not settle: the sensors do not determine the state")
 
 
+def _filter_gain(P: Array, rows: Array, variances: Array) -> Array:
+    return np.asarray(np.linalg.solve(rows @ P @ rows.T + np.diag(variances), rows @ P).T, dtype=np.float64)
+
+
 def _corrected(P: Array, rows: Array, variances: Array) -> Array:
     if not len(rows):
         return P
-    gain = np.linalg.solve(rows @ P @ rows.T + np.diag(variances), rows @ P).T
+    gain = _filter_gain(P, rows, variances)
     rest = np.eye(len(P)) - gain @ rows
     corrected = rest @ P @ rest.T + gain @ np.diag(variances) @ gain.T
     return np.asarray(0.5 * (corrected + corrected.T))
 
 
-def _filter_model(design: ControllerDesign) -> _FilterModel:
+def _filter_model(design: ControllerDesign, *, every_tick: bool = False) -> _FilterModel:
     model = design.model
     periods = sensor_periods(design)
     known = [m for m in design.measurements if np.any(m.row)]
-    pattern = math.lcm(*[periods[m.sensor][0] for m in known])
+    pattern = 1 if every_tick else math.lcm(*[periods[m.sensor][0] for m in known])
     if pattern > LONGEST_PATTERN:
         raise DesignError(
             f"the sensors' pattern repeats only after {pattern} ticks: give rates that divide each other (at most "
@@ -124,7 +135,9 @@ def _filter_model(design: ControllerDesign) -> _FilterModel:
         rows.append((row, measurement))
     n = len(A)
     padded = [(np.pad(row, (0, n - len(row))), m) for row, m in rows]
-    by_tick = [[(r, m) for r, m in padded if tick % periods[m.sensor][0] == 0] for tick in range(1, pattern + 1)]
+    by_tick = [
+        [(r, m) for r, m in padded if every_tick or tick % periods[m.sensor][0] == 0] for tick in range(1, pattern + 1)
+    ]
     return _FilterModel(
         A,
         Q,
@@ -149,21 +162,55 @@ def _with_past(A: Array, Q: Array, row: Array, age: int) -> tuple[Array, Array, 
     return longer, np.pad(Q, ((0, age), (0, age))), oldest
 
 
-def predict_loop(design: ControllerDesign, gain: Array | None = None) -> LoopPrediction:
+@dataclass(frozen=True)
+class EquivalentFilter:
+    """A stationary Kalman filter at the tick, x = A x + B u then x += K (y - H x), past values of "
+    "late readings as states.
+    """
+
+    A: Array
+    H: Array
+    K: Array
+
+
+def equivalent_filter(design: ControllerDesign) -> EquivalentFilter:
+    """Return the stationary filter with slow sensors replaced by ones at the tick that tell as much per second."""
+    periods = sensor_periods(design)
+    model = _filter_model(design, every_tick=True)
+    n = design.model.order
+    P = np.zeros_like(model.A)
+    P[:n, :n] = design.initial_covariance
+    H = model.rows[0]
+    known = [m for m in design.measurements if np.any(m.row)]
+    variances = np.array([m.sigma**2 * periods[m.sensor][0] for m in known])
+    previous = np.inf
+    for _ in range(PERIODS_TO_SETTLE):
+        prior = model.A @ P @ model.A.T + model.Q
+        P = _corrected(prior, H, variances)
+        level = float(np.sum(np.sqrt(np.maximum(np.diag(P), 0.0))))
+        if abs(level - previous) < SETTLED * level:
+            return EquivalentFilter(model.A, H, _filter_gain(prior, H, variances))
+        previous = level
+    raise DesignError("the covariance of the estimate does not settle: the sensors do not determine the state")
+
+
+def predict_loop(
+    design: ControllerDesign, gain: Array | None = None, errors: ErrorCovariances | None = None
+) -> LoopPrediction:
     """Return the stationary standard deviations under u = -gain (estimate); `gain` has shape (n,), default
     `design.gain`.
 
     Sigmas are root mean squares over the ticks of the sensors' pattern.
     """
     gain = design.gain if gain is None else gain
-    pairs = error_covariances(design)
+    pairs = error_covariances(design) if errors is None else errors
     keep = [i for i, name in enumerate(design.model.state_names) if not is_sensor_state(name)]
     plant = design.model.select_states([design.model.state_names[i] for i in keep])
     closed = with_feedback(plant, gain[None, keep])
     estimates = _estimate_covariances(closed.A, [(before - after)[np.ix_(keep, keep)] for before, after in pairs])
-    errors = [after[np.ix_(keep, keep)] for _, after in pairs]
+    remaining = [after[np.ix_(keep, keep)] for _, after in pairs]
     variances = np.mean(
-        [_output_variances(plant, closed, P, X) for P, X in zip(errors, estimates, strict=True)], axis=0
+        [_output_variances(plant, closed, P, X) for P, X in zip(remaining, estimates, strict=True)], axis=0
     )
     command = np.mean([gain[keep] @ X @ gain[keep] for X in estimates])
     error = np.sqrt(np.mean([np.diag(after) for _, after in pairs], axis=0))
@@ -196,32 +243,20 @@ def _output_variances(plant: LinearModel, closed: LinearModel, P: Array, X: Arra
     return variances
 
 
-def estimation_bound(design: ControllerDesign) -> float:
+def estimation_bound(design: ControllerDesign, errors: ErrorCovariances | None = None) -> float:
     """Return s_est [m]: the least unit sigma any controller reaches with these sensors and delay, without limits.
 
     It is the LQG optimum for unit heave alone, the command being free (its weight as small as numbers allow).
+    `errors` are `error_covariances(design)`, to save their computation.
     """
-    keep = [i for i, name in enumerate(design.model.state_names) if not is_sensor_state(name)]
-    plant = design.model.select_states([design.model.state_names[i] for i in keep])
+    errors = error_covariances(design) if errors is None else errors
     best = math.inf
     for command_size in (1e3, 1e4, 1e5):
-        cost = output_cost(plant, {"unit_heave": 0.01, "payout": 1e4}, command_size)
+        cost = output_cost(design.model, {"unit_heave": 0.01, "payout": 1e4}, command_size)
         try:
-            gain = np.zeros(design.model.order)
-            gain[keep] = lqr_gain(plant, QuadraticCost(cost.Q, cost.N, cost.R))[0]
-            best = min(best, predict_loop(design, gain).sigma["unit_heave"])
+            best = min(best, predict_loop(design, full_gain(design.model, cost), errors).sigma["unit_heave"])
         except DesignError:
             break
     if not math.isfinite(best):
         raise DesignError("the estimation bound has no solution for this model")
     return best
-
-
-def with_weight(design: ControllerDesign, command_size: float) -> ControllerDesign:
-    """Return the design with another size of the command weight: one point of a trade-off curve."""
-    from winch_controller_node.design import design_controller  # noqa: PLC0415  # the curve redesigns
-
-    weights = replace(design.parameters.weights, command=command_size)
-    return design_controller(
-        replace(design.parameters, weights=weights), tick_period=design.tick_period, length=design.length
-    )
