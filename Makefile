@@ -8,6 +8,9 @@ BUILD_INPUTS := pyproject.toml $(wildcard cmake/* msgs/*.txt msgs/*.xml msgs/msg
 # The mark that the ROS wheels leave in the environment belongs to one Python; another must set itself up.
 unexport _ROS_WHEELS_BOOTSTRAP_COMPLETE
 export OMP_NUM_THREADS ?= 1
+export PIP_DISABLE_PIP_VERSION_CHECK ?= 1
+# Trust the certificates that the machine trusts, as pip and git do.
+export UV_NATIVE_TLS ?= 1
 
 .PHONY: help run test lint check coverage install clean
 .DELETE_ON_ERROR:
@@ -36,7 +39,7 @@ install: $(VENV)/.installed  ## set up only: .venv/bin/heave
 # uv installs in a third of pip's time; where it cannot (a mirror that only pip is told of) pip does.
 $(VENV)/bin/uv:
 	@python=$$(sh tools/find_python.sh $(PYTHON)) && echo "setup: $$python" && "$$python" -m venv --clear $(VENV)
-	@$(BIN)/python -m pip install --quiet --disable-pip-version-check uv
+	@$(BIN)/python -m pip install --quiet uv
 
 $(VENV)/.installed: $(VENV)/bin/uv $(BUILD_INPUTS)
 	@echo "setup: ROS 2 from wheels, then the messages are compiled: a minute or two"
