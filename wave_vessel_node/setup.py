@@ -24,7 +24,17 @@ setup(
     maintainer_email=manifest.find("maintainer").get("email"),
     packages=find_packages(include=[name, f"{name}.*"]),
     package_data={
-        name: ["py.typed", "**/*.yaml", "**/*.xml", "**/*.md", "**/*.html", "**/*.css", "**/*.js", "**/*.json"]
+        name: [
+            "py.typed",
+            "**/*.yaml",
+            "**/*.csv",
+            "**/*.xml",
+            "**/*.md",
+            "**/*.html",
+            "**/*.css",
+            "**/*.js",
+            "**/*.json",
+        ]
     },
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{name}"]),

@@ -1,0 +1,66 @@
+"""The ROS shell: messages carry what the component says. The tick protocol has its own tests in node_base."""
+
+import math
+
+import numpy as np
+import pytest
+from heave_node import topics
+from heave_node.kinematics import PointMotion
+from heave_node.tick import stamp_of_seconds
+from wave_vessel_node.component import WaveVessel
+from wave_vessel_node.parameters import WaveVesselParameters
+from wave_vessel_node.vessel_motion import VesselMotion
+
+from wave_vessel_node import messages, node
+
+STAMP = stamp_of_seconds(12.5)
+
+
+def test_the_boom_tip_goes_out_in_frame_world_with_its_stamp():
+    motion = PointMotion(12.5, np.array([1.0, 2.0, 3.0]), np.array([4.0, 5.0, 6.0]), np.array([7.0, 8.0, 9.0]))
+    message = messages.boom_tip_message(motion, STAMP)
+    assert (message.header.frame_id, message.header.stamp) == ("world", STAMP)
+    assert (message.position.z, message.velocity.y, message.acceleration.x) == (3.0, 5.0, 7.0)
+
+
+def test_the_mru_message_says_what_the_reading_says():
+    vessel = WaveVessel(WaveVesselParameters(), seed=1, tick_period=0.05)
+    reading = [vessel.step(tick).mru for tick in range(1, 40)][-1]
+    message = messages.mru_message(reading, stamp_of_seconds(reading.time), (0.01, 0.02))
+    assert (message.sequence, message.status) == (39, 0)
+    assert (message.heave, message.heave_rate) == (reading.heave, reading.heave_rate)
+    assert (message.heave_sigma, message.heave_rate_sigma) == (0.01, 0.02)
+    assert message.header.stamp == stamp_of_seconds(1.95)
+
+
+def test_odometry_has_unit_quaternions_and_world_axes():
+    motion = VesselMotion(heading=math.pi / 2, turn_rate=0.1)
+    motion.displacement[:] = [1.0, 0.0, 0.5, 0.1, -0.2, 0.05]
+    message = messages.odometry_message(motion, STAMP)
+    position, q = message.pose.pose.position, message.pose.pose.orientation
+    assert (position.x, position.y, position.z) == pytest.approx((0.0, 1.0, 0.5))
+    assert q.x**2 + q.y**2 + q.z**2 + q.w**2 == pytest.approx(1.0)
+    assert message.twist.twist.angular.z == pytest.approx(0.1)
+
+
+@pytest.mark.parametrize("angle", [0.3, -0.7])
+def test_a_quaternion_of_one_angle_turns_about_its_axis(angle):
+    half = math.sin(angle / 2)
+    for axis, angles in (("x", (angle, 0, 0)), ("y", (0, angle, 0)), ("z", (0, 0, angle))):
+        q = messages.quaternion(*angles)
+        assert getattr(q, axis) == pytest.approx(half)
+        assert q.w == pytest.approx(math.cos(angle / 2))
+
+
+def test_the_sea_state_message_holds_the_target_spectrum():
+    state = WaveVessel(WaveVesselParameters(significant_wave_height=2.0), seed=9, tick_period=0.05).sea_state()
+    message = messages.sea_state_message(state, STAMP)
+    assert message.seed == 9
+    assert 4 * math.sqrt(np.trapezoid(message.spectral_density, message.angular_frequency)) == pytest.approx(
+        2.0, rel=0.02
+    )
+
+
+def test_the_node_publishes_every_topic_that_is_its_own():
+    own = {topic.name for topic in topics.ALL_TOPICS if topic.publisher == node.WaveVesselNode.name}
+    assert own == {"sea_state", "sea_state_estimate", "wave_elevation", "vessel/odometry", "boom_tip", "mru"}

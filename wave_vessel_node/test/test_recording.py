@@ -1,0 +1,162 @@
+import math
+
+import numpy as np
+import pytest
+from heave_msgs.msg import MruSample, PointMotion
+from mcap.writer import Writer
+from rclpy.serialization import serialize_message
+from wave_vessel_node.component import WaveVessel
+from wave_vessel_node.parameters import VesselParameters, WaveVesselParameters
+from wave_vessel_node.recording import RecordedSource, RecordingError, read_recording
+from wave_vessel_node.vessel import SecondOrderVessel
+
+DT = 0.05
+TIME = np.arange(0.0, 120.0, 0.1)
+
+
+def write_csv(path, rows, header="time_s,z_m"):
+    lines = ["# a recording", header, *(",".join(f"{value:.9g}" for value in row) for row in rows)]
+    path.write_text("\n".join(lines) + "\n")
+    return path
+
+
+def sine_csv(tmp_path, omega=0.7, header="time_s,z_m"):
+    return write_csv(tmp_path / "motion.csv", zip(TIME + 100.0, 3.0 + np.sin(omega * TIME), strict=True), header)
+
+
+def test_a_motion_in_csv_is_replayed_about_its_mean_with_rates_that_fit(tmp_path):
+    recording = read_recording(sine_csv(tmp_path))
+    mean = np.sin(0.7 * TIME).mean()
+    source = RecordedSource(recording, None, DT)
+    for tick in (100, 999, 2000):
+        motion, t = source.motion(tick), tick * DT
+        # cubic spline of 0.1 s: error h^4/384 of the fourth derivative in value, h^2/12 of it in acceleration
+        assert motion.displacement[2] == pytest.approx(math.sin(0.7 * t) - mean, abs=1e-6)
+        assert motion.velocity[2] == pytest.approx(0.7 * math.cos(0.7 * t), abs=1e-5)
+        assert motion.acceleration[2] == pytest.approx(-(0.7**2) * math.sin(0.7 * t), abs=1e-3)
+
+
+def test_an_elevation_goes_through_the_vessel(tmp_path):
+    path = sine_csv(tmp_path, 0.8, "time_s,elevation_m")
+    vessel = SecondOrderVessel(0.9, 0.4, 1.0)
+    source = RecordedSource(read_recording(path), vessel, DT)
+    motions = [source.motion(tick) for tick in range(1, 2300)]
+    response = complex(vessel.response(0.8))
+    mean = np.sin(0.8 * TIME).mean()
+    for tick in (1500, 2000, 2299):
+        # 75 s in, the free oscillation e^(-0.36 t) is gone; the recording's mean is not part of the motion
+        expected = (response * -1j * np.exp(0.8j * tick * DT)).real - mean
+        assert motions[tick - 1].displacement[2] == pytest.approx(expected, abs=1e-5)
+
+
+def test_a_run_beyond_the_end_of_the_recording_says_so(tmp_path):
+    source = RecordedSource(read_recording(sine_csv(tmp_path)), None, DT)
+    with pytest.raises(RecordingError, match=r"ends after 119.9 s: give a shorter duration"):
+        source.motion(2400)
+
+
+def test_the_component_replays_a_recording(tmp_path):
+    path = sine_csv(tmp_path)
+    parameters = WaveVesselParameters(boom_tip_source="file", recording_file=str(path), ramp=1.0)
+    vessel = WaveVessel(parameters, seed=1, tick_period=DT)
+    tips = [vessel.step(tick).boom_tip for tick in range(1, 200)]
+    mean = np.sin(0.7 * TIME).mean()
+    assert tips[-1].position[2] == pytest.approx(math.sin(0.7 * 200 * DT) - mean, abs=1e-6)
+    assert vessel.sea_state().spectrum == "file"
+
+
+def test_samples_that_are_not_numbers_or_out_of_order_are_left_out_by_name(tmp_path):
+    rows = [[t, math.sin(t)] for t in TIME[:200]]
+    rows[50][1] = math.nan
+    rows[80][0] = rows[79][0]
+    recording = read_recording(write_csv(tmp_path / "m.csv", rows))
+    assert len(recording.time) == 198
+    assert [warning.split(": ")[1] for warning in recording.warnings] == [
+        "1 samples that are not numbers left out",
+        "1 samples not later than the one before left out",
+    ]
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ("", "is empty"),
+        ("a,b\n1,2\n", "wanted columns time_s and z_m"),
+        ("time_s,z_m\n0,1\n1,2\n", "has 2 usable samples"),
+        ("time_s,z_m\n0,1\n1\n", "line 3: 1 values where the header has 2"),
+        ("time_s,z_m\n0,up\n", "line 2"),
+        ("time_s,z_m\n" + "".join(f"{t},0\n" for t in (*range(8), 20, 21, 22)), "no sample for 13.0 s after 7 s"),
+    ],
+)
+def test_a_recording_that_cannot_be_used_is_refused_in_one_line(tmp_path, text, says):
+    path = tmp_path / "bad.csv"
+    path.write_text(text)
+    with pytest.raises(RecordingError, match=says) as error:
+        read_recording(path)
+    assert "\n" not in str(error.value)
+
+
+def write_bag(path, name, messages, topic):
+    with path.open("wb") as stream:
+        writer = Writer(stream)
+        writer.start("ros2", "test")
+        schema = writer.register_schema(name, "ros2msg", b"")
+        channel = writer.register_channel(topic, "cdr", schema)
+        for message in messages:
+            stamp = message.header.stamp.sec * 10**9 + message.header.stamp.nanosec
+            writer.add_message(channel, stamp, bytes(serialize_message(message)), stamp)
+        writer.finish()
+    return path
+
+
+def stamped(kind, t, frame="world", **fields):
+    message = kind(**fields)
+    message.header.frame_id = frame
+    message.header.stamp.sec, message.header.stamp.nanosec = int(t), round((t % 1.0) * 1e9)
+    return message
+
+
+@pytest.mark.parametrize("frame", ["", "world", "a_frame"])
+def test_a_bag_of_boom_tip_motion_is_read_whatever_its_frame_is_called(tmp_path, frame):
+    messages = []
+    for t in TIME[1:100]:
+        message = stamped(PointMotion, t, frame)
+        message.position.x, message.position.y, message.position.z = float(t), 2.0, math.sin(t)
+        messages.append(message)
+    write_bag(tmp_path / "a.mcap", "heave_msgs/msg/PointMotion", messages, "/ship/boom_tip")
+    for path in (tmp_path, tmp_path / "a.mcap"):
+        recording = read_recording(path)
+        np.testing.assert_allclose(recording.time, TIME[1:100] - TIME[1], atol=1e-9)
+        expected = np.sin(TIME[1:100])
+        np.testing.assert_allclose(recording.position[:, 2], expected - expected.mean(), atol=1e-12)
+        assert recording.position[-1, 0] - recording.position[0, 0] == pytest.approx(TIME[99] - TIME[1])
+
+
+def test_a_bag_of_mru_samples_is_read(tmp_path):
+    messages = [stamped(MruSample, t, sequence=i, status=1, heave=math.cos(t)) for i, t in enumerate(TIME[1:100])]
+    path = write_bag(tmp_path / "m.mcap", "heave_msgs/msg/MruSample", messages, "/mru")
+    recording = read_recording(path, "mru")
+    expected = np.cos(TIME[1:100])
+    np.testing.assert_allclose(recording.position[:, 2], expected - expected.mean(), atol=1e-12)
+
+
+def test_a_bag_without_the_topic_or_cut_short_is_refused(tmp_path):
+    path = write_bag(tmp_path / "m.mcap", "heave_msgs/msg/MruSample", [stamped(MruSample, 1.0)], "/mru")
+    with pytest.raises(RecordingError, match="no topic boom_tip; found /mru"):
+        read_recording(path)
+    path.write_bytes(path.read_bytes()[:60])
+    with pytest.raises(RecordingError, match="not a whole MCAP file"):
+        read_recording(path, "mru")
+    (tmp_path / "empty").mkdir()
+    with pytest.raises(RecordingError, match=r"has no \.mcap file"):
+        read_recording(tmp_path / "empty")
+
+
+def test_a_vessel_of_raos_cannot_follow_a_recorded_elevation(tmp_path):
+    with pytest.raises(ValueError, match="no direction"):
+        WaveVesselParameters(
+            boom_tip_source="file",
+            recording_file="x.csv",
+            recording_kind="elevation",
+            vessel=VesselParameters(model="rao"),
+        )
