@@ -70,14 +70,14 @@ def run_scenario(scenario: Scenario, folder: RunFolder, on_look: OnLook | None =
     second while the run lasts.
     """
     prepare_environment()
-    write_scenario(_resolved(scenario, folder), folder.scenario)
+    write_scenario(resolved(scenario, folder), folder.scenario)
     monitor = Monitor()
     launcher = Launcher()
     progress = ProgressLine()
     try:
         if monitor.another_run():
             raise CommandError("another run is under way in this ROS domain: end it, or set another ROS_DOMAIN_ID")
-        launcher.start(_nodes_to_start(scenario), folder.scenario, folder.logs)
+        launcher.start(nodes_to_start(scenario), folder.scenario, folder.logs)
         return _watch(scenario, launcher, monitor, progress, on_look)
     except KeyboardInterrupt:
         raise CommandError("interrupted; the bag holds what was recorded until then") from None
@@ -87,12 +87,13 @@ def run_scenario(scenario: Scenario, folder: RunFolder, on_look: OnLook | None =
         monitor.close()
 
 
-def _nodes_to_start(scenario: Scenario) -> list[str]:
+def nodes_to_start(scenario: Scenario) -> list[str]:
+    """Return the nodes that are not replaced by hardware or left out of the run."""
     wanted = {MASTER, *scenario.run.participants} - set(scenario.run.external)
     return [node.name for node in NODES if node.name in wanted]
 
 
-def _resolved(scenario: Scenario, folder: RunFolder) -> NodeValues:
+def resolved(scenario: Scenario, folder: RunFolder) -> NodeValues:
     """Return the scenario with the folder's paths in it: the file that the nodes get and the bag carries."""
     values = {node: dict(section) for node, section in scenario.values.items()}
     values.setdefault("recorder", {}).update(
