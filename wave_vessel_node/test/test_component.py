@@ -56,7 +56,7 @@ def test_position_velocity_and_acceleration_fit_one_another(kind):
         error = np.abs(low[2:] - low[:-2] - simpson)[smooth & (time > 4 * DT)]
         # Simpson's error is h^5/90 of the fourth derivative of `high`: 1e-6 at 4 rad/s; where the boom tip follows the
         # sea, up to 8 rad/s; rates within manoeuvres are differences over 0.02 s, and their third derivatives jump
-        assert error.max() < {"turn": 2e-4, "direct": 1e-4}.get(kind, 5e-6)
+        assert error.max() < {"turn": 5e-5, "direct": 1e-4}.get(kind, 5e-6)
 
 
 @pytest.mark.parametrize("kind", list(KINDS))

@@ -103,7 +103,7 @@ class ResponseTable:
 
 @dataclass(frozen=True)
 class SampledResponse:
-    """RAOs at fixed wave frequencies, as periodic cubic splines in heading; linear in speed, held beyond its range.
+    """RAOs at fixed wave frequencies, as periodic cubic splines in heading; smooth in speed, held beyond its range.
 
     Attributes
     ----------
@@ -116,23 +116,26 @@ class SampledResponse:
     knots: Array
     coefficients: ComplexArray
 
-    def speed_share(self, speed: float) -> tuple[int, int, float]:
-        """Return the two speeds about `speed` and the share of the upper."""
-        if speed <= self.speed[0] or self.speed.size == 1:
-            return 0, 0, 0.0
-        if speed >= self.speed[-1]:
-            return self.speed.size - 1, self.speed.size - 1, 0.0
-        upper = int(np.searchsorted(self.speed, speed))
-        return upper - 1, upper, float((speed - self.speed[upper - 1]) / (self.speed[upper] - self.speed[upper - 1]))
+    def speed_weights(self, speed: float) -> Array:
+        """Return what each speed of the table counts for at `speed`, shape (s,): a cubic with continuous slope."""
+        count = self.speed.size
+        if count == 1:
+            return np.ones(1)
+        speed = float(np.clip(speed, self.speed[0], self.speed[-1]))
+        upper = int(np.clip(np.searchsorted(self.speed, speed), 1, count - 1))
+        h = self.speed[upper] - self.speed[upper - 1]
+        x = (speed - self.speed[upper - 1]) / h
+        unit = np.eye(count)
+        slope = np.gradient(unit, self.speed, axis=0)
+        weights = (1.0 - x) ** 2 * ((1.0 + 2.0 * x) * unit[upper - 1] + x * h * slope[upper - 1])
+        return np.asarray(weights + x**2 * ((3.0 - 2.0 * x) * unit[upper] + (x - 1.0) * h * slope[upper]))
 
     def at(self, heading: Array, speed: float) -> ComplexArray:
         """Return H (6, n), one relative heading [rad] for each frequency."""
         angle = np.mod(heading, 2.0 * np.pi)
         cell = np.clip(np.searchsorted(self.knots, angle, side="right") - 1, 0, self.knots.size - 2)
         powers = (angle - self.knots[cell])[:, None] ** np.arange(3, -1, -1)
-        lower, upper, share = self.speed_share(speed)
-        pick = np.arange(angle.size)
-        chosen = (1.0 - share) * self.coefficients[lower, pick, cell] + share * self.coefficients[upper, pick, cell]
+        chosen = np.tensordot(self.speed_weights(speed), self.coefficients[:, np.arange(angle.size), cell], axes=1)
         return np.asarray(np.einsum("ndp,np->dn", chosen, powers))
 
 

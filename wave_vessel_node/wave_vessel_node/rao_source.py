@@ -83,11 +83,11 @@ class RaoSource:
     def _sum_at(self, time: float) -> Array:
         sea = self._components
         x, y = self._course.place(time)
-        lower, upper, share = self._response.speed_share(self._course.speed(time))
+        weights = self._response.speed_weights(self._course.speed(time))
         out = np.zeros(7)
         _sum(
             sea.frequency, sea.amplitude, sea.phase, sea.direction, self._response.knots,
-            self._response.coefficients[lower], self._response.coefficients[upper], share,
+            self._response.coefficients, weights,
             time, x, y, self._course.heading(time), self._arm[0], self._arm[1], out,
         )  # fmt: skip
         return out
@@ -96,7 +96,7 @@ class RaoSource:
 @njit(cache=True)
 def _sum(
     frequency: Array, amplitude: Array, phase: Array, direction: Array, knots: Array,
-    lower: ComplexArray, upper: ComplexArray, share: float,
+    coefficients: ComplexArray, weights: Array,
     time: float, x: float, y: float, heading: float, arm_x: float, arm_y: float, out: Array,
 ) -> None:  # fmt: skip
     """Sum six motions and the elevation at one time into out (7,)."""
@@ -112,8 +112,9 @@ def _sum(
         for motion in range(6):
             response = 0.0j
             for power in range(4):
-                low, high = lower[n, cell, motion, power], upper[n, cell, motion, power]
-                response = response * step + (1.0 - share) * low + share * high
+                response *= step
+                for s in range(weights.size):
+                    response += weights[s] * coefficients[s, n, cell, motion, power]
             out[motion] += (response * wave).real
         arm = wave_number * (arm_x * np.cos(relative) + arm_y * np.sin(relative))
         out[6] += (np.exp(-1j * arm) * wave).real
