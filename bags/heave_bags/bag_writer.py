@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from contextlib import suppress
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -18,6 +18,7 @@ from heave_bags.bag_files import (
     file_name,
     write_metadata,
 )
+from heave_bags.cdr_canonical import Canonical
 from heave_bags.definitions import DefinitionError, schema_text, type_hash
 from heave_bags.errors import BagError, StorageError
 from heave_bags.mcap_writer import ChunkPolicy, McapWriter
@@ -55,6 +56,7 @@ class BagPolicy:
 class _Topic:
     summary: TopicSummary
     schema: str
+    canonical: Callable[[bytes], bytes] | None = None
     channel: int = 0
     """Id in the present file; 0: not yet registered there."""
 
@@ -99,6 +101,7 @@ class BagWriter:
         self._closed_files: list[FileSummary] = []
         self._ros_distro = ros_distro
         self._last_time = 0
+        self._refusal: StorageError | None = None
         self.closed = False
         try:
             folder.mkdir(parents=True)
@@ -120,7 +123,11 @@ class BagWriter:
             self._writer.add_attachment(attachment.name, attachment.media_type, attachment.data, log_time=0)
 
     def add_topic(self, name: str, message_type: str, qos: Sequence[OfferedQos] = ()) -> str:
-        """Make a topic known. Returns "" or one line that says why its bag cannot be decoded elsewhere."""
+        """Make a topic known, by the definition installed here. Its messages are written without what middleware
+        leaves in their padding.
+
+        Returns "" or one line that says why its bag cannot be decoded elsewhere.
+        """
         if name in self._topics:
             return ""
         try:
@@ -128,11 +135,11 @@ class BagWriter:
         except DefinitionError as error:
             schema, problem = "", f"{name} is recorded without its definition: {error}"
         summary = TopicSummary(name, message_type, tuple(qos), type_hash(message_type))
-        self._topics[name] = _Topic(summary, schema)
+        self._topics[name] = _Topic(summary, schema, Canonical(message_type, schema) if schema else None)
         return problem
 
     def add_foreign_topic(self, summary: TopicSummary, schema: str) -> None:
-        """Make a topic known by the definition that another bag holds."""
+        """Make a topic known by the definition that another bag holds. Its messages are written as they are."""
         self._topics.setdefault(summary.name, _Topic(summary, schema))
 
     def write(self, topic: str, log_time: int, data: bytes, *, publish_time: int | None = None) -> None:
@@ -147,9 +154,28 @@ class BagWriter:
             self._register(known)
         known.summary.message_count += 1
         self._last_time = log_time
+        if known.canonical is not None:
+            data = known.canonical(data)
         published = log_time if publish_time is None else publish_time
         sequence = known.summary.message_count & 0xFFFFFFFF
-        self._writer.write(known.channel, log_time, data, publish_time=published, sequence=sequence)
+        if self._refusal is not None:
+            raise self._refusal
+        try:
+            self._writer.write(known.channel, log_time, data, publish_time=published, sequence=sequence)
+        except StorageError as error:
+            self._refusal = error
+            raise
+
+    @contextmanager
+    def _remembering_refusal(self) -> Iterator[None]:
+        """Remember that the disk has refused something: from then on the bag is not what was written."""
+        if self._refusal is not None:
+            raise self._refusal
+        try:
+            yield
+        except StorageError as error:
+            self._refusal = error
+            raise
 
     def _must_split(self, log_time: int) -> bool:
         writer, policy = self._writer, self._policy
@@ -171,7 +197,8 @@ class BagWriter:
 
     def acknowledge(self) -> None:
         """Journal what was written since: it survives a crash of this process."""
-        self._file.acknowledge(self._writer.take_pending())
+        with self._remembering_refusal():
+            self._file.acknowledge(self._writer.take_pending())
 
     def split(self) -> None:
         """Complete the present file and begin the next."""
@@ -209,7 +236,8 @@ class BagWriter:
             return
         self.closed = True
         try:
-            self._complete(outcome)
+            with self._remembering_refusal():
+                self._complete(outcome)
         except (StorageError, OSError) as error:
             reason = str(error) if isinstance(error, StorageError) else f"{self.folder}: {error.strerror}"
             raise StorageError(f"{reason}; {self._salvage()}") from error

@@ -173,12 +173,19 @@ class McapScan:
                 return
             if opcode == Opcode.DATA_END:
                 self.contents.complete = True
+                self._check_end(stream, position, size)
                 return
             yield from self._record(stream, opcode, position, length)
             position = following
         yield from self._walk(read_journal(self.path, position), position)
         self._settle_lost_chunk()
         self._lose(position, NO_FOOTER, 0)
+
+    def _check_end(self, stream: IO[bytes], position: int, size: int) -> None:
+        """Note a file whose summary was cut off; no message is lost by that."""
+        stream.seek(size - len(MAGIC))
+        if stream.read() != MAGIC:
+            self._lose(position, "the file ends within its summary", 0)
 
     def _record(self, stream: IO[bytes], opcode: int, position: int, length: int) -> Iterator[Message]:
         if opcode == Opcode.MESSAGE_INDEX:

@@ -170,7 +170,7 @@ class BackgroundStorage:
             if self._error is not None:
                 raise self._error
             if self.backlog + len(data) > self._limit:
-                raise StorageError(f"the disk is too slow: {self.backlog >> 20} MB wait to be written")
+                raise StorageError(f"the disk is too slow: {self.backlog / 1e6:.1f} MB wait to be written")
             self._queue.append((work, data))
             self.backlog += len(data)
             self._waiting.notify()

@@ -1,0 +1,78 @@
+"""The report: one offline file that a real browser draws without a complaint."""
+
+import re
+import shutil
+import subprocess
+
+import pytest
+from heave_bags import analysis, report
+from heave_bags.kpi_set import Signal
+from heave_bags.report_figures import pack, run_figures, thin
+from made_up_run import MadeUpRun
+from numpy import arange, sin, zeros
+
+BROWSER = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+FLAGS = (
+    "--headless",
+    "--no-sandbox",
+    "--disable-gpu",
+    "--disable-quic",
+    "--no-first-run",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+    "--enable-logging=stderr",
+    "--virtual-time-budget=20000",
+)
+
+
+def browse(page, tmp_path) -> tuple[str, list[str]]:
+    """Return the page as a browser has drawn it, and what its console said."""
+    command = [BROWSER, *FLAGS, f"--user-data-dir={tmp_path / 'profile'}", "--dump-dom", page.as_uri()]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=120, check=True)
+    return done.stdout, [line for line in done.stderr.splitlines() if "CONSOLE" in line]
+
+
+@pytest.mark.skipif(BROWSER is None, reason="no Chromium on this machine")
+def test_a_browser_draws_every_figure_without_a_word_on_the_console(made_up_bag, tmp_path):
+    bags = [made_up_bag("good"), made_up_bag("bad", MadeUpRun(unit=0.2))]
+    records = report.write_report(bags, tmp_path / "report.html")
+    drawn, console = browse(tmp_path / "report.html", tmp_path)
+    assert console == []
+    assert 'data-ready="true"' in drawn
+    figures = 2 + sum(len(run_figures(record)) for record in records)
+    assert drawn.count('class="plot-container') == figures
+    assert "NaN" not in re.sub(r"<script.*?</script>", "", drawn, flags=re.DOTALL)
+
+
+def test_the_page_needs_nothing_from_outside(shared_bag):
+    page = report.render(analysis.analyse([shared_bag]))
+    head = page[: page.index("<script>")] + page[page.rindex("<script>") :]
+    assert not re.search(r"(src|href)=[\"'](?!data:)", head)
+
+
+def test_the_page_says_what_was_lost_and_escapes_names(shared_bag):
+    (record,) = analysis.analyse([shared_bag])
+    record.name, record.notes = "<b>bag</b>", ["the run did not end by itself: <killed>"]
+    page = report.render([record, record])
+    assert "&lt;killed&gt;" in page
+    assert "<b>bag</b>" not in page[: page.index("<script>")]
+
+
+def test_a_run_with_little_in_it_still_gets_a_report(made_up_bag):
+    (record,) = analysis.analyse([made_up_bag(run=MadeUpRun(duration=2.0))])
+    assert "ended within its transient" in report.render([record])
+
+
+def test_thinning_keeps_every_peak():
+    value = zeros(1_000_001)
+    value[123_457], value[987_654] = 9.0, -7.0
+    small = thin(Signal(arange(value.size) * 0.05, value), limit=2000)
+    assert small.size <= 2000
+    assert (small.value.max(), small.value.min()) == (9.0, -7.0)
+    assert small.time[small.value.argmax()] == pytest.approx(123_457 * 0.05)
+
+
+def test_even_times_travel_as_three_numbers_and_others_as_they_are():
+    assert set(pack(0.05 * arange(1, 1000))) == {"start", "step", "count"}
+    assert "float32" in pack(sin(arange(100.0)))
