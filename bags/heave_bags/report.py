@@ -32,13 +32,18 @@ def write_report(
     Raises BagError if a bag cannot be read or the file cannot be written.
     """
     records = analysis.analyse(paths, transient=transient, progress=progress)
+    save_report(records, output)
+    return records
+
+
+def save_report(records: Sequence[RunRecord], output: Path) -> None:
+    """Write the report of runs that were read to `output`. Raises BagError if the file cannot be written."""
     text = render(records)
     try:
         output.parent.mkdir(parents=True, exist_ok=True)
         output.write_text(text, encoding="utf-8")
     except OSError as error:
         raise BagError(f"{output}: the report cannot be written: {error.strerror}") from error
-    return records
 
 
 def render(records: Sequence[RunRecord]) -> str:

@@ -20,7 +20,7 @@ def make_parser() -> argparse.ArgumentParser:
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
-    for add in (_add_run, _add_list, _add_report, _add_kpi, _add_static):
+    for add in (_add_run, _add_list, _add_report, _add_kpi, _add_static, _add_design, _add_identify, _add_campaign):
         add(commands)
     return parser
 
@@ -111,3 +111,42 @@ def _add_static(commands: Any) -> None:
     )
     _add_scenario(parser)
     parser.add_argument("--picture", type=Path, metavar="FILE", help="PNG or SVG (default: SCENARIO_static.svg)")
+
+
+def _add_design(commands: Any) -> None:
+    parser = _add(
+        commands,
+        "design",
+        "Design a controller: gains, poles, margins, predicted motion, bounds, trade-offs, demand on the winch.",
+        "heave design b3_deep_900 --set winch_controller.sea.peak_period=12",
+    )
+    _add_scenario(parser)
+    parser.add_argument("--length", type=float, metavar="M", help="deployed length (default: the scenario's)")
+    parser.add_argument("--pictures", type=Path, metavar="DIR", help="folder of the figures (default: SCENARIO_design)")
+
+
+def _add_identify(commands: Any) -> None:
+    parser = _add(
+        commands,
+        "identify",
+        "Identify the two-state cable, a z'' + b z' + z = z0 - p, from a simulated or a recorded response.",
+        "heave identify b3_deep_900 --drag quadratic",
+    )
+    parser.add_argument("source", metavar="SCENARIO|BAG", help="a shipped scenario, a parameter file, or a bag folder")
+    parser.add_argument("--set", action="append", default=[], metavar="NODE.PARAM=VALUE", help="change a parameter")
+    parser.add_argument("--drag", choices=("linear", "quadratic"), default="linear", help="thesis Eq. 6.2 or Eq. 6.3")
+    parser.add_argument("--lengths", type=float, nargs="+", metavar="M", help="identify at each of these lengths")
+    parser.add_argument("--picture", type=Path, metavar="FILE", help="default: NAME_identify.svg")
+
+
+def _add_campaign(commands: Any) -> None:
+    parser = _add(
+        commands,
+        "campaign",
+        "Run many cases of a scenario (seeds, a grid, random draws) without ROS, and print one table.",
+        "heave campaign b9_campaign.yaml --json result.json",
+    )
+    parser.add_argument(
+        "file", metavar="FILE", type=Path, help="campaign file (heave_bringup/campaign.py says its form)"
+    )
+    parser.add_argument("--processes", type=int, default=0, metavar="N", help="default: one per processor")

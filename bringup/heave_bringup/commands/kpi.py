@@ -8,13 +8,11 @@ from heave_bags import analysis
 
 from heave_bringup.bag_paths import bag_folders
 from heave_bringup.output import write_result
-from heave_bringup.progress import ProgressLine
+from heave_bringup.records import read_records
 
 
 def execute(options: argparse.Namespace) -> None:
     """Print the figures of one bag, or of several side by side."""
-    progress = ProgressLine()
-    records = analysis.analyse(bag_folders(options.bags), progress=lambda share: progress.show(f"reading {share:4.0%}"))
-    progress.close()
+    records = read_records(bag_folders(options.bags))
     results = [analysis.to_json(record) for record in records]
     write_result(options, analysis.table(records), results[0] if len(results) == 1 else {"runs": results})

@@ -5,19 +5,18 @@ from __future__ import annotations
 import argparse
 
 from heave_bags import analysis
-from heave_bags.report import write_report
+from heave_bags.report import save_report
 
 from heave_bringup.bag_paths import bag_folders
 from heave_bringup.output import write_result
-from heave_bringup.progress import ProgressLine
+from heave_bringup.records import read_records
 
 
 def execute(options: argparse.Namespace) -> None:
     """Write the report and say where it is."""
     bags = bag_folders(options.bags)
     output = options.output or bags[0].parent / "report.html"
-    progress = ProgressLine()
-    records = write_report(bags, output, progress=lambda share: progress.show(f"reading {share:4.0%}"))
-    progress.close()
+    records = read_records(bags)
+    save_report(records, output)
     text = "\n".join([analysis.table(records), "", f"report    {output.resolve()}"])
     write_result(options, text, {"report": str(output.resolve()), "runs": [analysis.to_json(r) for r in records]})

@@ -9,13 +9,12 @@ from pathlib import Path
 
 from heave_bags import analysis
 from heave_bags.reader import Bag
-from heave_bags.report import write_report
-from heave_bags.run_record import RunRecord
+from heave_bags.report import save_report
 from heave_msgs.msg import TickStatus
 
 from heave_bringup.errors import CommandError
 from heave_bringup.output import write_result
-from heave_bringup.progress import ProgressLine
+from heave_bringup.records import read_records
 from heave_bringup.run import RunFolder, new_run_folder, run_scenario
 from heave_bringup.scenarios import Scenario, load_scenario
 
@@ -29,7 +28,9 @@ def execute(options: argparse.Namespace) -> None:
     status = run_scenario(scenario, folder)
     if scenario.run.is_lockstep:
         _check_complete(folder.bag, status)
-    record = _report(folder, with_report=not options.no_report)
+    (record,) = read_records([folder.bag])
+    if not options.no_report:
+        save_report([record], folder.report)
     text = "\n".join([analysis.table([record]), "", *_where(scenario, folder, with_report=not options.no_report)])
     write_result(options, text, {**analysis.to_json(record), "folder": str(folder.path)})
 
@@ -51,18 +52,6 @@ def _check_complete(bag: Path, status: TickStatus) -> None:
     for topic, published in zip(status.topics, status.published, strict=True):
         if recorded.get(topic, 0) != published:
             raise CommandError(f"{bag}: holds {recorded.get(topic, 0)} of {published} messages of {topic}")
-
-
-def _report(folder: RunFolder, *, with_report: bool) -> RunRecord:
-    progress = ProgressLine()
-    try:
-        if with_report:
-            return write_report(
-                [folder.bag], folder.report, progress=lambda share: progress.show(f"report {share:4.0%}")
-            )[0]
-        return analysis.analyse([folder.bag], progress=lambda share: progress.show(f"analysis {share:4.0%}"))[0]
-    finally:
-        progress.close()
 
 
 def _where(scenario: Scenario, folder: RunFolder, *, with_report: bool) -> list[str]:

@@ -1,0 +1,88 @@
+"""The runs of a campaign: pure components in worker processes, no ROS."""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+from collections.abc import Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from dataclasses import dataclass, field
+
+from heave_bags import kpi_set
+from heave_bags.kpi_set import RunSignals, Signal
+from winch_controller_node.closed_loop import ClosedLoop, LoopParameters, LoopRecord
+
+from heave_bringup.campaign import Campaign, Case, as_settings
+from heave_bringup.scenarios import Scenario, load_scenario
+
+
+@dataclass(frozen=True)
+class CaseResult:
+    """What a case came to: its KPIs, or why it failed."""
+
+    case: Case
+    kpis: dict[str, float] = field(default_factory=dict)
+    failure: str = ""
+
+
+def run_cases(campaign: Campaign, cases: Sequence[Case], processes: int | None) -> Iterator[CaseResult]:
+    """Run every case and yield the results as they come.
+
+    Every case's parameters are checked before the first one runs; raises ParameterError for the first that is wrong.
+    """
+    scenarios = [_scenario(campaign, case) for case in cases]
+    if processes == 1:
+        for scenario, case in zip(scenarios, cases, strict=True):
+            yield _run_case(scenario, case)
+        return
+    workers = min(len(cases), processes or os.cpu_count() or 1)
+    with ProcessPoolExecutor(workers, mp_context=multiprocessing.get_context("spawn")) as pool:
+        pending = [pool.submit(_run_case, scenario, case) for scenario, case in zip(scenarios, cases, strict=True)]
+        for finished in as_completed(pending):
+            yield finished.result()
+
+
+def _scenario(campaign: Campaign, case: Case) -> Scenario:
+    common: dict[str, object] = {"seed": case.seed}
+    if campaign.duration is not None:
+        common["duration"] = campaign.duration
+    settings = as_settings({**campaign.common, **case.settings})
+    return load_scenario(campaign.scenario, settings=settings, common=common)
+
+
+def _run_case(scenario: Scenario, case: Case) -> CaseResult:
+    parameters = LoopParameters(
+        sea=scenario.parameters["wave_vessel"],
+        plant=scenario.parameters["cable_sim"],
+        winch=scenario.parameters["virtual_winch"],
+        controller=scenario.parameters["winch_controller"],
+        tick_period=scenario.run.tick_period,
+        duration=scenario.run.duration,
+        seed=scenario.run.seed,
+    )
+    try:
+        record = ClosedLoop(parameters).run()
+    except Exception as error:  # one case that cannot be run must not end the others; it is named in the table
+        return CaseResult(case, failure=" ".join(str(error).split()) or type(error).__name__)
+    return CaseResult(case, kpi_set.evaluate(_signals(record, scenario), scenario.run.transient, scenario.run.duration))
+
+
+def _signals(record: LoopRecord, scenario: Scenario) -> RunSignals:
+    time = record.column("time")
+
+    def signal(name: str) -> Signal:
+        return Signal(time, record.column(name))
+
+    limits = scenario.parameters["virtual_winch"]
+    return RunSignals(
+        unit_heave=Signal(time, record.column("unit") + record.column("depth_set_point")),
+        uncompensated_heave=Signal(time, record.column("uncompensated") + record.column("depth_set_point")),
+        boom_tip_heave=signal("boom_tip"),
+        payout=signal("payout"),
+        payout_rate=signal("payout_rate"),
+        payout_acceleration=signal("payout_acceleration"),
+        tension=signal("top_tension"),
+        static_tension=float(record.column("top_tension")[0]),
+        speed_limit=limits.speed_limit,
+        acceleration_limit=limits.acceleration_limit,
+    )

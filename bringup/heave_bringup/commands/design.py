@@ -1,0 +1,36 @@
+"""`heave design`: what the controller of a scenario will do, before anyone starts it."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from winch_controller_node.lqr import DesignError
+from winch_controller_node.report import design_report
+from winch_controller_node.report_figures import draw_report
+
+from heave_bringup.errors import CommandError
+from heave_bringup.output import write_result
+from heave_bringup.progress import ProgressLine
+from heave_bringup.scenarios import load_scenario
+
+
+def execute(options: argparse.Namespace) -> None:
+    """Print gains, poles, margins, predictions, bounds and curves; draw them."""
+    scenario = load_scenario(options.scenario, settings=options.set)
+    progress = ProgressLine()
+    progress.show("designing, and predicting the loop")
+    try:
+        report = design_report(
+            scenario.parameters["winch_controller"],
+            tick_period=scenario.run.tick_period,
+            seed=scenario.run.seed,
+            length=options.length,
+        )
+    except DesignError as error:
+        raise CommandError(f"{scenario.path}: {error}") from error
+    finally:
+        progress.close()
+    folder = options.pictures or Path(f"{scenario.name}_design")
+    pictures = "\n".join(f"picture   {path.resolve()}" for path in draw_report(report, folder))
+    write_result(options, f"{report.table()}\n\n{pictures}", report.values())

@@ -1,0 +1,77 @@
+"""`heave identify`: the two-state cable a, b from a scenario's simulated response, or from a recorded one."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+import numpy as np
+from cable_sim_node.axial import AxialError
+from heave_bags.run_record import read_run
+from winch_controller_node.identification import Identification, IdentificationError, identify
+from winch_controller_node.identification_plant import (
+    draw_identification,
+    format_lengths,
+    identify_against_length,
+    identify_simulated,
+)
+from winch_controller_node.lqr import DesignError
+
+from heave_bringup.bag_paths import bag_folders
+from heave_bringup.errors import CommandError
+from heave_bringup.output import write_result
+from heave_bringup.scenarios import load_scenario
+
+
+def execute(options: argparse.Namespace) -> None:
+    """Identify and print a and b with their uncertainty, and draw how well they explain the response."""
+    try:
+        if Path(options.source).is_dir():
+            found = _from_bag(Path(options.source), options.drag)
+        elif options.lengths:
+            _print_lengths(options)
+            return
+        else:
+            scenario = load_scenario(options.source, settings=options.set)
+            found = identify_simulated(
+                scenario.parameters["winch_controller"], drag=options.drag, seed=scenario.run.seed
+            )
+    except (IdentificationError, AxialError, DesignError) as error:
+        raise CommandError(f"{options.source}: {error}") from error
+    picture = options.picture or Path(f"{Path(options.source).stem}_identify.svg")
+    draw_identification(found, picture)
+    write_result(options, f"{found.summary()}\n\npicture   {picture.resolve()}", found.values())
+
+
+def _from_bag(path: Path, drag: str) -> Identification:
+    """Identify from the motions in a bag, after its transient, with what the winch paid out."""
+    (folder,) = bag_folders([path])
+    record = read_run(folder)
+    unit = record.signals.unit_heave.window(record.start, record.end)
+    if unit.size < 2:
+        raise CommandError(f"{folder}: holds no motion of the unit")
+    step = float(np.median(np.diff(unit.time)))
+    time = unit.time[0] + step * np.arange(int((unit.time[-1] - unit.time[0]) / step))
+    signals = record.signals
+    tip, heave, payout = (
+        np.interp(time, signal.time, signal.value) if signal.size else np.zeros_like(time)
+        for signal in (signals.boom_tip_heave, signals.unit_heave, signals.payout)
+    )
+    return identify(time, tip - tip.mean(), heave - heave.mean(), payout=payout - payout.mean(), drag=drag)
+
+
+def _print_lengths(options: argparse.Namespace) -> None:
+    scenario = load_scenario(options.source, settings=options.set)
+    points = identify_against_length(
+        scenario.parameters["winch_controller"], options.lengths, drag=options.drag, seed=scenario.run.seed
+    )
+    values = [
+        {
+            "length_m": point.length,
+            **point.identified.values(),
+            "linearised_a_s2": point.linearised_a,
+            "linearised_b_s": point.linearised_b,
+        }
+        for point in points
+    ]
+    write_result(options, format_lengths(points), {"lengths": values})
