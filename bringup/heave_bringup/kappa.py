@@ -1,5 +1,6 @@
 """The bounds in kappa for a recorded run: what its sensors and delay, and what its winch, would have allowed at
-best."""
+best.
+"""
 
 from __future__ import annotations
 
@@ -24,7 +25,8 @@ OFF = "off"
 
 def add_bounds(record: RunRecord, bag: Path) -> None:
     """Put the bounds of the run in `bag` into its record; where they cannot be computed kappa stays unknown, and a
-    note says why."""
+    note says why.
+    """
     scenario = _scenario_of(bag)
     if scenario is None or scenario.parameters["winch_controller"].law == OFF:
         return
