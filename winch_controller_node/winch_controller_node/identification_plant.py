@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -53,7 +53,14 @@ def identify_simulated(
     tip = tip * np.array([smooth_ramp(float(t), RAMP)[0] for t in time])
     response = simulate_axial(plant.line(length), length, tip, SAMPLE_PERIOD, segments=20, largest_step=0.025)
     guess = believed_cable(parameters, length)
-    return identify(time, tip, response.unit_heave, drag=drag, guess=(guess.a, max(guess.b, 0.01)), starts_at_rest=True)
+    found = identify(
+        time, tip, response.unit_heave, drag=drag, guess=(guess.a, max(guess.b, 0.01)), starts_at_rest=True
+    )
+    slack = float(np.mean(response.least_tension <= 0.0))
+    if slack > 0.0:
+        note = f"the cable was slack {100.0 * slack:.1f} % of the time: no linear model holds there; {found.note}"
+        return replace(found, note=note.rstrip("; "))
+    return found
 
 
 def identify_against_length(
