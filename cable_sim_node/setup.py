@@ -7,6 +7,7 @@ from setuptools import find_packages, setup
 
 manifest = ElementTree.parse("package.xml").getroot()
 name = manifest.findtext("name")
+DATA_SUFFIXES = ("csv", "css", "html", "js", "json", "md", "npz", "txt", "xml", "yaml")
 
 
 def data_files(folder: str) -> list[tuple[str, list[str]]]:
@@ -23,9 +24,7 @@ setup(
     maintainer=manifest.findtext("maintainer"),
     maintainer_email=manifest.find("maintainer").get("email"),
     packages=find_packages(include=[name, f"{name}.*"]),
-    package_data={
-        name: ["py.typed", "**/*.yaml", "**/*.xml", "**/*.md", "**/*.html", "**/*.css", "**/*.js", "**/*.json"]
-    },
+    package_data={name: ["py.typed", *(f"**/*.{suffix}" for suffix in DATA_SUFFIXES)]},
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{name}"]),
         (f"share/{name}", ["package.xml"]),

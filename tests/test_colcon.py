@@ -60,6 +60,15 @@ class Workspace:
         )
 
 
+def files_below(folder: Path) -> set[str]:
+    """Return the files of a package without what Python and numba compile beside them."""
+    return {
+        str(path.relative_to(folder))
+        for path in folder.rglob("*")
+        if path.is_file() and "__pycache__" not in path.parts
+    }
+
+
 @pytest.fixture(scope="module")
 def workspace(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Workspace]:
     folder = tmp_path_factory.mktemp("workspace")
@@ -81,6 +90,13 @@ def test_colcon_installs_every_package_where_ros_looks_for_it(workspace: Workspa
         prefix = workspace.folder / "install" / package
         assert (prefix / "share/ament_index/resource_index/packages" / package).is_file()
         assert (prefix / "share" / package / "package.xml").is_file()
+
+
+@pytest.mark.parametrize("mark", sorted(REPOSITORY.glob("*/resource/*")), ids=lambda path: path.name)
+def test_colcon_installs_every_file_of_a_package(workspace: Workspace, mark: Path):
+    package = mark.name
+    (installed,) = workspace.folder.glob(f"install/{package}/lib/python*/site-packages/{package}")
+    assert files_below(installed) == files_below(mark.parents[1] / package)
 
 
 def test_a_build_leaves_nothing_in_the_source_tree(workspace: Workspace):

@@ -9,6 +9,7 @@ from xml.etree import ElementTree
 
 import pytest
 from ament_index_python.packages import get_package_prefix, get_package_share_path
+from heave_bringup.node_table import NODES
 from heave_node.environment import prepare_environment
 
 if sys.version_info >= (3, 11):
@@ -123,7 +124,8 @@ def test_a_manifest_names_each_package_of_the_suite_that_is_imported_and_no_othe
 
 @pytest.mark.parametrize("path", PYTHON_MANIFESTS, ids=folder_id)
 def test_every_distribution_that_is_imported_is_declared(path):
-    wanted = [*PYPROJECT["project"]["dependencies"], *PYPROJECT["project"]["optional-dependencies"]["capytaine"]]
+    extras = PYPROJECT["project"]["optional-dependencies"]
+    wanted = [*PYPROJECT["project"]["dependencies"], *extras["capytaine"], *extras["wavespectra"]]
     declared = {canonical(re.split(r"[\[<>=~!; ]", requirement)[0]) for requirement in wanted}
     suite = {name_of(other) for other in MANIFESTS}
     providers = packages_distributions()
@@ -155,3 +157,20 @@ def test_the_message_files_name_only_types_of_packages_that_the_manifest_depends
     for path in REPOSITORY.glob("msgs/*/*"):
         used |= set(re.findall(r"^(\w+)/\w+", path.read_text(), re.M))
     assert used <= declared
+
+
+@pytest.mark.parametrize("path", sorted(REPOSITORY.glob("*/launch/*.launch.py")), ids=lambda path: path.name)
+def test_a_launch_file_starts_what_its_package_installs(path):
+    folder = path.parents[1]
+    calls = [node for node in ast.walk(ast.parse(path.read_text())) if isinstance(node, ast.Call)]
+    for call in calls:
+        if isinstance(call.func, ast.Name) and call.func.id == "Node":
+            words = {keyword.arg: keyword.value for keyword in call.keywords}
+            assert ast.literal_eval(words["package"]) == name_of(folder / "package.xml")
+            assert ast.literal_eval(words["executable"]) in console_scripts_of_setup(folder / "setup.py")
+
+
+def test_every_node_of_the_loop_has_the_launch_file_that_the_loop_includes():
+    for node in NODES:
+        share = get_package_share_path(node.module.partition(".")[0])
+        assert (share / "launch" / f"{node.name}.launch.py").is_file()
