@@ -24,6 +24,7 @@ from winch_controller_node.models import DEPTH_BIAS, shadow_model
 from winch_controller_node.modes import Mode, ModeError, ModeMachine, ModeOutput, Situation
 from winch_controller_node.observation import Observer
 from winch_controller_node.parameters import WinchControllerParameters
+from winch_controller_node.prediction import predict_loop
 from winch_controller_node.programme import Programme, ProgrammeStep
 from winch_controller_node.readings import Measurements, Outputs, Report, RollingKpi, WinchOrder
 from winch_controller_node.rolling_kpi import KpiWindow
@@ -134,6 +135,10 @@ class WinchController:
     def cancel_move(self) -> None:
         """Bring the mean payout to rest smoothly."""
         self.mean.stop()
+
+    def predicted_unit_sigma(self) -> float:
+        """Standard deviation of the unit's heave that the design promises without limits [m]."""
+        return predict_loop(self.design, self._law.gain if len(self._law.gain) else None).sigma["unit_heave"]
 
     def redesign(self, parameters: WinchControllerParameters) -> ControllerDesign:
         """Design again from `parameters` and go on with the new design; states must be the same.
@@ -290,7 +295,7 @@ class WinchController:
         )
         asked = self._ask(mode, state, estimate)
         if mode.brake:
-            governed = GovernedCommand(0.0, ())
+            governed = GovernedCommand(0.0, (), 0.0)
         else:
             tension = self.observer.tension if math.isfinite(self.observer.tension) else state.static_tension
             governed = self._governor.govern(asked.value + reference_command, payout, rate, tension)
@@ -340,8 +345,8 @@ class WinchController:
         self._sequence += 1
         payout = self.mean.point.payout + self._left_over.point.payout
         if self.parameters.winch.law == "first_order":
-            return WinchOrder(self._sequence, governed.value, 0.0, mode.brake)
-        return WinchOrder(self._sequence, payout, governed.value, mode.brake)
+            return WinchOrder(self._sequence, governed.sent, 0.0, mode.brake)
+        return WinchOrder(self._sequence, payout, governed.sent, mode.brake)
 
     def _depth_bias(self) -> float:
         """Return how much deeper the mean is than the first reading [m]."""

@@ -44,7 +44,7 @@ def make_law(design: ControllerDesign) -> Law:
     """
     parameters = design.parameters
     if parameters.law == "mpc":
-        return ConstrainedLaw(design.model, design.gain, limits_of(design), parameters.mpc)
+        return ConstrainedLaw(design.model, design.gain, parameters.winch, limits_of(design), parameters.mpc)
     if parameters.law == "feedforward":
         return SpeedFeedforward(design.model, parameters.winch, parameters.feedforward)
     return StateFeedback(design.regulator_gain if parameters.law == "lqr" else design.gain)

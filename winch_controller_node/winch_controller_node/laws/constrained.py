@@ -18,10 +18,11 @@ import numpy as np
 
 from winch_controller_node.law_parameters import MpcParameters
 from winch_controller_node.laws.feedback import LawCommand
-from winch_controller_node.laws.governor import ACCELERATION, PAYOUT, POWER, SPEED, TENSION, WinchLimits
+from winch_controller_node.laws.governor import ACCELERATION, PAYOUT, POWER, SPEED, TENSION, SpeedServo, WinchLimits
 from winch_controller_node.laws.loop_state import LoopState
 from winch_controller_node.linear_model import Array, LinearModel
 from winch_controller_node.lqr import DesignError
+from winch_controller_node.model_parameters import WinchModelParameters
 
 SOFT = 8
 """DAQP's mark of a soft constraint."""
@@ -68,18 +69,27 @@ class ConstrainedLaw:
     ----------
     model : the design's augmented model, speed servo
     gain : LQR gain of that model, shape (n,)
+    winch : its servo
     limits : to be kept
     parameters : horizon, ticks between solutions, caps
 
     Raises DesignError for a first-order winch and for a horizon that the delay fills.
     """
 
-    def __init__(self, model: LinearModel, gain: Array, limits: WinchLimits, parameters: MpcParameters) -> None:
+    def __init__(
+        self,
+        model: LinearModel,
+        gain: Array,
+        winch: WinchModelParameters,
+        limits: WinchLimits,
+        parameters: MpcParameters,
+    ) -> None:
         if "payout_acceleration" not in model.output_names:
             raise DesignError("law mpc bounds the winch's acceleration: it needs winch.law speed_servo")
         assert model.dt is not None
         self.gain = gain
         self.limits = limits
+        self._acceleration = SpeedServo(winch.time_constant, limits.acceleration, model.dt).linear_acceleration
         self._parameters = parameters
         horizon_ticks = round(parameters.horizon / model.dt)
         command = model.input_names[0]
@@ -200,7 +210,7 @@ class ConstrainedLaw:
             if kind.name == SPEED:
                 lower[kind.rows], upper[kind.rows] = -speed - reference.rate, speed - reference.rate
             elif kind.name == ACCELERATION:
-                lower[kind.rows], upper[kind.rows] = -limits.acceleration, limits.acceleration
+                lower[kind.rows], upper[kind.rows] = -self._acceleration, self._acceleration
             elif kind.name == PAYOUT:
                 mean = reference.payout + reference.rate * kind.times
                 lower[kind.rows], upper[kind.rows] = limits.payout_minimum - mean, limits.payout_maximum - mean

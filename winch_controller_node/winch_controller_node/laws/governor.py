@@ -59,10 +59,56 @@ def winch_limits(winch: WinchModelParameters, limits: LimitParameters, static_te
 
 @dataclass(frozen=True)
 class GovernedCommand:
-    """What came out: the command and the names of the limits that shaped it."""
+    """What came out.
+
+    Attributes
+    ----------
+    value : command in the terms of the linear model: what the estimator is told
+    active : names of the limits that shaped it
+    sent : set-point for the winch, whose acceleration limiter acts within the tick
+    """
 
     value: float
     active: tuple[str, ...]
+    sent: float
+
+
+class SpeedServo:
+    """The servo over one tick, with and without its acceleration limiter.
+
+    A set-point that is held over a tick asks for the most acceleration at its start and for less towards its end. The
+    limit counts for the speed gained over the tick: to gain limit * dt, the set-point must be further off than the
+    linear servo needs, and the winch's own limiter then keeps the acceleration even.
+
+    Parameters
+    ----------
+    time_constant : T [s]; acceleration : limit [m/s^2]; dt : tick period [s]
+    """
+
+    def __init__(self, time_constant: float, acceleration: float, dt: float) -> None:
+        self._lag = time_constant
+        self._acceleration = acceleration
+        self._dt = dt
+        self.linear_step = acceleration * dt / -math.expm1(-dt / time_constant)
+        """Largest distance of a command from the speed, in the linear model [m/s]."""
+        self.linear_acceleration = self.linear_step / time_constant
+        """Acceleration at the start of a tick under that command, in the linear model [m/s^2]."""
+
+    def set_point(self, value: float, rate: float) -> float:
+        """Return the set-point that makes the limited servo gain what the linear one gains under `value` [m/s].
+
+        `rate` is the speed when it takes effect [m/s].
+        """
+        step = abs(value - rate)
+        if step <= self._acceleration * self._lag:
+            return value
+        gain = min(step, self.linear_step) * -math.expm1(-self._dt / self._lag) / self._acceleration
+        low, high = 0.0, self._dt
+        for _ in range(20):
+            limited = 0.5 * (low + high)
+            reached = limited - self._lag * math.expm1(-(self._dt - limited) / self._lag)
+            low, high = (limited, high) if reached < gain else (low, limited)
+        return rate + math.copysign(self._acceleration * (self._lag + high), value - rate)
 
 
 class CommandGovernor:
@@ -76,8 +122,10 @@ class CommandGovernor:
     """
 
     def __init__(self, model: LinearModel, winch: WinchModelParameters, limits: WinchLimits) -> None:
+        assert model.dt is not None
         self._winch = winch
         self.limits = limits
+        self.servo = SpeedServo(winch.time_constant, limits.acceleration, model.dt)
         command = model.input_names[0]
         delay = sum(name.startswith(command + "_") for name in model.state_names)
         ahead = np.linalg.matrix_power(model.A, delay)
@@ -102,7 +150,7 @@ class CommandGovernor:
         limits = self.limits
         active: list[str] = []
         speed = limits.speed_under(tension)
-        step = limits.acceleration * self._winch.time_constant
+        step = self.servo.linear_step
         value = wanted
         for lower, upper, name in (
             (-speed, speed, SPEED if speed >= limits.speed else POWER),
@@ -112,7 +160,8 @@ class CommandGovernor:
             if value < lower or value > upper:
                 active.append(name)
                 value = min(max(value, lower), upper)
-        return GovernedCommand(value, tuple(active))
+        sent = min(max(self.servo.set_point(value, rate), -limits.speed), limits.speed)
+        return GovernedCommand(value, tuple(active), sent)
 
     def _room(self, payout: float, rate: float) -> tuple[float, float]:
         """Return the rate commands from which the winch can still stop before the ends of its range."""
@@ -136,4 +185,4 @@ class CommandGovernor:
             if value < lower or value > upper:
                 active.append(name)
                 value = min(max(value, lower), upper)
-        return GovernedCommand(value, tuple(active))
+        return GovernedCommand(value, tuple(active), value)

@@ -1,0 +1,150 @@
+"""ROS shell of the winch controller."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+import sys
+
+from heave_msgs.srv import Redesign, SetMode
+from heave_node import topics
+from heave_node.diagnostics import Health, Level
+from heave_node.node import NodeError
+from heave_node.participant import ParticipantNode
+from heave_node.process import run_node
+from heave_node.tick import Tick
+
+from winch_controller_node import conversions
+from winch_controller_node.component import WinchController
+from winch_controller_node.linear_model import ModelError
+from winch_controller_node.lqr import DesignError
+from winch_controller_node.modes import ModeError
+from winch_controller_node.move_action import MoveAction
+from winch_controller_node.parameters import WinchControllerParameters
+from winch_controller_node.readings import Measurements, Outputs
+
+LEVELS = (Level.OK, Level.WARN, Level.ERROR)
+
+
+class WinchControllerNode(ParticipantNode):
+    """Publishes in tick k the command for [t_k, t_{k+1}] from all readings delivered by t_k.
+
+    It subscribes to sensors only. Services `controller/set_mode`, `controller/redesign`; action
+    `controller/move_to_depth`.
+    """
+
+    name = "winch_controller"
+    parameters_type = WinchControllerParameters
+    after = ("wave_vessel",)
+
+    def on_build(self) -> None:
+        """Make the controller, its outputs and inputs; a few ticks of a throw-away one warm everything up."""
+        warm_up = self._make_controller()
+        for tick in range(1, 4):
+            warm_up.step(tick, Measurements())
+        self.controller = self._make_controller()
+        self.outputs_of_tick: Outputs | None = None
+        self.command = self.add_output(topics.WINCH_COMMAND)
+        self.state = self.add_output(topics.CONTROLLER_STATE)
+        self.kpi = self.add_output(topics.CONTROLLER_KPI)
+        # the controller's own gates want to see wrong stamps
+        self.mru = self.add_input(topics.MRU, check_stamps=False)
+        self.pressure = self.add_input(topics.UNIT_PRESSURE, check_stamps=False)
+        self.velocity = self.add_input(topics.UNIT_VELOCITY, check_stamps=False)
+        self.imu = self.add_input(topics.UNIT_IMU, check_stamps=False)
+        self.load_cell = self.add_input(topics.LOAD_CELL, check_stamps=False)
+        self.winch_state = self.add_input(topics.WINCH_STATE, check_stamps=False)
+        self.create_service(SetMode, "controller/set_mode", self._serve_set_mode)
+        self.create_service(Redesign, "controller/redesign", self._serve_redesign)
+        self.move = MoveAction(self, lambda: self.controller)
+
+    def on_reset(self) -> None:
+        """Begin anew: at standby, without an estimate."""
+        self.controller = self._make_controller()
+        self.move.abort("the run was reset")
+
+    def on_tick(self, tick: Tick) -> None:
+        """Step the controller with what was delivered."""
+        parameters = self.parameters
+        winch = self.take(self.winch_state)
+        measurements = Measurements(
+            mru=conversions.mru_readings(self.take(self.mru)),
+            depth=conversions.depth_readings(self.take(self.pressure), parameters.water_density, parameters.gravity),
+            velocity=conversions.velocity_readings(self.take(self.velocity)),
+            imu=conversions.imu_readings(self.take(self.imu), parameters.gravity),
+            load_cell=conversions.load_cell_readings(self.take(self.load_cell)),
+            winch=conversions.winch_reading(winch[-1]) if winch else None,
+        )
+        outputs = self.controller.step(tick.number, measurements)
+        self.outputs_of_tick = outputs
+        self.command.publish(conversions.command_message(outputs.order, tick.stamp))
+        self.state.publish(conversions.state_message(outputs.report, tick.stamp))
+        if outputs.kpi is not None:
+            self.kpi.publish(conversions.kpi_message(outputs.kpi, tick.stamp))
+        for words in outputs.alarms:
+            self.get_logger().warning(f"t = {tick.time:.2f} s: {words}")
+        self.move.on_tick(tick.time)
+
+    def diagnose(self) -> list[Health]:
+        """Say which sensor is how, the mode and why, and how the solver does."""
+        if self.outputs_of_tick is None:
+            return [Health("mode", Level.OK, self.controller.mode.value)]
+        report = self.outputs_of_tick.report
+        is_stopped = report.mode in ("stopped", "emergency_stop", "stopping")
+        level = Level.ERROR if is_stopped else Level.WARN if report.mode == "fade_out" else Level.OK
+        text = f"{report.mode}: {report.reason}" if report.reason else report.mode
+        parts = [Health("mode", level, text, {"authority": f"{report.authority:.2f}"})]
+        for sensor in report.sensors:
+            values = {"accepted": str(sensor.accepted), "refused": str(sensor.refused)}
+            parts.append(Health(f"sensor {sensor.sensor}", LEVELS[sensor.level], sensor.reason or "ok", values))
+        if report.solver_status.startswith("not solved"):
+            parts.append(Health("solver", Level.WARN, report.solver_status))
+        return parts
+
+    def _make_controller(self) -> WinchController:
+        try:
+            return WinchController(self.parameters, tick_period=self.run.tick_period, seed=self.run.seed)
+        except (DesignError, ModelError) as error:
+            raise NodeError(f"{self.name}: {error}") from error
+
+    def _serve_set_mode(self, request: SetMode.Request, response: SetMode.Response) -> SetMode.Response:
+        try:
+            response.message = self.controller.set_mode(request.mode, request.tension)
+            response.success = True
+        except ModeError as error:
+            response.message = str(error)
+        return response
+
+    def _serve_redesign(self, request: Redesign.Request, response: Redesign.Response) -> Redesign.Response:
+        old = self.controller.parameters
+        asked = (request.significant_wave_height, request.peak_period, request.length)
+        if not all(math.isfinite(value) and value >= 0.0 for value in asked):
+            response.message = "significant_wave_height, peak_period and length must be at least 0"
+            return response
+        sea = dataclasses.replace(
+            old.sea,
+            significant_wave_height=request.significant_wave_height or old.sea.significant_wave_height,
+            peak_period=request.peak_period or old.sea.peak_period,
+        )
+        new = dataclasses.replace(old, sea=sea, length=request.length or old.length)
+        try:
+            design = self.controller.redesign(new)
+        except ValueError as error:
+            response.message = str(error)
+            return response
+        response.success = True
+        response.predicted_unit_sigma = self.controller.predicted_unit_sigma()
+        response.message = (
+            f"length {design.length:g} m: a = {design.cable.a:.4g} s^2, b = {design.cable.b:.4g} s, predicted unit "
+            f"sigma {response.predicted_unit_sigma:.4g} m"
+        )
+        return response
+
+
+def main() -> None:
+    """Run the node until its run ends."""
+    sys.exit(run_node(WinchControllerNode))
+
+
+if __name__ == "__main__":
+    main()
