@@ -95,17 +95,18 @@ def heave_transfer_function(
     drags = [line.unit.drag, *(clump.drag for clump in line.clumps), *(section.drag for section in line.sections)]
     has_drag = bool(np.any(tip > 0.0)) and max(drags) > 0.0
     speeds = np.zeros((len(pieces) + 1, len(omega)))
-    motion = _march(line, pieces, omega, speeds)
     if has_drag:
+        speeds[:] = omega * tip
         for _ in range(DRAG_ITERATIONS):
+            motion = _march(line, pieces, omega, speeds)
             heave = np.abs(motion.heave) / np.abs(motion.heave[-1]) * tip
             local = omega * np.concatenate((heave[:1], 0.5 * (heave[1:] + heave[:-1])))
             change = float(np.max(np.abs(local - speeds)))
             # the geometric mean settles the resonance, where amplitude goes as 1/sqrt(damping)
-            speeds = np.where(speeds > 0.0, np.sqrt(np.maximum(speeds, 1e-12) * local), local)
-            motion = _march(line, pieces, omega, speeds)
+            speeds = np.sqrt(speeds * local)
             if change < 1e-9 * (1.0 + float(speeds.max())):
                 break
+    motion = _march(line, pieces, omega, speeds)
     return HeaveTransfer(omega, 1.0 / motion.heave[-1], motion.top_tension / motion.heave[-1])
 
 
