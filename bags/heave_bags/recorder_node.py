@@ -57,6 +57,7 @@ class RecorderNode(ParticipantNode):
         self._last_log_time = 0
         self._outcome: dict[str, str] = {}
         self._expected: dict[str, int] = {}
+        self._topic_publishers: dict[str, str] = {}
         self._diagnostics_topic = self.resolve_topic_name(topics.DIAGNOSTICS.name)
         self.controls = RecorderServices(self, self.session, Path(self.parameters.directory))
         if self.parameters.record:
@@ -188,6 +189,7 @@ class RecorderNode(ParticipantNode):
                 publishers.setdefault(topic, set()).add(node)
         clock = self.resolve_topic_name(topics.CLOCK.name)
         (master,) = publishers[clock]
+        self._topic_publishers = {f"publishers.{topic}": " ".join(sorted(nodes)) for topic, nodes in publishers.items()}
         recorded = {topic: nodes for topic, nodes in publishers.items() if topic in self.gate.inboxes}
         self._order = TickOrder(recorded, master)
         super()._on_roster(message)
@@ -278,6 +280,7 @@ class RecorderNode(ParticipantNode):
         return {
             "ended": self.failure or "the recorder was stopped",
             **self._outcome,
+            **self._topic_publishers,
             "ended_at_host_time_ns": str(now),
             "host_time_minus_log_time_ns": str(now - self._last_log_time),
             **({"lost": lost} if lost else {}),

@@ -8,57 +8,15 @@ from typing import Any
 
 from heave_node.ports import message_type
 from rclpy.node import Node
-from rclpy.qos import (
-    DurabilityPolicy,
-    HistoryPolicy,
-    LivelinessPolicy,
-    QoSProfile,
-    ReliabilityPolicy,
-)
 from rclpy.subscription import Subscription
 
-from heave_bags.qos import INFINITE, OfferedQos
-
-QUEUE_DEPTH = 5000
-"""Messages kept for a recorder that is held up: half a second at 10,000 a second."""
+from heave_bags.qos import OfferedQos
+from heave_bags.ros_qos import offered_qos, request_for
 
 
 def is_hidden(topic: str) -> bool:
     """Tell whether a topic is hidden: a token of its name begins with an underscore."""
     return any(token.startswith("_") for token in topic.split("/"))
-
-
-def offered_qos(profile: QoSProfile) -> OfferedQos:
-    """Return a publisher's offer as a bag stores it."""
-    durability = "transient_local" if profile.durability == DurabilityPolicy.TRANSIENT_LOCAL else "volatile"
-    reliability = "best_effort" if profile.reliability == ReliabilityPolicy.BEST_EFFORT else "reliable"
-    manual = profile.liveliness == LivelinessPolicy.MANUAL_BY_TOPIC
-    return OfferedQos(
-        history="keep_all" if profile.history == HistoryPolicy.KEEP_ALL else "keep_last",
-        depth=profile.depth or OfferedQos.depth,
-        reliability=reliability,
-        durability=durability,
-        deadline=_nanoseconds(profile.deadline),
-        lifespan=_nanoseconds(profile.lifespan),
-        liveliness="manual_by_topic" if manual else "automatic",
-        liveliness_lease_duration=_nanoseconds(profile.liveliness_lease_duration),
-    )
-
-
-def _nanoseconds(duration: Any) -> int:
-    return duration.nanoseconds if 0 < duration.nanoseconds < INFINITE else INFINITE
-
-
-def matching_qos(offers: Sequence[OfferedQos], depth: int = QUEUE_DEPTH) -> QoSProfile:
-    """Return the strictest request that all `offers` meet: reliable and latched only where every publisher is."""
-    reliable = all(offer.reliability == "reliable" for offer in offers)
-    latched = bool(offers) and all(offer.durability == "transient_local" for offer in offers)
-    return QoSProfile(
-        history=HistoryPolicy.KEEP_LAST,
-        depth=depth,
-        reliability=ReliabilityPolicy.RELIABLE if reliable else ReliabilityPolicy.BEST_EFFORT,
-        durability=DurabilityPolicy.TRANSIENT_LOCAL if latched else DurabilityPolicy.VOLATILE,
-    )
 
 
 class TopicWatch:
@@ -114,7 +72,7 @@ class TopicWatch:
 
     def subscribe(self, topic: str, callback: Callable[[bytes], None]) -> Subscription[Any]:
         """Subscribe to a topic that `look` has found; call again when its offers change."""
-        request = matching_qos(self.offers[topic])
+        request = request_for(self.offers[topic])
         self._requests[topic] = (request.reliability, request.durability)
         subscription = self._node.create_subscription(
             message_type(self.types[topic]), topic, callback, request, raw=True
@@ -126,7 +84,7 @@ class TopicWatch:
         """Return subscribed topics whose publishers now offer something else than was asked for."""
         changed = []
         for topic, asked in self._requests.items():
-            request = matching_qos(self.offers[topic])
+            request = request_for(self.offers[topic])
             if (request.reliability, request.durability) != asked:
                 changed.append(topic)
         return changed

@@ -128,7 +128,7 @@ def test_a_backlog_that_grows_too_large_is_refused_not_swallowed(tmp_path):
     )
     with pytest.raises(StorageError, match="too slow"):
         record(writer, 100_000)
-    with pytest.raises(StorageError, match="messages from .* were lost"):
+    with pytest.raises(StorageError, match=r"messages from .* were lost"):
         writer.close()
     assert Bag(tmp_path / "bag").message_count > 0
 
