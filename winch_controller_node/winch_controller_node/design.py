@@ -7,7 +7,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from wave_vessel_node.state_space import covariance_factor
@@ -26,6 +26,8 @@ from winch_controller_node.models import (
     augmented_model,
     boom_tip_block,
     cable_model,
+    sea_noise_covariance,
+    sea_spectrum,
 )
 from winch_controller_node.parameters import WinchControllerParameters
 
@@ -51,13 +53,14 @@ class ControllerDesign:
     parameters, tick_period, length : what it was designed for
     cable : the two-state cable believed in
     model : sampled augmented model; one input, the command
-    measurements : what the estimator may be given, by name: mru_heave, mru_heave_rate, unit_heave (from depth,
-    positive up,
-        about the expected mean), payout (encoder), unit_velocity, unit_acceleration, tension (about the static one)
+    measurements : what the estimator may be given, by name: mru_heave, mru_heave_rate, unit_heave (from depth, positive
+        up, about the expected mean), payout (encoder), unit_velocity, unit_acceleration, tension (about the static one)
     initial_covariance : of the estimate at the start, shape (n, n)
     gain : u = -gain x, shape (n,): optimum for all states (thesis 6.3), zero for sensor states
     regulator_gain : the same without the states of the sea (thesis 6.2.4, 6.2.5): feedback of unit, winch and delay
-    alone cost : of the model's states sigma : stationary standard deviation of each output with the winch locked
+    cost : of the model's states
+    sigma : stationary standard deviation of each output with the winch locked
+    sea_noise : what the waves contribute to the process noise of a tick, shape (n, n)
     """
 
     parameters: WinchControllerParameters
@@ -71,6 +74,7 @@ class ControllerDesign:
     regulator_gain: Array
     cost: QuadraticCost
     sigma: dict[str, float]
+    sea_noise: Array
 
     @property
     def command(self) -> str:
@@ -114,8 +118,7 @@ def design_controller(
     Raises
     ------
     DesignError : in words, for a wrong sensor set, a delay that no prediction bridges, singular weights, a model that
-    is not
-        stabilisable or not detectable.
+        is not stabilisable or not detectable.
     """
     length = parameters.length if length is None else length
     _check_inputs(parameters, tick_period)
@@ -135,10 +138,49 @@ def design_controller(
         measurements=measurements,
         initial_covariance=covariance,
         gain=gain,
-        regulator_gain=np.where([_is_sea(name) for name in model.state_names], 0.0, gain),
+        regulator_gain=_without_sea(model, gain),
         cost=cost,
         sigma=sigma,
+        sea_noise=sea_noise_covariance(model_inputs(parameters, cable), tick_period, model.order),
     )
+
+
+def at_cable(design: ControllerDesign, cable: CableModel, length: float, gain: Array) -> ControllerDesign:
+    """Return the design with another cable and gain, all else as it is: what a gain schedule gives "
+    "between its points.
+    """
+    parameters = design.parameters
+    model = augmented_model(model_inputs(parameters, cable), design.tick_period)
+    return replace(
+        design,
+        length=length,
+        cable=cable,
+        model=model,
+        measurements=measurement_models(parameters, model, cable),
+        gain=gain,
+        regulator_gain=_without_sea(model, gain),
+        cost=design_cost(parameters, model),
+    )
+
+
+def carry_over(old: ControllerDesign, new: ControllerDesign) -> Array:
+    """Return by what each state estimated under `old` must be multiplied to mean the same under `new`, shape (n,).
+
+    Wave states are derivatives of one signal, in units of the sea's height and peak frequency (companion form); all
+    other states are physical.
+    """
+    factors = np.ones(old.model.order)
+    before, after = old.parameters.sea, new.parameters.sea
+    if "thesis" in (before.filter_form, after.filter_form):
+        return factors
+    for sea, power in ((before, 1.0), (after, -1.0)):
+        spectrum = sea_spectrum(sea)
+        peak = spectrum.peak_frequency
+        unit = spectrum.significant_wave_height / math.sqrt(peak)
+        for i, name in enumerate(old.model.state_names):
+            if name.startswith("wave_"):
+                factors[i] *= (unit * peak ** int(name.removeprefix("wave_"))) ** power
+    return factors
 
 
 def _check_inputs(parameters: WinchControllerParameters, tick_period: float) -> None:
@@ -262,6 +304,10 @@ def design_cost(parameters: WinchControllerParameters, model: LinearModel) -> Qu
 
 def _is_sea(name: str) -> bool:
     return name.startswith(("vessel_", "wave_"))
+
+
+def _without_sea(model: LinearModel, gain: Array) -> Array:
+    return np.where([_is_sea(name) for name in model.state_names], 0.0, gain)
 
 
 def is_sensor_state(name: str) -> bool:

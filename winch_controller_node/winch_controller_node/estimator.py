@@ -140,14 +140,33 @@ class KalmanEstimator:
         """Return the estimate of an output of the model."""
         return float(self.model.row(output) @ self.estimate)
 
-    def set_model(self, model: LinearModel, measurements: Sequence[MeasurementModel] | None = None) -> None:
-        """Go on with another model of the same states (gain schedule, adapted sea); the estimate stays."""
+    def set_model(
+        self,
+        model: LinearModel,
+        measurements: Sequence[MeasurementModel] | None = None,
+        factors: Array | None = None,
+    ) -> None:
+        """Go on with another model of the same states (gain schedule, adapted sea); the estimate stays.
+
+        `factors`, shape (n,), multiply each state first where the new model counts it in another unit.
+
+        Raises ValueError for a model with other states.
+        """
         if model.state_names != self.model.state_names:
             raise ValueError("a model with other states needs a new estimator")
         self.model = model
         if measurements is not None:
             self.measurements = {measurement.name: measurement for measurement in measurements}
         self._filter.F, self._filter.B, self._filter.Q = model.A, model.B, model.noise_covariance
+        if factors is not None:
+            both = np.outer(factors, factors)
+            self._filter.x, self._filter.P = factors[:, None] * self._filter.x, both * self._filter.P
+            for entry in self._past:
+                entry.x, entry.P = factors[:, None] * entry.x, both * entry.P
+
+    def set_process_noise(self, covariance: Array) -> None:
+        """Use another covariance of the process noise of a tick, shape (n, n), until the next model."""
+        self._filter.Q = covariance
 
     def reset(self, estimate: Array | None = None, covariance: Array | None = None) -> None:
         """Begin anew at `estimate` (default: zero) with `covariance` (default: the initial one)."""

@@ -261,8 +261,10 @@ def delay_command(model: LinearModel, dt: float, delay: float, inputs: Sequence[
     whole = round(ticks) if abs(ticks - round(ticks)) < 1e-6 else int(np.floor(ticks))
     part = max(ticks - whole, 0.0) if abs(ticks - round(ticks)) >= 1e-6 else 0.0
     sampled = discretise(model, dt)
-    rest, B_new, _ = sampled_matrices(model, (1.0 - part) * dt)
-    B_old = rest @ sampled_matrices(model, part * dt)[1]
+    B_new, B_old = sampled.B, np.zeros_like(sampled.B)
+    if part > 0.0:
+        rest, B_new, _ = sampled_matrices(model, (1.0 - part) * dt)
+        B_old = rest @ sampled_matrices(model, part * dt)[1]
     for name in inputs:
         column = model.input_names.index(name)
         length = whole + (1 if part > 0.0 else 0)

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field, replace
+from functools import lru_cache
 
 import numpy as np
 from cable_sim_node.axial_line import AxialLine, axial_line
@@ -36,6 +37,7 @@ from winch_controller_node.linear_model import (
     discretise,
     interconnect,
     linear_model,
+    sampled_matrices,
 )
 from winch_controller_node.model_parameters import (
     CableModelParameters,
@@ -202,6 +204,7 @@ def sea_spectrum(sea: SeaModelParameters) -> WaveSpectrum:
     return Bretschneider(sea.significant_wave_height, sea.peak_period)
 
 
+@lru_cache(maxsize=64)
 def boom_tip_block(sea: SeaModelParameters, vessel: VesselModelParameters) -> LinearModel:
     """Return white noise to boom tip: shaping filter and vessel (thesis Eq. 6.23, 6.26).
 
@@ -327,6 +330,15 @@ def augmented_model(inputs: ModelInputs, tick_period: float) -> LinearModel:
     """
     model = continuous_model(inputs)
     return delay_command(model, tick_period, inputs.winch.command_delay, [command_name(inputs.winch)])
+
+
+def sea_noise_covariance(inputs: ModelInputs, tick_period: float, order: int) -> Array:
+    """Return the waves' share of the process noise of a tick of `augmented_model`, which has `order` states."""
+    model = continuous_model(inputs)
+    waves = [i for i, name in enumerate(model.noise_names) if name == "waves"]
+    only_waves = replace(model, G=model.G[:, waves], noise_names=("waves",))
+    covariance = sampled_matrices(only_waves, tick_period)[2]
+    return np.pad(covariance, (0, order - model.order))
 
 
 def taylor_delay_block(delay: float, input_name: str, output_name: str) -> LinearModel:
