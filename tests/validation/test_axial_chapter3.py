@@ -163,16 +163,23 @@ DEPLOYED = AxialLine(
     ),
     AxialUnit(13000.0, 0.87 * 5000.0 * STANDARD_GRAVITY, 0.5 * SEAWATER_DENSITY),
 )
+
+
+def without_drag(line):
+    sections = tuple(dataclasses.replace(section, drag=0.0) for section in line.sections)
+    return AxialLine(sections, dataclasses.replace(line.unit, drag=0.0))
+
+
 SPEEDS = (0.5, 1.0, 2.0, 3.0)
 FREQUENCIES = (0.4189, 0.628, 0.838, 1.26)
 
 
-def deploy(speed, omega, amplitude=1.0, furthest=2000.0):
+def deploy(speed, omega, amplitude=1.0, furthest=2000.0, line=DEPLOYED):
     """Lower from 50 m; return length out, amplitude and mean of the unit's heave over each period, least tension."""
     period = 0.1
     time = np.arange(0.0, min(2000.0, furthest / speed), period)
     heave = amplitude * np.clip(time / 20.0, 0.0, 1.0) * np.sin(omega * time)
-    response = simulate_axial(DEPLOYED, 50.0, heave, period, payout=speed * time, segments=20, largest_step=0.02)
+    response = simulate_axial(line, 50.0, heave, period, payout=speed * time, segments=20, largest_step=0.02)
     motion = response.unit_heave + speed * time
     window = round(2.0 * math.pi / omega / period)
     kernel = np.ones(window) / window
@@ -231,13 +238,15 @@ def test_drag_lifts_the_deployed_unit_but_less_than_its_stretch(deployments):
     assert np.all(np.diff(lifts) > 0.0)
 
 
-def test_the_critical_length_grows_with_the_speed_of_deployment(deployments):
-    # observation 3
+def test_the_critical_length_grows_with_the_speed_of_deployment():
+    # observation 3: the length has passed on before the motion has grown. Shown without drag in small waves; drag at
+    # the lowering speed damps the resonance and brings its peak forward, and with C_D S = 1 m2 that is the stronger
+    # effect at 0.838 rad/s and below (the thesis does not print its drag)
     critical = []
     for speed in SPEEDS:
-        length, size, _, _ = deployments[speed, 1.26]
+        length, size, _, _ = deploy(speed, 1.26, amplitude=0.01, furthest=1500.0, line=without_drag(DEPLOYED))
         critical.append(length[int(np.argmax(size))])
-    assert np.all(np.diff(critical) > 0.0)
+    assert np.all(np.diff(critical) > 10.0)
 
 
 def test_slow_deployment_is_critical_at_the_resonant_length():
