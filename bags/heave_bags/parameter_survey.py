@@ -25,8 +25,12 @@ class ParameterSurvey:
     def ask(self, names: Iterable[str]) -> None:
         """Ask nodes whose services are there and that have not been asked."""
         for name in names:
-            client = self._clients.setdefault(name, AsyncParameterClient(self._node, name))
-            if name not in self._values and client.services_are_ready():
+            if name in self._values:
+                continue
+            if name not in self._clients:
+                self._clients[name] = AsyncParameterClient(self._node, name)
+            client = self._clients[name]
+            if client.services_are_ready():
                 self._values[name] = {}
                 client.list_parameters(callback=self._listener(name, client))
 

@@ -34,7 +34,9 @@ from heave_bags.storage import BackgroundStorage, DirectStorage, Storage
 from heave_bags.topic_watch import TopicWatch
 
 LOOK_PERIOD = 0.1
-"""Wall time between two looks for new topics [s]."""
+"""Wall time between two looks for new topics before the run starts [s]."""
+LOOK_PERIOD_IN_RUN = 1.0
+"""The same during the run, where a look costs time that messages need [s]."""
 
 
 class RecorderNode(ParticipantNode):
@@ -66,6 +68,7 @@ class RecorderNode(ParticipantNode):
             except BagError as error:
                 raise NodeError(str(error)) from error
         self.listen(topics.TICK_JOIN, self._on_join)
+        self._looked_at = 0.0
         self._look()
         self.create_timer(LOOK_PERIOD, self._look, clock=steady_clock())
 
@@ -120,6 +123,9 @@ class RecorderNode(ParticipantNode):
 
     def _look(self) -> None:
         """Subscribe to what has appeared, and ask new nodes for their parameters."""
+        if self.has_started and time.monotonic() - self._looked_at < LOOK_PERIOD_IN_RUN:
+            return
+        self._looked_at = time.monotonic()
         promised = self._promised()
         self.watch.look()
         for topic in self.watch.types:
