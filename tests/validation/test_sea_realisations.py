@@ -1,0 +1,162 @@
+"""Three hours of each kind of sea: its spectrum, height and periods against the target, within confidence bands.
+
+The estimate is Welch's (Hann, half overlapping); its expectation is the target seen through the window, its scatter is
+chi-square with
+36 K^2 / (19 K - 1) degrees of freedom for K segments.
+"""
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+from heave_node.randomness import random_stream
+from scipy.stats import binom, chi2
+from wave_vessel_node.motion_sources import FilterSource
+from wave_vessel_node.realisation import HarmonicSum, draw_components
+from wave_vessel_node.shaping_filter import shaping_filter
+from wave_vessel_node.spectra import (
+    Bretschneider,
+    Jonswap,
+    OchiHubble,
+    OchiHubbleSystem,
+    WaveSpectrum,
+    pierson_moskowitz,
+)
+from wave_vessel_node.spectrum_files import read_spectra
+
+ROOT = Path(__file__).parents[2]
+SAMPLE = ROOT / "wave_vessel_node" / "test" / "data" / "real_time.data_spec"
+MEASURED = ROOT.parent / "shared" / "data" / "waves"
+DURATION, DT, SEGMENT = 10800.0, 0.5, 180.0
+
+SEAS = {
+    "bretschneider": Bretschneider(3.0, 10.0),
+    "pierson_moskowitz": pierson_moskowitz(3.0),
+    "jonswap": Jonswap(3.0, 10.0),
+    "ochi_hubble": OchiHubble(OchiHubbleSystem(1.5, 8.0), OchiHubbleSystem(1.0, 16.5, 3.0)),
+    "file": read_spectra(SAMPLE).select(0).spectrum,
+}
+
+
+def elevation(sea: WaveSpectrum, seed: int = 1, count: int = 800) -> np.ndarray:
+    components = draw_components(sea, count, random_stream(seed, "validation"))
+    harmonics = HarmonicSum(components.frequency, components.amplitude * np.exp(1j * components.phase), DT)
+    return np.array([harmonics.at(tick)[0, 0] for tick in range(1, round(DURATION / DT) + 1)])
+
+
+def welch(record: np.ndarray) -> tuple[np.ndarray, np.ndarray, float]:
+    """Return omega [rad/s], one-sided density and degrees of freedom."""
+    size = round(SEGMENT / DT)
+    window = np.hanning(size + 1)[:-1]
+    starts = range(0, record.size - size + 1, size // 2)
+    power = np.mean([np.abs(np.fft.rfft(record[i : i + size] * window)) ** 2 for i in starts], axis=0)
+    count = len(starts)
+    density = power * DT / (math.pi * (window**2).sum())
+    return 2 * math.pi * np.fft.rfftfreq(size, DT), density, 36.0 * count**2 / (19.0 * count - 1.0)
+
+
+def through_window(density, omega: np.ndarray) -> np.ndarray:
+    """Return the expectation of `welch` at `omega` for a target `density`."""
+    size = round(SEGMENT / DT)
+    window = np.hanning(size + 1)[:-1]
+    offset = np.linspace(-0.15, 0.15, 301)
+    kernel = np.abs(np.exp(-1j * np.outer(offset, np.arange(size) * DT)) @ window) ** 2
+    kernel /= kernel.sum()
+    return density(np.maximum(omega[:, None] - offset, 0.0)) @ kernel
+
+
+def assert_within_band(record, density, lowest, highest):
+    """Most frequencies lie in their 95 % band, none beyond the 1e-6 one."""
+    omega, estimate, freedom = welch(record)
+    band = (omega > lowest) & (omega < highest)
+    expected = through_window(density, omega[band])
+    band[band], expected = expected > 1e-3 * expected.max(), expected[expected > 1e-3 * expected.max()]
+    ratio = estimate[band] / expected
+    outside = (ratio < chi2.ppf(0.025, freedom) / freedom) | (ratio > chi2.ppf(0.975, freedom) / freedom)
+    # neighbours share a window: of n frequencies about n / 2 are independent, each twice as likely to be doubled
+    assert outside.sum() <= 2 * binom.ppf(0.999, max(1, band.sum() // 2), 0.05)
+    assert ratio.min() > chi2.ppf(1e-6, freedom) / freedom
+    assert ratio.max() < chi2.ppf(1.0 - 1e-6, freedom) / freedom
+
+
+def draw_band(figure, record, density, highest, title):
+    omega, estimate, freedom = welch(record)
+    shown = (omega > 0.0) & (omega < highest)
+    expected = through_window(density, omega[shown])
+    axes = figure.subplots()
+    low, high = (expected * chi2.ppf(q, freedom) / freedom for q in (0.025, 0.975))
+    axes.fill_between(omega[shown], low, high, alpha=0.3, label="95 % band of the target")
+    axes.plot(omega[shown], expected, "k--", label="target")
+    axes.plot(omega[shown], estimate[shown], label="three hours, Welch")
+    axes.set(xlabel="omega [rad/s]", ylabel="S [m^2 s/rad]", title=title)
+    axes.legend()
+
+
+@pytest.mark.parametrize("name", list(SEAS))
+def test_the_spectrum_of_three_hours_is_the_target(name, gallery):
+    sea = SEAS[name]
+    record = elevation(sea)
+    gallery(
+        f"sea_realisation_{name}",
+        f"Sum of 800 components, {name}, three hours, against its target.",
+        lambda figure: draw_band(figure, record, sea.density, 4.0 * sea.peak_frequency, name),
+    )
+    assert_within_band(record, sea.density, 0.6 * sea.peak_frequency, 4.0 * sea.peak_frequency)
+
+
+@pytest.mark.parametrize("name", list(SEAS))
+def test_height_and_periods_of_three_hours_lie_in_their_intervals(name):
+    # of a Gaussian sea: var(m_n) = (2 pi / T) integral of omega^2n S^2; a component sum scatters less
+    sea = SEAS[name]
+    record = elevation(sea, seed=2)
+    grid = sea.edges
+    m0, m2 = record.var(), np.gradient(record, DT).var()
+    spread = [
+        1.96 * math.sqrt(2 * math.pi / DURATION * np.trapezoid(grid ** (2 * n) * sea.density(grid) ** 2, grid))
+        for n in (0, 2)
+    ]
+    target0 = sea.moment(0)
+    # a central difference of DT sees omega as sin(omega DT) / DT
+    seen = np.sin(np.minimum(grid * DT, math.pi)) / DT
+    target2 = np.trapezoid(seen**2 * sea.density(grid), grid)
+    assert m0 == pytest.approx(target0, abs=spread[0])
+    assert m2 == pytest.approx(target2, abs=spread[1])
+    assert 4.0 * math.sqrt(m0) == pytest.approx(sea.significant_wave_height, rel=0.03)
+
+
+def test_the_spectrum_of_filtered_noise_is_that_of_its_filter(gallery):
+    system = shaping_filter(Bretschneider(3.0, 10.0), "six_state")
+    source = FilterSource(system, None, seed=3, tick_period=DT)
+    record = np.array([source.motion(tick).elevation for tick in range(1, round(DURATION / DT) + 1)])
+    gallery(
+        "sea_realisation_filter",
+        "White noise through the six-state shaping filter, discretised exactly, three hours.",
+        lambda figure: draw_band(figure, record, system.spectrum, 2.5, "six-state shaping filter"),
+    )
+    assert_within_band(record, system.spectrum, 0.35, 2.5)
+
+
+def test_a_wrong_spectrum_is_noticed():
+    # the band has teeth: the same record against a sea 10 % higher, or one of 5 % longer period, falls out of it
+    record = elevation(SEAS["jonswap"])
+    for wrong in (Jonswap(3.3, 10.0), Jonswap(3.0, 10.5)):
+        with pytest.raises(AssertionError):
+            assert_within_band(record, wrong.density, 0.4, 2.5)
+
+
+@pytest.mark.skipif(not MEASURED.is_dir(), reason=f"the measured spectra are not beside the checkout ({MEASURED})")
+@pytest.mark.parametrize(
+    ("file", "record"), [("ndbc_41010.data_spec", 100), ("ndbc_46042w1996.txt.gz", 4000)], ids=["atlantic", "pacific"]
+)
+def test_the_spectrum_of_three_hours_of_a_measured_sea_is_what_the_buoy_measured(file, record, gallery):
+    sea = read_spectra(MEASURED / file).select(record).spectrum
+    heave = elevation(sea)
+    name = file.split(".")[0]
+    gallery(
+        f"sea_measured_{name}",
+        f"Three hours of the sea that NDBC buoy {name[5:10]} measured, against its spectrum.",
+        lambda figure: draw_band(figure, heave, sea.density, 2.4, name),
+    )
+    low = max(0.3, float(sea.edges[0]) + 0.1)
+    assert_within_band(heave, sea.density, low, 2.2)

@@ -1,0 +1,220 @@
+"""From the sea to the boom tip and what the MRU says of it: variances against integrals, responses against formulae."""
+
+import math
+
+import numpy as np
+import pytest
+from heave_node.parameters import build_parameters
+from wave_vessel_node.component import WaveVessel
+from wave_vessel_node.filter_fit import fit_filter
+from wave_vessel_node.mru import MotionReferenceUnit, high_pass_response
+from wave_vessel_node.parameters import MruParameters, WaveVesselParameters
+from wave_vessel_node.rao_files import shipped_rao
+from wave_vessel_node.shaping_filter import filter_quality, shaping_filter
+from wave_vessel_node.spectra import Bretschneider, Jonswap
+from wave_vessel_node.vessel import SecondOrderVessel
+from wave_vessel_node.vessel_fit import fit_vessel
+from wave_vessel_node.vessel_motion import VesselMotion, lever_arm_matrix
+
+DT, DURATION = 1.0, 10800.0  # variances need no finer sampling
+ARM = np.array([-20.0, 10.0, 15.0])
+SEA = Bretschneider(2.5, 9.0)
+GRID = np.linspace(0.15, 6.0, 900)
+
+
+def boom_tip(seed=1, **values):
+    """Return three hours of boom-tip motion, shape (n, 3)."""
+    defaults = {"significant_wave_height": 2.5, "peak_period": 9.0, "ramp": 0.0, "estimate.period": 3600.0}
+    parameters = build_parameters(WaveVesselParameters, defaults | values, where="test")
+    vessel = WaveVessel(parameters, seed=seed, tick_period=DT)
+    return np.array([vessel.step(tick).boom_tip.position for tick in range(1, round(DURATION / DT) + 1)])
+
+
+def interval(density):
+    """Return the variance integral and its 95 % interval over the record, var(m_0) = (2 pi / T) integral of S^2."""
+    variance = np.trapezoid(density, GRID)
+    return variance, 1.96 * math.sqrt(2 * math.pi / DURATION * np.trapezoid(density**2, GRID))
+
+
+@pytest.mark.parametrize("vessel", [(0.9, 0.4, 1.0), (0.393, 0.6, 0.5)], ids=["osv", "thesis"])
+def test_the_variance_of_a_second_order_vessel_is_the_integral_of_its_response_and_the_sea(vessel):
+    names = ("vessel.natural_frequency", "vessel.damping_ratio", "vessel.gain")
+    heave = boom_tip(**dict(zip(names, vessel, strict=True)))[:, 2]
+    variance, spread = interval(np.abs(SecondOrderVessel(*vessel).response(GRID)) ** 2 * SEA.density(GRID))
+    assert heave.var() == pytest.approx(variance, abs=spread)
+
+
+@pytest.mark.parametrize("heading", [math.pi, 2.3, math.pi / 2], ids=["head", "bow quarter", "beam"])
+def test_the_variance_of_the_boom_tip_is_the_integral_of_rao_squared_and_the_sea(heading):
+    position = boom_tip(**{"vessel.model": "rao", "direction": heading})
+    response = lever_arm_matrix(ARM) @ shipped_rao().at(GRID, heading)
+    for axis in range(3):
+        variance, spread = interval(np.abs(response[axis]) ** 2 * SEA.density(GRID))
+        assert position[:, axis].var() == pytest.approx(variance, abs=spread + 1e-9)
+
+
+def test_the_variance_in_a_spread_sea_is_the_integral_over_all_directions():
+    exponent = 4.0
+    settings = {"vessel.model": "rao", "direction": 2.3, "spreading.exponent": exponent, "components": 1500}
+    heave = boom_tip(**settings)[:, 2]
+    angles = np.linspace(-math.pi, math.pi, 37)[:-1]
+    share = np.cos(angles / 2) ** (2 * exponent)
+    share /= share.sum()
+    lever, table = lever_arm_matrix(ARM)[2], shipped_rao().sampled(GRID)
+    squared = sum(
+        s * np.abs(lever @ table.at(np.full(GRID.shape, 2.3 + a), 0.0)) ** 2 for s, a in zip(share, angles, strict=True)
+    )
+    variance, spread = interval(squared * SEA.density(GRID))
+    # each component has one direction: the scatter of |H|^2 over directions adds to that of the sea
+    assert heave.var() == pytest.approx(variance, abs=2.0 * spread)
+
+
+def test_forward_speed_moves_the_variance_as_the_table_says():
+    heave = boom_tip(**{"vessel.model": "rao", "course.speed": 2.5})[:, 2]
+    response = lever_arm_matrix(ARM)[2] @ shipped_rao().at(GRID, math.pi, 2.5)
+    variance, spread = interval(np.abs(response) ** 2 * SEA.density(GRID))
+    assert heave.var() == pytest.approx(variance, abs=spread)
+
+
+def test_slow_drift_has_its_standard_deviation():
+    drift = boom_tip(**{"drift.standard_deviation": [3.0, 1.5], "drift.period": 60.0})
+    # narrow band: T / (pi / (zeta omega_n)) = 54 independent amplitudes, scatter of sigma about 1 / sqrt(2 * 54)
+    assert drift[:, 0].std() == pytest.approx(3.0, rel=0.25)
+    assert drift[:, 1].std() == pytest.approx(1.5, rel=0.25)
+
+
+def test_responses_of_the_shipped_hull(gallery):
+    table = shipped_rao()
+    omega = np.linspace(0.15, 2.2, 300)
+
+    def draw(figure):
+        panels = figure.subplots(1, 3)
+        for degrees in (0, 45, 90, 135, 180):
+            response = table.at(omega, math.radians(degrees))
+            for axes, motion in zip(panels, (2, 3, 4), strict=True):
+                axes.plot(omega, np.abs(response[motion]), label=f"{degrees} deg")
+        for axes, name in zip(panels, ("heave [m/m]", "roll [rad/m]", "pitch [rad/m]"), strict=True):
+            axes.set(xlabel="omega [rad/s]", title=name)
+        panels[0].legend()
+
+    gallery("vessel_rao", "Motions of the 90 m hull at zero speed (Capytaine), by direction of the waves.", draw)
+    # bounds of physics: long waves carry the hull, short ones leave it; roll resonates in beam seas
+    assert abs(table.at([0.15], math.pi)[2, 0]) == pytest.approx(1.0, abs=0.01)
+    beam = np.abs(table.at(omega, math.pi / 2)[3]) / (omega**2 / 9.80665)
+    assert beam.max() > 1.5
+
+
+def test_a_second_order_vessel_identified_from_the_hull(gallery):
+    omega = np.linspace(0.2, 2.4, 120)
+    response = lever_arm_matrix(ARM)[2] @ shipped_rao().at(omega, math.pi / 2)
+    fit = fit_vessel(omega, response, SEA)
+
+    def draw(figure):
+        axes = figure.subplots()
+        axes.plot(omega, np.abs(response), label="RAO, boom tip in beam seas")
+        axes.plot(omega, np.abs(fit.vessel.response(omega)), "--", label="fitted second order")
+        axes.plot(omega, SEA.density(omega) / SEA.density(omega).max(), "k:", label="sea (scaled)")
+        axes.set(xlabel="omega [rad/s]", ylabel="heave [m/m]")
+        axes.legend()
+
+    gallery("vessel_fit", f"Vessel of Eq. 6.25 fitted to the RAO: relative error {fit.relative_error:.3f}.", draw)
+    assert fit.sigma_ratio == pytest.approx(1.0, abs=0.03)
+
+
+def test_the_mru_answers_as_its_high_pass_says(gallery):
+    # 24 sines at once through the whole unit; amplitudes and phases by least squares over the last 1500 s
+    cut_off, damping = 2 * math.pi / 60.0, 0.7071
+    parameters = MruParameters(noise=0.0, rate_noise=0.0, high_pass_period=60.0, high_pass_damping=damping)
+    tick, count = 0.1, 21000
+    omega = 2 * math.pi * np.unique(np.round(np.geomspace(0.004, 0.4, 24) * 1500.0)) / 1500.0
+    time = np.arange(1, count + 1) * tick
+    angles = np.outer(time, omega) + 0.37 * np.arange(omega.size) ** 2
+    heave = np.stack((np.cos(angles).sum(1), -np.sin(angles) @ omega, -np.cos(angles) @ omega**2), axis=1)
+    unit = MotionReferenceUnit(parameters, seed=1, tick_period=tick)
+    readings = [unit.step(k, heave[k - 1], VesselMotion()) for k in range(1, count + 1)]
+    late = time > time[-1] - 1500.0 + 1e-6
+    basis = np.hstack((np.cos(angles[late]), -np.sin(angles[late])))
+    measured = {}
+    for name in ("heave", "heave_rate"):
+        values = np.array([getattr(reading, name) for reading in readings])[late]
+        solution = np.linalg.lstsq(basis, values, rcond=None)[0]
+        measured[name] = solution[: omega.size] + 1j * solution[omega.size :]
+    exact = high_pass_response(omega, cut_off, damping)
+
+    def draw(figure):
+        upper, lower = figure.subplots(2, 1, sharex=True)
+        fine = np.geomspace(omega[0], omega[-1], 300)
+        formula = high_pass_response(fine, cut_off, damping)
+        for axes, part in ((upper, np.abs), (lower, lambda value: np.degrees(np.angle(value)))):
+            axes.semilogx(fine, part(formula), label="formula")
+            axes.semilogx(omega, part(measured["heave"]), "o", label="measured")
+        upper.set(ylabel="gain [-]", yscale="log")
+        lower.set(ylabel="phase [deg]", xlabel="omega [rad/s]")
+        upper.legend()
+
+    gallery("mru_high_pass", "Frequency response of the MRU with a 60 s high-pass, measured and by its formula.", draw)
+    np.testing.assert_allclose(measured["heave"], exact, atol=2e-5)
+    np.testing.assert_allclose(measured["heave_rate"] / (1j * omega), exact, atol=2e-4)
+
+
+def test_shaping_filters_against_their_spectra(gallery):
+    cases = [(SEA, "thesis", 0.709), (SEA, "four_state", 0.0534), (SEA, "six_state", 0.0112)]
+    qualities = {form: filter_quality(shaping_filter(sea, form), sea) for sea, form, _ in cases}
+    eight = fit_filter(SEA, 8)
+    jonswap = Jonswap(2.5, 9.0)
+    other = fit_filter(jonswap, 8)
+
+    def draw(figure):
+        left, right = figure.subplots(1, 2)
+        omega = np.linspace(0.02, 3.0, 500)
+        for form in qualities:
+            left.semilogy(omega, shaping_filter(SEA, form).spectrum(omega), label=form)
+        left.semilogy(omega, eight.system.spectrum(omega), label="fit, 8 states")
+        left.semilogy(omega, np.maximum(SEA.density(omega), 1e-9), "k--", label="Bretschneider")
+        right.semilogy(omega, other.system.spectrum(omega), label="fit, 8 states")
+        right.semilogy(omega, np.maximum(jonswap.density(omega), 1e-9), "k--", label="JONSWAP")
+        for axes in (left, right):
+            axes.set(xlabel="omega [rad/s]", ylabel="S [m^2 s/rad]", ylim=(1e-6, 3.0))
+            axes.legend()
+
+    gallery(
+        "shaping_filters", "Spectra of the shaping filters: low-frequency leak is what a long cable amplifies.", draw
+    )
+    for _, form, error in cases:
+        assert qualities[form].relative_error == pytest.approx(error, rel=2e-3)
+    assert qualities["six_state"].leak < 0.2 * qualities["four_state"].leak < 0.02 * qualities["thesis"].leak
+    assert eight.quality.relative_error < 0.0013
+    assert eight.quality.leak < 2e-4
+    assert other.quality.relative_error < 0.0135
+
+
+def test_the_sea_state_is_found_from_the_mru_alone(gallery):
+    values = {
+        "significant_wave_height": 2.5,
+        "peak_period": 9.0,
+        "mru.high_pass_period": 60.0,
+        "estimate.window": 1800.0,
+        "ramp": 10.0,
+    }
+    parameters = build_parameters(WaveVesselParameters, values, where="test")
+    vessel = WaveVessel(parameters, seed=4, tick_period=0.2)
+    outputs = [vessel.step(tick) for tick in range(1, 18001)]
+    estimates = [output.estimate for output in outputs if output.estimate is not None]
+
+    def draw(figure):
+        upper, lower = figure.subplots(2, 1, sharex=True)
+        time = [estimate.time for estimate in estimates]
+        for axes, name, truth in ((upper, "significant_wave_height", 2.5), (lower, "peak_period", 9.0)):
+            low, high = zip(*(getattr(estimate, f"{name}_interval") for estimate in estimates), strict=True)
+            axes.fill_between(time, low, high, alpha=0.3, label="95 %")
+            axes.plot(time, [getattr(estimate, name) for estimate in estimates], label="estimate")
+            axes.axhline(truth, color="k", linestyle="--", label="true")
+            axes.set(ylabel=name.replace("_", " "))
+        lower.set(xlabel="time [s]")
+        upper.legend()
+
+    gallery("sea_state_estimate", "Height and peak period from the MRU record alone, running over half an hour.", draw)
+    last = estimates[-1]
+    assert last.record_length == pytest.approx(1800.0, rel=0.1)
+    assert last.significant_wave_height_interval[0] < 2.5 < last.significant_wave_height_interval[1]
+    assert last.peak_period == pytest.approx(9.0, rel=0.1)
