@@ -18,8 +18,15 @@ from numpy.typing import ArrayLike, NDArray
 
 from cable_sim_node import line_layout as at
 from cable_sim_node.equilibrium import hang
-from cable_sim_node.errors import BadMotionError, CableTooShortError, NotConvergedError, PlantError
+from cable_sim_node.errors import (
+    BadMotionError,
+    CableTooShortError,
+    NoEquilibriumError,
+    NotConvergedError,
+    PlantError,
+)
 from cable_sim_node.line_assembly import add_contact
+from cable_sim_node.line_energy import Energy, PowerLost, energy_of, power_lost
 from cable_sim_node.line_feed import set_top_segment
 from cable_sim_node.line_grid import build_line, settings_row
 from cable_sim_node.line_step import advance, evaluate
@@ -92,6 +99,10 @@ class CableDynamics:
         line.counters[at.SEGMENTS] = n
         set_top_segment(n, total, line.grid, line.grid_s, line.grid_lump, line.seg, line.lump)
         hang(line, boom_tip)
+        if line.x[0, 2] > boom_tip[2]:
+            raise NoEquilibriumError(
+                "the line does not hang: unit and cable must weigh more in water than what lifts them"
+            )
         self._fresh = False
         self._start_compensator()
         self._check_clear_of_seabed()
@@ -263,6 +274,17 @@ class CableDynamics:
     def newton_solves(self) -> int:
         """Linear solves since the start."""
         return int(self._line.counters[at.SOLVES])
+
+    @property
+    def energy(self) -> Energy:
+        """Mechanical energy [J]."""
+        return energy_of(self._line)
+
+    @property
+    def power_lost(self) -> PowerLost:
+        """Power [W] taken by drag, internal damping and the seabed."""
+        self._evaluate()
+        return power_lost(self._line)
 
     def set_thrust(self, force: ArrayLike) -> None:
         """Set the thruster force on the unit [N], shape (3,), in place of `unit.thrust`, from now on."""

@@ -10,9 +10,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from cable_sim_node.kernel_cache import drop_stale
 from cable_sim_node.line_layout import COUNTER_COLUMNS, STATE_COLUMNS
 
 Array = NDArray[np.float64]
+
+# before any kernel of the line is looked up: all their modules import this one first
+drop_stale(("line_*", "equilibrium"))
 
 
 class LineArrays(NamedTuple):

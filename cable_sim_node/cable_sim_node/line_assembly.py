@@ -46,6 +46,7 @@ from cable_sim_node.line_layout import (
     SPRING_PRELOAD,
     SPRING_STIFFNESS,
     SPRING_STOP,
+    SPRING_STOP_DAMPING,
     STIFFNESS,
     TANGENTIAL_DRAG,
     UNIT_DRAG,
@@ -67,14 +68,21 @@ def tension_of(
 ) -> tuple[float, float, float]:
     """Return tension [N], its derivative to strain and to strain rate.
 
-    A slack segment carries none, nor does damping push.
+    A slack segment carries none. Damping r T_e grows as r/sqrt(1 + r^2) and so stays below the elastic tension
+    T_e: it never pushes, and a line that comes
+    taut meets no step in force.
     """
     if strain <= 0.0:
         return 0.0, 0.0, 0.0
-    tension = stiffness * strain * (1.0 + strain * (q + c * strain)) + damping * strain_rate
-    if tension <= 0.0:
-        return 0.0, 0.0, 0.0
-    return tension, stiffness * (1.0 + strain * (2.0 * q + 3.0 * c * strain)), damping
+    elastic = stiffness * strain * (1.0 + strain * (q + c * strain))
+    slope = stiffness * (1.0 + strain * (2.0 * q + 3.0 * c * strain))
+    if damping == 0.0:
+        return elastic, slope, 0.0
+    ratio = damping * strain_rate / elastic
+    root = math.sqrt(1.0 + ratio * ratio)
+    cosine = 1.0 / root
+    sine = ratio * cosine
+    return elastic * (1.0 + sine), slope * (1.0 + sine**3), damping * cosine**3
 
 
 @njit(cache=True, error_model="numpy")
@@ -338,29 +346,35 @@ def add_compensator(
     c_velocity: float,
     diagonal: Array,
     residual: Array,
-) -> None:
+) -> bool:
     """Make node n the sheave on a passive compensator, free along z only; `tip` is position and velocity of the boom
     tip, shape (2, 3).
 
     Stroke s = z_tip - z_n, upward force on the sheave F0 + k s + c s', beyond the half stroke stiffened by the stops.
-    The preload F0 carries the moving mass as well, so that the static stroke is 0 where F0 is the static top tension.
+    The preload F0 carries the moving mass as well, so that the static stroke is 0 where F0 is the static top
+    tension. Returns whether a
+    stop is near.
     """
     if settings[SPRING_ON] == 0.0:
-        return
+        return False
     stroke = tip[0, 2] - x[n, 2]
     speed = tip[1, 2] - v[n, 2]
     force = settings[SPRING_PRELOAD] + settings[SPRING_STIFFNESS] * stroke + settings[SPRING_DAMPING] * speed
     stiffness = settings[SPRING_STIFFNESS] + c_velocity * settings[SPRING_DAMPING]
     over = abs(stroke) - settings[SPRING_HALF_STROKE]
     if over > 0.0:
-        force += settings[SPRING_STOP] * math.copysign(over, stroke)
-        stiffness += settings[SPRING_STOP]
+        side = math.copysign(1.0, stroke)
+        push = settings[SPRING_STOP] * over + settings[SPRING_STOP_DAMPING] * side * speed
+        if push > 0.0:
+            force += side * push
+            stiffness += settings[SPRING_STOP] + c_velocity * settings[SPRING_STOP_DAMPING]
     residual[n, 0] = 0.0
     residual[n, 1] = 0.0
     residual[n, 2] += settings[SPRING_MASS] * a[n, 2] - force
     diagonal[n, 5] += c_mass * settings[SPRING_MASS] + stiffness
     diagonal[n, 0] = diagonal[n, 3] = 1e30
     diagonal[n, 1] = diagonal[n, 2] = diagonal[n, 4] = 0.0
+    return over > -0.1 * settings[SPRING_HALF_STROKE]
 
 
 @njit(cache=True, error_model="numpy")

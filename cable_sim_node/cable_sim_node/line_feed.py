@@ -24,6 +24,8 @@ from cable_sim_node.line_layout import (
     DISPLACED,
     LENGTH,
     LUMP_COLUMNS,
+    LUMP_MASS,
+    LUMP_WEIGHT,
     MASS,
     MERGE_AT,
     NORMAL_DRAG,
@@ -46,7 +48,9 @@ def set_top_segment(
     """Set row n - 1 of `seg` for the cable between grid point n - 1 and the length `total`.
 
     Where it spans several grid segments (other sections), what is per metre is averaged by length and the compliance
-    is added. A lump on the way bears on both ends by the law of the lever: that is what its own node will take over.
+    is added. A lump on the way bears on both ends by the law of the lever, as do mass and weight of the parts:
+    that is what the node will
+    take over.
     """
     length = total - grid_s[n - 1]
     row = seg[n - 1]
@@ -58,13 +62,18 @@ def set_top_segment(
     row[LENGTH] = length
     if grid_s[n] >= total:
         return
-    compliance = 0.0
+    compliance = leaning_mass = leaning_weight = 0.0
     for c in (MASS, ADDED_MASS, WEIGHT, NORMAL_DRAG, TANGENTIAL_DRAG, DISPLACED):
         row[c] = 0.0
     j = n - 1
     while grid_s[j] < total:
         part = (min(grid_s[j + 1], total) - grid_s[j]) / length
         compliance += part / grid[j, STIFFNESS]
+        # a part's share in the lower end is one half in the mean of all; what a heavier end takes more goes through
+        # the lumps
+        lean = 0.5 - (0.5 * (grid_s[j] + min(grid_s[j + 1], total)) - grid_s[n - 1]) / length
+        leaning_mass += lean * part * length * grid[j, MASS]
+        leaning_weight += lean * part * length * grid[j, WEIGHT]
         for c in (MASS, ADDED_MASS, WEIGHT, NORMAL_DRAG, TANGENTIAL_DRAG, DISPLACED):
             row[c] += part * grid[j, c]
         if j >= n:
@@ -74,6 +83,10 @@ def set_top_segment(
                 lump[n - 1, c] += (1.0 - upper_share) * grid_lump[j, c]
         j += 1
     row[STIFFNESS] = 1.0 / compliance
+    lump[n - 1, LUMP_MASS] += leaning_mass
+    lump[n, LUMP_MASS] -= leaning_mass
+    lump[n - 1, LUMP_WEIGHT] += leaning_weight
+    lump[n, LUMP_WEIGHT] -= leaning_weight
 
 
 @njit(cache=True, error_model="numpy")

@@ -139,7 +139,8 @@ def settings_row(parameters: CableSimParameters) -> Array:
     row[at.SPRING_ON] = float(spring.stiffness > 0.0)
     row[at.SPRING_STIFFNESS], row[at.SPRING_DAMPING] = spring.stiffness, spring.damping
     row[at.SPRING_MASS], row[at.SPRING_HALF_STROKE] = spring.moving_mass, 0.5 * spring.stroke
-    row[at.SPRING_STOP], row[at.SPRING_PRELOAD] = spring.stop_stiffness, spring.preload
+    row[at.SPRING_STOP], row[at.SPRING_STOP_DAMPING] = spring.stop_stiffness, spring.stop_damping
+    row[at.SPRING_PRELOAD] = spring.preload
     row[at.BENDING_ON] = float(parameters.cable.bending_stiffness > 0.0)
     return row
 

@@ -61,11 +61,12 @@ STATE_COLUMNS = 4
     SPRING_MASS,
     SPRING_HALF_STROKE,
     SPRING_STOP,
+    SPRING_STOP_DAMPING,
     SPRING_PRELOAD,
     BENDING_ON,
     STEP,
-) = range(30)
-SETTING_COLUMNS = 30
+) = range(31)
+SETTING_COLUMNS = 31
 
 # Counters that a kernel writes: segments in use, and what an advance did.
 SEGMENTS, SUBSTEPS, SOLVES, HALVINGS = range(4)

@@ -50,6 +50,10 @@ Counters = NDArray[np.int64]
 
 _SMALLEST_SHARE = 2.0**-16
 """A step is halved at most so far before the advance is given up."""
+_LONGEST_SLACK_STEP = 0.0125
+"""Steps with a slack segment are halved down to this [s]."""
+_FAILED, _TAUT, _SLACK, _SLACK_REFUSED = range(4)
+"""How a step ended."""
 
 
 @njit(cache=True, error_model="numpy")
@@ -126,7 +130,7 @@ def assemble(line: LineArrays, n: int, at_middle: bool, c_mass: float, c_velocit
     if line.settings[BENDING_ON] > 0.0:
         add_bending(n, x, line.seg, line.residual, line.band, line.hinge)
     if at_middle:
-        add_compensator(n, x, v, a, tip, line.settings, c_mass, c_velocity, line.diagonal, line.residual)
+        touching |= add_compensator(n, x, v, a, tip, line.settings, c_mass, c_velocity, line.diagonal, line.residual)
     return least, touching
 
 
@@ -190,9 +194,11 @@ def take_ends(line: LineArrays) -> None:
 
 
 @njit(cache=True, error_model="numpy")
-def step(line: LineArrays, n: int, h: float) -> bool:
-    """Make one step of `h` seconds to `end` and `end_tip`; return False, with the state as it was, where Newton
-    finds no solution.
+def step(line: LineArrays, n: int, h: float) -> int:
+    """Make one step of `h` seconds to `end` and `end_tip`; return whether the line was taut or slack in it.
+
+    _FAILED: Newton finds no solution; _SLACK_REFUSED: a segment is slack, which wants short steps of the dissipative
+    scheme. The state is then as it was.
     """
     settings = line.settings
     af, am, beta, gamma = settings[ALPHA_F], settings[ALPHA_M], settings[BETA], settings[GAMMA]
@@ -205,6 +211,7 @@ def step(line: LineArrays, n: int, h: float) -> bool:
     correction = line.correction
     for k in range(3):
         correction[n, k] = 0.0
+    last, part = 1e300, 1.0
     for _ in range(int(settings[ITERATIONS])):
         least, touching = assemble(line, n, True, c_mass, c_velocity)
         line.counters[SOLVES] += 1
@@ -212,21 +219,38 @@ def step(line: LineArrays, n: int, h: float) -> bool:
             solve_with_bending(count, line.diagonal, line.upper, line.residual, line.band, correction)
         else:
             solve_blocks(count, line.diagonal, line.upper, line.residual, line.sweep, correction)
+        size = largest_relative_correction(n, line.seg, correction)
+        if not size < 10.0:
+            return _FAILED
+        # a correction that does not shrink jumps to and fro over a kink (a segment that comes taut): go part of the way
+        part = 0.5 * part if size > 0.5 * last else min(2.0 * part, 1.0)
+        last = size
         for i in range(count):
             for k in range(3):
-                c = correction[i, k]
+                c = part * correction[i, k]
                 line.x_middle[i, k] += c
                 line.v_middle[i, k] += c_velocity * c
                 line.a_middle[i, k] += c_mass * c
-        size = largest_relative_correction(n, line.seg, correction)
-        if not size < 10.0:
-            return False
         # where a segment is or may become slack, or the seabed is touched, the equations have a kink: ask for much more
         smooth = least > 4.0 * size and not touching
         if size < (tolerance if smooth else min(tolerance, 1e-2 * tolerance)):
+            if least <= 0.0 and (h > _LONGEST_SLACK_STEP or af > 0.0):
+                return _SLACK_REFUSED
             finish(line, n, count, h)
-            return True
-    return False
+            return _SLACK if least <= 0.0 else _TAUT
+    return _FAILED
+
+
+@njit(cache=True, error_model="numpy")
+def set_scheme(settings: Array, alpha_m: float, alpha_f: float) -> None:
+    """Set the parameters of the generalised-alpha scheme; (-1, 0) removes the fastest oscillations at once.
+
+    A scheme that keeps them feeds energy into light nodes that snap taut: it must not be used while a segment is
+    slack.
+    """
+    settings[ALPHA_M], settings[ALPHA_F] = alpha_m, alpha_f
+    settings[GAMMA] = 0.5 - alpha_m + alpha_f
+    settings[BETA] = 0.25 * (1.0 - alpha_m + alpha_f) ** 2
 
 
 @njit(cache=True, error_model="numpy")
@@ -249,6 +273,7 @@ def advance(line: LineArrays, duration: float, ends: Array, lengths: Array) -> i
     for k in range(free):
         line.x[n, k], line.v[n, k], line.a[n, k] = end_tip[0, k], end_tip[1, k], end_tip[2, k]
     outcome = DONE
+    alpha_m, alpha_f = line.settings[ALPHA_M], line.settings[ALPHA_F]
     for j in range(shares):
         done, size = j * nominal, nominal
         goal = 1.0 if j == shares - 1 else (j + 1) * nominal
@@ -258,10 +283,18 @@ def advance(line: LineArrays, duration: float, ends: Array, lengths: Array) -> i
             if line.end[TOTAL] < MERGE_AT * line.grid_s[1]:
                 outcome = TOO_SHORT
                 break
-            if step(line, n, (at - done) * duration):
+            ended = step(line, n, (at - done) * duration)
+            if ended in (_TAUT, _SLACK):
                 done = at
+                size = min(2.0 * size, nominal)
                 line.counters[SUBSTEPS] += 1
                 n = feed(line, n)
+                if ended == _TAUT:
+                    set_scheme(line.settings, alpha_m, alpha_f)
+            elif ended == _SLACK_REFUSED:
+                set_scheme(line.settings, -1.0, 0.0)
+                while size * duration > _LONGEST_SLACK_STEP:
+                    size *= 0.5
             else:
                 size *= 0.5
                 line.counters[HALVINGS] += 1
@@ -270,6 +303,7 @@ def advance(line: LineArrays, duration: float, ends: Array, lengths: Array) -> i
                     break
         if outcome != DONE:
             break
+    set_scheme(line.settings, alpha_m, alpha_f)
     line.counters[SEGMENTS] = n
     set_top_segment(n, moving[TOTAL], line.grid, line.grid_s, line.grid_lump, line.seg, line.lump)
     return outcome

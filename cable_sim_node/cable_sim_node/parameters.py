@@ -34,7 +34,9 @@ class CableParameters:
     )
     stiffness_quadratic: float = parameter(0.0, unit="", description="Quadratic coefficient of the tension law.")
     stiffness_cubic: float = parameter(0.0, unit="", description="Cubic coefficient of the tension law.")
-    internal_damping: float = parameter(0.0, unit="N s", minimum=0.0, description="Tension per unit strain rate.")
+    internal_damping: float = parameter(
+        0.0, unit="N s", minimum=0.0, description="Tension per unit strain rate, at most the elastic tension."
+    )
     bending_stiffness: float = parameter(
         0.0, unit="N m^2", minimum=0.0, description="EI; 0 means a perfectly flexible cable."
     )
@@ -203,7 +205,10 @@ class CompensatorParameters:
     stroke: float = parameter(
         4.0, unit="m", minimum=1e-3, description="Whole stroke; the stops stand at plus and minus half of it."
     )
-    stop_stiffness: float = parameter(1e7, unit="N/m", minimum=1.0, description="Stiffness of the end stops.")
+    stop_stiffness: float = parameter(2e6, unit="N/m", minimum=1.0, description="Stiffness of the end stops.")
+    stop_damping: float = parameter(
+        2e5, unit="N s/m", minimum=0.0, description="Damping of the end stops; never pulls."
+    )
     preload: float = parameter(
         0.0,
         unit="N",

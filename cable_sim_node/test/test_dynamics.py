@@ -1,0 +1,346 @@
+"""The solver as an object: states saved and restored, bad input named, invariance, features switched on one by one."""
+
+import dataclasses
+import math
+
+import numpy as np
+import pytest
+from cable_sim_node.driven_run import ramped_sine, run_driven
+from cable_sim_node.dynamics import CableDynamics
+from cable_sim_node.errors import BadMotionError, NoEquilibriumError, PlantError
+from cable_sim_node.parameters import (
+    CableParameters,
+    CableSimParameters,
+    CompensatorParameters,
+    CurrentProfileParameters,
+    SeabedParameters,
+    UnitParameters,
+    WaveKinematicsParameters,
+)
+from cable_sim_node.reference_systems import s300
+from heave_node.kinematics import PointMotion
+from heave_node.parameters import ParameterError, build_parameters
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+STILL = PointMotion()
+
+
+def driven(plant, motion, ticks, tick=0.05, first=0):
+    for k in range(first, first + ticks):
+        plant.advance(tick, motion(k * tick), motion((k + 1) * tick), 0.0, 0.0, 0.0, 0.0)
+
+
+def started(parameters, boom_tip=(0.0, 0.0, 0.0)):
+    plant = CableDynamics(parameters)
+    plant.start_at_equilibrium(boom_tip)
+    return plant
+
+
+def test_a_restored_state_runs_on_bit_for_bit():
+    motion = ramped_sine((1.0, 0.5, 1.0), 1.0, 5.0)
+    plant = started(s300(20, (0.4, 0.0)))
+    driven(plant, motion, 50)
+    state = plant.save()
+    driven(plant, motion, 50, first=50)
+    expected = plant.node_positions
+    plant.restore(state)
+    driven(plant, motion, 50, first=50)
+    assert np.array_equal(plant.node_positions, expected)
+
+
+def test_a_state_can_be_given_to_another_object_even_when_the_line_has_grown():
+    plant, other = started(s300(20)), started(s300(20))
+    for k in range(100):
+        plant.advance(1.0, STILL, STILL, 8.0 * k, 8.0, 8.0 * (k + 1), 8.0)
+    other.restore(plant.save())
+    for p in (plant, other):
+        p.advance(0.05, STILL, STILL, 800.0, 8.0, 800.4, 8.0)
+    assert np.array_equal(plant.node_positions, other.node_positions)
+
+
+def test_two_objects_share_nothing():
+    motion = ramped_sine((0.0, 0.0, 2.0), 1.0, 5.0)
+    one, two = started(s300(20)), started(s300(20))
+    rest = two.node_positions
+    driven(one, motion, 100)
+    assert np.array_equal(two.node_positions, rest)
+
+
+@pytest.mark.parametrize("bad", [math.nan, math.inf])
+def test_a_motion_that_is_not_a_number_is_refused_and_changes_nothing(bad):
+    plant = started(s300(20))
+    before = plant.node_positions
+    wrong = PointMotion(position=np.array([0.0, bad, 0.0]))
+    with pytest.raises(BadMotionError, match="must be finite"):
+        plant.advance(0.05, STILL, wrong, 0.0, 0.0, 0.0, 0.0)
+    with pytest.raises(BadMotionError):
+        plant.advance(0.05, STILL, STILL, 0.0, 0.0, bad, 0.0)
+    with pytest.raises(BadMotionError):
+        plant.advance(0.0, STILL, STILL, 0.0, 0.0, 0.0, 0.0)
+    with pytest.raises(BadMotionError):
+        plant.set_thrust([0.0, bad, 0.0])
+    assert np.array_equal(plant.node_positions, before)
+
+
+@pytest.mark.parametrize(
+    ("values", "words"),
+    [
+        ({"segments": 0}, "segments = 0"),
+        ({"cable.axial_stiffness": 0.0}, "cable.axial_stiffness = 0.0"),
+        ({"length": -3.0}, "length = -3.0"),
+        ({"unit.mass": math.nan}, "unit.mass = nan"),
+        ({"sections.length": [10.0]}, "sections.diameter"),
+        ({"clumps.position": [10.0]}, "clumps.mass"),
+        ({"current_profile.depth": [0.0, 0.0]}, "current_profile"),
+        ({"cable.diamter": 0.1}, "did you mean cable.diameter"),
+    ],
+)
+def test_bad_parameters_are_refused_with_their_name(values, words):
+    with pytest.raises(ParameterError, match=words):
+        build_parameters(CableSimParameters, values, where="test")
+
+
+def test_a_unit_below_the_seabed_at_the_start_is_named():
+    with pytest.raises(PlantError, match=r"below the seabed .*seabed\.depth 250 m"):
+        started(dataclasses.replace(s300(20), seabed=SeabedParameters(depth=250.0)))
+
+
+def test_a_buoyant_unit_does_not_hang():
+    with pytest.raises(NoEquilibriumError, match="weigh more in water"):
+        started(dataclasses.replace(s300(20), unit=UnitParameters(mass=3000.0, volume=10.0)))
+
+
+@settings(max_examples=20, deadline=None)
+@given(
+    shift=st.tuples(st.floats(-1e3, 1e3), st.floats(-1e3, 1e3), st.floats(-50.0, 50.0)),
+    turn=st.floats(-math.pi, math.pi),
+)
+def test_motion_does_not_depend_on_place_or_heading(shift, turn):
+    """Rigid translation, and rotation about the vertical of motion and current together."""
+    rotation = np.array(
+        [[math.cos(turn), -math.sin(turn), 0.0], [math.sin(turn), math.cos(turn), 0.0], [0.0, 0.0, 1.0]]
+    )
+    base = ramped_sine((1.0, 0.4, 1.0), 1.3, 3.0)
+
+    def moved(t):
+        motion = base(t)
+        return PointMotion(t, rotation @ motion.position + np.array(shift), rotation @ motion.velocity, np.zeros(3))
+
+    current = rotation @ np.array([0.6, 0.1, 0.0])
+    round_unit = UnitParameters(drag_coefficient=(0.0, 0.0, 1.5))  # drag by axis is not the same in all headings
+    one = started(dataclasses.replace(s300(8, (0.6, 0.1)), unit=round_unit))
+    two = started(dataclasses.replace(s300(8, (current[0], current[1])), unit=round_unit), shift)
+    driven(one, base, 60)
+    driven(two, moved, 60)
+    assert two.node_positions - np.array(shift) == pytest.approx(one.node_positions @ rotation.T, abs=1e-5)
+
+
+@settings(max_examples=25, deadline=None)
+@given(
+    amplitude=st.tuples(*[st.floats(-6.0, 6.0)] * 3),
+    omega=st.floats(0.2, 4.0),
+    length=st.floats(5.0, 900.0),
+    segments=st.integers(1, 30),
+    mass=st.floats(100.0, 2e5),
+    diameter=st.floats(0.005, 0.2),
+    stiffness=st.floats(1e5, 1e9),
+    current=st.tuples(st.floats(-2.0, 2.0), st.floats(-2.0, 2.0)),
+    damping=st.floats(0.0, 1e6),
+)
+def test_any_legal_system_stays_finite_and_never_pushes(
+    amplitude, omega, length, segments, mass, diameter, stiffness, current, damping
+):
+    """Storm motions that make the line slack and snap included."""
+    parameters = CableSimParameters(
+        length=length,
+        segments=segments,
+        current=current,
+        cable=CableParameters(
+            diameter=diameter,
+            mass_per_length=2.5e3 * diameter**2,
+            axial_stiffness=stiffness,
+            internal_damping=damping,
+        ),
+        unit=UnitParameters(mass=mass, volume=0.5 * mass / 1025.0, added_mass=(mass,) * 3),
+    )
+    try:
+        plant = started(parameters)
+    except NoEquilibriumError:
+        return
+    motion = ramped_sine(amplitude, omega, 2.0)
+    for k in range(100):
+        plant.advance(0.05, motion(k * 0.05), motion((k + 1) * 0.05), 0.0, 0.0, 0.0, 0.0)
+        assert np.min(plant.segment_tensions) >= 0.0
+        assert plant.top_tension >= 0.0
+    assert np.all(np.isfinite(plant.node_positions))
+
+
+def test_halving_the_step_quarters_the_error():
+    """Second order in time, in smooth motion: Richardson's ratio of differences is 4."""
+
+    def heave(step):
+        result = run_driven(
+            s300(20, time_step=step, spectral_radius=0.8),
+            (1.0, 0.0, 1.0),
+            1.256,
+            duration=40.0,
+            window=10.0,
+            ramp=10.0,
+            tick=0.1,
+        )
+        return result.unit[:, 2]
+
+    coarse, middle, fine = heave(0.1), heave(0.05), heave(0.025)
+    ratio = np.linalg.norm(coarse - middle) / np.linalg.norm(middle - fine)
+    assert math.log2(ratio) == pytest.approx(2.0, abs=0.3)
+
+
+def test_a_tick_cut_into_parts_gives_the_same_as_inner_steps():
+    """The inner step fixes the result, not the length of the intervals (up to the cubic in between)."""
+    motion = ramped_sine((0.0, 0.0, 1.0), 0.8, 5.0)
+    one, two = started(s300(20, time_step=0.05)), started(s300(20, time_step=0.05))
+    driven(one, motion, 200, tick=0.05)
+    driven(two, motion, 100, tick=0.1)
+    assert one.unit_position == pytest.approx(two.unit_position, abs=1e-5)
+
+
+def test_a_thruster_holds_the_unit_against_its_weight_sideways():
+    """Static deflection of the unit under a small side force is force times length over tension, in still water."""
+    plant = started(dataclasses.replace(s300(60), unit=UnitParameters(thrust=(100.0, 0.0, 0.0))))
+    unit = UnitParameters().weight_in_fluid(1025.0)
+    w = CableParameters().weight_in_fluid(1025.0)
+    # integral of F ds / (W + w s), stretched
+    offset = 100.0 / w * math.log((unit + w * 300.0) / unit) + 100.0 * 300.0 / CableParameters().axial_stiffness
+    assert plant.unit_position[0] == pytest.approx(offset, rel=1e-3)
+
+
+def test_a_current_that_grows_in_time_drags_the_unit_along():
+    parameters = dataclasses.replace(
+        s300(20),
+        current=(0.5, 0.0),
+        current_profile=CurrentProfileParameters(time=(0.0, 50.0, 100.0), factor=(0.0, 0.0, 1.0)),
+    )
+    plant = started(parameters)
+    for _ in range(500):
+        plant.advance(0.1, STILL, STILL, 0.0, 0.0, 0.0, 0.0)
+    assert abs(plant.unit_position[0]) < 1e-9
+    for _ in range(8000):
+        plant.advance(0.1, STILL, STILL, 0.0, 0.0, 0.0, 0.0)
+    assert plant.unit_position == pytest.approx(started(s300(20, (0.5, 0.0))).unit_position, abs=0.02)
+
+
+def test_a_wave_moves_only_what_is_near_the_surface():
+    """The unit at 300 m feels exp(-k z) of an 8 s wave: nothing; near the surface the line follows the orbit."""
+    plant = started(dataclasses.replace(s300(60), wave=WaveKinematicsParameters(amplitude=2.0, period=8.0)))
+    swing = []
+    for _ in range(800):
+        plant.advance(0.05, STILL, STILL, 0.0, 0.0, 0.0, 0.0)
+        swing.append(plant.node_positions[[0, -4], 0])
+    reach = np.ptp(np.array(swing)[400:], axis=0)
+    assert reach[0] < 0.05
+    assert 0.02 < reach[1] < 8.0
+
+
+# --- seabed
+
+
+def landing(**seabed):
+    return dataclasses.replace(s300(30), seabed=SeabedParameters(depth=310.0, **seabed))
+
+
+def test_the_unit_lands_and_the_seabed_carries_what_the_cable_no_longer_does():
+    """At rest on the bottom: penetration = (weight in water - tension)/stiffness."""
+    plant = started(landing())
+    tick, payout, rate = 0.05, 0.0, 0.0
+    for k in range(3000):
+        s = min((k + 1) * tick / 100.0, 1.0)
+        after, new = 12.0 * s**3 * (10 - 15 * s + 6 * s * s), 12.0 * 30.0 * s**2 * (1 - s) ** 2 / 100.0
+        plant.advance(tick, STILL, STILL, payout, rate, after, new)
+        payout, rate = after, new
+    assert plant.touchdown
+    weight = UnitParameters().weight_in_fluid(1025.0)
+    penetration = -plant.unit_position[2] - 310.0
+    pull = plant.segment_tensions[0]
+    assert penetration == pytest.approx((weight - pull) / 1e6, rel=0.05)
+    assert np.linalg.norm(plant.unit_velocity) < 1e-3
+    assert plant.touchdown_force == pytest.approx(weight - pull, rel=0.05)
+
+
+def test_friction_holds_on_a_gentle_slope_and_not_on_a_steep_one():
+    """Coulomb: at rest while tan(slope) < mu; otherwise it slides downhill."""
+    moved = []
+    for slope in (0.2, 0.8):
+        plant = started(landing(slope=(slope, 0.0), friction=0.5))
+        payout = 0.0
+        for k in range(2400):
+            after = min(0.2 * (k + 1) * 0.05, 15.0)
+            rate = 0.2 if after < 15.0 else 0.0
+            plant.advance(0.05, STILL, STILL, payout, rate if k else 0.0, after, rate)
+            payout = after
+        moved.append(-plant.unit_position[0])
+    assert abs(moved[0]) < 0.5
+    assert moved[1] > 5.0
+
+
+# --- bending
+
+
+def test_a_stiff_line_is_a_cantilever_for_small_side_forces():
+    """A heavy tension-free case is hard to hang; so: the hinge energy of a circle is EI kappa^2 L/2, and its end
+    moments vanish.
+    """
+    plant = started(dataclasses.replace(s300(60), cable=CableParameters(bending_stiffness=5e5)))
+    soft = started(s300(60))
+    push = ramped_sine((2.0, 0.0, 0.0), 1.256, 5.0)
+    driven(plant, push, 400)
+    driven(soft, push, 400)
+
+    def curvature(p):
+        e = np.diff(p.node_positions, axis=0)
+        e /= np.linalg.norm(e, axis=1)[:, None]
+        return float(np.max(np.linalg.norm(np.diff(e, axis=0), axis=1)))
+
+    assert curvature(plant) < curvature(soft)
+
+
+# --- compensator
+
+
+def test_a_passive_compensator_takes_most_of_the_heave():
+    """Spring k under a line much stiffer than it: x/x0 = k/(k - (m) w^2) with damping left out, m all that moves
+    with the sheave.
+    """
+    spring = CompensatorParameters(stiffness=2e3, moving_mass=500.0, stroke=6.0)
+    parameters = dataclasses.replace(s300(10), cable=dataclasses.replace(CableParameters(), axial_stiffness=1e9))
+    omega = 1.0
+    result = run_driven(
+        dataclasses.replace(parameters, compensator=spring),
+        (0.0, 0.0, 0.3),
+        omega,
+        duration=600.0,
+        window=100.0,
+        ramp=100.0,
+    )
+    moving = 6000.0 + 300.0 * 5.4 + 500.0
+    linear = abs(2e3 / (2e3 - moving * omega**2))
+    assert linear < 0.4
+    assert result.unit_heave_amplitude == pytest.approx(0.3 * linear, rel=0.1)
+
+
+def test_the_compensator_stops_at_its_stroke():
+    spring = CompensatorParameters(stiffness=500.0, damping=100.0, stroke=0.4)
+    plant = started(dataclasses.replace(s300(10), compensator=spring))
+    motion = ramped_sine((0.0, 0.0, 1.5), 1.0, 10.0)
+    strokes = []
+    for k in range(1200):
+        plant.advance(0.05, motion(k * 0.05), motion((k + 1) * 0.05), 0.0, 0.0, 0.0, 0.0)
+        strokes.append(plant.compensator_stroke)
+    assert 0.2 <= max(strokes) < 0.25
+    assert min(strokes) > -0.25
+
+
+def test_a_compensator_set_for_another_load_is_named():
+    spring = CompensatorParameters(stiffness=1e3, preload=1e5, stroke=2.0)
+    with pytest.raises(PlantError, match="static top tension"):
+        started(dataclasses.replace(s300(10), compensator=spring))
