@@ -140,7 +140,8 @@ class BagWriter:
 
     def add_foreign_topic(self, summary: TopicSummary, schema: str) -> None:
         """Make a topic known by the definition that another bag holds. Its messages are written as they are."""
-        self._topics.setdefault(summary.name, _Topic(summary, schema))
+        own = TopicSummary(summary.name, summary.type, summary.qos, summary.type_hash)
+        self._topics.setdefault(summary.name, _Topic(own, schema))
 
     def write(self, topic: str, log_time: int, data: bytes, *, publish_time: int | None = None) -> None:
         """Write one serialised message; times in nanoseconds."""
