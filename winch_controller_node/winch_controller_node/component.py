@@ -11,7 +11,7 @@ import math
 
 import numpy as np
 
-from winch_controller_node.design import ControllerDesign, design_controller
+from winch_controller_node.design import ControllerDesign, carry_over, design_controller
 from winch_controller_node.guard import HarmGuard
 from winch_controller_node.laws.build import Law, limits_of, make_governor, make_law
 from winch_controller_node.laws.feedback import LawCommand
@@ -21,13 +21,15 @@ from winch_controller_node.laws.loop_state import AuthorityShift, LoopState, Ref
 from winch_controller_node.laws.tension import ConstantTension
 from winch_controller_node.linear_model import Array
 from winch_controller_node.models import DEPTH_BIAS, shadow_model
-from winch_controller_node.modes import Mode, ModeError, ModeMachine, ModeOutput, Situation
+from winch_controller_node.modes import BRAKED, Mode, ModeError, ModeMachine, ModeOutput, Situation
 from winch_controller_node.observation import Observer
 from winch_controller_node.parameters import WinchControllerParameters
 from winch_controller_node.prediction import predict_loop
 from winch_controller_node.programme import Programme, ProgrammeStep
 from winch_controller_node.readings import Measurements, Outputs, Report, RollingKpi, WinchOrder
 from winch_controller_node.rolling_kpi import KpiWindow
+from winch_controller_node.schedule import FOLLOW, design_schedule, is_scheduled
+from winch_controller_node.sea_adaptation import SeaTracker
 from winch_controller_node.trajectory import MeanPayout
 
 RETURN_SPEED = 0.05
@@ -52,19 +54,22 @@ class WinchController:
         del seed
         self.parameters = parameters
         self._dt = tick_period
+        self._is_first_order = parameters.winch.law == "first_order"
         self.mean = MeanPayout(parameters.move, tick_period=tick_period)
         self._left_over = MeanPayout(parameters.move, tick_period=tick_period)
         self.modes = ModeMachine(
             parameters.modes, law=parameters.law, factor=parameters.factor, tick_period=tick_period
         )
         self.programme = Programme(parameters.programme)
-        design = design_controller(parameters, tick_period=tick_period)
+        self._schedule = design_schedule(parameters, tick_period=tick_period) if is_scheduled(parameters) else None
+        design = self._design_for(parameters, 0.0)
         self.estimator = design.make_estimator()
         self.observer = Observer(design, parameters.health)
         self.guard = HarmGuard(parameters.guard, limits_of(design), tick_period=tick_period)
         self._kpi = KpiWindow(parameters.kpi_window, parameters.winch, tick_period=tick_period)
         self._mean_state: Array = np.zeros(design.model.order)
         self._shadow_state: Array = np.zeros(2)
+        self._sea = SeaTracker(design)
         self._take_design(design)
         self._sequence = 0
         self._compensating_command = 0.0
@@ -145,17 +150,51 @@ class WinchController:
 
         Raises DesignError or ValueError, the old design then stays.
         """
-        design = design_controller(parameters, tick_period=self._dt)
-        self.estimator.set_model(design.model, design.measurements)
+        schedule = design_schedule(parameters, tick_period=self._dt) if is_scheduled(parameters) else None
+        before, self._schedule = self._schedule, schedule
+        try:
+            design = self._design_for(parameters, self.mean.point.payout)
+            self.estimator.set_model(design.model, design.measurements, carry_over(self.design, design))
+        except ValueError:
+            self._schedule = before
+            raise
         self.parameters = parameters
         self._take_design(design)
         return design
+
+    def _design_for(self, parameters: WinchControllerParameters, payout: float) -> ControllerDesign:
+        """Return the design at the mean payout [m], scheduled over length where there is a schedule."""
+        if self._schedule is None:
+            return design_controller(parameters, tick_period=self._dt)
+        return self._schedule.design_at(parameters.length + payout)
+
+    def _follow_length(self) -> None:
+        """Take the scheduled design of the length that is out, when it has changed enough."""
+        if self._schedule is None:
+            return
+        length = max(self.parameters.length + self.mean.point.payout, 1.0)
+        if abs(length / self.design.length - 1.0) < FOLLOW:
+            return
+        design = self._schedule.design_at(length)
+        self.estimator.set_model(design.model, design.measurements)
+        self._take_design(design)
+
+    def _follow_sea(self, estimate: Array) -> None:
+        """Let the estimator's driving noise follow the sea that is there."""
+        if not self.parameters.estimator.sea_adaptation:
+            return
+        tip, rate = self._tip_rows @ estimate
+        noise = self._sea.update(float(tip), float(rate))
+        if noise is not None:
+            self.estimator.set_process_noise(noise)
 
     def step(self, tick: int, measurements: Measurements) -> Outputs:
         """Do tick k: take the readings delivered at t_k, return the order for [t_k, t_{k+1}] and what is believed."""
         self._alarms = []
         self._run_programme(tick * self._dt)
+        self._follow_length()
         estimate = self._estimate(tick, measurements)
+        self._follow_sea(estimate)
         uncompensated = self._advance_shadow(estimate)
         fault = 0 if measurements.winch is None else measurements.winch.fault
         mode = self._step_mode(estimate, uncompensated, fault)
@@ -183,6 +222,7 @@ class WinchController:
         self._unit_row, self._payout_row = model.row("unit_heave"), model.row("payout")
         self._rate_row = model.row("payout_rate")
         self._tip_rows = np.array([model.row("boom_tip_heave"), model.row("boom_tip_heave_rate")])
+        self._sea.refer_to(design)
 
     def _run_programme(self, time: float) -> None:
         """Do what the programme has due; what cannot be done now is said and left."""
@@ -225,7 +265,7 @@ class WinchController:
             has_estimate=bool(self.observer.gates["encoder"].state(0.0).accepted),
             winch_fault=fault,
             harm=self.guard.reason,
-            speed=abs(self._total_command),
+            speed=self._commanded_speed(estimate),
         )
         mode = self.modes.step(situation)
         if mode.mode is not before:
@@ -240,7 +280,9 @@ class WinchController:
     def _enter(self, mode: Mode, before: Mode, estimate: Array) -> None:
         """Make the change of mode without a step."""
         self._alarms.append(f"mode {mode.value}: {self.modes.reason}")
-        if mode in (Mode.STOPPING, Mode.STOPPED, Mode.EMERGENCY_STOP, Mode.FADE_OUT, Mode.CONSTANT_TENSION):
+        if mode in BRAKED:
+            self.mean.jump_to(self.mean.point.payout)
+        elif mode is not Mode.COMPENSATING:
             self.mean.stop()
         is_returning = mode is Mode.COMPENSATING and before is not Mode.FADE_OUT
         if is_returning or (mode is Mode.FADE_OUT and before is Mode.CONSTANT_TENSION):
@@ -295,12 +337,13 @@ class WinchController:
         )
         asked = self._ask(mode, state, estimate)
         if mode.brake:
-            governed = GovernedCommand(0.0, (), 0.0)
+            still = self._standing_command(total_state)
+            governed = GovernedCommand(still, (), still)
         else:
             tension = self.observer.tension if math.isfinite(self.observer.tension) else state.static_tension
             governed = self._governor.govern(asked.value + reference_command, payout, rate, tension)
         self._total_command = governed.value
-        self._compensating_command = governed.value - (0.0 if mode.brake else reference_command)
+        self._compensating_command = governed.value - reference_command
         return asked, governed
 
     def _law_state(self, mode: ModeOutput, estimate: Array, uncompensated: Array) -> Array:
@@ -321,15 +364,26 @@ class WinchController:
                 self._law.reading = mode.authority * self.observer.mru_rate
             return self._law.command(state)
         if mode.mode is Mode.STOPPING:
+            if self._is_first_order:
+                return LawCommand(self._standing_command(estimate + self._mean_state) - state.reference.command)
             step = self.parameters.modes.stop_deceleration * self._dt
             slower = math.copysign(max(abs(self._total_command) - step, 0.0), self._total_command)
             return LawCommand(slower - state.reference.command)
         return IDLE
 
+    def _standing_command(self, total_state: Array) -> float:
+        """Return the command under which the winch stays where it is: no rate, or its own payout."""
+        return float(self._payout_row @ total_state) if self._is_first_order else 0.0
+
+    def _commanded_speed(self, estimate: Array) -> float:
+        if self._is_first_order:
+            return abs(float(self._rate_row @ (estimate + self._mean_state)))
+        return abs(self._total_command)
+
     def _reference_command(self) -> float:
         """Return the share of the command that moves the mean payout: its rate, and the servo's lag ahead."""
         point = self.mean.point
-        if self.parameters.winch.law == "first_order":
+        if self._is_first_order:
             return point.payout + point.rate / self.parameters.winch.position_rate
         return point.rate + self.parameters.winch.time_constant * point.acceleration
 
@@ -344,7 +398,7 @@ class WinchController:
     def _order(self, mode: ModeOutput, governed: GovernedCommand) -> WinchOrder:
         self._sequence += 1
         payout = self.mean.point.payout + self._left_over.point.payout
-        if self.parameters.winch.law == "first_order":
+        if self._is_first_order:
             return WinchOrder(self._sequence, governed.sent, 0.0, mode.brake)
         return WinchOrder(self._sequence, payout, governed.sent, mode.brake)
 

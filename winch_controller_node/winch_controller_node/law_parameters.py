@@ -36,6 +36,14 @@ class MpcParameters:
     iteration_limit: int = parameter(
         200, unit="", minimum=5, maximum=100_000, description="Iterations after which the last good plan is followed."
     )
+    unit_heave: float = parameter(
+        0.01, unit="m", minimum=1e-4, maximum=10.0, description="Size of unit heave in this law's own quadratic cost."
+    )
+    payout_acceleration: float = parameter(
+        0.5, unit="m/s^2", minimum=0.0, maximum=1e3, description="Size of payout acceleration there; 0 leaves it out."
+    )
+    payout: float = parameter(50.0, unit="m", minimum=0.0, maximum=1e5, description="Size of payout there.")
+    command: float = parameter(0.3, unit="m/s", minimum=1e-3, maximum=1e3, description="Size of the command there.")
     softness: float = parameter(
         1e-7, unit="", minimum=1e-12, maximum=1.0, description="Reciprocal weight of a violated constraint."
     )

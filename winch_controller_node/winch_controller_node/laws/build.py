@@ -4,13 +4,17 @@ from __future__ import annotations
 
 from typing import Protocol
 
-from winch_controller_node.design import ControllerDesign
+import numpy as np
+
+from winch_controller_node.design import ControllerDesign, is_sensor_state
+from winch_controller_node.law_parameters import MpcParameters
 from winch_controller_node.laws.constrained import ConstrainedLaw
 from winch_controller_node.laws.feedback import LawCommand, StateFeedback
 from winch_controller_node.laws.feedforward import SpeedFeedforward
 from winch_controller_node.laws.governor import CommandGovernor, WinchLimits, winch_limits
 from winch_controller_node.laws.loop_state import LoopState
-from winch_controller_node.linear_model import Array
+from winch_controller_node.linear_model import Array, LinearModel
+from winch_controller_node.lqr import lqr_gain, output_cost
 
 
 class Law(Protocol):
@@ -37,6 +41,23 @@ def make_governor(design: ControllerDesign) -> CommandGovernor:
     return CommandGovernor(design.model, design.parameters.winch, limits_of(design))
 
 
+def constrained_gain(model: LinearModel, parameters: MpcParameters) -> Array:
+    """Return the LQR gain of the constrained law, shape (n,).
+
+    It can be sharper than that of a law whose command is clipped: the limits are in the plan.
+    """
+    sizes = {
+        "unit_heave": parameters.unit_heave,
+        "payout": parameters.payout,
+        "payout_acceleration": parameters.payout_acceleration,
+    }
+    moved = [name for name in model.state_names if not is_sensor_state(name)]
+    plant = model.select_states(moved)
+    gain = np.zeros(model.order)
+    gain[[model.state(name) for name in moved]] = lqr_gain(plant, output_cost(plant, sizes, parameters.command))[0]
+    return gain
+
+
 def make_law(design: ControllerDesign) -> Law:
     """Return the law that the design's parameters name; for `off` the LQG law, which is never asked.
 
@@ -44,7 +65,8 @@ def make_law(design: ControllerDesign) -> Law:
     """
     parameters = design.parameters
     if parameters.law == "mpc":
-        return ConstrainedLaw(design.model, design.gain, parameters.winch, limits_of(design), parameters.mpc)
+        gain = constrained_gain(design.model, parameters.mpc)
+        return ConstrainedLaw(design.model, gain, parameters.winch, limits_of(design), parameters.mpc)
     if parameters.law == "feedforward":
         return SpeedFeedforward(design.model, parameters.winch, parameters.feedforward)
     return StateFeedback(design.regulator_gain if parameters.law == "lqr" else design.gain)

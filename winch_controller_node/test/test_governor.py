@@ -1,0 +1,76 @@
+import math
+
+import numpy as np
+import pytest
+from cable_sim_node.winch import VirtualWinch, WinchCommand
+from cable_sim_node.winch_parameters import WinchParameters
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from winch_controller_node.design import design_controller
+from winch_controller_node.laws.build import make_governor
+from winch_controller_node.laws.governor import SpeedServo, WinchLimits
+from winch_controller_node.parameters import WinchControllerParameters
+
+DT = 0.05
+
+
+@pytest.fixture(scope="module")
+def design():
+    return design_controller(WinchControllerParameters(), tick_period=DT)
+
+
+def drive(design, commands):
+    """Give the virtual winch what the governor lets through; return its states and the linear model's."""
+    governor = make_governor(design)
+    winch = VirtualWinch(WinchParameters(), tick_period=DT)
+    model, x = design.model, np.zeros(design.model.order)
+    winch.step(0, WinchCommand(1, brake=False))
+    states, believed = [], []
+    for tick, wanted in enumerate(commands, start=1):
+        payout, rate = governor.predict(x)
+        governed = governor.govern(wanted, payout, rate, 1e4)
+        x = model.A @ x + model.B[:, 0] * governed.value
+        states.append(winch.step(tick, WinchCommand(tick + 1, 0.0, governed.sent)))
+        believed.append((float(model.row("payout") @ x), float(model.row("payout_rate") @ x)))
+    return states, np.array(believed)
+
+
+@settings(max_examples=20, deadline=None)
+@given(st.lists(st.floats(-30.0, 30.0), min_size=1, max_size=12))
+def test_no_command_takes_the_winch_beyond_its_limits_and_the_model_knows_its_speed(design, targets):
+    """The governed command keeps the real winch on the linear model: what the estimator believes is what happens."""
+    states, believed = drive(design, np.repeat(targets, 25))
+    rates = np.array([state.payout_rate for state in states])
+    limits = WinchParameters()
+    assert np.max(np.abs(rates)) <= limits.speed_limit + 1e-9
+    assert np.max(np.abs(np.diff(rates))) <= limits.acceleration_limit * DT + 1e-9
+    # the set-point itself stops at the speed limit: the last gain before it may fall short by what the lag leaves of
+    # a tick, 1.5 m/s^2 * (0.05 - 0.15 (1 - exp(-1/3))) s = 0.011 m/s; the encoder tells the estimator the rest
+    np.testing.assert_allclose(rates, believed[:, 1], atol=0.011)
+
+
+def test_the_winch_stops_inside_its_payout_range_under_a_command_that_never_lets_go(design):
+    """The limits of the design are 50 m either way less the margin of 1 m."""
+    states, _ = drive(design, np.full(1200, 5.0))
+    assert max(state.payout for state in states) <= 49.0
+    assert states[-1].payout > 47.0
+    assert abs(states[-1].payout_rate) < 0.05
+
+
+def test_the_power_limit_bounds_the_speed_under_tension():
+    """P = T v: 100 kW at 200 kN are 0.5 m/s."""
+    limits = WinchLimits(2.0, 1.5, -50.0, 50.0, power=100e3)
+    assert limits.speed_under(200e3) == pytest.approx(0.5)
+    assert limits.speed_under(0.0) == 2.0
+
+
+@given(st.floats(-0.26, 0.26), st.floats(-1.5, 1.5))
+def test_the_set_point_gains_with_the_limiter_what_the_linear_servo_gains_without(step, rate):
+    """Integrates the limited servo v' = clip((s - v)/T, a) finely and compares with the exact linear step."""
+    lag, limit = 0.15, 1.5
+    servo = SpeedServo(lag, limit, DT)
+    set_point = servo.set_point(rate + step, rate)
+    v, fine = rate, 5000
+    for _ in range(fine):
+        v += max(-limit, min(limit, (set_point - v) / lag)) * DT / fine
+    assert v - rate == pytest.approx(step * -math.expm1(-DT / lag), abs=3e-5)

@@ -1,0 +1,142 @@
+import numpy as np
+import pytest
+from winch_controller_node.guard import HarmGuard
+from winch_controller_node.law_parameters import GuardParameters, ModeParameters
+from winch_controller_node.laws.governor import WinchLimits
+from winch_controller_node.modes import Mode, ModeError, ModeMachine, Situation
+
+DT = 0.05
+WELL = Situation(lost="", has_estimate=True, winch_fault=0, harm="", speed=0.0)
+PARAMETERS = ModeParameters(settling_time=1.0, fade_in_time=2.0, fade_out_time=2.0, coast_time=1.5, resume_time=3.0)
+
+
+def machine(**changes):
+    return ModeMachine(PARAMETERS, law=changes.pop("law", "lqg"), factor=1.0, tick_period=DT)
+
+
+def run(modes, seconds, situation=WELL):
+    return [modes.step(situation) for _ in range(round(seconds / DT))]
+
+
+def situation(**changes):
+    values = {"lost": "", "has_estimate": True, "winch_fault": 0, "harm": "", "speed": 0.0} | changes
+    return Situation(**values)
+
+
+def test_compensation_starts_by_itself_and_authority_rises_without_a_step():
+    modes = machine()
+    outputs = run(modes, 5.0)
+    authority = [output.authority for output in outputs]
+    assert modes.mode is Mode.COMPENSATING
+    assert authority[0] == 0.0
+    assert authority[-1] == 1.0
+    assert np.max(np.abs(np.diff(authority))) <= DT / 2.0 + 1e-12
+
+
+def test_law_off_keeps_the_brake_on_and_refuses_to_move():
+    modes = machine(law="off")
+    assert all(output.brake for output in run(modes, 5.0))
+    with pytest.raises(ModeError, match="law off"):
+        modes.request("compensating")
+
+
+def test_a_lost_mru_is_coasted_over_then_faded_then_stopped_then_forgiven():
+    modes = machine()
+    run(modes, 5.0)
+    lost = situation(lost="mru frozen", speed=0.3)
+    assert run(modes, 1.4, lost)[-1].mode is Mode.COMPENSATING
+    assert "coasting" in modes.reason
+    assert run(modes, 0.3, lost)[-1].mode is Mode.FADE_OUT
+    assert run(modes, 2.0, lost)[-1].mode is Mode.STOPPING
+    assert run(modes, 0.1, situation(lost="mru frozen"))[-1].mode is Mode.STOPPED
+    assert modes.reason == "mru frozen"
+    run(modes, 2.9)
+    assert modes.mode is Mode.STOPPED
+    run(modes, 2.0)
+    assert modes.mode is Mode.COMPENSATING
+
+
+def test_a_short_gap_does_not_end_compensation():
+    modes = machine()
+    run(modes, 5.0)
+    run(modes, 1.0, situation(lost="mru stale"))
+    assert run(modes, 0.1)[-1] == type(run(modes, 0.05)[-1])(Mode.COMPENSATING, "", 1.0, False)
+
+
+def test_an_emergency_stop_brakes_at_once_and_waits_for_somebody():
+    modes = machine()
+    run(modes, 5.0)
+    modes.request("emergency_stop")
+    assert modes.step(WELL).brake
+    assert run(modes, 60.0)[-1].mode is Mode.EMERGENCY_STOP
+    modes.request("compensating")
+    run(modes, 2.0)
+    assert modes.mode is Mode.COMPENSATING
+
+
+def test_a_fault_of_the_winch_brakes_and_is_not_forgiven_by_itself():
+    modes = machine()
+    run(modes, 5.0)
+    assert run(modes, 0.1, situation(winch_fault=3))[-1].brake
+    assert run(modes, 60.0)[-1].mode is Mode.STOPPED
+
+
+def test_harm_fades_out_to_standby_and_comes_back_when_it_is_over():
+    modes = machine()
+    run(modes, 5.0)
+    harm = situation(harm="compensation does harm")
+    outputs = run(modes, 3.0, harm)
+    assert outputs[0].mode is Mode.FADE_OUT
+    assert modes.mode is Mode.STANDBY
+    run(modes, 5.0, harm)
+    assert modes.mode is Mode.STANDBY
+    run(modes, 1.5)
+    assert modes.mode is Mode.COMPENSATING
+
+
+def test_an_unknown_mode_is_refused_by_name():
+    with pytest.raises(ModeError, match="'dance' cannot be asked for"):
+        machine().request("dance")
+
+
+def make_guard():
+    limits = WinchLimits(2.0, 1.5, -50.0, 50.0)
+    return HarmGuard(GuardParameters(window=20.0, hold_time=30.0, floor=0.02), limits, tick_period=DT)
+
+
+def feed_guard(guard, residual, uncompensated, seconds, authority=1.0, rate=0.3):
+    for k in range(round(seconds / DT)):
+        wave = np.sin(0.7 * k * DT)
+        guard.update(residual * wave, uncompensated * wave, rate * wave, authority)
+
+
+def test_the_guard_tolerates_a_small_residual_and_stops_a_harmful_one():
+    guard = make_guard()
+    feed_guard(guard, 0.02, 0.01, 100.0)
+    assert not guard.is_harming
+    feed_guard(guard, 0.2, 0.5, 100.0)
+    assert not guard.is_harming
+    feed_guard(guard, 0.8, 0.5, 60.0)
+    assert guard.is_harming
+    assert "does harm" in guard.reason
+
+
+def test_the_guard_lets_compensation_be_tried_again_and_waits_longer_each_time():
+    guard = make_guard()
+    feed_guard(guard, 0.8, 0.5, 40.0)
+    feed_guard(guard, 0.0, 0.5, 29.0, authority=0.0)
+    assert guard.is_harming
+    feed_guard(guard, 0.0, 0.5, 2.0, authority=0.0)
+    assert not guard.is_harming
+    feed_guard(guard, 0.8, 0.5, 40.0)
+    feed_guard(guard, 0.0, 0.5, 31.0, authority=0.0)
+    assert guard.is_harming
+
+
+def test_the_guard_waits_while_the_sea_asks_for_far_more_than_the_winch_can_give():
+    """Demand: significant amplitude 2 sigma of speed or acceleration over the limit; sin amplitude A has A/sqrt(2)."""
+    guard = make_guard()
+    feed_guard(guard, 0.8, 0.5, 40.0, rate=10.0)
+    feed_guard(guard, 0.0, 0.5, 200.0, authority=0.0, rate=10.0)
+    assert guard.demand == pytest.approx(2.0 * 10.0 / np.sqrt(2.0) / 2.0, rel=0.1)
+    assert guard.is_harming

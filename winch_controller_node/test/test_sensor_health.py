@@ -1,0 +1,94 @@
+import math
+
+import pytest
+from winch_controller_node.law_parameters import HealthParameters
+from winch_controller_node.readings import MRU_SETTLING, MruReading, ScalarReading
+from winch_controller_node.sensor_health import LOST, OK, SUSPECT, EncoderGate, SensorGate, SensorTiming, judge_mru
+
+DT = 0.05
+
+
+def make_gate(**timing):
+    return SensorGate("depth", SensorTiming(DT, **timing), HealthParameters())
+
+
+def feed(gate, values, start=1):
+    """Give one reading per tick; None: none comes. Return the level after each tick."""
+    levels = []
+    for k, value in enumerate(values, start=start):
+        if value is not None:
+            gate.judge(k * DT, k * DT, (value,))
+        gate.tick(k * DT)
+        levels.append(gate.level)
+    return levels
+
+
+@pytest.mark.parametrize(
+    ("fault", "reason"),
+    [([math.nan] * 3, "nan"), ([7.0] * 3, "frozen"), ([None] * 4, "stale")],
+)
+def test_a_fault_raises_the_alarm_within_three_samples_and_is_named(fault, reason):
+    """Stale is noticed when the fourth reading is overdue: three samples are missing then."""
+    gate = make_gate()
+    feed(gate, [0.1 * k for k in range(10)])
+    assert gate.level == OK
+    levels = feed(gate, fault, start=11)
+    assert levels[-1] == LOST
+    assert gate.reason == reason
+
+
+def test_one_bad_reading_makes_a_sensor_suspect_and_good_ones_make_it_well_again():
+    gate = make_gate()
+    feed(gate, [0.1, 0.2, math.nan])
+    assert gate.level == SUSPECT
+    feed(gate, [0.1 * k for k in range(4, 16)], start=4)
+    assert (gate.level, gate.reason) == (OK, "")
+    assert gate.state(1.0).refused == 1
+
+
+@pytest.mark.parametrize("stamp", [99.0, 0.05, math.nan])
+def test_a_stamp_from_the_future_or_the_past_or_none_at_all_is_refused(stamp):
+    gate = make_gate()
+    feed(gate, [0.1, 0.2, 0.3])
+    assert not gate.judge(4 * DT, stamp, (0.4,))
+    assert gate.reason == "wrong stamp"
+
+
+def test_a_late_sensor_is_not_stale_while_its_usual_latency_lasts():
+    gate = make_gate(latency=0.1)
+    for k in range(3, 30):
+        gate.judge(k * DT, (k - 2) * DT, (0.1 * k,))
+        gate.tick(k * DT)
+        assert gate.level == OK
+
+
+def test_an_mru_that_says_it_is_settling_is_not_used():
+    gate = SensorGate("mru", SensorTiming(DT), HealthParameters())
+    assert not judge_mru(gate, DT, MruReading(DT, 0.1, 0.0, status=MRU_SETTLING))
+    assert gate.reason == "status settling"
+
+
+def encoder_after(steps, rate=0.5):
+    """Feed an encoder that moves at `rate`, with extra `steps` by tick; return payouts taken and the gate."""
+    gate = EncoderGate(SensorTiming(DT, DT), HealthParameters(), tick_period=DT)
+    position, taken = 0.0, []
+    for k in range(1, 40):
+        position += rate * DT + steps.get(k, 0.0)
+        taken.append(gate.judge(k * DT, ScalarReading(k * DT, round(position, 3)), rate))
+    return taken, gate
+
+
+def test_an_encoder_jump_is_noticed_at_once_and_taken_off():
+    """The drum turned on at 0.5 m/s: 39 ticks are 0.975 m, whatever the encoder says."""
+    taken, gate = encoder_after({20: 0.2})
+    assert taken[19] is None
+    assert gate.offset == pytest.approx(0.2, abs=2e-3)
+    assert taken[-1] == pytest.approx(0.975, abs=3e-3)
+
+
+def test_a_drum_that_turns_unseen_is_a_frozen_encoder():
+    gate = EncoderGate(SensorTiming(DT, DT), HealthParameters(), tick_period=DT)
+    for k in range(1, 6):
+        gate.judge(k * DT, ScalarReading(k * DT, 1.0), 0.5)
+    assert gate.gate.level == LOST
+    assert gate.gate.reason == "frozen"

@@ -1,0 +1,75 @@
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from winch_controller_node.law_parameters import MoveParameters, ProgrammeParameters
+from winch_controller_node.programme import Programme
+from winch_controller_node.trajectory import MeanPayout
+
+DT = 0.05
+
+
+def points(mean, ticks):
+    return [mean.advance() for _ in range(ticks)]
+
+
+@settings(max_examples=30, deadline=None)
+@given(st.lists(st.tuples(st.floats(-60.0, 60.0), st.integers(1, 1500)), min_size=1, max_size=4))
+def test_moves_stay_within_speed_and_acceleration_whatever_is_asked_for(moves):
+    parameters = MoveParameters(speed=0.5, acceleration=0.05)
+    mean = MeanPayout(parameters, tick_period=DT)
+    for target, ticks in moves:
+        mean.move_to(target)
+        before = mean.point
+        for point in points(mean, ticks):
+            assert abs(point.rate) <= 0.5 + 1e-9
+            assert abs(point.rate - before.rate) <= 0.05 * DT + 1e-9 or point.rate == 0.0
+            assert abs(point.payout - before.payout) <= 0.5 * DT + 1e-9
+            before = point
+
+
+@given(st.floats(-40.0, 40.0))
+@settings(max_examples=20, deadline=None)
+def test_a_move_arrives_without_overshoot(target):
+    mean = MeanPayout(MoveParameters(), tick_period=DT)
+    mean.move_to(target)
+    path = points(mean, 4000)
+    assert not mean.is_moving
+    assert path[-1].payout == pytest.approx(target, abs=0.006)
+    assert max(abs(point.payout) for point in path) <= abs(target) + 0.006
+
+
+def test_a_cancelled_move_stops_within_the_braking_distance_and_stays():
+    """From 0.5 m/s at 0.05 m/s^2 the braking distance is 2.5 m; building up the acceleration adds 1 s of way."""
+    mean = MeanPayout(MoveParameters(speed=0.5, acceleration=0.05), tick_period=DT)
+    mean.move_to(40.0)
+    points(mean, 600)
+    at = mean.point.payout
+    mean.stop()
+    points(mean, 1000)
+    assert mean.point.rate == 0.0
+    assert 0.0 < mean.point.payout - at < 2.5 + 0.5 * 2.0
+    assert not mean.is_moving
+
+
+def test_a_move_to_nowhere_is_refused():
+    with pytest.raises(ValueError, match="finite payout"):
+        MeanPayout(MoveParameters(), tick_period=DT).move_to(float("nan"))
+
+
+def test_the_programme_hands_out_each_step_once_in_order():
+    programme = Programme(
+        ProgrammeParameters(
+            move_times=(10.0, 30.0), move_payouts=(5.0, 0.0), mode_times=(20.0,), modes=("constant_tension",)
+        )
+    )
+    assert programme.due(9.9) == []
+    assert [step.payout for step in programme.due(10.0)] == [5.0]
+    assert [step.mode for step in programme.due(31.0)] == ["constant_tension", ""]
+    assert programme.due(1000.0) == []
+
+
+def test_a_programme_that_contradicts_itself_is_refused_in_words():
+    with pytest.raises(ValueError, match="as many values as programme"):
+        ProgrammeParameters(move_times=(1.0,))
+    with pytest.raises(ValueError, match="must be ascending"):
+        ProgrammeParameters(mode_times=(2.0, 1.0), modes=("standby", "standby"))
