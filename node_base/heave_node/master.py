@@ -149,6 +149,7 @@ class ClockMasterNode(HeaveNode):
         )
         self._start_publisher.publish(self._start_message)
         self._sent_at = self._complained_at = time.monotonic()
+        self._patience = self.run.resend_period
 
     @property
     def _is_flushing(self) -> bool:
@@ -301,8 +302,9 @@ class ClockMasterNode(HeaveNode):
 
     def _look_for_missing(self, now: float) -> None:
         """Ask again, and name who has not answered."""
-        if now - self._sent_at > self.run.resend_period and (self.run.is_lockstep or self._is_flushing):
+        if now - self._sent_at > self._patience and (self.run.is_lockstep or self._is_flushing):
             self._sent_at = now
+            self._patience *= 2.0  # a machine that is merely slow must not be given more to do each time
             self.timing.resends += 1
             self.send_outputs_again()
             self._start_publisher.publish(self._start_message)
