@@ -127,7 +127,7 @@ def _solve(dynamics: sp.csc_matrix, right: Array, limits: WinchLimits, n: int) -
         max_iter=20_000,
         polishing=False,
     )
-    result = solver.solve()
+    result = solver.solve(raise_error=False)
     if result.info.status not in ("solved", "solved inaccurate"):
         raise DesignError(f"the bound of the actuator could not be computed: the solver says {result.info.status}")
     return np.asarray(result.x[0::5])

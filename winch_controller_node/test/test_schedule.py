@@ -1,0 +1,137 @@
+"""Gain schedule over length, adaptation to the sea, demand on the winch."""
+
+import math
+
+import numpy as np
+import pytest
+from heave_node.parameters import build_parameters
+from winch_controller_node.design import at_cable, carry_over, design_controller
+from winch_controller_node.feasibility import boom_tip_moments, feasibility_table, uncompensated_sigma
+from winch_controller_node.linear_model import state_covariance
+from winch_controller_node.lqr import DesignError
+from winch_controller_node.models import CableModel, boom_tip_block
+from winch_controller_node.parameters import WinchControllerParameters
+from winch_controller_node.schedule import closed_loop_radius, design_schedule
+from winch_controller_node.sea_adaptation import PATIENCE, SeaTracker
+
+DT = 0.05
+
+
+def parameters(**values):
+    named = {name.replace("__", "."): value for name, value in values.items()}
+    return build_parameters(WinchControllerParameters, named, where="test: winch_controller")
+
+
+@pytest.fixture(scope="module")
+def schedule():
+    return design_schedule(
+        parameters(schedule__minimum_length=100.0, schedule__maximum_length=400.0, schedule__points=5), tick_period=DT
+    )
+
+
+def test_at_its_points_the_schedule_is_the_design(schedule):
+    for point in schedule.designs:
+        assert schedule.gain_at(point.length) == pytest.approx(point.gain, rel=1e-9)
+        at = schedule.design_at(point.length)
+        assert pytest.approx(point.model.A, rel=1e-9, abs=1e-12) == at.model.A
+        assert at.cable.static_tension == pytest.approx(point.cable.static_tension)
+
+
+def test_between_its_points_the_loop_is_stable_and_near_its_own_optimum(schedule):
+    for length in (115.0, 170.0, 333.0):
+        between = schedule.design_at(length)
+        own = design_controller(schedule.designs[0].parameters, tick_period=DT, length=length)
+        assert closed_loop_radius(between) < 1.0
+        assert between.cable.a == pytest.approx(own.cable.a, rel=0.02)
+        assert between.gain == pytest.approx(own.gain, rel=0.1, abs=0.05 * np.abs(own.gain).max())
+
+
+def test_beyond_its_ends_the_schedule_holds_the_end_gain(schedule):
+    assert schedule.gain_at(20.0) == pytest.approx(schedule.designs[0].gain)
+    assert schedule.gain_at(4000.0) == pytest.approx(schedule.designs[-1].gain)
+
+
+def test_a_schedule_that_goes_nowhere_is_refused():
+    with pytest.raises(DesignError, match="must be above the shortest length"):
+        design_schedule(parameters(length=300.0, schedule__maximum_length=200.0), tick_period=DT)
+
+
+def test_an_unstable_gap_is_named(schedule):
+    from dataclasses import replace  # noqa: PLC0415
+
+    bad = replace(schedule.designs[1], gain=-5.0 * schedule.designs[1].gain)
+    with pytest.raises(DesignError, match="between 100 and"):
+        replace(schedule, designs=(schedule.designs[0], bad)).check()
+
+
+def test_another_cable_keeps_the_gain_given():
+    base = design_controller(parameters(), tick_period=DT)
+    other = at_cable(base, CableModel(1.0, 0.1), 500.0, 0.5 * base.gain)
+    assert other.cable.a == 1.0
+    assert other.gain == pytest.approx(0.5 * base.gain)
+
+
+def test_a_state_carried_over_to_another_sea_means_the_same_elevation_and_motion():
+    # the sixth derivative chain is the same signal, so elevation stays when only the height changes
+    old = design_controller(parameters(sea__significant_wave_height=1.0), tick_period=DT)
+    new = design_controller(parameters(sea__significant_wave_height=2.5), tick_period=DT)
+    x = np.random.default_rng(0).standard_normal(old.model.order)
+    moved = carry_over(old, new) * x
+    for output in ("wave_elevation", "boom_tip_heave", "unit_heave", "payout"):
+        assert new.model.row(output) @ moved == pytest.approx(old.model.row(output) @ x, rel=1e-9)
+
+
+def test_the_tracker_finds_a_sea_twice_as_high_and_scales_the_noise_by_four():
+    design = design_controller(parameters(), tick_period=DT)
+    tracker = SeaTracker(design)
+    sigma, rate = design.sigma["boom_tip_heave"], design.sigma["boom_tip_heave_rate"]
+    omega = rate / sigma
+    noise = None
+    for k in range(round(2.0 * PATIENCE / DT)):
+        phase = omega * k * DT
+        found = tracker.update(
+            2.0 * math.sqrt(2.0) * sigma * math.sin(phase), 2.0 * math.sqrt(2.0) * rate * math.cos(phase)
+        )
+        noise = found if found is not None else noise
+    assert tracker.height_ratio == pytest.approx(2.0, rel=0.02)
+    assert tracker.frequency_ratio == pytest.approx(1.0, rel=0.02)
+    wave = design.model.state("wave_5")
+    assert noise is not None
+    assert noise[wave, wave] == pytest.approx(4.0 * design.model.noise_covariance[wave, wave], rel=0.05)
+    payout = design.model.state("payout_rate")
+    assert noise[payout, payout] == pytest.approx(design.model.noise_covariance[payout, payout])
+
+
+def test_the_tracker_waits_before_it_says_anything():
+    tracker = SeaTracker(design_controller(parameters(), tick_period=DT))
+    assert all(tracker.update(5.0, 5.0) is None for _ in range(100))
+
+
+def test_boom_tip_moments_are_those_of_the_lyapunov_equation():
+    tip = boom_tip_block(parameters().sea, parameters().vessel)
+    P = state_covariance(tip)
+    m0, m2, _ = boom_tip_moments(tip)
+    heave, rate = tip.row("boom_tip_heave"), tip.row("boom_tip_heave_rate")
+    assert m0 == pytest.approx(heave @ P @ heave, rel=1e-2)
+    assert m2 == pytest.approx(rate @ P @ rate, rel=2e-2)
+
+
+def test_demand_goes_with_the_height_and_power_with_tension_times_speed():
+    small, large = feasibility_table(parameters(), [1.0, 2.0], [8.0])
+    assert large.speed == pytest.approx(2.0 * small.speed)
+    assert large.stroke == pytest.approx(2.0 * small.stroke)
+    tension = small.torque / 0.75
+    assert small.power == pytest.approx(tension * small.speed)
+    assert small.within_limits
+
+
+def test_a_winch_too_slow_for_the_sea_is_not_within_limits():
+    (row,) = feasibility_table(parameters(winch__speed_limit=0.2), [3.0], [8.0])
+    assert not row.within_limits
+
+
+def test_the_uncompensated_motion_of_a_short_stiff_cable_is_that_of_the_boom_tip():
+    short = parameters(length=5.0)
+    P = state_covariance(boom_tip_block(short.sea, short.vessel))
+    row = boom_tip_block(short.sea, short.vessel).row("boom_tip_heave")
+    assert uncompensated_sigma(short, 5.0) == pytest.approx(math.sqrt(row @ P @ row), rel=0.02)
