@@ -175,6 +175,37 @@ def test_a_weightless_cable_in_a_cross_current_is_the_classical_bow():
     assert shape.tension.max() == pytest.approx(20.0 * 100.0**2 / (8.0 * sag), rel=0.04)
 
 
+@settings(phases=(Phase.explicit, Phase.generate), max_examples=12, deadline=None)
+@given(
+    st.lists(st.tuples(st.floats(50.0, 400.0), st.sampled_from([0.0, -2.0, 5.0, 40.0])), min_size=1, max_size=3),
+    st.lists(st.tuples(st.floats(-1.5, 1.5), st.floats(-1.5, 1.5)), min_size=2, max_size=4),
+    st.floats(0.1, 1.0),
+    ANGLE,
+)
+def test_sections_even_weightless_ones_in_any_sheared_current_are_in_equilibrium(pieces, profile, share, heading):
+    sections = [StaticSection(length, 1e7, weight, 12.0, 1.0) for length, weight in pieces]
+    cable = static_cable(sections, segments=30)
+    flow = Current(profile, 150.0 * np.arange(len(profile)))
+    if not np.any(flow.velocities):
+        return
+    start = np.array([0.0, 0.0, -cable.length])
+    end = start + share * cable.length * np.array([0.8 * math.cos(heading), 0.8 * math.sin(heading), 0.6])
+    for shape in (
+        submerged_cable(cable, start, end, flow),
+        mooring_cable(cable, start, end[2], (500.0, 100.0), flow),
+        towing_cable(cable, end, flow, free_force=(0.0, 0.0, -2000.0)),
+    ):
+        scale = cable.length + float(shape.tension.max())
+        assert outer_forces(shape) == pytest.approx(np.zeros(3), abs=1e-8 * scale)
+        assert shape.positions[-1, 2] == pytest.approx(end[2], abs=1e-4 * cable.length)
+
+
+def test_a_slack_weightless_part_in_still_water_is_said_to_be_undetermined():
+    cable = static_cable([StaticSection(100.0, 1e6, 0.0), StaticSection(50.0, 1e6, 20.0)])
+    with pytest.raises(NoEquilibriumError, match="weightless part"):
+        submerged_cable(cable, (0, 0, 0), (20.0, 0, 0))
+
+
 def test_strong_current_and_a_slack_cable_are_reached():
     cable = static_cable([StaticSection(300.0, 1e8, 2.25, 20.0, 0.5)], segments=80)
     for speed in (1.0, 5.0, 10.0):

@@ -58,18 +58,7 @@ def submerged_cable(
         return (shape.positions[-1] - target) / scale, shape.partials[:3, 3:] / scale, shape
 
     equations = Equations(evaluate)
-    none_known = np.zeros(3, dtype=bool)
-    drag = np.zeros_like(cable.steady_loads)
-    if not _is_determined(cable, span, drag):
-        drag = _drag_on_chord(cable, current, origin, span)
-        if not _is_determined(cable, span, drag):
-            raise StaticsError(
-                "a weightless cable longer than its span has no one shape in still water: give it a load"
-            )
-    guess = _catenary_guess(cable, span, drag)
-    start_tension = solve_dead_loads(cable, current, origin, span, none_known, guess, drag)
-    if start_tension is None:
-        raise NoEquilibriumError("submerged cable: no equilibrium was found under dead loads")
+    start_tension, drag = _start_of_submerged(cable, current, origin, span)
     if current.is_still and cable.feed == 0.0:
         shape = shape_from(cable, current, origin, start_tension)
         assert shape is not None, "the answer of a search can be marched"
@@ -185,10 +174,31 @@ def _point(value: ArrayLike, name: str) -> Array:
     return point
 
 
-def _is_determined(cable: StaticCable, span: Array, drag: Array) -> bool:
-    """Whether dead loads or stretch give the cable a shape at all."""
-    loads = np.abs(cable.steady_loads + drag).sum() + np.abs(cable.nodes[1:-1, FORCE : FORCE + 3]).sum()
-    return bool(loads > 0.0 or np.linalg.norm(span) > cable.length)
+def _start_of_submerged(cable: StaticCable, current: Current, origin: Array, span: Array) -> tuple[Array, Array]:
+    """Return the tension vector at s = 0 under dead loads, and the drag that was among them [N/m].
+
+    Drag is none, or where a slack weightless part would leave the shape open in still water, that of a cable along the
+    span.
+    """
+    drag = np.zeros_like(cable.steady_loads)
+    is_still = current.is_still and cable.feed == 0.0
+    has_weightless_part = bool(np.any(cable.steady_loads[:, 2] == 0.0))
+    if has_weightless_part and is_still and not _is_loaded(cable) and np.linalg.norm(span) <= cable.length:
+        raise StaticsError("a weightless cable longer than its span has no one shape in still water: give it a load")
+    if has_weightless_part and not is_still:
+        drag = _drag_on_chord(cable, current, origin, span)
+    nothing_known = np.zeros(3, dtype=bool)
+    guess = _catenary_guess(cable, span, drag)
+    tension = solve_dead_loads(cable, current, origin, span, nothing_known, guess, drag)
+    if tension is None:
+        hint = ": a weightless part of it is slack, which has no one shape" if has_weightless_part else ""
+        raise NoEquilibriumError(f"submerged cable: no equilibrium was found under dead loads{hint}")
+    return tension, drag
+
+
+def _is_loaded(cable: StaticCable) -> bool:
+    """Whether weight or a point load between the ends pulls the cable into a shape."""
+    return bool(np.any(cable.steady_loads) or np.any(cable.nodes[1:-1, FORCE : FORCE + 3]))
 
 
 def _drag_on_chord(cable: StaticCable, current: Current, origin: Array, span: Array) -> Array:
