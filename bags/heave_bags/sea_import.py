@@ -165,10 +165,8 @@ def import_sea(source: Path, mapping: SeaMapping | str) -> ImportedSea:
     notes: list[str] = []
     if isinstance(mapping, str):
         mapping = mapping_for_topic(Bag(source), mapping)
-    if source.suffix.lower() == ".csv":
-        signals = _csv_signals(source, mapping)
-    else:
-        signals = _bag_signals(source, mapping, notes)
+    is_log = source.suffix.lower() == ".csv"
+    signals = _csv_signals(source, mapping) if is_log else _bag_signals(source, mapping, notes)
     checked = {name: _checked(source, name, signal, notes) for name, signal in signals.items()}
     start = max(signal.time[0] for signal in checked.values())
     end = min(signal.time[-1] for signal in checked.values())
@@ -219,11 +217,11 @@ def _bag_signals(source: Path, mapping: SeaMapping, notes: list[str]) -> dict[st
         if missing:
             raise BagError(f"{source}: {name}: {channel.topic} has no field {missing[0]}")
         values = [np.asarray(topic[column], dtype=float) for column in names]
-        signals[name] = Signal(topic[TIME], euler_part(*values, channel.part) if channel.part else values[0])
+        signals[name] = Signal(topic[TIME], euler_part(channel.part, *values) if channel.part else values[0])
     return signals
 
 
-def euler_part(x: Array, y: Array, z: Array, w: Array, part: str) -> Array:
+def euler_part(part: str, x: Array, y: Array, z: Array, w: Array) -> Array:
     """Return roll, pitch or yaw [rad] (about x, y, z, in the order z-y-x) of quaternions."""
     if part == "roll":
         return np.arctan2(2.0 * (w * x + y * z), 1.0 - 2.0 * (x * x + y * y))

@@ -1,0 +1,130 @@
+"""What is played, and when."""
+
+import pytest
+from heave_bags.errors import BagError
+from heave_bags.playback import Playback, PlaybackOptions, in_order_of_time, publisher_of, selected_topics
+from heave_bags.reader import Bag, RawMessage
+from heave_bags.substitute_node import TickPlayer
+from made_up_run import MadeUpRun
+
+PERIOD = 50_000_000
+
+
+def play(bag: Bag, *, until: float = 1e9, period: float = 0.01, **options) -> list[tuple[float, RawMessage]]:
+    """Play a bag against a clock that is advanced by hand; return wall times and messages."""
+    playback = Playback(bag, PlaybackOptions(**options))
+    wall, played = 0.0, []
+    while not playback.finished and wall < until:
+        played += [(wall, message) for message in playback.due(wall)]
+        wall += period
+    return played
+
+
+@pytest.fixture
+def bag(shared_bag):
+    return Bag(shared_bag)
+
+
+def test_every_message_is_played_once_in_order(bag):
+    assert [message for _, message in play(bag, period=1.0)] == list(bag.messages())
+
+
+@pytest.mark.parametrize("rate", [0.5, 1.0, 4.0])
+def test_a_message_is_played_when_it_is_due_at_the_rate(bag, rate):
+    for wall, message in play(bag, rate=rate, duration=5.0):
+        due = (message.log_time - bag.start_time) * 1e-9 / rate
+        assert due <= wall + 1e-9
+        assert wall < due + 0.0101
+
+
+def test_start_and_duration_choose_a_part(bag):
+    times = [message.log_time for _, message in play(bag, start=10.0, duration=2.0)]
+    assert times[0] == bag.start_time + 10_000_000_000
+    assert times[-1] == bag.start_time + 12_000_000_000
+
+
+def test_what_was_latched_before_the_start_is_played_first(bag):
+    playback = Playback(bag, PlaybackOptions(start=10.0))
+    assert [message.topic for message in playback.latched()] == ["/sea_state"]
+    assert Playback(bag, PlaybackOptions()).latched() == []
+
+
+def test_a_loop_begins_again(bag):
+    rounds = play(bag, loop=True, duration=1.0, topics=["boom_tip"], until=3.5)
+    times = [message.log_time for _, message in rounds]
+    assert times[:21] * 3 == times[:63]
+
+
+def test_paused_nothing_is_played_and_no_time_is_caught_up_afterwards(bag):
+    playback = Playback(bag, PlaybackOptions(topics=["boom_tip"]))
+    playback.due(0.0)
+    playback.due(1.0)
+    playback.paused = True
+    assert playback.due(50.0) == []
+    playback.paused = False
+    assert len(playback.due(50.5)) == 10
+
+
+def test_a_step_plays_the_next_messages_at_once(bag):
+    playback = Playback(bag, PlaybackOptions(paused=True))
+    stepped = playback.step(3)
+    assert stepped == list(bag.messages())[:3]
+    assert playback.step(2) == list(bag.messages())[3:5]
+
+
+def test_topics_and_nodes_select(bag):
+    assert selected_topics(bag, PlaybackOptions(topics=["/unit*"])) == ["/unit/odometry", "/unit_uncompensated"]
+    assert selected_topics(bag, PlaybackOptions(nodes=["virtual_winch"])) == ["/winch/state"]
+    assert "/boom_tip" not in selected_topics(bag, PlaybackOptions(exclude=["boom_tip"]))
+    assert publisher_of(bag, "/boom_tip") == ("wave_vessel",)
+
+
+@pytest.mark.parametrize(
+    ("options", "complaint"),
+    [
+        ({"topics": ["/nothing*"]}, "no topic is like"),
+        ({"nodes": ["nobody"]}, "nothing in it was published by nobody"),
+        ({"exclude": ["*"]}, "no topic is left"),
+        ({"start": 100.0}, "lies behind its end"),
+    ],
+)
+def test_a_selection_that_leaves_nothing_is_refused(bag, options, complaint):
+    with pytest.raises(BagError, match=complaint):
+        Playback(bag, PlaybackOptions(**options))
+
+
+@pytest.mark.parametrize("options", [{"rate": 0.0}, {"rate": float("nan")}, {"start": -1.0}, {"duration": 0.0}])
+def test_options_out_of_range_are_refused(options):
+    with pytest.raises(BagError):
+        PlaybackOptions(**options)
+
+
+def test_messages_that_are_a_little_out_of_order_are_sorted():
+    messages = [RawMessage("/a", time, time, b"") for time in (3, 1, 2, 5, 4)]
+    assert [m.log_time for m in in_order_of_time(iter(messages))] == [1, 2, 3, 4, 5]
+
+
+def test_a_substitute_plays_each_message_of_its_node_in_the_tick_it_was_recorded_in(bag):
+    player = TickPlayer(bag, "wave_vessel", PERIOD)
+    assert player.topics == ["/boom_tip", "/sea_state"]
+    played = [(tick, topic) for tick in range(1, 1201) for topic, _ in player.take(tick)]
+    assert played == [(1, "/sea_state"), *((tick, "/boom_tip") for tick in range(1, 1201))]
+    with pytest.raises(BagError, match="it ends at t = 60 s"):
+        player.take(1201)
+
+
+def test_a_substitute_that_starts_later_moves_the_stamps(bag):
+    run = MadeUpRun()
+    player = TickPlayer(bag, "wave_vessel", PERIOD, shift=10_000_000_000)
+    moved = [data for tick in (1, 2) for _, data in player.take(tick)]
+    original = [m.data for m in bag.messages(["boom_tip"], start=10_000_000_000 + PERIOD)][:2]
+    assert [data[12:] for data in moved[-2:]] == [data[12:] for data in original]
+    assert int.from_bytes(moved[-2][8:12], "little") == PERIOD
+    assert run.tick == 0.05
+
+
+def test_a_substitute_for_another_tick_or_node_is_refused(bag, made_up_bag):
+    with pytest.raises(BagError, match="published by winch_controllers"):
+        TickPlayer(bag, "winch_controllers", PERIOD)
+    with pytest.raises(BagError, match="no whole number of ticks"):
+        TickPlayer(bag, "wave_vessel", PERIOD, shift=1)
