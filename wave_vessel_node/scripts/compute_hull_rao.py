@@ -31,6 +31,9 @@ METACENTRIC_HEIGHT = 1.5  # m, transverse
 GYRATION = (0.38 * BEAM, 0.25 * LENGTH, 0.25 * LENGTH)  # m, about x, y, z
 ROLL_DAMPING = 0.05  # of critical, for what potential flow lacks (bilge keels, friction)
 OMEGA = np.concatenate((np.arange(0.15, 0.5, 0.05), np.arange(0.5, 1.3, 0.04), np.arange(1.3, 2.61, 0.1)))
+TABLE_OMEGA = np.concatenate(  # the table: fine where roll resonates, at rest and under way
+    (np.arange(0.15, 0.4, 0.05), np.arange(0.4, 1.0, 0.0125), np.arange(1.0, 1.3, 0.04), np.arange(1.3, 2.551, 0.1))
+)
 HEADINGS = np.radians(np.arange(0.0, 181.0, 15.0))
 SPEEDS = (0.0, 2.5, 5.0)
 DEGREES_OF_FREEDOM = ("Surge", "Sway", "Heave", "Roll", "Pitch", "Yaw")
@@ -138,7 +141,7 @@ def main() -> None:
     arguments = parser.parse_args()
     if not arguments.from_database:
         write_database(cpt.io.xarray.separate_complex_values(solve(hull_body())), arguments.database)
-    rao = read_capytaine(arguments.database, speeds=SPEEDS, roll_damping=ROLL_DAMPING)
+    rao = read_capytaine(arguments.database, speeds=SPEEDS, roll_damping=ROLL_DAMPING, frequencies=TABLE_OMEGA)
     write_rao_csv(arguments.table, rao, comments=documentation())
 
 

@@ -18,6 +18,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline
 
 from wave_vessel_node.rao import RaoError, ResponseTable, encounter_frequency
 from wave_vessel_node.vessel_motion import DEGREES_OF_FREEDOM
@@ -126,12 +127,18 @@ def write_rao_csv(path: str | Path, table: ResponseTable, comments: Iterable[str
                 motion = table.response[s, h, :, f]
                 numbers = [f"{speed:g}", f"{heading:.6f}", f"{omega:g}"]
                 for value in motion:
-                    numbers += [f"{abs(value):.5e}", f"{np.angle(value):.5f}"]
+                    numbers += [f"{abs(value):.4e}", f"{np.angle(value):.4f}"]
                 lines.append(",".join(numbers))
     Path(path).write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 
-def read_capytaine(path: str | Path, *, speeds: Sequence[float] = (0.0,), roll_damping: float = 0.05) -> ResponseTable:
+def read_capytaine(
+    path: str | Path,
+    *,
+    speeds: Sequence[float] = (0.0,),
+    roll_damping: float = 0.05,
+    frequencies: Sequence[float] | Array | None = None,
+) -> ResponseTable:
     """Make RAOs from a Capytaine database: added mass, radiation damping, excitation, inertia and hydrostatic
     stiffness.
 
@@ -140,6 +147,8 @@ def read_capytaine(path: str | Path, *, speeds: Sequence[float] = (0.0,), roll_d
     speeds : forward speeds [m/s]; added mass and damping are then those of the encounter frequency, excitation that of
     zero speed
     roll_damping : fraction of critical added to roll, for what potential flow lacks
+    frequencies : of the table [rad/s]; default: those of the database with three more between each two.
+        Coefficients are smooth and interpolated well; motions have resonances, which need the finer steps
 
     A soft position keeping (natural period 120 s) holds surge, sway and yaw, which would have no bound where the
     encounter frequency is 0.
@@ -163,8 +172,14 @@ def read_capytaine(path: str | Path, *, speeds: Sequence[float] = (0.0,), roll_d
     coefficients = (added_mass, damping, inertia, stiffness)
     if not all(np.isfinite(values).all() for values in (*coefficients, excitation)):
         raise RaoError(f"{path}: the database has coefficients that are not numbers")
-    response = [_motions(omega, heading, coefficients, excitation, speed, roll_damping) for speed in speeds]
-    return ResponseTable(np.array(speeds, dtype=float), heading, omega, np.array(response))
+    if frequencies is None:
+        frequencies = np.interp(np.arange(4 * omega.size - 3) / 4.0, np.arange(omega.size), omega)
+    fine = np.asarray(frequencies, dtype=float)
+    if fine.min() < omega[0] - 1e-9 or fine.max() > omega[-1] + 1e-9:
+        raise RaoError(f"{path}: has frequencies {omega[0]:g} to {omega[-1]:g} rad/s: the table must lie within")
+    force = np.asarray(CubicSpline(omega, excitation, axis=1)(fine))
+    response = [_motions(fine, omega, heading, coefficients, force, speed, roll_damping) for speed in speeds]
+    return ResponseTable(np.array(speeds, dtype=float), heading, fine, np.array(response))
 
 
 def _open_dataset(path: Path) -> Any:
@@ -206,6 +221,7 @@ def _excitation(dataset: Any, order: Sequence[str]) -> ComplexArray:
 
 
 def _motions(
+    frequency: Array,
     omega: Array,
     heading: Array,
     coefficients: tuple[Array, Array, Array, Array],
@@ -213,27 +229,38 @@ def _motions(
     speed: float,
     roll_damping: float,
 ) -> ComplexArray:
-    """Return H (heading, 6, omega) of (-w^2 (M + A(w)) + i w B(w) + C) H = F, w the encounter frequency."""
+    """Return H (heading, 6, frequency) of (-w^2 (M + A(w)) + i w B(w) + C) H = F, w the encounter frequency.
+
+    Added mass and damping are given at `omega`, the excitation at `frequency`.
+    """
     added_mass, damping, inertia, stiffness = coefficients
-    response = np.empty((heading.size, 6, omega.size), dtype=complex)
+    keeping, viscous = _added_by_hand(omega, coefficients, roll_damping)
+    mass_at, damping_at = CubicSpline(omega, added_mass, axis=0), CubicSpline(omega, damping, axis=0)
+    response = np.empty((heading.size, 6, frequency.size), dtype=complex)
+    for h, angle in enumerate(heading):
+        encounter = encounter_frequency(frequency, angle, speed)[:, None, None]
+        at = np.clip(np.abs(encounter[:, 0, 0]), omega[0], omega[-1])
+        impedance = (
+            -(encounter**2) * (inertia + mass_at(at))
+            + 1j * encounter * (damping_at(at) + viscous)
+            + stiffness
+            + keeping
+        )
+        response[h] = np.linalg.solve(impedance, excitation[h][:, :, None])[:, :, 0].T
+    return response
+
+
+def _added_by_hand(
+    omega: Array, coefficients: tuple[Array, Array, Array, Array], roll_damping: float
+) -> tuple[Array, Array]:
+    """Return stiffness and damping that potential flow lacks: position keeping, and viscous roll damping."""
+    added_mass, _, inertia, stiffness = coefficients
     keeping, viscous = np.zeros((6, 6)), np.zeros((6, 6))
     keeping_frequency = 2.0 * math.pi / _STATION_KEEPING_PERIOD
     for motion in (0, 1, 5):  # surge, sway, yaw have no restoring of their own
         keeping[motion, motion] = inertia[motion, motion] * keeping_frequency**2
         viscous[motion, motion] = 2.0 * _STATION_KEEPING_DAMPING * inertia[motion, motion] * keeping_frequency
-    roll_inertia = inertia[3, 3] + np.interp(math.sqrt(stiffness[3, 3] / inertia[3, 3]), omega, added_mass[:, 3, 3])
+    dry_frequency = math.sqrt(max(stiffness[3, 3], 0.0) / inertia[3, 3])
+    roll_inertia = inertia[3, 3] + np.interp(dry_frequency, omega, added_mass[:, 3, 3])
     viscous[3, 3] = 2.0 * roll_damping * math.sqrt(max(stiffness[3, 3], 0.0) * roll_inertia)
-    for h, angle in enumerate(heading):
-        encounter = encounter_frequency(omega, angle, speed)
-        at = np.clip(np.abs(encounter), omega[0], omega[-1])
-        for f, frequency in enumerate(encounter):
-            A, B = _at_frequency(omega, added_mass, at[f]), _at_frequency(omega, damping, at[f])
-            impedance = -(frequency**2) * (inertia + A) + 1j * frequency * (B + viscous) + stiffness + keeping
-            response[h, :, f] = np.linalg.solve(impedance, excitation[h, f])
-    return response
-
-
-def _at_frequency(omega: Array, values: Array, frequency: float) -> Array:
-    upper = int(np.clip(np.searchsorted(omega, frequency), 1, omega.size - 1))
-    share = (frequency - omega[upper - 1]) / (omega[upper] - omega[upper - 1])
-    return np.asarray((1.0 - share) * values[upper - 1] + share * values[upper])
+    return keeping, viscous
