@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+import signal
 import sys
 from collections.abc import Sequence
 
@@ -19,6 +20,7 @@ EXIT_USAGE = 2
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the `heave` command; return its exit status: 0 only when it did what it says."""
+    signal.signal(signal.SIGTERM, signal.default_int_handler)  # ended by SIGTERM as by Ctrl-C: nodes closed in order
     options = make_parser().parse_args(arguments)
     command = importlib.import_module(f"heave_bringup.commands.{options.command}")
     try:

@@ -7,9 +7,11 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+
+from heave_node.process import LAUNCHER_VARIABLE
 
 from heave_bringup.node_table import NODE_BY_NAME
 
@@ -42,9 +44,7 @@ class Launcher:
     def __init__(self) -> None:
         self.nodes: list[NodeProcess] = []
 
-    def start(
-        self, names: Sequence[str], scenario_file: Path, logs: Path, environment: Mapping[str, str] | None = None
-    ) -> None:
+    def start(self, names: Sequence[str], scenario_file: Path, logs: Path) -> None:
         """Start nodes with one parameter file; what each prints goes to `logs`/NAME.log."""
         logs.mkdir(parents=True, exist_ok=True)
         for name in names:
@@ -57,7 +57,7 @@ class Launcher:
                     stdin=subprocess.DEVNULL,
                     stdout=sink,
                     stderr=subprocess.STDOUT,
-                    env={**os.environ, **(environment or {})},
+                    env={**os.environ, LAUNCHER_VARIABLE: str(os.getpid())},
                     start_new_session=True,  # a Ctrl-C in the terminal is passed on in order, not to all at once
                 )
             self.nodes.append(NodeProcess(name, process, log))

@@ -7,7 +7,7 @@ from typing import Any
 
 from rclpy.node import Node
 from rclpy.publisher import Publisher
-from rclpy.serialization import deserialize_message
+from rclpy.serialization import deserialize_message, serialize_message
 
 from heave_node.gate import TickGate
 from heave_node.qos import qos_of
@@ -32,13 +32,15 @@ class Output:
         self.publisher: Publisher[Any] = node.create_publisher(message_type(topic.type), topic.name, qos_of(topic.role))
         self.topic = self.publisher.topic_name
         self.published = 0
-        self._of_this_tick: list[Any] = []
+        self._of_this_tick: list[bytes] = []
 
     def publish(self, message: object) -> None:
-        """Send a message as part of this tick. It must not be changed afterwards: it may have to be sent again."""
+        """Send a message as part of this tick."""
         self.published += 1
-        self._of_this_tick.append(message)
-        self.publisher.publish(message)
+        # Serialised once: padding is whatever the memory held, and a repeated message is known by its bytes.
+        data = serialize_message(message)
+        self._of_this_tick.append(data)
+        self.publisher.publish(data)
 
     def begin_tick(self) -> None:
         """Forget the messages of the tick before."""
@@ -46,8 +48,8 @@ class Output:
 
     def send_again(self) -> None:
         """Repeat the messages of this tick, uncounted: receivers know them by their bytes."""
-        for message in self._of_this_tick:
-            self.publisher.publish(message)
+        for data in self._of_this_tick:
+            self.publisher.publish(data)
 
 
 class Input:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import signal
 import sys
 from types import FrameType
@@ -14,6 +15,9 @@ from heave_node.environment import prepare_environment
 from heave_node.node import HeaveNode, one_line
 from heave_node.parameters import ParameterError
 from heave_node.spin import spin
+
+LAUNCHER_VARIABLE = "HEAVE_LAUNCHER"
+"""Environment variable with the process id of the launcher that a node must not outlive."""
 
 EXIT_OK = 0
 EXIT_FAILED = 1
@@ -37,7 +41,7 @@ def run_node(node_type: type[HeaveNode], args: list[str] | None = None) -> int:
     try:
         if node.run.autostart and node.trigger_configure() == TransitionCallbackReturn.SUCCESS:
             node.trigger_activate()
-        spin(node, node.finished, node.on_idle)
+        spin(node, node.finished, lambda: _on_idle(node))
     except Exception as error:  # nothing may pass in silence
         node.fail(one_line(error), error)
     try:
@@ -48,6 +52,14 @@ def run_node(node_type: type[HeaveNode], args: list[str] | None = None) -> int:
     node.destroy_node()
     rclpy.try_shutdown()
     return status
+
+
+def _on_idle(node: HeaveNode) -> None:
+    """Let the node look at the wall clock, and end it when the launcher that it belongs to is gone."""
+    launcher = os.environ.get(LAUNCHER_VARIABLE)
+    if launcher and os.getppid() != int(launcher):
+        node.fail("the command that started it is gone")
+    node.on_idle()
 
 
 def _end_on_signals(node: HeaveNode) -> None:

@@ -20,6 +20,7 @@ from heave_node.parameters import parameter
 from heave_node.participant import ParticipantNode
 from heave_node.process import run_node
 from heave_node.tick import stamp_of
+from rclpy.serialization import serialize_message
 
 FAULTS = ("", "die", "hang", "late", "duplicate", "lose", "lose_for_ever", "future_stamp", "old_stamp", "raise")
 
@@ -63,11 +64,11 @@ class LoopNode(ParticipantNode):
         if fault in ("lose", "lose_for_ever"):
             output.published += 1
             if fault == "lose":
-                output._of_this_tick.append(message)
+                output._of_this_tick.append(serialize_message(message))
             return
         output.publish(message)
         if fault == "duplicate":
-            output.publisher.publish(message)
+            output.send_again()
 
 
 class Sea(LoopNode):
