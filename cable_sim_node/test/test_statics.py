@@ -112,6 +112,21 @@ def test_the_jacobian_of_the_whole_cable_is_that_of_finite_differences(start, sp
         assert shape.partials[:, column] == pytest.approx(slope, abs=2e-4 * scale)
 
 
+@settings(phases=(Phase.explicit, Phase.generate), max_examples=30, deadline=None)
+@given(st.tuples(*[st.floats(-300.0, 300.0)] * 3).filter(lambda v: np.linalg.norm(v) > 20.0))
+def test_the_end_position_is_the_gradient_of_the_complementary_energy(start):
+    # Castigliano's theorem: what makes the search under dead loads a convex one
+    cable = static_cable([SECTION], [PointLoad(90.0, (30.0, 0.0, -200.0))], segments=6)
+    still, origin, tension = Current(), np.zeros(3), np.array(start)
+    shape = shape_from(cable, still, origin, tension)
+    for axis, unit in enumerate(np.eye(3)):
+        above, below = (shape_from(cable, still, origin, tension + sign * 1e-2 * unit).energy for sign in (1.0, -1.0))
+        assert shape.positions[-1, axis] == pytest.approx((above - below) / 2e-2, abs=2e-2)
+    compliance = shape.partials[:3, 3:]
+    assert compliance == pytest.approx(compliance.T, abs=1e-9 * np.abs(compliance).max())
+    assert np.linalg.eigvalsh(compliance).min() > 0.0
+
+
 def test_looking_from_the_other_end_gives_the_same_cable():
     flow = Current([[0.8, 0.1], [0.2, 0.4]], [0.0, 150.0])
     sections = [StaticSection(80.0, 4e5, 3.0, 12.0, 1.0), StaticSection(60.0, 6e5, 6.0, 20.0, 1.0)]
