@@ -1,0 +1,163 @@
+"""Real processes: what is played is what was recorded, a recorder obeys its services, and a killed one leaves a bag."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+import rclpy
+from domain_coordinator import domain_id
+from heave_bags.reader import Bag
+from heave_msgs.srv import PlaybackControl, SaveSnapshot, StartRecording
+from heave_node.environment import prepare_environment
+from made_up_run import TYPES, MadeUpRun
+from rclpy.node import Node
+from std_msgs.msg import String
+from std_srvs.srv import Trigger
+
+WAIT = 30.0
+
+
+class Processes:
+    """Starts processes in one ROS domain and ends those that are left."""
+
+    def __init__(self, domain: int) -> None:
+        self.environment = {**os.environ, "ROS_DOMAIN_ID": str(domain), "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"}
+        self._started: list[subprocess.Popen[str]] = []
+
+    def start(self, module: str, *arguments: str) -> subprocess.Popen[str]:
+        command = [sys.executable, "-m", f"heave_bags.{module}", *arguments]
+        process = subprocess.Popen(command, env=self.environment, stderr=subprocess.PIPE, text=True)
+        self._started.append(process)
+        return process
+
+    def record(self, folder: Path, *parameters: str) -> subprocess.Popen[str]:
+        options = [part for name in (f"directory:={folder}", *parameters) for part in ("-p", name)]
+        return self.start("live_recorder", "--ros-args", *options)
+
+    def end(self) -> None:
+        for process in self._started:
+            if process.poll() is None:
+                process.send_signal(signal.SIGINT)
+                process.wait(WAIT)
+
+
+@pytest.fixture
+def processes() -> Iterator[Processes]:
+    """Return a starter of processes in a ROS domain of their own, which this process shares."""
+    prepare_environment()
+    with domain_id() as domain:
+        started = Processes(domain)
+        rclpy.init(domain_id=domain)
+        yield started
+        started.end()
+        rclpy.try_shutdown()
+
+
+def wait_until(what, node: Node | None = None) -> None:
+    deadline = time.monotonic() + WAIT
+    while not what():
+        assert time.monotonic() < deadline, "this took too long"
+        if node is not None:
+            rclpy.spin_once(node, timeout_sec=0.05)
+        else:
+            time.sleep(0.05)
+
+
+def call(node: Node, kind, name: str, request):
+    client = node.create_client(kind, name)
+    assert client.wait_for_service(WAIT)
+    future = client.call_async(request)
+    rclpy.spin_until_future_complete(node, future, timeout_sec=WAIT)
+    return future.result()
+
+
+def test_a_bag_that_is_played_and_recorded_again_is_the_same(processes, made_up_bag, tmp_path):
+    original = Bag(made_up_bag(run=MadeUpRun(duration=10.0)))
+    recorder = processes.record(tmp_path / "again")
+    player = processes.start("player_node", str(original.path), "--rate", "5", "--delay", "2")
+    assert player.wait(WAIT) == 0
+    time.sleep(0.5)
+    recorder.send_signal(signal.SIGINT)
+    assert recorder.wait(WAIT) == 0
+    again = Bag(tmp_path / "again")
+    for topic in TYPES:
+        played = [m.data for m in again.messages([topic]) if b"recorder: recording" not in m.data]
+        assert played == [m.data for m in original.messages([topic])], topic
+        recorded = again.topics[topic]
+        assert (recorded.type, recorded.schema) == (original.topics[topic].type, original.topics[topic].schema)
+        assert recorded.qos[0].durability == original.topics[topic].qos[0].durability
+    assert again.topics["/clock"].message_count > 10
+
+
+def test_the_player_pauses_and_steps_on_request(processes, made_up_bag):
+    player = processes.start("player_node", str(made_up_bag(run=MadeUpRun(duration=5.0))), "--paused", "--delay", "0")
+    node = rclpy.create_node("asker")
+    answer = call(node, PlaybackControl, "player/control", PlaybackControl.Request(paused=True, step=7))
+    assert (answer.success, answer.message) == (True, "t = 0.050 s, rate 1, paused")
+    refused = call(node, PlaybackControl, "player/control", PlaybackControl.Request(paused=False, rate=-1.0))
+    assert not refused.success
+    assert "must be above 0" in refused.message
+    assert call(node, PlaybackControl, "player/control", PlaybackControl.Request(rate=100.0)).success
+    assert player.wait(WAIT) == 0
+    node.destroy_node()
+
+
+def test_a_recorder_starts_stops_splits_and_takes_snapshots_by_service(processes, tmp_path):
+    recorder = processes.record(tmp_path / "bag", "record:=false", "snapshot_duration:=60.0")
+    node = rclpy.create_node("talker")
+    publisher = node.create_publisher(String, "/chatter", 100)
+    wait_until(lambda: publisher.get_subscription_count() > 0, node)
+
+    def say(count: int) -> None:
+        for number in range(count):
+            publisher.publish(String(data=f"{number}"))
+        assert publisher.wait_for_all_acked(rclpy.duration.Duration(seconds=5))
+        time.sleep(0.5)
+
+    say(3)
+    assert call(node, StartRecording, "recorder/start", StartRecording.Request()).message == str(tmp_path / "bag")
+    assert not call(node, StartRecording, "recorder/start", StartRecording.Request()).success
+    say(5)
+    assert call(node, Trigger, "recorder/split", Trigger.Request()).success
+    say(7)
+    assert call(node, Trigger, "recorder/stop", Trigger.Request()).success
+    assert not call(node, Trigger, "recorder/stop", Trigger.Request()).success
+    snapshot = call(node, SaveSnapshot, "recorder/snapshot", SaveSnapshot.Request())
+    recorder.send_signal(signal.SIGINT)
+    assert recorder.wait(WAIT) == 0
+    node.destroy_node()
+    assert [len(list(Bag(path).messages(["/chatter"]))) for path in Bag(tmp_path / "bag").files] == [5, 7]
+    assert len(list(Bag(snapshot.message).messages(["/chatter"]))) == 15
+
+
+def test_a_live_recorder_that_is_killed_leaves_what_it_had_acknowledged(processes, tmp_path):
+    recorder = processes.record(tmp_path / "bag")
+    node = rclpy.create_node("talker")
+    publisher = node.create_publisher(String, "/chatter", 1000)
+    wait_until(lambda: publisher.get_subscription_count() > 0, node)
+    for number in range(500):
+        publisher.publish(String(data=f"{number}"))
+    publisher.wait_for_all_acked(rclpy.duration.Duration(seconds=5))
+    time.sleep(1.5)  # some times the 0.2 s after which what has come is journalled
+    recorder.kill()
+    recorder.wait()
+    node.destroy_node()
+    bag = Bag(tmp_path / "bag")
+    said = [message.data for _, message in bag.decoded(["/chatter"])]
+    assert said == [f"{number}" for number in range(500)]
+    assert "its writer was stopped" in str(bag.losses[0])
+
+
+def test_a_recorder_that_may_not_write_says_so_in_one_line(processes, tmp_path):
+    (tmp_path / "taken").mkdir()
+    recorder = processes.record(tmp_path / "taken")
+    assert recorder.wait(WAIT) == 1
+    assert recorder.stderr is not None
+    assert recorder.stderr.read().strip() == f"recorder: {tmp_path / 'taken'} exists already: a bag needs a new folder"
