@@ -11,6 +11,7 @@ import pytest
 from heave_bringup.node_table import NODES
 from heave_bringup.scenarios import Scenario, description_of, load_scenario, shipped_scenarios
 from heave_node.parameters import flatten
+from heave_node.scenario import read_scenario, values_of_node
 
 NAMES = (
     "b1_thesis",
@@ -145,3 +146,50 @@ def test_parameter_sets_are_frozen() -> None:
     for parameters in scenario("b2_calm_300").parameters.values():
         with pytest.raises(dataclasses.FrozenInstanceError):
             parameters.law = "off"
+
+
+def test_depth_programmes_stay_in_the_range_of_the_winch() -> None:
+    for name in ("b6_resonance_payout", "b7_landing"):
+        checked = scenario(name)
+        programme, winch = checked.parameters["winch_controller"].programme, checked.parameters["virtual_winch"]
+        assert programme.move_times, name
+        assert all(winch.payout_minimum < payout < winch.payout_maximum for payout in programme.move_payouts), name
+        assert programme.move_times[-1] < checked.run.duration
+        assert checked.parameters["cable_sim"].shadow_follows_programme
+
+
+def test_b6_passes_from_50_to_900_metres_and_the_gains_are_scheduled_over_all_of_it() -> None:
+    parameters = scenario("b6_resonance_payout").parameters
+    length = parameters["cable_sim"].length
+    assert (length, length + parameters["winch_controller"].programme.move_payouts[0]) == (50.0, 900.0)
+    schedule = parameters["winch_controller"].schedule
+    assert (schedule.minimum_length, schedule.maximum_length) == (50.0, 900.0)
+
+
+def test_b7_reaches_the_seabed_at_600_metres() -> None:
+    parameters = scenario("b7_landing").parameters
+    plant = parameters["cable_sim"]
+    assert plant.seabed.depth == 600.0
+    assert plant.length < plant.seabed.depth < plant.length + max(parameters["winch_controller"].programme.move_payouts)
+
+
+@pytest.mark.parametrize("name", sorted(shipped_scenarios()))
+def test_ros_reads_the_file_as_we_do(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    rclpy = pytest.importorskip("rclpy")
+    monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+    path = shipped_scenarios()[name]
+    context = rclpy.Context()
+    rclpy.init(args=["--ros-args", "--params-file", str(path)], context=context)
+    try:
+        for node_name in ("winch_controller", "cable_sim"):
+            node = rclpy.create_node(
+                node_name, context=context, automatically_declare_parameters_from_overrides=True, use_global_arguments=True
+            )
+            read = {key: p.value for key, p in node.get_parameters_by_prefix("").items() if key != "use_sim_time"}
+            node.destroy_node()
+            read = {key: list(v) if hasattr(v, "__iter__") and not isinstance(v, str) else v for key, v in read.items()}
+            expected = values_of_node(read_scenario(path), node_name)
+            read.pop("start_type_description_service", None)
+            assert read == expected
+    finally:
+        rclpy.shutdown(context=context)
