@@ -18,7 +18,7 @@ INFOS = [info for kind in (WinchParameters, CableSimNodeParameters) for info in 
 def test_parameter_stands_in_a_table_with_its_default(info: ParameterInfo) -> None:
     rows = re.findall(rf"^\| `{re.escape(info.name)}` \| (.*?) \| (.*?) \| (.*?) \|$", README, flags=re.MULTILINE)
     defaults = [default for default, unit, text in rows if (unit, text) == (info.unit, info.description)]
-    assert defaults, f"{info.name} is missing or described otherwise"
+    assert defaults, f"wanted: | `{info.name}` | {info.default} | {info.unit} | {info.description} |"
     if info.type is float and not info.is_array:
         assert any(float(default) == pytest.approx(info.default, rel=1e-5) for default in defaults)
 
