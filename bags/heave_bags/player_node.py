@@ -25,6 +25,7 @@ from rosgraph_msgs.msg import Clock
 
 from heave_bags.errors import BagError
 from heave_bags.playback import Playback, PlaybackOptions
+from heave_bags.player_options import DISCOVERY_TIME, add_arguments, options_from
 from heave_bags.reader import Bag, RawMessage
 from heave_bags.ros_qos import offer_like
 
@@ -32,8 +33,6 @@ PERIOD = 0.002
 """Wall time between two looks for messages that are due [s]."""
 CLOCK_PERIOD = 0.02
 """Wall time between two /clock messages where the bag has none [s]."""
-DISCOVERY_TIME = 1.0
-"""Wall time that subscribers get to find the player before the first message [s]."""
 CLOCK = "/clock"
 
 
@@ -141,44 +140,6 @@ def play(
     finally:
         rclpy.try_shutdown()
     return published
-
-
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the player's options to a command."""
-    parser.add_argument("bag", type=Path, help="folder of the bag, or one MCAP file")
-    parser.add_argument("--rate", type=float, default=1.0, help="bag time per wall time (default 1)")
-    parser.add_argument("--start", type=float, default=0.0, metavar="S", help="begin S seconds into the bag")
-    parser.add_argument("--duration", type=float, default=math.inf, metavar="S", help="play S seconds of the bag")
-    parser.add_argument("--loop", action="store_true", help="begin again at the end")
-    parser.add_argument("--paused", action="store_true", help="wait for the service player/control")
-    parser.add_argument("--topics", nargs="+", default=[], metavar="TOPIC", help="play only these (patterns)")
-    parser.add_argument("--exclude", nargs="+", default=[], metavar="TOPIC", help="leave these out (patterns)")
-    parser.add_argument("--nodes", nargs="+", default=[], metavar="NODE", help="play only what these nodes published")
-    parser.add_argument("--remap", nargs="+", default=[], metavar="OLD:=NEW", help="publish OLD as NEW")
-    parser.add_argument(
-        "--delay", type=float, default=DISCOVERY_TIME, metavar="S", help="wait S seconds for subscribers"
-    )
-
-
-def options_from(arguments: argparse.Namespace) -> PlaybackOptions:
-    """Return what the arguments of `add_arguments` say. Raises BagError where they make no sense."""
-    remap = {}
-    for text in arguments.remap:
-        old, arrow, new = text.partition(":=")
-        if not (old and arrow and new):
-            raise BagError(f"--remap {text}: it must be OLD:=NEW")
-        remap[old] = new
-    return PlaybackOptions(
-        rate=arguments.rate,
-        start=arguments.start,
-        duration=arguments.duration,
-        loop=arguments.loop,
-        paused=arguments.paused,
-        topics=arguments.topics,
-        exclude=arguments.exclude,
-        nodes=arguments.nodes,
-        remap=remap,
-    )
 
 
 def main() -> None:

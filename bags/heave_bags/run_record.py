@@ -56,6 +56,9 @@ SELECTION: dict[str, tuple[str, ...]] = {
 }
 """The topics and fields that KPIs and reports are made from."""
 
+SHORTEST_WINDOW = 1.0
+"""Figures of less than this behind the transient would mean nothing [s]."""
+
 FAULT_NAMES = {1: "command timeout", 2: "invalid command", 3: "drive", 4: "emergency stop"}
 LIMIT_NAMES = {1: "speed", 2: "acceleration", 4: "payout", 8: "power"}
 
@@ -140,7 +143,7 @@ def read_run(path: str | Path, *, transient: float | None = None, progress: Prog
     window = transient if transient is not None else float(bag.run.get("transient_s", "0"))
     first = bag.start_time * 1e-9
     record.start = window if first < 1.0 else first + window
-    if record.start >= record.end:
+    if record.start > record.end - SHORTEST_WINDOW:
         record.notes.append(f"the run ended within its transient of {window:g} s: figures are of the whole run")
         record.start = first
     return record

@@ -22,7 +22,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run the `heave` command; return its exit status: 0 only when it did what it says."""
     signal.signal(signal.SIGTERM, signal.default_int_handler)  # ended by SIGTERM as by Ctrl-C: nodes closed in order
     options = make_parser().parse_args(arguments)
-    command = importlib.import_module(f"heave_bringup.commands.{options.command}")
+    command = importlib.import_module(f"heave_bringup.commands.{options.module}")
     try:
         command.execute(options)
     except ParameterError as error:

@@ -7,10 +7,11 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from heave_bags import substitute_node
 from heave_node.process import LAUNCHER_VARIABLE
 
 from heave_bringup.node_table import NODE_BY_NAME
@@ -44,13 +45,17 @@ class Launcher:
     def __init__(self) -> None:
         self.nodes: list[NodeProcess] = []
 
-    def start(self, names: Sequence[str], scenario_file: Path, logs: Path) -> None:
-        """Start nodes with one parameter file; what each prints goes to `logs`/NAME.log."""
+    def start(
+        self, names: Sequence[str], scenario_file: Path, logs: Path, substitutes: Mapping[str, Path] | None = None
+    ) -> None:
+        """Start nodes with one parameter file; what each prints goes to `logs`/NAME.log.
+
+        A node in `substitutes` is not started: what it published in that bag is played in its place.
+        """
         logs.mkdir(parents=True, exist_ok=True)
         for name in names:
             log = logs / f"{name}.log"
-            command = [sys.executable, "-m", NODE_BY_NAME[name].module]
-            command += ["--ros-args", "--params-file", str(scenario_file)]
+            command = _command(name, scenario_file, (substitutes or {}).get(name))
             with log.open("wb") as sink:
                 process = subprocess.Popen(
                     command,
@@ -86,3 +91,11 @@ class Launcher:
             if node.process.poll() is None:
                 node.process.kill()
                 node.process.wait()
+
+
+def _command(name: str, scenario_file: Path, bag: Path | None) -> list[str]:
+    entry = NODE_BY_NAME[name]
+    parameters = ["--params-file", str(scenario_file)]
+    if bag is not None:
+        return [*substitute_node.command(name, bag), *parameters]
+    return [sys.executable, "-m", entry.module, "--ros-args", *parameters]

@@ -6,6 +6,7 @@ import argparse
 from pathlib import Path
 from typing import Any
 
+from heave_bags.player_options import add_arguments
 from heave_node.run_parameters import LOCKSTEP, REALTIME
 
 from heave_bringup.node_table import NODE_BY_NAME
@@ -20,7 +21,10 @@ def make_parser() -> argparse.ArgumentParser:
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
-    for add in (_add_run, _add_list, _add_report, _add_kpi, _add_static, _add_design, _add_identify, _add_campaign):
+    for add in (
+        *(_add_run, _add_list, _add_report, _add_kpi, _add_replay, _add_import, _add_repair),
+        *(_add_design, _add_identify, _add_static, _add_campaign),
+    ):
         add(commands)
     return parser
 
@@ -34,6 +38,7 @@ def _add(commands: Any, name: str, description: str, example: str) -> argparse.A
         epilog=f"example: {example}",
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
+    parser.set_defaults(module=name)
     parser.add_argument(
         "--json", metavar="FILE", help="write the result as JSON; - for standard output, and nothing else there"
     )
@@ -72,6 +77,13 @@ def _add_run(commands: Any) -> None:
         metavar="NODE",
         choices=tuple(NODE_BY_NAME),
         help="do not start NODE: hardware or another program takes its place (real time)",
+    )
+    parser.add_argument(
+        "--from-bag",
+        action="append",
+        default=[],
+        metavar="NODE=BAG",
+        help="play what NODE published in BAG in its place; the other nodes run live",
     )
     parser.add_argument("--network", action="store_true", help="discover nodes on other hosts of the subnet, too")
     parser.add_argument("--no-report", action="store_true", help="leave out the HTML report")
@@ -150,3 +162,41 @@ def _add_campaign(commands: Any) -> None:
         "file", metavar="FILE", type=Path, help="campaign file (heave_bringup/campaign.py says its form)"
     )
     parser.add_argument("--processes", type=int, default=0, metavar="N", help="default: one per processor")
+
+
+def _add_replay(commands: Any) -> None:
+    parser = _add(
+        commands,
+        "replay",
+        "Publish a bag again, with the recorded types and quality of service, and /clock.",
+        "heave replay runs/b2_calm_300-001/bag --rate 4 --nodes wave_vessel",
+    )
+    add_arguments(parser)
+
+
+def _add_import(commands: Any) -> None:
+    parser = _add(
+        commands,
+        "import",
+        "Make a sea of a ship's own record: a bag of any standard motion type, or a CSV log.",
+        "heave import sea_trial/ --topic /imu/data --output sea.csv",
+    )
+    parser.add_argument("source", metavar="BAG|CSV", type=Path, help="bag folder, MCAP file or CSV log")
+    parser.set_defaults(module="import_sea")
+    chosen = parser.add_mutually_exclusive_group(required=True)
+    chosen.add_argument("--topic", help="the one topic of a standard type that holds the motion")
+    chosen.add_argument("--mapping", type=Path, metavar="FILE", help="mapping file: where surge, heave, roll... are")
+    parser.add_argument("--output", type=Path, required=True, metavar="FILE", help="CSV for wave_vessel's file source")
+
+
+def _add_repair(commands: Any) -> None:
+    parser = _add(
+        commands,
+        "repair",
+        "Save what can be read of a damaged bag into a sound one, or index a folder anew; say what is lost.",
+        "heave repair damaged/bag --output saved",
+    )
+    parser.add_argument("bag", metavar="BAG", type=Path, help="bag folder or MCAP file")
+    chosen = parser.add_mutually_exclusive_group(required=True)
+    chosen.add_argument("--output", type=Path, metavar="DIR", help="folder of the sound bag")
+    chosen.add_argument("--reindex", action="store_true", help="write metadata.yaml anew, in place")

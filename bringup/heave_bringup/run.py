@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import shutil
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -62,12 +62,18 @@ def new_run_folder(name: str, chosen: Path | None) -> RunFolder:
 OnLook = Callable[[Launcher, "TickStatus | None"], None]
 
 
-def run_scenario(scenario: Scenario, folder: RunFolder, on_look: OnLook | None = None) -> TickStatus:
+def run_scenario(
+    scenario: Scenario,
+    folder: RunFolder,
+    *,
+    substitutes: Mapping[str, Path] | None = None,
+    on_look: OnLook | None = None,
+) -> TickStatus:
     """Run a scenario to its end and return the master's last word on it; raise CommandError, in one line, where it
     does not reach it.
 
-    Whatever happens, no node process is left behind and the bag is closed by then. `on_look` is called a few times per
-    second while the run lasts.
+    Whatever happens, no node process is left behind and the bag is closed by then. `substitutes` names nodes in whose
+    place a bag is played; `on_look` is called a few times per second while the run lasts.
     """
     prepare_environment()
     write_scenario(resolved(scenario, folder), folder.scenario)

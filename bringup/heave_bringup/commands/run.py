@@ -4,15 +4,18 @@ from __future__ import annotations
 
 import argparse
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from heave_bags import analysis
 from heave_bags.reader import Bag
 from heave_bags.report import save_report
 from heave_msgs.msg import TickStatus
+from heave_node.parameters import ParameterError
 
+from heave_bringup.bag_paths import bag_folders
 from heave_bringup.errors import CommandError
+from heave_bringup.node_table import NODE_BY_NAME
 from heave_bringup.output import write_result
 from heave_bringup.records import read_records
 from heave_bringup.run import RunFolder, new_run_folder, run_scenario
@@ -25,7 +28,7 @@ def execute(options: argparse.Namespace) -> None:
         os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "SUBNET"
     scenario = load_scenario(options.scenario, settings=options.set, common=_common_values(options))
     folder = new_run_folder(scenario.name, options.bag)
-    status = run_scenario(scenario, folder)
+    status = run_scenario(scenario, folder, substitutes=_substitutes(options.from_bag))
     if scenario.run.is_lockstep:
         _check_complete(folder.bag, status)
     (record,) = read_records([folder.bag])
@@ -44,6 +47,19 @@ def _common_values(options: argparse.Namespace) -> Mapping[str, object]:
         "external": options.external or None,
     }
     return {name: value for name, value in given.items() if value is not None}
+
+
+def _substitutes(settings: Sequence[str]) -> dict[str, Path]:
+    """Return which bag is played in whose place, from the command's NODE=BAG texts."""
+    chosen: dict[str, Path] = {}
+    for setting in settings:
+        node, _, bag = setting.partition("=")
+        if node not in NODE_BY_NAME or not bag:
+            raise ParameterError(f"--from-bag {setting}: must be NODE=BAG, NODE one of {', '.join(NODE_BY_NAME)}")
+        (chosen[node],) = bag_folders([Path(bag).resolve()])
+        if not chosen[node].exists():
+            raise ParameterError(f"--from-bag {setting}: there is no {bag}")
+    return chosen
 
 
 def _check_complete(bag: Path, status: TickStatus) -> None:

@@ -1,0 +1,26 @@
+"""`heave repair`: what can still be read of a damaged bag."""
+
+from __future__ import annotations
+
+import argparse
+
+from heave_bags.repair import reindex, repair
+
+from heave_bringup.output import write_result
+from heave_bringup.progress import ProgressLine
+
+
+def execute(options: argparse.Namespace) -> None:
+    """Save or index, and name the loss."""
+    if options.reindex:
+        bag = reindex(options.bag)
+        text = f"{bag.path}: indexed, {bag.message_count} messages"
+        write_result(options, text, {"bag": str(bag.path), "messages": bag.message_count, "losses": []})
+        return
+    progress = ProgressLine()
+    try:
+        saved = repair(options.bag, options.output, progress=lambda share: progress.show(f"saving {share:4.0%}"))
+    finally:
+        progress.close()
+    losses = [str(loss) for loss in saved.losses]
+    write_result(options, str(saved), {"bag": str(saved.folder), "messages": saved.messages, "losses": losses})
