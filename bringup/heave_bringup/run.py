@@ -83,7 +83,7 @@ def run_scenario(
     try:
         if monitor.another_run():
             raise CommandError("another run is under way in this ROS domain: end it, or set another ROS_DOMAIN_ID")
-        launcher.start(nodes_to_start(scenario), folder.scenario, folder.logs)
+        launcher.start(nodes_to_start(scenario), folder.scenario, folder.logs, substitutes)
         return _watch(scenario, launcher, monitor, progress, on_look)
     except KeyboardInterrupt:
         raise CommandError("interrupted; the bag holds what was recorded until then") from None
