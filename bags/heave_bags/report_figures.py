@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from heave_bags.kpi_set import Signal
-from heave_bags.run_record import Interval, RunRecord
+from heave_bags.run_record import Innovation, Interval, RunRecord
 from heave_bags.spectra import Spectrum, spectrum, transmissibility
 
 Array = NDArray[np.float64]
@@ -360,9 +360,21 @@ def innovation_figure(record: RunRecord) -> Figure | None:
         ]
         top = 1.0 - index / len(rows)
         name = "yaxis" + axis[1:]
-        figure.layout[name] = {"title": {"text": row.name}, "domain": [max(0.0, top - 1.0 / len(rows) + gap), top]}
+        figure.layout[name] = {
+            "title": {"text": row.name},
+            "domain": [max(0.0, top - 1.0 / len(rows) + gap), top],
+            "range": _settled_range(row, record),
+        }
     figure.layout["xaxis"]["anchor"] = "y" if len(rows) == 1 else f"y{len(rows)}"
     return figure
+
+
+def _settled_range(row: Innovation, record: RunRecord) -> list[float]:
+    """Return the range that the evaluation window needs: the first innovations of a filter dwarf all others."""
+    settled = (row.time >= record.start) & (row.time <= record.end)
+    shown = settled if settled.any() else np.ones(row.time.size, dtype=bool)
+    reach = 1.15 * max(float(np.abs(row.value[shown]).max()), float(2.0 * row.sigma[shown].max()), 1e-9)
+    return [-reach, reach]
 
 
 def run_figures(record: RunRecord) -> list[Figure]:
