@@ -50,6 +50,24 @@ class HeaveTransfer:
 
 
 @dataclass(frozen=True)
+class ResonanceMap:
+    """Amplitudes over length and frequency.
+
+    Attributes
+    ----------
+    lengths : [m], shape (n,)
+    omegas : [rad/s], shape (k,)
+    unit_heave : over boom-tip heave, shape (n, k) [-]
+    top_tension : over boom-tip heave, shape (n, k) [N/m]
+    """
+
+    lengths: Array
+    omegas: Array
+    unit_heave: Array
+    top_tension: Array
+
+
+@dataclass(frozen=True)
 class TwoStateModel:
     """a x'' + b x' + x = x0 (thesis Eq. 6.2): x unit heave, x0 boom-tip heave.
 
@@ -195,15 +213,19 @@ def mode_shape(line: AxialLine, length: float, omega: float, points: int = 50) -
     return labels, shape / float(np.max(np.abs(shape)))
 
 
-def resonance_map(
-    line: AxialLine, lengths: ArrayLike, omegas: ArrayLike, *, amplitude: float = 0.0
-) -> NDArray[np.float64]:
-    """Return abs(unit heave / boom-tip heave), shape (lengths, omegas): where a lowering meets its resonances."""
-    rows = [
-        np.abs(heave_transfer_function(line, float(length), omegas, amplitude=amplitude).unit_heave)
-        for length in np.atleast_1d(np.asarray(lengths, dtype=np.float64))
-    ]
-    return np.array(rows)
+def resonance_map(line: AxialLine, lengths: ArrayLike, omegas: ArrayLike, *, amplitude: float = 0.0) -> ResonanceMap:
+    """Return how unit and top tension answer at every length and frequency: where a lowering meets its resonances.
+
+    Arguments as for `heave_transfer_function`, `lengths` in place of one length.
+    """
+    spans = np.atleast_1d(np.asarray(lengths, dtype=np.float64))
+    answers = [heave_transfer_function(line, float(length), omegas, amplitude=amplitude) for length in spans]
+    return ResonanceMap(
+        lengths=spans,
+        omegas=answers[0].omegas,
+        unit_heave=np.array([np.abs(answer.unit_heave) for answer in answers]),
+        top_tension=np.array([np.abs(answer.top_tension) for answer in answers]),
+    )
 
 
 def resonant_length(line: AxialLine, omega: float) -> float:
