@@ -23,6 +23,8 @@ from heave_node.tick import Tick
 from heave_node.topics import Role, Topic
 
 from heave_bags.bag_writer import Attachment, BagWriter
+from heave_bags.cdr_canonical import Canonical
+from heave_bags.definitions import schema_text
 from heave_bags.errors import BagError
 from heave_bags.parameter_survey import ParameterSurvey
 from heave_bags.parameters import RecorderParameters
@@ -197,8 +199,13 @@ class RecorderNode(ParticipantNode):
         (master,) = publishers[clock]
         self._topic_publishers = {f"publishers.{topic}": " ".join(sorted(nodes)) for topic, nodes in publishers.items()}
         recorded = {topic: nodes for topic, nodes in publishers.items() if topic in self.gate.inboxes}
-        self._order = TickOrder(recorded, master)
+        shared = {topic: self._canonical_form(topic) for topic, nodes in recorded.items() if len(nodes) > 1}
+        self._order = TickOrder(recorded, master, lambda topic, data: shared[topic](data))
         super()._on_roster(message)
+
+    def _canonical_form(self, topic: str) -> Canonical:
+        kind = self.watch.types[topic]
+        return Canonical(kind, schema_text(kind))
 
     def on_tick(self, tick: Tick) -> None:
         """Write what has become complete, and make it survive a crash before it is answered for."""

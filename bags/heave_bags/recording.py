@@ -42,9 +42,16 @@ class TickOrder:
     ----------
     publishers : per topic the names of the nodes that publish it
     master : name of the clock master
+    canonical : turns equal messages of a topic into equal bytes; messages of several publishers are ordered by these
     """
 
-    def __init__(self, publishers: Mapping[str, Collection[str]], master: str) -> None:
+    def __init__(
+        self,
+        publishers: Mapping[str, Collection[str]],
+        master: str,
+        canonical: Callable[[str, bytes], bytes] = lambda _, data: data,
+    ) -> None:
+        self._canonical = canonical
         self._shared = sorted(topic for topic, nodes in publishers.items() if len(set(nodes)) > 1)
         self._of_master = sorted(topic for topic, nodes in publishers.items() if set(nodes) == {master})
         known = {*self._shared, *self._of_master}
@@ -78,7 +85,7 @@ class TickOrder:
 
         Their order of arrival is chance; those of this tick wait until the other publishers' are here.
         """
-        held = self._held[topic] + list(arrived)
+        held = self._held[topic] + [self._canonical(topic, data) for data in arrived]
         self._held[topic] = [data for data in held if header_stamp(data) >= tick_start]
         return sorted(
             (data for data in held if header_stamp(data) < tick_start), key=lambda data: (header_stamp(data), data)
@@ -87,7 +94,7 @@ class TickOrder:
     def write_rest(self, writer: MessageWriter, take: Callable[[str], Sequence[bytes]], *, tick_start: int) -> None:
         """Write whatever is left when a run ends, complete or not."""
         for topic in self._shared:
-            rest = self._held[topic] + list(take(topic))
+            rest = self._held[topic] + [self._canonical(topic, data) for data in take(topic)]
             for data in sorted(rest, key=lambda data: (header_stamp(data), data)):
                 writer.write(topic, tick_start, data)
             self._held[topic] = []
