@@ -35,6 +35,9 @@ from winch_controller_node.trajectory import MeanPayout
 RETURN_SPEED = 0.05
 """Speed at which a payout left over from before a stop returns to the mean [m/s]."""
 
+HANGING_SIGMA = 0.1
+"""Doubt in heave [m], rate [m/s] and mean depth [m] of a unit that has just been lifted off."""
+
 IDLE = LawCommand(0.0)
 
 
@@ -70,6 +73,7 @@ class WinchController:
         self._mean_state: Array = np.zeros(design.model.order)
         self._shadow_state: Array = np.zeros(2)
         self._sea = SeaTracker(design)
+        self._tension_law: ConstantTension | None = None
         self._take_design(design)
         self._sequence = 0
         self._compensating_command = 0.0
@@ -99,14 +103,14 @@ class WinchController:
         Returns the mode taken in words. Raises ModeError, saying why, where it cannot be taken.
         """
         if name == Mode.CONSTANT_TENSION.value:
-            measured = self._tension_law.measured
+            measured = self._tension.measured
             if not math.isfinite(measured):
                 raise ModeError("constant tension needs the load cell: no reading has come yet")
             if not math.isfinite(tension) or tension < 0.0:
                 raise ModeError(f"a tension of {tension} N cannot be held")
             self.modes.request(name)
             self.mean.stop()
-            self._tension_law.hold(tension if tension > 0.0 else measured)
+            self._tension.hold(tension if tension > 0.0 else measured)
             return self.modes.mode.value
         if name == Mode.COMPENSATING.value and self._has_landed:
             self._lift_off()
@@ -212,17 +216,25 @@ class WinchController:
         self.design = design
         self._law: Law = make_law(design)
         self._governor = make_governor(design)
-        self._tension_law = ConstantTension(design.model, design.cable, self.parameters.winch, self.parameters.tension)
-        if math.isfinite(self.observer.tension):
-            self._tension_law.observe(self.observer.tension)
+        self._tension_law = ConstantTension(
+            design.model, design.cable, self.parameters.winch, self.parameters.tension, self._tension_law
+        )
+        self.observer.stretch_per_payout = design.cable.static_tension / (design.cable.stiffness * design.length)
         self._shift = AuthorityShift(design.model, design.sea_states)
         self._shadow = shadow_model(design.cable, self._dt)
         self._unit_weight = design.unit_weight
         model = design.model
         self._unit_row, self._payout_row = model.row("unit_heave"), model.row("payout")
         self._rate_row = model.row("payout_rate")
+        self._winch_rows = np.array([self._payout_row, self._rate_row])
         self._tip_rows = np.array([model.row("boom_tip_heave"), model.row("boom_tip_heave_rate")])
+        self._unit_states = [model.state("unit_heave"), model.state("unit_heave_rate")]
         self._sea.refer_to(design)
+
+    @property
+    def _tension(self) -> ConstantTension:
+        assert self._tension_law is not None
+        return self._tension_law
 
     def _run_programme(self, time: float) -> None:
         """Do what the programme has due; what cannot be done now is said and left."""
@@ -244,7 +256,7 @@ class WinchController:
         rate = float(self._rate_row @ (self.estimator.estimate + self._mean_state))
         readings = self.observer.observe(tick, measurements, self.estimator, rate)
         if measurements.load_cell and math.isfinite(self.observer.tension):
-            self._tension_law.observe(self.observer.tension)
+            self._tension.observe(self.observer.tension)
         estimate = self.estimator.step(tick, self._compensating_command, readings)
         self.observer.learn(self.estimator)
         return estimate
@@ -285,7 +297,9 @@ class WinchController:
         elif mode is not Mode.COMPENSATING:
             self.mean.stop()
         is_returning = mode is Mode.COMPENSATING and before is not Mode.FADE_OUT
-        if is_returning or (mode is Mode.FADE_OUT and before is Mode.CONSTANT_TENSION):
+        if before is Mode.CONSTANT_TENSION and mode is Mode.COMPENSATING:
+            self._start_from_here()
+        elif is_returning or (mode is Mode.FADE_OUT and before is Mode.CONSTANT_TENSION):
             # what was left over is the new mean, and goes away slowly
             self._left_over.jump_to(float(self._payout_row @ estimate))
             self._left_over.move_to(0.0, RETURN_SPEED)
@@ -293,7 +307,7 @@ class WinchController:
 
     def _watch_landing(self, mode: ModeOutput) -> None:
         """Notice touchdown while lowering, and that the unit hangs again after lift-off."""
-        measured, static = self._tension_law.measured, self.design.cable.static_tension
+        measured, static = self._tension.measured, self.design.cable.static_tension
         if not math.isfinite(measured):
             return
         share = (measured - static) / self._unit_weight + 1.0
@@ -315,14 +329,40 @@ class WinchController:
     def _lift_off(self) -> None:
         """Raise the tension until the unit hangs."""
         self._is_lifting = True
-        self._tension_law.hold(self.design.cable.static_tension + 0.02 * self._unit_weight)
+        self._tension.hold(self.design.cable.static_tension + 0.02 * self._unit_weight)
 
     def _hang(self) -> None:
-        """Compensate again: the unit hangs."""
+        """Compensate again: the unit hangs, where it stands; raise it off the seabed."""
         self._has_landed, self._is_lifting = False, False
         self.observer.uses_unit = True
         self.modes.request(Mode.COMPENSATING.value)
+        self._start_from_here()
+        self.mean.move_to(self.mean.point.payout - self.parameters.tension.lift_height)
         self._alarms.append("unit hangs")
+
+    def _start_from_here(self) -> None:
+        """Make the present payout the mean, and begin the estimate of the unit at rest below it."""
+        model = self.design.model
+        estimate = self.estimator.estimate.copy()
+        moved = float(self._payout_row @ estimate)
+        payout, (unit, rate) = model.state("payout"), self._unit_states
+        self.mean.jump_to(self.mean.point.payout + moved)
+        self._mean_state[payout] += moved
+        self._mean_state[self._unit_states] = -self._winch_rows @ self._mean_state
+        estimate[payout] = 0.0
+        estimate[[unit, rate]] = 0.0
+        covariance = self.estimator.covariance.copy()
+        loose = [(unit, HANGING_SIGMA), (rate, HANGING_SIGMA)]
+        if model.has_state(DEPTH_BIAS):
+            bias = model.state(DEPTH_BIAS)
+            estimate[bias] = self.observer.unit_heave_reading(self._mean_state, unit)
+            loose.append((bias, HANGING_SIGMA))
+        for index, sigma in loose:
+            covariance[index, :] = covariance[:, index] = 0.0
+            covariance[index, index] = sigma**2
+        self.estimator.reset(estimate, covariance)
+        self._left_over.jump_to(0.0)
+        self._law.reset()
 
     def _command(self, mode: ModeOutput, estimate: Array, uncompensated: Array) -> tuple[LawCommand, GovernedCommand]:
         """Return what the law asks for and what the governor lets through, the mean payout's share included."""
@@ -350,6 +390,8 @@ class WinchController:
         if mode.mode is Mode.CONSTANT_TENSION:
             return estimate
         x = self._shift.shift(estimate, uncompensated, mode.authority)
+        # the unit shall follow the mean payout stiffly, not swing after it as it would by itself
+        x[self._unit_states] += self._mean_state[self._unit_states] + self._winch_rows @ self._mean_state
         left = self._left_over.point.payout
         if left != 0.0:
             x[self.design.model.state("payout")] -= left
@@ -358,7 +400,7 @@ class WinchController:
 
     def _ask(self, mode: ModeOutput, state: LoopState, estimate: Array) -> LawCommand:
         if mode.mode is Mode.CONSTANT_TENSION:
-            return self._tension_law.command(LoopState(estimate, state.reference, state.static_tension))
+            return self._tension.command(LoopState(estimate, state.reference, state.static_tension))
         if mode.mode in (Mode.COMPENSATING, Mode.FADE_OUT):
             if isinstance(self._law, SpeedFeedforward):
                 self._law.reading = mode.authority * self.observer.mru_rate

@@ -147,6 +147,9 @@ class TensionLawParameters:
     lift_off_ratio: float = parameter(
         0.95, unit="", minimum=0.1, maximum=1.0, description="The unit hangs when the cable carries this share again."
     )
+    lift_height: float = parameter(
+        2.0, unit="m", minimum=0.0, maximum=100.0, description="Height the unit is raised to after it was lifted off."
+    )
     time_constant: float = parameter(
         2.0, unit="s", minimum=0.1, maximum=600.0, description="Time constant of the tension loop."
     )

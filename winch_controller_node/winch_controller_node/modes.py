@@ -36,6 +36,9 @@ BRAKED = (Mode.OFF, Mode.STANDBY, Mode.STOPPED, Mode.EMERGENCY_STOP)
 RELEASE_TIME = 0.5
 """Time the brake request stands before a braked winch is asked to move [s]: a latched fault is acknowledged so."""
 
+BACK_TIME = 1.0
+"""A sensor that is back for so long [s] ends the fade-out it was the reason of."""
+
 
 class ModeError(ValueError):
     """A mode that cannot be taken now; the message says why."""
@@ -198,6 +201,9 @@ class ModeMachine:
     def _fade_out(self, situation: Situation) -> None:
         if self._after_fade is Mode.STOPPING and situation.lost and "encoder" in situation.lost:
             self._enter(Mode.STOPPING, situation.lost)
+            return
+        if self._after_fade is Mode.STOPPING and self._well_time > BACK_TIME and self._wants_compensation:
+            self._enter(Mode.COMPENSATING, "sensors well again")
             return
         self._move_authority(0.0, self._parameters.fade_out_time)
         if self.authority == 0.0:

@@ -34,6 +34,7 @@ class Observer:
     depth_zero : depth that counts as heave zero [m]; None before the first reading
     tension : newest accepted top tension [N]; NaN before the first
     mru_rate : newest accepted heave rate of the MRU [m/s]
+    stretch_per_payout : how much further than paid out the unit goes down at rest: stretch of the new cable [-]
     uses_unit : False: readings from the unit are gated but not used
     """
 
@@ -55,7 +56,9 @@ class Observer:
         self.depth_zero: float | None = None
         self.tension = math.nan
         self.mru_rate = 0.0
+        self.stretch_per_payout = 0.0
         self.uses_unit = True
+        self._unit_heave = 0.0
         self._attitude: tuple[float, float, float] | None = None
         self._shares: deque[tuple[int, Array]] = deque(maxlen=REMEMBERED)
 
@@ -113,6 +116,10 @@ class Observer:
         """Return how each sensor is seen."""
         return tuple(gate.state(tick * self._dt) for gate in self.gates.values())
 
+    def unit_heave_reading(self, mean_state: Array, unit: int) -> float:
+        """Return the newest depth as heave [m] about the mean payout's; `unit` is the index of unit_heave."""
+        return self._unit_heave - float(mean_state[unit]) * (1.0 + self.stretch_per_payout)
+
     def _tick_of(self, time: float) -> int:
         return round(time / self._dt)
 
@@ -142,14 +149,16 @@ class Observer:
     def _unit(self, now: float, sensor: str, name: str, readings: tuple[ScalarReading, ...]) -> list[Measurement]:
         taken = []
         for reading in readings:
-            if not judge_scalar(self.gates[sensor], now, reading) or not self.uses_unit:
+            if not judge_scalar(self.gates[sensor], now, reading):
                 continue
             value = reading.value
             if sensor == "depth":
                 if self.depth_zero is None:
                     self.depth_zero = value
                 value = self.depth_zero - value
-            taken.append(Measurement(name, value, self._tick_of(reading.time)))
+                self._unit_heave = value
+            if self.uses_unit:
+                taken.append(Measurement(name, value, self._tick_of(reading.time)))
         return taken
 
     def _without_share(self, reading: Measurement, estimator: KalmanEstimator) -> Measurement:
@@ -158,5 +167,8 @@ class Observer:
             return reading
         shares = [share for tick, share in self._shares if tick <= reading.tick]
         state = shares[-1] if shares else self._shares[0][1]
-        share = float(estimator.measurements[reading.name].row @ state)
+        row = estimator.measurements[reading.name].row
+        share = float(row @ state)
+        if reading.name == "unit_heave":
+            share -= self.stretch_per_payout * float(estimator.model.row("payout") @ state)
         return Measurement(reading.name, reading.value - share, reading.tick, reading.sigma, reading.regressors)

@@ -38,7 +38,7 @@ class MeanPayout:
     def __init__(self, parameters: MoveParameters, *, tick_period: float) -> None:
         self._parameters = parameters
         self._dt = tick_period
-        self._lag = max(0.5 * parameters.jerk_time, 2.0 * tick_period)
+        self._lag = max(2.0 * parameters.jerk_time, 2.0 * tick_period)
         self.point = MovePoint(0.0, 0.0, 0.0)
         self.target = 0.0
         self._speed = parameters.speed
@@ -83,6 +83,9 @@ class MeanPayout:
         wanted = 0.0 if self._is_stopping else self._wanted_rate()
         acceleration = (wanted - self.point.rate) / self._lag
         acceleration = min(max(acceleration, -limit), limit)
+        step = limit * self._dt / max(self._parameters.jerk_time, self._dt)
+        before = self.point.acceleration
+        acceleration = min(max(acceleration, before - step), before + step)
         rate = self.point.rate + acceleration * self._dt
         payout = self.point.payout + 0.5 * (self.point.rate + rate) * self._dt
         if not self.is_moving and abs(rate) < ARRIVED_SPEED:

@@ -24,6 +24,7 @@ class ConstantTension:
     ----------
     model : the design's augmented model; cable : its stiffness; winch : delay and lag
     parameters : time constant, ramp, largest correction
+    before : the law of an earlier design, whose set-point and measured tension are taken over
 
     Attributes
     ----------
@@ -32,7 +33,12 @@ class ConstantTension:
     """
 
     def __init__(
-        self, model: LinearModel, cable: CableModel, winch: WinchModelParameters, parameters: TensionLawParameters
+        self,
+        model: LinearModel,
+        cable: CableModel,
+        winch: WinchModelParameters,
+        parameters: TensionLawParameters,
+        before: ConstantTension | None = None,
     ) -> None:
         assert model.dt is not None
         self.gain: Array = np.zeros(0)
@@ -45,6 +51,9 @@ class ConstantTension:
         self.measured = math.nan
         self._target = math.nan
         self._slope = 0.0
+        if before is not None:
+            self.set_point, self.measured = before.set_point, before.measured
+            self._target, self._slope = before._target, before._slope
 
     def reset(self) -> None:
         """Forget the set-point; the measured tension stays."""
