@@ -234,7 +234,8 @@ def step(line: LineArrays, n: int, h: float) -> int:
         # where a segment is or may become slack, or the seabed is touched, the equations have a kink: ask for much more
         smooth = least > 4.0 * size and not touching
         if size < (tolerance if smooth else min(tolerance, 1e-2 * tolerance)):
-            if least <= 0.0 and (h > _LONGEST_SLACK_STEP or af > 0.0):
+            # the margin is for rounding: a step that was shortened for slack is never refused again for its length
+            if least <= 0.0 and (h > 1.001 * _LONGEST_SLACK_STEP or af > 0.0):
                 return _SLACK_REFUSED
             finish(line, n, count, h)
             return _SLACK if least <= 0.0 else _TAUT
