@@ -184,6 +184,34 @@ def test_faults_can_be_injected_while_running():
         unit.inject("explode", 0.0)
 
 
+def test_a_transport_delay_holds_readings_back_with_honest_stamps():
+    unit = MotionReferenceUnit(MruParameters(**SILENT), seed=1, tick_period=DT)
+    unit.inject("delay", 0.5, 0.5, 0.2)
+    readings = run(None, 30, sine(0.7), unit=unit)
+    assert readings[9:13] == [None] * 4
+    assert readings[15].time == pytest.approx(16 * DT - 0.2)
+    assert readings[15].heave == pytest.approx(math.sin(0.7 * (16 * DT - 0.2)))
+    assert readings[19].time == pytest.approx(20 * DT)
+    stamps = [reading.time for reading in readings if reading]
+    assert stamps == sorted(set(stamps))
+
+
+def test_what_holds_can_be_cleared():
+    unit = MotionReferenceUnit(MruParameters(**SILENT), seed=1, tick_period=DT)
+    unit.inject("gap", 0.0)
+    assert run(None, 3, unit=unit) == [None] * 3
+    unit.faults.clear(4 * DT)
+    assert unit.step(4, np.zeros(3), VesselMotion()) is not None
+
+
+@pytest.mark.parametrize(
+    ("kind", "duration", "size"), [("gap", -1.0, 0.0), ("bias", 1.0, math.nan), ("delay", 1.0, 11.0)]
+)
+def test_faults_with_impossible_numbers_are_refused(kind, duration, size):
+    with pytest.raises(ValueError, match=r"duration of at least 0 s|from 0 to 10 s"):
+        MotionReferenceUnit(MruParameters(), seed=1, tick_period=DT).inject(kind, 0.0, duration, size)
+
+
 def test_faults_do_not_change_the_noise_of_other_readings():
     plain = run(MruParameters(), 100)
     gap = run(MruParameters(dropout_start=(1.0,), dropout_duration=(1.0,)), 100)

@@ -19,6 +19,7 @@ import numpy as np
 from heave_node.randomness import random_stream
 from numpy.typing import NDArray
 
+from wave_vessel_node.mru_faults import BIAS, DELAY, FREEZE, GAP, LONGEST_DELAY, RESTART, SPIKE, MruFaults
 from wave_vessel_node.oscillator import DrivenOscillator
 from wave_vessel_node.parameters import MruParameters
 from wave_vessel_node.vessel_motion import PITCH, ROLL, VesselMotion
@@ -27,8 +28,6 @@ Array = NDArray[np.float64]
 
 STATUS_OK, STATUS_SETTLING, STATUS_INVALID = 0, 1, 2
 _TURNING = 1e-4  # rad/s: above this rate of turn the unit is disturbed
-_RESTART, _GAP, _FREEZE, _SPIKE, _BIAS = "restart", "gap", "freeze", "spike", "bias"
-FAULT_KINDS = (_RESTART, _GAP, _FREEZE, _SPIKE, _BIAS)
 
 
 @dataclass(frozen=True)
@@ -107,18 +106,17 @@ class MotionReferenceUnit:
         self._ticks_between = 1
         if parameters.rate > 0.0:
             self._ticks_between = max(1, round(1.0 / (parameters.rate * tick_period)))
-        self._latency_ticks = round(parameters.latency / tick_period)
+        self.faults = MruFaults(parameters, self.reading_period)
         self._stamp_error_ticks = round(parameters.stamp_error / tick_period)
+        self._late_ticks = self._stamp_error_ticks + round(parameters.latency / tick_period)
         self._history: deque[tuple[float, Array, float, float]] = deque(
-            maxlen=1 + self._latency_ticks + self._stamp_error_ticks
+            maxlen=1 + self._late_ticks + math.ceil(LONGEST_DELAY / tick_period)
         )
-        self._faults = _scheduled_faults(parameters)
+        self._last_delivered = -math.inf
         self._sequence = 0
         self._frozen: tuple[float, Array, float, float] | None = None
         self._settled_at = 0.0
         self._restarted_at = -math.inf
-        self._silent_until = -math.inf
-        self._done_restarts: set[float] = set()
         self._started = False
 
     @property
@@ -127,17 +125,14 @@ class MotionReferenceUnit:
         return self._ticks_between * self._period
 
     def inject(self, kind: str, start: float, duration: float = 0.0, size: float = 0.0) -> None:
-        """Schedule a fault at simulated time `start` [s]: restart, gap, freeze (`duration` [s]), spike (one
-        reading is `size` [m] off) or bias (all are, for `duration`). A duration of 0 lasts until the end (a restart:
-        its usual silence).
+        """Schedule a fault at simulated time `start` [s] for `duration` [s].
 
-        Raises ValueError for another kind.
+        restart: silent, then settling; gap: silent; freeze: values stand, stamps go on; spike: one reading is `size`
+        [m]
+        off; bias: all are; delay: readings come `size` [s] later, honestly stamped. A duration of 0 lasts until cleared
+        (a restart: its usual silence). Raises ValueError for another kind, or numbers a fault cannot have.
         """
-        if kind not in FAULT_KINDS:
-            raise ValueError(f"the MRU knows no fault {kind!r}: use one of {', '.join(FAULT_KINDS)}")
-        if duration == 0.0:
-            duration = self._parameters.restart_duration if kind == _RESTART else math.inf
-        self._faults.append((kind, start, duration, size))
+        self.faults.inject(kind, start, duration, size)
 
     def step(self, tick: int, heave: Array, motion: VesselMotion) -> MruReading | None:
         """Return the reading delivered at `tick`, or None if there is none.
@@ -159,23 +154,26 @@ class MotionReferenceUnit:
             return None
         self._sequence += 1
         noise = self._generator.standard_normal(3)
-        if now < self._silent_until or self._active(_GAP, now) is not None:
-            return None
-        if len(self._history) < self._history.maxlen:  # type: ignore[operator]  # a deque made with maxlen has one
+        if self.faults.is_active(RESTART, now) or self.faults.is_active(GAP, now):
             return None
         return self._reading(now, noise)
 
-    def _reading(self, now: float, noise: Array) -> MruReading:
-        measured_at, seen, roll, pitch = self._history[0]
-        noise = noise * (self._parameters.noise, self._parameters.rate_noise, self._parameters.rate_noise)
-        values = seen + noise
-        if self._active(_FREEZE, now) is not None:
+    def _reading(self, now: float, noise: Array) -> MruReading | None:
+        late = self._late_ticks + round(self.faults.size(DELAY, now) / self._period)
+        if late >= len(self._history):
+            return None
+        measured_at, seen, roll, pitch = self._history[-1 - late]
+        if measured_at <= self._last_delivered:
+            return None
+        self._last_delivered = measured_at
+        values = seen + noise * (self._parameters.noise, self._parameters.rate_noise, self._parameters.rate_noise)
+        if self.faults.is_active(FREEZE, now):
             if self._frozen is None:
                 self._frozen = (measured_at, values, roll, pitch)
             _, values, roll, pitch = self._frozen
         else:
             self._frozen = None
-        wrong = sum(fault[3] for fault in (self._active(_SPIKE, now), self._active(_BIAS, now)) if fault is not None)
+        wrong = self.faults.size(SPIKE, now) + self.faults.size(BIAS, now)
         status = STATUS_SETTLING if now < self._settled_at else STATUS_OK
         return MruReading(
             time=measured_at + self._stamp_error_ticks * self._period,
@@ -206,30 +204,10 @@ class MotionReferenceUnit:
         return error
 
     def _restart_when_due(self, now: float, seen: Array) -> None:
-        for kind, start, duration, _ in self._faults:
-            if kind == _RESTART and start not in self._done_restarts and now >= start - 1e-9:
-                self._done_restarts.add(start)
-                self._silent_until = now + duration
-                self._restarted_at = now
-                self._settled_at = (
-                    now + duration + self._parameters.settling_periods * self._parameters.high_pass_period
-                )
-                if self._parameters.high_pass_period > 0.0:
-                    self._filter.reset(seen[0], seen[1])
-
-    def _active(self, kind: str, now: float) -> tuple[str, float, float, float] | None:
-        """Return the fault of `kind` that holds at `now`, if any; a spike holds for one reading."""
-        for fault in self._faults:
-            length = self.reading_period if fault[0] == _SPIKE else fault[2]
-            if fault[0] == kind and fault[1] - 1e-9 <= now < fault[1] + length - 1e-9:
-                return fault
-        return None
-
-
-def _scheduled_faults(parameters: MruParameters) -> list[tuple[str, float, float, float]]:
-    """List the faults of the parameters as (kind, start, duration, size)."""
-    faults = [(_RESTART, start, parameters.restart_duration, 0.0) for start in parameters.restart_time]
-    faults += [(_GAP, s, d, 0.0) for s, d in zip(parameters.dropout_start, parameters.dropout_duration, strict=True)]
-    faults += [(_FREEZE, s, d, 0.0) for s, d in zip(parameters.freeze_start, parameters.freeze_duration, strict=True)]
-    faults += [(_SPIKE, s, 0.0, size) for s, size in zip(parameters.spike_time, parameters.spike_size, strict=True)]
-    return faults
+        restart = self.faults.take_restart(now)
+        if restart is None:
+            return
+        self._restarted_at = now
+        self._settled_at = restart.end + self._parameters.settling_periods * self._parameters.high_pass_period
+        if self._parameters.high_pass_period > 0.0:
+            self._filter.reset(seen[0], seen[1])

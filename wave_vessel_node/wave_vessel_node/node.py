@@ -15,16 +15,19 @@ from heave_node.tick import Tick, stamp_of_seconds
 
 from wave_vessel_node import messages
 from wave_vessel_node.component import WaveVessel
-from wave_vessel_node.mru import FAULT_KINDS, STATUS_OK
+from wave_vessel_node.mru import STATUS_OK
+from wave_vessel_node.mru_faults import DELAY, FAULT_KINDS, LONGEST_DELAY
 from wave_vessel_node.parameters import WaveVesselParameters
 
+_CLEAR = "clear"
 _MRU_SILENCE = 1.0  # s without a reading that diagnostics calls an error
 
 
 class WaveVesselNode(ParticipantNode):
     """Publishes in tick k the MRU reading delivered at t_k, and the boom tip, vessel and surface at t_{k+1}.
 
-    Service `wave_vessel/inject_fault` makes the MRU misbehave from the next tick on: restart, gap, freeze, spike, bias.
+    Service `wave_vessel/inject_fault` makes the MRU misbehave from the next tick on: restart, gap, freeze, spike, bias,
+    delay; clear ends what was injected or scheduled and holds now.
     """
 
     name = "wave_vessel"
@@ -54,7 +57,10 @@ class WaveVesselNode(ParticipantNode):
     def on_tick(self, tick: Tick) -> None:
         """See HeaveNode."""
         for kind, duration, magnitude in self._pending_faults:
-            self.component.mru.inject(kind, tick.time, duration, magnitude)
+            if kind == _CLEAR:
+                self.component.mru.faults.clear(tick.time)
+            else:
+                self.component.mru.inject(kind, tick.time, duration, magnitude)
         self._pending_faults.clear()
         if tick.number == 1:
             self.sea_state.publish(messages.sea_state_message(self.component.sea_state(), tick.stamp))
@@ -95,10 +101,13 @@ class WaveVesselNode(ParticipantNode):
         return component
 
     def _on_inject_fault(self, request: InjectFault.Request, response: InjectFault.Response) -> InjectFault.Response:
-        if request.device != "mru" or request.kind not in FAULT_KINDS:
-            response.message = f"{self.name} knows device mru with kinds {', '.join(FAULT_KINDS)}"
+        kinds = (*FAULT_KINDS, _CLEAR)
+        if request.device != "mru" or request.kind not in kinds:
+            response.message = f"{self.name} knows device mru with kinds {', '.join(kinds)}"
         elif not (math.isfinite(request.duration) and request.duration >= 0.0 and math.isfinite(request.magnitude)):
             response.message = "duration must be a number of at least 0, magnitude a number"
+        elif request.kind == DELAY and not 0.0 <= request.magnitude <= LONGEST_DELAY:
+            response.message = f"a delay is from 0 to {LONGEST_DELAY:g} s"
         else:
             self._pending_faults.append((request.kind, request.duration, request.magnitude))
             response.success, response.message = True, f"{request.kind} from the next tick"
