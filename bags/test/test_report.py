@@ -76,3 +76,39 @@ def test_thinning_keeps_every_peak():
 def test_even_times_travel_as_three_numbers_and_others_as_they_are():
     assert set(pack(0.05 * arange(1, 1000))) == {"start", "step", "count"}
     assert "float32" in pack(sin(arange(100.0)))
+
+
+PROBE = """
+<script>
+const watch = setInterval(() => {
+  if (document.body.dataset.ready !== "true") return;
+  clearInterval(watch);
+  const [first, second] = document.querySelectorAll(".figure");
+  const dense = () => second.data[0].x.filter((x) => x >= 20 && x <= 21).length;
+  Plotly.relayout(first, { "xaxis.range[0]": 20, "xaxis.range[1]": 21 }).then(() => setTimeout(() => {
+    document.body.dataset.zoom = second.layout.xaxis.range.map((x) => x.toFixed(1)).join(" ") + " " + dense();
+  }, 1500));
+}, 100);
+</script>
+</body>"""
+
+
+@pytest.mark.skipif(BROWSER is None, reason="no Chromium on this machine")
+def test_figures_over_time_zoom_together_down_to_every_sample(made_up_bag, tmp_path):
+    page = tmp_path / "report.html"
+    report.write_report(
+        [made_up_bag(run=MadeUpRun(duration=400.0))], page
+    )  # 8,000 samples, of which a screen shows 3,000
+    page.write_text(page.read_text().replace("</body>", PROBE))
+    drawn, console = browse(page, tmp_path)
+    assert console == []
+    assert re.search(r'data-zoom="20\.0 21\.0 (\d+)"', drawn).group(1) in ("20", "21")  # one second at 20 Hz
+
+
+@pytest.mark.skipif(BROWSER is None, reason="no Chromium on this machine")
+def test_the_report_prints_to_a_pdf_of_some_pages(made_up_bag, tmp_path):
+    report.write_report([made_up_bag()], tmp_path / "report.html")
+    pdf = tmp_path / "report.pdf"
+    command = [BROWSER, *FLAGS, f"--user-data-dir={tmp_path / 'profile'}", f"--print-to-pdf={pdf}"]
+    subprocess.run([*command, (tmp_path / "report.html").as_uri()], capture_output=True, timeout=120, check=True)
+    assert 3 <= pdf.read_bytes().count(b"/Type /Page\n") <= 12
