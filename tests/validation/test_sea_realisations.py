@@ -5,7 +5,6 @@ chi-square with
 36 K^2 / (19 K - 1) degrees of freedom for K segments.
 """
 
-import math
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +13,7 @@ from heave_node.randomness import random_stream
 from scipy.stats import binom, chi2
 from wave_vessel_node.motion_sources import FilterSource
 from wave_vessel_node.realisation import HarmonicSum, draw_components
+from wave_vessel_node.record_statistics import record_statistics, welch
 from wave_vessel_node.shaping_filter import shaping_filter
 from wave_vessel_node.spectra import (
     Bretschneider,
@@ -45,17 +45,6 @@ def elevation(sea: WaveSpectrum, seed: int = 1, count: int = 800) -> np.ndarray:
     return np.array([harmonics.at(tick)[0, 0] for tick in range(1, round(DURATION / DT) + 1)])
 
 
-def welch(record: np.ndarray) -> tuple[np.ndarray, np.ndarray, float]:
-    """Return omega [rad/s], one-sided density and degrees of freedom."""
-    size = round(SEGMENT / DT)
-    window = np.hanning(size + 1)[:-1]
-    starts = range(0, record.size - size + 1, size // 2)
-    power = np.mean([np.abs(np.fft.rfft(record[i : i + size] * window)) ** 2 for i in starts], axis=0)
-    count = len(starts)
-    density = power * DT / (math.pi * (window**2).sum())
-    return 2 * math.pi * np.fft.rfftfreq(size, DT), density, 36.0 * count**2 / (19.0 * count - 1.0)
-
-
 def through_window(density, omega: np.ndarray) -> np.ndarray:
     """Return the expectation of `welch` at `omega` for a target `density`."""
     size = round(SEGMENT / DT)
@@ -68,7 +57,7 @@ def through_window(density, omega: np.ndarray) -> np.ndarray:
 
 def assert_within_band(record, density, lowest, highest):
     """Most frequencies lie in their 95 % band, none beyond the 1e-6 one."""
-    omega, estimate, freedom = welch(record)
+    omega, estimate, freedom = welch(record, DT, SEGMENT)
     band = (omega > lowest) & (omega < highest)
     expected = through_window(density, omega[band])
     band[band], expected = expected > 1e-3 * expected.max(), expected[expected > 1e-3 * expected.max()]
@@ -81,7 +70,7 @@ def assert_within_band(record, density, lowest, highest):
 
 
 def draw_band(figure, record, density, highest, title):
-    omega, estimate, freedom = welch(record)
+    omega, estimate, freedom = welch(record, DT, SEGMENT)
     shown = (omega > 0.0) & (omega < highest)
     expected = through_window(density, omega[shown])
     axes = figure.subplots()
@@ -106,23 +95,12 @@ def test_the_spectrum_of_three_hours_is_the_target(name, gallery):
 
 
 @pytest.mark.parametrize("name", list(SEAS))
-def test_height_and_periods_of_three_hours_lie_in_their_intervals(name):
-    # of a Gaussian sea: var(m_n) = (2 pi / T) integral of omega^2n S^2; a component sum scatters less
-    sea = SEAS[name]
-    record = elevation(sea, seed=2)
-    grid = sea.edges
-    m0, m2 = record.var(), np.gradient(record, DT).var()
-    spread = [
-        1.96 * math.sqrt(2 * math.pi / DURATION * np.trapezoid(grid ** (2 * n) * sea.density(grid) ** 2, grid))
-        for n in (0, 2)
-    ]
-    target0 = sea.moment(0)
-    # a central difference of DT sees omega as sin(omega DT) / DT
-    seen = np.sin(np.minimum(grid * DT, math.pi)) / DT
-    target2 = np.trapezoid(seen**2 * sea.density(grid), grid)
-    assert m0 == pytest.approx(target0, abs=spread[0])
-    assert m2 == pytest.approx(target2, abs=spread[1])
-    assert 4.0 * math.sqrt(m0) == pytest.approx(sea.significant_wave_height, rel=0.03)
+def test_moments_height_and_periods_of_three_hours_lie_in_their_intervals(name):
+    # the intervals are those of a Gaussian sea; a component sum scatters less
+    statistics = record_statistics(elevation(SEAS[name], seed=2), DT, SEAS[name], segment=SEGMENT)
+    for quantity in ("m0", "m2", "significant_wave_height", "zero_crossing_period", "peak_period"):
+        assert getattr(statistics, quantity).is_inside, quantity
+    assert statistics.significant_wave_height.value == pytest.approx(SEAS[name].significant_wave_height, rel=0.03)
 
 
 def test_the_spectrum_of_filtered_noise_is_that_of_its_filter(gallery):

@@ -29,6 +29,7 @@ KINDS = {
     "regular": WaveVesselParameters(boom_tip_source="regular", amplitude=(1.0, -0.5, 2.0), ramp=5.0),
     "direct": WaveVesselParameters(vessel=VesselParameters(model="direct"), ramp=5.0),
     "rao": WaveVesselParameters(vessel=RAO, ramp=5.0, direction=2.0),
+    "fitted": WaveVesselParameters(vessel=VesselParameters(model="fitted"), ramp=5.0, direction=2.0),
     "drift": WaveVesselParameters(drift=DriftParameters(standard_deviation=(2.0, 1.0)), ramp=5.0),
     "turn": WaveVesselParameters(
         vessel=RAO,
@@ -160,7 +161,7 @@ def test_every_parameter_says_what_it_is():
     [
         ({"spectrum": "file"}, "needs spectrum_file"),
         ({"boom_tip_source": "file"}, "needs recording_file"),
-        ({"boom_tip_source": "filter", "vessel.model": "rao"}, "fit a vessel"),
+        ({"boom_tip_source": "filter", "vessel.model": "rao"}, "not with rao"),
         ({"significant_wave_height": -1.0}, "significant_wave_height = -1.0"),
         ({"significant_waveheight": 1.0}, "did you mean significant_wave_height"),
         ({"filter.states": 7}, "must be even"),

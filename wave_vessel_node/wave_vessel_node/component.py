@@ -22,7 +22,7 @@ from wave_vessel_node.motion_sources import (
 )
 from wave_vessel_node.mru import MotionReferenceUnit, MruReading, high_pass_response
 from wave_vessel_node.parameters import WaveVesselParameters
-from wave_vessel_node.rao import ResponseTable
+from wave_vessel_node.rao import RaoError, ResponseTable
 from wave_vessel_node.rao_files import read_rao
 from wave_vessel_node.rao_source import RaoSource
 from wave_vessel_node.realisation import WaveComponents, draw_components
@@ -32,6 +32,7 @@ from wave_vessel_node.sea_state_estimate import SeaStateEstimate, SeaStateEstima
 from wave_vessel_node.shaping_filter import shaping_filter
 from wave_vessel_node.spectra import WaveSpectrum
 from wave_vessel_node.vessel import SecondOrderVessel
+from wave_vessel_node.vessel_fit import VesselFit, boom_tip_heave_response, fit_vessel
 from wave_vessel_node.vessel_motion import VesselMotion, lever_arm_matrix, point_motion
 
 Array = NDArray[np.float64]
@@ -66,7 +67,8 @@ class WaveVessel:
     seed : fixes the sea and the noise
     tick_period : [s]
 
-    `warnings` names what was repaired in the files read.
+    `warnings` names what was repaired in the files read; `vessel_fit` is the vessel identified where the model is
+    fitted.
 
     Raises SpectrumError, SpectrumFileError, RaoError or RecordingError when the parameters name something that cannot
     be used.
@@ -76,12 +78,14 @@ class WaveVessel:
         self.parameters = parameters
         self.warnings: list[str] = []
         self._rao = self._read_rao()
+        self.vessel_fit: VesselFit | None = None
         arm = np.zeros(3) if self._rao is None else np.array(parameters.vessel.boom_tip_arm)
         self._lever = lever_arm_matrix(arm)
         self._course = Course(parameters.course)
         self._spectrum: WaveSpectrum | None = None
         if parameters.boom_tip_source in ("spectrum", "filter"):
             self._spectrum = build_spectrum(parameters, self.warnings)
+        self.vessel_fit = self._fit_vessel()
         self._source = self._build_source(seed, tick_period)
         self._sea_state = describe_sea(parameters, self._spectrum, seed)
         self.mru = MotionReferenceUnit(parameters.mru, seed=seed, tick_period=tick_period)
@@ -127,7 +131,23 @@ class WaveVessel:
         vessel = self.parameters.vessel
         if vessel.model == "direct":
             return None
+        if self.vessel_fit is not None:
+            return self.vessel_fit.vessel
         return SecondOrderVessel(vessel.natural_frequency, vessel.damping_ratio, vessel.gain)
+
+    def _fit_vessel(self) -> VesselFit | None:
+        """Fit the second-order vessel to the RAO of the boom tip, in this sea, where the parameters ask for it."""
+        parameters = self.parameters
+        if parameters.vessel.model != "fitted":
+            return None
+        if self._spectrum is None:
+            raise RaoError("vessel.model = fitted needs a sea with a spectrum: boom_tip_source spectrum or filter")
+        arm = np.array(parameters.vessel.boom_tip_arm)
+        heading = parameters.direction - parameters.course.heading
+        speed = parameters.course.speed
+        omega = np.linspace(0.4, 3.5, 200) * self._spectrum.peak_frequency
+        table = read_rao(parameters.vessel.rao_file, sorted({0.0, speed}))
+        return fit_vessel(omega, boom_tip_heave_response(table, omega, heading, speed, arm), self._spectrum)
 
     def _build_source(self, seed: int, tick_period: float) -> MotionSource:
         """Stack the sources: what moves the vessel, then its course, drift and the ramp."""

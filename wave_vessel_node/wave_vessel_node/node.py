@@ -87,6 +87,16 @@ class WaveVesselNode(ParticipantNode):
             health = [Health("mru", Level.ERROR, f"no reading for {silence:.1f} s")]
         elif self._last_status != STATUS_OK:
             health = [Health("mru", Level.WARN, "settling: its high-pass has not settled")]
+        fit = self.component.vessel_fit
+        if fit is not None:
+            vessel = fit.vessel
+            values = {
+                "natural_frequency": f"{vessel.natural_frequency:.4f}",
+                "damping_ratio": f"{vessel.damping_ratio:.4f}",
+                "gain": f"{vessel.gain:.4f}",
+                "relative_error": f"{fit.relative_error:.4f}",
+            }
+            health.append(Health("vessel", Level.OK, "second order, fitted to the RAO", values))
         if self.component.warnings:
             health.append(Health("files", Level.WARN, "; ".join(self.component.warnings)))
         return health

@@ -8,7 +8,7 @@ from heave_node.parameters import group, parameter
 
 SPECTRA = ("bretschneider", "pierson_moskowitz", "jonswap", "ochi_hubble", "file")
 BOOM_TIP_SOURCES = ("spectrum", "filter", "regular", "file")
-VESSEL_MODELS = ("second_order", "rao", "direct")
+VESSEL_MODELS = ("second_order", "rao", "fitted", "direct")
 FILTER_FORMS = ("auto", "thesis", "four_state", "six_state", "fit")
 
 
@@ -59,7 +59,7 @@ class VesselParameters:
         "second_order",
         unit="",
         choices=VESSEL_MODELS,
-        description="second_order (thesis Eq. 6.25), rao (table, 6 degrees of freedom), direct (follows the sea).",
+        description="second_order (thesis Eq. 6.25), rao (table, 6 DOF), fitted (second order, to the rao), direct.",
     )
     natural_frequency: float = parameter(
         0.9, unit="rad/s", minimum=0.01, maximum=10.0, description="omega_v of the second-order vessel."
@@ -78,7 +78,9 @@ class VesselParameters:
         description="Pitch of the second-order vessel per wave slope at low frequency (odometry, lever-arm error).",
     )
     rao_file: str = parameter(
-        "", unit="", description="RAO table for model rao, .csv or Capytaine .nc; empty is the hull form shipped."
+        "",
+        unit="",
+        description="RAO table (models rao, fitted), .csv or Capytaine .nc; empty is the hull form shipped.",
     )
     boom_tip_arm: tuple[float, ...] = parameter(
         (-20.0, 10.0, 15.0),
@@ -86,7 +88,7 @@ class VesselParameters:
         minimum=-500.0,
         maximum=500.0,
         length=3,
-        description="Boom tip from the vessel's reference point (x forward, y port, z up); model rao only.",
+        description="Boom tip from the vessel's reference point (x forward, y port, z up); models rao, fitted.",
     )
 
 
@@ -344,12 +346,11 @@ class WaveVesselParameters:
             raise ValueError("boom_tip_source = file needs recording_file: name the CSV file or the bag")
         if self.boom_tip_source == "filter" and self.vessel.model == "rao":
             raise ValueError(
-                "boom_tip_source = filter goes with vessel.model second_order or direct; fit a vessel to the "
-                "RAO and give its natural_frequency, damping_ratio and gain"
+                "boom_tip_source = filter goes with vessel.model second_order, fitted or direct, not with rao"
             )
         if self.boom_tip_source == "file" and self.recording_kind == "elevation" and self.vessel.model == "rao":
             raise ValueError(
-                "recording_kind = elevation goes with vessel.model second_order or direct: it has no direction"
+                "recording_kind = elevation goes with vessel.model second_order, fitted or direct: it has no direction"
             )
         if self.filter.states % 2:
             raise ValueError(f"filter.states must be even, got {self.filter.states}")

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -44,7 +45,7 @@ def boom_tip_heave_response(
     return np.asarray(lever_arm_matrix(arm)[2] @ response)
 
 
-def fit_vessel(omega: Array, response: Array, spectrum: WaveSpectrum) -> VesselFit:
+def fit_vessel(omega: Array, response: NDArray[Any], spectrum: WaveSpectrum) -> VesselFit:
     """Fit natural frequency, damping and gain to amplitudes of an RAO, weighted with the sea's spectrum.
 
     Parameters
