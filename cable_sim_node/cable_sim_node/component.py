@@ -28,8 +28,8 @@ Motion = tuple[Array, Array, Array]
 Dynamics = CableDynamics | LinearPlant
 
 LARGEST_START_GAP = 20.0
-"""Largest distance between the first boom tip and where the plant rests at the start [m]."""
-IMPLAUSIBLE_SPEED = 100.0
+"""Largest distance between the first boom tip or payout and where the plant rests at the start [m]."""
+IMPLAUSIBLE_SPEED = 20.0
 """An input that moves faster [m/s] is a false number, not a motion."""
 
 
@@ -154,11 +154,10 @@ class CableSim:
 
         Raises
         ------
-        PlantError : the plant does not stand at t_k, the first boom tip is nowhere near the start (BadMotionError), or
-            whatever CableDynamics.advance raises.
+        PlantError : the plant does not stand at t_k, the first boom tip or payout is nowhere near the start
+            (BadMotionError), or whatever CableDynamics.advance raises.
         """
         self._check_tick(tick)
-        self._check_start(boom_tip)
         tip_start, winch_start = self._tip(), self._winch()
         self.boom_tip.advance(self._plausible(self.boom_tip, _parts(boom_tip)))
         self.payout.advance(self._plausible(self.payout, _winch_parts(winch)))
@@ -185,24 +184,22 @@ class CableSim:
         if tick != self.tick:
             raise PlantError(f"cable_sim: tick {tick} was asked for, but the plant stands at tick {self.tick}")
 
-    def _check_start(self, boom_tip: PointMotion | None) -> None:
-        """Refuse a first boom tip that is far from where the plant rests."""
-        if boom_tip is None or self.tick > 1:
-            return
-        distance = float(np.linalg.norm(boom_tip.position - self.boom_tip.position))
-        if distance > LARGEST_START_GAP:
-            raise BadMotionError(
-                f"cable_sim: the first boom tip is {distance:.1f} m from where the plant rests; "
-                "boom_tip_height must be the same in cable_sim and wave_vessel"
-            )
-
     def _plausible(self, signal: BridgedInput, value: Motion | None) -> Motion | None:
-        """Return `value`, or None where it moves faster than anything real."""
-        if value is None or np.abs(value[1]).max() > IMPLAUSIBLE_SPEED:
+        """Return `value`, or None where it is not finite or moves faster than anything real.
+
+        Raises BadMotionError where the first value is far from where the plant rests.
+        """
+        if value is None or not all(np.isfinite(part).all() for part in value):
             return None
-        step = np.abs(value[0] - signal.position).max()
+        step = float(np.abs(value[0] - signal.position).max())
+        if not signal.has_started and step > LARGEST_START_GAP:
+            raise BadMotionError(
+                f"cable_sim: the first {signal.name} is {step:.1f} m from where the plant rests; boom_tip_height must "
+                "be the same in cable_sim and wave_vessel, and payout counts from 0 at cable_sim's length"
+            )
         largest_step = IMPLAUSIBLE_SPEED * self._tick_period * (signal.missing_in_a_row + 1)
-        return value if self.tick == 1 or step <= largest_step else None
+        is_fast = np.abs(value[1]).max() > IMPLAUSIBLE_SPEED or (signal.has_started and step > largest_step)
+        return None if is_fast else value
 
     def _height_above_seabed(self, position: Array) -> float:
         seabed = self._parameters.seabed

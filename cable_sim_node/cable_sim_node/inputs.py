@@ -34,6 +34,7 @@ class BridgedInput:
     Attributes
     ----------
     position, velocity, acceleration : shape (n,), the signal as last advanced
+    has_started : whether a value has come yet
     missing_in_a_row, missing : values that were missing just now and in all
     """
 
@@ -44,7 +45,7 @@ class BridgedInput:
         self.acceleration = np.zeros_like(position)
         self.missing_in_a_row = 0
         self.missing = 0
-        self._has_started = False
+        self.has_started = False
         self._tick_period = tick_period
         self._gap = np.zeros_like(position)
         self._gap_rate = np.zeros_like(position)
@@ -60,7 +61,7 @@ class BridgedInput:
             self._coast()
             return
         position, velocity, acceleration = value
-        if self.missing_in_a_row or not self._has_started:
+        if self.missing_in_a_row or not self.has_started:
             self._open_gap(position, velocity)
         if not self._gap.any() and not self._gap_rate.any():
             self.position, self.velocity, self.acceleration = position, velocity, acceleration
@@ -81,9 +82,9 @@ class BridgedInput:
         gap = self.position - (position - velocity * self._tick_period)
         gap_rate = self.velocity - velocity
         is_felt = np.abs(gap).max() > FELT_GAP or np.abs(gap_rate).max() > FELT_GAP_RATE
-        if self._has_started or is_felt:
+        if self.has_started or is_felt:
             self._gap, self._gap_rate = gap, gap_rate
-        self._has_started = True
+        self.has_started = True
         self.missing_in_a_row = 0
 
     def _close_gap(self) -> Array:

@@ -20,6 +20,8 @@ from cable_sim_node.sensor_parameters import (
 )
 from heave_node.kinematics import PointMotion
 from heave_node.parameters import build_parameters
+from hypothesis import Phase, given, settings
+from hypothesis import strategies as st
 
 TICK = 0.05
 S300 = CableSimNodeParameters(length=300.0, segments=20)
@@ -190,11 +192,14 @@ def test_boom_tip_that_cannot_be_true_is_taken_for_missing(bad: float) -> None:
     assert states[-1].unit.position[2] == pytest.approx(states[0].unit.position[2], abs=1e-6)
 
 
-def test_first_boom_tip_far_from_the_start_is_refused() -> None:
+def test_first_boom_tip_or_payout_far_from_the_start_is_refused() -> None:
     sim = CableSim(S300, seed=1, tick_period=TICK)
     far = PointMotion(2 * TICK, np.array([0.0, 0.0, 25.0]))
-    with pytest.raises(PlantError, match="boom_tip_height must be the same"):
+    with pytest.raises(PlantError, match=r"the first boom_tip is 25\.0 m .* boom_tip_height must be the same"):
         sim.advance(1, far, (0.0, 0.0))
+    sim.advance(1, None, None)
+    with pytest.raises(PlantError, match=r"the first payout is 500\.0 m"):
+        sim.advance(2, PointMotion(3 * TICK), (500.0, 0.0))
 
 
 def test_tick_out_of_order_is_refused() -> None:
@@ -238,3 +243,34 @@ def test_linear_model_is_chosen_by_its_name() -> None:
     late = [s for s in states if s.time > 75.0]
     _, amplitude, _ = harmonic(np.array([s.time for s in late]), np.array([s.unit.position[2] for s in late]), 0.5)
     assert amplitude == pytest.approx(abs(1.0 / (1.0 - 0.8959 * 0.25 + 0.1658j * 0.5)), rel=0.01)
+
+
+NUMBER = st.one_of(st.floats(-3.0, 3.0), st.floats(allow_nan=True, allow_infinity=True))
+
+
+@settings(max_examples=40, deadline=None, phases=(Phase.explicit, Phase.generate))
+@given(
+    inputs=st.lists(
+        st.tuples(st.one_of(st.none(), st.tuples(NUMBER, NUMBER)), st.one_of(st.none(), st.tuples(NUMBER, NUMBER))),
+        min_size=5,
+        max_size=40,
+    )
+)
+def test_whatever_comes_in_nothing_but_finite_numbers_or_a_named_error_comes_out(
+    inputs: list[tuple[tuple[float, float] | None, tuple[float, float] | None]],
+) -> None:
+    sim = CableSim(dataclasses.replace(S300, length=100.0, segments=4), seed=1, tick_period=TICK)
+    for tick, (tip, winch) in enumerate(inputs, start=1):
+        state, readings = sim.readings(tick)
+        numbers = [state.node_positions, state.segment_tensions, state.unit.velocity, state.uncompensated.acceleration]
+        numbers += [reading.value for reading in (*readings.depth, *readings.imu, *readings.load_cell)]
+        assert all(np.isfinite(values).all() for values in numbers)
+        assert state.segment_tensions.min() >= 0.0
+        motion = None
+        if tip is not None:
+            motion = PointMotion((tick + 1) * TICK, np.array([0.0, 0.0, tip[0]]), np.array([0.0, 0.0, tip[1]]))
+        try:
+            sim.advance(tick, motion, winch)
+        except PlantError as error:
+            assert str(error)
+            return
