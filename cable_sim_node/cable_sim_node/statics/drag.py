@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def current_at(depth: float, depths: Array, velocities: Array, factor: float, flow: Array, gradient: Array) -> None:
     """Fill the current [m/s] and its derivative by depth [1/s] at `depth` [m].
 
@@ -38,7 +38,7 @@ def current_at(depth: float, depths: Array, velocities: Array, factor: float, fl
         gradient[i] = factor * change / size
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def segment_drag(
     chord: Array,
     flow: Array,

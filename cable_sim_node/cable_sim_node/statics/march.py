@@ -30,7 +30,7 @@ LOCAL_ITERATIONS = 60
 LOCAL_TOLERANCE = 1e-13
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def solve3(matrix: Array, right: Array, answer: Array) -> bool:
     """Solve a 3 x 3 system by Cramer's rule; return False if it is singular."""
     a, b, c = matrix[0, 0], matrix[0, 1], matrix[0, 2]
@@ -47,7 +47,7 @@ def solve3(matrix: Array, right: Array, answer: Array) -> bool:
     return True
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _pass_node(
     node: Array, position: Array, depths: Array, velocities: Array, factor: float, tension: Array, partials: Array
 ) -> None:
@@ -66,7 +66,7 @@ def _pass_node(
             partials[3 + i, k] += by_depth * partials[2, k]  # depth = -z
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _drag_and_span(
     row: Array,
     position: Array,
@@ -117,7 +117,7 @@ def _drag_and_span(
     return np.nan
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _carry_dead(by_tension: Array, partials: Array) -> None:
     """Carry the partials across a segment under a dead load: only its span changes."""
     for k in range(6):
@@ -126,7 +126,7 @@ def _carry_dead(by_tension: Array, partials: Array) -> None:
                 partials[i, k] += by_tension[i, j] * partials[3 + j, k]
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _carry_drag(
     length: float, by_tension: Array, by_load: Array, by_chord: Array, by_depth: Array, matrix: Array, partials: Array
 ) -> bool:
@@ -149,7 +149,7 @@ def _carry_drag(
     return True
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def march(
     origin: Array,
     start: Array,

@@ -1,10 +1,7 @@
-"""Finding the three unknowns: a Newton search that cannot fail for dead loads, and continuation in the current.
+"""Finding the three unknowns in a current: Newton with the exact Jacobian, and continuation where it diverges.
 
-Under dead loads the end position is the gradient of the complementary energy by the tension vector at s = 0, a convex
-function. Newton with a line search on that energy therefore reaches the only answer from any start, slack or taut. The
-search looks at the energy's slope along the step, which grows steadily and is not lost in rounding as the energy is.
-Drag turns with the cable and spoils convexity: there Newton starts from the dead-load answer and, where it diverges,
-follows the answer while the current is raised in steps (thesis 2.5, 2.7).
+Drag turns with the cable and spoils the convexity that `dead_loads` rests on. Newton starts from the dead-load answer
+and, where it diverges, follows the answer while the current is raised in steps (thesis 2.5, 2.7).
 """
 
 from __future__ import annotations
@@ -16,19 +13,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cable_sim_node.errors import NoEquilibriumError
-from cable_sim_node.statics.shape import StaticShape, shape_from
-from cable_sim_node.statics.system import Current, StaticCable
+from cable_sim_node.statics.dead_loads import ACCEPTABLE, RELATIVE_TOLERANCE
+from cable_sim_node.statics.shape import StaticShape
 
 Array = NDArray[np.float64]
 
-RELATIVE_TOLERANCE = 1e-11
-"""Residual at which a search ends, over the scale of each equation."""
-
-ACCEPTABLE = 1e-8
-"""Residual over scale that is taken for an answer when rounding leaves no better one."""
-
-CONVEX_LIMIT = 100
-LINE_SEARCH_LIMIT = 60
 NEWTON_LIMIT = 40
 SMALLEST_STEP = 2.0**-8
 """Smallest step of the current in a continuation."""
@@ -45,69 +34,6 @@ class Equations:
     """
 
     evaluate: Callable[[Array, float, Array | None], tuple[Array, Array, StaticShape] | None]
-
-
-def solve_dead_loads(
-    cable: StaticCable,
-    current: Current,
-    origin: Array,
-    span: Array,
-    known: Array,
-    guess: Array,
-    drag: Array,
-    *,
-    factor: float = 0.0,
-) -> Array | None:
-    """Return the tension vector below node 0 under dead loads, or None if the search does not end.
-
-    Parameters
-    ----------
-    origin : position of node 0 [m]
-    span : wanted position of the other end relative to it [m]; only axes that are not `known` count
-    known : which components of the tension vector are given (`guess` has them)
-    guess : start of the search [N]
-    drag : dead loads on the segments beside weight, shape (n, 3) [N/m]
-    factor : of the current that drags on bodies at the nodes
-    """
-    free = np.logical_not(known)
-    start = guess.copy()
-    scale = cable.length + float(np.linalg.norm(span[free]))
-
-    def evaluate(at: Array) -> tuple[Array, Array] | None:
-        shape = shape_from(cable, current, origin, at, factor=factor, frozen_drag=drag)
-        if shape is None:
-            return None
-        gradient = shape.positions[-1] - origin - span
-        return gradient[free], shape.partials[:3, 3:][np.ix_(free, free)]
-
-    state = evaluate(start)
-    best = np.inf
-    for _ in range(CONVEX_LIMIT):
-        if state is None:
-            return None
-        gradient, compliance = state
-        miss = float(np.abs(gradient).max()) / scale
-        if miss < RELATIVE_TOLERANCE or (miss < ACCEPTABLE and miss >= best):
-            return start
-        best = min(best, miss)
-        # a compliance without stiffness in some direction (a straight weightless cable) keeps a floor
-        floor = 1e-13 * float(np.trace(compliance)) * np.eye(int(free.sum()))
-        step = np.zeros(3)
-        step[free] = -np.linalg.solve(compliance + floor, gradient)
-        slope = float(gradient @ step[free])
-        low, high = 0.0, 1.0
-        share = 1.0
-        for _ in range(LINE_SEARCH_LIMIT):
-            state = evaluate(start + share * step)
-            if state is None:
-                return None
-            here = float(state[0] @ step[free])
-            if here <= 0.5 * abs(slope) and (share == 1.0 or here >= -0.5 * abs(slope)):
-                break
-            low, high = (low, share) if here > 0.0 else (share, high)
-            share = 0.5 * (low + high)
-        start = start + share * step
-    return None
 
 
 def solve_newton(

@@ -6,13 +6,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cable_sim_node.errors import NoEquilibriumError
+from cable_sim_node.statics.dead_loads import solve_dead_loads
 from cable_sim_node.statics.drag import segment_drag
 from cable_sim_node.statics.errors import StaticsError
 from cable_sim_node.statics.march import FORCE, LENGTH, NORMAL, STIFFNESS, TANGENTIAL
 from cable_sim_node.statics.newton import (
     Equations,
     follow_current,
-    solve_dead_loads,
     solve_newton,
 )
 from cable_sim_node.statics.shape import StaticShape, shape_from

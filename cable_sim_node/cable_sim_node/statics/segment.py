@@ -29,7 +29,7 @@ SMALLEST_GAP = 1e-24
 """Floor of 1 - a^2: a segment folded upon itself has infinite compliance across; this keeps it a number."""
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def hyperbolic_functions(a: float, gap: float) -> tuple[float, float, float, float]:
     """Return f = atanh(a)/a, phi = (f - 1)/a^2, psi = f'/a and chi = phi'/a for 0 <= a < 1, `gap` = 1 - a^2."""
     if a < SERIES_BELOW:
@@ -50,7 +50,7 @@ def hyperbolic_functions(a: float, gap: float) -> tuple[float, float, float, flo
     return f, phi, psi, chi
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def segment_span(
     start: Array, load: Array, length: float, stiffness: float, span: Array, by_tension: Array, by_load: Array
 ) -> float:
