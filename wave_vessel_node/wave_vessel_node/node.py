@@ -105,7 +105,7 @@ class WaveVesselNode(ParticipantNode):
         try:
             component = WaveVessel(self.parameters, seed=self.run.seed, tick_period=self.run.tick_period)
         except ValueError as error:
-            raise NodeError(f"{self.name}: {error}") from error
+            raise NodeError(str(error)) from error
         for warning in component.warnings:
             self.get_logger().warning(warning)
         return component
