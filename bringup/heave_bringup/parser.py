@@ -23,7 +23,7 @@ def make_parser() -> argparse.ArgumentParser:
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
     for add in (
         *(_add_run, _add_list, _add_report, _add_kpi, _add_replay, _add_import, _add_repair),
-        *(_add_design, _add_identify, _add_static, _add_campaign),
+        *(_add_design, _add_identify, _add_static, _add_campaign, _add_bench),
     ):
         add(commands)
     return parser
@@ -200,3 +200,15 @@ def _add_repair(commands: Any) -> None:
     chosen = parser.add_mutually_exclusive_group(required=True)
     chosen.add_argument("--output", type=Path, metavar="DIR", help="folder of the sound bag")
     chosen.add_argument("--reindex", action="store_true", help="write metadata.yaml anew, in place")
+
+
+def _add_bench(commands: Any) -> None:
+    parser = _add(
+        commands,
+        "bench",
+        "Measure the speed of plant (beside MoorDyn), loop over ROS, controller and recorder on this machine.",
+        "heave bench --only loop controller --json bench.json",
+    )
+    parts = ("plant", "loop", "controller", "recorder")
+    parser.add_argument("--only", nargs="+", choices=parts, default=parts, metavar="PART", help=", ".join(parts))
+    parser.add_argument("--seconds", type=float, default=120.0, metavar="S", help="length of each measurement")
