@@ -1,0 +1,65 @@
+"""A bag in the place of nodes: the same sea gives the same run, byte for byte; and markers in a bag show the cable."""
+
+from pathlib import Path
+
+import pytest
+from heave_bags.reader import Bag
+from visualization_msgs.msg import Marker
+
+from tests.loop_runs import heave, run_scenario
+
+DURATION = 8.0
+
+
+@pytest.fixture(scope="module")
+def original(tmp_path_factory) -> Path:
+    return run_scenario(tmp_path_factory.mktemp("original") / "run", duration=DURATION)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "replaced",
+    [("wave_vessel",), ("wave_vessel", "cable_sim", "virtual_winch")],
+    ids=["recorded sea, closed loop", "recorded sea and sensors, open loop"],
+)
+def test_a_run_with_recorded_nodes_is_the_run_that_was_recorded(original, tmp_path, replaced):
+    options = [part for node in replaced for part in ("--from-bag", f"{node}={original}")]
+    again = run_scenario(tmp_path / "again", duration=DURATION, options=options)
+    assert list(Bag(again).messages()) == list(Bag(original).messages())
+
+
+@pytest.mark.slow
+def test_another_controller_on_the_same_sea_sees_the_same_boom_tip_and_does_something_else(original, tmp_path):
+    options = ["--from-bag", f"wave_vessel={original}", "--set", "winch_controller.law=off"]
+    again = Bag(run_scenario(tmp_path / "again", duration=DURATION, options=options))
+    before = Bag(original)
+    assert list(again.messages(["boom_tip", "mru"])) == list(before.messages(["boom_tip", "mru"]))
+    assert list(again.messages(["controller/state"])) != list(before.messages(["controller/state"]))
+
+
+def test_a_bag_that_is_too_short_is_refused_in_one_line(original, tmp_path):
+    result = heave(
+        *("run", "b2_calm_300", "--duration", "100", "--bag", str(tmp_path / "again"), "--no-report"),
+        *("--from-bag", f"wave_vessel={original}"),
+    )
+    assert result.returncode != 0
+    assert "the run lasts 100 s" in result.stderr.strip().splitlines()[-1]
+
+
+def test_markers_show_the_cable_and_the_unit_where_they_are(original):
+    bag = Bag(original)
+    cables = {message.log_time: state for message, state in bag.decoded(["cable/state"])}
+    units = {message.log_time: state for message, state in bag.decoded(["unit/odometry"])}
+    seen = 0
+    for message, array in bag.decoded(["markers"]):
+        strips = [marker for marker in array.markers if marker.type == Marker.LINE_STRIP]
+        nodes = [(node.x, node.y, node.z) for node in cables[message.log_time].nodes]
+        assert any([(point.x, point.y, point.z) for point in strip.points] == nodes for strip in strips)
+        unit = units[message.log_time].pose.pose.position
+        bodies = [
+            m.pose.position for m in array.markers if m.type in (Marker.CUBE, Marker.SPHERE, Marker.MESH_RESOURCE)
+        ]
+        assert any((body.x, body.y, body.z) == pytest.approx((unit.x, unit.y, unit.z), abs=1e-9) for body in bodies)
+        assert {marker.header.frame_id for marker in array.markers} == {"world"}
+        seen += 1
+    assert seen >= DURATION
