@@ -97,11 +97,22 @@ def error_covariances(design: ControllerDesign) -> ErrorCovariances:
             prior = filter_model.A @ P @ filter_model.A.T + filter_model.Q
             P = _corrected(prior, rows, variances)
             pairs.append((prior[: model.order, : model.order], P[: model.order, : model.order]))
-        level = float(np.sum(np.sqrt(np.maximum(np.diag(P), 0.0))))
+        level = _seen(design.model, P)
         if abs(level - previous) < SETTLED * level:
             return pairs
         previous = level
     raise DesignError("the covariance of the estimate does not settle: the sensors do not determine the state")
+
+
+def _seen(model: LinearModel, P: Array) -> float:
+    """Return the sum of the outputs' standard deviations under a covariance of the error.
+
+    Waves have states that no output shows, because the sea's filter has its zeros at the origin; their covariance
+    settles as slowly as one over time, and matters to nobody.
+    """
+    n = model.order
+    variances = np.einsum("ij,jk,ik->i", model.C, P[:n, :n], model.C)
+    return float(np.sum(np.sqrt(np.maximum(variances, 0.0))))
 
 
 def _filter_gain(P: Array, rows: Array, variances: Array) -> Array:
@@ -187,7 +198,7 @@ def equivalent_filter(design: ControllerDesign) -> EquivalentFilter:
     for _ in range(PERIODS_TO_SETTLE):
         prior = model.A @ P @ model.A.T + model.Q
         P = _corrected(prior, H, variances)
-        level = float(np.sum(np.sqrt(np.maximum(np.diag(P), 0.0))))
+        level = _seen(design.model, P)
         if abs(level - previous) < SETTLED * level:
             return EquivalentFilter(model.A, H, _filter_gain(prior, H, variances))
         previous = level
