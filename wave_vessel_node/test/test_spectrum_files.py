@@ -137,6 +137,24 @@ def test_a_record_beyond_the_last_is_refused():
         read_spectra(REAL_TIME).select(4)
 
 
+def test_a_record_is_found_by_its_time():
+    file = read_spectra(REAL_TIME)
+    assert file.nearest("2024-03-01T04:20").time.hour == 4
+    assert file.nearest("2024-03-01T06:20+02:00").time.hour == 4
+    with pytest.raises(SpectrumFileError, match="no record within a day of 2025-01-01: it reaches from 2024-03-01"):
+        file.nearest("2025-01-01")
+    with pytest.raises(SpectrumFileError, match="'noon' is not a time"):
+        file.nearest("noon")
+
+
+def test_the_newer_historical_header_with_minutes_is_read(tmp_path):
+    text = "#YY  MM DD hh mm   .0500  .1000  .2000  .3000\n2010 05 01 12 30 0.00 4.00 1.00 0.20\n"
+    record = read_spectra(write(tmp_path, text)).records[0]
+    assert record.time == datetime(2010, 5, 1, 12, 30, tzinfo=timezone.utc)
+    # trapezium over 0.05, 0.1, 0.2, 0.3 Hz: 0.1 + 0.25 + 0.06 m^2
+    assert record.spectrum.moment(0) == pytest.approx(0.41, rel=1e-9)
+
+
 @pytest.mark.skipif(not MEASURED.is_dir(), reason=f"the measured files are not beside the checkout ({MEASURED})")
 def test_the_measured_files_of_two_buoys_are_read():
     # counts as in the files: 149 rows; 8712 rows of which 112 are fill values

@@ -318,7 +318,10 @@ class WaveVesselParameters:
         description="Measured spectrum for spectrum = file: NDBC real-time or historical, or what wavespectra reads.",
     )
     spectrum_record: int = parameter(
-        0, unit="", minimum=0, description="Which spectrum of the file, counted from 0 in order of time."
+        0, unit="", minimum=0, description="Which usable spectrum of the file, counted from 0 in order of time."
+    )
+    spectrum_time: str = parameter(
+        "", unit="", description="Or the spectrum nearest to this time (UTC, like 1996-06-14T18:00); empty: by record."
     )
     recording_file: str = parameter(
         "", unit="", description="Recording for boom_tip_source = file: CSV, or a bag (folder or .mcap)."

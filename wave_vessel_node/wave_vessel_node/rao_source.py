@@ -41,6 +41,8 @@ class RaoSource:
         self._response = table.sampled(components.frequency)
         self._tick_period = tick_period
         self._legs = [self._leg_sum(leg) for leg in course.legs]
+        if len(course.legs) > 1:
+            self._sum_at(0.0)  # compiles now what a tick should not wait for
 
     def motion(self, tick: int) -> VesselMotion:
         """See MotionSource."""

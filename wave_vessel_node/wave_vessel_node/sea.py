@@ -44,6 +44,8 @@ def build_spectrum(parameters: WaveVesselParameters, warnings: list[str] | None 
     file = read_spectra(parameters.spectrum_file)
     if warnings is not None:
         warnings.extend(file.warnings)
+    if parameters.spectrum_time:
+        return file.nearest(parameters.spectrum_time).spectrum
     return file.select(parameters.spectrum_record).spectrum
 
 

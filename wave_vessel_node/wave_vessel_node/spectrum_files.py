@@ -55,6 +55,26 @@ class SpectrumFile:
             )
         return self.records[index]
 
+    def nearest(self, time: str) -> SpectrumRecord:
+        """Return the record nearest to `time`, ISO 8601, UTC where no zone is given.
+
+        Raises SpectrumFileError for a text that is no time, or one more than a day before the first or after the last
+        record.
+        """
+        try:
+            wanted = datetime.fromisoformat(time.replace("Z", "+00:00"))
+        except ValueError as error:
+            raise SpectrumFileError(f"{self.path}: {time!r} is not a time like 1996-06-14T18:00") from error
+        if wanted.tzinfo is None:
+            wanted = wanted.replace(tzinfo=timezone.utc)
+        record = min(self.records, key=lambda candidate: abs(candidate.time - wanted))
+        if abs(record.time - wanted) > timedelta(days=1):
+            first, last = self.records[0].time, self.records[-1].time
+            raise SpectrumFileError(
+                f"{self.path}: no record within a day of {time}: it reaches from {first:%Y-%m-%d} to {last:%Y-%m-%d}"
+            )
+        return record
+
 
 @dataclass
 class _Row:

@@ -1,0 +1,83 @@
+"""Whatever happens to a file, it is either read into numbers that make sense or refused with one line that names it."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from wave_vessel_node.rao import RaoError
+from wave_vessel_node.rao_files import COLUMNS, read_rao_csv
+from wave_vessel_node.recording import RecordingError, read_recording
+from wave_vessel_node.spectrum_files import SpectrumFileError, read_spectra
+
+DATA = Path(__file__).parent / "data"
+FRAGMENTS = st.sampled_from(
+    ["", "nan", "-1.0", "99.00", "999.0", "inf", "1e400", "0.0a47", "(", ")", "\n", ",", " ", "#", "--", "\t"]
+)
+SETTINGS = settings(max_examples=120, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+RAO = "\n".join(
+    [
+        ",".join(COLUMNS),
+        *(f"0,{h},{w},{','.join(['1.0', '0.0'] * 6)}" for h in (0.0, 1.5, 3.14159) for w in (0.2, 0.5, 1.0, 2.0)),
+    ]
+)
+RECORDING = "time_s,z_m\n" + "".join(f"{0.1 * i:.1f},{np.sin(0.1 * i):.4f}\n" for i in range(60))
+
+
+@st.composite
+def damaged(draw, text):
+    """Replace up to three pieces of a text by fragments, and cut it somewhere now and then."""
+    for _ in range(draw(st.integers(1, 3))):
+        start = draw(st.integers(0, max(0, len(text) - 1)))
+        length = draw(st.integers(0, 12))
+        text = text[:start] + draw(FRAGMENTS) + text[start + length :]
+    if draw(st.booleans()):
+        text = text[: draw(st.integers(0, len(text)))]
+    return text
+
+
+def refused_or(error, path, read):
+    """Return what `read` gives, or None when it refuses in one line that names the file."""
+    try:
+        return read(path)
+    except error as refusal:
+        assert path.name in str(refusal)
+        assert "\n" not in str(refusal)
+        return None
+
+
+@pytest.mark.parametrize("name", ["real_time.data_spec", "historical.txt"])
+@given(data=st.data())
+@SETTINGS
+def test_damaged_spectra(name, data, tmp_path):
+    path = tmp_path / name
+    path.write_text(data.draw(damaged((DATA / name).read_text())))
+    file = refused_or(SpectrumFileError, path, read_spectra)
+    if file is not None:
+        for record in file.records:
+            values = np.asarray(record.spectrum.values)
+            assert np.isfinite(values).all()
+            assert (values >= 0.0).all()
+            assert record.spectrum.significant_wave_height > 0.0
+
+
+@given(data=st.data())
+@SETTINGS
+def test_damaged_raos(data, tmp_path):
+    path = tmp_path / "rao.csv"
+    path.write_text(data.draw(damaged(RAO)))
+    table = refused_or(RaoError, path, read_rao_csv)
+    if table is not None:
+        assert np.isfinite(table.at([0.1, 0.7, 5.0], 1.0)).all()
+
+
+@given(data=st.data())
+@SETTINGS
+def test_damaged_recordings(data, tmp_path):
+    path = tmp_path / "motion.csv"
+    path.write_text(data.draw(damaged(RECORDING)))
+    recording = refused_or(RecordingError, path, read_recording)
+    if recording is not None:
+        assert np.isfinite(recording.position).all()
+        assert (np.diff(recording.time) > 0.0).all()
