@@ -5,9 +5,11 @@ import math
 import numpy as np
 import pytest
 from heave_node.parameters import build_parameters
+from scipy.integrate import solve_ivp
 from wave_vessel_node.component import WaveVessel
+from wave_vessel_node.course import Course
 from wave_vessel_node.filter_fit import fit_filter
-from wave_vessel_node.mru import MotionReferenceUnit, high_pass_response
+from wave_vessel_node.mru import STATUS_SETTLING, MotionReferenceUnit, high_pass_response
 from wave_vessel_node.parameters import MruParameters, WaveVesselParameters
 from wave_vessel_node.rao_files import shipped_rao
 from wave_vessel_node.shaping_filter import filter_quality, shaping_filter
@@ -155,6 +157,52 @@ def test_the_mru_answers_as_its_high_pass_says(gallery):
     gallery("mru_high_pass", "Frequency response of the MRU with a 60 s high-pass, measured and by its formula.", draw)
     np.testing.assert_allclose(measured["heave"], exact, atol=2e-5)
     np.testing.assert_allclose(measured["heave_rate"] / (1j * omega), exact, atol=2e-4)
+
+
+def test_a_loop_turn_disturbs_the_mru_as_its_equation_says(gallery):
+    # reading - truth = -e, e'' + 2 zeta omega_c e' + omega_c^2 e = 2 zeta omega_c x' + omega_c^2 x - s U r: here x = 0
+    # (a calm sea), U = 5 m/s, and r the rate of a loop turn; reference: scipy's Runge-Kutta
+    values = {
+        "significant_wave_height": 0.0,
+        "course.speed": 5.0,
+        "course.turn_angle": 2 * math.pi,
+        "course.turn_rate": 0.05,
+        "course.turn_start": 100.0,
+        "mru.high_pass_period": 60.0,
+        "mru.noise": 0.0,
+        "mru.rate_noise": 0.0,
+        "mru.turn_sensitivity": 0.01,
+        "estimate.period": 3600.0,
+    }
+    parameters = build_parameters(WaveVesselParameters, values, where="test")
+    vessel, course = WaveVessel(parameters, seed=1, tick_period=0.1), Course(parameters.course)
+    readings = [vessel.step(tick).mru for tick in range(1, 12001)]
+    time = np.array([reading.time for reading in readings])
+    heave = np.array([reading.heave for reading in readings])
+    cut_off, damping = 2 * math.pi / 60.0, parameters.mru.high_pass_damping
+
+    def error(t, e):
+        return [e[1], -2 * damping * cut_off * e[1] - cut_off**2 * e[0] - 0.01 * 5.0 * course.turn_rate(t)]
+
+    exact = solve_ivp(error, (0.0, time[-1]), [0.0, 0.0], t_eval=time, max_step=1.0, rtol=1e-8, atol=1e-10).y[0]
+    settling = np.array([reading.status == STATUS_SETTLING for reading in readings])
+
+    def draw(figure):
+        axes = figure.subplots()
+        axes.plot(time, heave, label="reading (the sea is calm)")
+        axes.plot(time, -exact, "k--", label="equation of the unit")
+        axes.fill_between(time, -0.05, 0.0, where=settling, alpha=0.3, label="status settling")
+        axes.set(xlabel="time [s]", ylabel="heave [m]")
+        axes.legend()
+
+    gallery("mru_loop_turn", "Error of an MRU with a 60 s high-pass in a loop turn at 5 m/s, and its status.", draw)
+    # a rate held over a tick of 0.1 s is late by half of it: 0.05 s of the error's 0.006 m/s
+    np.testing.assert_allclose(heave, -exact, atol=4e-4)
+    assert heave.max() > 0.1
+    end = course.legs[-1].start
+    assert not settling[time < 100.0].any()
+    assert settling[(time > 105.0) & (time < end + 590.0)].all()
+    assert np.abs(heave[~settling]).max() < 1e-3
 
 
 def test_shaping_filters_against_their_spectra(gallery):

@@ -164,6 +164,8 @@ def test_every_parameter_says_what_it_is():
         ({"boom_tip_source": "filter", "vessel.model": "rao"}, "not with rao"),
         ({"significant_wave_height": -1.0}, "significant_wave_height = -1.0"),
         ({"significant_waveheight": 1.0}, "did you mean significant_wave_height"),
+        ({"boom_tip_source": "filter", "vessel.pitch_gain": 1.0}, "no wave slope"),
+        ({"boom_tip_source": "regular", "course.turn_angle": 1.0}, "goes with a sea"),
         ({"filter.states": 7}, "must be even"),
         ({"estimate.window": 150.0}, "at least two"),
     ],

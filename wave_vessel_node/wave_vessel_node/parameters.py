@@ -355,5 +355,12 @@ class WaveVesselParameters:
             raise ValueError(
                 "recording_kind = elevation goes with vessel.model second_order, fitted or direct: it has no direction"
             )
+        if self.boom_tip_source == "filter" and self.vessel.pitch_gain > 0.0:
+            raise ValueError("vessel.pitch_gain goes with boom_tip_source = spectrum: filtered noise has no wave slope")
+        moves = self.course.turn_angle != 0.0 or self.course.speed_change != 0.0
+        if self.boom_tip_source in ("regular", "file") and moves:
+            raise ValueError(
+                f"a turn or change of speed goes with a sea, not with boom_tip_source = {self.boom_tip_source}"
+            )
         if self.filter.states % 2:
             raise ValueError(f"filter.states must be even, got {self.filter.states}")
