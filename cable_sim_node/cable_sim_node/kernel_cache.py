@@ -1,10 +1,8 @@
 """Compiled kernels on disk must not outlive their sources.
 
 Numba's cache looks only at the file a function stands in, not at the files of the functions it calls. Here
-kernels call one another
-across files, so an edit of one would leave stale machine code of its callers in use. `drop_stale` deletes what is
-older than any of
-the sources.
+kernels call one another across files, so an edit of one would leave stale machine code of its callers in use.
+`drop_stale` deletes what is older than any of the sources.
 """
 
 from __future__ import annotations
@@ -13,11 +11,10 @@ import contextlib
 from pathlib import Path
 
 
-def drop_stale(patterns: tuple[str, ...]) -> None:
-    """Delete the cache entries of the modules that match `patterns` (such as "line_*") if any of those sources is
-    newer.
+def drop_stale(patterns: tuple[str, ...], folder: Path = Path(__file__).parent) -> None:
+    """Delete the cache entries of the modules in `folder` that match `patterns` (such as "line_*") if any of those
+    sources is newer.
     """
-    folder = Path(__file__).parent
     sources = [path for pattern in patterns for path in folder.glob(f"{pattern}.py")]
     newest = max(path.stat().st_mtime for path in sources)
     for pattern in patterns:
