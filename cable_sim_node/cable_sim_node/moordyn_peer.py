@@ -121,7 +121,7 @@ def run_moordyn(
         moordyn.Init(system, top, [0.0, 0.0, 0.0])
         unit = moordyn.GetPoint(system, 1)
         count = round(duration / tick)
-        times, positions = np.arange(1, count + 1) * tick, np.zeros((count, 3))
+        times, positions = np.linspace(tick, count * tick, count), np.zeros((count, 3))
         started = time.process_time()
         for k in range(count):
             # MoorDyn takes the position at the start of the step and the velocity over it

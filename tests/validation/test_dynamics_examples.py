@@ -1,0 +1,472 @@
+"""The thesis's examples (chapters 3 to 5) and Pinto's towed cable on the three-dimensional solver.
+
+Figures are not digitised: where an example has an exact or limiting solution it is compared with that, elsewhere the
+stated trend is asserted.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+
+import numpy as np
+import pytest
+from cable_sim_node.driven_run import ramped_sine, run_driven
+from cable_sim_node.dynamics import CableDynamics
+from cable_sim_node.parameters import CableParameters, CableSimParameters, SolverParameters, UnitParameters
+from cable_sim_node.reference_systems import s300
+from heave_node.kinematics import PointMotion
+
+
+def rope(diameter, length, modulus, mass_per_length, mass, *, radius=0.1016, in_water=False, added_mass=0.0, **solver):
+    """Return a laboratory rope with a sphere of `radius`; drag of sphere 0.5 and rope 1.2 are this test's, none
+    is printed.
+    """
+    area = 0.25 * math.pi * diameter**2
+    volume = 4.0 / 3.0 * math.pi * radius**3 if in_water else 0.0
+    return CableSimParameters(
+        length=length,
+        segments=10,
+        water_density=1000.0 if in_water else 0.0,
+        cable=CableParameters(diameter=diameter, mass_per_length=mass_per_length, axial_stiffness=modulus * area),
+        unit=UnitParameters(
+            mass=mass,
+            volume=volume,
+            added_mass=(added_mass,) * 3,
+            drag_coefficient=(0.5,) * 3,
+            drag_area=(math.pi * radius**2,) * 3,
+        ),
+        solver=SolverParameters(**solver),
+    )
+
+
+def bar_tension(parameters, omega):
+    """Return the exact top tension amplitude per metre of top heave of an undamped elastic bar with an end mass."""
+    cable, mass = parameters.cable, parameters.unit.mass
+    k = omega * math.sqrt(cable.mass_per_length / cable.axial_stiffness)
+    slope = mass * omega**2 / (cable.axial_stiffness * k)
+    angle = k * parameters.length
+    return (
+        cable.axial_stiffness
+        * k
+        * (math.sin(angle) + slope * math.cos(angle))
+        / (math.cos(angle) - slope * math.sin(angle))
+    )
+
+
+POLYESTER = rope(0.003, 4.573, 3.38e9, 8.067e-3, 4.722, time_step=0.002)
+POLYESTER_8 = rope(0.002, 4.573, 2.445e9, 4.155e-3, 4.722, time_step=0.002)
+NYLON = rope(0.00635, 22.25, 2.67e8, 3.23e-2, 12.65, time_step=0.005)
+
+
+@pytest.mark.parametrize(
+    ("parameters", "amplitude", "omegas"),
+    [(POLYESTER, 0.05, (2.0, 6.0, 10.0)), (POLYESTER_8, 0.1, (2.0, 5.0, 8.0)), (NYLON, 0.0254, (2.0, 4.5, 7.0, 9.0))],
+)
+def test_chapter_3_examples_1_to_3_in_air_are_the_elastic_bars(parameters, amplitude, omegas):
+    """Maximum tension against frequency; undamped, so exact."""
+    for omega in omegas:
+        period = 2.0 * math.pi / omega
+        result = run_driven(
+            parameters,
+            (0.0, 0.0, amplitude),
+            omega,
+            duration=30.0 * period,
+            window=10.0 * period,
+            ramp=20.0 * period,
+            tick=period / 60.0,
+        )
+        exact = amplitude * abs(bar_tension(parameters, omega))
+        weight = 9.80665 * (parameters.unit.mass + parameters.cable.mass_per_length * parameters.length)
+        assert result.tension_amplitude == pytest.approx(exact, rel=0.01)
+        assert result.tension_max == pytest.approx(weight + exact, rel=0.01)
+
+
+def test_chapter_3_example_4_water_damps_more_at_larger_amplitude(gallery):
+    """Nondimensional tension (T_max - T_static)/(K x0) near resonance: finite in water, smaller for 50.8 than for
+    25.4 mm.
+    """
+    wet = rope(0.00635, 22.25, 2.67e8, 3.23e-2, 12.65, in_water=True, added_mass=2.3, time_step=0.005)
+    stiffness = wet.cable.axial_stiffness / wet.length
+    natural = math.sqrt(stiffness / (12.65 + 2.3))
+    ratios, curves = np.array([0.6, 0.8, 0.9, 1.0, 1.1, 1.3, 1.6]), {}
+    for x0 in (0.0254, 0.0508):
+        curve = []
+        for ratio in ratios:
+            omega = ratio * natural
+            period = 2.0 * math.pi / omega
+            result = run_driven(
+                wet,
+                (0.0, 0.0, x0),
+                omega,
+                duration=60.0 * period,
+                window=10.0 * period,
+                ramp=30.0 * period,
+                tick=period / 40.0,
+            )
+            curve.append(result.tension_amplitude / (stiffness * x0))
+        curves[x0] = np.array(curve)
+
+    def draw(figure):
+        axes = figure.subplots()
+        for x0, curve in curves.items():
+            axes.plot(ratios, curve, "o-", label=f"x0 = {1e3 * x0:.1f} mm")
+        axes.set_xlabel("frequency / natural frequency in water")
+        axes.set_ylabel("dynamic tension / (K x0)")
+        axes.legend()
+
+    gallery("chapter3_example4", "Thesis 3.3.4: nylon rope and sphere in water, two amplitudes.", draw)
+    small, large = curves[0.0254], curves[0.0508]
+    assert large[3] < 0.85 * small[3]
+    assert np.argmax(small) in (2, 3)
+    # away from resonance the linear answer w^2/(1 - w^2) holds for both
+    for curve in (small, large):
+        assert curve[0] == pytest.approx(0.36 / 0.64, rel=0.1)
+
+
+def lowering(speed, omega, *, start, stop, parameters, amplitude=(0.0, 0.0, 1.0), tick=0.1):
+    """Lower at `speed` from `start` to `stop` metres while the top heaves; return lengths and the unit's positions."""
+    plant = CableDynamics(dataclasses.replace(parameters, length=start))
+    plant.start_at_equilibrium(np.zeros(3))
+    motion = ramped_sine(amplitude, omega, 20.0)
+    lengths, units, payout, rate = [], [], 0.0, 0.0
+    for k in range(int((stop - start) / speed / tick)):
+        new = speed * min((k + 1) * tick / 5.0, 1.0)
+        after = payout + 0.5 * tick * (rate + new)
+        plant.advance(tick, motion(k * tick), motion((k + 1) * tick), payout, rate, after, new)
+        payout, rate = after, new
+        lengths.append(plant.unstretched_length)
+        units.append(plant.unit_position)
+    return np.array(lengths), np.array(units)
+
+
+def heave_about_the_mean(lengths, z, omega, tick=0.1):
+    """Return z with a running mean over one period (steady lowering, stretch, drag) taken away."""
+    width = round(2.0 * math.pi / omega / tick)
+    mean = np.convolve(z, np.ones(width) / width, mode="same")
+    keep = slice(width, -width)
+    return lengths[keep], (z - mean)[keep]
+
+
+DEPLOYED = CableSimParameters(
+    segments=3,
+    cable=CableParameters(diameter=0.047, mass_per_length=7.2, axial_stiffness=9.05e9 * 0.25 * math.pi * 0.047**2),
+    unit=UnitParameters(
+        mass=5000.0, volume=1.0, added_mass=(8000.0,) * 3, drag_coefficient=(1.0,) * 3, drag_area=(1.0,) * 3
+    ),
+)
+
+
+def test_chapter_3_example_5_faster_lowering_means_less_motion(gallery):
+    """1.260 rad/s: resonance near L = EA/(w^2 (M + Ma)) = 761 m, a third of the cable added to M;
+    the motion falls with speed, the critical length
+    grows.
+    """
+    omega, results = 1.26, {}
+    for speed in (0.5, 1.0, 2.0, 3.0):
+        lengths, units = lowering(speed, omega, start=50.0, stop=1000.0, parameters=DEPLOYED, amplitude=(0.0, 0.0, 0.2))
+        results[speed] = heave_about_the_mean(lengths, units[:, 2], omega)
+
+    def draw(figure):
+        for axes, (speed, (lengths, heave)) in zip(figure.subplots(4, 1, sharex=True), results.items(), strict=True):
+            axes.plot(lengths, heave, linewidth=0.6)
+            axes.set_ylabel(f"{speed} m/s")
+        axes.set_xlabel("cable length [m]")
+
+    gallery(
+        "chapter3_example5", "Thesis 3.3.5: unit heave [m] against length at four lowering speeds, 1.26 rad/s.", draw
+    )
+    largest = [float(np.max(np.abs(heave))) for _, heave in results.values()]
+    assert largest == sorted(largest, reverse=True)
+    where = [float(lengths[np.argmax(np.abs(heave))]) for lengths, heave in results.values()]
+    assert where[0] == pytest.approx(761.0 * 13.0 / (13.0 + 7.2 * 0.67 / 3.0), rel=0.1)
+    assert where[3] > where[0]
+    # short cable: the unit follows the top
+    lengths, heave = results[0.5]
+    assert np.max(np.abs(heave[(lengths > 65.0) & (lengths < 80.0)])) == pytest.approx(0.2, abs=0.06)
+
+
+def test_chapter_3_sudden_stop_swings_at_the_natural_frequency():
+    """Fig. 3.24: lowering at 2 m/s is stopped in 1 s; the unit then oscillates at sqrt(k/M), M with a third of
+    the cable.
+    """
+    plant = CableDynamics(dataclasses.replace(DEPLOYED, length=300.0, segments=20))
+    plant.start_at_equilibrium(np.zeros(3))
+    still, payout, rate, units, tick = PointMotion(), 0.0, 0.0, [], 0.05
+    for k in range(1600):
+        t = (k + 1) * tick
+        new = 2.0 * min(t / 5.0, 1.0) if t < 30.0 else max(2.0 * (31.0 - t), 0.0)
+        after = payout + 0.5 * tick * (rate + new)
+        plant.advance(tick, still, still, payout, rate, after, new)
+        payout, rate = after, new
+        units.append(plant.unit_position[2])
+    tail = np.array(units[640:])
+    swing = tail - tail.mean()
+    crossings = np.flatnonzero((swing[:-1] < 0.0) & (swing[1:] >= 0.0))
+    period = np.mean(np.diff(crossings)) * tick
+    length = plant.unstretched_length
+    mass = 13000.0 + 7.2 * length / 3.0
+    expected = 2.0 * math.pi * math.sqrt(mass * length / DEPLOYED.cable.axial_stiffness)
+    assert period == pytest.approx(expected, rel=0.03)
+    assert np.ptp(swing[:100]) > 2.0 * np.ptp(swing[-100:])
+
+
+def test_chapter_4_example_1_sideways_in_air_is_a_pendulum():
+    """Horizontal 0.15 m at 4 rad/s, rope of 37 g under 4.7 kg: x/x0 = 1/(1 - w^2 L/g) with the rope's stretch in L."""
+    omega = 4.0
+    period = 2.0 * math.pi / omega
+    result = run_driven(
+        POLYESTER,
+        (0.15, 0.0, 0.0),
+        omega,
+        duration=60.0 * period,
+        window=20.0 * period,
+        ramp=40.0 * period,
+        tick=period / 40.0,
+    )
+    length = -result.unit_heave_mean
+    expected = 0.15 / abs(1.0 - omega**2 * length / 9.80665)
+    swing = 0.5 * float(np.ptp(result.unit[:, 0]))
+    assert swing == pytest.approx(expected, rel=0.03)
+
+
+def test_chapter_4_example_3_current_offsets_the_unit_and_lifts_it():
+    """Mean position follows the static one of the same current; heave is hardly touched."""
+    means, statics = [], []
+    for speed in (0.2, 0.4, 0.6):
+        parameters = CableSimParameters(
+            segments=20,
+            current=(speed, 0.0),
+            cable=CableParameters(diameter=0.02, mass_per_length=5.2, axial_stiffness=4e9 * 0.25 * math.pi * 0.02**2),
+            unit=UnitParameters(mass=1900.0, volume=(1900.0 - 15000.0 / 9.80665) / 1025.0, added_mass=(1600.0,) * 3),
+        )
+        plant = CableDynamics(parameters)
+        plant.start_at_equilibrium(np.zeros(3))
+        statics.append(plant.unit_position)
+        result = run_driven(parameters, (0.0, 0.0, 0.5), 0.6, duration=150.0, window=62.8, ramp=40.0)
+        means.append(result.unit.mean(axis=0))
+        assert result.unit_heave_amplitude == pytest.approx(0.5 / (1.0 - 0.36 * 3500.0 * 300.0 / 1.2566e6), rel=0.15)
+    offsets, heights = np.array(means)[:, 0], np.array(means)[:, 2]
+    assert np.all(np.diff(offsets) > 0.0)
+    assert np.all(np.diff(heights) > 0.0)
+    assert offsets == pytest.approx(np.array(statics)[:, 0], rel=0.1)
+
+
+LOWERED = CableSimParameters(
+    segments=10,
+    cable=CableParameters(diameter=0.047, mass_per_length=5.2, axial_stiffness=9.05e9 * 0.25 * math.pi * 0.047**2),
+    unit=UnitParameters(mass=1900.0, volume=(1900.0 - 15000.0 / 9.80665) / 1025.0, added_mass=(1600.0,) * 3),
+)
+
+
+def test_chapter_4_example_4_sway_falls_with_length_and_speed():
+    """5 m of sway at the top while lowering from 200 m: the longer the cable the smaller the unit's sway."""
+    sway = {}
+    for speed in (0.5, 2.0):
+        lengths, units = lowering(speed, 0.5, start=200.0, stop=500.0, parameters=LOWERED, amplitude=(5.0, 0.0, 0.0))
+        early = units[(lengths > 230.0) & (lengths < 290.0), 0]
+        late = units[(lengths > 420.0) & (lengths < 500.0), 0]
+        sway[speed] = (np.ptp(early), np.ptp(late))
+        assert sway[speed][1] < sway[speed][0]
+    assert sway[2.0][1] < 1.2 * sway[0.5][1]
+
+
+def test_chapter_4_example_5_passing_resonance_fast_keeps_the_motion_small():
+    """P = sin t, lowering from 200 m through resonance near EA/(w^2 (M + Ma)) = 359 m (cable of example three)."""
+    parameters = dataclasses.replace(
+        LOWERED,
+        cable=CableParameters(diameter=0.02, mass_per_length=5.2, axial_stiffness=4e9 * 0.25 * math.pi * 0.02**2),
+    )
+    largest = []
+    for speed in (0.25, 0.5, 1.0, 2.0):
+        lengths, units = lowering(speed, 1.0, start=200.0, stop=420.0, parameters=parameters, amplitude=(0.0, 0.0, 1.0))
+        _, heave = heave_about_the_mean(lengths, units[:, 2], 1.0)
+        largest.append(float(np.max(np.abs(heave))))
+    assert largest == sorted(largest, reverse=True)
+
+
+@pytest.mark.parametrize(("omega", "enough"), [(0.314, 20), (1.256, 40)])
+def test_chapter_5_convergence_in_the_number_of_segments(omega, enough):
+    """Thesis 5.7.1: 20 segments suffice at 0.314 rad/s, 40 at 1.256: doubling changes the unit's path by little."""
+    paths = [
+        run_driven(s300(n), (1.0, 1.0, 1.0), omega, duration=80.0, window=20.0, ramp=40.0).unit
+        for n in (enough, 2 * enough)
+    ]
+    assert np.max(np.abs(paths[0] - paths[1])) < 0.01
+
+
+def test_chapter_5_higher_frequency_attenuates_sway_and_leaves_the_mean():
+    """Thesis 5.7.3 against 5.7.2, current 0.5 m/s."""
+    slow, fast = (
+        run_driven(s300(20, (0.5, 0.0)), (1.0, 1.0, 1.0), omega, duration=200.0, window=40.0, ramp=60.0).unit
+        for omega in (0.314, 0.628)
+    )
+    assert np.ptp(fast[:, 1]) < np.ptp(slow[:, 1])
+    assert fast[:, 0].mean() == pytest.approx(slow[:, 0].mean(), rel=0.1)
+
+
+def loop_turn(speed):
+    """Return the tow point's motion: still, then `speed` along x for 800 m, a full circle of 300 m diameter,
+    straight on.
+    """
+    rise, radius, straight = 30.0, 150.0, 800.0
+
+    def motion(t):
+        s = min(t / rise, 1.0)
+        way = speed * (rise * (2.5 * s**4 - 3.0 * s**5 + s**6) + max(t - rise, 0.0))
+        rate = speed * s**3 * (10.0 - 15.0 * s + 6.0 * s * s)
+        turn = 2.0 * math.pi * radius
+        if straight < way < straight + turn:
+            angle = (way - straight) / radius
+            position = (straight + radius * math.sin(angle), radius * (1.0 - math.cos(angle)), 0.0)
+            heading = (math.cos(angle), math.sin(angle), 0.0)
+        else:
+            position = (way if way <= straight else way - turn, 0.0, 0.0)
+            heading = (1.0, 0.0, 0.0)
+        return PointMotion(t, np.array(position), rate * np.array(heading), np.zeros(3))
+
+    return motion
+
+
+def tow(parameters, speed, duration, tick=0.1):
+    plant = CableDynamics(parameters)
+    plant.start_at_equilibrium(np.zeros(3))
+    motion = loop_turn(speed)
+    tips, units = [], []
+    for k in range(round(duration / tick)):
+        plant.advance(tick, motion(k * tick), motion((k + 1) * tick), 0.0, 0.0, 0.0, 0.0)
+        tips.append(motion((k + 1) * tick).position)
+        units.append(plant.unit_position)
+    return np.array(tips), np.array(units)
+
+
+@pytest.mark.parametrize("speed", [2.0, 4.0])
+def test_chapter_5_loop_turn_in_water(speed, gallery):
+    """Straight tow is the equilibrium in the opposite current (Galilei); the unit cuts the corner and comes back
+    to it.
+    """
+    duration = (800.0 + 2.0 * math.pi * 150.0 + 1500.0) / speed
+    tips, units = tow(s300(20, time_step=0.1), speed, duration)
+
+    def draw(figure):
+        axes = figure.subplots()
+        axes.plot(tips[:, 0], tips[:, 1], label="tow point")
+        axes.plot(units[:, 0], units[:, 1], label="unit")
+        axes.set_aspect("equal")
+        axes.set_xlabel("x [m]")
+        axes.set_ylabel("y [m]")
+        axes.legend()
+
+    gallery(f"loop_turn_{speed:g}", f"Thesis 5.7.4: loop turn at {speed:g} m/s in water, seen from above.", draw)
+    steady = CableDynamics(s300(20, (-speed, 0.0)))
+    steady.start_at_equilibrium(np.zeros(3))
+    before = round((780.0 / speed) / 0.1)
+    # the faster tow has had less time to settle
+    assert units[before] - tips[before] == pytest.approx(steady.unit_position, abs=10.0)
+    assert units[-1] - tips[-1] == pytest.approx(steady.unit_position, abs=3.0)
+    assert 0.0 < np.max(units[:, 1]) < 300.0
+    assert np.min(units[:, 1]) > -60.0
+
+
+def test_chapter_5_loop_turn_in_air_swings_outward_and_goes_on_swinging():
+    """No drag: the unit is thrown outward by the turn, and nothing damps what is left."""
+    air = dataclasses.replace(s300(20, time_step=0.1, spectral_radius=1.0), water_density=0.0)
+    tips, units = tow(air, 4.0, 900.0)
+    wet_tips, wet_units = tow(s300(20, time_step=0.1), 4.0, 900.0)
+    assert np.max(units[:, 1]) > np.max(wet_units[:, 1])
+    relative = (units - tips)[:, 1]
+    swings = [float(np.ptp(part)) for part in (relative[-1600:-800], relative[-800:])]
+    assert swings[1] == pytest.approx(swings[0], rel=0.1)
+    assert swings[1] > 3.0 * float(np.ptp((wet_units - wet_tips)[-800:, 1]))
+
+
+# --- Pinto: a towed light-armoured cable (table 1), without a body at its end
+
+LIGHT = CableParameters(
+    diameter=0.0264,
+    displaced_diameter=math.sqrt(4.0 * (1.64 - 10.96 / 9.80665) / (math.pi * 1025.0)),
+    mass_per_length=1.64,
+    axial_stiffness=1.5e7,
+    bending_stiffness=500.0,
+    normal_drag=2.12,
+    tangential_drag=0.01,
+)
+
+
+def bare(length, segments, speed):
+    """Return the cable hanging in a current against the tow, its end body as good as nothing."""
+    return CableSimParameters(
+        length=length,
+        segments=segments,
+        current=(-speed, 0.0),
+        cable=LIGHT,
+        unit=UnitParameters(mass=0.5, volume=0.0, added_mass=(0.0,) * 3, drag_coefficient=(0.0,) * 3),
+        solver=SolverParameters(time_step=0.1),
+    )
+
+
+def critical_angle(speed):
+    """Return the angle to the horizontal where drag across balances weight across: (1/2) rho C d V^2 sin^2 a = w
+    cos a.
+    """
+    drag = 0.5 * 1025.0 * 2.12 * 0.0264 * speed**2 / 10.96
+    return math.acos((math.sqrt(1.0 + 4.0 * drag**2) - 1.0) / (2.0 * drag))
+
+
+def test_pintos_hydrodynamic_constant_is_that_of_his_table():
+    """H = sqrt(2 w/(C_D rho d)) = 0.6173 rad m/s for the light cable."""
+    assert math.sqrt(2.0 * 10.96 / (2.12 * 1025.0 * 0.0264)) == pytest.approx(0.6173, rel=0.01)
+
+
+@pytest.mark.parametrize(("slow", "fast"), [(0.5, 1.0), (1.0, 0.5)])
+def test_pintos_towed_cable_speeds_up_and_slows_down_to_the_straight_line(slow, fast):
+    """The ship changes speed; the cable ends on the straight line of the new speed, its slope exact."""
+    plant = CableDynamics(bare(500.0, 25, slow))
+    plant.start_at_equilibrium(np.zeros(3))
+
+    def motion(t):
+        s = min(t / 60.0, 1.0)
+        change = fast - slow
+        way = change * (60.0 * (2.5 * s**4 - 3.0 * s**5 + s**6) + max(t - 60.0, 0.0))
+        return PointMotion(
+            t, np.array([way, 0.0, 0.0]), np.array([change * s**3 * (10.0 - 15.0 * s + 6.0 * s * s), 0.0, 0.0])
+        )
+
+    def slope():
+        x = plant.node_positions
+        d = x[-1] - x[2]
+        return math.atan2(d[2], math.hypot(d[0], d[1]))
+
+    assert slope() == pytest.approx(critical_angle(slow), abs=0.03)
+    for k in range(20000):
+        plant.advance(0.2, motion(0.2 * k), motion(0.2 * (k + 1)), 0.0, 0.0, 0.0, 0.0)
+        if k % 500 == 499 and k > 8000 and np.max(np.abs(plant.node_velocities - plant.node_velocities[-1])) < 1e-3:
+            break
+    assert slope() == pytest.approx(critical_angle(fast), abs=0.03)
+
+
+def test_pintos_wave_slackens_the_light_cable_and_refinement_agrees():
+    """3 m, 10 s wave with his RAO (surge 0.708 at -45.9 deg, heave 1.619): heave of 4.9 m; tension stays above zero."""
+    omega = 2.0 * math.pi / 10.0
+
+    def motion(t):
+        s = min(t / 30.0, 1.0)
+        rise = s**3 * (10.0 - 15.0 * s + 6.0 * s * s)
+        slope = 30.0 * s**2 * (1.0 - s) ** 2 / 30.0
+        sizes, phases = np.array([3.0 * 0.708, 0.0, 3.0 * 1.619]), np.array([math.radians(-45.9), 0.0, 0.0])
+        sine, cosine = np.sin(omega * t + phases), np.cos(omega * t + phases)
+        return PointMotion(t, sizes * rise * sine, sizes * (slope * sine + rise * omega * cosine))
+
+    peaks = []
+    for segments in (25, 50):
+        plant = CableDynamics(bare(500.0, segments, 1.0))
+        plant.start_at_equilibrium(motion(0.0).position)
+        static, tensions = plant.top_tension, []
+        for k in range(1200):
+            plant.advance(0.05, motion(0.05 * k), motion(0.05 * (k + 1)), 0.0, 0.0, 0.0, 0.0)
+            tensions.append(plant.top_tension)
+        late = np.array(tensions[800:])
+        assert late.min() >= 0.0
+        assert late.max() > 1.5 * static
+        peaks.append(late.max())
+    assert peaks[0] == pytest.approx(peaks[1], rel=0.05)
