@@ -22,7 +22,7 @@ from winch_controller_node.lqr import DesignError, output_cost
 LONGEST_PATTERN = 240
 """Ticks after which the pattern of all sensors must repeat."""
 
-SETTLED = 1e-7
+SETTLED = 1e-9
 """Relative change of a covariance over a pattern at which it counts as stationary."""
 
 PERIODS_TO_SETTLE = 40_000
