@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from heave_bags import kpi_set
 from heave_bags.cdr_columns import Columns
+from heave_bags.depth_programme import SPAN, take_out_programme
 from heave_bags.errors import BagError
 from heave_bags.kpi_set import RunSignals, Signal
 from heave_bags.mcap_scan import Loss
@@ -50,6 +51,7 @@ SELECTION: dict[str, tuple[str, ...]] = {
         "innovation_sigma",
         "nis",
         "active_limits",
+        "depth_set_point",
         "sensors",
     ),
     "/diagnostics": ("status",),
@@ -137,6 +139,11 @@ def read_run(path: str | Path, *, transient: float | None = None, progress: Prog
     _fill_motion(record, columns)
     _fill_winch(record, columns)
     _fill_controller(record, columns)
+    if take_out_programme(record.signals, _signal(columns.get("controller/state"), "depth_set_point")):
+        record.notes.append(
+            f"the unit was moved to other depths: heave is about its running mean of {SPAN:g} s, "
+            "payout about its set-point"
+        )
     record.alarms += _diagnostic_alarms(columns.get("/diagnostics", {}))
     _fill_outcome(record)
     _fill_parameters(record, _parameters(bag))
