@@ -5,9 +5,11 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
-from collections.abc import Sequence
+import time
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
+import psutil
 from domain_coordinator import domain_id
 
 
@@ -37,3 +39,22 @@ def run_scenario(folder: Path, scenario: str = "b2_calm_300", *, duration: float
     result = heave("run", scenario, "--duration", str(duration), "--bag", str(folder), "--no-report", *options)
     assert result.returncode == 0, result.stderr
     return folder / "bag"
+
+
+def process_of(node: str, folder: Path) -> int:
+    """Return the process id of a node of the run in `folder`."""
+    scenario = str((folder / "scenario.yaml").resolve())
+    modules = {"virtual_winch": "cable_sim_node.winch_node", "recorder": "heave_bags.recorder_node"}
+    module = modules.get(node, f"{node}_node.node")
+    for process in psutil.process_iter(["cmdline"]):
+        arguments = process.info["cmdline"] or []
+        if scenario in arguments and module in arguments:
+            return int(process.pid)
+    raise AssertionError(f"{node} does not run")
+
+
+def wait_until(condition: Callable[[], bool], timeout: float) -> None:
+    deadline = time.monotonic() + timeout
+    while not condition():
+        assert time.monotonic() < deadline, "the run does not get going"
+        time.sleep(0.2)

@@ -1,0 +1,111 @@
+"""A node taken out and another program in its place, in real time; and what the winch does when its controller dies."""
+
+import os
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from domain_coordinator import domain_id
+from heave_bags.reader import Bag
+
+from tests.loop_runs import command, environment, process_of, wait_until
+
+REAL_WINCH = """
+import math
+import rclpy
+from heave_msgs.msg import WinchCommand, WinchState
+from rosgraph_msgs.msg import Clock
+
+class Drive:
+    '''A drive with an encoder and nothing of this suite but its messages: follows the payout rate it is told.'''
+    def __init__(self, node):
+        self.payout = self.rate = self.wanted = 0.0
+        self.sequence = 0
+        self.state = node.create_publisher(WinchState, "winch/state", 10)
+        node.create_subscription(WinchCommand, "winch/command", self.on_command, 10)
+        node.create_subscription(Clock, "/clock", self.on_clock, 10)
+    def on_command(self, message):
+        self.wanted, self.sequence = message.payout_rate, message.sequence
+    def on_clock(self, message):
+        self.rate += 0.3 * (self.wanted - self.rate)
+        self.payout += 0.05 * self.rate
+        state = WinchState(command_sequence=self.sequence, payout=math.nan, payout_rate=math.nan)
+        state.payout_acceleration = state.tension = math.nan
+        state.encoder_payout, state.encoder_payout_rate = self.payout, self.rate
+        state.header.stamp = message.clock
+        self.state.publish(state)
+
+rclpy.init()
+node = rclpy.create_node("drive_17")
+drive = Drive(node)
+try:
+    rclpy.spin(node)
+except (KeyboardInterrupt, rclpy.executors.ExternalShutdownException):
+    pass
+"""
+
+
+@pytest.mark.slow
+def test_a_real_winch_takes_the_place_of_the_virtual_one(tmp_path):
+    folder = tmp_path / "run"
+    options = ["--pacing", "realtime", "--duration", "40", "--external", "virtual_winch", "--no-report"]
+    with domain_id() as domain:
+        drive = subprocess.Popen([sys.executable, "-c", REAL_WINCH], env=environment(domain))
+        try:
+            run = subprocess.run(
+                command("run", "b2_calm_300", "--bag", str(folder), *options),
+                env=environment(domain),
+                capture_output=True,
+                text=True,
+                timeout=120.0,
+                check=False,
+            )
+        finally:
+            drive.send_signal(signal.SIGINT)
+            drive.wait(10.0)
+    assert run.returncode == 0, run.stderr
+    bag = Bag(folder / "bag")
+    winch = bag.columns({"/winch/state": ["encoder_payout", "payout"]})["/winch/state"]
+    assert np.isnan(winch["payout"]).all(), "this winch does not know its true payout, and says so"
+    assert np.ptp(winch["encoder_payout"]) > 0.01, "the controller moves it"
+    unit = bag.columns({"/unit/odometry": ["pose.pose.position.z"]})["/unit/odometry"]
+    assert np.isfinite(unit["pose.pose.position.z"]).all()
+
+
+@pytest.mark.slow
+def test_the_winch_stops_within_its_limits_and_brakes_when_its_controller_is_killed(tmp_path):
+    folder = tmp_path / "run"
+    options = ["--pacing", "realtime", "--duration", "1000", "--no-report", "--set", "wave_vessel.ramp=5.0"]
+    with domain_id() as domain:
+        run = subprocess.Popen(
+            command("run", "b2_calm_300", "--bag", str(folder), *options),
+            env=environment(domain),
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+        )
+        try:
+            wait_until(lambda: _is_moving(folder / "bag"), 90.0)
+            os.kill(process_of("winch_controller", folder), signal.SIGKILL)
+            _, err = run.communicate(timeout=60.0)
+        finally:
+            run.kill()
+    assert run.returncode == 1
+    assert "winch_controller was killed by SIGKILL" in err.strip().splitlines()[-1]
+    names = ["payout_rate", "payout_acceleration", "fault", "brake"]
+    winch = Bag(folder / "bag").columns({"/winch/state": names})["/winch/state"]
+    assert winch["fault"][-1] == 1, "FAULT_COMMAND_TIMEOUT"
+    assert winch["brake"][-1]
+    assert winch["payout_rate"][-1] == 0.0
+    assert np.abs(winch["payout_acceleration"]).max() <= 1.5 * (1.0 + 1e-9), "the scenario's acceleration limit"
+
+
+def _is_moving(bag: Path) -> bool:
+    try:
+        rates = Bag(bag).columns({"/winch/state": ["payout_rate"]})["/winch/state"]["payout_rate"]
+    except Exception:  # the bag is being written: there may be nothing to read yet
+        return False
+    return bool(np.abs(rates).max(initial=0.0) > 0.02)
