@@ -173,8 +173,12 @@ def winch_command_of(message: WinchCommandMessage) -> WinchCommand:
     return WinchCommand(message.sequence, message.payout, message.payout_rate, message.brake)
 
 
-def payout_of(message: WinchStateMessage) -> tuple[float, float]:
-    """Return payout [m] and rate [m/s]: the drum's truth, or the encoder's reading of hardware that knows no better."""
-    if math.isfinite(message.payout) and math.isfinite(message.payout_rate):
-        return message.payout, message.payout_rate
-    return message.encoder_payout, message.encoder_payout_rate
+def drum_motion_of(message: WinchStateMessage) -> PointMotion:
+    """Return payout, rate and acceleration as a motion with one coordinate, payout [m].
+
+    They are the drum's truth, or the encoder's reading of hardware that knows no better (without acceleration).
+    """
+    truth = (message.payout, message.payout_rate, message.payout_acceleration)
+    encoder = (message.encoder_payout, message.encoder_payout_rate, 0.0)
+    payout, rate, acceleration = truth if all(math.isfinite(value) for value in truth) else encoder
+    return PointMotion(seconds_of(message.header.stamp), np.array([payout]), np.array([rate]), np.array([acceleration]))

@@ -54,8 +54,10 @@ class FaultSchedule:
     def inject(self, kind: str, *, start: float, duration: float, magnitude: float) -> None:
         """Add a fault from `start` [s] for `duration` [s] (0: to the end of the run).
 
-        Raises ValueError for a kind this device does not know and for numbers a fault cannot have.
+        A `bias` is a jump by another name. Raises ValueError for a kind this device does not know and for numbers a
+        fault cannot have.
         """
+        kind = "jump" if kind == "bias" else kind
         check_kind(kind, self._known, self._device)
         if not all(math.isfinite(number) for number in (start, duration, magnitude)) or duration < 0.0:
             raise ValueError(

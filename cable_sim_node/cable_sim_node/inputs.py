@@ -1,6 +1,7 @@
-"""Bridging: an input of the plant that goes on smoothly where values are missing.
+"""Inputs of the plant that go on smoothly where values are late or missing.
 
-In lockstep every value is there and passes unchanged. In real time a value may be late: the signal then coasts to
+In lockstep every value is there and passes unchanged. In real time the newest value is carried forward to the end of
+the tick (`NewestMotion`). One that is too old for that counts as missing (`BridgedInput`): the signal then coasts to
 rest, and when values come again the gap between coasted and true signal closes without a jump of position or
 velocity, so that a lost message never hits the cable like a hammer. So does the gap between the place where the plant
 rests at the start and the first value, where it is large enough to be felt.
@@ -11,6 +12,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from heave_node.kinematics import PointMotion
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
@@ -20,6 +22,33 @@ CLOSING_TIME = 2.0
 FELT_GAP = 0.02
 FELT_GAP_RATE = 0.1
 """A gap at the start is bridged where it, or its rate, is larger [m], [m/s]."""
+
+
+LONGEST_EXTRAPOLATION = 0.5
+"""A value older than this is missing [s]."""
+
+
+class NewestMotion:
+    """The newest motion of a signal, carried forward to the time it is asked for."""
+
+    def __init__(self) -> None:
+        self._newest: PointMotion | None = None
+
+    def put(self, motion: PointMotion) -> None:
+        """Take a motion; its `time` says of when it is [s]."""
+        self._newest = motion
+
+    def at(self, time: float) -> PointMotion | None:
+        """Return the motion at `time` [s], at constant acceleration from the newest one; None where that is too old."""
+        motion = self._newest
+        if motion is None or abs(time - motion.time) > LONGEST_EXTRAPOLATION:
+            return None
+        age = time - motion.time
+        if age == 0.0:
+            return motion
+        velocity = motion.velocity + motion.acceleration * age
+        position = motion.position + 0.5 * (motion.velocity + velocity) * age
+        return PointMotion(time, position, velocity, motion.acceleration)
 
 
 class BridgedInput:

@@ -2,20 +2,24 @@
 
 from __future__ import annotations
 
+import dataclasses
 import sys
-from typing import Any
 
 from heave_msgs.srv import InjectFault
 from heave_node import topics
 from heave_node.diagnostics import Health, Level
+from heave_node.kinematics import PointMotion
 from heave_node.master import ClockMasterNode
 from heave_node.node import NodeError
+from heave_node.ports import Input
 from heave_node.process import run_node
-from heave_node.tick import Tick, nanoseconds_of
+from heave_node.tick import Tick
+from heave_node.topics import Topic
 
 from cable_sim_node import conversions
 from cable_sim_node.component import CableSim, PlantState
 from cable_sim_node.errors import PlantError
+from cable_sim_node.inputs import NewestMotion
 from cable_sim_node.markers import plant_markers
 from cable_sim_node.node_parameters import CableSimNodeParameters
 
@@ -33,6 +37,7 @@ class CableSimNode(ClockMasterNode):
         warm_up.readings(1)
         warm_up.advance(1, None, None)
         self.plant = self._make_plant()
+        self.newest_tip, self.newest_payout = NewestMotion(), NewestMotion()
         self.state: PlantState | None = None
         self.cable_state = self.add_output(topics.CABLE_STATE)
         self.unit_odometry = self.add_output(topics.UNIT_ODOMETRY)
@@ -43,14 +48,15 @@ class CableSimNode(ClockMasterNode):
         self.usbl = self.add_output(topics.UNIT_USBL)
         self.load_cell = self.add_output(topics.LOAD_CELL)
         self.markers = self.add_output(topics.MARKERS)
-        self.boom_tip = self.add_input(topics.BOOM_TIP)
-        self.winch_state = self.add_input(topics.WINCH_STATE)
+        self.boom_tip = self._add_motion_input(topics.BOOM_TIP)
+        self.winch_state = self._add_motion_input(topics.WINCH_STATE)
         self.controller_state = self.add_input(topics.CONTROLLER_STATE)
         self.create_service(InjectFault, f"{self.name}/inject_fault", self._serve_inject_fault)
 
     def on_reset(self) -> None:
         """Start from rest again, without the faults that were injected."""
         self.plant = self._make_plant()
+        self.newest_tip, self.newest_payout = NewestMotion(), NewestMotion()
 
     def on_readings(self, tick: Tick) -> None:
         """Publish the state of t_k and the sensor readings delivered at t_k."""
@@ -78,14 +84,21 @@ class CableSimNode(ClockMasterNode):
 
     def on_advance(self, tick: Tick) -> None:
         """Integrate to t_{k+1} with what is here of then; what is missing is bridged and counted."""
-        for port in (self.boom_tip, self.winch_state, self.controller_state):
-            self.take(port)
-        tip, winch, controller = self.boom_tip.latest, self.winch_state.latest, self.controller_state.latest
+        for message in self.take(self.boom_tip):
+            self.newest_tip.put(self._in_simulated_time(topics.BOOM_TIP, conversions.point_motion_of(message), tick))
+        for message in self.take(self.winch_state):
+            self.newest_payout.put(
+                self._in_simulated_time(topics.WINCH_STATE, conversions.drum_motion_of(message), tick)
+            )
+        self.take(self.controller_state)
+        end = tick.end_nanoseconds * 1e-9
+        drum = self.newest_payout.at(end)
+        controller = self.controller_state.latest
         try:
             self.plant.advance(
                 tick.number,
-                conversions.point_motion_of(tip) if _is_of(tip, tick) else None,
-                conversions.payout_of(winch) if _is_of(winch, tick) else None,
+                self.newest_tip.at(end),
+                (float(drum.position[0]), float(drum.velocity[0])) if drum is not None else None,
                 controller.depth_set_point if controller is not None else None,
             )
         except PlantError as error:
@@ -103,6 +116,15 @@ class CableSimNode(ClockMasterNode):
             Health("cable", Level.WARN, f"{slack} segments are slack") if slack else Health("cable", Level.OK, "taut")
         )
         return parts
+
+    def _add_motion_input(self, topic: Topic) -> Input:
+        """Add an input; hardware stamps by a clock of its own, so its stamps are not looked at."""
+        return self.add_input(topic, check_stamps=topic.publisher not in self.run.external)
+
+    def _in_simulated_time(self, topic: Topic, motion: PointMotion, tick: Tick) -> PointMotion:
+        """Return the motion; that of hardware is taken to be of the end of the tick in which it came."""
+        is_external = topic.publisher in self.run.external
+        return dataclasses.replace(motion, time=tick.end_nanoseconds * 1e-9) if is_external else motion
 
     def _make_plant(self) -> CableSim:
         try:
@@ -131,11 +153,6 @@ class CableSimNode(ClockMasterNode):
             return response
         response.success, response.message = True, f"{request.device}: {request.kind} from t = {start:.3f} s"
         return response
-
-
-def _is_of(message: Any, tick: Tick) -> bool:
-    """Tell whether a message is of the end of `tick`."""
-    return message is not None and nanoseconds_of(message.header.stamp) == tick.end_nanoseconds
 
 
 def main() -> None:

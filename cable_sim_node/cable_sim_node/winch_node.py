@@ -29,7 +29,9 @@ class VirtualWinchNode(ParticipantNode):
         self._make_winch().step(0, None)
         self.winch = self._make_winch()
         self.state = self.add_output(topics.WINCH_STATE)
-        self.command = self.add_input(topics.WINCH_COMMAND)
+        # a controller on other hardware stamps by a clock of its own; sequence numbers tell what is fresh
+        is_foreign = topics.WINCH_COMMAND.publisher in self.run.external
+        self.command = self.add_input(topics.WINCH_COMMAND, check_stamps=not is_foreign)
         self.cable_state = self.add_input(topics.CABLE_STATE)
         self.create_service(InjectFault, f"{self.name}/inject_fault", self._serve_inject_fault)
 

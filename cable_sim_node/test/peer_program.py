@@ -10,14 +10,16 @@ import sys
 from dataclasses import dataclass
 
 import numpy as np
+import rclpy
 from cable_sim_node.conversions import point_motion_message
-from heave_msgs.msg import TickStatus, WinchCommand
+from heave_msgs.msg import TickStatus, WinchCommand, WinchState
 from heave_msgs.srv import InjectFault
 from heave_node import topics
 from heave_node.kinematics import PointMotion
 from heave_node.parameters import parameter
 from heave_node.participant import ParticipantNode
 from heave_node.process import run_node
+from heave_node.qos import qos_of
 from heave_node.tick import Tick, nanoseconds_of
 from std_msgs.msg import Header
 
@@ -118,6 +120,38 @@ class Controller(ParticipantNode):
         sys.stdout.write(json.dumps(result) + "\n")
 
 
+def run_hardware_winch() -> int:
+    """Publish, until the run ends, a drum that lets out 0.1 m/s: an encoder only, stamps of the wall clock, 50 Hz."""
+    rclpy.init(args=sys.argv)
+    node = rclpy.create_node("hardware_winch")
+    publisher = node.create_publisher(WinchState, "winch/state", qos_of(topics.WINCH_STATE.role))
+    states: list[int] = []
+    node.create_subscription(
+        TickStatus, topics.TICK_STATUS.name, lambda m: states.append(m.state), qos_of(topics.TICK_STATUS.role)
+    )
+    began = None
+    nan = math.nan
+    while not states or states[-1] not in (TickStatus.ENDED, TickStatus.FAILED):
+        rclpy.spin_once(node, timeout_sec=0.02)
+        now = node.get_clock().now()
+        if states and states[-1] == TickStatus.RUNNING and began is None:
+            began = now
+        running = 0.0 if began is None else (now - began).nanoseconds * 1e-9
+        publisher.publish(
+            WinchState(
+                header=Header(stamp=now.to_msg()),
+                payout=nan,
+                payout_rate=nan,
+                payout_acceleration=nan,
+                encoder_payout=0.1 * running,
+                encoder_payout_rate=0.0 if began is None else 0.1,
+            )
+        )
+    return 0
+
+
 if __name__ == "__main__":
+    if sys.argv[1] == "hardware_winch":
+        sys.exit(run_hardware_winch())
     nodes = {node.name: node for node in (Sea, Controller)}
     sys.exit(run_node(nodes[sys.argv[1]], sys.argv))

@@ -117,10 +117,15 @@ def test_winch_state_and_command_keep_every_field() -> None:
 
 
 def test_hardware_that_knows_only_its_encoder_moves_the_plant_by_it() -> None:
-    message = WinchStateMessage(payout=math.nan, payout_rate=math.nan, encoder_payout=1.25, encoder_payout_rate=0.5)
-    assert conversions.payout_of(message) == (1.25, 0.5)
-    message.payout, message.payout_rate = 1.2501, 0.49
-    assert conversions.payout_of(message) == (1.2501, 0.49)
+    nan = math.nan
+    message = WinchStateMessage(
+        payout=nan, payout_rate=nan, payout_acceleration=nan, encoder_payout=1.25, encoder_payout_rate=0.5
+    )
+    drum = conversions.drum_motion_of(message)
+    assert (drum.position[0], drum.velocity[0], drum.acceleration[0]) == (1.25, 0.5, 0.0)
+    message.payout, message.payout_rate, message.payout_acceleration = 1.2501, 0.49, -0.1
+    drum = conversions.drum_motion_of(message)
+    assert (drum.position[0], drum.velocity[0], drum.acceleration[0]) == (1.2501, 0.49, -0.1)
 
 
 def test_markers_show_every_part_and_a_slack_segment_in_red() -> None:

@@ -6,8 +6,9 @@ import math
 
 import numpy as np
 import pytest
-from cable_sim_node.inputs import CLOSING_TIME, BridgedInput
+from cable_sim_node.inputs import CLOSING_TIME, LONGEST_EXTRAPOLATION, BridgedInput, NewestMotion
 from cable_sim_node.shadow import ShadowPayout
+from heave_node.kinematics import PointMotion
 
 TICK = 0.05
 OMEGA = 0.6
@@ -93,3 +94,17 @@ def test_shadow_payout_follows_the_programme_smoothly_and_rests_without_one() ->
     for _ in range(1000):
         shadow.advance(None)
     assert shadow.rate == pytest.approx(0.0, abs=1e-9)
+
+
+def test_newest_motion_is_given_as_it_is_at_its_own_time_and_carried_forward_until_it_is_too_old() -> None:
+    newest = NewestMotion()
+    assert newest.at(1.0) is None
+    motion = PointMotion(1.0, np.array([2.0]), np.array([0.5]), np.array([-0.2]))
+    newest.put(motion)
+    assert newest.at(1.0) is motion
+    later = newest.at(1.2)
+    assert later is not None
+    # x + v t + a t^2/2 and v + a t.
+    assert later.position[0] == pytest.approx(2.0 + 0.5 * 0.2 - 0.1 * 0.2**2)
+    assert later.velocity[0] == pytest.approx(0.46)
+    assert newest.at(1.0 + LONGEST_EXTRAPOLATION + 0.01) is None

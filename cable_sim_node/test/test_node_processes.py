@@ -24,6 +24,7 @@ COMMANDS = {
     "wave_vessel": [str(PEERS), "wave_vessel"],
     "winch_controller": [str(PEERS), "winch_controller"],
 }
+HARDWARE_WINCH = {**COMMANDS, "virtual_winch": [str(PEERS), "hardware_winch"]}
 TICK = 50_000_000  # ns
 TICKS = 100
 
@@ -34,14 +35,21 @@ def domain() -> Iterator[int]:
         yield number
 
 
-def run(domain: int, tmp_path: Path, **of_nodes: dict[str, object]) -> tuple[dict[str, Any], dict[str, str]]:
+def run(
+    domain: int,
+    tmp_path: Path,
+    commands: dict[str, list[str]] = COMMANDS,
+    common: dict[str, object] | None = None,
+    **of_nodes: dict[str, object],
+) -> tuple[dict[str, Any], dict[str, str]]:
     """Run five simulated seconds; return what the controller received and each node's standard error."""
     environment = {**os.environ, "ROS_DOMAIN_ID": str(domain), "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"}
     processes = {}
-    for name, command in COMMANDS.items():
+    for name, command in commands.items():
         given = {
             "duration": 5.0,
             "participants": "[wave_vessel, winch_controller, virtual_winch]",
+            **(common or {}),
             **of_nodes.get(name, {}),
         }
         arguments = [part for key, value in given.items() for part in ("-p", f"{key}:={value}")]
@@ -112,6 +120,18 @@ def test_fault_injected_by_service_stops_the_winch(domain: int, tmp_path: Path) 
     assert heard["answer"].startswith("winch: emergency_stop from t = ")
     assert heard["fault"][-1] == 4
     assert heard["brake"][-1]
+
+
+@pytest.mark.slow
+def test_hardware_winch_with_a_clock_of_its_own_moves_the_plant_in_real_time(domain: int, tmp_path: Path) -> None:
+    common = {"pacing": "realtime", "external": "[virtual_winch]"}
+    heard, errors = run(domain, tmp_path, HARDWARE_WINCH, common)
+    assert heard["ended"], errors
+    let_out = np.array(heard["length"]) - 300.0
+    # 0.1 m/s for five seconds, less the time from the start of the run to the moment the stand-in hears of it.
+    assert 0.2 < let_out[-1] < 0.52
+    assert np.diff(let_out).min() >= -0.01
+    assert np.diff(let_out).max() < 0.05, "bridged without a jump"
 
 
 @pytest.mark.slow
