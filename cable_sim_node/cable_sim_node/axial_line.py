@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import itertools
 import math
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cable_sim_node import line_layout as at
+from cable_sim_node.equilibrium import strain_at
+from cable_sim_node.errors import NoEquilibriumError
 from cable_sim_node.line_grid import segment_row, unit_row
 from cable_sim_node.parameters import CableSimParameters
 
@@ -135,7 +137,14 @@ class AxialLine:
 def axial_line(parameters: CableSimParameters) -> AxialLine:
     """Return the axial model's view of a cable system: vertical weight, stiffness, inertia and drag.
 
-    Linear elastic (EA at small strain); the vertical part of the unit's thrust counts as weight.
+    The model is linear elastic. A tension law that is not straight is taken by its slope at the static tension half-way
+    along each section at payout 0, which is right for motion about rest. The vertical part of the unit's thrust counts
+    as weight.
+
+    Raises
+    ------
+    NoEquilibriumError
+        if the tension law does not reach the static tension, or falls there.
     """
     sections = []
     start = 0.0
@@ -163,8 +172,32 @@ def axial_line(parameters: CableSimParameters) -> AxialLine:
         )
         for i, label in enumerate(clumps.position)
     ]
-    return AxialLine(
+    line = AxialLine(
         tuple(sections),
         AxialUnit(float(unit[at.UNIT_INERTIA + 2]), -float(unit[at.UNIT_FORCE + 2]), float(unit[at.UNIT_DRAG + 2])),
         tuple(sorted(bodies, key=lambda body: body.label)),
     )
+    cable = parameters.cable
+    if cable.stiffness_quadratic == 0.0 and cable.stiffness_cubic == 0.0:
+        return line
+    return _at_static_tension(parameters, line)
+
+
+def _at_static_tension(parameters: CableSimParameters, line: AxialLine) -> AxialLine:
+    """Return `line` with each section's EA replaced by the slope of its tension law at rest."""
+    sections = []
+    start = 0.0
+    for section in line.sections:
+        end = max(min(start + section.length, parameters.length), start + 1e-6 * parameters.length)
+        row = segment_row(parameters, start)
+        strain = strain_at(row, line.static_top_tension(0.5 * (start + end)))
+        slope = 1.0 + strain * (2.0 * row[at.QUADRATIC] + 3.0 * row[at.CUBIC] * strain)
+        if not (math.isfinite(strain) and slope > 0.0):
+            raise NoEquilibriumError(
+                f"the cable's tension law does not carry the static tension {start:g} m above the unit"
+            )
+        stiffness = float(row[at.STIFFNESS] * slope)
+        delay = section.damping_time * section.axial_stiffness / stiffness
+        sections.append(replace(section, axial_stiffness=stiffness, damping_time=delay))
+        start += section.length
+    return replace(line, sections=tuple(sections))

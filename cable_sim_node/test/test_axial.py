@@ -5,8 +5,9 @@ import numpy as np
 import pytest
 from cable_sim_node.axial import AxialError, simulate_axial
 from cable_sim_node.axial_line import AxialClump, AxialLine, AxialSection, AxialUnit, axial_line
+from cable_sim_node.errors import NoEquilibriumError
 from cable_sim_node.linear import heave_transfer_function
-from cable_sim_node.parameters import CableSimParameters, ClumpsParameters, SectionsParameters
+from cable_sim_node.parameters import CableParameters, CableSimParameters, ClumpsParameters, SectionsParameters
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -166,6 +167,22 @@ def test_parameters_become_a_line_of_the_same_weight_and_inertia():
     above = parameters.cable.weight_in_fluid(density) * 260.0
     clump = (400.0 - density * 0.1) * gravity
     assert line.static_top_tension(300.0) == pytest.approx(line.unit.weight + below + above + clump)
+
+
+def test_a_stiffening_cable_is_as_stiff_as_its_law_at_the_static_tension():
+    cable = CableParameters(axial_stiffness=2e6, stiffness_quadratic=20.0, stiffness_cubic=0.0)
+    parameters = CableSimParameters(cable=cable)
+    line = axial_line(parameters)
+    # by hand: half-way up T = EA e (1 + 20 e), slope EA (1 + 40 e)
+    tension = line.unit.weight + 150.0 * cable.weight_in_fluid(parameters.water_density)
+    strain = (-1.0 + math.sqrt(1.0 + 4.0 * 20.0 * tension / 2e6)) / 40.0
+    assert line.sections[0].axial_stiffness == pytest.approx(2e6 * (1.0 + 40.0 * strain), rel=1e-9)
+
+
+def test_a_law_that_yields_below_the_static_tension_is_refused():
+    cable = CableParameters(axial_stiffness=2e6, stiffness_quadratic=-50.0)
+    with pytest.raises(NoEquilibriumError, match="tension law"):
+        axial_line(CableSimParameters(cable=cable))
 
 
 @pytest.mark.parametrize(
