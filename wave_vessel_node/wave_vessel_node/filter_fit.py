@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +23,7 @@ from wave_vessel_node.state_space import StateSpace
 Array = NDArray[np.float64]
 
 _POINTS = 400
+_LEAK_WEIGHT = 0.05  # of a leak that is twice its bound, against the relative error
 _LOG_BOUND = (math.log(0.15), math.log(8.0))  # of a section's frequency over the peak's
 _DAMPING_BOUND = (math.log(0.01), math.log(3.0))
 
@@ -52,20 +54,54 @@ class _Problem:
         self._leak_bound = leak_bound
 
     def form(self, parameters: Array) -> FilterForm:
+        """Return the filter of the logarithms of (frequency, damping) of poles, then zeros, with its best gain."""
         values = np.exp(parameters)
-        sections = sections_of(values[: 2 * self._poles])
-        numerator = sections_of(values[2 * self._poles :])
-        shape = FilterForm(1.0, self._origin, sections, numerator).density(self._omega)
-        weighted = self._weight**2 * shape
-        gain = math.sqrt(max(float((weighted * self._target).sum()), 1e-300) / float((weighted * shape).sum()))
-        return FilterForm(gain, self._origin, sections, numerator)
+        squared_gain = self._best_gain(*self._shape(parameters))[0]
+        sections, numerator = values[: 2 * self._poles], values[2 * self._poles :]
+        return FilterForm(math.sqrt(squared_gain), self._origin, sections_of(sections), sections_of(numerator))
+
+    def _shape(self, parameters: Array) -> tuple[Array, Array]:
+        """Return the density at gain 1 and its derivatives to the parameters, shapes (n,) and (n, parameters).
+
+        A section has |.|^2 = q = (w^2 - omega^2)^2 + (2 zeta w omega)^2; derivatives to log w and log zeta.
+        """
+        w, zeta = np.exp(parameters[::2])[:, None], np.exp(parameters[1::2])[:, None]
+        omega2 = self._omega[None, :] ** 2
+        detuning = w**2 - omega2
+        viscous = 4.0 * zeta**2 * w**2 * omega2
+        q = detuning**2 + viscous
+        sign = np.where(np.arange(w.size) < self._poles, -1.0, 1.0)[:, None]
+        shape = self._omega ** (2 * self._origin) * np.prod(q**sign, axis=0)
+        relative = np.empty((parameters.size, self._omega.size))
+        relative[::2] = sign * (4.0 * w**2 * detuning + 2.0 * viscous) / q
+        relative[1::2] = sign * 2.0 * viscous / q
+        return shape, (relative * shape).T
+
+    def _best_gain(self, shape: Array, slopes: Array) -> tuple[float, Array]:
+        """Return the squared gain of the least squared error, and its derivatives."""
+        weighted = self._weight**2
+        over, under = weighted * self._target, weighted * shape
+        top, bottom = max(float(over @ shape), 1e-300), float(under @ shape)
+        return top / bottom, (over @ slopes - 2.0 * top / bottom * (under @ slopes)) / bottom
 
     def residual(self, parameters: Array) -> Array:
-        density = self.form(parameters).density(self._omega)
+        """Return the weighted misfit of the density, and what leaks beyond the bound."""
+        shape, slopes = self._shape(parameters)
+        density = self._best_gain(shape, slopes)[0] * shape
         misfit = self._weight * (density - self._target) / self._norm
-        leak = float((self._weight[self._low] ** 2 * density[self._low]).sum())
-        excess = max(0.0, leak - self._leak_bound) / self._leak_bound
-        return np.append(misfit, 0.05 * excess)
+        return np.append(misfit, _LEAK_WEIGHT * max(0.0, self._leak(density) / self._leak_bound - 1.0))
+
+    def jacobian(self, parameters: Array) -> Array:
+        """Return the derivatives of the residual, shape (n + 1, parameters)."""
+        shape, slopes = self._shape(parameters)
+        gain, gain_slopes = self._best_gain(shape, slopes)
+        slopes = gain * slopes + np.outer(shape, gain_slopes)
+        leaks = self._leak(gain * shape) > self._leak_bound
+        last = _LEAK_WEIGHT / self._leak_bound * self._leak(slopes) if leaks else np.zeros(parameters.size)
+        return np.vstack((self._weight[:, None] * slopes / self._norm, last))
+
+    def _leak(self, density: Array) -> Any:
+        return self._weight[self._low] ** 2 @ density[self._low]
 
     def starts(self) -> list[Array]:
         """Return starts: poles spread around the peak, and poles on the local maxima of the spectrum."""
@@ -123,10 +159,9 @@ def fit_filter(
     problem = _Problem(spectrum, poles, zeros, zeros_at_origin, leak_bound)
     low, high = problem.bounds()
     best, best_cost = None, math.inf
-    for start in problem.starts():
-        result = least_squares(
-            problem.residual, np.clip(start, low + 1e-6, high - 1e-6), bounds=(low, high), max_nfev=150
-        )
+    for guess in problem.starts():
+        start = np.clip(guess, low + 1e-6, high - 1e-6)
+        result = least_squares(problem.residual, start, jac=problem.jacobian, bounds=(low, high), max_nfev=300)
         if result.cost < best_cost:
             best, best_cost = result.x, result.cost
     assert best is not None
