@@ -112,8 +112,8 @@ def test_linearised_line_and_exact_bar_have_the_same_heave(parameters):
     omegas = [0.3, 0.8, 1.8, 2.1]
     exact = heave_transfer_function(axial_line(parameters), parameters.length, omegas)
     line = linearise(parameters).response(omegas)
-    assert line.unit[:, 2, 2] == pytest.approx(exact.unit_heave, rel=2e-3)
-    assert line.top_tension[:, 2] == pytest.approx(exact.top_tension, rel=3e-3)
+    assert line.unit[:, 2, 2] == pytest.approx(exact.unit_heave, rel=5e-3)
+    assert line.top_tension[:, 2] == pytest.approx(exact.top_tension, rel=5e-3)
     # and a vertical line does not couple heave with sway
     assert np.abs(line.unit[:, :2, 2]).max() < 1e-9
 
