@@ -68,7 +68,7 @@ class WinchController:
         design = self._design_for(parameters, 0.0)
         self.estimator = design.make_estimator()
         self.observer = Observer(design, parameters.health)
-        self.guard = HarmGuard(parameters.guard, limits_of(design), tick_period=tick_period)
+        self.guard = HarmGuard(parameters.guard, limits_of(design), tick_period=tick_period, factor=parameters.factor)
         self._kpi = KpiWindow(parameters.kpi_window, parameters.winch, tick_period=tick_period)
         self._mean_state: Array = np.zeros(design.model.order)
         self._shadow_state: Array = np.zeros(2)
@@ -94,8 +94,8 @@ class WinchController:
         zero = self.observer.depth_zero
         if zero is None:
             return math.nan
-        mean_heave = float(self._mean_state[self.design.model.state("unit_heave")])
-        return zero + self._depth_bias() - mean_heave + self._left_over.point.payout
+        payout = float(self._payout_row @ self._mean_state) + self._left_over.point.payout
+        return zero + self._depth_bias() + payout * (1.0 + self.observer.stretch_per_payout)
 
     def set_mode(self, name: str, tension: float = 0.0) -> str:
         """Ask for a mode by name, with the tension to hold [N] in constant_tension (0: the present mean).
@@ -129,7 +129,8 @@ class WinchController:
             raise ModeError(f"a move needs mode compensating; the mode is {self.modes.mode.value}")
         if not math.isfinite(depth):
             raise ModeError(f"a depth of {depth} m cannot be reached")
-        self.move_to_payout(depth - self.observer.depth_zero - self._depth_bias(), speed)
+        per_payout = 1.0 + self.observer.stretch_per_payout
+        self.move_to_payout((depth - self.observer.depth_zero - self._depth_bias()) / per_payout, speed)
 
     def move_to_payout(self, payout: float, speed: float = 0.0) -> None:
         """Move the mean payout to `payout` [m]. Raises ModeError where the winch's range does not reach."""
@@ -267,7 +268,7 @@ class WinchController:
         return self._shadow_state
 
     def _step_mode(self, estimate: Array, uncompensated: Array, fault: int) -> ModeOutput:
-        residual = float(self._unit_row @ estimate)
+        residual = self._unit_heave(estimate)
         tip_rate = float(self._tip_rows[1] @ estimate)
         is_judged = not self._has_landed and self.modes.mode is not Mode.CONSTANT_TENSION
         self.guard.update(residual, float(uncompensated[0]), tip_rate, self.modes.authority if is_judged else 0.0)
@@ -300,9 +301,10 @@ class WinchController:
         if before is Mode.CONSTANT_TENSION and mode is Mode.COMPENSATING:
             self._start_from_here()
         elif is_returning or (mode is Mode.FADE_OUT and before is Mode.CONSTANT_TENSION):
-            # what was left over is the new mean, and goes away slowly
+            # what was left over is the new mean, and goes away slowly; with the winch locked the unit would go on so
             self._left_over.jump_to(float(self._payout_row @ estimate))
             self._left_over.move_to(0.0, RETURN_SPEED)
+            self._shadow_state = estimate[self._unit_states] + self._winch_rows @ estimate
             self._law.reset()
 
     def _watch_landing(self, mode: ModeOutput) -> None:
@@ -444,6 +446,10 @@ class WinchController:
             return WinchOrder(self._sequence, governed.sent, 0.0, mode.brake)
         return WinchOrder(self._sequence, payout, governed.sent, mode.brake)
 
+    def _unit_heave(self, estimate: Array) -> float:
+        """Return the unit's heave about where the mean payout would have it at rest [m]."""
+        return float(self._unit_row @ (estimate + self._mean_state) + self._payout_row @ self._mean_state)
+
     def _depth_bias(self) -> float:
         """Return how much deeper the mean is than the first reading [m]."""
         model = self.design.model
@@ -453,7 +459,7 @@ class WinchController:
         del tick
         rate = float(self._rate_row @ (estimate + self._mean_state))
         self._kpi.add(
-            unit=float(self._unit_row @ estimate),
+            unit=self._unit_heave(estimate),
             uncompensated=float(uncompensated[0]),
             tip=float(self._tip_rows[0] @ estimate),
             payout=float(self._payout_row @ estimate),
@@ -492,7 +498,7 @@ class WinchController:
             innovation_sigma=tuple(math.nan if row is None else row.sigma for row in rows),
             nis=tuple(math.nan if row is None else row.nis for row in rows),
             gain=tuple(self._law.gain.tolist()),
-            predicted_unit_heave=float(self._unit_row @ estimate),
+            predicted_unit_heave=self._unit_heave(estimate),
             predicted_boom_tip_heave=tip,
             predicted_uncompensated_heave=float(self._shadow_state[0]),
             payout_set_point=order.payout,

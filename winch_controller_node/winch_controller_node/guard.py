@@ -14,6 +14,9 @@ from winch_controller_node.laws.governor import WinchLimits
 SLOW_MEAN_FACTOR = 3.0
 """The mean about which motion is judged is followed this many times more slowly than the variance."""
 
+FULL_SHARE = 0.95
+"""Share of the largest authority from which on compensation is judged."""
+
 SIGNIFICANT = 2.0
 """Significant amplitude over standard deviation of a narrow-banded sea."""
 
@@ -54,6 +57,7 @@ class HarmGuard:
     parameters : window, ratio, hold times
     limits : of the winch, for what the sea may ask for
     tick_period : [s]
+    factor : largest authority; compensation is judged when it is (nearly) reached
 
     Attributes
     ----------
@@ -61,8 +65,11 @@ class HarmGuard:
     reason : in words, empty when all is well
     """
 
-    def __init__(self, parameters: GuardParameters, limits: WinchLimits, *, tick_period: float) -> None:
+    def __init__(
+        self, parameters: GuardParameters, limits: WinchLimits, *, tick_period: float, factor: float = 1.0
+    ) -> None:
         self._parameters = parameters
+        self._full = FULL_SHARE * factor
         self._limits = limits
         self._dt = tick_period
         self.is_harming = False
@@ -115,6 +122,8 @@ class HarmGuard:
         if authority <= 0.0:
             self._on_time = 0.0
             self._reset_sigmas()
+            return
+        if authority < self._full:
             return
         self._residual.add(residual)
         self._uncompensated.add(uncompensated)

@@ -38,7 +38,7 @@ class MeanPayout:
     def __init__(self, parameters: MoveParameters, *, tick_period: float) -> None:
         self._parameters = parameters
         self._dt = tick_period
-        self._lag = max(2.0 * parameters.jerk_time, 2.0 * tick_period)
+        self._lag = max(parameters.jerk_time, 2.0 * tick_period)
         self.point = MovePoint(0.0, 0.0, 0.0)
         self.target = 0.0
         self._speed = parameters.speed

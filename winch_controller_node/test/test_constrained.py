@@ -1,0 +1,154 @@
+import dataclasses
+
+import numpy as np
+import osqp
+import pytest
+import scipy.sparse as sp
+from winch_controller_node.design import design_controller
+from winch_controller_node.law_parameters import MpcParameters
+from winch_controller_node.laws.build import constrained_gain, limits_of
+from winch_controller_node.laws.constrained import ConstrainedLaw
+from winch_controller_node.laws.governor import SpeedServo
+from winch_controller_node.laws.loop_state import AuthorityShift, LoopState, Reference
+from winch_controller_node.lqr import DesignError
+from winch_controller_node.model_parameters import SeaModelParameters, WinchModelParameters
+from winch_controller_node.parameters import WinchControllerParameters
+
+DT = 0.05
+
+
+@pytest.fixture(scope="module")
+def design():
+    sea = SeaModelParameters(significant_wave_height=3.0, peak_period=8.0)
+    return design_controller(WinchControllerParameters(sea=sea), tick_period=DT)
+
+
+def make_law(design, **changes):
+    parameters = MpcParameters(**changes)
+    gain = constrained_gain(design.model, parameters)
+    return ConstrainedLaw(design.model, gain, design.parameters.winch, limits_of(design), parameters)
+
+
+def sea_state(design, size, seed=0):
+    """A state of sea and vessel of `size` standard deviations, with a winch that follows the boom tip just now."""
+    x = np.zeros(design.model.order)
+    index = [design.model.state(name) for name in design.sea_states]
+    P = design.initial_covariance[np.ix_(index, index)]
+    values, vectors = np.linalg.eigh(P)
+    draw = np.random.default_rng(seed).standard_normal(len(index))
+    x[index] = size * vectors @ (np.sqrt(np.maximum(values, 0.0)) * draw)
+    rate = float(design.model.row("boom_tip_heave_rate") @ x)
+    x[design.model.state("payout")] = float(design.model.row("boom_tip_heave") @ x)
+    x[design.model.state("payout_rate")] = rate
+    x[[design.model.state(name) for name in design.delay_states]] = rate
+    return LoopState(x, Reference(), design.cable.static_tension)
+
+
+def test_without_a_limit_in_reach_the_constrained_law_is_the_lqr(design):
+    law = make_law(design)
+    state = sea_state(design, 0.05)
+    command = law.command(state)
+    assert command.value == pytest.approx(-float(law.gain @ state.x), rel=1e-12)
+    assert command.status == "free"
+
+
+def plan_by_rollout(design, law, state):
+    """Roll the model forward under the law's plan, tick by tick; return rates and commands."""
+    model, x = design.model, state.x.copy()
+    rates, commands = [], []
+    for k in range(len(law._basis)):
+        command = float(law._basis[k] @ law._plan) - float(law.gain @ x)
+        commands.append(command)
+        rates.append(float(model.row("payout_rate") @ x))
+        x = model.A @ x + model.B[:, 0] * command
+    return np.array(rates), np.array(commands)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_the_plan_keeps_speed_and_acceleration_of_the_winch(design, seed):
+    """Soft constraints give way by their price alone: 0.1 % in the 2 s ahead, where they are kept at every tick."""
+    law = make_law(design)
+    state = sea_state(design, 1.2, seed)
+    command = law.command(state)
+    assert command.status == "solved"
+    assert set(command.active) & {"speed", "acceleration"}
+    rates, _ = plan_by_rollout(design, law, state)
+    soon = rates[len(design.delay_states) : 40]
+    assert np.max(np.abs(soon)) <= 2.0 * 1.001
+    assert np.max(np.abs(np.diff(soon))) <= 1.5 * DT * 1.001
+
+
+def test_the_plan_is_the_optimum_that_osqp_finds_for_the_same_problem(design):
+    """A peer with another method (ADMM) solves the QP with hard limits where there is a feasible plan."""
+    law = make_law(design)
+    state = sea_state(design, 1.0, 1)
+    assert law.command(state).status == "solved"
+    free = law._free @ state.x
+    lower, upper = law._bounds(state)
+    hessian = law._basis.T @ law._basis * DT
+    peer = osqp.OSQP()
+    rows = sp.csc_matrix(law._forced)
+    settings = {"eps_abs": 1e-8, "eps_rel": 1e-8, "max_iter": 400_000, "verbose": False}
+    peer.setup(sp.csc_matrix(hessian), np.zeros(len(hessian)), rows, lower - free, upper - free, **settings)
+    best = peer.solve(raise_error=True).x
+    assert law._plan @ hessian @ law._plan == pytest.approx(best @ hessian @ best, rel=1e-3)
+
+
+def test_an_unsolved_problem_follows_the_last_good_plan_and_says_so(design):
+    law = make_law(design, iteration_limit=5)
+    state = sea_state(design, 3.0, 2)
+    command = law.command(state)
+    assert command.status.startswith("not solved in")
+    assert np.isfinite(command.value)
+    assert law.command(state).status.startswith("not solved in")
+
+
+def test_the_plan_is_followed_between_solutions(design):
+    law = make_law(design, solve_ticks=4)
+    state = sea_state(design, 2.0, 0)
+    first = law.command(state)
+    plan = law._plan.copy()
+    second = law.command(state)
+    np.testing.assert_array_equal(plan, law._plan)
+    assert second.value - first.value == pytest.approx(float((law._basis[1] - law._basis[0]) @ plan))
+
+
+def test_the_same_states_give_the_same_commands_to_the_last_bit(design):
+    states = [sea_state(design, 2.0, seed) for seed in range(6)]
+    one, two = make_law(design), make_law(design)
+    assert [one.command(s).value for s in states] == [two.command(s).value for s in states]
+
+
+def test_the_mean_payout_takes_its_share_of_the_speed(design):
+    """While the mean is paid out at 1 m/s, compensation may add 1 m/s on that side and 3 m/s on the other."""
+    law = make_law(design)
+    state = dataclasses.replace(sea_state(design, 2.0, 0), reference=Reference(rate=1.0))
+    lower, upper = law._bounds(state)
+    assert (lower[0], upper[0]) == (-3.0, 1.0)
+
+
+def test_a_first_order_winch_and_a_horizon_within_the_delay_are_refused_in_words(design):
+    winch = WinchModelParameters(law="first_order")
+    other = design_controller(WinchControllerParameters(winch=winch, law="lqg"), tick_period=DT)
+    with pytest.raises(DesignError, match="bounds the winch's acceleration"):
+        ConstrainedLaw(other.model, other.gain, winch, limits_of(other), MpcParameters())
+    slow = dataclasses.replace(design.parameters, winch=WinchModelParameters(command_delay=1.5))
+    late = design_controller(slow, tick_period=DT)
+    with pytest.raises(DesignError, match=r"mpc\.horizon = 1 s must be longer"):
+        make_law(late, horizon=1.0)
+
+
+def test_authority_scales_the_sea_and_keeps_the_share_of_the_uncompensated_motion(design):
+    """By linearity the shifted problem at authority 0 has no sea, and the unit's error is against its free motion."""
+    shift = AuthorityShift(design.model, design.sea_states)
+    x = np.arange(1.0, design.model.order + 1)
+    free = np.array([0.3, 0.1])
+    none, whole = shift.shift(x, free, 0.0), shift.shift(x, free, 1.0)
+    np.testing.assert_array_equal(whole, x)
+    assert all(none[design.model.state(name)] == 0.0 for name in design.sea_states)
+    assert none[design.model.state("unit_heave")] == pytest.approx(x[design.model.state("unit_heave")] - 0.3)
+
+
+def test_the_servo_reaches_the_full_acceleration_over_a_tick():
+    servo = SpeedServo(0.15, 1.5, DT)
+    assert servo.linear_step * -np.expm1(-DT / 0.15) == pytest.approx(1.5 * DT)
