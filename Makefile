@@ -1,4 +1,4 @@
-# `make run` and `make test` set up everything they need in .venv. Another Python: make run PYTHON=python3.12
+# `make run` and `make test` set up everything they need in .venv. Another Python: make clean run PYTHON=python3.12
 VENV := .venv
 BIN := $(VENV)/bin
 PYTHON ?=
@@ -7,6 +7,8 @@ BUILD_INPUTS := pyproject.toml $(wildcard cmake/* msgs/*.txt msgs/*.xml msgs/msg
 
 # The mark that the ROS wheels leave in the environment belongs to one Python; another must set itself up.
 unexport _ROS_WHEELS_BOOTSTRAP_COMPLETE
+# An installed ROS 2 that this shell has sourced must not mix with the wheels.
+unexport PYTHONPATH AMENT_PREFIX_PATH CMAKE_PREFIX_PATH LD_LIBRARY_PATH
 export OMP_NUM_THREADS ?= 1
 export PIP_DISABLE_PIP_VERSION_CHECK ?= 1
 # Trust the certificates that the machine trusts, as pip and git do.
