@@ -14,8 +14,10 @@ from numpy.typing import NDArray
 
 from cable_sim_node.errors import NoEquilibriumError
 from cable_sim_node.line_arrays import LineArrays
+from cable_sim_node.line_bending import solve_with_bending
 from cable_sim_node.line_flow import set_flow
 from cable_sim_node.line_layout import (
+    BENDING_ON,
     CUBIC,
     LENGTH,
     LUMP_DRAG,
@@ -30,6 +32,7 @@ from cable_sim_node.line_layout import (
     WAVE_AMPLITUDE,
     WEIGHT,
 )
+from cable_sim_node.line_step import assemble
 
 Array = NDArray[np.float64]
 
@@ -107,6 +110,33 @@ def march(line: LineArrays, n: int, unit_position: Array) -> bool:
     return True
 
 
+@njit(cache=True, error_model="numpy")
+def bend(line: LineArrays, n: int, tolerance: float) -> bool:
+    """Move the nodes from the flexible line's equilibrium to the stiff one's; False where that does not settle.
+
+    Newton with the tangent that `assemble` gives. It leaves out how drag turns with the line, so the last digits come by a
+    contraction; `tolerance` [m] is on the largest correction.
+    """
+    correction = line.correction
+    for k in range(3):
+        correction[n, k] = 0.0
+    for _ in range(400):
+        assemble(line, n, False, 0.0, 0.0)
+        solve_with_bending(n, line.diagonal, line.upper, line.residual, line.band, correction)
+        largest = 0.0
+        for i in range(n):
+            for k in range(3):
+                line.x[i, k] += correction[i, k]
+                size = abs(correction[i, k])
+                if not size <= largest:
+                    largest = size
+        if largest < tolerance:
+            return True
+        if not largest < 1e6:
+            return False
+    return False
+
+
 def hang(line: LineArrays, boom_tip: Array) -> None:
     """Put the line at rest under `boom_tip`, shape (3,) [m], in the current of the present time; a wave is taken to be
     still.
@@ -140,3 +170,5 @@ def hang(line: LineArrays, boom_tip: Array) -> None:
     line.x[n] = boom_tip
     line.v[:] = 0.0
     line.a[:] = 0.0
+    if line.settings[BENDING_ON] > 0.0 and not bend(line, n, 1e-10 * total):
+        raise NoEquilibriumError("the bent line does not settle: bending_stiffness is too large for this line")
