@@ -107,13 +107,18 @@ STIFFENING = dataclasses.replace(
 )
 
 
-@pytest.mark.parametrize("parameters", [S300, SECTIONED, STIFFENING], ids=["S300", "sections", "stiffening"])
-def test_linearised_line_and_exact_bar_have_the_same_heave(parameters):
+# of the stiffening cable the bar knows one slope, half-way up; the line knows the slope at every segment
+@pytest.mark.parametrize(
+    ("parameters", "tolerance"),
+    [(S300, 3e-3), (SECTIONED, 3e-3), (STIFFENING, 1e-2)],
+    ids=["S300", "sections", "stiffening"],
+)
+def test_linearised_line_and_exact_bar_have_the_same_heave(parameters, tolerance):
     omegas = [0.3, 0.8, 1.8, 2.1]
     exact = heave_transfer_function(axial_line(parameters), parameters.length, omegas)
     line = linearise(parameters).response(omegas)
-    assert line.unit[:, 2, 2] == pytest.approx(exact.unit_heave, rel=5e-3)
-    assert line.top_tension[:, 2] == pytest.approx(exact.top_tension, rel=5e-3)
+    assert line.unit[:, 2, 2] == pytest.approx(exact.unit_heave, rel=tolerance)
+    assert line.top_tension[:, 2] == pytest.approx(exact.top_tension, rel=tolerance)
     # and a vertical line does not couple heave with sway
     assert np.abs(line.unit[:, :2, 2]).max() < 1e-9
 
