@@ -10,13 +10,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from cable_sim_node.linear import heave_transfer_function
+from wave_vessel_node.vessel import SecondOrderVessel
 
-from winch_controller_node.linear_model import Array, LinearModel
-from winch_controller_node.models import PlantBelief, boom_tip_block
+from winch_controller_node.linear_model import Array
+from winch_controller_node.models import PlantBelief, sea_spectrum
 from winch_controller_node.parameters import WinchControllerParameters
 
 BAND = 5.0
-"""Upper end of the band that counts [rad/s]; the shaping filters' tails above it are not sea."""
+"""Upper end of the band that counts [rad/s]; a spectrum's tail above it moves no vessel."""
 
 POINTS = 4000
 GAUSSIAN_TO_HARMONIC = math.sqrt(8.0 / math.pi) * 3.0 * math.pi / 8.0
@@ -53,21 +54,26 @@ class WinchDemand:
     within_limits: bool
 
 
-def boom_tip_density(tip: LinearModel, omega: Array) -> Array:
-    """Return the one-sided spectrum of boom-tip heave at `omega` [rad/s], shape of `omega` [m^2 s/rad]."""
-    resolvent = 1j * omega[:, None, None] * np.eye(tip.order) - tip.A
-    response = np.linalg.solve(resolvent, np.broadcast_to(tip.G, (len(omega), *tip.G.shape)).astype(complex))
-    # unit two-sided intensity: the variance is the integral of |H|^2 / pi over positive frequencies
-    density = np.sum(np.abs(np.einsum("j,ijk->ik", tip.row("boom_tip_heave"), response)) ** 2, axis=1) / math.pi
+def boom_tip_density(parameters: WinchControllerParameters, omega: Array) -> Array:
+    """Return the one-sided spectrum of boom-tip heave in the design sea at `omega` [rad/s], shape of `omega` [m^2
+    s/rad].
+
+    From the spectrum itself, not from the shaping filter that stands for it.
+    """
+    density = sea_spectrum(parameters.sea).density(omega)
+    vessel = parameters.vessel
+    if vessel.model == "second_order":
+        response = SecondOrderVessel(vessel.natural_frequency, vessel.damping_ratio, vessel.gain).response(omega)
+        density = density * np.abs(response) ** 2
     return np.asarray(density)
 
 
-def boom_tip_moments(tip: LinearModel) -> tuple[float, float, float]:
+def boom_tip_moments(parameters: WinchControllerParameters) -> tuple[float, float, float]:
     """Return the variances of boom-tip heave [m^2], rate and acceleration over the band up to 5 "
     "rad/s, by quadrature.
     """
     omega = np.linspace(1e-3, BAND, POINTS)
-    density = boom_tip_density(tip, omega)
+    density = boom_tip_density(parameters, omega)
     m0, m2, m4 = (float(np.sum(density * omega**power) * (omega[1] - omega[0])) for power in (0, 2, 4))
     return m0, m2, m4
 
@@ -80,7 +86,7 @@ def uncompensated_sigma(parameters: WinchControllerParameters, length: float) ->
     """
     plant = PlantBelief(parameters.cable, parameters.unit, parameters.water_density, parameters.gravity)
     omega = np.linspace(0.05, BAND, 400)
-    density = boom_tip_density(boom_tip_block(parameters.sea, parameters.vessel), omega)
+    density = boom_tip_density(parameters, omega)
     step = omega[1] - omega[0]
     amplitude = GAUSSIAN_TO_HARMONIC * math.sqrt(float(np.sum(density)) * step)
     transfer = heave_transfer_function(plant.line(length), length, omega, amplitude=amplitude)
@@ -93,7 +99,7 @@ def winch_demand(parameters: WinchControllerParameters, *, tension: float, drum_
     `tension` is the static one at the top [N]: compensated, the unit hangs still and the cable in the water hardly
     moves.
     """
-    m0, m2, m4 = boom_tip_moments(boom_tip_block(parameters.sea, parameters.vessel))
+    m0, m2, m4 = boom_tip_moments(parameters)
     cycles = STORM * math.sqrt(m2 / m0) / (2.0 * math.pi)
     largest = math.sqrt(2.0 * math.log(cycles))
     stroke, speed, acceleration = (largest * math.sqrt(m) for m in (m0, m2, m4))
