@@ -54,7 +54,7 @@ def test_noise_is_white_and_has_the_stated_deviation():
 
 
 @given(st.floats(0.08, 2.5))
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=10, deadline=None)
 def test_the_high_pass_answers_as_its_formula_says(omega):
     cut_off, damping = 2 * math.pi / 60.0, 0.7071
     high_pass = HighPass(cut_off, damping, DT)

@@ -49,14 +49,14 @@ def test_height_and_period_of_the_sea_lie_in_their_intervals(sea):
 
 
 def test_the_interval_of_the_height_holds_the_truth_as_often_as_it_says():
-    # 95 %: of 40 seas of 20 min between 34 and 40, at 3.5 sigma of the binomial
+    # 95 %: of 24 seas of 20 min 20 or more, at 2.6 sigma of the binomial
     sea = Bretschneider(2.0, 8.0)
     hits = 0
-    for seed in range(40):
+    for seed in range(24):
         estimate = feed(estimator(), *record(sea, 1200.0, seed))
         low, high = estimate.significant_wave_height_interval
         hits += low < 2.0 < high
-    assert hits >= 34
+    assert hits >= 20
 
 
 def test_the_high_pass_of_the_unit_and_the_vessel_are_taken_out():

@@ -29,7 +29,7 @@ def test_the_integral_of_the_spectrum_is_the_variance():
     assert system.output_variance() == pytest.approx(exact, rel=1e-12)
 
 
-@given(st.floats(0.1, 3.0), st.floats(0.05, 1.5), st.floats(0.01, 2.0))
+@given(st.floats(0.1, 3.0), st.floats(0.05, 3.0), st.floats(0.01, 20.0))
 @settings(max_examples=40, deadline=None)
 def test_discretisation_keeps_the_stationary_covariance(natural, damping, period):
     system = oscillator(natural, damping)

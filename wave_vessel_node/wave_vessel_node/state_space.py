@@ -91,18 +91,25 @@ def series(first: StateSpace, second: StateSpace) -> StateSpace:
 
 
 def discretise(system: StateSpace, period: float) -> tuple[Array, Array]:
-    """Return (Phi, Q) of x_{k+1} = Phi x_k + w_k, cov w_k = Q, exactly (Van Loan 1978).
+    """Return (Phi, Q) of x_{k+1} = Phi x_k + w_k, cov w_k = Q, exactly.
 
-    Q = pi * integral over one `period` [s] of e^{A t} B B' e^{A' t}.
+    Q = pi * integral over one `period` [s] of e^{A t} B B' e^{A' t}: Van Loan (1978) for a step that is short against
+    the
+    system's rates (his e^{-A t} grows without bound), doubled up to the period by Q_{2h} = Phi Q Phi' + Q.
     """
     n = system.order
+    rate = float(np.abs(system.A).sum(axis=0).max())
+    doublings = max(0, math.ceil(math.log2(max(rate * period, 1.0))))
     block = np.zeros((2 * n, 2 * n))
     block[:n, :n] = -system.A
     block[:n, n:] = NOISE_INTENSITY * system.B @ system.B.T
     block[n:, n:] = system.A.T
-    exponential = expm(block * period)
+    exponential = expm(block * (period / 2**doublings))
     transition: Array = exponential[n:, n:].T
     noise: Array = transition @ exponential[:n, n:]
+    for _ in range(doublings):
+        noise = transition @ noise @ transition.T + noise
+        transition = transition @ transition
     return transition, 0.5 * (noise + noise.T)
 
 
