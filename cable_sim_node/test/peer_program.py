@@ -6,6 +6,8 @@ end, as JSON, what it received.
 
 import json
 import math
+import os
+import signal
 import sys
 from dataclasses import dataclass
 
@@ -45,6 +47,7 @@ class SeaParameters:
 @dataclass(frozen=True)
 class ControllerParameters:
     rate: float = parameter(0.1, unit="m/s", description="Payout rate asked for.")
+    die_in_tick: int = parameter(0, unit="", description="Tick in which the controller is killed; 0: it lives.")
     inject: str = parameter("", unit="", description="NODE DEVICE KIND: a fault to ask for in tick 10.")
 
 
@@ -54,12 +57,25 @@ class Sea(ParticipantNode):
 
     def on_build(self) -> None:
         self.tip = self.add_output(topics.BOOM_TIP)
+        self.winch = self.add_input(topics.WINCH_STATE)
+        self.heard = []
 
     def on_tick(self, tick: Tick) -> None:
         t = tick.end_nanoseconds * 1e-9
         height, rate = 0.5 * (1.0 - math.cos(0.8 * t)), 0.4 * math.sin(0.8 * t)
         motion = PointMotion(t, np.array([0.0, 0.0, height]), np.array([0.0, 0.0, rate]))
         self.tip.publish(point_motion_message(motion, tick.end_stamp))
+        self.heard += self.take(self.winch)
+
+    def on_end(self, status: TickStatus) -> None:
+        result = {
+            "reason": status.reason,
+            "times": [nanoseconds_of(m.header.stamp) * 1e-9 for m in self.heard],
+            "rates": [m.payout_rate for m in self.heard],
+            "faults": [m.fault for m in self.heard],
+            "brakes": [m.brake for m in self.heard],
+        }
+        sys.stdout.write(json.dumps(result) + "\n")
 
 
 class Controller(ParticipantNode):
@@ -76,6 +92,8 @@ class Controller(ParticipantNode):
         self.fault = self.create_client(InjectFault, f"{words[0]}/inject_fault") if words else None
 
     def on_tick(self, tick: Tick) -> None:
+        if tick.number == self.parameters.die_in_tick:
+            os.kill(os.getpid(), signal.SIGKILL)
         for name, port in self.ports.items():
             self.heard[name] += self.take(port)
         if tick.number == 10 and self.fault is not None:

@@ -40,9 +40,10 @@ def run(
     tmp_path: Path,
     commands: dict[str, list[str]] = COMMANDS,
     common: dict[str, object] | None = None,
+    listener: str = "winch_controller",
     **of_nodes: dict[str, object],
 ) -> tuple[dict[str, Any], dict[str, str]]:
-    """Run five simulated seconds; return what the controller received and each node's standard error."""
+    """Run five simulated seconds; return what the listener received and each node's standard error."""
     environment = {**os.environ, "ROS_DOMAIN_ID": str(domain), "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"}
     processes = {}
     for name, command in commands.items():
@@ -63,7 +64,7 @@ def run(
         )
     ends = {name: process.communicate(timeout=90.0) for name, process in processes.items()}
     errors = {name: err for name, (_, err) in ends.items()}
-    lines = ends["winch_controller"][0].strip().splitlines()
+    lines = ends[listener][0].strip().splitlines()
     assert lines, errors
     return json.loads(lines[-1]), errors
 
@@ -132,6 +133,20 @@ def test_hardware_winch_with_a_clock_of_its_own_moves_the_plant_in_real_time(dom
     assert 0.2 < let_out[-1] < 0.52
     assert np.diff(let_out).min() >= -0.01
     assert np.diff(let_out).max() < 0.05, "bridged without a jump"
+
+
+@pytest.mark.slow
+def test_winch_stops_by_itself_when_the_controller_is_killed(domain: int, tmp_path: Path) -> None:
+    common = {"pacing": "realtime", "participant_timeout": 2.0}
+    dying = {"die_in_tick": 40, "rate": 1.0}
+    heard, errors = run(domain, tmp_path, common=common, listener="wave_vessel", winch_controller=dying)
+    assert "winch_controller" in heard["reason"], errors
+    faults, rates, times = np.array(heard["faults"]), np.array(heard["rates"]), np.array(heard["times"])
+    # The command of tick 39, 1.95 s, works until 0.2 s + 0.5 s later, 2.65 s; from 1 m/s it is at rest at 3.32 s.
+    assert times[faults == 1].min() == pytest.approx(2.7, abs=0.2)
+    assert rates[times < 2.6].max() == pytest.approx(1.0, abs=0.01)
+    assert np.abs(np.diff(rates) / np.diff(times)).max() <= 1.5 + 1e-6
+    assert (rates[-1], heard["brakes"][-1], faults[-1]) == (0.0, True, 1)
 
 
 @pytest.mark.slow
