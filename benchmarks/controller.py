@@ -1,0 +1,178 @@
+"""The controller over seeds, on the full plant, without ROS: unit sigma, worse, kappa, and the time of a step.
+
+    python benchmarks/controller.py b3_deep_900 b4_limit_900_tp8 --seeds 8 --duration 420 --transient 180
+    python benchmarks/controller.py b9_model_error --draws 64 --duration 300 --transient 150
+
+Components run in this process, as the nodes would in lockstep: the numbers are those of `heave run`. kappa divides by
+the bound of the sensors (LQG without limits) and that of the winch (clairvoyant, with the boom tip of each run).
+"""
+
+from __future__ import annotations
+
+import argparse
+import copy
+import json
+import math
+import time
+from dataclasses import dataclass
+from importlib.resources import files
+from pathlib import Path
+
+import numpy as np
+from heave_bags.kpi import efficiency, kappa, snap_times
+from heave_node.scenario import NodeValues, read_scenario
+from winch_controller_node.bounds import WinchLimits, actuator_bound
+from winch_controller_node.closed_loop import ClosedLoop, LoopRecord, loop_parameters
+from winch_controller_node.prediction import estimation_bound
+from winch_controller_node.readings import Measurements, Outputs
+
+BOUND_STEP = 0.2
+"""Step of the clairvoyant's plan [s]."""
+
+
+@dataclass(frozen=True)
+class Figures:
+    """What one run gave: sigmas [m], bounds [m], the rest as named; step times in CPU milliseconds."""
+
+    scenario: str
+    law: str
+    seed: int
+    unit_sigma_m: float
+    uncompensated_sigma_m: float
+    outlet_efficiency: float
+    max_abs_heave_m: float
+    kappa: float
+    snaps: int
+    tension_min_n: float
+    winch_speed_max_mps: float
+    modes: str
+    step_p50_ms: float
+    step_p99_ms: float
+
+
+def scenario_values(name: str, law: str) -> NodeValues:
+    """Return the values of a shipped scenario, or of a file, under another law where one is given."""
+    shipped = Path(str(files("heave_bringup"))) / "scenarios" / f"{name}.yaml"
+    values = read_scenario(shipped if shipped.exists() else Path(name))
+    if law:
+        values["winch_controller"]["law"] = law
+    return values
+
+
+def model_error(values: NodeValues, draw: int) -> NodeValues:
+    """Return one draw of B9: mass and drag of the plant, servo and delay of the winch are not what is believed.
+
+    Effective mass +-30 %, drag up to four times, servo +-50 %, delay +-0.1 s; draw 0 is nominal.
+    """
+    changed = copy.deepcopy(values)
+    plant, winch, belief = changed["cable_sim"], changed["virtual_winch"], changed["winch_controller"]
+    share = np.zeros(4) if draw == 0 else np.random.default_rng([9, draw]).uniform(-1.0, 1.0, 4)
+    mass, added = float(belief["unit.mass"]), float(belief["unit.added_mass"][0])  # type: ignore[arg-type,index]
+    plant["unit.added_mass"] = [added + 0.3 * share[0] * (mass + added)] * 3
+    plant["unit.drag_coefficient"] = [float(4.0 ** max(share[1], 0.0))] * 3
+    winch["time_constant"] = 0.15 * (1.0 + 0.5 * share[2])
+    winch["command_delay"] = 0.2 + 0.1 * share[3]
+    return changed
+
+
+def run_once(name: str, values: NodeValues, seed: int, duration: float, transient: float) -> Figures:
+    """Run one scenario under one seed and return its figures over the time after `transient` [s]."""
+    parameters = loop_parameters(values, seed=seed, duration=duration)
+    loop = ClosedLoop(parameters)
+    spent: list[float] = []
+    step = loop.controller.step
+
+    def timed(tick: int, measurements: Measurements) -> Outputs:
+        start = time.process_time()
+        outputs = step(tick, measurements)
+        spent.append(1e3 * (time.process_time() - start))
+        return outputs
+
+    loop.controller.step = timed  # type: ignore[method-assign]
+    record = loop.run()
+    tip, payout = record.column("boom_tip", after=transient), record.column("payout", after=transient)
+    mean = record.column("depth_set_point", after=transient)
+    tension = record.column("top_tension", after=transient)
+    heave = record.column("unit", after=transient) + mean
+    sigma = record.unit_sigma(transient)
+    return Figures(
+        scenario=name,
+        law=parameters.controller.law,
+        seed=seed,
+        unit_sigma_m=sigma,
+        uncompensated_sigma_m=record.uncompensated_sigma(transient),
+        outlet_efficiency=efficiency(float(np.std(tip - payout + mean)), float(np.std(tip))),
+        max_abs_heave_m=float(np.max(np.abs(heave - np.mean(heave)))),
+        kappa=kappa(sigma, estimation_bound(loop.controller.design), _actuator_bound(loop, record, transient)),
+        snaps=len(
+            snap_times(record.column("time", after=transient), tension, loop.controller.design.cable.static_tension)
+        ),
+        tension_min_n=float(tension.min()),
+        winch_speed_max_mps=float(np.max(np.abs(record.column("payout_rate")))),
+        modes=" ".join(sorted(set(record.modes))),
+        step_p50_ms=float(np.percentile(spent, 50)),
+        step_p99_ms=float(np.percentile(spent, 99)),
+    )
+
+
+def _actuator_bound(loop: ClosedLoop, record: LoopRecord, transient: float) -> float:
+    design = loop.controller.design
+    winch = design.parameters.winch
+    tip = record.column("boom_tip", after=transient)[:: round(BOUND_STEP / design.tick_period)]
+    try:
+        return actuator_bound(design.cable, WinchLimits(winch.speed_limit, winch.acceleration_limit), tip, BOUND_STEP)
+    except ValueError:
+        return math.nan
+
+
+def show(figures: Figures) -> str:
+    """Return one line of the table."""
+    ratio = figures.unit_sigma_m / figures.uncompensated_sigma_m
+    return (
+        f"{figures.scenario:22s} {figures.law:11s} seed {figures.seed:2d}: unit {100 * figures.unit_sigma_m:7.3f} cm, "
+        f"off {100 * figures.uncompensated_sigma_m:7.2f} cm, ratio {ratio:7.4f}, outlet efficiency "
+        f"{100 * figures.outlet_efficiency:5.1f} %, kappa {figures.kappa:5.2f}, snaps {figures.snaps}, step p50 "
+        f"{figures.step_p50_ms:.2f} p99 {figures.step_p99_ms:.2f} ms"
+    )
+
+
+def summary(name: str, runs: list[Figures]) -> str:
+    """Return what the benchmarks ask of many runs, in one line."""
+    sigmas = np.array([run.unit_sigma_m for run in runs])
+    ratios = sigmas / np.array([run.uncompensated_sigma_m for run in runs])
+    return (
+        f"{name:22s} {len(runs)} runs: root mean square {100 * np.sqrt(np.mean(sigmas**2)):.3f} cm, median "
+        f"{100 * np.median(sigmas):.3f} cm, 90th percentile {100 * np.percentile(sigmas, 90):.3f} cm, largest "
+        f"{100 * sigmas.max():.3f} cm, worse {ratios.max():.4f}"
+    )
+
+
+def main() -> None:
+    """Run the campaign and print the table."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("scenarios", nargs="+", help="names of shipped scenarios, or files")
+    parser.add_argument("--seeds", type=int, default=8, help="seeds 1 to N")
+    parser.add_argument(
+        "--draws", type=int, default=0, help="draws of wrong models (B9) instead of seeds; the first is nominal"
+    )
+    parser.add_argument("--law", default="", help="another law than the scenario's")
+    parser.add_argument("--duration", type=float, default=420.0, help="simulated time of a run [s]")
+    parser.add_argument("--transient", type=float, default=180.0, help="time before the evaluation [s]")
+    parser.add_argument("--json", default="", help="file to write the figures to")
+    options = parser.parse_args()
+    everything: list[dict[str, object]] = []
+    for name in options.scenarios:
+        values, runs = scenario_values(name, options.law), []
+        for index in range(options.draws or options.seeds):
+            case = model_error(values, index) if options.draws else values
+            seed = 1 + index % 4 if options.draws else 1 + index
+            runs.append(run_once(name, case, seed, options.duration, options.transient))
+            print(show(runs[-1]), flush=True)
+        print(summary(name, runs), flush=True)
+        everything += [vars(run) for run in runs]
+    if options.json:
+        Path(options.json).write_text(json.dumps(everything, indent=1), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()
