@@ -94,8 +94,8 @@ class KalmanEstimator:
     measurements : what can be measured
     initial_covariance : shape (n, n)
     gate : normalised innovation squared above which a reading is refused
-    gate_limit : refusals in a row after which the next reading is believed and the
-        initial covariance added
+    gate_limit : refusals in a row after which the next reading is believed, and the initial covariance
+        added
     largest_age : ticks; older readings are refused
 
     Attributes

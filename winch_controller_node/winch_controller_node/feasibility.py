@@ -35,11 +35,9 @@ class WinchDemand:
     ----------
     significant_wave_height, peak_period : of the sea [m], [s]
     stroke, speed, acceleration : largest payout either way [m], speed [m/s], acceleration [m/s^2]
-    tension : static plus what the drum's own acceleration of the cable leaves, largest [N]
-    torque : largest, at the drum radius [N m]
-    power : largest product of static tension and speed [W]; mean_hauling_power : mean while hauling, static tension
-    times
-        mean speed [W]
+    torque : static tension at the drum radius [N m]; the drum's own inertia comes on top
+    power : static tension times the largest speed [W]
+    mean_hauling_power : static tension times the mean speed while hauling [W]
     within_limits : the believed winch can do it
     """
 

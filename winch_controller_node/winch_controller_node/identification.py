@@ -100,8 +100,8 @@ def identify(
     payout : [m], positive lowers the unit; None: winch locked
     drag : "linear" or "quadratic"
     guess : a and b to begin with; None: the best of a coarse search
-    starts_at_rest : the unit rests at its mean at the first sample (as the thesis assumes); False finds its motion
-    there
+    starts_at_rest : the unit rests at its mean at the first sample (as the thesis assumes); False finds
+        its motion there
 
     Raises
     ------

@@ -52,10 +52,9 @@ def output_cost(model: LinearModel, sizes: Mapping[str, float], command_size: fl
 
 
 def lqr_gain(model: LinearModel, cost: QuadraticCost) -> Array:
-    """Return the gain G of u = -G x, shape (m, n), that minimises `cost` (thesis Eq. 6.10 with the signs of its
-    figures).
+    """Return the gain G of u = -G x, shape (m, n), that minimises `cost`.
 
-    Continuous or discrete by `model.dt`.
+    Thesis Eq. 6.10 with the signs of its figures. Continuous or discrete by `model.dt`.
 
     Raises
     ------
@@ -87,20 +86,17 @@ def _check_weights(cost: QuadraticCost) -> None:
 
 
 def check_stabilisable(model: LinearModel) -> None:
-    """Raise DesignError, naming the states, where a mode that does not decay is out of reach of "
-    "the command (PBH test).
-    """
+    """Raise DesignError, naming the states, where the command does not reach a mode that does not decay (PBH test)."""
     lost = unreachable_modes(model.A, model.B, discrete=model.dt is not None)
     if lost is not None:
         raise DesignError(
             f"the model is not stabilisable: the command has no effect on {_names(model, lost)}, and it "
-            f"does not decay by itself"
+            "does not decay by itself"
         )
 
 
 def check_detectable(model: LinearModel, rows: Array, sensors: Sequence[str]) -> None:
-    """Raise DesignError, naming the states, where a mode that does not decay shows in none of the measurements (PBH
-    test).
+    """Raise DesignError, naming the states, where no measurement shows a mode that does not decay (PBH test).
 
     Parameters
     ----------

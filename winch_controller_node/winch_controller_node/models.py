@@ -1,9 +1,8 @@
 """The models a heave compensation controller is made of, and the one place that puts them together.
 
-Signs: heave positive up, payout positive lowers the unit: a x'' + b x' + x = x0 - payout (thesis Eq. 6.4 with u =
--payout).
-Blocks are continuous and connected by name. `augmented_model` samples them exactly and adds the chain of delayed
-commands.
+Signs: heave positive up, payout positive lowers the unit: a x'' + b x' + x = x0 - payout, thesis Eq. 6.4 with
+u = -payout. Blocks are continuous and connected by name. `augmented_model` samples them exactly and adds the chain of
+delayed commands.
 """
 
 from __future__ import annotations

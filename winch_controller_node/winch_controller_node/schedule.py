@@ -1,5 +1,4 @@
-"""Gain schedule over the deployed length: a resonance crosses the sea while a unit is lowered, and the gains go with
-it.
+"""Gain schedule over the deployed length: a resonance crosses the sea while a unit is lowered, gains go with it.
 
 Gains are designed at lengths in geometric progression and interpolated between them in the logarithm of length; the
 model is exact at every length. That the loop is stable between the points is checked at design, not hoped for.
