@@ -37,7 +37,7 @@ SPEED, ANGLE = st.floats(0.0, 3.0), st.floats(0.0, 2.0 * math.pi)
 HEAVY_OR_BUOYANT = st.one_of(st.floats(0.01, 6.0), st.floats(-6.0, -0.01))
 
 
-@settings(phases=(Phase.explicit, Phase.generate), max_examples=40, deadline=None)
+@settings(phases=(Phase.explicit, Phase.generate), max_examples=20, deadline=None)
 @given(st.floats(5.0, 230.0), st.floats(-1.0, 1.0), ANGLE, SPEED, ANGLE, HEAVY_OR_BUOYANT)
 def test_a_submerged_cable_meets_both_ends_and_all_forces_balance(distance, slope, heading, speed, current, weight):
     cable = static_cable(
