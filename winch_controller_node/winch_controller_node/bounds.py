@@ -99,9 +99,7 @@ def _clairvoyant(cable: CableModel, limits: WinchLimits, tip: Array, h: float) -
 
 
 def _first_order_hold(cable: CableModel, h: float) -> tuple[Array, Array, Array]:
-    """Return transition, and the effect of the outlet's value at the start and end of a step in "
-    "which it moves straight.
-    """
+    """Return transition, and the effect of the outlet's start and end value of a step in which it moves straight."""
     unit = cable_block(cable)
     ramp = linear_model([[0.0, 1.0], [0.0, 0.0]], states=("outlet", "slope"), outputs={"boom_tip_heave": [1.0, 0.0]})
     sampled = discretise(interconnect([unit, ramp]), h).A

@@ -146,8 +146,9 @@ def design_controller(
 
 
 def at_cable(design: ControllerDesign, cable: CableModel, length: float, gain: Array) -> ControllerDesign:
-    """Return the design with another cable and gain, all else as it is: what a gain schedule gives "
-    "between its points.
+    """Return the design with another cable and gain, all else as it is.
+
+    It is what a gain schedule gives between its points.
     """
     parameters = design.parameters
     model = augmented_model(model_inputs(parameters, cable), design.tick_period)
@@ -202,9 +203,7 @@ def _check_inputs(parameters: WinchControllerParameters, tick_period: float) -> 
 
 
 def believed_cable(parameters: WinchControllerParameters, length: float) -> CableModel:
-    """Return the two-state cable at `length` [m] as the parameters have it, fitted where the boom "
-    "tip has its energy.
-    """
+    """Return the two-state cable at `length` [m] as believed, fitted where the boom tip has its energy."""
     plant = PlantBelief(parameters.cable, parameters.unit, parameters.water_density, parameters.gravity)
     tip = boom_tip_block(parameters.sea, parameters.vessel)
     P = state_covariance(tip)

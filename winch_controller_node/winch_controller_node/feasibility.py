@@ -1,6 +1,4 @@
-"""What a winch must be able to do for a sea (thesis 6.5): speed, acceleration, torque and "
-"power, as a table for its buyer.
-"""
+"""What a sea asks of a winch (thesis 6.5): speed, acceleration, torque and power, as a table for its buyer."""
 
 from __future__ import annotations
 
@@ -67,9 +65,7 @@ def boom_tip_density(parameters: WinchControllerParameters, omega: Array) -> Arr
 
 
 def boom_tip_moments(parameters: WinchControllerParameters) -> tuple[float, float, float]:
-    """Return the variances of boom-tip heave [m^2], rate and acceleration over the band up to 5 "
-    "rad/s, by quadrature.
-    """
+    """Return the variances of boom-tip heave [m^2], rate and acceleration, by quadrature up to 5 rad/s."""
     omega = np.linspace(1e-3, BAND, POINTS)
     density = boom_tip_density(parameters, omega)
     m0, m2, m4 = (float(np.sum(density * omega**power) * (omega[1] - omega[0])) for power in (0, 2, 4))
@@ -128,8 +124,9 @@ def feasibility_table(
     *,
     drum_radius: float = 0.75,
 ) -> list[WinchDemand]:
-    """Return the demand for each significant wave height [m] and peak period [s]; the rest of the "
-    "sea as designed for.
+    """Return the demand for each significant wave height [m] and peak period [s].
+
+    The rest of the sea is as designed for.
     """
     plant = PlantBelief(parameters.cable, parameters.unit, parameters.water_density, parameters.gravity)
     tension = plant.line(parameters.length).static_top_tension(parameters.length)

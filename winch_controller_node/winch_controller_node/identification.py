@@ -204,9 +204,7 @@ class _Problem:
 
 
 def _correlation_factor(residual: Array) -> float:
-    """Return by how much time correlation of the residual multiplies the variance of a mean of it "
-    "(Bartlett's window).
-    """
+    """Return by how much time correlation of the residual multiplies the variances (Bartlett's window)."""
     n = len(residual)
     about_mean = residual - residual.mean()
     spectrum = np.abs(np.fft.rfft(about_mean, 2 * n)) ** 2

@@ -1,6 +1,4 @@
-"""Linear-quadratic regulators: cost by outputs, gains by python-control, and refusals in words "
-"before any number comes out.
-"""
+"""Linear-quadratic regulators: cost by outputs, gains by python-control, and refusals in words before any number."""
 
 from __future__ import annotations
 

@@ -175,8 +175,9 @@ def _with_past(A: Array, Q: Array, row: Array, age: int) -> tuple[Array, Array, 
 
 @dataclass(frozen=True)
 class EquivalentFilter:
-    """A stationary Kalman filter at the tick, x = A x + B u then x += K (y - H x), past values of "
-    "late readings as states.
+    """A stationary Kalman filter at the tick: x = A x + B u, then x += K (y - H x).
+
+    Past values of late readings are states.
     """
 
     A: Array

@@ -242,9 +242,7 @@ def winch_curve(
 
 
 def _at_sigma(design: ControllerDesign, value: float, unit_sigma: float) -> TradeOff | None:
-    """Return the point of the weight curve with the prescribed sigma, by bisection of the weight; "
-    "None: out of reach.
-    """
+    """Return the point of the weight curve with the prescribed sigma, by bisection; None: out of reach."""
     errors = error_covariances(design)
     low, high = math.log(COMMAND_SIZES[0] * 0.1), math.log(COMMAND_SIZES[-1] * 10.0)
     best = _point(design, value, math.exp(high), errors)
