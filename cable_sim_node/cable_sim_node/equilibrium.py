@@ -114,8 +114,8 @@ def march(line: LineArrays, n: int, unit_position: Array) -> bool:
 def bend(line: LineArrays, n: int, tolerance: float) -> bool:
     """Move the nodes from the flexible line's equilibrium to the stiff one's; False where that does not settle.
 
-    Newton with the tangent that `assemble` gives. It leaves out how drag turns with the line, so the last digits come by a
-    contraction; `tolerance` [m] is on the largest correction.
+    Newton with the tangent that `assemble` gives. It leaves out how drag turns with the line, so the last digits come
+    by a contraction; `tolerance` [m] is on the largest correction.
     """
     correction = line.correction
     for k in range(3):
@@ -171,4 +171,4 @@ def hang(line: LineArrays, boom_tip: Array) -> None:
     line.v[:] = 0.0
     line.a[:] = 0.0
     if line.settings[BENDING_ON] > 0.0 and not bend(line, n, 1e-10 * total):
-        raise NoEquilibriumError("the bent line does not settle: bending_stiffness is too large for this line")
+        raise NoEquilibriumError("the bent line does not settle: cable.bending_stiffness is too large for it")
