@@ -6,11 +6,13 @@ import os
 import subprocess
 import sys
 import time
+import zlib
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import psutil
 from domain_coordinator import domain_id
+from mcap.reader import make_reader
 
 
 def command(*arguments: str) -> list[str]:
@@ -39,6 +41,16 @@ def run_scenario(folder: Path, scenario: str = "b2_calm_300", *, duration: float
     result = heave("run", scenario, "--duration", str(duration), "--bag", str(folder), "--no-report", *options)
     assert result.returncode == 0, result.stderr
     return folder / "bag"
+
+
+def recorded_messages(bag: Path) -> list[tuple[str, int, int]]:
+    """Return topic, log time and checksum of every message, in file order."""
+    found = []
+    for file in sorted(bag.glob("*.mcap")):
+        with file.open("rb") as stream:
+            for _, channel, message in make_reader(stream).iter_messages(log_time_order=False):
+                found.append((channel.topic, message.log_time, zlib.crc32(message.data)))
+    return found
 
 
 def process_of(node: str, folder: Path) -> int:
