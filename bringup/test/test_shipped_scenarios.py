@@ -183,7 +183,10 @@ def test_ros_reads_the_file_as_we_do(name: str, monkeypatch: pytest.MonkeyPatch)
     try:
         for node_name in ("winch_controller", "cable_sim"):
             node = rclpy.create_node(
-                node_name, context=context, automatically_declare_parameters_from_overrides=True, use_global_arguments=True
+                node_name,
+                context=context,
+                automatically_declare_parameters_from_overrides=True,
+                use_global_arguments=True,
             )
             read = {key: p.value for key, p in node.get_parameters_by_prefix("").items() if key != "use_sim_time"}
             node.destroy_node()
