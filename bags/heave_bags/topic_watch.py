@@ -71,7 +71,10 @@ class TopicWatch:
         return True
 
     def subscribe(self, topic: str, callback: Callable[[bytes], None]) -> Subscription[Any]:
-        """Subscribe to a topic that `look` has found; call again when its offers change."""
+        """Subscribe to a topic that `look` has found; call again when its offers change.
+
+        Without a callback for the middleware's "message lost" event: under load it deadlocks with the events executor.
+        """
         request = request_for(self.offers[topic])
         self._requests[topic] = (request.reliability, request.durability)
         subscription = self._node.create_subscription(
