@@ -1,0 +1,170 @@
+"""Chapter 6 of the thesis as curves.
+
+Control effort against delay and winch bandwidth, identification, LQG on the plant.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from heave_node.parameters import build_parameters
+from winch_controller_node.identification_plant import identify_simulated
+from winch_controller_node.linear_model import Array, LinearModel, interconnect, output_sigma, with_feedback
+from winch_controller_node.lqr import QuadraticCost, lqr_gain
+from winch_controller_node.model_parameters import SeaModelParameters, VesselModelParameters, WinchModelParameters
+from winch_controller_node.models import (
+    PAYOUT_COMMAND,
+    CableModel,
+    ModelInputs,
+    boom_tip_block,
+    cable_block,
+    continuous_model,
+    taylor_delay_block,
+    winch_block,
+)
+from winch_controller_node.parameters import WinchControllerParameters
+
+THESIS_SEA = SeaModelParameters(
+    significant_wave_height=3.048, peak_period=2.0 * math.pi / 0.785, filter_form="thesis"
+)  # thesis 6.3.6
+THESIS_VESSEL = VesselModelParameters(natural_frequency=0.393, damping_ratio=0.6, gain=0.5)
+STATED_CABLE = CableModel(7.339769, 0.1906759)  # thesis 6.2.6
+
+
+def optimum(model: LinearModel, q: float) -> tuple[float, float]:
+    """Unit sigma [m] and the thesis's index sqrt(sum G^2) of the LQR: weights q on the unit, 1 on the command."""
+    row = model.row("unit_heave")
+    gain = lqr_gain(model, QuadraticCost(q * np.outer(row, row), np.zeros((model.order, 1)), np.eye(1)))
+    plant = [i for i, name in enumerate(model.state_names) if not name.startswith(("wave_", "vessel_"))]
+    return output_sigma(with_feedback(model, gain))["unit_heave"], float(np.linalg.norm(gain[0, plant]))
+
+
+def winch(K: float) -> WinchModelParameters:
+    return WinchModelParameters(law="first_order", position_rate=K, disturbance=0.0)
+
+
+def delayed_model(delay: float) -> LinearModel:
+    blocks = [cable_block(STATED_CABLE), winch_block(winch(1.0)), boom_tip_block(THESIS_SEA, THESIS_VESSEL)]
+    if delay > 0.0:
+        blocks.append(taylor_delay_block(delay, "command", PAYOUT_COMMAND))
+    return interconnect(blocks)
+
+
+def curve(delay: float, weights: Array) -> Array:
+    model = delayed_model(delay)
+    return np.array([optimum(model, q) for q in weights])
+
+
+def test_delay_asks_for_more_control_energy_for_the_same_effect(gallery) -> None:
+    """Thesis 6.2.6: to achieve the same control effect, more control energy is required with the time delay."""
+    weights = np.geomspace(1.0, 1e6, 13)
+    delays = (0.0, 0.2, 0.5)
+    curves = {delay: curve(delay, weights) for delay in delays}
+
+    def draw(figure) -> None:
+        axes = figure.add_subplot()
+        for delay, points in curves.items():
+            axes.loglog(points[:, 1], 100.0 * points[:, 0], "o-", label=f"delay {delay:g} s")
+        axes.set_xlabel("sqrt(sum G²), the thesis's index [-]")
+        axes.set_ylabel("unit heave, 1 sigma [cm]")
+        axes.legend()
+
+    gallery(
+        "thesis_fig_6_18", "Displacement against the gain index with and without delay (thesis figs 6.18, 6.19).", draw
+    )
+    for sigma in (0.02, 0.005):
+        index = [np.interp(-math.log(sigma), -np.log(curves[d][:, 0]), np.log(curves[d][:, 1])) for d in delays]
+        assert index[0] < index[1] < index[2]
+
+
+def at_sigma(K: float, sigma: float) -> float:
+    """Gain index of the LQR that leaves `sigma` with a winch of bandwidth K, by bisection of its weight."""
+    model = continuous_model(ModelInputs(CableModel(0.8959, 0.1658), winch(K), THESIS_SEA, THESIS_VESSEL))
+    low, high = math.log(1e-3), math.log(1e8)
+    for _ in range(24):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if optimum(model, math.exp(middle))[0] > sigma else (low, middle)
+    return optimum(model, math.exp(0.5 * (low + high)))[1]
+
+
+def test_a_winch_beyond_a_critical_bandwidth_saves_no_control_energy(gallery) -> None:
+    """Thesis fig 6.25 and 6.3.6: above a critical K nothing is gained, below it the energy grows significantly."""
+    bandwidths = np.geomspace(0.1, 30.0, 9)
+    index = np.array([at_sigma(float(K), 0.01) for K in bandwidths])
+
+    def draw(figure) -> None:
+        axes = figure.add_subplot()
+        axes.loglog(bandwidths, index, "o-")
+        axes.set_xlabel("bandwidth of the winch K [1/s]")
+        axes.set_ylabel("sqrt(sum G²), the thesis's index [-]")
+
+    gallery(
+        "thesis_fig_6_25", "Gain index for a unit sigma of 1 cm against the winch's bandwidth (thesis fig 6.25).", draw
+    )
+    assert np.all(np.diff(index) < 0.02 * index[:-1])
+    slow, middle, fast = (float(np.interp(math.log(K), np.log(bandwidths), index)) for K in (0.2, 5.0, 25.0))
+    assert slow > 2.0 * middle
+    assert middle < 1.25 * fast
+
+
+def test_the_response_is_reconstructed_as_in_the_thesis(gallery) -> None:
+    """Thesis figs 6.11 to 6.13: a good agreement with the linear model, a better one with quadratic drag."""
+    values = {
+        "length": 900.0,
+        "cable.axial_stiffness": 1.57706e7,
+        "cable.displaced_diameter": 0.045868,
+        "cable.mass_per_length": 7.2,
+        "cable.tangential_drag": 0.025,
+        "unit.mass": 65000.0,
+        "unit.volume": 58.4404,
+        "unit.added_mass": [60000.0] * 3,
+        "unit.drag_coefficient": [1.0] * 3,
+        "unit.drag_area": [1.0] * 3,
+        "sea.significant_wave_height": 1.5,
+        "sea.peak_period": 10.0,
+    }
+    parameters = build_parameters(WinchControllerParameters, values, where="test")
+    found = {drag: identify_simulated(parameters, drag=drag) for drag in ("linear", "quadratic")}
+
+    def draw(figure) -> None:
+        axes = figure.add_subplot()
+        linear, quadratic = found["linear"], found["quadratic"]
+        shown = linear.time > linear.time[-1] - 150.0
+        axes.plot(linear.time[shown], linear.measured[shown], label="response of the cable")
+        axes.plot(linear.time[shown], linear.model[shown], "--", label=f"linear, a = {linear.a:.2f} s²")
+        axes.plot(linear.time[shown], quadratic.model[shown], ":", label=f"quadratic drag, a = {quadratic.a:.2f} s²")
+        axes.set_xlabel("time [s]")
+        axes.set_ylabel("unit heave [m]")
+        axes.legend()
+
+    gallery(
+        "thesis_fig_6_12", "Unit heave of the 900 m system and the identified models (thesis figs 6.11-6.13).", draw
+    )
+    assert found["linear"].fit > 0.9
+    assert found["quadratic"].fit > found["linear"].fit
+
+
+@pytest.mark.slow
+def test_lqg_on_the_lumped_mass_plant_leaves_what_the_lyapunov_equation_predicts() -> None:
+    """Deep-900, whose sea keeps the winch inside its limits: blocks of the run against the prediction of the design, same sensors."""
+    from heave_bringup.scenarios import load_scenario  # noqa: PLC0415
+    from scipy import stats  # noqa: PLC0415
+    from winch_controller_node.closed_loop import ClosedLoop, LoopParameters  # noqa: PLC0415
+    from winch_controller_node.prediction import predict_loop  # noqa: PLC0415
+
+    scenario = load_scenario("b3_deep_900", settings=("winch_controller.law=lqg",))
+    p = scenario.parameters
+    plant = replace(p["cable_sim"], segments=10)
+    loop = ClosedLoop(
+        LoopParameters(p["wave_vessel"], plant, p["virtual_winch"], p["winch_controller"], duration=420.0, seed=3)
+    )
+    predicted = predict_loop(loop.controller.design).sigma["unit_heave"]
+    heave = loop.run().column("unit", after=120.0)
+    squares = np.array([np.mean(block**2) for block in np.array_split(heave - heave.mean(), 10)])
+    low, high = stats.t.interval(0.99, len(squares) - 1, squares.mean(), stats.sem(squares))
+    # the plant is not the model: the cable has more than one mode, and drag is quadratic
+    assert 0.8 * math.sqrt(max(low, 0.0)) < predicted < 1.2 * math.sqrt(high)
+    assert math.sqrt(high) < 0.006, "an interval that says something: uncompensated it is 0.3 m"
