@@ -149,7 +149,7 @@ def test_the_response_is_reconstructed_as_in_the_thesis(gallery) -> None:
 
 @pytest.mark.slow
 def test_lqg_on_the_lumped_mass_plant_leaves_what_the_lyapunov_equation_predicts() -> None:
-    """Deep-900, whose sea keeps the winch inside its limits: blocks of the run against the prediction of the design, same sensors."""
+    """Deep-900 keeps the winch inside its limits: the run against the prediction of the design, same sensors."""
     from heave_bringup.scenarios import load_scenario  # noqa: PLC0415
     from scipy import stats  # noqa: PLC0415
     from winch_controller_node.closed_loop import ClosedLoop, LoopParameters  # noqa: PLC0415

@@ -6,7 +6,7 @@ from functools import lru_cache
 import numpy as np
 import pytest
 from heave_node.parameters import build_parameters
-from winch_controller_node.bounds import WinchLimits, actuator_bound, boom_tip_realisation, kappa
+from winch_controller_node.bounds import WinchLimits, actuator_bound, boom_tip_realisation
 from winch_controller_node.design import design_controller
 from winch_controller_node.estimator import Measurement
 from winch_controller_node.lqr import DesignError
@@ -150,10 +150,6 @@ def test_a_winch_that_cannot_move_leaves_the_uncompensated_motion():
     free = actuator_bound(CableModel(2.0, 1.0), WinchLimits(10.0, 20.0), tip(), 0.2)
     assert still > 0.3
     assert free < 1e-3 * still
-
-
-def test_kappa_is_the_distance_from_both_bounds_together():
-    assert kappa(0.5, 0.3, 0.4) == pytest.approx(1.0)
 
 
 def test_sensor_rates_without_a_common_pattern_are_refused():

@@ -129,8 +129,3 @@ def _solve(dynamics: sp.csc_matrix, right: Array, limits: WinchLimits, n: int) -
     if result.info.status not in ("solved", "solved inaccurate"):
         raise DesignError(f"the bound of the actuator could not be computed: the solver says {result.info.status}")
     return np.asarray(result.x[0::5])
-
-
-def kappa(unit_sigma: float, s_est: float, s_act: float) -> float:
-    """Return s(z) / sqrt(s_est^2 + s_act^2): distance from the possible, 1 is perfect."""
-    return unit_sigma / math.hypot(s_est, s_act)

@@ -7,8 +7,9 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
 
 import numpy as np
+from heave_bags.kpi import kappa
 
-from winch_controller_node.bounds import BOUND_STEP, WinchLimits, actuator_bound, boom_tip_realisation, kappa
+from winch_controller_node.bounds import BOUND_STEP, WinchLimits, actuator_bound, boom_tip_realisation
 from winch_controller_node.design import ControllerDesign, design_controller, design_cost, full_gain
 from winch_controller_node.feasibility import WinchDemand, feasibility_table, format_feasibility, uncompensated_sigma
 from winch_controller_node.linear_model import Array, with_feedback
