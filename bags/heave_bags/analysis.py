@@ -143,6 +143,33 @@ def table(records: Sequence[RunRecord]) -> str:
     return kpi_set.table({record.name: record.kpis() for record in records})
 
 
+WINDOW_COLUMNS = {
+    "unit_sigma_m": "s(z)",
+    "uncompensated_sigma_m": "s(z_off)",
+    "unit_efficiency": "unit eff.",
+    "outlet_efficiency": "outlet eff.",
+    "max_abs_heave_m": "max |z|",
+    "tension_min_n": "T min",
+    "tension_max_n": "T max",
+    "winch_speed_max_mps": "max |v|",
+    "time_at_limit_percent": "at limit",
+}
+"""The KPIs that a table of windows shows, with short headings."""
+
+
+def window_table(record: RunRecord, length: float) -> str:
+    """Return the main KPIs of each window of a run as text, one line per window."""
+    definitions = [kpi_set.DEFINITION_OF[key] for key in WINDOW_COLUMNS]
+    headings = [f"{WINDOW_COLUMNS[definition.key]} {definition.unit}" for definition in definitions]
+    rows = [("from s", "to s", *headings)]
+    for part in windows(record, length):
+        cells = [definition.text(part.values[definition.key]) for definition in definitions]
+        rows.append((f"{part.start:.1f}", f"{part.end:.1f}", *cells))
+    widths = [max(len(row[column]) for row in rows) for column in range(len(rows[0]))]
+    lines = ["  ".join(f"{cell:>{width}}" for cell, width in zip(row, widths, strict=True)) for row in rows]
+    return "\n".join([record.name, *lines])
+
+
 def kpi_frame(records: Sequence[RunRecord], window: float | None = None) -> pandas.DataFrame:
     """Return KPIs as a DataFrame: one row per run, or per window of each run, with columns bag, start_s, end_s
     and the KPI keys.

@@ -109,9 +109,11 @@ def _add_kpi(commands: Any) -> None:
         commands,
         "kpi",
         "Print the figures of merit of one or several bags, side by side.",
-        "heave kpi runs/b2_calm_300-001/bag --json -",
+        "heave kpi runs/b2_calm_300-001/bag --window 60 --table kpis.csv",
     )
     parser.add_argument("bags", metavar="BAG", type=Path, nargs="+", help="bag folder, or the folder of a run")
+    parser.add_argument("--window", type=float, metavar="S", help="figures of each S seconds of the run as well")
+    parser.add_argument("--table", type=Path, metavar="FILE", help="write the figures to a .csv or .parquet file")
 
 
 def _add_static(commands: Any) -> None:

@@ -12,7 +12,12 @@ from heave_bringup.records import read_records
 
 
 def execute(options: argparse.Namespace) -> None:
-    """Print the figures of one bag, or of several side by side."""
+    """Print the figures of one bag, or of several side by side, and of windows over time."""
     records = read_records(bag_folders(options.bags))
-    results = [analysis.to_json(record) for record in records]
-    write_result(options, analysis.table(records), results[0] if len(results) == 1 else {"runs": results})
+    results = [analysis.to_json(record, options.window) for record in records]
+    text = analysis.table(records)
+    if options.window is not None:
+        text = "\n\n".join([text, *(analysis.window_table(record, options.window) for record in records)])
+    if options.table is not None:
+        analysis.save_frame(analysis.kpi_frame(records, options.window), options.table)
+    write_result(options, text, results[0] if len(results) == 1 else {"runs": results})
