@@ -164,7 +164,7 @@ def window_table(record: RunRecord, length: float) -> str:
     rows = [("from s", "to s", *headings)]
     for part in windows(record, length):
         cells = [definition.text(part.values[definition.key]) for definition in definitions]
-        rows.append((f"{part.start:.1f}", f"{part.end:.1f}", *cells))
+        rows.append((f"{part.start:.2f}", f"{part.end:.2f}", *cells))
     widths = [max(len(row[column]) for row in rows) for column in range(len(rows[0]))]
     lines = ["  ".join(f"{cell:>{width}}" for cell, width in zip(row, widths, strict=True)) for row in rows]
     return "\n".join([record.name, *lines])

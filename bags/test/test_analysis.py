@@ -75,7 +75,8 @@ def test_windows_are_listed_one_a_line(record):
     lines = analysis.window_table(record, 2 * RUN.period).splitlines()
     assert len(lines) == 2 + 3  # the name, the heading, and three times two waves in 60 s
     start, end, sigma = (float(cell) for cell in lines[3].split()[:3])
-    assert (end - start, sigma) == (2 * RUN.period, pytest.approx(100.0 * RUN.unit / ROOT, rel=0.01))
+    assert end - start == pytest.approx(2 * RUN.period)
+    assert sigma == pytest.approx(100.0 * RUN.unit / ROOT, rel=0.01)
 
 
 def test_json_is_plain_and_has_no_nan(record):
