@@ -1,7 +1,7 @@
 """The hanging line at rest: exact equilibrium of the discrete equations, so that a run starts without a transient.
 
 From the unit upwards the force in each segment is known: what hangs below pulls on it. Its direction follows from its
-own drag by a small fixed-point iteration, its stretch from the tension law.
+own drag: one angle, found by bisection. Its stretch follows from the tension law.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from cable_sim_node.errors import NoEquilibriumError
 from cable_sim_node.line_arrays import LineArrays
-from cable_sim_node.line_bending import solve_with_bending
+from cable_sim_node.line_bending import CENTRE, solve_with_bending
 from cable_sim_node.line_flow import set_flow
 from cable_sim_node.line_layout import (
     BENDING_ON,
@@ -57,43 +57,81 @@ def strain_at(row: Array, tension: float) -> float:
 
 
 @njit(cache=True, error_model="numpy")
-def march(line: LineArrays, n: int, unit_position: Array) -> bool:
-    """Place nodes 0..n above the unit by equilibrium, with the flow as it stands in `line.flow`.
+def turn_of(pull: float, normal: float, along: float, across: float) -> float:
+    """Return the angle [rad] by which a current turns a segment against itself, from the pull of what hangs below.
 
-    False where nothing pulls.
+    `pull` [N]; `normal` is half the segment's drag across at 1 m/s; `along` and `across` (>= 0) are the current's
+    components [m/s] to the pull. In the plane of both, with w the current across the turned segment, the forces across
+    vanish: pull sin(turn) = normal abs(w) w, w = across cos(turn) + along sin(turn). The least root is wanted.
     """
+    low, high = 0.0, math.pi
+    for k in range(1, 65):
+        turn = math.pi * k / 64.0
+        w = across * math.cos(turn) + along * math.sin(turn)
+        if pull * math.sin(turn) - normal * abs(w) * w >= 0.0:
+            low, high = math.pi * (k - 1) / 64.0, turn
+            break
+    for _ in range(60):
+        turn = 0.5 * (low + high)
+        w = across * math.cos(turn) + along * math.sin(turn)
+        if pull * math.sin(turn) - normal * abs(w) * w >= 0.0:
+            high = turn
+        else:
+            low = turn
+    return 0.5 * (low + high)
+
+
+@njit(cache=True, error_model="numpy")
+def aim(force: Array, u: Array, normal: float, tangential: float, direction: Array, drag: Array) -> float:
+    """Set `direction` of a segment that holds `force` [N] below it in the current `u`, and half its `drag` [N].
+
+    `normal` and `tangential` are half the segment's drags at 1 m/s. Returns the tension; at or below 0 nothing pulls.
+    """
+    pull = math.sqrt(force[0] ** 2 + force[1] ** 2 + force[2] ** 2)
+    if pull == 0.0:
+        return 0.0
+    along = (u[0] * force[0] + u[1] * force[1] + u[2] * force[2]) / pull
+    across = 0.0
+    for k in range(3):
+        drag[k] = u[k] - along * force[k] / pull
+        across += drag[k] ** 2
+    across = math.sqrt(across)
+    turn = turn_of(pull, normal, along, across) if across > 0.0 else 0.0
+    for k in range(3):
+        sideways = drag[k] / across if across > 0.0 else 0.0
+        direction[k] = math.cos(turn) * force[k] / pull - math.sin(turn) * sideways
+    ut = u[0] * direction[0] + u[1] * direction[1] + u[2] * direction[2]
+    speed = 0.0
+    for k in range(3):
+        drag[k] = u[k] - ut * direction[k]
+        speed += drag[k] ** 2
+    speed = math.sqrt(speed)
+    tension = 0.0
+    for k in range(3):
+        drag[k] = normal * speed * drag[k] + tangential * abs(ut) * ut * direction[k]
+        tension += (force[k] - drag[k]) * direction[k]
+    return tension
+
+
+@njit(cache=True, error_model="numpy")
+def march(line: LineArrays, n: int, unit_position: Array) -> bool:
+    """Place nodes 0..n above the unit by equilibrium, with the flow as in `line.flow`; False where nothing pulls."""
     x = line.x
-    force = np.empty(3)
-    drag = np.zeros(3)
+    force, drag, direction = np.empty(3), np.zeros(3), np.zeros(3)
     for k in range(3):
         x[0, k] = unit_position[k]
         u = line.flow[0, k]
         # what the rest of the line must hold: minus all steady forces below
         force[k] = -(line.unit[UNIT_FORCE + k] + line.unit[UNIT_DRAG + k] * abs(u) * u)
-    direction = np.array([0.0, 0.0, 1.0])
     for i in range(n):
         row = line.seg[i]
         length = row[LENGTH]
-        ux, uy, uz = line.flow[i + 1, 0], line.flow[i + 1, 1], line.flow[i + 1, 2]
+        flow = line.flow[i + 1]
         force[2] += 0.5 * row[WEIGHT] * length
-        tension = 0.0
-        for _ in range(200):
-            ex, ey, ez = direction[0], direction[1], direction[2]
-            ut = ux * ex + uy * ey + uz * ez
-            nx, ny, nz = ux - ut * ex, uy - ut * ey, uz - ut * ez
-            normal = row[NORMAL_DRAG] * length * math.sqrt(nx * nx + ny * ny + nz * nz)
-            along = row[TANGENTIAL_DRAG] * length * abs(ut) * ut
-            drag[0] = 0.5 * (normal * nx + along * ex)
-            drag[1] = 0.5 * (normal * ny + along * ey)
-            drag[2] = 0.5 * (normal * nz + along * ez)
-            px, py, pz = force[0] - drag[0], force[1] - drag[1], force[2] - drag[2]
-            tension = math.sqrt(px * px + py * py + pz * pz)
-            if tension == 0.0:
-                return False
-            change = abs(px / tension - ex) + abs(py / tension - ey) + abs(pz / tension - ez)
-            direction[0], direction[1], direction[2] = px / tension, py / tension, pz / tension
-            if change < 1e-15:
-                break
+        half = 0.5 * length
+        tension = aim(force, flow, row[NORMAL_DRAG] * half, row[TANGENTIAL_DRAG] * half, direction, drag)
+        if not tension > 0.0:
+            return False
         stretched = length * (1.0 + strain_at(row, tension))
         if not stretched > length:
             return False
@@ -101,27 +139,63 @@ def march(line: LineArrays, n: int, unit_position: Array) -> bool:
             x[i + 1, k] = x[i, k] + stretched * direction[k]
             # the upper half of the segment hangs on the next one
             force[k] -= 2.0 * drag[k]
-        force[2] += 0.5 * row[WEIGHT] * length
-        ux, uy, uz = line.flow[i + 1, 0], line.flow[i + 1, 1], line.flow[i + 1, 2]
-        lump_drag = line.lump[i + 1, LUMP_DRAG] * math.sqrt(ux * ux + uy * uy + uz * uz)
-        force[0] -= lump_drag * ux
-        force[1] -= lump_drag * uy
-        force[2] += line.lump[i + 1, LUMP_WEIGHT] - lump_drag * uz
+        force[2] += 0.5 * row[WEIGHT] * length + line.lump[i + 1, LUMP_WEIGHT]
+        lump_drag = line.lump[i + 1, LUMP_DRAG] * math.sqrt(flow[0] ** 2 + flow[1] ** 2 + flow[2] ** 2)
+        for k in range(3):
+            force[k] -= lump_drag * flow[k]
     return True
+
+
+@njit(cache=True, error_model="numpy")
+def add_drag_turning(n: int, x: Array, seg: Array, flow: Array, band: Array) -> None:
+    """Add to `band` how the drag of each segment at rest changes as the segment turns.
+
+    With u the velocity through the water, u_t = u.e and u_n the rest, the drag N abs(u_n) u_n + T abs(u_t) u_t e
+    changes by
+    -N (u_t u_n (u_n.de)/abs(u_n) + abs(u_n) ((u_n.de) e + u_t de)) + T (2 abs(u_t) (u_n.de) e + abs(u_t) u_t de).
+    """
+    for i in range(n):
+        row = seg[i]
+        ex, ey, ez = x[i + 1, 0] - x[i, 0], x[i + 1, 1] - x[i, 1], x[i + 1, 2] - x[i, 2]
+        stretched = math.sqrt(ex * ex + ey * ey + ez * ez)
+        e = (ex / stretched, ey / stretched, ez / stretched)
+        u = (-flow[i + 1, 0], -flow[i + 1, 1], -flow[i + 1, 2])
+        ut = u[0] * e[0] + u[1] * e[1] + u[2] * e[2]
+        un = (u[0] - ut * e[0], u[1] - ut * e[1], u[2] - ut * e[2])
+        speed = math.sqrt(un[0] ** 2 + un[1] ** 2 + un[2] ** 2)
+        if speed == 0.0:
+            continue
+        normal, tangential = row[NORMAL_DRAG] * row[LENGTH], row[TANGENTIAL_DRAG] * row[LENGTH]
+        across = -normal * ut / speed
+        mixed = 2.0 * tangential * abs(ut) - normal * speed
+        same = tangential * abs(ut) * ut - normal * speed * ut
+        for p in range(3):
+            for q in range(3):
+                # (across un + mixed e) un' + same (I - e e'), half of it on each end
+                turning = (across * un[p] + mixed * e[p]) * un[q] - same * e[p] * e[q]
+                if p == q:
+                    turning += same
+                turning *= 0.5 / stretched
+                for end in range(2):
+                    line_row = 3 * (i + end) + p
+                    band[line_row, CENTRE + 3 * (1 - end) + q - p] += turning
+                    band[line_row, CENTRE - 3 * end + q - p] -= turning
 
 
 @njit(cache=True, error_model="numpy")
 def bend(line: LineArrays, n: int, tolerance: float) -> bool:
     """Move the nodes from the flexible line's equilibrium to the stiff one's; False where that does not settle.
 
-    Newton with the tangent that `assemble` gives. It leaves out how drag turns with the line, so the last digits come
-    by a contraction; `tolerance` [m] is on the largest correction.
+    Newton; `tolerance` [m] is on the largest correction. What the tangent leaves out (the current's change with
+    depth, the
+    turning of the bending forces) is small, and only slows it.
     """
     correction = line.correction
     for k in range(3):
         correction[n, k] = 0.0
     for _ in range(400):
         assemble(line, n, False, 0.0, 0.0)
+        add_drag_turning(n, line.x, line.seg, line.flow, line.band)
         solve_with_bending(n, line.diagonal, line.upper, line.residual, line.band, correction)
         largest = 0.0
         for i in range(n):

@@ -17,8 +17,8 @@ from cable_sim_node.line_layout import BENDING, LENGTH
 
 Array = NDArray[np.float64]
 
-_HALF = 8
-"""Half bandwidth: two neighbours on each side, three coordinates each."""
+CENTRE = 8
+"""Column of the diagonal, and half bandwidth: two neighbours on each side, three coordinates each."""
 
 
 @njit(cache=True, error_model="numpy")
@@ -56,7 +56,7 @@ def add_bending(n: int, x: Array, seg: Array, residual: Array, band: Array, g: A
                 total = 0.0
                 for p in range(3):
                     total += g[p, r] * g[p, c]
-                band[base + r, _HALF + c - r] += stiffness * total
+                band[base + r, CENTRE + c - r] += stiffness * total
 
 
 @njit(cache=True, error_model="numpy")
@@ -77,21 +77,21 @@ def solve_with_bending(
             row = 3 * i + p
             correction[i, p] = -residual[i, p]
             for q in range(3):
-                band[row, _HALF + q - p] += diagonal[i, _entry(p, q)]
+                band[row, CENTRE + q - p] += diagonal[i, _entry(p, q)]
                 if i + 1 < count:
-                    band[row, _HALF + 3 + q - p] += upper[i, _entry(p, q)]
-                    band[row + 3, _HALF - 3 + q - p] += upper[i, _entry(p, q)]
+                    band[row, CENTRE + 3 + q - p] += upper[i, _entry(p, q)]
+                    band[row + 3, CENTRE - 3 + q - p] += upper[i, _entry(p, q)]
     for row in range(size):
-        pivot = 1.0 / band[row, _HALF]
-        for below in range(row + 1, min(row + _HALF + 1, size)):
-            factor = band[below, _HALF + row - below] * pivot
+        pivot = 1.0 / band[row, CENTRE]
+        for below in range(row + 1, min(row + CENTRE + 1, size)):
+            factor = band[below, CENTRE + row - below] * pivot
             if factor == 0.0:
                 continue
-            for column in range(row + 1, min(row + _HALF + 1, size)):
-                band[below, _HALF + column - below] -= factor * band[row, _HALF + column - row]
+            for column in range(row + 1, min(row + CENTRE + 1, size)):
+                band[below, CENTRE + column - below] -= factor * band[row, CENTRE + column - row]
             correction[below // 3, below % 3] -= factor * correction[row // 3, row % 3]
     for row in range(size - 1, -1, -1):
         value = correction[row // 3, row % 3]
-        for column in range(row + 1, min(row + _HALF + 1, size)):
-            value -= band[row, _HALF + column - row] * correction[column // 3, column % 3]
-        correction[row // 3, row % 3] = value / band[row, _HALF]
+        for column in range(row + 1, min(row + CENTRE + 1, size)):
+            value -= band[row, CENTRE + column - row] * correction[column // 3, column % 3]
+        correction[row // 3, row % 3] = value / band[row, CENTRE]
