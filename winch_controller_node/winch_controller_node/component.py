@@ -13,7 +13,7 @@ import numpy as np
 
 from winch_controller_node.design import ControllerDesign, carry_over, design_controller
 from winch_controller_node.guard import HarmGuard
-from winch_controller_node.laws.build import Law, limits_of, make_governor, make_law
+from winch_controller_node.laws.build import Law, limits_of, make_governor, make_law, make_open_loop
 from winch_controller_node.laws.feedback import LawCommand
 from winch_controller_node.laws.feedforward import SpeedFeedforward
 from winch_controller_node.laws.governor import GovernedCommand
@@ -68,7 +68,7 @@ class WinchController:
         design = self._design_for(parameters, 0.0)
         self.estimator = design.make_estimator()
         self.observer = Observer(design, parameters.health)
-        self.guard = HarmGuard(parameters.guard, limits_of(design), tick_period=tick_period, factor=parameters.factor)
+        self.guard = HarmGuard(parameters.guard, limits_of(design), tick_period=tick_period)
         self._kpi = KpiWindow(parameters.kpi_window, parameters.winch, tick_period=tick_period)
         self._mean_state: Array = np.zeros(design.model.order)
         self._shadow_state: Array = np.zeros(2)
@@ -217,6 +217,7 @@ class WinchController:
         self.design = design
         self._law: Law = make_law(design)
         self._governor = make_governor(design)
+        self._open_loop = make_open_loop(design)
         self._tension_law = ConstantTension(
             design.model, design.cable, self.parameters.winch, self.parameters.tension, self._tension_law
         )
@@ -271,7 +272,8 @@ class WinchController:
         residual = self._unit_heave(estimate)
         tip_rate = float(self._tip_rows[1] @ estimate)
         is_judged = not self._has_landed and self.modes.mode is not Mode.CONSTANT_TENSION
-        self.guard.update(residual, float(uncompensated[0]), tip_rate, self.modes.authority if is_judged else 0.0)
+        authority = self.modes.authority if is_judged else 0.0
+        self.guard.update(residual, float(uncompensated[0]), tip_rate, authority, self.modes.target)
         before = self.modes.mode
         situation = Situation(
             lost=self.observer.lost(self._vital()),
@@ -279,6 +281,7 @@ class WinchController:
             winch_fault=fault,
             harm=self.guard.reason,
             speed=self._commanded_speed(estimate),
+            authority_limit=1.0 if self.parameters.law == "mpc" else self.guard.authority_limit,
         )
         mode = self.modes.step(situation)
         if mode.mode is not before:
@@ -403,6 +406,8 @@ class WinchController:
     def _ask(self, mode: ModeOutput, state: LoopState, estimate: Array) -> LawCommand:
         if mode.mode is Mode.CONSTANT_TENSION:
             return self._tension.command(LoopState(estimate, state.reference, state.static_tension))
+        if mode.mode is Mode.FADE_OUT and self.guard.is_harming and self._open_loop is not None:
+            return self._open_loop.command(state)
         if mode.mode in (Mode.COMPENSATING, Mode.FADE_OUT):
             if isinstance(self._law, SpeedFeedforward):
                 self._law.reading = mode.authority * self.observer.mru_rate

@@ -15,7 +15,10 @@ SLOW_MEAN_FACTOR = 3.0
 """The mean about which motion is judged is followed this many times more slowly than the variance."""
 
 FULL_SHARE = 0.95
-"""Share of the largest authority from which on compensation is judged."""
+"""Share of the wanted authority from which on compensation is judged."""
+
+PEAK = 3.0
+"""Peak amplitude over standard deviation of a sea, over some minutes."""
 
 SIGNIFICANT = 2.0
 """Significant amplitude over standard deviation of a narrow-banded sea."""
@@ -57,7 +60,6 @@ class HarmGuard:
     parameters : window, ratio, hold times
     limits : of the winch, for what the sea may ask for
     tick_period : [s]
-    factor : largest authority; compensation is judged when it is (nearly) reached
 
     Attributes
     ----------
@@ -65,11 +67,8 @@ class HarmGuard:
     reason : in words, empty when all is well
     """
 
-    def __init__(
-        self, parameters: GuardParameters, limits: WinchLimits, *, tick_period: float, factor: float = 1.0
-    ) -> None:
+    def __init__(self, parameters: GuardParameters, limits: WinchLimits, *, tick_period: float) -> None:
         self._parameters = parameters
-        self._full = FULL_SHARE * factor
         self._limits = limits
         self._dt = tick_period
         self.is_harming = False
@@ -103,7 +102,15 @@ class HarmGuard:
         acceleration = SIGNIFICANT * self._tip_acceleration.sigma / self._limits.acceleration
         return max(speed, acceleration)
 
-    def update(self, residual: float, uncompensated: float, tip_rate: float, authority: float) -> None:
+    @property
+    def authority_limit(self) -> float:
+        """Largest authority that keeps a law without limits of its own off the winch's limits, by the sea seen now."""
+        peak = PEAK / SIGNIFICANT * self.demand
+        return min(1.0, self._parameters.limit_use / peak) if peak > 0.0 else 1.0
+
+    def update(
+        self, residual: float, uncompensated: float, tip_rate: float, authority: float, target: float = 1.0
+    ) -> None:
         """Take one tick in.
 
         Parameters
@@ -111,6 +118,7 @@ class HarmGuard:
         residual, uncompensated : estimated unit heave with and without compensation [m]
         tip_rate : estimated heave rate of the boom tip [m/s]
         authority : share of the sea that is compensated now
+        target : share it goes to; compensation is judged when that is (nearly) reached
         """
         self._tip_rate.add(tip_rate)
         if self._last_rate is not None:
@@ -123,7 +131,7 @@ class HarmGuard:
             self._on_time = 0.0
             self._reset_sigmas()
             return
-        if authority < self._full:
+        if authority < FULL_SHARE * target:
             return
         self._residual.add(residual)
         self._uncompensated.add(uncompensated)

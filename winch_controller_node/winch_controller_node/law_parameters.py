@@ -19,6 +19,13 @@ class LimitParameters:
     acceleration_use: float = parameter(
         1.0, unit="", minimum=0.05, maximum=1.0, description="Share of the winch's acceleration limit that is used."
     )
+    unit_share: float = parameter(
+        0.2,
+        unit="",
+        minimum=0.001,
+        maximum=100.0,
+        description="Share of the speed limit that the unit's own error may ask for, laws lqr and lqg.",
+    )
     payout_margin: float = parameter(
         1.0, unit="m", minimum=0.0, maximum=100.0, description="Distance kept from the ends of the payout range."
     )
@@ -77,6 +84,14 @@ class GuardParameters:
     )
     floor: float = parameter(
         0.02, unit="m", minimum=0.0, maximum=10.0, description="Residual, 1 sigma, that is never held to be harm."
+    )
+    limit_use: float = parameter(
+        0.85,
+        unit="",
+        minimum=0.05,
+        maximum=10.0,
+        description="Share of the winch's limits that the peaks of the sea may ask of laws lqr, lqg and feedforward; "
+        "their authority is lowered to that.",
     )
     hold_time: float = parameter(
         60.0, unit="s", minimum=0.0, maximum=86_400.0, description="Time off before compensation is tried again."

@@ -55,6 +55,7 @@ class Situation:
     winch_fault : the winch's own fault, 0 without
     harm : the guard's reason to fade out, empty when all is well
     speed : speed of the winch as commanded [m/s], absolute
+    authority_limit : share of the sea that the winch can follow under this law
     """
 
     lost: str
@@ -62,6 +63,7 @@ class Situation:
     winch_fault: int
     harm: str
     speed: float
+    authority_limit: float = 1.0
 
 
 @dataclass(frozen=True)
@@ -92,6 +94,7 @@ class ModeMachine:
         self.mode = Mode.OFF if law == "off" else Mode.STANDBY
         self.reason = "law off" if law == "off" else "estimate settling"
         self.authority = 0.0
+        self.target = factor
         self._time = 0.0
         self._well_time = 0.0
         self._lost_time = 0.0
@@ -192,7 +195,8 @@ class ModeMachine:
             self._fade(Mode.STANDBY, situation.harm)
         else:
             self.reason = f"coasting on prediction: {situation.lost}" if situation.lost else ""
-            self._move_authority(self._factor, self._parameters.fade_in_time)
+            self.target = self._factor * situation.authority_limit
+            self._move_authority(self.target, self._parameters.fade_in_time)
 
     def _constant_tension(self, situation: Situation) -> None:
         if self._lost_time > self._parameters.coast_time:

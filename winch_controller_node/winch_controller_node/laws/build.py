@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Protocol
 
 import numpy as np
@@ -69,4 +70,17 @@ def make_law(design: ControllerDesign) -> Law:
         return ConstrainedLaw(design.model, gain, parameters.winch, limits_of(design), parameters.mpc)
     if parameters.law == "feedforward":
         return SpeedFeedforward(design.model, parameters.winch, parameters.feedforward)
-    return StateFeedback(design.regulator_gain if parameters.law == "lqr" else design.gain)
+    gain = design.regulator_gain if parameters.law == "lqr" else design.gain
+    unit = [design.model.state("unit_heave"), design.model.state("unit_heave_rate")]
+    return StateFeedback(gain, unit, parameters.limits.unit_share * limits_of(design).speed)
+
+
+def make_open_loop(design: ControllerDesign) -> SpeedFeedforward | None:
+    """Return the law by which harm is faded out: without feedback of the unit, nothing can be unstable.
+
+    None for a first-order winch, which has no rate to command.
+    """
+    parameters = design.parameters
+    if parameters.winch.law == "first_order":
+        return None
+    return SpeedFeedforward(design.model, parameters.winch, replace(parameters.feedforward, prediction=True))
