@@ -168,5 +168,6 @@ def _provenance_table(record: RunRecord) -> str:
     rows = "".join(
         f"<tr><td>{html.escape(name)}</td><td><code>{html.escape(value)}</code></td></tr>"
         for name, value in {**record.run, **record.outcome}.items()
+        if not name.startswith("publishers.")
     )
     return f"<table><tbody>{rows}</tbody></table>"
