@@ -1,4 +1,4 @@
-"""A bag in the place of all nodes but the controller: the same run, byte for byte; and markers in a bag show the cable."""
+"""A bag in the place of all nodes but the controller gives the same run; and markers in a bag show the cable."""
 
 from pathlib import Path
 
