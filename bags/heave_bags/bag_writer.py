@@ -74,9 +74,8 @@ class BagWriter:
     opener : makes the storage of each file
     closing_attachments : gives what is attached at the end
 
-    Raises BagError if the folder exists already, or a topic is used that was not added; StorageError if the disk
-    refuses. After
-    a StorageError nothing more can be written, but `close` still leaves a readable bag.
+    Raises BagError if the folder exists already, or a topic is used that was not added; StorageError if the
+    disk refuses. After a StorageError nothing more can be written, but `close` still leaves a readable bag.
     """
 
     def __init__(

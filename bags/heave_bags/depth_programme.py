@@ -18,9 +18,9 @@ SPAN = 60.0
 def take_out_programme(signals: RunSignals, set_point: Signal) -> bool:
     """Take the programme, and the slow change of stretch that goes with it, out of the heave and payout signals.
 
-    `set_point` is the payout that compensation works about [m]. Payout is counted from it; the heave of the unit
-    and of the uncompensated
-    unit from their running mean. Tells whether there was a programme; without one nothing changes.
+    `set_point` is the payout that compensation works about [m]. Payout is counted from it; the heave of the
+    unit and of the uncompensated unit from their running mean. Tells whether there was a programme; without one
+    nothing changes.
     """
     if set_point.size < 2 or np.ptp(set_point.value) < MOVED:
         return False

@@ -54,8 +54,8 @@ def kappa(unit_sigma: float, sensor_bound: float, actuator_bound: float) -> floa
     """Return the distance from the possible, `s(z) / sqrt(s_est^2 + s_act^2)`.
 
     `sensor_bound` is the LQG optimum of the linear system with these sensors and delay and no limits,
-    `actuator_bound` the optimum of a
-    clairvoyant controller with these limits, both standard deviations of the unit's heave [m].
+    `actuator_bound` the optimum of a clairvoyant controller with these limits, both standard deviations of the
+    unit's heave [m].
     """
     bound = math.hypot(sensor_bound, actuator_bound)
     return unit_sigma / bound if bound > 0.0 else math.nan

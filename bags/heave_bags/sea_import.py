@@ -287,8 +287,7 @@ def integrated_twice(acceleration: Array, period: float, cut_off: float) -> Arra
     `cut_off` [rad/s].
 
     In the frequency domain: X = -A/omega^2, faded in over the half octave below and above the cut-off. The ends
-    of the record ring; whole
-    records of minutes are meant.
+    of the record ring; whole records of minutes are meant.
     """
     transform = np.fft.rfft(acceleration - acceleration.mean())
     omega = 2.0 * math.pi * np.fft.rfftfreq(acceleration.size, period)

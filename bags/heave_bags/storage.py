@@ -141,8 +141,7 @@ class BackgroundStorage:
     """Hands everything to another storage in a thread, in order.
 
     `write` and `acknowledge` return at once. What goes wrong in the thread is raised by the next call. Raises
-    StorageError where more than
-    `limit` bytes wait.
+    StorageError where more than `limit` bytes wait.
     """
 
     def __init__(self, storage: Storage, limit: int = BACKLOG_LIMIT) -> None:
