@@ -161,3 +161,26 @@ def test_redesign_for_another_sea_goes_on_without_a_step():
     # two commands a tick apart differ by what the sea asks for: speed servo and sea stay below 1.5 m/s^2
     assert abs(after.order.payout_rate - before.order.payout_rate) < 0.2
     assert after.report.mode == "compensating"
+
+
+def test_a_winch_later_than_believed_is_found_out_and_the_unit_held_still_all_the_same():
+    """0.08 s more delay and a servo slower by 0.05 s trail a sea like a delay of 0.13 s."""
+    parameters = loop_parameters(duration=120.0)
+    slow = dataclasses.replace(parameters, winch=WinchParameters(time_constant=0.2, command_delay=0.28))
+    loop = ClosedLoop(slow)
+    record = loop.run()
+    assert loop.controller.parameters.winch.command_delay == pytest.approx(0.33, abs=0.02)
+    assert any("winch delay now believed" in words for _, words in record.alarms)
+    assert record.unit_sigma(90.0) < 0.01
+
+
+def test_a_winch_as_believed_is_left_alone():
+    record = ClosedLoop(loop_parameters(duration=80.0)).run()
+    assert not any("winch delay" in words for _, words in record.alarms)
+
+
+def test_lqg_keeps_the_loop_in_a_sea_beyond_the_winch():
+    """Hs 3 m at 8 s asks for more than 1.5 m/s^2: the authority is lowered, and the unit never does worse than off."""
+    record = ClosedLoop(loop_parameters(law="lqg", height=3.0, period=8.0, duration=120.0)).run()
+    assert min(record.column("authority", after=60.0)) < 0.9
+    assert record.unit_sigma(40.0) < record.uncompensated_sigma(40.0)

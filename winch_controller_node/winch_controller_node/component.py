@@ -13,6 +13,7 @@ import numpy as np
 
 from winch_controller_node.design import ControllerDesign, carry_over, design_controller
 from winch_controller_node.guard import HarmGuard
+from winch_controller_node.lag_adaptation import LagTracker, carry_by_name
 from winch_controller_node.laws.build import Law, limits_of, make_governor, make_law, make_open_loop
 from winch_controller_node.laws.feedback import LawCommand
 from winch_controller_node.laws.feedforward import SpeedFeedforward
@@ -73,9 +74,11 @@ class WinchController:
         self._mean_state: Array = np.zeros(design.model.order)
         self._shadow_state: Array = np.zeros(2)
         self._sea = SeaTracker(design)
+        self._lag = LagTracker(parameters.lag, design)
         self._tension_law: ConstantTension | None = None
         self._take_design(design)
         self._sequence = 0
+        self._tick = 0
         self._compensating_command = 0.0
         self._total_command = 0.0
         self._last_rate = 0.0
@@ -184,6 +187,34 @@ class WinchController:
         self.estimator.set_model(design.model, design.measurements)
         self._take_design(design)
 
+    def _follow_lag(self) -> None:
+        """Learn how late the drum follows, and design anew where the belief was wrong."""
+        if not self.parameters.lag.adaptation or self._schedule is not None or self._is_first_order:
+            return
+        if self.modes.brake:
+            self._lag.refer_to(self.design, self.estimator.estimate + self._mean_state)
+            return
+        self._lag.advance(self._total_command)
+        if self._tick % max(1, round(1.0 / self._dt)) == 0 and self.modes.mode is Mode.COMPENSATING:
+            better = self._lag.better_belief(self.parameters)
+            if better is not None:
+                self._believe(better)
+
+    def _believe(self, parameters: WinchControllerParameters) -> None:
+        """Go on with a design of another delay: every state keeps its meaning, the chain of commands its length."""
+        design = design_controller(parameters, tick_period=self._dt)
+        carry = carry_by_name(self.design, design)
+        estimate, covariance = carry @ self.estimator.estimate, carry @ self.estimator.covariance @ carry.T
+        self.estimator = design.make_estimator()
+        self.estimator.reset(estimate, covariance)
+        self.estimator.step(self._tick - 1, 0.0, [])
+        self._mean_state = carry @ self._mean_state
+        self.observer.forget_shares()
+        self.parameters = parameters
+        self._take_design(design)
+        self._lag.refer_to(design, estimate + self._mean_state)
+        self._alarms.append(f"winch delay now believed to be {parameters.winch.command_delay:.3f} s")
+
     def _follow_sea(self, estimate: Array) -> None:
         """Let the estimator's driving noise follow the sea that is there."""
         if not self.parameters.estimator.sea_adaptation:
@@ -196,7 +227,9 @@ class WinchController:
     def step(self, tick: int, measurements: Measurements) -> Outputs:
         """Do tick k: take the readings delivered at t_k, return the order for [t_k, t_{k+1}] and what is believed."""
         self._alarms = []
+        self._tick = tick
         self._run_programme(tick * self._dt)
+        self._follow_lag()
         self._follow_length()
         estimate = self._estimate(tick, measurements)
         self._follow_sea(estimate)
@@ -261,6 +294,8 @@ class WinchController:
             self._tension.observe(self.observer.tension)
         estimate = self.estimator.step(tick, self._compensating_command, readings)
         self.observer.learn(self.estimator)
+        if self.observer.payout is not None and not self.modes.brake:
+            self._lag.compare(self.observer.payout)
         return estimate
 
     def _advance_shadow(self, estimate: Array) -> Array:
@@ -366,6 +401,7 @@ class WinchController:
             covariance[index, :] = covariance[:, index] = 0.0
             covariance[index, index] = sigma**2
         self.estimator.reset(estimate, covariance)
+        self.estimator.step(self._tick, 0.0, [])
         self._left_over.jump_to(0.0)
         self._law.reset()
 

@@ -32,6 +32,7 @@ class Observer:
     ----------
     gates : by sensor
     depth_zero : depth that counts as heave zero [m]; None before the first reading
+    payout : encoder reading accepted in this tick, jumps taken off [m]; None: none
     tension : newest accepted top tension [N]; NaN before the first
     mru_rate : newest accepted heave rate of the MRU [m/s]
     stretch_per_payout : how much further than paid out the unit goes down at rest: stretch of the new cable [-]
@@ -54,6 +55,7 @@ class Observer:
         self.gates["encoder"] = self.encoder.gate
         self._use = sensors.use
         self.depth_zero: float | None = None
+        self.payout: float | None = None
         self.tension = math.nan
         self.mru_rate = 0.0
         self.stretch_per_payout = 0.0
@@ -65,6 +67,10 @@ class Observer:
     def remember_share(self, tick: int, mean_state: Array) -> None:
         """Note the state of the mean payout's own motion at `tick`, shape (n,)."""
         self._shares.append((tick, mean_state))
+
+    def forget_shares(self) -> None:
+        """Forget the shares noted so far: the states are counted otherwise from now on."""
+        self._shares.clear()
 
     def observe(
         self, tick: int, delivered: Measurements, estimator: KalmanEstimator, expected_rate: float
@@ -141,9 +147,11 @@ class Observer:
 
     def _encoder(self, now: float, delivered: Measurements, expected_rate: float) -> list[Measurement]:
         winch = delivered.winch
+        self.payout = None
         if winch is None:
             return []
         payout = self.encoder.judge(now, ScalarReading(winch.time, winch.encoder_payout), expected_rate)
+        self.payout = payout
         return [] if payout is None else [Measurement("payout", payout, self._tick_of(winch.time))]
 
     def _unit(self, now: float, sensor: str, name: str, readings: tuple[ScalarReading, ...]) -> list[Measurement]:

@@ -13,6 +13,7 @@ from winch_controller_node.law_parameters import (
     FeedforwardParameters,
     GuardParameters,
     HealthParameters,
+    LagParameters,
     LimitParameters,
     ModeParameters,
     MoveParameters,
@@ -69,6 +70,7 @@ class WinchControllerParameters:
     mpc: MpcParameters = group(MpcParameters)
     feedforward: FeedforwardParameters = group(FeedforwardParameters)
     guard: GuardParameters = group(GuardParameters)
+    lag: LagParameters = group(LagParameters)
     modes: ModeParameters = group(ModeParameters)
     tension: TensionLawParameters = group(TensionLawParameters)
     move: MoveParameters = group(MoveParameters)
