@@ -22,7 +22,7 @@ def make_parser() -> argparse.ArgumentParser:
     )
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
     for add in (
-        *(_add_run, _add_list, _add_report, _add_kpi, _add_replay, _add_import, _add_repair),
+        *(_add_run, _add_list, _add_report, _add_kpi, _add_record, _add_replay, _add_import, _add_repair),
         *(_add_design, _add_identify, _add_static, _add_campaign, _add_bench),
     ):
         add(commands)
@@ -214,3 +214,17 @@ def _add_bench(commands: Any) -> None:
     parts = ("plant", "loop", "controller", "recorder")
     parser.add_argument("--only", nargs="+", choices=parts, default=parts, metavar="PART", help=", ".join(parts))
     parser.add_argument("--seconds", type=float, default=120.0, metavar="S", help="length of each measurement")
+
+
+def _add_record(commands: Any) -> None:
+    parser = _add(
+        commands,
+        "record",
+        "Record every topic that appears, of any type, on a ship or beside any other program, until Ctrl-C.",
+        "heave record sea_trial --set split_duration=600.0",
+    )
+    parser.add_argument("directory", metavar="DIR", type=Path, help="folder of the bag; it must not exist yet")
+    parser.add_argument(
+        "--set", action="append", default=[], metavar="PARAM=VALUE", help="change a parameter of the recorder"
+    )
+    parser.add_argument("--network", action="store_true", help="discover nodes on other hosts of the subnet, too")

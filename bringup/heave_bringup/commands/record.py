@@ -1,0 +1,31 @@
+"""`heave record`: a recorder on its own, beside any other program."""
+
+from __future__ import annotations
+
+import argparse
+import os
+
+from heave_bags.live_recorder import record
+from heave_bags.reader import Bag
+from heave_node.parameters import ParameterError
+
+from heave_bringup.errors import CommandError
+from heave_bringup.output import write_result
+
+
+def execute(options: argparse.Namespace) -> None:
+    """Record until Ctrl-C and say what the bag holds."""
+    if options.network:
+        os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "SUBNET"
+    arguments = ["heave", "--ros-args", "-p", f"directory:={options.directory}"]
+    for setting in options.set:
+        name, separator, value = setting.partition("=")
+        if not separator:
+            raise ParameterError(f"--set {setting}: must be PARAM=VALUE, for example split_duration=600.0")
+        arguments += ["-p", f"{name}:={value}"]
+    status = record(arguments)
+    bag = Bag(options.directory)
+    text = f"{bag.path}: {bag.message_count} messages on {len(bag.topics)} topics, {bag.duration:.1f} s"
+    write_result(options, text, {"bag": str(bag.path), "messages": bag.message_count, "topics": len(bag.topics)})
+    if status:
+        raise CommandError(f"{bag.path}: not everything was recorded; see above")
