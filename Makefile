@@ -47,6 +47,9 @@ $(VENV)/.installed: $(VENV)/bin/uv $(BUILD_INPUTS)
 	@echo "setup: ROS 2 from wheels, then the messages are compiled: a minute or two"
 	@VIRTUAL_ENV=$(CURDIR)/$(VENV) $(BIN)/uv pip install --quiet --reinstall-package heave --editable . || \
 		$(BIN)/python -m pip install --quiet --editable .
+	@echo "setup: compiling the models, once"
+	@rm -rf $(VENV)/first-run && $(BIN)/heave run b2_calm_300 --duration 1 --no-report --bag $(VENV)/first-run > $(VENV)/first-run.log 2>&1 || \
+		echo "setup: left to the first run, which will start slowly; $(VENV)/first-run.log says why"
 	@touch $@
 
 $(VENV)/.test-installed: $(VENV)/.installed

@@ -36,7 +36,7 @@ class RunParameters:
     )
     autostart: bool = parameter(True, unit="", description="Configure and activate without a lifecycle manager.")
     start_timeout: float = parameter(
-        90.0, unit="s", minimum=1.0, maximum=3600.0, description="Wall time to wait for all nodes before tick 1."
+        300.0, unit="s", minimum=1.0, maximum=3600.0, description="Wall time to wait for all nodes before tick 1."
     )
     participant_timeout: float = parameter(
         10.0, unit="s", minimum=0.1, maximum=3600.0, description="Wall time to wait for a silent node before the end."
