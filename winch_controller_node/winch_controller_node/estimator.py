@@ -2,7 +2,7 @@
 
 A reading is used at the tick it was measured: the filter keeps its recent past, goes back to that tick, takes the
 reading in, and runs forward again with everything it knew. The estimate is then what it would have been had the
-reading come at once. The algebra of one step is filterpy's.
+reading come at once. The filter of one step is filterpy's, compiled.
 """
 
 from __future__ import annotations
@@ -13,8 +13,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
-from filterpy.kalman import KalmanFilter
 
+from winch_controller_node.estimator_kernel import CompiledKalmanFilter
 from winch_controller_node.linear_model import Array, LinearModel
 
 
@@ -120,7 +120,7 @@ class KalmanEstimator:
         self._gate = gate
         self._gate_limit = gate_limit
         self._past: deque[_Tick] = deque(maxlen=largest_age + 1)
-        self._filter = KalmanFilter(dim_x=model.order, dim_z=1, dim_u=1)
+        self._filter = CompiledKalmanFilter(model.order)
         self.innovations: dict[str, Innovation] = {}
         self.refusals: dict[str, int] = dict.fromkeys(self.measurements, 0)
         self.set_model(model)
@@ -157,7 +157,7 @@ class KalmanEstimator:
         self.model = model
         if measurements is not None:
             self.measurements = {measurement.name: measurement for measurement in measurements}
-        self._filter.F, self._filter.B, self._filter.Q = model.A, model.B, model.noise_covariance
+        self._filter.set_matrices(model.A, model.B, model.noise_covariance)
         if factors is not None:
             both = np.outer(factors, factors)
             self._filter.x, self._filter.P = factors[:, None] * self._filter.x, both * self._filter.P
@@ -166,7 +166,7 @@ class KalmanEstimator:
 
     def set_process_noise(self, covariance: Array) -> None:
         """Use another covariance of the process noise of a tick, shape (n, n), until the next model."""
-        self._filter.Q = covariance
+        self._filter.set_matrices(self.model.A, self.model.B, covariance)
 
     def reset(self, estimate: Array | None = None, covariance: Array | None = None) -> None:
         """Begin anew at `estimate` (default: zero) with `covariance` (default: the initial one)."""
@@ -213,7 +213,7 @@ class KalmanEstimator:
         self._past.append(_Tick(tick, self._filter.x.copy(), self._filter.P.copy(), []))
 
     def _predict(self, command: float) -> None:
-        self._filter.predict(np.array([[command]]))
+        self._filter.step_ahead(command)
 
     def _take(self, tick: int, readings: Sequence[Measurement]) -> None:
         """Take in the readings measured at `tick`, and run forward again to the present."""
@@ -276,14 +276,12 @@ class KalmanEstimator:
             return
         kalman = self._filter
         H = np.empty((len(readings), self.model.order))
-        z = np.empty((len(readings), 1))
+        z = np.empty(len(readings))
         variances = np.empty(len(readings))
         for i, reading in enumerate(readings):
             measurement = self.measurements[reading.name]
             H[i], predicted = self._linearise(measurement, reading)
             # filterpy predicts H x; a bilinear measurement predicts something else
-            z[i, 0] = reading.value - predicted + float(H[i] @ kalman.x[:, 0])
+            z[i] = reading.value - predicted + float(H[i] @ kalman.x[:, 0])
             variances[i] = (reading.sigma or measurement.sigma) ** 2
-        kalman.dim_z = len(readings)
-        kalman.update(z, np.diag(variances), H)
-        kalman.P = 0.5 * (kalman.P + kalman.P.T)
+        kalman.correct(z, H, variances)
