@@ -54,6 +54,7 @@ class WinchControllerNode(ParticipantNode):
         self.imu = self.add_input(topics.UNIT_IMU, check_stamps=False)
         self.load_cell = self.add_input(topics.LOAD_CELL, check_stamps=False)
         self.winch_state = self.add_input(topics.WINCH_STATE, check_stamps=False)
+        self.sea_estimate = self.add_input(topics.SEA_STATE_ESTIMATE)
         self.create_service(SetMode, "controller/set_mode", self._serve_set_mode)
         self.create_service(Redesign, "controller/redesign", self._serve_redesign)
         self.move = MoveAction(self, lambda: self.controller)
@@ -67,6 +68,7 @@ class WinchControllerNode(ParticipantNode):
         """Step the controller with what was delivered."""
         parameters = self.parameters
         winch = self.take(self.winch_state)
+        self.take(self.sea_estimate)  # the latest is what a redesign follows
         measurements = Measurements(
             mru=conversions.mru_readings(self.take(self.mru)),
             depth=conversions.depth_readings(self.take(self.pressure), parameters.water_density, parameters.gravity),
@@ -121,10 +123,11 @@ class WinchControllerNode(ParticipantNode):
         if not all(math.isfinite(value) and value >= 0.0 for value in asked):
             response.message = "significant_wave_height, peak_period and length must be at least 0"
             return response
+        height, period = self._sea_in_force()
         sea = dataclasses.replace(
             old.sea,
-            significant_wave_height=request.significant_wave_height or old.sea.significant_wave_height,
-            peak_period=request.peak_period or old.sea.peak_period,
+            significant_wave_height=request.significant_wave_height or height,
+            peak_period=request.peak_period or period,
         )
         new = dataclasses.replace(old, sea=sea, length=request.length or old.length)
         try:
@@ -139,6 +142,13 @@ class WinchControllerNode(ParticipantNode):
             f"sigma {response.predicted_unit_sigma:.4g} m"
         )
         return response
+
+    def _sea_in_force(self) -> tuple[float, float]:
+        """Return Hs [m] and Tp [s] as estimated from the MRU; while there is no valid estimate, those of the design."""
+        estimate = self.sea_estimate.latest
+        if estimate is None or not estimate.valid:
+            return self.controller.parameters.sea.significant_wave_height, self.controller.parameters.sea.peak_period
+        return estimate.significant_wave_height, estimate.peak_period
 
 
 def main() -> None:
