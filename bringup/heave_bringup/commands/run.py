@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import argparse
+import importlib
 import os
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from heave_bags import analysis
 from heave_bags.reader import Bag
-from heave_bags.report import save_report
 from heave_msgs.msg import TickStatus
 from heave_node.parameters import ParameterError
 
@@ -17,7 +16,6 @@ from heave_bringup.bag_paths import bag_folders
 from heave_bringup.errors import CommandError
 from heave_bringup.node_table import NODE_BY_NAME
 from heave_bringup.output import write_result
-from heave_bringup.records import read_records
 from heave_bringup.run import RunFolder, new_run_folder, run_scenario
 from heave_bringup.scenarios import Scenario, load_scenario
 
@@ -31,11 +29,10 @@ def execute(options: argparse.Namespace) -> None:
     status = run_scenario(scenario, folder, substitutes=_substitutes(options.from_bag))
     if scenario.run.is_lockstep:
         _check_complete(folder.bag, status)
-    (record,) = read_records([folder.bag])
-    if not options.no_report:
-        save_report([record], folder.report)
-    text = "\n".join([analysis.table([record]), "", *_where(scenario, folder, with_report=not options.no_report)])
-    write_result(options, text, {**analysis.to_json(record), "folder": str(folder.path)})
+    aftermath = importlib.import_module("heave_bringup.aftermath")  # seconds to load: not before a scenario is checked
+    table, figures = aftermath.judge(folder.bag, None if options.no_report else folder.report)
+    text = "\n".join([table, "", *_where(scenario, folder, with_report=not options.no_report)])
+    write_result(options, text, {**figures, "folder": str(folder.path)})
 
 
 def _common_values(options: argparse.Namespace) -> Mapping[str, object]:
