@@ -9,7 +9,7 @@ from cable_sim_node.statics.laying import critical_angle, lay
 from cable_sim_node.statics.problems import mooring_cable, submerged_cable, towing_cable
 from cable_sim_node.statics.shape import cut_at_height, shape_from
 from cable_sim_node.statics.system import Current, PointLoad, StaticSection, static_cable
-from hypothesis import Phase, given, settings
+from hypothesis import Phase, assume, given, settings
 from hypothesis import strategies as st
 
 STIFFNESS, WEIGHT = 5.0e5, 4.0
@@ -112,6 +112,14 @@ def test_the_jacobian_of_the_whole_cable_is_that_of_finite_differences(start, sp
         assert shape.partials[:, column] == pytest.approx(slope, abs=2e-4 * scale)
 
 
+def least_tension(shape):
+    """Return the smallest tension anywhere: tension vectors run straight from end to end of a segment."""
+    change = shape.upper - shape.lower
+    along = -np.sum(shape.lower * change, axis=1) / np.maximum(np.sum(change**2, axis=1), 1e-12)
+    nearest = shape.lower + np.clip(along, 0.0, 1.0)[:, None] * change
+    return np.linalg.norm(nearest, axis=1).min()
+
+
 @settings(phases=(Phase.explicit, Phase.generate), max_examples=30, deadline=None)
 @given(st.tuples(*[st.floats(-300.0, 300.0)] * 3).filter(lambda v: np.linalg.norm(v) > 20.0))
 def test_the_end_position_is_the_gradient_of_the_complementary_energy(start):
@@ -119,6 +127,8 @@ def test_the_end_position_is_the_gradient_of_the_complementary_energy(start):
     cable = static_cable([SECTION], [PointLoad(90.0, (30.0, 0.0, -200.0))], segments=6)
     still, origin, tension = Current(), np.zeros(3), np.array(start)
     shape = shape_from(cable, still, origin, tension)
+    # Where the tension passes through zero the compliance across has no bound, and neither has its rounding.
+    assume(least_tension(shape) > 1e-2)
     for axis, unit in enumerate(np.eye(3)):
         above, below = (shape_from(cable, still, origin, tension + sign * 1e-2 * unit).energy for sign in (1.0, -1.0))
         assert shape.positions[-1, axis] == pytest.approx((above - below) / 2e-2, abs=2e-2)
