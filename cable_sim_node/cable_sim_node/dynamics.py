@@ -24,6 +24,7 @@ from cable_sim_node.errors import (
     NoEquilibriumError,
     NotConvergedError,
     PlantError,
+    refuse_jump,
 )
 from cable_sim_node.line_assembly import add_contact
 from cable_sim_node.line_energy import Energy, PowerLost, energy_of, power_lost
@@ -120,7 +121,8 @@ class CableDynamics:
         """Integrate over `duration` [s]; boom tip and payout [m] run as cubics through values and rates at both ends.
 
         Only position and velocity of `tip_start` and `tip_end` are used. Raises BadMotionError for numbers that are
-        not finite, CableTooShortError, NotConvergedError; the state is then that of the last good step.
+        not finite and for a payout at the start that is not the present one, CableTooShortError, NotConvergedError; the
+        state is then that of the last good step.
         """
         ends, lengths = self._ends, self._lengths
         ends[0], ends[1] = tip_start.position, tip_start.velocity
@@ -137,6 +139,7 @@ class CableDynamics:
                 f"at t = {self.time:g} s: boom tip and payout must be finite and the duration positive; got "
                 f"{ends.tolist()}, {lengths.tolist()}, {duration}"
             )
+        refuse_jump(f"at t = {self.time:g} s", self.unstretched_length - base, payout_start)
         self._reserve(max(lengths[0], lengths[2]) + duration * max(abs(lengths[1]), abs(lengths[3])))
         self._fresh = False
         outcome = advance(self._line, duration, ends, lengths)

@@ -20,4 +20,18 @@ class NotConvergedError(PlantError):
 
 
 class BadMotionError(PlantError, ValueError):
-    """A motion or a length given to the plant is not a finite number, or a duration not positive."""
+    """A motion or a length given to the plant is not a finite number, a length jumps, or a duration is not positive."""
+
+
+LARGEST_JUMP = 1e-6
+"""Payout at the start of an interval may differ from the plant's own by this [m]: far above rounding, far below any
+winch."""
+
+
+def refuse_jump(where: str, payout: float, payout_start: float) -> None:
+    """Raise BadMotionError if `payout_start` is not the plant's `payout` [m]: cable neither appears nor vanishes."""
+    if abs(payout_start - payout) > LARGEST_JUMP:
+        raise BadMotionError(
+            f"{where}: payout_start {payout_start:.9g} m jumps from the plant's payout of {payout:.9g} m; give the "
+            f"payout at which the last interval ended (to {LARGEST_JUMP:g} m)"
+        )

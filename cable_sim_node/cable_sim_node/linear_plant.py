@@ -13,7 +13,7 @@ from heave_node.kinematics import PointMotion
 from numpy.typing import ArrayLike, NDArray
 from scipy.linalg import expm
 
-from cable_sim_node.errors import BadMotionError
+from cable_sim_node.errors import BadMotionError, refuse_jump
 from cable_sim_node.parameters import CableSimParameters
 
 Array = NDArray[np.float64]
@@ -69,12 +69,14 @@ class LinearPlant:
     ) -> None:
         """Integrate over `duration` [s]; boom tip and payout [m] run as cubics through values and rates at both ends.
 
-        Raises BadMotionError for numbers that are not finite and a duration that is not positive.
+        Raises BadMotionError for numbers that are not finite, a duration that is not positive, and a payout at the
+        start that is not the present one.
         """
         numbers = [duration, payout_start, payout_rate_start, payout_end, payout_rate_end]
         motions = [tip_start.position, tip_start.velocity, tip_end.position, tip_end.velocity]
         if duration <= 0.0 or not np.isfinite(numbers).all() or not np.isfinite(motions).all():
             raise BadMotionError("boom tip and payout must be finite numbers and the duration positive")
+        refuse_jump("linear plant", self._payout, payout_start)
         forcing = _cubic(
             duration,
             tip_start.position[2] - self._start_height - payout_start,

@@ -83,6 +83,19 @@ def test_a_motion_that_is_not_a_number_is_refused_and_changes_nothing(bad):
     assert np.array_equal(plant.node_positions, before)
 
 
+def test_a_payout_that_jumps_between_intervals_is_refused_and_changes_nothing():
+    plant = started(s300(20))
+    plant.advance(0.05, STILL, STILL, 0.0, 0.0, 0.02, 0.8)
+    state = plant.save()
+    with pytest.raises(BadMotionError, match=r"at t = 0\.05 s: payout_start 0\.03 m jumps from .* 0\.02 m"):
+        plant.advance(0.05, STILL, STILL, 0.03, 0.8, 0.07, 0.8)
+    for name, value in plant.save().arrays.items():
+        assert np.array_equal(value, state.arrays[name]), name
+    # rounding of a sum is no jump
+    plant.advance(0.05, STILL, STILL, 0.02 + 1e-12, 0.8, 0.06, 0.8)
+    assert plant.unstretched_length == pytest.approx(300.06, abs=1e-12)
+
+
 @pytest.mark.parametrize(
     ("values", "words"),
     [

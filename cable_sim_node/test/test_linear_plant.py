@@ -94,3 +94,8 @@ def test_payout_lowers_the_unit_by_its_length_and_pays_no_tension() -> None:
 def test_motion_that_is_not_finite_is_refused() -> None:
     with pytest.raises(BadMotionError):
         make().advance(TICK, tip(0.0, 0.0), tip(math.nan, 0.0), 0.0, 0.0, 0.0, 0.0)
+
+
+def test_payout_that_jumps_between_intervals_is_refused() -> None:
+    with pytest.raises(BadMotionError, match=r"payout_start 0\.5 m jumps"):
+        make().advance(TICK, tip(0.0, 0.0), tip(0.0, 0.0), 0.5, 0.0, 0.5, 0.0)
