@@ -10,9 +10,12 @@ import math
 import numpy as np
 import pytest
 from cable_sim_node.axial import simulate_axial
-from cable_sim_node.axial_line import AxialLine, AxialSection, AxialUnit
+from cable_sim_node.axial_line import AxialLine, AxialSection, AxialUnit, axial_line
+from cable_sim_node.dynamics import CableDynamics
 from cable_sim_node.linear import heave_transfer_function, natural_frequencies, resonant_length
+from cable_sim_node.parameters import CableParameters, CableSimParameters, UnitParameters
 from heave_node.constants import SEAWATER_DENSITY, STANDARD_GRAVITY
+from heave_node.kinematics import PointMotion
 
 
 def area(diameter):
@@ -261,6 +264,70 @@ def test_slow_deployment_is_critical_at_the_resonant_length():
     assert exact <= critical < 1.05 * exact
     # the rough formula leaves out the cable's own mass, here 4.5 t of 17.5: it is an upper bound, 15 % high
     assert exact < resonant_length(DEPLOYED, omega) < 1.2 * exact
+
+
+def test_the_excitation_frequency_counts_by_where_resonance_is(deployments):
+    # observation 4. Resonance lies beyond 2000 m at 0.4189 and 0.628 rad/s and near 600 m at 1.26 rad/s
+    for speed in SPEEDS[2:]:
+        sizes = {}
+        for omega in FREQUENCIES:
+            length, size, _, _ = deployments[speed, omega]
+            sizes[omega] = np.interp((700.0, 1800.0), length, size)
+        assert sizes[0.4189][0] < sizes[0.628][0] < sizes[0.838][0], speed
+        # past its resonance by more than sqrt(2) the unit moves less than the boom tip, whose amplitude is 1 m
+        assert sizes[1.26][1] < 1.0 < sizes[1.26][0], speed
+        assert sizes[1.26][1] < sizes[0.4189][1], speed
+
+
+@pytest.mark.parametrize(("speed", "omega", "goes_slack"), [(1.0, 1.26, True), (3.0, 0.838, False)])
+def test_two_of_the_sixteen_agree_with_the_three_dimensional_solver(speed, omega, goes_slack):
+    # `DEPLOYED` in the words of the three-dimensional solver, from 50 m to 800 m, heave 0.5 m; both start gently. At
+    # 1.26 rad/s resonance near 600 m throws the cable slack.
+    diameter = 0.047
+    parameters = CableSimParameters(
+        length=50.0,
+        segments=4,
+        cable=CableParameters(
+            diameter=diameter, mass_per_length=7.2, axial_stiffness=9.05e9 * area(diameter), tangential_drag=0.025
+        ),
+        unit=UnitParameters(
+            mass=5000.0,
+            volume=0.13 * 5000.0 / SEAWATER_DENSITY,
+            added_mass=(8000.0,) * 3,
+            drag_coefficient=(1.0,) * 3,
+            drag_area=(1.0,) * 3,
+        ),
+    )
+    assert axial_line(parameters).static_top_tension(800.0) == pytest.approx(DEPLOYED.static_top_tension(800.0))
+    period = 0.05
+    time = np.arange(0.0, 750.0 / speed, period)
+    share = np.clip(time / 20.0, 0.0, 1.0)
+    rise = share**3 * (10.0 - 15.0 * share + 6.0 * share**2)
+    heave = 0.5 * rise * np.sin(omega * time)
+    # the integral of `rise` is 20 s (2.5 s^4 - 3 s^5 + s^6), and time - 10 s after the ramp
+    payout = speed * (20.0 * (2.5 * share**4 - 3.0 * share**5 + share**6) + np.clip(time - 20.0, 0.0, None))
+    axial = simulate_axial(DEPLOYED, 50.0, heave, period, payout=payout, segments=40, largest_step=0.02)
+    cable = CableDynamics(parameters)
+    cable.start_at_equilibrium(np.zeros(3))
+    heave_rate, feed = np.gradient(heave, period), speed * rise
+    motions = [
+        PointMotion(t, np.array([0.0, 0.0, z]), np.array([0.0, 0.0, v]))
+        for t, z, v in zip(time, heave, heave_rate, strict=True)
+    ]
+    start, unit, tension = cable.unit_position[2], [0.0], [cable.top_tension]
+    for k in range(len(time) - 1):
+        cable.advance(period, motions[k], motions[k + 1], payout[k], feed[k], payout[k + 1], feed[k + 1])
+        unit.append(cable.unit_position[2] - start)
+        tension.append(cable.top_tension)
+    swing = np.ptp(axial.unit_heave + payout)
+    apart = np.abs(np.array(unit) - axial.unit_heave).max()
+    assert (axial.least_tension.min() == 0.0) == goes_slack
+    if goes_slack:
+        # each snap depends on the mesh a little; the motion stays together
+        assert apart < 0.04 * swing
+    else:
+        assert apart < 2e-4 * swing
+        assert np.array(tension) == pytest.approx(axial.top_tension, abs=2e-3 * np.ptp(axial.top_tension))
 
 
 def test_sudden_stop_gives_the_wave_tension_and_then_a_steady_motion(gallery):
