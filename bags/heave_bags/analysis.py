@@ -139,8 +139,11 @@ def to_json(record: RunRecord, window: float | None = None) -> dict[str, Any]:
 
 
 def table(records: Sequence[RunRecord]) -> str:
-    """Return the KPIs of runs side by side as text."""
-    return kpi_set.table({record.name: record.kpis() for record in records})
+    """Return the KPIs of runs side by side as text, and below them what a reader of them must know."""
+    lines = [kpi_set.table({record.name: record.kpis() for record in records})]
+    for record in records:
+        lines += [f"{record.name}: {text}" for text in record.remarks()]
+    return "\n".join(lines)
 
 
 WINDOW_COLUMNS = {

@@ -91,8 +91,7 @@ def _heading(title: str, records: Sequence[RunRecord]) -> str:
     lines = [f"<h1>{html.escape(title)}</h1>", '<p class="lead">Active heave compensation: run report</p>']
     for record in records:
         prefix = f"{record.name}: " if len(records) > 1 else ""
-        texts = [*record.notes, *(f"not all of the bag could be read: {loss}" for loss in record.losses)]
-        lines += [f'<div class="notice">{html.escape(prefix + text)}</div>' for text in texts]
+        lines += [f'<div class="notice">{html.escape(prefix + text)}</div>' for text in record.remarks()]
     return "\n".join(lines)
 
 

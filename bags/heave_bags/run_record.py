@@ -115,6 +115,10 @@ class RunRecord:
     losses: list[Loss] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
 
+    def remarks(self) -> list[str]:
+        """Return what a reader of the figures must know: the notes, and what of the bag could not be read."""
+        return [*self.notes, *(f"not all of the bag could be read: {loss}" for loss in self.losses)]
+
     def kpis(self, start: float | None = None, end: float | None = None) -> dict[str, float]:
         """Return every KPI over the evaluation window, or over start..end [s]."""
         return kpi_set.evaluate(self.signals, self.start if start is None else start, self.end if end is None else end)
