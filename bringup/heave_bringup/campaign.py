@@ -18,6 +18,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
+from importlib import resources
 from pathlib import Path
 from typing import Any
 
@@ -76,6 +77,16 @@ class Campaign:
         stream = random_stream(self.draw_seed, "campaign/draws")
         for _ in range(self.draw_count):
             yield {name: float(stream.uniform(low, high)) for name, (low, high) in self.uniform.items()}
+
+
+def find_campaign(name: str) -> Path:
+    """Return the file of a shipped campaign or the file itself; raise ParameterError where there is neither."""
+    folder = Path(str(resources.files("heave_bringup"))) / "campaigns"
+    shipped = {path.stem: path for path in sorted(folder.glob("*.yaml"))}
+    path = shipped.get(name, Path(name))
+    if not path.is_file():
+        raise ParameterError(f"{name}: no such campaign or file; shipped are: {', '.join(shipped)}")
+    return path
 
 
 def read_campaign(path: Path) -> Campaign:

@@ -158,10 +158,10 @@ def _add_campaign(commands: Any) -> None:
         commands,
         "campaign",
         "Run many cases of a scenario (seeds, a grid, random draws) without ROS, and print one table.",
-        "heave campaign b9_campaign.yaml --json result.json",
+        "heave campaign b9_model_error --json result.json",
     )
     parser.add_argument(
-        "file", metavar="FILE", type=Path, help="campaign file (heave_bringup/campaign.py says its form)"
+        "campaign", metavar="CAMPAIGN", help="a shipped campaign, or a file (heave_bringup/campaign.py says its form)"
     )
     parser.add_argument("--processes", type=int, default=0, metavar="N", help="default: one per processor")
 

@@ -10,7 +10,7 @@ import numpy as np
 from heave_bags import kpi
 from heave_node.parameters import ParameterError
 
-from heave_bringup.campaign import read_campaign
+from heave_bringup.campaign import find_campaign, read_campaign
 from heave_bringup.campaign_runs import CaseResult, run_cases
 from heave_bringup.output import write_result
 from heave_bringup.progress import ProgressLine
@@ -20,7 +20,7 @@ def execute(options: argparse.Namespace) -> None:
     """Run every case and print unit sigma, uncompensated sigma, tension and winch use of each, then the summary."""
     if options.processes < 0:
         raise ParameterError(f"--processes {options.processes}: must be at least 1, or 0 for one per processor")
-    campaign = read_campaign(options.file)
+    campaign = read_campaign(find_campaign(options.campaign))
     cases = list(campaign.cases())
     progress = ProgressLine()
     results: list[CaseResult] = []
