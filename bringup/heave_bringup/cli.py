@@ -6,6 +6,7 @@ import importlib
 import signal
 import sys
 from collections.abc import Sequence
+from pathlib import Path
 
 from heave_bags.errors import BagError
 from heave_node.parameters import ParameterError
@@ -22,6 +23,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run the `heave` command; return its exit status: 0 only when it did what it says."""
     signal.signal(signal.SIGTERM, signal.default_int_handler)  # ended by SIGTERM as by Ctrl-C: nodes closed in order
     options = make_parser().parse_args(arguments)
+    if options.json not in (None, "-") and not Path(options.json).resolve().parent.is_dir():
+        return _complain(f"--json {options.json}: there is no folder {Path(options.json).parent}", EXIT_USAGE)
     command = importlib.import_module(f"heave_bringup.commands.{options.module}")
     try:
         command.execute(options)

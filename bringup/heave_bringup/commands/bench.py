@@ -10,6 +10,7 @@ from collections.abc import Callable
 from typing import Any
 
 from cable_sim_node.plant_benchmark import measure_plant
+from heave_node.parameters import ParameterError
 
 from heave_bringup.bench.controller import measure_controller
 from heave_bringup.bench.loop import measure_loop
@@ -22,6 +23,8 @@ SEGMENTS = (20, 50, 100, 200)
 
 def execute(options: argparse.Namespace) -> None:
     """Measure what was asked for, one after the other, and print it."""
+    if not 0.0 < options.seconds < math.inf:
+        raise ParameterError(f"--seconds {options.seconds:g}: must be a number above 0")
     progress = ProgressLine()
     result: dict[str, Any] = {"processors": os.cpu_count()}
     try:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+from cable_sim_node.errors import PlantError
 from winch_controller_node.lqr import DesignError
 from winch_controller_node.report import design_report
 from winch_controller_node.report_figures import draw_report
@@ -27,7 +28,7 @@ def execute(options: argparse.Namespace) -> None:
             seed=scenario.run.seed,
             length=options.length,
         )
-    except DesignError as error:
+    except (PlantError, DesignError) as error:
         raise CommandError(f"{scenario.path}: {error}") from error
     finally:
         progress.close()

@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 
 import numpy as np
-from cable_sim_node.axial import AxialError
+from cable_sim_node.errors import PlantError
 from heave_bags.run_record import read_run
 from winch_controller_node.identification import Identification, IdentificationError, identify
 from winch_controller_node.identification_plant import (
@@ -36,7 +36,7 @@ def execute(options: argparse.Namespace) -> None:
             found = identify_simulated(
                 scenario.parameters["winch_controller"], drag=options.drag, seed=scenario.run.seed
             )
-    except (IdentificationError, AxialError, DesignError) as error:
+    except (IdentificationError, PlantError, DesignError) as error:
         raise CommandError(f"{options.source}: {error}") from error
     picture = options.picture or Path(f"{Path(options.source).stem}_identify.svg")
     draw_identification(found, picture)
