@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 
 from heave_bags import kpi_set
 from heave_bags.kpi_set import RunSignals, Signal
+from heave_node.parameters import ParameterError
 from winch_controller_node.closed_loop import ClosedLoop, LoopParameters, LoopRecord
 
 from heave_bringup.campaign import Campaign, Case, as_settings
@@ -47,7 +48,13 @@ def _scenario(campaign: Campaign, case: Case) -> Scenario:
     if campaign.duration is not None:
         common["duration"] = campaign.duration
     settings = as_settings({**campaign.common, **case.settings})
-    return load_scenario(campaign.scenario, settings=settings, common=common)
+    scenario = load_scenario(campaign.scenario, settings=settings, common=common)
+    run = scenario.run
+    if run.duration <= run.transient:
+        raise ParameterError(
+            f"{campaign.path}: duration {run.duration:g} s leaves nothing after the transient of {run.transient:g} s"
+        )
+    return scenario
 
 
 def _run_case(scenario: Scenario, case: Case) -> CaseResult:

@@ -30,6 +30,8 @@ def add_bounds(record: RunRecord, bag: Path) -> None:
     scenario = _scenario_of(bag)
     if scenario is None or scenario.parameters["winch_controller"].law == OFF:
         return
+    if record.end <= scenario.run.transient:
+        return  # the start-up is no measure of the controller
     try:
         s_est, s_act = _bounds(record, scenario)
     except DesignError as error:

@@ -44,7 +44,7 @@ class RunFolder:
 
 
 def new_run_folder(name: str, chosen: Path | None) -> RunFolder:
-    """Make the folder of a run: the chosen one, or the next free `runs/NAME-NNN`. Raises CommandError where it is
+    """Choose the folder of a run: the chosen one, or the next free `runs/NAME-NNN`. Raises CommandError where it is
     taken.
     """
     if chosen is not None:
@@ -55,7 +55,6 @@ def new_run_folder(name: str, chosen: Path | None) -> RunFolder:
         number = 1
         while (path := Path("runs") / f"{name}-{number:03d}").exists():
             number += 1
-    path.mkdir(parents=True, exist_ok=True)
     return RunFolder(path.resolve())
 
 
@@ -76,13 +75,14 @@ def run_scenario(
     place a bag is played; `on_look` is called a few times per second while the run lasts.
     """
     prepare_environment()
-    write_scenario(resolved(scenario, folder), folder.scenario)
     monitor = Monitor()
     launcher = Launcher()
     progress = ProgressLine()
     try:
         if monitor.another_run():
             raise CommandError("another run is under way in this ROS domain: end it, or set another ROS_DOMAIN_ID")
+        folder.path.mkdir(parents=True, exist_ok=True)
+        write_scenario(resolved(scenario, folder), folder.scenario)
         launcher.start(nodes_to_start(scenario), folder.scenario, folder.logs, substitutes)
         return _watch(scenario, launcher, monitor, progress, on_look)
     except KeyboardInterrupt:
@@ -161,6 +161,6 @@ def _progress_text(scenario: Scenario, monitor: Monitor) -> str:
     share = status.simulated_time / scenario.run.duration if scenario.run.duration else 1.0
     text = f"{status.simulated_time:7.1f} s of {scenario.run.duration:g} s ({min(share, 1.0):4.0%})"
     text += f"  {status.real_time_factor:5.1f} x real time"
-    if kpi is not None:
+    if kpi is not None and status.simulated_time > kpi.window:  # before that the window holds the start-up
         text += f"  unit sigma {100.0 * kpi.unit_sigma:.2f} cm  efficiency {100.0 * kpi.unit_efficiency:.1f} %"
     return text

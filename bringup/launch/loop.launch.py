@@ -52,6 +52,7 @@ def start_nodes(context: LaunchContext) -> list[LaunchDescriptionEntity]:
         common["external"] = external.split(",")
     scenario = load_scenario(scenario_name, common=common)
     folder = new_run_folder(scenario.name, Path(folder_name) if folder_name else None)
+    folder.path.mkdir(parents=True, exist_ok=True)
     write_scenario(resolved(scenario, folder), folder.scenario)
     arguments = {"scenario": str(folder.scenario)}
     nodes = [

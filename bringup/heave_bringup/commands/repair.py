@@ -6,6 +6,7 @@ import argparse
 
 from heave_bags.repair import reindex, repair
 
+from heave_bringup.errors import CommandError
 from heave_bringup.output import write_result
 from heave_bringup.progress import ProgressLine
 
@@ -22,5 +23,7 @@ def execute(options: argparse.Namespace) -> None:
         saved = repair(options.bag, options.output, progress=lambda share: progress.show(f"saving {share:4.0%}"))
     finally:
         progress.close()
+    if not saved.messages:
+        raise CommandError(f"{options.bag}: nothing in it can be read")
     losses = [str(loss) for loss in saved.losses]
     write_result(options, str(saved), {"bag": str(saved.folder), "messages": saved.messages, "losses": losses})
