@@ -194,7 +194,7 @@ def bend(line: LineArrays, n: int, tolerance: float) -> bool:
     for k in range(3):
         correction[n, k] = 0.0
     for _ in range(400):
-        assemble(line, n, False, 0.0, 0.0)
+        assemble(line, n, 0.0, 0.0)
         add_drag_turning(n, line.x, line.seg, line.flow, line.band)
         solve_with_bending(n, line.diagonal, line.upper, line.residual, line.band, correction)
         largest = 0.0

@@ -86,12 +86,14 @@ def largest_relative_correction(count: int, seg: Array, correction: Array) -> fl
 
 
 @njit(cache=True, error_model="numpy")
-def assemble(line: LineArrays, n: int, at_middle: bool, c_mass: float, c_velocity: float) -> tuple[float, bool]:
-    """Assemble everything at the middle of the step or at its end.
+def assemble(line: LineArrays, n: int, c_mass: float, c_velocity: float) -> tuple[float, bool]:
+    """Assemble everything at the middle of the step or, where `c_mass` is 0, at its end.
 
+    A flag for that would be a literal, and this long function compiled twice.
     Return the least strain and whether the seabed is touched.
     """
     x, v, a, moving, tip = line.x, line.v, line.a, line.moving, line.tip
+    at_middle = c_mass > 0.0
     if at_middle:
         x, v, a, moving, tip = line.x_middle, line.v_middle, line.a_middle, line.middle, line.middle_tip
     least = assemble_segments(
@@ -213,7 +215,7 @@ def step(line: LineArrays, n: int, h: float) -> int:
         correction[n, k] = 0.0
     last, part = 1e300, 1.0
     for _ in range(int(settings[ITERATIONS])):
-        least, touching = assemble(line, n, True, c_mass, c_velocity)
+        least, touching = assemble(line, n, c_mass, c_velocity)
         line.counters[SOLVES] += 1
         if bending:
             solve_with_bending(count, line.diagonal, line.upper, line.residual, line.band, correction)
@@ -332,5 +334,5 @@ def evaluate(line: LineArrays) -> float:
     """
     n = line.counters[SEGMENTS]
     set_flow(n, line.x, line.moving, line.settings, line.current, line.schedule, line.flow, line.flow_acceleration)
-    least, _ = assemble(line, n, False, 0.0, 0.0)
+    least, _ = assemble(line, n, 0.0, 0.0)
     return least
