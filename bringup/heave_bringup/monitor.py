@@ -12,7 +12,7 @@ from heave_node.spin import Spinner
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
-DISCOVERY = 0.6
+DISCOVERY = 1.0
 """Wall time in which a run that is already under way in this domain shows itself [s]."""
 
 
@@ -48,9 +48,13 @@ class Monitor:
         deadline = time.monotonic() + DISCOVERY
         while time.monotonic() < deadline:
             self.spin(0.1)
-            if self._node.count_publishers(topics.TICK_START.name):
+            if self.masters():
                 return True
         return False
+
+    def masters(self) -> int:
+        """Return the number of clock masters in this ROS domain."""
+        return self._node.count_publishers(topics.TICK_START.name)
 
     def close(self) -> None:
         """Leave ROS."""

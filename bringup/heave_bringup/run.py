@@ -18,6 +18,8 @@ from heave_bringup.node_table import MASTER, NODES
 from heave_bringup.progress import ProgressLine
 from heave_bringup.scenarios import Scenario
 
+ANOTHER_RUN = "another run is under way in this ROS domain: end it, or set another ROS_DOMAIN_ID"
+
 LOOK_PERIOD = 0.1
 """Wall time between two looks at the nodes [s]."""
 DESERTION = 1.0
@@ -80,7 +82,7 @@ def run_scenario(
     progress = ProgressLine()
     try:
         if monitor.another_run():
-            raise CommandError("another run is under way in this ROS domain: end it, or set another ROS_DOMAIN_ID")
+            raise CommandError(ANOTHER_RUN)
         folder.path.mkdir(parents=True, exist_ok=True)
         write_scenario(resolved(scenario, folder), folder.scenario)
         launcher.start(nodes_to_start(scenario), folder.scenario, folder.logs, substitutes)
@@ -123,6 +125,8 @@ def _watch(
             raise CommandError(cause)
         if launcher.all_ended():
             break
+        if monitor.masters() > 1:  # on a busy machine it may show itself late
+            raise CommandError(ANOTHER_RUN)
     status = monitor.status
     if status is None or status.state != TickStatus.ENDED:
         raise CommandError("the nodes ended without saying that the run was over; see the logs")

@@ -64,7 +64,9 @@ class ParticipantNode(HeaveNode):
         """Queue a tick; one that was heard before is a question that got no answer."""
         self._heard_at = time.monotonic()
         newest = self._starts[-1] if self._starts else self._answered
-        if newest is None or _order(message) > _order(newest):
+        if newest is None and self.run.is_lockstep and message.tick > 1 + self.lag:
+            self.fail(f"came too late: a run is under way in this ROS domain, at tick {message.tick}")
+        elif newest is None or _order(message) > _order(newest):
             self._starts.append(message)
             if len(self._starts) == 1:
                 self._begin_next()

@@ -278,3 +278,16 @@ call(Trigger, "simulation/reset", Trigger.Request())
 again = until(lambda s: s.epoch == 2 and s.tick > 1)
 print(paused, stepped, again.epoch, again.tick)
 """
+
+
+def test_a_node_that_comes_into_a_run_under_way_says_so(loop):
+    start_all(loop, duration=1e5)
+    time.sleep(6.0)
+    late = Loop(int(loop.environment["ROS_DOMAIN_ID"]))
+    late.start("virtual_winch", duration=1e5)
+    try:
+        status, _, err = late.end("virtual_winch")
+    finally:
+        late.stop()
+    assert status == 1
+    assert "came too late: a run is under way in this ROS domain" in err
