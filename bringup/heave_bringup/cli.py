@@ -21,7 +21,8 @@ EXIT_USAGE = 2
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the `heave` command; return its exit status: 0 only when it did what it says."""
-    signal.signal(signal.SIGTERM, signal.default_int_handler)  # ended by SIGTERM as by Ctrl-C: nodes closed in order
+    for number in (signal.SIGINT, signal.SIGTERM):  # even where a shell in the background had SIGINT ignored
+        signal.signal(number, signal.default_int_handler)  # nodes are ended in order
     options = make_parser().parse_args(arguments)
     if options.json not in (None, "-") and not Path(options.json).resolve().parent.is_dir():
         return _complain(f"--json {options.json}: there is no folder {Path(options.json).parent}", EXIT_USAGE)
