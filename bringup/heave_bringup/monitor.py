@@ -39,6 +39,11 @@ class Monitor:
     def _on_kpi(self, message: CompensationKpi) -> None:
         self.kpi = message
 
+    @property
+    def is_over(self) -> bool:
+        """Whether the master has said that the run is over, well or not."""
+        return self.status is not None and self.status.state in (TickStatus.ENDED, TickStatus.FAILED)
+
     def spin(self, seconds: float) -> None:
         """Listen for some wall time."""
         self._spinner.spin_for(seconds)

@@ -135,12 +135,10 @@ def _watch(
 
 def _deserters(launcher: Launcher, monitor: Monitor) -> list[NodeProcess]:
     """Return the nodes that left, as if all were well, before the run was over."""
-    is_over = monitor.status is not None and monitor.status.state in (TickStatus.ENDED, TickStatus.FAILED)
-    if is_over or not launcher.left():
+    if monitor.is_over or not launcher.left():
         return []
     monitor.spin(DESERTION)
-    is_over = monitor.status is not None and monitor.status.state in (TickStatus.ENDED, TickStatus.FAILED)
-    return [] if is_over else launcher.left()
+    return [] if monitor.is_over else launcher.left()
 
 
 def _let_the_bag_show_it(scenario: Scenario, monitor: Monitor) -> None:
