@@ -1,7 +1,7 @@
 """The controller over seeds, on the full plant, without ROS: unit sigma, worse, kappa, and the time of a step.
 
-    python benchmarks/controller.py b3_deep_900 b4_limit_900_tp8 --seeds 8 --duration 420 --transient 180
-    python benchmarks/controller.py b9_model_error --draws 64 --duration 300 --transient 150
+    python benchmarks/controller.py b3_deep_900 b4_limit_900_tp8 --seeds 8 --duration 2100 --transient 300
+    python benchmarks/controller.py b9_model_error --draws 64 --duration 2100 --transient 300
 
 Components run in this process, as the nodes would in lockstep: the numbers are those of `heave run`. kappa divides by
 the bound of the sensors (LQG without limits) and that of the winch (clairvoyant, with the boom tip of each run).
@@ -20,14 +20,12 @@ from pathlib import Path
 
 import numpy as np
 from heave_bags.kpi import efficiency, kappa, snap_times
+from heave_bringup.kappa import LONGEST
 from heave_node.scenario import NodeValues, read_scenario
-from winch_controller_node.bounds import WinchLimits, actuator_bound
+from winch_controller_node.bounds import BOUND_STEP, WinchLimits, actuator_bound
 from winch_controller_node.closed_loop import ClosedLoop, LoopRecord, loop_parameters
 from winch_controller_node.prediction import estimation_bound
 from winch_controller_node.readings import Measurements, Outputs
-
-BOUND_STEP = 0.2
-"""Step of the clairvoyant's plan [s]."""
 
 
 @dataclass(frozen=True)
@@ -62,14 +60,16 @@ def scenario_values(name: str, law: str) -> NodeValues:
 def model_error(values: NodeValues, draw: int) -> NodeValues:
     """Return one draw of B9: mass and drag of the plant, servo and delay of the winch are not what is believed.
 
-    Effective mass +-30 %, drag up to four times, servo +-50 %, delay +-0.1 s; draw 0 is nominal.
+    Effective mass (and so a) +-30 %, drag (and so b) from 30 % less to four times, servo +-50 %, delay +-0.1 s; draw 0
+    is nominal.
     """
     changed = copy.deepcopy(values)
     plant, winch, belief = changed["cable_sim"], changed["virtual_winch"], changed["winch_controller"]
     share = np.zeros(4) if draw == 0 else np.random.default_rng([9, draw]).uniform(-1.0, 1.0, 4)
     mass, added = float(belief["unit.mass"]), float(belief["unit.added_mass"][0])  # type: ignore[arg-type,index]
     plant["unit.added_mass"] = [added + 0.3 * share[0] * (mass + added)] * 3
-    plant["unit.drag_coefficient"] = [float(4.0 ** max(share[1], 0.0))] * 3
+    least, most = (1.0, 1.0) if draw == 0 else (0.7, 4.0)
+    plant["unit.drag_coefficient"] = [float(least * (most / least) ** (0.5 * (1.0 + share[1])))] * 3
     winch["time_constant"] = 0.15 * (1.0 + 0.5 * share[2])
     winch["command_delay"] = 0.2 + 0.1 * share[3]
     return changed
@@ -118,7 +118,8 @@ def run_once(name: str, values: NodeValues, seed: int, duration: float, transien
 def _actuator_bound(loop: ClosedLoop, record: LoopRecord, transient: float) -> float:
     design = loop.controller.design
     winch = design.parameters.winch
-    tip = record.column("boom_tip", after=transient)[:: round(BOUND_STEP / design.tick_period)]
+    tip = record.column("boom_tip", after=transient)[: round(LONGEST / design.tick_period)]
+    tip = tip[:: round(BOUND_STEP / design.tick_period)]
     try:
         return actuator_bound(design.cable, WinchLimits(winch.speed_limit, winch.acceleration_limit), tip, BOUND_STEP)
     except ValueError:
@@ -156,8 +157,8 @@ def main() -> None:
         "--draws", type=int, default=0, help="draws of wrong models (B9) instead of seeds; the first is nominal"
     )
     parser.add_argument("--law", default="", help="another law than the scenario's")
-    parser.add_argument("--duration", type=float, default=420.0, help="simulated time of a run [s]")
-    parser.add_argument("--transient", type=float, default=180.0, help="time before the evaluation [s]")
+    parser.add_argument("--duration", type=float, default=2100.0, help="simulated time of a run [s]")
+    parser.add_argument("--transient", type=float, default=300.0, help="time before the evaluation [s]")
     parser.add_argument("--json", default="", help="file to write the figures to")
     options = parser.parse_args()
     everything: list[dict[str, object]] = []

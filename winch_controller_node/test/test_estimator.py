@@ -186,3 +186,23 @@ def test_the_compiled_steps_are_those_of_filterpy():
         peer.update(z[:, None], np.diag(variances), H)
     assert ours.x == pytest.approx(peer.x, rel=1e-9)
     assert pytest.approx(peer.P, rel=1e-9, abs=1e-12) == ours.P
+
+
+def test_a_sensor_with_a_gate_of_its_own_is_never_refused_by_the_estimate():
+    """The model is far more wrong than it thinks: an ungated reading takes the estimate along, a gated one does not."""
+    model, P = swing()
+    left = {}
+    for is_gated in (True, False):
+        estimator = KalmanEstimator(
+            model, [MeasurementModel("position", "sensor", model.row("x"), 0.01, is_gated=is_gated)], P
+        )
+        for k in range(20):
+            estimator.step(k, 0.0, [Measurement("position", 0.0, k)])
+        for k in range(20, 40):
+            estimator.step(k, 0.0, [Measurement("position", 5.0, k)])
+        left[is_gated] = abs(float(estimator.estimate[0]) - 5.0)
+        assert estimator.innovations["position"].accepted is not is_gated
+    assert left[True] > 4.0
+    assert left[False] < 0.5
+    estimator.step(40, 0.0, [Measurement("position", math.nan, 40)])
+    assert np.all(np.isfinite(estimator.estimate))

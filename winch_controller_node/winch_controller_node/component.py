@@ -13,7 +13,6 @@ import numpy as np
 
 from winch_controller_node.design import ControllerDesign, carry_over, design_controller
 from winch_controller_node.guard import HarmGuard
-from winch_controller_node.lag_adaptation import LagTracker, carry_by_name
 from winch_controller_node.laws.build import Law, limits_of, make_governor, make_law, make_open_loop
 from winch_controller_node.laws.feedback import LawCommand
 from winch_controller_node.laws.feedforward import SpeedFeedforward
@@ -27,11 +26,12 @@ from winch_controller_node.observation import Observer
 from winch_controller_node.parameters import WinchControllerParameters
 from winch_controller_node.prediction import predict_loop
 from winch_controller_node.programme import Programme, ProgrammeStep
-from winch_controller_node.readings import Measurements, Outputs, Report, RollingKpi, WinchOrder
+from winch_controller_node.readings import Measurements, Outputs, Report, RollingKpi, WinchOrder, WinchReading
 from winch_controller_node.rolling_kpi import KpiWindow
 from winch_controller_node.schedule import FOLLOW, design_schedule, is_scheduled
 from winch_controller_node.sea_adaptation import SeaTracker
 from winch_controller_node.trajectory import MeanPayout
+from winch_controller_node.winch_identification import WinchIdentifier, carry_by_name
 
 RETURN_SPEED = 0.05
 """Speed at which a payout left over from before a stop returns to the mean [m/s]."""
@@ -40,6 +40,12 @@ HANGING_SIGMA = 0.1
 """Doubt in heave [m], rate [m/s] and mean depth [m] of a unit that has just been lifted off."""
 
 IDLE = LawCommand(0.0)
+
+LEARNING_PERIOD = 2.0
+"""Time from one look at the record of the winch to the next [s]."""
+
+UNLEARNT_LIMITS = 4 | 8
+"""Limits of a winch, as in heave_msgs/WinchState, that its identification does not know: payout range and power."""
 
 
 class WinchController:
@@ -74,10 +80,11 @@ class WinchController:
         self._mean_state: Array = np.zeros(design.model.order)
         self._shadow_state: Array = np.zeros(2)
         self._sea = SeaTracker(design)
-        self._lag = LagTracker(parameters.lag, design)
+        self._winch = WinchIdentifier(parameters.lag, design)
         self._tension_law: ConstantTension | None = None
         self._take_design(design)
         self._sequence = 0
+        self._order_given: WinchOrder | None = None
         self._tick = 0
         self._compensating_command = 0.0
         self._total_command = 0.0
@@ -187,22 +194,35 @@ class WinchController:
         self.estimator.set_model(design.model, design.measurements)
         self._take_design(design)
 
-    def _follow_lag(self) -> None:
-        """Learn how late the drum follows, and design anew where the belief was wrong."""
-        if not self.parameters.lag.adaptation or self._schedule is not None or self._is_first_order:
+    def _follow_winch(self) -> None:
+        """Design anew where the winch is found to follow its set-points otherwise than believed."""
+        if not self._learns_winch or self.modes.mode is not Mode.COMPENSATING:
             return
-        if self.modes.brake:
-            self._lag.refer_to(self.design, self.estimator.estimate + self._mean_state)
-            return
-        self._lag.advance(self._total_command)
-        if self._tick % max(1, round(1.0 / self._dt)) == 0 and self.modes.mode is Mode.COMPENSATING:
-            better = self._lag.better_belief(self.parameters)
+        if self._tick % max(1, round(LEARNING_PERIOD / self._dt)) == 0:
+            better = self._winch.better_belief(self.parameters)
             if better is not None:
                 self._believe(better)
 
+    @property
+    def _learns_winch(self) -> bool:
+        return self.parameters.lag.adaptation and self._schedule is None and not self._is_first_order
+
+    def _watch_winch(self, winch: WinchReading | None) -> None:
+        """Put the set-points of the last tick and what the encoder made of them on record."""
+        if not self._learns_winch:
+            return
+        given = self._order_given
+        if given is None or given.brake:
+            self._winch.reset()
+        elif winch is not None and winch.limits_hit & UNLEARNT_LIMITS:
+            self._winch.add(given.payout, given.payout_rate, None)
+            self._winch.restart()
+        else:
+            self._winch.add(given.payout, given.payout_rate, self.observer.payout)
+
     def _believe(self, parameters: WinchControllerParameters) -> None:
-        """Go on with a design of another delay: every state keeps its meaning, the chain of commands its length."""
-        design = design_controller(parameters, tick_period=self._dt)
+        """Go on with a design of another winch: every state keeps its meaning, the chain of commands its newest."""
+        design = design_controller(parameters, tick_period=self._dt, cable=self.design.cable)
         carry = carry_by_name(self.design, design)
         estimate, covariance = carry @ self.estimator.estimate, carry @ self.estimator.covariance @ carry.T
         self.estimator = design.make_estimator()
@@ -212,8 +232,11 @@ class WinchController:
         self.observer.forget_shares()
         self.parameters = parameters
         self._take_design(design)
-        self._lag.refer_to(design, estimate + self._mean_state)
-        self._alarms.append(f"winch delay now believed to be {parameters.winch.command_delay:.3f} s")
+        winch = parameters.winch
+        self._alarms.append(
+            f"winch now believed to have a servo of {winch.time_constant:.3f} s and a delay of "
+            f"{winch.command_delay:.3f} s"
+        )
 
     def _follow_sea(self, estimate: Array) -> None:
         """Let the estimator's driving noise follow the sea that is there."""
@@ -229,7 +252,7 @@ class WinchController:
         self._alarms = []
         self._tick = tick
         self._run_programme(tick * self._dt)
-        self._follow_lag()
+        self._follow_winch()
         self._follow_length()
         estimate = self._estimate(tick, measurements)
         self._follow_sea(estimate)
@@ -294,8 +317,7 @@ class WinchController:
             self._tension.observe(self.observer.tension)
         estimate = self.estimator.step(tick, self._compensating_command, readings)
         self.observer.learn(self.estimator)
-        if self.observer.payout is not None and not self.modes.brake:
-            self._lag.compare(self.observer.payout)
+        self._watch_winch(measurements.winch)
         return estimate
 
     def _advance_shadow(self, estimate: Array) -> Array:
@@ -483,9 +505,11 @@ class WinchController:
     def _order(self, mode: ModeOutput, governed: GovernedCommand) -> WinchOrder:
         self._sequence += 1
         payout = self.mean.point.payout + self._left_over.point.payout
+        order = WinchOrder(self._sequence, payout, governed.sent, mode.brake)
         if self._is_first_order:
-            return WinchOrder(self._sequence, governed.sent, 0.0, mode.brake)
-        return WinchOrder(self._sequence, payout, governed.sent, mode.brake)
+            order = WinchOrder(self._sequence, governed.sent, 0.0, mode.brake)
+        self._order_given = order
+        return order
 
     def _unit_heave(self, estimate: Array) -> float:
         """Return the unit's heave about where the mean payout would have it at rest [m]."""

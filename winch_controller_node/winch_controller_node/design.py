@@ -111,9 +111,15 @@ class ControllerDesign:
 
 
 def design_controller(
-    parameters: WinchControllerParameters, *, tick_period: float, length: float | None = None
+    parameters: WinchControllerParameters,
+    *,
+    tick_period: float,
+    length: float | None = None,
+    cable: CableModel | None = None,
 ) -> ControllerDesign:
     """Design estimator and gains for `length` [m] (default: parameters.length).
+
+    `cable` is the two-state cable there, where it is known already (most of the work is its fit).
 
     Raises
     ------
@@ -122,7 +128,7 @@ def design_controller(
     """
     length = parameters.length if length is None else length
     _check_inputs(parameters, tick_period)
-    cable = believed_cable(parameters, length)
+    cable = believed_cable(parameters, length) if cable is None else cable
     model = augmented_model(model_inputs(parameters, cable), tick_period)
     measurements = measurement_models(parameters, model, cable)
     _check_observability(parameters, model, measurements)
@@ -253,7 +259,9 @@ def measurement_models(
         MeasurementModel("mru_heave", "mru", _row(model, "mru_heave"), sensors.mru.noise, scale),
         MeasurementModel("mru_heave_rate", "mru", _row(model, "mru_heave_rate"), sensors.mru.rate_noise, scale),
         MeasurementModel("unit_heave", "depth", depth, sensors.depth.noise),
-        MeasurementModel("payout", "encoder", model.row("payout"), sensors.encoder_noise),
+        # a servo other than believed moves the drum otherwise, at the winch's limits by centimetres in a second:
+        # refusing the encoder would leave the loop blind when it is needed most; jumps are found by a gate of its own
+        MeasurementModel("payout", "encoder", model.row("payout"), sensors.encoder_noise, is_gated=False),
         MeasurementModel("unit_velocity", "velocity", model.row("unit_heave_rate"), sensors.velocity_noise),
         MeasurementModel("unit_acceleration", "imu", model.row("unit_heave_acceleration"), sensors.imu_noise),
         MeasurementModel("tension", "load_cell", model.row("tension"), tension),

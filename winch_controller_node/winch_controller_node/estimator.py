@@ -28,6 +28,8 @@ class MeasurementModel:
     row : shape (n,)
     sigma : standard deviation of its noise
     scale_state : index of the state that is its relative scale error; None: no such state
+    is_gated : False: never refused for being far off its prediction. It is for a sensor that is right where the model
+        is not (an encoder against a winch of unknown lags) and that has a gate of its own
     """
 
     name: str
@@ -35,6 +37,7 @@ class MeasurementModel:
     row: Array
     sigma: float
     scale_state: int | None = None
+    is_gated: bool = True
 
 
 @dataclass(frozen=True)
@@ -93,7 +96,7 @@ class KalmanEstimator:
     model : sampled model with one input; its noise covariance is that of a tick
     measurements : what can be measured
     initial_covariance : shape (n, n)
-    gate : normalised innovation squared above which a reading is refused
+    gate : normalised innovation squared above which a reading of a gated measurement is refused
     gate_limit : refusals in a row after which the next reading is believed, and the initial covariance
         added
     largest_age : ticks; older readings are refused
@@ -242,7 +245,7 @@ class KalmanEstimator:
         variance = float(row @ self._filter.P @ row) + (reading.sigma or measurement.sigma) ** 2
         innovation = reading.value - predicted
         nis = innovation**2 / variance
-        accepted = bool(nis <= self._gate)
+        accepted = bool(nis <= self._gate) or (not measurement.is_gated and math.isfinite(nis))
         self.innovations[reading.name] = Innovation(innovation, math.sqrt(variance), nis, accepted)
         self.refusals[reading.name] = 0 if accepted else self.refusals[reading.name] + 1
         if self.refusals[reading.name] > self._gate_limit and math.isfinite(nis):

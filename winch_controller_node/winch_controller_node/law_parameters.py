@@ -110,20 +110,21 @@ class GuardParameters:
 
 @dataclass(frozen=True)
 class LagParameters:
-    """Adaptation to the winch's true lag."""
+    """Adaptation to the winch's true servo and delay."""
 
     adaptation: bool = parameter(
-        True, unit="", description="Learn from the encoder how late the drum follows; not with a gain schedule."
+        True, unit="", description="Learn servo and delay of the winch from its encoder; not with a gain schedule."
     )
-    memory: float = parameter(40.0, unit="s", minimum=1.0, maximum=3600.0, description="Time constant of what is seen.")
-    patience: float = parameter(
-        30.0, unit="s", minimum=1.0, maximum=3600.0, description="Time in motion before the belief is changed."
-    )
+    window: float = parameter(20.0, unit="s", minimum=5.0, maximum=600.0, description="Length of the record used.")
     step: float = parameter(
-        0.008, unit="s", minimum=1e-4, maximum=1.0, description="Smallest change of the delay that is worth a redesign."
+        0.008,
+        unit="s",
+        minimum=1e-4,
+        maximum=1.0,
+        description="Smallest change of time constant or delay that is worth a redesign.",
     )
     largest: float = parameter(
-        0.3, unit="s", minimum=0.0, maximum=5.0, description="Largest change of the delay in all, either way."
+        0.3, unit="s", minimum=0.0, maximum=5.0, description="Largest change of either from what was believed at first."
     )
 
 

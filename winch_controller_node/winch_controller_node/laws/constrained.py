@@ -18,7 +18,16 @@ import numpy as np
 
 from winch_controller_node.law_parameters import MpcParameters
 from winch_controller_node.laws.feedback import LawCommand
-from winch_controller_node.laws.governor import ACCELERATION, PAYOUT, POWER, SPEED, TENSION, SpeedServo, WinchLimits
+from winch_controller_node.laws.governor import (
+    ACCELERATION,
+    PAYOUT,
+    POWER,
+    SPEED,
+    TENSION,
+    SpeedServo,
+    WinchLimits,
+    drum_ahead,
+)
 from winch_controller_node.laws.loop_state import LoopState
 from winch_controller_node.linear_model import Array, LinearModel
 from winch_controller_node.lqr import DesignError
@@ -99,35 +108,40 @@ class ConstrainedLaw:
                 f"mpc.horizon = {parameters.horizon:g} s must be longer than the command delay ({delay * model.dt:g} s)"
             )
         self._basis = _hat_functions(correction_knots(parameters.horizon, model.dt), horizon_ticks)
-        self._build_rows(model, delay, horizon_ticks)
+        self._build_rows(model, winch, delay, horizon_ticks)
         self._setup_solver(model.dt)
         self.reset()
 
-    def _build_rows(self, model: LinearModel, delay: int, horizon_ticks: int) -> None:
+    def _build_rows(self, model: LinearModel, winch: WinchModelParameters, delay: int, horizon_ticks: int) -> None:
         assert model.dt is not None
         dense = constrained_ticks(delay, horizon_ticks, model.dt)
         sparse = dense[::3]
-        kinds: list[tuple[str, str, list[int]]] = [
-            (SPEED, "payout_rate", dense),
-            (ACCELERATION, "payout_acceleration", dense),
-            (PAYOUT, "payout", sparse),
-            (TENSION, "tension", sparse),
+        responses = _responses(model, self.gain, self._basis, horizon_ticks)
+        commanded = [tick - delay for tick in dense]
+        blocks = [
+            _output_rows(model, self.gain, "payout_rate", dense, responses),
+            self._acceleration_rows(model, winch, commanded, responses),
+            _output_rows(model, self.gain, "payout", sparse, responses),
+            _output_rows(model, self.gain, "tension", sparse, responses),
         ]
-        free, forced = _responses(model, self.gain, self._basis, horizon_ticks)
-        blocks_free, blocks_forced, self._rows = [], [], []
-        start = 0
-        for name, output, ticks in kinds:
-            row, through = model.row(output), float(model.D[model.output_names.index(output), 0])
-            feedback = row - through * self.gain
-            blocks_free.append(np.array([feedback @ free[k] for k in ticks]))
-            blocks_forced.append(
-                np.array([feedback @ forced[k] + through * self._basis[min(k, horizon_ticks - 1)] for k in ticks])
-            )
-            times = np.array(ticks) * model.dt
-            self._rows.append(_Rows(name, slice(start, start + len(ticks)), times))
+        self._rows, start = [], 0
+        for name, ticks in ((SPEED, dense), (ACCELERATION, dense), (PAYOUT, sparse), (TENSION, sparse)):
+            self._rows.append(_Rows(name, slice(start, start + len(ticks)), np.array(ticks) * model.dt))
             start += len(ticks)
-        self._free = np.vstack(blocks_free)
-        self._forced = np.vstack(blocks_forced)
+        self._free = np.vstack([free for free, _ in blocks])
+        self._forced = np.vstack([forced for _, forced in blocks])
+
+    def _acceleration_rows(
+        self, model: LinearModel, winch: WinchModelParameters, ticks: list[int], responses: _Responses
+    ) -> tuple[Array, Array]:
+        """Return rows of the acceleration at the moment each command takes effect, which may be within a tick."""
+        payout, rate = drum_ahead(model, winch)
+        feedback = -(self.gain + rate + winch.position_gain * payout) / winch.time_constant
+        through = self._basis / winch.time_constant
+        return (
+            np.array([feedback @ responses.free[k] for k in ticks]),
+            np.array([feedback @ responses.forced[k] + through[k] for k in ticks]),
+        )
 
     def _setup_solver(self, dt: float) -> None:
         hessian = self._basis.T @ self._basis * dt
@@ -236,11 +250,32 @@ def _hat_functions(knots: list[int], ticks: int) -> Array:
     return np.column_stack([np.interp(time, knots, np.eye(len(knots))[j]) for j in range(len(knots))])
 
 
-def _responses(model: LinearModel, gain: Array, basis: Array, ticks: int) -> tuple[list[Array], list[Array]]:
-    """Return per tick 0..ticks the free response (n, n) and the response to each basis function (n, m)."""
+@dataclass(frozen=True)
+class _Responses:
+    """Per tick 0..ticks the free response of the closed loop (n, n) and that to each basis function (n, m)."""
+
+    free: list[Array]
+    forced: list[Array]
+    basis: Array
+
+
+def _responses(model: LinearModel, gain: Array, basis: Array, ticks: int) -> _Responses:
     closed = model.A - model.B @ gain[None, :]
     free, forced = [np.eye(model.order)], [np.zeros((model.order, basis.shape[1]))]
     for k in range(ticks):
         free.append(closed @ free[-1])
         forced.append(closed @ forced[-1] + model.B @ basis[k][None, :])
-    return free, forced
+    return _Responses(free, forced, basis)
+
+
+def _output_rows(
+    model: LinearModel, gain: Array, output: str, ticks: list[int], responses: _Responses
+) -> tuple[Array, Array]:
+    """Return rows that give an output at `ticks` from the state now and from the correction."""
+    row, through = model.row(output), float(model.D[model.output_names.index(output), 0])
+    feedback = row - through * gain
+    basis = responses.basis
+    return (
+        np.array([feedback @ responses.free[k] for k in ticks]),
+        np.array([feedback @ responses.forced[k] + through * basis[min(k, len(basis) - 1)] for k in ticks]),
+    )

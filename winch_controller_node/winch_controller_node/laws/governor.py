@@ -13,8 +13,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from winch_controller_node.law_parameters import LimitParameters
-from winch_controller_node.linear_model import Array, LinearModel
+from winch_controller_node.linear_model import Array, LinearModel, discretise
 from winch_controller_node.model_parameters import WinchModelParameters
+from winch_controller_node.models import winch_block
 
 SPEED, ACCELERATION, PAYOUT, POWER, TENSION = "speed", "acceleration", "payout", "power", "tension"
 
@@ -126,15 +127,12 @@ class CommandGovernor:
         self._winch = winch
         self.limits = limits
         self.servo = SpeedServo(winch.time_constant, limits.acceleration, model.dt)
-        command = model.input_names[0]
-        delay = sum(name.startswith(command + "_") for name in model.state_names)
-        ahead = np.linalg.matrix_power(model.A, delay)
-        self._payout_ahead: Array = model.row("payout") @ ahead
-        self._rate_ahead: Array = model.row("payout_rate") @ ahead
+        self._ahead = drum_ahead(model, winch)
 
     def predict(self, x: Array) -> tuple[float, float]:
         """Return payout [m] and rate [m/s] at the moment the next command takes effect, from the model's state."""
-        return float(self._payout_ahead @ x), float(self._rate_ahead @ x)
+        payout, rate = self._ahead @ x
+        return float(payout), float(rate)
 
     def govern(self, wanted: float, payout: float, rate: float, tension: float) -> GovernedCommand:
         """Return the nearest command to `wanted` within the limits.
@@ -186,3 +184,25 @@ class CommandGovernor:
                 active.append(name)
                 value = min(max(value, lower), upper)
         return GovernedCommand(value, tuple(active), value)
+
+
+def drum_ahead(model: LinearModel, winch: WinchModelParameters) -> Array:
+    """Return rows that give payout and rate of the drum when the command of the tick takes effect, shape (2, n).
+
+    That may be within a tick: up to then the command before acts, which is the oldest of the model's chain.
+    """
+    assert model.dt is not None
+    command = model.input_names[0]
+    chain = [name for name in model.state_names if name.startswith(command + "_")]
+    ticks = winch.command_delay / model.dt
+    whole = round(ticks) if abs(ticks - round(ticks)) < 1e-6 else math.floor(ticks)
+    ahead = np.linalg.matrix_power(model.A, whole)
+    rows = np.array([model.row("payout"), model.row("payout_rate")]) @ ahead
+    if whole == len(chain):
+        return np.asarray(rows)
+    part = discretise(winch_block(winch), (ticks - whole) * model.dt)
+    before = ahead[model.state(chain[-1])]
+    if winch.law == "first_order":
+        payout = part.A[0, 0] * rows[0] + part.B[0, 0] * before
+        return np.array([payout, winch.position_rate * (before - payout)])
+    return np.asarray(part.A @ rows + part.B @ before[None, :])
