@@ -154,7 +154,7 @@ class RecorderNode(ParticipantNode):
             self._input_subscriptions[topic] = self.watch.subscribe(topic, self._writer_of(topic))
             return
         latched = all(offer.durability == "transient_local" for offer in self.watch.offers[topic])
-        self.add_input(Topic(topic, self.watch.types[topic], "", Role.LATCHED if latched else Role.STREAM))
+        self.add_raw_input(Topic(topic, self.watch.types[topic], "", Role.LATCHED if latched else Role.STREAM))
 
     def _subscribe_foreign(self, topic: str) -> None:
         self._take_topic(topic)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import TYPE_CHECKING
 
 import numpy as np
 from builtin_interfaces.msg import Time
@@ -19,9 +20,11 @@ from numpy.typing import NDArray
 from sensor_msgs.msg import FluidPressure, Imu
 from std_msgs.msg import Header
 
-from cable_sim_node.component import PlantState
 from cable_sim_node.sensors import Reading
 from cable_sim_node.winch import WinchCommand, WinchState
+
+if TYPE_CHECKING:  # the winch converts without the plant and its solver
+    from cable_sim_node.component import PlantState
 
 Array = NDArray[np.float64]
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import sys
+from functools import partial
 
 from heave_msgs.srv import InjectFault
 from heave_node import topics
@@ -22,6 +23,7 @@ from cable_sim_node.errors import PlantError
 from cable_sim_node.inputs import NewestMotion
 from cable_sim_node.markers import plant_markers
 from cable_sim_node.node_parameters import CableSimNodeParameters
+from cable_sim_node.sensor_suite import SensorReadings
 
 
 class CableSimNode(ClockMasterNode):
@@ -39,14 +41,14 @@ class CableSimNode(ClockMasterNode):
         self.plant = self._make_plant()
         self.newest_tip, self.newest_payout = NewestMotion(), NewestMotion()
         self.state: PlantState | None = None
-        self.cable_state = self.add_output(topics.CABLE_STATE)
-        self.unit_odometry = self.add_output(topics.UNIT_ODOMETRY)
-        self.uncompensated = self.add_output(topics.UNIT_UNCOMPENSATED)
         self.pressure = self.add_output(topics.UNIT_PRESSURE)
         self.velocity = self.add_output(topics.UNIT_VELOCITY)
         self.imu = self.add_output(topics.UNIT_IMU)
-        self.usbl = self.add_output(topics.UNIT_USBL)
         self.load_cell = self.add_output(topics.LOAD_CELL)
+        self.cable_state = self.add_output(topics.CABLE_STATE)
+        self.unit_odometry = self.add_output(topics.UNIT_ODOMETRY)
+        self.uncompensated = self.add_output(topics.UNIT_UNCOMPENSATED)
+        self.usbl = self.add_output(topics.UNIT_USBL)
         self.markers = self.add_output(topics.MARKERS)
         self.boom_tip = self._add_motion_input(topics.BOOM_TIP)
         self.winch_state = self._add_motion_input(topics.WINCH_STATE)
@@ -64,23 +66,31 @@ class CableSimNode(ClockMasterNode):
             self.state, readings = self.plant.readings(tick.number)
         except PlantError as error:
             raise NodeError(str(error)) from error
-        state = self.state
-        self.cable_state.publish(conversions.cable_state_message(state, tick.stamp))
-        self.unit_odometry.publish(conversions.unit_odometry_message(state.unit, tick.stamp))
-        self.uncompensated.publish(conversions.point_motion_message(state.uncompensated, tick.stamp))
+        self._promise_readings(readings)
+        self._promise_state(self.state, tick)
+
+    def _promise_readings(self, readings: SensorReadings) -> None:
+        """Publish what the sensors deliver, first what the controller waits for."""
         density, gravity = self.parameters.water_density, self.parameters.gravity
         for reading in readings.depth:
-            self.pressure.publish(conversions.pressure_message(reading, density, gravity))
-        for reading in readings.velocity:
-            self.velocity.publish(conversions.velocity_message(reading))
-        for reading in readings.imu:
-            self.imu.publish(conversions.imu_message(reading))
-        for reading in readings.usbl:
-            self.usbl.publish(conversions.usbl_message(reading))
-        for reading in readings.load_cell:
-            self.load_cell.publish(conversions.load_cell_message(reading))
+            self.pressure.publish_later(partial(conversions.pressure_message, reading, density, gravity))
+        for output, to_message, delivered in (
+            (self.velocity, conversions.velocity_message, readings.velocity),
+            (self.imu, conversions.imu_message, readings.imu),
+            (self.load_cell, conversions.load_cell_message, readings.load_cell),
+            (self.usbl, conversions.usbl_message, readings.usbl),
+        ):
+            for reading in delivered:
+                output.publish_later(partial(to_message, reading))
+
+    def _promise_state(self, state: PlantState, tick: Tick) -> None:
+        """Publish the truth, which nobody but the winch's power limit waits for."""
+        stamp = tick.stamp
+        self.cable_state.publish_later(lambda: conversions.cable_state_message(state, stamp))
+        self.unit_odometry.publish_later(lambda: conversions.unit_odometry_message(state.unit, stamp))
+        self.uncompensated.publish_later(lambda: conversions.point_motion_message(state.uncompensated, stamp))
         if self._are_markers_due(tick):
-            self.markers.publish(plant_markers(state, self.parameters.seabed, tick.stamp))
+            self.markers.publish_later(lambda: plant_markers(state, self.parameters.seabed, stamp))
 
     def on_advance(self, tick: Tick) -> None:
         """Integrate to t_{k+1} with what is here of then; what is missing is bridged and counted."""

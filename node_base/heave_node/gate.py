@@ -8,7 +8,8 @@ and a node steps when it has received as many messages on each input as its publ
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from typing import Any
 
 _STAMP = slice(4, 12)
 """Where a message that begins with a Header (or is a Clock) carries its stamp, behind the 4 bytes of encapsulation."""
@@ -17,17 +18,23 @@ _REMEMBERED = 16
 
 
 class Inbox:
-    """Messages of one topic in order of arrival, serialised, each once.
+    """Messages of one topic in order of arrival, each once.
 
     A message that comes again byte for byte (a tick sent again) is dropped; one with stamp 0 was sent before the run
     began and is not counted.
+
+    Parameters
+    ----------
+    topic : resolved name
+    decode : makes of the bytes what `take` gives; called on arrival, while the node waits for the rest of its tick
     """
 
-    def __init__(self, topic: str) -> None:
+    def __init__(self, topic: str, decode: Callable[[bytes], Any] = bytes) -> None:
         self.topic = topic
         self.received = 0
         self.duplicates = 0
-        self._waiting: deque[bytes] = deque()
+        self._decode = decode
+        self._waiting: deque[Any] = deque()
         self._recent: deque[bytes] = deque(maxlen=_REMEMBERED)
 
     def put(self, data: bytes) -> bool:
@@ -38,7 +45,7 @@ class Inbox:
             self.duplicates += 1
             return False
         self._recent.append(data)
-        self._waiting.append(data)
+        self._waiting.append(self._decode(data))
         self.received += 1
         return True
 
@@ -46,7 +53,7 @@ class Inbox:
         """Forget the bytes of the past: the next run may begin with the very same messages."""
         self._recent.clear()
 
-    def take(self, expected: int) -> list[bytes]:
+    def take(self, expected: int) -> list[Any]:
         """Return the messages not yet taken, up to number `expected` since the start; later ones stay."""
         later = max(0, self.received - expected)
         return [self._waiting.popleft() for _ in range(len(self._waiting) - later)]
@@ -70,10 +77,11 @@ class TickGate:
         self._publishers: dict[str, list[tuple[str, int, int]]] = {}
         self._started: Sequence[int] = ()
         self._done: dict[str, tuple[tuple[int, int], Sequence[int]]] = {}
+        self._lacking: list[tuple[Inbox, int]] = []
 
-    def add_input(self, topic: str) -> Inbox:
+    def add_input(self, topic: str, decode: Callable[[bytes], Any] = bytes) -> Inbox:
         """Watch another topic; return its inbox."""
-        return self.inboxes.setdefault(topic, Inbox(topic))
+        return self.inboxes.setdefault(topic, Inbox(topic, decode))
 
     def set_roster(self, nodes: Sequence[str], topics: Sequence[str]) -> None:
         """Learn the order of the counters: entry i counts what `nodes[i]` published on `topics[i]`."""
@@ -84,15 +92,22 @@ class TickGate:
             position_in_node[node] = position + 1
             if topic in self._publishers:
                 self._publishers[topic].append((node, entry, position))
+        self._find_lacking()
 
     def begin(self, epoch: int, tick: int, published: Sequence[int]) -> None:
         """Enter tick `tick` of run `epoch`, at whose start `published` messages were out (per entry of the roster)."""
         self.tick = (epoch, tick)
         self._started = published
+        self._find_lacking()
 
     def peer_done(self, node: str, epoch: int, tick: int, published: Sequence[int]) -> None:
         """Note that `node` has done its part of a tick, with `published` messages out (per output of that node)."""
         self._done[node] = ((epoch, tick), published)
+        self._find_lacking()
+
+    def _find_lacking(self) -> None:
+        expected = ((inbox, self.expected(topic)) for topic, inbox in self.inboxes.items())
+        self._lacking = [(inbox, count) for inbox, count in expected if inbox.received < count]
 
     def expected(self, topic: str) -> int:
         """Number of messages on `topic` since the start that this node must have in this tick."""
@@ -108,7 +123,10 @@ class TickGate:
         """Tell whether everything of this tick is here."""
         if any(self._tick_of(node) < self.tick for node in self.after):
             return False
-        return all(inbox.received >= self.expected(topic) for topic, inbox in self.inboxes.items())
+        lacking = self._lacking  # asked after each message: what has come is not looked at again
+        while lacking and lacking[-1][0].received >= lacking[-1][1]:
+            lacking.pop()
+        return not lacking
 
     def missing(self) -> str:
         """Say in words what is missing; "" where nothing is."""
@@ -120,7 +138,7 @@ class TickGate:
                 waiting.append(f"{topic} from {names} ({inbox.received} of {expected} messages)")
         return ", ".join(waiting)
 
-    def take(self, topic: str) -> list[bytes]:
+    def take(self, topic: str) -> list[Any]:
         """Return the new messages on `topic`; in lockstep what a faster node sent for the next tick stays."""
         return self.inboxes[topic].take(self._due(topic))
 

@@ -48,11 +48,11 @@ class LoopTiming:
         """Wall time since the tick began [s]."""
         return time.monotonic() - self._began
 
-    def loop_age(self) -> LoopAge:
-        """Return the loop age over all ticks so far."""
+    def loop_age(self, last: int | None = None) -> LoopAge:
+        """Return the loop age over the last ticks, or over all ticks so far."""
         if not self._ages:
             return LoopAge()
-        ages = np.frombuffer(self._ages)
+        ages = np.array(self._ages if last is None else self._ages[-last:])
         p50, p99 = np.percentile(ages, [50, 99])
         return LoopAge(float(p50), float(p99), float(ages.max()))
 

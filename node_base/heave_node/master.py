@@ -27,6 +27,8 @@ SUPERVISION_PERIOD = 0.05
 """Wall time between two looks at who is missing [s]."""
 STATUS_PERIOD = 0.25
 """Wall time between two TickStatus messages [s]."""
+RECENT_TICKS = 1000
+"""Ticks whose loop age a status during the run tells of; the last status tells of all."""
 COMPLAINT_PERIOD = 1.0
 """Wall time between two complaints about a missing node [s]."""
 FAREWELL = Duration(seconds=2)
@@ -131,10 +133,11 @@ class ClockMasterNode(HeaveNode):
         self.tick, self._stepped = tick, False
         self.timing.tick_began()
         self.begin_outputs()
-        self._clock_output.publish(Clock(clock=tick.stamp))
+        self._clock_output.publish_later(lambda: Clock(clock=tick.stamp))
         self.guard(lambda: self._publish_readings(tick))
         if not self.failure:
             self._send_start(tick, flush=False)
+            self.keep_promises()
 
     def _publish_readings(self, tick: Tick) -> None:
         self.on_readings(tick)
@@ -333,9 +336,9 @@ class ClockMasterNode(HeaveNode):
             self.publish_complaint(complaint)
 
     def _publish_status(self) -> None:
-        age = self.timing.loop_age()
-        time_now = self.tick.time if self.tick is not None else 0.0
         is_over = self.run_state in (TickStatus.ENDED, TickStatus.FAILED)
+        age = self.timing.loop_age(last=None if is_over else RECENT_TICKS)
+        time_now = self.tick.time if self.tick is not None else 0.0
         factor = self.timing.overall_factor if is_over else self.timing.real_time_factor
         totals = self.roster.published_by_topic() if is_over else {}
         self._status_publisher.publish(

@@ -16,6 +16,7 @@ from heave_msgs.msg import TickJoin, TickStatus
 from rclpy.clock import Clock, ClockType
 from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackReturn
 from rclpy.publisher import Publisher
+from rclpy.serialization import deserialize_message
 from rclpy.subscription import Subscription
 from rclpy.task import Future
 
@@ -26,6 +27,7 @@ from heave_node.node_parameters import read_parameters
 from heave_node.ports import Input, Output, message_type
 from heave_node.qos import qos_of
 from heave_node.run_parameters import RunParameters
+from heave_node.spin import message_callback
 from heave_node.tick import Tick
 from heave_node.topics import Topic
 
@@ -106,16 +108,22 @@ class HeaveNode(LifecycleNode):
         """Read `topic` within ticks; `check_stamps` refuses messages from the future and out of order."""
         port = Input(self, topic, self.gate, check_stamps=check_stamps)
         self._inputs.append(port)
-        inbox = self.gate.add_input(port.topic)
+        kind = message_type(topic.type)
+        self.add_raw_input(topic, lambda data: deserialize_message(data, kind))
+        return port
 
-        def on_message(data: bytes) -> None:
+    def add_raw_input(self, topic: Topic, decode: Callable[[bytes], Any] = bytes) -> None:
+        """Let the gate wait for `topic` and hold its messages, as `decode` makes them."""
+        name = self.resolve_topic_name(topic.name)
+        inbox = self.gate.add_input(name, decode)
+
+        def on_data(data: bytes) -> None:
             if inbox.put(data):
                 self._advance()
 
-        self._input_subscriptions[port.topic] = self.create_subscription(
-            message_type(topic.type), port.topic, on_message, qos_of(topic.role), raw=True
+        self._input_subscriptions[name] = self.create_subscription(
+            message_type(topic.type), name, message_callback(on_data), qos_of(topic.role), raw=True
         )
-        return port
 
     def take(self, port: Input) -> list[Any]:
         """Return the new messages of this tick on an input, oldest first."""
@@ -124,7 +132,7 @@ class HeaveNode(LifecycleNode):
 
     def listen(self, topic: Topic, callback: Callable[[Any], None]) -> None:
         """Hear a topic of the tick protocol."""
-        self.create_subscription(message_type(topic.type), topic.name, callback, qos_of(topic.role))
+        self.create_subscription(message_type(topic.type), topic.name, message_callback(callback), qos_of(topic.role))
 
     def speak(self, topic: Topic) -> Publisher[Any]:
         """Publish a topic of the tick protocol."""
@@ -142,7 +150,7 @@ class HeaveNode(LifecycleNode):
             self.fail(one_line(error), error)
             return TransitionCallbackReturn.ERROR
         self._join = self.speak(topics.TICK_JOIN)
-        self.create_timer(JOIN_PERIOD, self._announce_until_started, clock=steady_clock())
+        self._join_timer = self.create_timer(JOIN_PERIOD, self._announce_until_started, clock=steady_clock())
         return super().on_configure(state)
 
     def on_activate(self, state: LifecycleState) -> TransitionCallbackReturn:
@@ -168,7 +176,9 @@ class HeaveNode(LifecycleNode):
         return self.is_active
 
     def _announce_until_started(self) -> None:
-        if not self.has_started:
+        if self.has_started:
+            self._join_timer.cancel()
+        else:
             self.announce()
 
     def announce(self, waiting_for: str = "") -> None:
@@ -192,6 +202,11 @@ class HeaveNode(LifecycleNode):
         for output in self._outputs:
             output.begin_tick()
 
+    def keep_promises(self) -> None:
+        """Send what was promised in this tick; what its making raises ends this node."""
+        for output in self._outputs:
+            self.guard(output.keep_promises)
+
     def send_outputs_again(self) -> None:
         """Repeat every message of this tick."""
         for output in self._outputs:
@@ -212,8 +227,8 @@ class HeaveNode(LifecycleNode):
         """Publish the health of this node, once per simulated second."""
         every = max(1, round(DIAGNOSTICS_PERIOD / self.run.tick_period))
         if tick.number % every == 1 % every:
-            parts = [*self.diagnose(), *self._diagnose_inputs()]
-            self._diagnostics.publish(diagnostic_array(self.name, tick.stamp, parts or [Health("node")]))
+            parts = [*self.diagnose(), *self._diagnose_inputs()] or [Health("node")]
+            self._diagnostics.publish_later(lambda: diagnostic_array(self.name, tick.stamp, parts))
 
     def publish_complaint(self, text: str) -> None:
         """Say on /diagnostics what is wrong outside of simulated time; stamp 0 keeps it out of counts and

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import importlib
+from collections.abc import Callable
 from typing import Any
 
 from rclpy.node import Node
 from rclpy.publisher import Publisher
-from rclpy.serialization import deserialize_message, serialize_message
+from rclpy.serialization import serialize_message
 
 from heave_node.gate import TickGate
 from heave_node.qos import qos_of
@@ -26,6 +27,10 @@ def message_type(name: str) -> type[Any]:
 class Output:
     """A topic that a node publishes within ticks. Counts its messages and keeps those of this tick, to send them
     again.
+
+    What the next node waits for is sent at once by `publish`. The rest is promised by `publish_later`: it counts at
+    once, but is made and sent when this node has told the others that its part of the tick is done, so that they work
+    meanwhile.
     """
 
     def __init__(self, node: Node, topic: Topic) -> None:
@@ -33,10 +38,25 @@ class Output:
         self.topic = self.publisher.topic_name
         self.published = 0
         self._of_this_tick: list[bytes] = []
+        self._promised: list[Callable[[], object]] = []
 
     def publish(self, message: object) -> None:
         """Send a message, or one that is serialised already, as part of this tick."""
         self.published += 1
+        self._send(message)
+
+    def publish_later(self, make: Callable[[], object]) -> None:
+        """Promise a message of this tick; `make` is called before anything else happens in this node."""
+        self.published += 1
+        self._promised.append(make)
+
+    def keep_promises(self) -> None:
+        """Make and send what was promised."""
+        promised, self._promised = self._promised, []
+        for make in promised:
+            self._send(make())
+
+    def _send(self, message: object) -> None:
         # Serialised once: padding is whatever the memory held, and a repeated message is known by its bytes.
         data = message if isinstance(message, bytes) else serialize_message(message)
         self._of_this_tick.append(data)
@@ -60,7 +80,6 @@ class Input:
         self.check_stamps = check_stamps
         self.wrong_stamps = 0
         self.latest: Any = None
-        self._type = message_type(topic.type)
         self._gate = gate
         self._last_stamp = 0
         self.topic = node.resolve_topic_name(topic.name)
@@ -72,7 +91,7 @@ class Input:
         counted in `wrong_stamps`
         (where `check_stamps` is on and the message has a header).
         """
-        messages = [deserialize_message(data, self._type) for data in self._gate.take(self.topic)]
+        messages = self._gate.take(self.topic)
         if self.check_stamps:
             messages = [message for message in messages if self._is_stamp_legal(message, latest_legal_stamp)]
         if messages:

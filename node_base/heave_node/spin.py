@@ -1,4 +1,4 @@
-"""The one spin loop of the suite.
+"""The one spin loop of the suite, and what its executor wants of callbacks.
 
 The events executor is three times as fast as the default one. Its `spin` does not dispatch in every release, so the
 loop asks it to spin until a future completes, in slices; between slices a node may look at the wall clock.
@@ -6,7 +6,9 @@ loop asks it to spin until a future completes, in slices; between slices a node 
 
 from __future__ import annotations
 
+import inspect
 from collections.abc import Callable
+from typing import Any
 
 import rclpy
 from rclpy.experimental import EventsExecutor
@@ -15,6 +17,16 @@ from rclpy.task import Future
 
 IDLE_PERIOD = 0.2
 """Wall time between two calls of `on_idle` [s]."""
+
+
+def message_callback(handle: Callable[[Any], object]) -> Callable[[Any], None]:
+    """Return `handle` as the callback of a subscription; its signature, asked for at every message, is found once."""
+
+    def on_message(message: Any) -> None:
+        handle(message)
+
+    on_message.__signature__ = inspect.signature(on_message)  # type: ignore[attr-defined]
+    return on_message
 
 
 class Spinner:

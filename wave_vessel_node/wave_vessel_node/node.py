@@ -71,9 +71,10 @@ class WaveVesselNode(ParticipantNode):
             stamp = stamp_of_seconds(reading.time)
             self.mru.publish(messages.mru_message(reading, stamp, (mru.noise, mru.rate_noise)))
             self._last_reading_time, self._last_status = tick.time, reading.status
-        self.boom_tip.publish(messages.boom_tip_message(outputs.boom_tip, tick.end_stamp))
-        self.odometry.publish(messages.odometry_message(outputs.vessel, tick.end_stamp))
-        self.elevation.publish(messages.elevation_message(outputs.wave_elevation, tick.end_stamp))
+        end = tick.end_stamp
+        self.boom_tip.publish_later(lambda: messages.boom_tip_message(outputs.boom_tip, end))
+        self.odometry.publish_later(lambda: messages.odometry_message(outputs.vessel, end))
+        self.elevation.publish_later(lambda: messages.elevation_message(outputs.wave_elevation, end))
         if outputs.estimate is not None:
             stamp = stamp_of_seconds(outputs.estimate.time)
             self.estimate.publish(messages.estimate_message(outputs.estimate, stamp))

@@ -16,8 +16,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.integrate import trapezoid
-from scipy.stats import chi2
+from scipy.special import chdtri
 
 from wave_vessel_node.mru import STATUS_OK, MruReading
 from wave_vessel_node.parameters import SeaStateEstimateParameters
@@ -133,10 +132,10 @@ class SeaStateEstimator:
         record = self._segment_length * 0.5 * (len(segments) + 1)
         motion = np.maximum(segments.mean(axis=0) - self._noise_density, 0.0) / self._unit
         sea, m0 = self._sea(motion)
-        bandwidth = float(trapezoid(np.nan_to_num(sea) ** 2, self._omega))
+        bandwidth = self._integral(np.nan_to_num(sea) ** 2)
         height = 4.0 * math.sqrt(m0)
         freedom = max(1.0, m0**2 * record / (math.pi * bandwidth)) if bandwidth > 0.0 else 1.0
-        low, high = (height * math.sqrt(freedom / chi2.ppf(q, freedom)) for q in (0.975, 0.025))
+        low, high = (height * math.sqrt(freedom / chdtri(freedom, q)) for q in (0.025, 0.975))  # chi-square, upper tail
         return SeaStateEstimate(
             time=self._last_time,
             record_length=record,
@@ -144,18 +143,22 @@ class SeaStateEstimator:
             significant_wave_height_interval=(low, high),
             peak_period=float(2.0 * math.pi / peak_frequency(self._omega, np.nan_to_num(sea)[None])[0]),
             peak_period_interval=self._peak_interval(segments, sea),
-            boom_tip_sigma=math.sqrt(float(trapezoid(motion, self._omega))),
+            boom_tip_sigma=math.sqrt(self._integral(motion)),
             angular_frequency=self._omega,
             spectral_density=motion,
             sea_density=sea,
         )
+
+    def _integral(self, density: Array) -> float:
+        """Return the integral over the band of a density at the evenly spaced frequencies of the transform."""
+        return float(density.sum() * (self._omega[1] - self._omega[0]))
 
     def _sea(self, motion: Array) -> tuple[Array, float]:
         """Return the spectrum of the sea where the vessel tells it (nan elsewhere), and m_0 with the tail continued."""
         seen = (self._vessel > _LEAST_RESPONSE * self._vessel.max()) & (self._vessel > 1e-12)
         seen &= motion * self._unit > 0.5 * self._noise_density
         sea = np.where(seen, motion / np.maximum(self._vessel, 1e-12), np.nan)
-        m0 = float(trapezoid(np.nan_to_num(sea), self._omega))
+        m0 = self._integral(np.nan_to_num(sea))
         if seen.any():
             last = int(np.flatnonzero(seen)[-1])
             around = sea[max(0, last - 10) : last + 1]

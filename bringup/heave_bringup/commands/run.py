@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import importlib
 import os
+import threading
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
@@ -19,6 +20,8 @@ from heave_bringup.output import write_result
 from heave_bringup.run import RunFolder, new_run_folder, run_scenario
 from heave_bringup.scenarios import Scenario, load_scenario
 
+AFTERMATH = "heave_bringup.aftermath"
+
 
 def execute(options: argparse.Namespace) -> None:
     """Run, check, analyse, report."""
@@ -26,10 +29,12 @@ def execute(options: argparse.Namespace) -> None:
         os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "SUBNET"
     scenario = load_scenario(options.scenario, settings=options.set, common=_common_values(options))
     folder = new_run_folder(scenario.name, options.bag)
+    # What judges the run takes seconds to load: time that the nodes need to find each other.
+    threading.Thread(target=importlib.import_module, args=(AFTERMATH,)).start()
     status = run_scenario(scenario, folder, substitutes=_substitutes(options.from_bag))
     if scenario.run.is_lockstep:
         _check_complete(folder.bag, status)
-    aftermath = importlib.import_module("heave_bringup.aftermath")  # seconds to load: not before a scenario is checked
+    aftermath = importlib.import_module(AFTERMATH)
     table, figures = aftermath.judge(folder.bag, None if options.no_report else folder.report)
     text = "\n".join([table, "", *_where(scenario, folder, with_report=not options.no_report)])
     write_result(options, text, {**figures, "folder": str(folder.path)})
