@@ -23,8 +23,8 @@ help:  ## what can be made
 run: $(VENV)/.installed  ## set up, then the calm-sea scenario for ten simulated minutes: a bag and a report under runs/
 	$(BIN)/heave run b2_calm_300 --duration 600
 
-test: lint  ## set up, then every check: ruff, mypy, pytest
-	$(BIN)/python -m pytest $(PYTEST)
+test: lint  ## set up, then every check: ruff, mypy, pytest on two cores
+	$(BIN)/python -m pytest --numprocesses 2 --dist loadfile $(PYTEST)
 
 lint: $(VENV)/.test-installed  ## set up, then ruff and mypy
 	$(BIN)/ruff check .
