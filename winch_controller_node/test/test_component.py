@@ -5,6 +5,7 @@ import math
 
 import numpy as np
 import pytest
+from cable_sim_node.fault_parameters import FaultParameters
 from cable_sim_node.node_parameters import CableSimNodeParameters, LinearModelParameters
 from cable_sim_node.parameters import UnitParameters
 from cable_sim_node.winch_parameters import WinchParameters
@@ -85,6 +86,20 @@ def test_a_frozen_mru_is_named_within_three_samples_and_the_winch_stops_without_
     assert abs(record.column("payout_rate")[-1]) < 0.05
     rates = record.column("payout_rate")
     assert np.max(np.abs(np.diff(rates))) <= 1.5 * DT + 1e-9
+
+
+def test_an_encoder_jump_raises_an_alarm_within_three_samples_and_does_not_move_the_unit():
+    parameters = loop_parameters(duration=70.0)
+    jump = FaultParameters(kind=("jump",), start=(50.0,), duration=(0.0,), magnitude=(0.2,))
+    encoder = dataclasses.replace(parameters.winch.encoder, faults=jump)
+    record = ClosedLoop(
+        dataclasses.replace(parameters, winch=dataclasses.replace(parameters.winch, encoder=encoder))
+    ).run()
+    ((time, words),) = [alarm for alarm in record.alarms if alarm[1].startswith("encoder suspect: jump of ")]
+    assert 0.0 <= time - 50.0 <= 3 * DT
+    assert float(words.split()[4]) == pytest.approx(0.2, abs=0.005)
+    # benchmark B3's 0.5 cm, before as after
+    assert record.unit_sigma(45.0) < 0.005
 
 
 def test_a_short_gap_of_the_mru_does_not_end_compensation():

@@ -92,3 +92,23 @@ def test_a_drum_that_turns_unseen_is_a_frozen_encoder():
         gate.judge(k * DT, ScalarReading(k * DT, 1.0), 0.5)
     assert gate.gate.level == LOST
     assert gate.gate.reason == "frozen"
+
+
+def test_a_braked_drum_is_not_a_frozen_encoder():
+    gate = EncoderGate(SensorTiming(DT, DT), HealthParameters(), tick_period=DT)
+    for k in range(1, 10):
+        gate.judge(k * DT, ScalarReading(k * DT, 1.0), 0.5, is_driven=False)
+    assert gate.gate.level == OK
+
+
+def test_a_jump_that_was_taken_off_is_shown_until_diagnostics_have_told_it():
+    """Diagnostics come once a second; the reading after the jump is good again."""
+    gate = EncoderGate(SensorTiming(DT, DT), HealthParameters(), tick_period=DT)
+    levels = []
+    for k in range(1, 80):
+        gate.judge(k * DT, ScalarReading(k * DT, 0.2 if k >= 20 else 0.0), 0.0)
+        levels.append(gate.gate.level)
+    assert levels[18] == OK
+    assert levels[19 : 19 + round(1.5 / DT)] == [SUSPECT] * round(1.5 / DT)
+    assert levels[-1] == OK
+    assert gate.jump == pytest.approx(0.2)

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from cable_sim_node.fault_parameters import FaultParameters
 from cable_sim_node.winch import VirtualWinch, WinchCommand
 from cable_sim_node.winch_parameters import WinchParameters
 from hypothesis import given, settings
@@ -9,7 +10,7 @@ from hypothesis import strategies as st
 from winch_controller_node.design import design_controller
 from winch_controller_node.drum_kernel import drum_record
 from winch_controller_node.parameters import WinchControllerParameters
-from winch_controller_node.winch_identification import WinchIdentifier
+from winch_controller_node.winch_identification import LateCommands, WinchIdentifier
 
 DT = 0.05
 
@@ -65,3 +66,19 @@ def test_a_position_loop_is_part_of_the_drum():
     drum = drum_record(payouts, rates, len(commands), 0.15, 0.2, 0.0, 0.0, 0.5, 2.0, 1.5, DT)
     # the encoder rounds to 1 mm; the position loop's steps of 5 ms differ by less
     np.testing.assert_allclose(drum, encoder, atol=1e-3)
+
+
+def test_a_transport_that_becomes_slower_is_noticed_within_three_ticks_and_said_once():
+    """0.2 s more from tick 100 on: the virtual winch says which command it has taken."""
+    slower = FaultParameters(kind=("delay",), start=(100 * DT,), duration=(10.0,), magnitude=(0.2,))
+    winch = VirtualWinch(WinchParameters(faults=slower), tick_period=DT)
+    watch, alarms = LateCommands(DT), {}
+    winch.step(0, WinchCommand(1))
+    for tick in range(1, 160):
+        state = winch.step(tick, WinchCommand(tick + 1, 0.0, 0.1))
+        words = watch.update(tick + 1, state.command_sequence, 0.2)
+        if words:
+            alarms[tick] = words
+    # a command of tick 100 was due at the end of tick 103: nothing can be seen before
+    assert list(alarms) == [pytest.approx(105, abs=1)]
+    assert "later than believed" in next(iter(alarms.values()))

@@ -13,6 +13,7 @@ import numpy as np
 
 from winch_controller_node.design import ControllerDesign, carry_over, design_controller
 from winch_controller_node.guard import HarmGuard
+from winch_controller_node.handover import hand_over, hand_over_standing
 from winch_controller_node.laws.build import Law, limits_of, make_governor, make_law, make_open_loop
 from winch_controller_node.laws.feedback import LawCommand
 from winch_controller_node.laws.feedforward import SpeedFeedforward
@@ -31,13 +32,10 @@ from winch_controller_node.rolling_kpi import KpiWindow
 from winch_controller_node.schedule import FOLLOW, design_schedule, is_scheduled
 from winch_controller_node.sea_adaptation import SeaTracker
 from winch_controller_node.trajectory import MeanPayout
-from winch_controller_node.winch_identification import WinchIdentifier, carry_by_name
+from winch_controller_node.winch_identification import LateCommands, WinchIdentifier, carry_by_name
 
 RETURN_SPEED = 0.05
 """Speed at which a payout left over from before a stop returns to the mean [m/s]."""
-
-HANGING_SIGMA = 0.1
-"""Doubt in heave [m], rate [m/s] and mean depth [m] of a unit that has just been lifted off."""
 
 IDLE = LawCommand(0.0)
 
@@ -81,11 +79,13 @@ class WinchController:
         self._shadow_state: Array = np.zeros(2)
         self._sea = SeaTracker(design)
         self._winch = WinchIdentifier(parameters.lag, design)
+        self._late_commands = LateCommands(tick_period)
         self._tension_law: ConstantTension | None = None
         self._take_design(design)
         self._sequence = 0
         self._order_given: WinchOrder | None = None
         self._tick = 0
+        self._mode_before = self.modes.mode
         self._compensating_command = 0.0
         self._total_command = 0.0
         self._last_rate = 0.0
@@ -208,13 +208,19 @@ class WinchController:
         return self.parameters.lag.adaptation and self._schedule is None and not self._is_first_order
 
     def _watch_winch(self, winch: WinchReading | None) -> None:
-        """Put the set-points of the last tick and what the encoder made of them on record."""
-        if not self._learns_winch:
-            return
+        """Put the set-points of the last tick and what the encoder made of them on record; notice late commands."""
         given = self._order_given
         if given is None or given.brake:
             self._winch.reset()
-        elif winch is not None and winch.limits_hit & UNLEARNT_LIMITS:
+            return
+        if winch is not None:
+            words = self._late_commands.update(
+                given.sequence, winch.command_sequence, self.parameters.winch.command_delay
+            )
+            if words:
+                self._alarms.append(words)
+                self._winch.restart()
+        if winch is not None and winch.limits_hit & UNLEARNT_LIMITS:
             self._winch.add(given.payout, given.payout_rate, None)
             self._winch.restart()
         else:
@@ -317,6 +323,7 @@ class WinchController:
             self._tension.observe(self.observer.tension)
         estimate = self.estimator.step(tick, self._compensating_command, readings)
         self.observer.learn(self.estimator)
+        self._alarms += self.observer.new_faults()
         self._watch_winch(measurements.winch)
         return estimate
 
@@ -331,7 +338,6 @@ class WinchController:
         is_judged = not self._has_landed and self.modes.mode is not Mode.CONSTANT_TENSION
         authority = self.modes.authority if is_judged else 0.0
         self.guard.update(residual, float(uncompensated[0]), tip_rate, authority, self.modes.target)
-        before = self.modes.mode
         situation = Situation(
             lost=self.observer.lost(self._vital()),
             has_estimate=bool(self.observer.gates["encoder"].state(0.0).accepted),
@@ -341,8 +347,9 @@ class WinchController:
             authority_limit=1.0 if self.parameters.law == "mpc" else self.guard.authority_limit,
         )
         mode = self.modes.step(situation)
-        if mode.mode is not before:
-            self._enter(mode.mode, before, estimate)
+        if mode.mode is not self._mode_before:
+            self._enter(mode.mode, self._mode_before, estimate)
+            self._mode_before = mode.mode
         return mode
 
     def _vital(self) -> tuple[str, ...]:
@@ -359,7 +366,7 @@ class WinchController:
             self.mean.stop()
         is_returning = mode is Mode.COMPENSATING and before is not Mode.FADE_OUT
         if before is Mode.CONSTANT_TENSION and mode is Mode.COMPENSATING:
-            self._start_from_here()
+            self._hand_over(stood=False)
         elif is_returning or (mode is Mode.FADE_OUT and before is Mode.CONSTANT_TENSION):
             # what was left over is the new mean, and goes away slowly; with the winch locked the unit would go on so
             self._left_over.jump_to(float(self._payout_row @ estimate))
@@ -398,31 +405,24 @@ class WinchController:
         self._has_landed, self._is_lifting = False, False
         self.observer.uses_unit = True
         self.modes.request(Mode.COMPENSATING.value)
-        self._start_from_here()
+        self._mode_before = Mode.COMPENSATING
+        self._hand_over(stood=True)
         self.mean.move_to(self.mean.point.payout - self.parameters.tension.lift_height)
         self._alarms.append("unit hangs")
 
-    def _start_from_here(self) -> None:
-        """Make the present payout the mean, and begin the estimate of the unit at rest below it."""
-        model = self.design.model
-        estimate = self.estimator.estimate.copy()
-        moved = float(self._payout_row @ estimate)
-        payout, (unit, rate) = model.state("payout"), self._unit_states
-        self.mean.jump_to(self.mean.point.payout + moved)
-        self._mean_state[payout] += moved
-        self._mean_state[self._unit_states] = -self._winch_rows @ self._mean_state
-        estimate[payout] = 0.0
-        estimate[[unit, rate]] = 0.0
-        covariance = self.estimator.covariance.copy()
-        loose = [(unit, HANGING_SIGMA), (rate, HANGING_SIGMA)]
-        if model.has_state(DEPTH_BIAS):
-            bias = model.state(DEPTH_BIAS)
-            estimate[bias] = self.observer.unit_heave_reading(self._mean_state, unit)
-            loose.append((bias, HANGING_SIGMA))
-        for index, sigma in loose:
-            covariance[index, :] = covariance[:, index] = 0.0
-            covariance[index, index] = sigma**2
-        self.estimator.reset(estimate, covariance)
+    def _hand_over(self, *, stood: bool) -> None:
+        """Make the present depth of the unit the mean and go on from there; see `handover`."""
+        now = (self.design.model, self.estimator.estimate, self.estimator.covariance, self._mean_state)
+        if stood:
+            cable = self.design.cable
+            pull = (self._tension.measured - cable.static_tension) / cable.stiffness
+            heave = self.observer.unit_heave_reading(self._mean_state, self._unit_states[0])
+            after = hand_over_standing(*now, pull=pull, heave=heave)
+        else:
+            after = hand_over(*now)
+        self.mean.jump_to(self.mean.point.payout + after.lowered)
+        self._mean_state = after.mean_state
+        self.estimator.reset(after.estimate, after.covariance)
         self.estimator.step(self._tick, 0.0, [])
         self._left_over.jump_to(0.0)
         self._law.reset()

@@ -11,7 +11,15 @@ from winch_controller_node.law_parameters import HealthParameters
 from winch_controller_node.linear_model import Array
 from winch_controller_node.models import LEVER_ARM_X, LEVER_ARM_Y
 from winch_controller_node.readings import Measurements, MruReading, ScalarReading, SensorState
-from winch_controller_node.sensor_health import EncoderGate, SensorGate, SensorTiming, judge_mru, judge_scalar
+from winch_controller_node.sensor_health import (
+    LEVEL_WORDS,
+    OK,
+    EncoderGate,
+    SensorGate,
+    SensorTiming,
+    judge_mru,
+    judge_scalar,
+)
 
 ON_UNIT = ("depth", "velocity", "imu")
 """Sensors that ride on the unit: they say nothing of the hanging cable when the unit stands on the seabed."""
@@ -61,6 +69,7 @@ class Observer:
         self.stretch_per_payout = 0.0
         self.uses_unit = True
         self._unit_heave = 0.0
+        self._levels: dict[str, int] = {}
         self._attitude: tuple[float, float, float] | None = None
         self._shares: deque[tuple[int, Array]] = deque(maxlen=REMEMBERED)
 
@@ -108,7 +117,8 @@ class Observer:
         """Take back what the estimator refused."""
         for name, innovation in estimator.innovations.items():
             sensor = estimator.measurements[name].sensor
-            if not innovation.accepted and sensor != "encoder":
+            # one that came too late to be compared says nothing against the sensor; `stale` does, when they all are
+            if not innovation.accepted and sensor != "encoder" and math.isfinite(innovation.nis):
                 self.gates[sensor].note_innovation(accepted=False)
 
     def lost(self, vital: tuple[str, ...]) -> str:
@@ -117,6 +127,17 @@ class Observer:
             f"{name} {self.gates[name].reason}" for name in vital if name in self.gates and self.gates[name].is_lost
         ]
         return ", ".join(words)
+
+    def new_faults(self) -> list[str]:
+        """Return, in words, which sensors have become worse since the last call."""
+        words = []
+        for name, gate in self.gates.items():
+            before, self._levels[name] = self._levels.get(name, OK), gate.level
+            if gate.level > before:
+                is_jump = name == "encoder" and gate.reason == "jump"
+                detail = f"jump of {self.encoder.jump:+.3f} m taken off" if is_jump else gate.reason
+                words.append(f"{name} {LEVEL_WORDS[gate.level]}: {detail}")
+        return words
 
     def states(self, tick: int) -> tuple[SensorState, ...]:
         """Return how each sensor is seen."""
@@ -150,7 +171,9 @@ class Observer:
         self.payout = None
         if winch is None:
             return []
-        payout = self.encoder.judge(now, ScalarReading(winch.time, winch.encoder_payout), expected_rate)
+        reading = ScalarReading(winch.time, winch.encoder_payout)
+        is_driven = not winch.brake and winch.fault == 0
+        payout = self.encoder.judge(now, reading, expected_rate, is_driven=is_driven)
         self.payout = payout
         return [] if payout is None else [Measurement("payout", payout, self._tick_of(winch.time))]
 

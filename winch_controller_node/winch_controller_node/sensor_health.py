@@ -16,8 +16,13 @@ from winch_controller_node.readings import MRU_INVALID, MRU_OK, MruReading, Scal
 OK, SUSPECT, LOST = 0, 1, 2
 """Levels, as in heave_msgs/SensorHealth."""
 
+LEVEL_WORDS = ("ok", "suspect", "lost")
+
 BAD_IN_A_ROW = 3
 """So many refused readings in a row make a sensor lost: alarm within 3 samples."""
+
+JUMP_SHOWN = 2.0
+"""A jump that was taken off is shown for so long [s]: diagnostics come once a second."""
 
 MOVING_SPEED = 0.05
 """A drum commanded faster than this [m/s] must show in the encoder."""
@@ -59,6 +64,7 @@ class SensorGate:
         self._refused = 0
         self._bad_in_a_row = 0
         self._good_in_a_row = 0
+        self._good_needed = parameters.recover_samples
         self._same_in_a_row = 1
         self._last_value: float | None = None
         self._newest_stamp = -math.inf
@@ -100,6 +106,10 @@ class SensorGate:
             self._accepted -= 1
             self._refuse("spike" if self._bad_in_a_row < BAD_IN_A_ROW else "jump")
 
+    def show_for(self, samples: int) -> None:
+        """Let what was just refused be seen until so many good readings have come."""
+        self._good_needed = samples
+
     def tick(self, now: float) -> None:
         """Notice what did not come; once per tick, after the readings."""
         if self._started is None:
@@ -128,6 +138,7 @@ class SensorGate:
         self._refused += 1
         self._bad_in_a_row += 1
         self._good_in_a_row = 0
+        self._good_needed = self._parameters.recover_samples
         self.reason = reason
         is_grave = reason == "frozen" or self._bad_in_a_row >= BAD_IN_A_ROW
         self.level = LOST if is_grave or self.level == LOST else SUSPECT
@@ -135,7 +146,7 @@ class SensorGate:
     def _accept(self) -> None:
         self._bad_in_a_row = 0
         self._good_in_a_row += 1
-        if self.level != OK and self._good_in_a_row >= self._parameters.recover_samples:
+        if self.level != OK and self._good_in_a_row >= self._good_needed:
             self.level, self.reason = OK, ""
 
 
@@ -164,17 +175,21 @@ class EncoderGate:
     Attributes
     ----------
     offset : sum of the jumps found so far [m]; a reading less the offset is the payout
+    jump : the last one [m]
     """
 
     def __init__(self, timing: SensorTiming, parameters: HealthParameters, *, tick_period: float) -> None:
         self.gate = SensorGate("encoder", timing, parameters, checks_frozen=False)
         self.offset = 0.0
+        self.jump = 0.0
         self._parameters = parameters
         self._dt = tick_period
         self._last: tuple[float, float] | None = None
         self._still = 0
 
-    def judge(self, now: float, reading: ScalarReading, expected_rate: float) -> float | None:
+    def judge(
+        self, now: float, reading: ScalarReading, expected_rate: float, *, is_driven: bool = True
+    ) -> float | None:
         """Return the payout [m] without jumps, or None where the reading may not be used.
 
         Parameters
@@ -182,13 +197,16 @@ class EncoderGate:
         now : present time [s]
         reading : the encoder's
         expected_rate : payout rate the drum should have had since the last reading [m/s]
+        is_driven : the winch follows its commands; a braked drum stands still and is not frozen
         """
-        status = self._status(reading, expected_rate)
+        status = self._status(reading, expected_rate, is_driven)
         if not self.gate.judge(now, reading.time, (reading.value,), status):
+            if status == "jump":
+                self.gate.show_for(round(JUMP_SHOWN / self._dt))
             return None
         return reading.value - self.offset
 
-    def _status(self, reading: ScalarReading, expected_rate: float) -> str:
+    def _status(self, reading: ScalarReading, expected_rate: float, is_driven: bool) -> str:
         """Look for jumps and for a drum that turns unseen."""
         if not math.isfinite(reading.value) or not math.isfinite(reading.time):
             return ""
@@ -200,6 +218,8 @@ class EncoderGate:
         error = step - expected_rate * elapsed
         if abs(error) > self._parameters.encoder_step:
             self.offset += error
+            self.jump = error
             return "jump"
-        self._still = self._still + 1 if step == 0.0 and abs(expected_rate) > MOVING_SPEED else 0
+        is_still = is_driven and step == 0.0 and abs(expected_rate) > MOVING_SPEED
+        self._still = self._still + 1 if is_still else 0
         return "frozen" if self._still >= self._parameters.frozen_samples else ""

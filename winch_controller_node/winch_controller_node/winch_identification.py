@@ -44,6 +44,9 @@ CORRELATED = 4.0
 RESOLUTION = 3e-4
 """Least standard deviation of what is left [m]: an encoder of 1 mm."""
 
+LATE_TICKS = 2
+"""Ticks in a row with a command overdue that raise the alarm."""
+
 SMALLEST_LAG = 0.005
 """Least time constant of a servo [s]."""
 
@@ -177,6 +180,36 @@ class WinchIdentifier:
         guess[0] = min(max(guess[0], SMALLEST_LAG), belief.time_constant + largest)
         guess[1] = min(max(guess[1], belief.command_delay - largest, 0.0), belief.command_delay + largest)
         return guess
+
+
+class LateCommands:
+    """Notices that the winch takes commands later than believed, by the numbers of those it says it has taken.
+
+    A transport that becomes slower is seen so within three ticks, long before the record of the drum tells.
+
+    Parameters
+    ----------
+    tick_period : [s]
+    """
+
+    def __init__(self, tick_period: float) -> None:
+        self._dt = tick_period
+        self._late = 0
+
+    def update(self, given: int, taken: int, delay: float) -> str:
+        """Return in words what is wrong, once each time; empty when nothing is.
+
+        Parameters
+        ----------
+        given, taken : number of the last command, and of the newest one in effect at the end of its tick
+        delay : as believed [s]
+        """
+        due = math.ceil(delay / self._dt - 1e-6) - 1
+        is_late = taken > 0 and given - taken > due + 1
+        self._late = self._late + 1 if is_late else 0
+        if self._late != LATE_TICKS:
+            return ""
+        return f"winch takes commands at least {(given - taken - due - 1) * self._dt:.2f} s later than believed"
 
 
 def carry_by_name(old: ControllerDesign, new: ControllerDesign) -> Array:

@@ -1,0 +1,113 @@
+"""Constant tension and landing: compensation goes on from where the unit is."""
+
+import numpy as np
+import pytest
+from winch_controller_node.closed_loop import ClosedLoop, loop_parameters
+from winch_controller_node.design import design_controller
+from winch_controller_node.handover import hand_over, hand_over_standing
+from winch_controller_node.parameters import WinchControllerParameters
+
+DT = 0.05
+CABLE = {
+    "cable.diameter": 0.047,
+    "cable.displaced_diameter": 0.045868,
+    "cable.mass_per_length": 7.2,
+    "cable.axial_stiffness": 15770645.9,
+    "cable.tangential_drag": 0.025,
+    "unit.mass": 65000.0,
+    "unit.volume": 58.4404,
+    "unit.added_mass": [60000.0, 60000.0, 60000.0],
+    "unit.drag_coefficient": [1.0, 1.0, 1.0],
+    "unit.drag_area": [1.0, 1.0, 1.0],
+    "length": 570.0,
+}
+"""The 125 t unit of the landing benchmark, 50 kN in water."""
+SEA = {"significant_wave_height": 1.5, "peak_period": 10.0}
+
+
+def loop_above(seabed, duration, seed, **controller):
+    """Return the full plant with its static depth near 572.7 m above a seabed [m], and a quick start."""
+    return ClosedLoop(
+        loop_parameters(
+            {
+                "wave_vessel": SEA | {"ramp": 10.0, "vessel.natural_frequency": 0.9, "vessel.damping_ratio": 0.4},
+                "cable_sim": CABLE | {"segments": 12, "seabed.depth": seabed, "seabed.unit_damping": 7e5},
+                "virtual_winch": {},
+                "winch_controller": CABLE
+                | {f"sea.{name}": value for name, value in SEA.items()}
+                | {"modes.settling_time": 10.0, "modes.fade_in_time": 5.0}
+                | controller,
+            },
+            seed=seed,
+            duration=duration,
+        )
+    )
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_a_unit_is_landed_held_and_lifted_off_without_touching_again(seed):
+    programme = {
+        "programme.move_times": [20.0],
+        "programme.move_payouts": [6.0],
+        "programme.move_speeds": [0.2],
+        "programme.mode_times": [60.0],
+        "programme.modes": ["compensating"],
+        "tension.lift_height": 1.0,
+    }
+    record = loop_above(575.0, 90.0, seed, **programme).run()
+    words = [alarm for _, alarm in record.alarms]
+    hangs = next(time for time, alarm in record.alarms if alarm == "unit hangs")
+    assert "touchdown" in words
+    force, time = record.column("touchdown_force"), record.column("time")
+    first = time[np.argmax(force > 0.0)]
+    assert abs(record.column("unit_rate")[np.argmax(force > 0.0)]) < 0.3
+    # benchmark B7: the cable keeps a tenth of its static tension
+    assert np.min(record.column("top_tension", after=first)) > 0.1 * record.column("top_tension")[0]
+    stands = (force[time > hangs] > 0.0).astype(int)
+    assert not stands[-1]
+    assert np.count_nonzero(np.diff(stands) > 0) == 0
+
+
+def test_compensation_after_constant_tension_holds_the_unit_where_it_is():
+    loop = loop_above(2000.0, 100.0, 2)
+    for _ in range(500):
+        loop.step()
+    loop.controller.set_mode("constant_tension")
+    held = np.array([loop.step()[1] for _ in range(600)])
+    loop.controller.set_mode("compensating")
+    rows = np.array([loop.step()[1] for _ in range(400)])
+    # constant tension leaves the unit drifting by some decimetres; what it was at the change is the mean from then on
+    assert abs(held[-1, 2] - held[0, 2]) > 0.05
+    assert np.max(np.abs(rows[:, 2] - held[-1, 2])) < 0.05
+    assert np.max(np.abs(np.diff(rows[:, 5]))) <= 1.5 * DT + 1e-9
+
+
+def random_loop(seed):
+    model = design_controller(WinchControllerParameters(length=900.0), tick_period=DT).model
+    rng = np.random.default_rng(seed)
+    return model, rng.standard_normal(model.order), np.eye(model.order), rng.standard_normal(model.order)
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_a_hand_over_moves_nothing_but_the_mean(seed):
+    """Payout mean + p, unit -mean + x and the pull x0 - p - x are what they were; the unit is at its mean."""
+    model, estimate, covariance, mean_state = random_loop(seed)
+    after = hand_over(model, estimate, covariance, mean_state)
+    before, now = estimate + mean_state, after.estimate + after.mean_state
+    payout, unit = model.state("payout"), model.state("unit_heave")
+    np.testing.assert_allclose(now, before, atol=1e-12)
+    assert after.mean_state[payout] - mean_state[payout] == pytest.approx(after.lowered)
+    assert after.estimate[unit] + after.mean_state[unit] + after.mean_state[payout] == pytest.approx(0.0, abs=1e-12)
+
+
+def test_a_unit_that_stood_begins_with_the_measured_pull_and_the_measured_depth():
+    model, estimate, covariance, mean_state = random_loop(4)
+    after = hand_over_standing(model, estimate, covariance, mean_state, pull=-0.2, heave=0.7)
+    whole = after.estimate + after.mean_state
+    tip = float(model.row("boom_tip_heave") @ after.estimate)
+    pull = tip - whole[model.state("payout")] - whole[model.state("unit_heave")]
+    assert pull == pytest.approx(-0.2)
+    assert np.min(np.linalg.eigvalsh(after.covariance)) > 0.0
+    # the depth sensor's own row: heave and bias together read what was read, about the new mean
+    seen = after.estimate[model.state("unit_heave")] - after.lowered + after.estimate[model.state("depth_bias")]
+    assert seen == pytest.approx(0.7)
