@@ -32,6 +32,7 @@ lint: $(VENV)/.test-installed  ## set up, then ruff and mypy
 	$(BIN)/mypy
 
 coverage: $(VENV)/.test-installed  ## the tests with the lines they reach
+	@VIRTUAL_ENV=$(CURDIR)/$(VENV) $(BIN)/uv pip install --quiet --requirement pyproject.toml --extra coverage
 	$(BIN)/coverage run -m pytest $(PYTEST)
 	$(BIN)/coverage combine --quiet || true
 	$(BIN)/coverage report

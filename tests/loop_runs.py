@@ -14,6 +14,9 @@ import psutil
 from domain_coordinator import domain_id
 from mcap.reader import make_reader
 
+CALM_DURATION = 10.0
+"""Simulated time of the run that several tests look at [s]."""
+
 
 def command(*arguments: str) -> list[str]:
     return [sys.executable, "-m", "heave_bringup.cli", *arguments]

@@ -51,7 +51,8 @@ except (KeyboardInterrupt, rclpy.executors.ExternalShutdownException):
 @pytest.mark.slow
 def test_a_real_winch_takes_the_place_of_the_virtual_one(tmp_path):
     folder = tmp_path / "run"
-    options = ["--pacing", "realtime", "--duration", "40", "--external", "virtual_winch", "--no-report"]
+    options = ["--pacing", "realtime", "--duration", "30", "--external", "virtual_winch", "--no-report"]
+    options += ["--set", "wave_vessel.ramp=5.0"]
     with domain_id() as domain:
         drive = subprocess.Popen([sys.executable, "-c", REAL_WINCH], env=environment(domain))
         try:

@@ -1,40 +1,31 @@
 """A bag in the place of all nodes but the controller gives the same run; and markers in a bag show the cable."""
 
-from pathlib import Path
-
 import pytest
 from heave_bags.reader import Bag
 from visualization_msgs.msg import Marker
 
-from tests.loop_runs import heave, run_scenario
-
-DURATION = 8.0
-
-
-@pytest.fixture(scope="module")
-def original(tmp_path_factory) -> Path:
-    return run_scenario(tmp_path_factory.mktemp("original") / "run", duration=DURATION)
+from tests.loop_runs import CALM_DURATION, heave, run_scenario
 
 
 @pytest.mark.slow
-def test_recorded_sea_and_sensors_lead_the_same_controller_to_the_same_run(original, tmp_path):
+def test_recorded_sea_and_sensors_lead_the_same_controller_to_the_same_run(calm_bag, tmp_path):
     replaced = ("wave_vessel", "cable_sim", "virtual_winch")
-    options = [part for node in replaced for part in ("--from-bag", f"{node}={original}")]
-    again = run_scenario(tmp_path / "again", duration=DURATION, options=options)
-    assert list(Bag(again).messages()) == list(Bag(original).messages())
+    options = [part for node in replaced for part in ("--from-bag", f"{node}={calm_bag}")]
+    again = run_scenario(tmp_path / "again", duration=CALM_DURATION, options=options)
+    assert list(Bag(again).messages()) == list(Bag(calm_bag).messages())
 
 
-def test_a_bag_that_is_too_short_is_refused_in_one_line(original, tmp_path):
+def test_a_bag_that_is_too_short_is_refused_in_one_line(calm_bag, tmp_path):
     result = heave(
         *("run", "b2_calm_300", "--duration", "100", "--bag", str(tmp_path / "again"), "--no-report"),
-        *("--from-bag", f"wave_vessel={original}"),
+        *("--from-bag", f"wave_vessel={calm_bag}"),
     )
     assert result.returncode != 0
     assert "the run lasts 100 s" in result.stderr.strip().splitlines()[-1]
 
 
-def test_markers_show_the_cable_and_the_unit_where_they_are(original):
-    bag = Bag(original)
+def test_markers_show_the_cable_and_the_unit_where_they_are(calm_bag):
+    bag = Bag(calm_bag)
     cables = {message.log_time: state for message, state in bag.decoded(["cable/state"])}
     units = {message.log_time: state for message, state in bag.decoded(["unit/odometry"])}
     seen = 0
@@ -49,4 +40,4 @@ def test_markers_show_the_cable_and_the_unit_where_they_are(original):
         assert any((body.x, body.y, body.z) == pytest.approx((unit.x, unit.y, unit.z), abs=1e-9) for body in bodies)
         assert {marker.header.frame_id for marker in array.markers} == {"world"}
         seen += 1
-    assert seen >= DURATION
+    assert seen >= CALM_DURATION
