@@ -9,9 +9,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from cable_sim_node.compiled import kernel
 from cable_sim_node.errors import NoEquilibriumError
 from cable_sim_node.line_arrays import LineArrays
 from cable_sim_node.line_bending import CENTRE, solve_with_bending
@@ -39,7 +39,7 @@ Array = NDArray[np.float64]
 _PASSES = 200
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def strain_at(row: Array, tension: float) -> float:
     """Return the strain at which the tension law gives `tension` [N]; NaN where it does not reach it."""
     strain = tension / row[STIFFNESS]
@@ -56,7 +56,7 @@ def strain_at(row: Array, tension: float) -> float:
     return strain
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def turn_of(pull: float, normal: float, along: float, across: float) -> float:
     """Return the angle [rad] by which a current turns a segment against itself, from the pull of what hangs below.
 
@@ -81,7 +81,7 @@ def turn_of(pull: float, normal: float, along: float, across: float) -> float:
     return 0.5 * (low + high)
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def aim(force: Array, u: Array, normal: float, tangential: float, direction: Array, drag: Array) -> float:
     """Set `direction` of a segment that holds `force` [N] below it in the current `u`, and half its `drag` [N].
 
@@ -113,7 +113,7 @@ def aim(force: Array, u: Array, normal: float, tangential: float, direction: Arr
     return tension
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def march(line: LineArrays, n: int, unit_position: Array) -> bool:
     """Place nodes 0..n above the unit by equilibrium, with the flow as in `line.flow`; False where nothing pulls."""
     x = line.x
@@ -146,7 +146,7 @@ def march(line: LineArrays, n: int, unit_position: Array) -> bool:
     return True
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def add_drag_turning(n: int, x: Array, seg: Array, flow: Array, band: Array) -> None:
     """Add to `band` how the drag of each segment at rest changes as the segment turns.
 
@@ -182,7 +182,7 @@ def add_drag_turning(n: int, x: Array, seg: Array, flow: Array, band: Array) -> 
                     band[line_row, CENTRE - 3 * end + q - p] -= turning
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def bend(line: LineArrays, n: int, tolerance: float) -> bool:
     """Move the nodes from the flexible line's equilibrium to the stiff one's; False where that does not settle.
 

@@ -10,9 +10,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from cable_sim_node.compiled import inner_kernel, kernel
 from cable_sim_node.line_layout import (
     ACCELERATION,
     ADDED_MASS,
@@ -62,7 +62,7 @@ Vector = tuple[float, float, float]
 Block = tuple[float, float, float, float, float, float]
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def tension_of(
     stiffness: float, q: float, c: float, damping: float, strain: float, strain_rate: float
 ) -> tuple[float, float, float]:
@@ -85,32 +85,32 @@ def tension_of(
     return elastic * (1.0 + sine), slope * (1.0 + sine**3), damping * cosine**3
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def rank_one(a: float, b: float, x: float, y: float, z: float) -> Block:
     """Return the block a I + b w w' with w = (x, y, z)."""
     return a + b * x * x, b * x * y, b * x * z, a + b * y * y, b * y * z, a + b * z * z
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def add_blocks(p: Block, q: Block) -> Block:
     """Return p + q."""
     return p[0] + q[0], p[1] + q[1], p[2] + q[2], p[3] + q[3], p[4] + q[4], p[5] + q[5]
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def times(m: Block, x: float, y: float, z: float) -> Vector:
     """Return the block times a vector."""
     return m[0] * x + m[1] * y + m[2] * z, m[1] * x + m[3] * y + m[4] * z, m[2] * x + m[4] * y + m[5] * z
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def put_block(target: Array, i: int, m: Block) -> None:
     """Write a block into row i."""
     target[i, 0], target[i, 1], target[i, 2] = m[0], m[1], m[2]
     target[i, 3], target[i, 4], target[i, 5] = m[3], m[4], m[5]
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def drag_of(normal: float, tangential: float, e: Vector, ux: float, uy: float, uz: float) -> tuple[Vector, Block]:
     """Return half the drag [N] on a segment along `e` that moves with (ux, uy, uz) through the water, and
     d(drag)/d(velocity) / 4.
@@ -132,7 +132,7 @@ def drag_of(normal: float, tangential: float, e: Vector, ux: float, uy: float, u
     return half, slope
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def sheave_material(
     dx: float, v_top: float, a_top: float, v_low: float, length: float, rate: float, acceleration: float
 ) -> tuple[float, float]:
@@ -142,7 +142,7 @@ def sheave_material(
     return velocity, a_top - acceleration * q - 2.0 * rate * (velocity - v_low) / length
 
 
-@njit(cache=True, error_model="numpy")
+@inner_kernel
 def assemble_segments(
     n: int,
     x: Array,
@@ -240,7 +240,7 @@ def assemble_segments(
     return least
 
 
-@njit(cache=True, error_model="numpy")
+@inner_kernel
 def assemble_nodes(
     n: int,
     x: Array,
@@ -289,7 +289,7 @@ def assemble_nodes(
     return touching
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def add_contact(
     i: int, x: Array, v: Array, seg: Array, settings: Array, c_velocity: float, diagonal: Array, residual: Array
 ) -> bool:
@@ -334,7 +334,7 @@ def add_contact(
     return True
 
 
-@njit(cache=True, error_model="numpy")
+@inner_kernel
 def add_compensator(
     n: int,
     x: Array,
@@ -377,7 +377,7 @@ def add_compensator(
     return over > -0.1 * settings[SPRING_HALF_STROKE]
 
 
-@njit(cache=True, error_model="numpy")
+@inner_kernel
 def solve_blocks(count: int, diagonal: Array, upper: Array, residual: Array, sweep: Array, correction: Array) -> None:
     """Solve the symmetric block-tridiagonal system J correction = -residual for rows 0..count-1 (block Gauss, one pass
     each way).

@@ -10,9 +10,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from cable_sim_node.compiled import inner_kernel, kernel
 from cable_sim_node.line_layout import BENDING, LENGTH
 
 Array = NDArray[np.float64]
@@ -21,7 +21,7 @@ CENTRE = 8
 """Column of the diagonal, and half bandwidth: two neighbours on each side, three coordinates each."""
 
 
-@njit(cache=True, error_model="numpy")
+@inner_kernel
 def add_bending(n: int, x: Array, seg: Array, residual: Array, band: Array, g: Array) -> None:
     """Add the hinges' forces to the residual and write their stiffness into `band` (column 8 + j - i of row i), which
     is cleared.
@@ -59,14 +59,14 @@ def add_bending(n: int, x: Array, seg: Array, residual: Array, band: Array, g: A
                 band[base + r, CENTRE + c - r] += stiffness * total
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _entry(p: int, q: int) -> int:
     """Return the column where a symmetric block stores its element (p, q)."""
     low, high = min(p, q), max(p, q)
     return high if low == 0 else low + high + 1
 
 
-@njit(cache=True, error_model="numpy")
+@inner_kernel
 def solve_with_bending(
     count: int, diagonal: Array, upper: Array, residual: Array, band: Array, correction: Array
 ) -> None:

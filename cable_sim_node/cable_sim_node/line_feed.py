@@ -12,9 +12,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from cable_sim_node.compiled import inner_kernel, kernel
 from cable_sim_node.line_arrays import LineArrays
 from cable_sim_node.line_assembly import assemble_nodes, assemble_segments
 from cable_sim_node.line_flow import set_flow
@@ -41,7 +41,7 @@ from cable_sim_node.line_layout import (
 Array = NDArray[np.float64]
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def set_top_segment(
     n: int, total: float, grid: Array, grid_s: Array, grid_lump: Array, seg: Array, lump: Array
 ) -> None:
@@ -89,7 +89,7 @@ def set_top_segment(
     lump[n, LUMP_WEIGHT] -= leaning_weight
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def restore_row(i: int, grid: Array, grid_lump: Array, seg: Array, lump: Array) -> None:
     """Give segment i and node i back the properties of the grid."""
     for c in range(SEGMENT_COLUMNS):
@@ -98,7 +98,7 @@ def restore_row(i: int, grid: Array, grid_lump: Array, seg: Array, lump: Array) 
         lump[i, c] = grid_lump[i, c]
 
 
-@njit(cache=True, error_model="numpy")
+@inner_kernel
 def merge_top(n: int, x: Array, v: Array, a: Array) -> int:
     """Remove the node below the sheave; return the new number of segments."""
     for k in range(3):
@@ -108,7 +108,7 @@ def merge_top(n: int, x: Array, v: Array, a: Array) -> int:
     return n - 1
 
 
-@njit(cache=True, error_model="numpy")
+@inner_kernel
 def split_top(n: int, moving: Array, grid_s: Array, x: Array, v: Array, a: Array) -> int:
     """Put a node on grid point n, on the straight line between its neighbours; return the new number of segments.
 
@@ -128,7 +128,7 @@ def split_top(n: int, moving: Array, grid_s: Array, x: Array, v: Array, a: Array
     return n + 1
 
 
-@njit(cache=True, error_model="numpy")
+@inner_kernel
 def settle_node(line: LineArrays, k: int, n: int) -> None:
     """Move the newborn node k to where its forces give it the acceleration it has.
 
@@ -192,7 +192,7 @@ def settle_node(line: LineArrays, k: int, n: int) -> None:
             return
 
 
-@njit(cache=True, error_model="numpy")
+@inner_kernel
 def feed(line: LineArrays, n: int) -> int:
     """Let nodes be born or die until the top segment is neither too long nor too short; return the number of segments.
 

@@ -5,15 +5,15 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from cable_sim_node.compiled import kernel
 from cable_sim_node.line_layout import TIME, WAVE_AMPLITUDE, WAVE_FREQUENCY, WAVE_NUMBER, WAVE_X, WAVE_Y
 
 Array = NDArray[np.float64]
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def interpolate(at: float, table: Array, column: int) -> float:
     """Interpolate `table[:, column]` over the increasing `table[:, 0]`, constant beyond its ends."""
     last = table.shape[0] - 1
@@ -32,7 +32,7 @@ def interpolate(at: float, table: Array, column: int) -> float:
     return table[low, column] + share * (table[high, column] - table[low, column])
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def set_flow(
     n: int,
     x: Array,

@@ -11,9 +11,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from cable_sim_node.compiled import inner_kernel, kernel
 from cable_sim_node.line_arrays import LineArrays
 from cable_sim_node.line_assembly import add_compensator, assemble_nodes, assemble_segments, solve_blocks
 from cable_sim_node.line_bending import add_bending, solve_with_bending
@@ -56,7 +56,7 @@ _FAILED, _TAUT, _SLACK, _SLACK_REFUSED = range(4)
 """How a step ended."""
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def hermite(
     share: float, duration: float, start: float, start_rate: float, end: float, end_rate: float
 ) -> tuple[float, float, float]:
@@ -71,7 +71,7 @@ def hermite(
     return value, rate, acceleration
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def largest_relative_correction(count: int, seg: Array, correction: Array) -> float:
     """Return the largest difference of neighbours' corrections per length of their segment (NaN stays NaN)."""
     largest = 0.0
@@ -85,7 +85,7 @@ def largest_relative_correction(count: int, seg: Array, correction: Array) -> fl
     return math.sqrt(largest)
 
 
-@njit(cache=True, error_model="numpy")
+@inner_kernel
 def assemble(line: LineArrays, n: int, c_mass: float, c_velocity: float) -> tuple[float, bool]:
     """Assemble everything at the middle of the step or, where `c_mass` is 0, at its end.
 
@@ -136,7 +136,7 @@ def assemble(line: LineArrays, n: int, c_mass: float, c_velocity: float) -> tupl
     return least, touching
 
 
-@njit(cache=True, error_model="numpy")
+@inner_kernel
 def predict(line: LineArrays, n: int, count: int, h: float) -> None:
     """Set the middle state for constant acceleration of nodes 0..count-1; length and boom tip go to `end` and
     `end_tip`.
@@ -168,7 +168,7 @@ def predict(line: LineArrays, n: int, count: int, h: float) -> None:
     )
 
 
-@njit(cache=True, error_model="numpy")
+@inner_kernel
 def finish(line: LineArrays, n: int, count: int, h: float) -> None:
     """Carry the middle state to the end of the step."""
     end_tip = line.end_tip
@@ -186,7 +186,7 @@ def finish(line: LineArrays, n: int, count: int, h: float) -> None:
     set_top_segment(n, line.moving[TOTAL], line.grid, line.grid_s, line.grid_lump, line.seg, line.lump)
 
 
-@njit(cache=True, error_model="numpy")
+@inner_kernel
 def take_ends(line: LineArrays) -> None:
     """Make the end of the step the present: time, length and boom tip."""
     for k in range(STATE_COLUMNS):
@@ -195,7 +195,7 @@ def take_ends(line: LineArrays) -> None:
         line.tip[0, k], line.tip[1, k], line.tip[2, k] = line.end_tip[0, k], line.end_tip[1, k], line.end_tip[2, k]
 
 
-@njit(cache=True, error_model="numpy")
+@inner_kernel
 def step(line: LineArrays, n: int, h: float) -> int:
     """Make one step of `h` seconds to `end` and `end_tip`; return whether the line was taut or slack in it.
 
@@ -244,7 +244,7 @@ def step(line: LineArrays, n: int, h: float) -> int:
     return _FAILED
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def set_scheme(settings: Array, alpha_m: float, alpha_f: float) -> None:
     """Set the parameters of the generalised-alpha scheme; (-1, 0) removes the fastest oscillations at once.
 
@@ -256,7 +256,7 @@ def set_scheme(settings: Array, alpha_m: float, alpha_f: float) -> None:
     settings[BETA] = 0.25 * (1.0 - alpha_m + alpha_f) ** 2
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def advance(line: LineArrays, duration: float, ends: Array, lengths: Array) -> int:
     """Integrate over `duration` [s]; return the outcome (DONE, NOT_CONVERGED, TOO_SHORT).
 
@@ -312,7 +312,7 @@ def advance(line: LineArrays, duration: float, ends: Array, lengths: Array) -> i
     return outcome
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def load_ends(
     share: float, duration: float, start_time: float, ends: Array, lengths: Array, end_length: Array, end_tip: Array
 ) -> None:
@@ -325,7 +325,7 @@ def load_ends(
         end_tip[0, k], end_tip[1, k], end_tip[2, k] = value, rate, acceleration
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def evaluate(line: LineArrays) -> float:
     """Fill `tensions` and `residual` at the present state; return the least strain.
 
