@@ -221,3 +221,16 @@ def test_lqg_keeps_the_loop_in_a_sea_beyond_the_winch():
     record = ClosedLoop(loop_parameters(law="lqg", height=3.0, period=8.0, duration=120.0)).run()
     assert min(record.column("authority", after=60.0)) < 0.9
     assert record.unit_sigma(40.0) < record.uncompensated_sigma(40.0)
+
+
+@pytest.mark.parametrize("law", ["lqr", "mpc"])
+def test_a_lost_loop_is_given_up_before_the_unit_swings_far_and_the_winch_comes_to_rest_at_its_mean(law):
+    """0.4 s of delay that nobody believes in and nobody learns: no feedback of the unit is stable with it."""
+    parameters = loop_parameters(law=law, duration=90.0, **{"lag.adaptation": False, "guard.hold_time": 600.0})
+    record = ClosedLoop(dataclasses.replace(parameters, winch=WinchParameters(command_delay=0.6))).run()
+    assert any("compensation does harm" in words for _, words in record.alarms)
+    assert record.modes[-1] == "standby"
+    off = np.max(np.abs(record.column("uncompensated", after=20.0)))
+    assert np.max(np.abs(record.column("unit", after=20.0))) < 3.0 * off
+    # what the lost loop had paid out is taken back during the fade-out
+    assert abs(record.column("payout")[-1]) < 0.5

@@ -107,7 +107,7 @@ def make_guard():
 def feed_guard(guard, residual, uncompensated, seconds, authority=1.0, rate=0.3):
     for k in range(round(seconds / DT)):
         wave = np.sin(0.7 * k * DT)
-        guard.update(residual * wave, uncompensated * wave, rate * wave, authority)
+        guard.update((residual * wave, 0.0), (uncompensated * wave, 0.0), rate * wave, authority)
 
 
 def test_the_guard_tolerates_a_small_residual_and_stops_a_harmful_one():
@@ -140,3 +140,14 @@ def test_the_guard_waits_while_the_sea_asks_for_far_more_than_the_winch_can_give
     feed_guard(guard, 0.0, 0.5, 200.0, authority=0.0, rate=10.0)
     assert guard.demand == pytest.approx(2.0 * 10.0 / np.sqrt(2.0) / 2.0, rel=0.1)
     assert guard.is_harming
+
+
+def test_a_swing_above_the_sea_is_noticed_within_seconds_and_one_below_never():
+    """A lost loop: the swing becomes three times the uncompensated one; half the window would be 10 s."""
+    guard = make_guard()
+    feed_guard(guard, 0.5, 0.5, 60.0, authority=0.0)
+    feed_guard(guard, 0.4, 0.5, 30.0, authority=0.5)
+    assert not guard.is_harming
+    feed_guard(guard, 1.5, 0.5, 5.0, authority=0.5)
+    assert guard.is_harming
+    assert "swings" in guard.reason

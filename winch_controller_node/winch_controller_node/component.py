@@ -37,6 +37,9 @@ from winch_controller_node.winch_identification import LateCommands, WinchIdenti
 RETURN_SPEED = 0.05
 """Speed at which a payout left over from before a stop returns to the mean [m/s]."""
 
+STANDING_SURPRISE = 3.0
+"""Standard deviations by which the depth sensor sees a landed unit above a hanging one, at least."""
+
 IDLE = LawCommand(0.0)
 
 LEARNING_PERIOD = 2.0
@@ -86,6 +89,7 @@ class WinchController:
         self._order_given: WinchOrder | None = None
         self._tick = 0
         self._mode_before = self.modes.mode
+        self._depth_surprise = 0.0
         self._compensating_command = 0.0
         self._total_command = 0.0
         self._last_rate = 0.0
@@ -322,6 +326,9 @@ class WinchController:
         if measurements.load_cell and math.isfinite(self.observer.tension):
             self._tension.observe(self.observer.tension)
         estimate = self.estimator.step(tick, self._compensating_command, readings)
+        depth = self.estimator.innovations.get("unit_heave")
+        if depth is not None and math.isfinite(depth.nis):
+            self._depth_surprise = depth.value / depth.sigma
         self.observer.learn(self.estimator)
         self._alarms += self.observer.new_faults()
         self._watch_winch(measurements.winch)
@@ -333,11 +340,18 @@ class WinchController:
         return self._shadow_state
 
     def _step_mode(self, estimate: Array, uncompensated: Array, fault: int) -> ModeOutput:
-        residual = self._unit_heave(estimate)
-        tip_rate = float(self._tip_rows[1] @ estimate)
         is_judged = not self._has_landed and self.modes.mode is not Mode.CONSTANT_TENSION
         authority = self.modes.authority if is_judged else 0.0
-        self.guard.update(residual, float(uncompensated[0]), tip_rate, authority, self.modes.target)
+        residual = self._winch_rows @ self._mean_state + (estimate + self._mean_state)[self._unit_states]
+        self.guard.update(
+            (float(residual[0]), float(residual[1])),
+            (float(uncompensated[0]), float(uncompensated[1])),
+            float(self._tip_rows[1] @ estimate),
+            authority,
+            self.modes.target,
+            inertia=self.design.cable.a,
+            has_feedback=self.parameters.law != "feedforward",
+        )
         situation = Situation(
             lost=self.observer.lost(self._vital()),
             has_estimate=bool(self.observer.gates["encoder"].state(0.0).accepted),
@@ -383,10 +397,20 @@ class WinchController:
         parameters = self.parameters.tension
         if not self._has_landed:
             lowering = mode.mode is Mode.COMPENSATING and self.mean.point.rate > RETURN_SPEED
-            if lowering and mode.authority > 0.5 and share < parameters.touchdown_ratio:
+            if lowering and mode.authority > 0.5 and share < parameters.touchdown_ratio and self._stands_above_model():
                 self._land(static - (1.0 - parameters.landing_ratio) * self._unit_weight)
         elif self._is_lifting and share > parameters.lift_off_ratio:
             self._hang()
+
+    def _stands_above_model(self) -> bool:
+        """Tell whether the depth sensor sees the unit above where a hanging one would have fallen under this tension.
+
+        A unit that swings at the winch's limits unloads the cable too, but falls as the model says. Without a depth
+        sensor the tension alone tells.
+        """
+        if "unit_heave" not in self.estimator.measurements or self.observer.gates["depth"].reason == "stale":
+            return True
+        return self._depth_surprise > STANDING_SURPRISE
 
     def _land(self, tension: float) -> None:
         """Go over to constant tension on the seabed."""

@@ -1,7 +1,10 @@
 """Never worse than off: compares the residual with what the unit would do uncompensated, live, from estimates.
 
-Both are exponentially weighted variances of estimated motion. Compensation that does harm is faded out; after a hold
-time, which doubles with every harm, it is tried again once the sea asks for no more than the winch can give.
+Over some waves exponentially weighted variances of both are compared: compensation must be better than none. A loop
+that is lost pumps energy into a unit that then swings for minutes, so that the guard must not wait for waves: over
+seconds it compares the swing of the unit, z^2 + a z'^2, with that of the uncompensated one now and in the last waves.
+Compensation that does harm is faded out; after a hold time, which doubles with every harm, it is tried again once the
+sea asks for no more than the winch can give.
 """
 
 from __future__ import annotations
@@ -20,8 +23,21 @@ FULL_SHARE = 0.95
 PEAK = 3.0
 """Peak amplitude over standard deviation of a sea, over some minutes."""
 
+QUICK_TIME = 3.0
+"""Memory of the quick comparison [s]."""
+
+QUICK_FLOORS = 10.0
+"""Quick comparison: swings below so many times the floor are left to the slow one."""
+
+QUICK_RATIO = 1.5
+"""Quick comparison: harm above this ratio to the largest of what the sea gives now and in the last waves."""
+
 SIGNIFICANT = 2.0
 """Significant amplitude over standard deviation of a narrow-banded sea."""
+
+
+Motion = tuple[float, float]
+"""Heave [m] and heave rate [m/s]."""
 
 
 class RunningSigma:
@@ -52,6 +68,43 @@ class RunningSigma:
         return math.sqrt(self._variance)
 
 
+class QuickComparison:
+    """Compares two motions over seconds by their energy; the reference also by that of the last waves.
+
+    Parameters
+    ----------
+    window : memory of the waves [s]
+    tick_period : [s]
+    """
+
+    def __init__(self, window: float, tick_period: float) -> None:
+        self._quick, self._slow = tick_period / QUICK_TIME, tick_period / window
+        self._count = 0
+        self._patience = round(0.5 * window / tick_period)
+        self._energy = self._reference = self._waves = 0.0
+
+    def add(self, energy: float, reference: float, *, is_on: bool) -> None:
+        """Take in the energies of a tick [m^2]; while compensation is off they are the same."""
+        self._count += 1
+        least = 1.0 / self._count
+        self._reference += max(self._quick, least) * (reference - self._reference)
+        self._waves += max(self._slow, least) * (reference - self._waves)
+        self._energy += max(self._quick, least) * (energy - self._energy)
+        if not is_on:
+            self._energy = self._reference
+
+    @property
+    def amplitude(self) -> float:
+        """Root mean square of the motion [m]."""
+        return math.sqrt(self._energy)
+
+    def is_above(self, floor: float) -> bool:
+        """Tell whether the motion is above `floor` [m] and surely above the reference, once some waves have come."""
+        if self._count < self._patience:
+            return False
+        return self.amplitude > max(floor, QUICK_RATIO * math.sqrt(max(self._reference, self._waves)))
+
+
 class HarmGuard:
     """Says when compensation shall be faded out, and when it may be tried again.
 
@@ -77,6 +130,7 @@ class HarmGuard:
         self._off_time = 0.0
         self._on_time = 0.0
         self._reset_sigmas()
+        self._swing = QuickComparison(parameters.window, tick_period)
         self._tip_rate = RunningSigma(parameters.window, tick_period)
         self._tip_acceleration = RunningSigma(parameters.window, tick_period)
         self._last_rate: float | None = None
@@ -109,13 +163,23 @@ class HarmGuard:
         return min(1.0, self._parameters.limit_use / peak) if peak > 0.0 else 1.0
 
     def update(
-        self, residual: float, uncompensated: float, tip_rate: float, authority: float, target: float = 1.0
+        self,
+        residual: Motion,
+        uncompensated: Motion,
+        tip_rate: float,
+        authority: float,
+        target: float = 1.0,
+        *,
+        inertia: float = 0.0,
+        has_feedback: bool = True,
     ) -> None:
         """Take one tick in.
 
         Parameters
         ----------
-        residual, uncompensated : estimated unit heave with and without compensation [m]
+        residual, uncompensated : estimated heave [m] and rate [m/s] of the unit with and without compensation
+        inertia : a of the two-state cable [s^2]
+        has_feedback : the law feeds the unit's motion back, and could be lost; others are judged over waves only
         tip_rate : estimated heave rate of the boom tip [m/s]
         authority : share of the sea that is compensated now
         target : share it goes to; compensation is judged when that is (nearly) reached
@@ -124,6 +188,8 @@ class HarmGuard:
         if self._last_rate is not None:
             self._tip_acceleration.add((tip_rate - self._last_rate) / self._dt)
         self._last_rate = tip_rate
+        swings = [heave**2 + inertia * rate**2 for heave, rate in (residual, uncompensated)]
+        self._swing.add(*swings, is_on=authority > 0.0)
         if self.is_harming:
             self._wait(authority)
             return
@@ -131,12 +197,19 @@ class HarmGuard:
             self._on_time = 0.0
             self._reset_sigmas()
             return
-        if authority < FULL_SHARE * target:
+        if has_feedback:
+            self._judge_quickly()
+        if self.is_harming or authority < FULL_SHARE * target:
             return
-        self._residual.add(residual)
-        self._uncompensated.add(uncompensated)
+        self._residual.add(residual[0])
+        self._uncompensated.add(uncompensated[0])
         self._on_time += self._dt
         self._judge()
+
+    def _judge_quickly(self) -> None:
+        if self._swing.is_above(QUICK_FLOORS * self._parameters.floor):
+            amplitude = self._swing.amplitude
+            self._fade(f"compensation does harm: the unit swings {amplitude:.3f} m, more than the sea would have it")
 
     def _judge(self) -> None:
         parameters = self._parameters
@@ -144,13 +217,14 @@ class HarmGuard:
             return
         residual, uncompensated = self.residual_sigma, self.uncompensated_sigma
         if residual > parameters.floor and residual > parameters.harm_ratio * uncompensated:
-            self.is_harming = True
-            self._off_time = 0.0
-            self.reason = (
-                f"compensation does harm: residual {residual:.3f} m against {uncompensated:.3f} m uncompensated"
-            )
+            self._fade(f"compensation does harm: residual {residual:.3f} m against {uncompensated:.3f} m uncompensated")
         elif self._on_time > 4.0 * self._hold:
             self._hold = parameters.hold_time
+
+    def _fade(self, reason: str) -> None:
+        self.is_harming = True
+        self._off_time = 0.0
+        self.reason = reason
 
     def _wait(self, authority: float) -> None:
         """Count the time off, and let compensation be tried again."""

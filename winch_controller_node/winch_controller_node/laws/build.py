@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import Protocol
 
 import numpy as np
@@ -11,7 +10,7 @@ from winch_controller_node.design import ControllerDesign, is_sensor_state
 from winch_controller_node.law_parameters import MpcParameters
 from winch_controller_node.laws.constrained import ConstrainedLaw
 from winch_controller_node.laws.feedback import LawCommand, StateFeedback
-from winch_controller_node.laws.feedforward import SpeedFeedforward
+from winch_controller_node.laws.feedforward import OutletHold, SpeedFeedforward
 from winch_controller_node.laws.governor import CommandGovernor, WinchLimits, winch_limits
 from winch_controller_node.laws.loop_state import LoopState
 from winch_controller_node.linear_model import Array, LinearModel
@@ -75,12 +74,10 @@ def make_law(design: ControllerDesign) -> Law:
     return StateFeedback(gain, unit, parameters.limits.unit_share * limits_of(design).speed)
 
 
-def make_open_loop(design: ControllerDesign) -> SpeedFeedforward | None:
+def make_open_loop(design: ControllerDesign) -> OutletHold | None:
     """Return the law by which harm is faded out: without feedback of the unit, nothing can be unstable.
 
     None for a first-order winch, which has no rate to command.
     """
-    parameters = design.parameters
-    if parameters.winch.law == "first_order":
-        return None
-    return SpeedFeedforward(design.model, parameters.winch, replace(parameters.feedforward, prediction=True))
+    winch = design.parameters.winch
+    return None if winch.law == "first_order" else OutletHold(design.model, winch)

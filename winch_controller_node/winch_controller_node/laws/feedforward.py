@@ -15,6 +15,9 @@ from winch_controller_node.linear_model import Array, LinearModel
 from winch_controller_node.lqr import DesignError
 from winch_controller_node.model_parameters import WinchModelParameters
 
+HOLD_TIME, HOLD_LAGS = 2.0, 4.0
+"""The payout follows the boom tip within this time [s], and no quicker than so many lags of the winch."""
+
 
 class SpeedFeedforward:
     """Rate command = boom-tip rate (predicted or read), and a slow pull of the payout to its mean.
@@ -48,3 +51,35 @@ class SpeedFeedforward:
     def reset(self) -> None:
         """Nothing is remembered."""
         self.reading = 0.0
+
+
+class OutletHold:
+    """Holds the outlet still without feedback of the unit: rate command = boom-tip rate + (boom tip - payout)/time.
+
+    It takes back, in seconds, whatever payout a lost loop has left, before the unit follows it: a unit whose mean has
+    been moved by metres swings about the new mean for minutes.
+
+    Parameters
+    ----------
+    model : the design's augmented model
+    winch : delay and lag to predict over
+
+    Raises DesignError for a first-order winch, whose command is a payout.
+    """
+
+    def __init__(self, model: LinearModel, winch: WinchModelParameters) -> None:
+        if winch.law == "first_order":
+            raise DesignError("holding the outlet commands a rate: it needs winch.law speed_servo")
+        assert model.dt is not None
+        lag = winch.command_delay + winch.time_constant
+        ahead = np.linalg.matrix_power(model.A, round(lag / model.dt))
+        outlet = (model.row("boom_tip_heave") - model.row("payout")) @ ahead
+        self._row: Array = model.row("boom_tip_heave_rate") @ ahead + outlet / max(HOLD_TIME, HOLD_LAGS * lag)
+        self.gain: Array = -self._row
+
+    def command(self, state: LoopState) -> LawCommand:
+        """Return the command at `state`."""
+        return LawCommand(float(self._row @ state.x))
+
+    def reset(self) -> None:
+        """Nothing is remembered."""
