@@ -25,14 +25,14 @@ CABLE = {
 SEA = {"significant_wave_height": 1.5, "peak_period": 10.0}
 
 
-def loop_above(seabed, duration, seed, **controller):
+def loop_above(seabed, duration, seed, *, winch=None, **controller):
     """Return the full plant with its static depth near 572.7 m above a seabed [m], and a quick start."""
     return ClosedLoop(
         loop_parameters(
             {
                 "wave_vessel": SEA | {"ramp": 10.0, "vessel.natural_frequency": 0.9, "vessel.damping_ratio": 0.4},
                 "cable_sim": CABLE | {"segments": 12, "seabed.depth": seabed, "seabed.unit_damping": 7e5},
-                "virtual_winch": {},
+                "virtual_winch": winch or {},
                 "winch_controller": CABLE
                 | {f"sea.{name}": value for name, value in SEA.items()}
                 | {"modes.settling_time": 10.0, "modes.fade_in_time": 5.0}
@@ -111,3 +111,25 @@ def test_a_unit_that_stood_begins_with_the_measured_pull_and_the_measured_depth(
     # the depth sensor's own row: heave and bias together read what was read, about the new mean
     seen = after.estimate[model.state("unit_heave")] - after.lowered + after.estimate[model.state("depth_bias")]
     assert seen == pytest.approx(0.7)
+
+
+def test_a_unit_that_swings_under_a_winch_at_its_limits_has_not_landed():
+    """Lowered at 0.8 m/s by a winch of 1.2 m/s: a start that swings the unit unloads the cable as a landing does."""
+    programme = {
+        "programme.move_times": [25.0],
+        "programme.move_payouts": [40.0],
+        "programme.move_speeds": [0.8],
+        "move.acceleration": 0.2,
+        "winch.speed_limit": 1.2,
+        "winch.payout_maximum": 200.0,
+    }
+    winch = {"speed_limit": 1.2, "payout_maximum": 200.0}
+    loop = loop_above(2000.0, 40.0, 1, winch=winch, **programme)
+    rows, words = [], []
+    for _ in range(800):
+        outputs, row = loop.step()
+        rows.append(row)
+        words += outputs.alarms
+    # 50 kN hang on it: more than touchdown_ratio lets go are gone for a while
+    assert np.min(np.array(rows)[500:, 7]) < rows[0][7] - 0.4 * 50e3
+    assert "touchdown" not in words
