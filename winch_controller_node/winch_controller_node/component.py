@@ -42,8 +42,8 @@ STANDING_SURPRISE = 3.0
 
 IDLE = LawCommand(0.0)
 
-LEARNING_PERIOD = 2.0
-"""Time from one look at the record of the winch to the next [s]."""
+LEARNING_PERIOD, CHECKING_PERIOD = 2.0, 10.0
+"""Time from one look at the record of the winch to the next [s], while it grows and when it is full."""
 
 UNLEARNT_LIMITS = 4 | 8
 """Limits of a winch, as in heave_msgs/WinchState, that its identification does not know: payout range and power."""
@@ -202,7 +202,8 @@ class WinchController:
         """Design anew where the winch is found to follow its set-points otherwise than believed."""
         if not self._learns_winch or self.modes.mode is not Mode.COMPENSATING:
             return
-        if self._tick % max(1, round(LEARNING_PERIOD / self._dt)) == 0:
+        period = CHECKING_PERIOD if self._winch.is_full else LEARNING_PERIOD
+        if self._tick % max(1, round(period / self._dt)) == 0:
             better = self._winch.better_belief(self.parameters)
             if better is not None:
                 self._believe(better)

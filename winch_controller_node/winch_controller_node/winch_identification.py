@@ -112,6 +112,11 @@ class WinchIdentifier:
         self._rates.append(rate_set_point)
         self._readings.append(math.nan if encoder is None else encoder)
 
+    @property
+    def is_full(self) -> bool:
+        """Tell whether the record has its full length."""
+        return len(self._readings) == self._readings.maxlen
+
     def find(self) -> WinchLags | None:
         """Return the lags that fit the record best, or None where it does not tell."""
         count = len(self._readings)
