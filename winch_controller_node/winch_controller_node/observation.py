@@ -114,12 +114,15 @@ class Observer:
         return [self._without_share(reading, estimator) for reading in taken]
 
     def learn(self, estimator: KalmanEstimator) -> None:
-        """Take back what the estimator refused."""
-        for name, innovation in estimator.innovations.items():
-            sensor = estimator.measurements[name].sensor
+        """Take back the samples of which the estimator refused a reading; an MRU's sample holds two."""
+        refused = {
+            estimator.measurements[name].sensor
+            for name, innovation in estimator.innovations.items()
             # one that came too late to be compared says nothing against the sensor; `stale` does, when they all are
-            if not innovation.accepted and sensor != "encoder" and math.isfinite(innovation.nis):
-                self.gates[sensor].note_innovation(accepted=False)
+            if not innovation.accepted and math.isfinite(innovation.nis)
+        }
+        for sensor in sorted(refused - {"encoder"}):
+            self.gates[sensor].note_innovation(accepted=False)
 
     def lost(self, vital: tuple[str, ...]) -> str:
         """Return which of the `vital` sensors are lost and why; empty when none."""
