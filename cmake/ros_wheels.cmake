@@ -28,3 +28,13 @@ endforeach()
 if(SKBUILD)
   include("${CMAKE_CURRENT_LIST_DIR}/install_node_packages.cmake")
 endif()
+
+# Most of the time of the build is the same headers compiled for each message anew: the C++ sources are compiled in batches.
+function(compile_type_support_in_batches)
+  foreach(kind IN ITEMS typesupport_fastrtps_c typesupport_fastrtps_cpp typesupport_introspection_cpp typesupport_cpp)
+    if(TARGET ${PROJECT_NAME}__rosidl_${kind})
+      set_target_properties(${PROJECT_NAME}__rosidl_${kind} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 8)
+    endif()
+  endforeach()
+endfunction()
+cmake_language(DEFER CALL compile_type_support_in_batches)
