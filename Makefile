@@ -9,6 +9,9 @@ BUILD_INPUTS := pyproject.toml $(wildcard cmake/* msgs/*.txt msgs/*.xml msgs/msg
 unexport _ROS_WHEELS_BOOTSTRAP_COMPLETE
 # An installed ROS 2 that this shell has sourced must not mix with the wheels.
 unexport PYTHONPATH AMENT_PREFIX_PATH CMAKE_PREFIX_PATH LD_LIBRARY_PATH
+# Six processes start at once: none of them should have to compile a library's Python first.
+unexport PYTHONDONTWRITEBYTECODE
+export UV_COMPILE_BYTECODE ?= 1
 export OMP_NUM_THREADS ?= 1
 export PIP_DISABLE_PIP_VERSION_CHECK ?= 1
 # Trust the certificates that the machine trusts, as pip and git do.
