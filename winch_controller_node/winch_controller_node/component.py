@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from cable_sim_node.drive import LIMIT_PAYOUT, LIMIT_POWER
 
 from winch_controller_node.design import ControllerDesign, carry_over, design_controller
 from winch_controller_node.guard import HarmGuard
@@ -45,8 +46,8 @@ IDLE = LawCommand(0.0)
 LEARNING_PERIOD, CHECKING_PERIOD = 2.0, 10.0
 """Time from one look at the record of the winch to the next [s], while it grows and when it is full."""
 
-UNLEARNT_LIMITS = 4 | 8
-"""Limits of a winch, as in heave_msgs/WinchState, that its identification does not know: payout range and power."""
+UNLEARNT_LIMITS = LIMIT_PAYOUT | LIMIT_POWER
+"""Limits of a winch that its identification does not know."""
 
 
 class WinchController:
