@@ -12,7 +12,7 @@ import math
 import numpy as np
 from cable_sim_node.drive import LIMIT_PAYOUT, LIMIT_POWER
 
-from winch_controller_node.design import ControllerDesign, carry_over, design_controller
+from winch_controller_node.design import ControllerDesign, carry_by_name, carry_over, design_controller
 from winch_controller_node.guard import HarmGuard
 from winch_controller_node.handover import hand_over, hand_over_standing
 from winch_controller_node.laws.build import Law, limits_of, make_governor, make_law, make_open_loop
@@ -33,7 +33,7 @@ from winch_controller_node.rolling_kpi import KpiWindow
 from winch_controller_node.schedule import FOLLOW, design_schedule, is_scheduled
 from winch_controller_node.sea_adaptation import SeaTracker
 from winch_controller_node.trajectory import MeanPayout
-from winch_controller_node.winch_identification import LateCommands, WinchIdentifier, carry_by_name
+from winch_controller_node.winch_identification import LateCommands, WinchIdentifier
 
 RETURN_SPEED = 0.05
 """Speed at which a payout left over from before a stop returns to the mean [m/s]."""

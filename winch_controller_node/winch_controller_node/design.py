@@ -190,6 +190,21 @@ def carry_over(old: ControllerDesign, new: ControllerDesign) -> Array:
     return factors
 
 
+def carry_by_name(old: ControllerDesign, new: ControllerDesign) -> Array:
+    """Return the matrix that takes a state of `old` to one of `new`, shape (n_new, n_old).
+
+    States of one name are the same; a longer chain of past commands repeats its oldest.
+    """
+    chain = old.delay_states
+    matrix = np.zeros((new.model.order, old.model.order))
+    for row, name in enumerate(new.model.state_names):
+        if old.model.has_state(name):
+            matrix[row, old.model.state(name)] = 1.0
+        elif chain:
+            matrix[row, old.model.state(chain[-1])] = 1.0
+    return matrix
+
+
 def _check_inputs(parameters: WinchControllerParameters, tick_period: float) -> None:
     if not tick_period > 0.0:
         raise DesignError(f"tick_period must be above 0; got {tick_period:g} s")

@@ -215,18 +215,3 @@ class LateCommands:
         if self._late != LATE_TICKS:
             return ""
         return f"winch takes commands at least {(given - taken - due - 1) * self._dt:.2f} s later than believed"
-
-
-def carry_by_name(old: ControllerDesign, new: ControllerDesign) -> Array:
-    """Return the matrix that takes a state of `old` to one of `new`, shape (n_new, n_old).
-
-    States of one name are the same; a longer chain of past commands repeats its oldest.
-    """
-    chain = old.delay_states
-    matrix = np.zeros((new.model.order, old.model.order))
-    for row, name in enumerate(new.model.state_names):
-        if old.model.has_state(name):
-            matrix[row, old.model.state(name)] = 1.0
-        elif chain:
-            matrix[row, old.model.state(chain[-1])] = 1.0
-    return matrix
