@@ -1,12 +1,20 @@
-"""Import the packages whose folder has their own name before the tests are collected.
+"""What holds for the tests of every package: the same examples in every run, and packages before tests.
 
-Pytest's importlib mode names a test after its folders (`cable_sim_node.test.test_x`) and would put a namespace
-package of the folder in the place of the package of that name.
+Hypothesis tries the same examples each time, so that a change is judged by what it changed; another search is
+`pytest --hypothesis-profile=search`.
 """
 
 import importlib
 from contextlib import suppress
 
+from hypothesis import settings
+
+settings.register_profile("repeatable", derandomize=True, deadline=None)
+settings.register_profile("search", derandomize=False, deadline=None)
+settings.load_profile("repeatable")
+
+# Pytest's importlib mode names a test after its folders (`cable_sim_node.test.test_x`) and would put a namespace
+# package of the folder in the place of the package of that name.
 for package in ("cable_sim_node", "wave_vessel_node", "winch_controller_node"):
     with suppress(ModuleNotFoundError):  # colcon tests a package where only those that it depends on are at hand
         importlib.import_module(package)

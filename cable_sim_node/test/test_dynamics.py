@@ -149,7 +149,7 @@ def test_motion_does_not_depend_on_place_or_heading(shift, turn):
     assert two.node_positions - np.array(shift) == pytest.approx(one.node_positions @ rotation.T, abs=1e-5)
 
 
-@settings(max_examples=15, deadline=None, derandomize=True)
+@settings(max_examples=15, deadline=None)
 @given(
     amplitude=st.tuples(*[st.floats(-6.0, 6.0)] * 3),
     omega=st.floats(0.2, 4.0),
