@@ -2,6 +2,7 @@
 
     python benchmarks/controller.py b3_deep_900 b4_limit_900_tp8 --seeds 8 --duration 2100 --transient 300
     python benchmarks/controller.py b9_model_error --draws 64 --duration 2100 --transient 300
+    python benchmarks/controller.py b6_resonance_payout --seeds 1 --transient 120 --set virtual_winch.speed_limit=1.0
 
 Components run in this process, as the nodes would in lockstep: the numbers are those of `heave run`. kappa divides by
 the bound of the sensors (LQG without limits) and that of the winch (clairvoyant, with the boom tip of each run).
@@ -14,14 +15,17 @@ import copy
 import json
 import math
 import time
+from collections.abc import Sequence
 from dataclasses import dataclass
 from importlib.resources import files
 from pathlib import Path
 
 import numpy as np
-from heave_bags.kpi import efficiency, kappa, snap_times
+from heave_bags import kpi_set
+from heave_bags.kpi import kappa, max_abs
+from heave_bringup.campaign_runs import run_signals
 from heave_bringup.kappa import LONGEST
-from heave_node.scenario import NodeValues, read_scenario
+from heave_node.scenario import NodeValues, parse_yaml, read_scenario
 from winch_controller_node.bounds import BOUND_STEP, WinchLimits, actuator_bound
 from winch_controller_node.closed_loop import ClosedLoop, LoopRecord, loop_parameters
 from winch_controller_node.prediction import estimation_bound
@@ -39,8 +43,12 @@ class Figures:
     uncompensated_sigma_m: float
     outlet_efficiency: float
     max_abs_heave_m: float
+    uncompensated_max_abs_heave_m: float
     kappa: float
     snaps: int
+    uncompensated_snaps: int
+    dynamic_amplification: float
+    uncompensated_dynamic_amplification: float
     tension_min_n: float
     winch_speed_max_mps: float
     modes: str
@@ -48,12 +56,16 @@ class Figures:
     step_p99_ms: float
 
 
-def scenario_values(name: str, law: str) -> NodeValues:
-    """Return the values of a shipped scenario, or of a file, under another law where one is given."""
+def scenario_values(name: str, law: str, settings: Sequence[str] = ()) -> NodeValues:
+    """Return the values of a shipped scenario, or of a file, with another law and settings where they are given."""
     shipped = Path(str(files("heave_bringup"))) / "scenarios" / f"{name}.yaml"
     values = read_scenario(shipped if shipped.exists() else Path(name))
     if law:
         values["winch_controller"]["law"] = law
+    for setting in settings:
+        target, _, text = setting.partition("=")
+        node, _, parameter = target.partition(".")
+        values[node][parameter] = parse_yaml(text)
     return values
 
 
@@ -90,24 +102,24 @@ def run_once(name: str, values: NodeValues, seed: int, duration: float, transien
 
     loop.controller.step = timed  # type: ignore[method-assign]
     record = loop.run()
-    tip, payout = record.column("boom_tip", after=transient), record.column("payout", after=transient)
-    mean = record.column("depth_set_point", after=transient)
-    tension = record.column("top_tension", after=transient)
-    heave = record.column("unit", after=transient) + mean
-    sigma = record.unit_sigma(transient)
+    signals = run_signals(record, parameters)
+    found = kpi_set.evaluate(signals, transient)
+    bounds = estimation_bound(loop.controller.design), _actuator_bound(loop, record, transient)
     return Figures(
         scenario=name,
         law=parameters.controller.law,
         seed=seed,
-        unit_sigma_m=sigma,
-        uncompensated_sigma_m=record.uncompensated_sigma(transient),
-        outlet_efficiency=efficiency(float(np.std(tip - payout + mean)), float(np.std(tip))),
-        max_abs_heave_m=float(np.max(np.abs(heave - np.mean(heave)))),
-        kappa=kappa(sigma, estimation_bound(loop.controller.design), _actuator_bound(loop, record, transient)),
-        snaps=len(
-            snap_times(record.column("time", after=transient), tension, loop.controller.design.cable.static_tension)
-        ),
-        tension_min_n=float(tension.min()),
+        unit_sigma_m=found["unit_sigma_m"],
+        uncompensated_sigma_m=found["uncompensated_sigma_m"],
+        outlet_efficiency=found["outlet_efficiency"],
+        max_abs_heave_m=found["max_abs_heave_m"],
+        uncompensated_max_abs_heave_m=max_abs(signals.uncompensated_heave.window(transient, math.inf).value),
+        kappa=kappa(found["unit_sigma_m"], *bounds),
+        snaps=int(found["snaps"]),
+        uncompensated_snaps=int(found["uncompensated_snaps"]),
+        dynamic_amplification=found["dynamic_amplification"],
+        uncompensated_dynamic_amplification=found["uncompensated_dynamic_amplification"],
+        tension_min_n=found["tension_min_n"],
         winch_speed_max_mps=float(np.max(np.abs(record.column("payout_rate")))),
         modes=" ".join(sorted(set(record.modes))),
         step_p50_ms=float(np.percentile(spent, 50)),
@@ -132,8 +144,10 @@ def show(figures: Figures) -> str:
     return (
         f"{figures.scenario:22s} {figures.law:11s} seed {figures.seed:2d}: unit {100 * figures.unit_sigma_m:7.3f} cm, "
         f"off {100 * figures.uncompensated_sigma_m:7.2f} cm, ratio {ratio:7.4f}, outlet efficiency "
-        f"{100 * figures.outlet_efficiency:5.1f} %, kappa {figures.kappa:5.2f}, snaps {figures.snaps}, step p50 "
-        f"{figures.step_p50_ms:.2f} p99 {figures.step_p99_ms:.2f} ms"
+        f"{100 * figures.outlet_efficiency:5.1f} %, largest {figures.max_abs_heave_m:.3f} m (off "
+        f"{figures.uncompensated_max_abs_heave_m:.2f}), DAF {figures.dynamic_amplification:.3f} (off "
+        f"{figures.uncompensated_dynamic_amplification:.2f}), kappa {figures.kappa:5.2f}, snaps {figures.snaps} (off "
+        f"{figures.uncompensated_snaps}), step p50 {figures.step_p50_ms:.2f} p99 {figures.step_p99_ms:.2f} ms"
     )
 
 
@@ -157,13 +171,14 @@ def main() -> None:
         "--draws", type=int, default=0, help="draws of wrong models (B9) instead of seeds; the first is nominal"
     )
     parser.add_argument("--law", default="", help="another law than the scenario's")
+    parser.add_argument("--set", action="append", default=[], metavar="NODE.PARAM=VALUE", help="another parameter")
     parser.add_argument("--duration", type=float, default=2100.0, help="simulated time of a run [s]")
     parser.add_argument("--transient", type=float, default=300.0, help="time before the evaluation [s]")
     parser.add_argument("--json", default="", help="file to write the figures to")
     options = parser.parse_args()
     everything: list[dict[str, object]] = []
     for name in options.scenarios:
-        values, runs = scenario_values(name, options.law), []
+        values, runs = scenario_values(name, options.law, options.set), []
         for index in range(options.draws or options.seeds):
             case = model_error(values, index) if options.draws else values
             seed = 1 + index % 4 if options.draws else 1 + index

@@ -86,8 +86,7 @@ def snaps(record: RunRecord) -> list[float]:
     tension = record.signals.tension.window(record.start, record.end)
     if not tension.size:
         return []
-    static = record.signals.static_tension
-    static = static if math.isfinite(static) else float(tension.value.mean())
+    static = record.signals.static_at(tension)
     return [float(time) for time in kpi.snap_times(tension.time, tension.value, static)]
 
 

@@ -15,17 +15,20 @@ SPAN = 60.0
 """Length of the running mean [s], applied twice: waves up to 20 s pass to better than 3 %."""
 
 
-def take_out_programme(signals: RunSignals, set_point: Signal) -> bool:
+def take_out_programme(signals: RunSignals, set_point: Signal, cable_weight: float = 0.0) -> bool:
     """Take the programme, and the slow change of stretch that goes with it, out of the heave and payout signals.
 
     `set_point` is the payout that compensation works about [m]. Payout is counted from it; the heave of the
-    unit and of the uncompensated unit from their running mean. Tells whether there was a programme; without one
-    nothing changes.
+    unit and of the uncompensated unit from their running mean; the static tension goes with the `cable_weight` [N/m]
+    in water of what is paid out. Tells whether there was a programme; without one nothing changes.
     """
     if set_point.size < 2 or np.ptp(set_point.value) < MOVED:
         return False
     if signals.payout.size:
         signals.payout = Signal(signals.payout.time, signals.payout.value - set_point.at(signals.payout))
+    if signals.static_tension.size:
+        static = signals.static_tension.value[0] + cable_weight * (set_point.value - set_point.value[0])
+        signals.static_tension = Signal(set_point.time, static)
     for name in ("unit_heave", "uncompensated_heave"):
         heave: Signal = getattr(signals, name)
         if heave.size > 1:

@@ -90,25 +90,30 @@ def at_limit(rates: ArrayLike, limit: float) -> NDArray[np.bool_]:
     return np.asarray(np.abs(np.asarray(rates, dtype=float)) >= AT_LIMIT * limit, dtype=bool)
 
 
-def tension_ratios(tension: ArrayLike, static_tension: float) -> tuple[float, float]:
-    """Return `rT = Tmin / Tstatic` and the dynamic amplification `DAF = Tmax / Tstatic`."""
-    array = np.asarray(tension, dtype=float)
-    if not array.size or static_tension <= 0.0:
+def tension_ratios(tension: ArrayLike, static_tension: ArrayLike) -> tuple[float, float]:
+    """Return `rT = min T / Tstatic` and the dynamic amplification `DAF = max T / Tstatic`.
+
+    `static_tension` is one number, or one for each sample where the deployed length changes [same unit as `tension`].
+    """
+    array, static = np.asarray(tension, dtype=float), np.asarray(static_tension, dtype=float)
+    if not array.size or not np.all(static > 0.0):
         return math.nan, math.nan
-    return float(array.min()) / static_tension, float(array.max()) / static_tension
+    ratio = array / static
+    return float(ratio.min()), float(ratio.max())
 
 
-def snap_times(time: ArrayLike, tension: ArrayLike, static_tension: float) -> Array:
+def snap_times(time: ArrayLike, tension: ArrayLike, static_tension: ArrayLike) -> Array:
     """Return the times [s] at which the cable snapped taut.
 
     A snap is `T < 0.1 Tstatic` followed by `T > 1.3 Tstatic` within 2 s; one slack counts at most one snap.
+    `static_tension` is one number or one for each sample.
     """
     times = np.asarray(time, dtype=float)
-    values = np.asarray(tension, dtype=float)
-    if static_tension <= 0.0:
+    values, static = np.asarray(tension, dtype=float), np.asarray(static_tension, dtype=float)
+    if not np.all(static > 0.0):
         return np.empty(0)
-    low = values < SNAP_LOW * static_tension
-    events = np.flatnonzero(low | (values > SNAP_HIGH * static_tension))
+    low = values < SNAP_LOW * static
+    events = np.flatnonzero(low | (values > SNAP_HIGH * static))
     snaps: list[float] = []
     last_low = -math.inf
     for index in events:

@@ -56,6 +56,9 @@ KPI_DEFINITIONS: tuple[KpiDefinition, ...] = (
     KpiDefinition("dynamic_amplification", "DAF = Tmax/Tstatic", "", 1.0, 3),
     KpiDefinition("slack_percent", "slack, share of time", "%", 1.0, 3),
     KpiDefinition("snaps", "snaps", "", 1.0, 0),
+    KpiDefinition("uncompensated_tension_ratio_min", "rT, uncompensated", "", 1.0, 3),
+    KpiDefinition("uncompensated_dynamic_amplification", "DAF, uncompensated", "", 1.0, 3),
+    KpiDefinition("uncompensated_snaps", "snaps, uncompensated", "", 1.0, 0),
     KpiDefinition("winch_speed_max_mps", "winch speed, largest", "m/s", 1.0, 3),
     KpiDefinition("winch_acceleration_max_mps2", "winch acceleration, largest", "m/s2", 1.0, 3),
     KpiDefinition("time_at_speed_limit_percent", "at the speed limit, share of time", "%", 1.0, 3),
@@ -123,7 +126,8 @@ class RunSignals:
     slack : 1 where any part of the cable carries no tension
     winch_limited : 1 where the winch itself says that a limit acts
     nis_in_band : 1 where the normalised innovation squared lies inside its 95 % band
-    static_tension : top tension at rest [N]; NaN takes the mean tension
+    uncompensated_tension : top tension with the winch locked, or following the programme of depth only [N]
+    static_tension : top tension at rest [N], one sample where the deployed length stays; empty takes the mean tension
     speed_limit, acceleration_limit : of the winch [m/s], [m/s^2]; infinite when unknown
     driving_omega : angular frequency of a driven scenario [rad/s]; NaN if the scenario is not driven by one
         regular motion
@@ -139,10 +143,11 @@ class RunSignals:
     payout_rate: Signal = field(default_factory=_signal)
     payout_acceleration: Signal = field(default_factory=_signal)
     tension: Signal = field(default_factory=_signal)
+    uncompensated_tension: Signal = field(default_factory=_signal)
+    static_tension: Signal = field(default_factory=_signal)
     slack: Signal = field(default_factory=_signal)
     winch_limited: Signal = field(default_factory=_signal)
     nis_in_band: Signal = field(default_factory=_signal)
-    static_tension: float = math.nan
     speed_limit: float = math.inf
     acceleration_limit: float = math.inf
     driving_omega: float = math.nan
@@ -152,6 +157,12 @@ class RunSignals:
     missed_deadlines: float = math.nan
     loop_age: tuple[float, float, float] = (math.nan, math.nan, math.nan)
 
+    def static_at(self, tension: Signal) -> Array:
+        """Return the static tension at the samples of a tension [N]: their mean where it is not known."""
+        if self.static_tension.size:
+            return self.static_tension.at(tension)
+        return np.full(tension.size, tension.value.mean() if tension.size else math.nan)
+
 
 def evaluate(run: RunSignals, start: float = -math.inf, end: float = math.inf) -> dict[str, float]:
     """Return every KPI (keys of KPI_DEFINITIONS) over the window start..end [s], both ends included; NaN where it
@@ -160,6 +171,7 @@ def evaluate(run: RunSignals, start: float = -math.inf, end: float = math.inf) -
     values = dict.fromkeys(DEFINITION_OF, math.nan)
     values |= _motion(run, start, end)
     values |= _tension(run, start, end)
+    values |= _uncompensated_tension(run, start, end)
     values |= _winch(run, start, end)
     values |= _timing(run, start, end)
     if math.isfinite(run.driving_omega):
@@ -193,19 +205,31 @@ def _tension(run: RunSignals, start: float, end: float) -> dict[str, float]:
     slack = run.slack.window(start, end)
     if not tension.size:
         return {"slack_percent": kpi.percent_true(slack.value)}
-    mean = float(tension.value.mean())
-    static = run.static_tension if math.isfinite(run.static_tension) else mean
+    static = run.static_at(tension)
     ratio, amplification = kpi.tension_ratios(tension.value, static)
     slack_flags = slack.value if slack.size else tension.value <= 0.0
     return {
         "tension_min_n": float(tension.value.min()),
-        "tension_mean_n": mean,
+        "tension_mean_n": float(tension.value.mean()),
         "tension_max_n": float(tension.value.max()),
         "tension_sigma_n": kpi.sigma(tension.value),
         "tension_ratio_min": ratio,
         "dynamic_amplification": amplification,
         "slack_percent": kpi.percent_true(slack_flags),
         "snaps": float(kpi.snap_times(tension.time, tension.value, static).size),
+    }
+
+
+def _uncompensated_tension(run: RunSignals, start: float, end: float) -> dict[str, float]:
+    tension = run.uncompensated_tension.window(start, end)
+    if not tension.size:
+        return {}
+    static = run.static_at(tension)
+    ratio, amplification = kpi.tension_ratios(tension.value, static)
+    return {
+        "uncompensated_tension_ratio_min": ratio,
+        "uncompensated_dynamic_amplification": amplification,
+        "uncompensated_snaps": float(kpi.snap_times(tension.time, tension.value, static).size),
     }
 
 
@@ -270,7 +294,7 @@ def _driven(run: RunSignals, start: float, end: float) -> dict[str, float]:
 
 def to_json(values: Mapping[str, float]) -> dict[str, float | int | None]:
     """Return KPIs as JSON takes them: counts as whole numbers, None for what is not known."""
-    counts = ("snaps", "missed_deadlines")
+    counts = ("snaps", "uncompensated_snaps", "missed_deadlines")
     return {
         key: None if not math.isfinite(value) else int(value) if key in counts else float(value)
         for key, value in values.items()

@@ -240,18 +240,21 @@ def unit_figure(record: RunRecord) -> Figure:
 
 
 def tension_figure(record: RunRecord) -> Figure:
-    """Top tension with its static value, slack and snap limits."""
+    """Top tension with its static value, slack and snap limits; static is a line where the deployed length changes."""
     static = record.signals.static_tension
     tension = record.signals.tension
+    is_steady = static.size == 1
     shapes = _level(0.0, "slack")
-    shapes += _level(static * 1e-3, "static")
-    shapes += _level(1.3 * static * 1e-3, "1.3 static") + _level(0.1 * static * 1e-3, "0.1 static")
+    for share, name in ((1.0, "static"), (1.3, "1.3 static"), (0.1, "0.1 static")) if is_steady else ():
+        shapes += _level(share * static.value[0] * 1e-3, name)
     figure = Figure(
         "Top tension",
         "A snap is a tension below 0.1 of the static one followed by more than 1.3 of it within 2 s.",
         layout=_time_layout(record, "top tension [kN]", shapes),
     )
     figure.traces.append(line(Signal(tension.time, tension.value * 1e-3), "top tension", BOOM_TIP))
+    if static.size > 1:
+        figure.traces.append(line(Signal(static.time, static.value * 1e-3), "static", LIMIT, dash="dash"))
     return figure
 
 

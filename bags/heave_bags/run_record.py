@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 import yaml
+from heave_node.constants import SEAWATER_DENSITY, STANDARD_GRAVITY
 from numpy.typing import NDArray
 
 from heave_bags import kpi_set
@@ -143,14 +144,16 @@ def read_run(path: str | Path, *, transient: float | None = None, progress: Prog
     _fill_motion(record, columns)
     _fill_winch(record, columns)
     _fill_controller(record, columns)
-    if take_out_programme(record.signals, _signal(columns.get("controller/state"), "depth_set_point")):
+    parameters = _parameters(bag)
+    set_point = _signal(columns.get("controller/state"), "depth_set_point")
+    if take_out_programme(record.signals, set_point, _cable_weight(parameters.get("cable_sim", {}))):
         record.notes.append(
             f"the unit was moved to other depths: heave is about its running mean of {SPAN:g} s, "
             "payout about its set-point"
         )
     record.alarms += _diagnostic_alarms(columns.get("/diagnostics", {}))
     _fill_outcome(record)
-    _fill_parameters(record, _parameters(bag))
+    _fill_parameters(record, parameters)
     window = transient if transient is not None else float(bag.run.get("transient_s", "0"))
     first = bag.start_time * 1e-9
     record.start = window if first < 1.0 else first + window
@@ -199,7 +202,7 @@ def _fill_motion(record: RunRecord, columns: Mapping[str, Columns]) -> None:
     if not signals.tension.size:
         signals.tension = _signal(columns.get("winch/state"), "tension")
     if signals.tension.size and signals.tension.time[0] < 1.0:
-        signals.static_tension = float(signals.tension.value[0])
+        signals.static_tension = Signal(signals.tension.time[:1], signals.tension.value[:1])
 
 
 def _fill_winch(record: RunRecord, columns: Mapping[str, Columns]) -> None:
@@ -350,10 +353,23 @@ def _flat(values: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
     return flat
 
 
+def _number(parameters: Mapping[str, Any], name: str, default: float) -> float:
+    value = parameters.get(name, default)
+    return float(value) if isinstance(value, int | float) else default
+
+
+def _cable_weight(plant: Mapping[str, Any]) -> float:
+    """Return weight minus buoyancy of the cable that is paid out [N/m]; 0 where the bag does not say."""
+    mass = _number(plant, "cable.mass_per_length", math.nan)
+    diameter = _number(plant, "cable.displaced_diameter", 0.0) or _number(plant, "cable.diameter", math.nan)
+    displaced = _number(plant, "water_density", SEAWATER_DENSITY) * 0.25 * math.pi * diameter**2
+    weight = (mass - displaced) * _number(plant, "gravity", STANDARD_GRAVITY)
+    return weight if math.isfinite(weight) else 0.0
+
+
 def _fill_parameters(record: RunRecord, nodes: Mapping[str, Mapping[str, Any]]) -> None:
     def number(node: str, name: str, default: float) -> float:
-        value = nodes.get(node, {}).get(name, default)
-        return float(value) if isinstance(value, int | float) else default
+        return _number(nodes.get(node, {}), name, default)
 
     signals = record.signals
     signals.speed_limit = number("virtual_winch", "speed_limit", math.inf)

@@ -32,6 +32,14 @@ def test_heave_while_lowering_is_that_of_the_waves(shadow_follows):
     assert values["outlet_efficiency"] == pytest.approx(0.9, abs=1e-6)
 
 
+def test_the_static_tension_grows_by_the_weight_of_what_is_paid_out():
+    signals = lowered(shadow_follows=True)
+    signals.static_tension = Signal(TIME[:1], np.array([36e3]))
+    take_out_programme(signals, Signal(TIME, LOWERED), 36.0)
+    assert signals.static_tension.value[0] == 36e3
+    assert signals.static_tension.value[-1] == pytest.approx(36e3 + 36.0 * 250.0)
+
+
 def test_a_set_point_that_stays_changes_nothing():
     signals = lowered(shadow_follows=False)
     before = signals.unit_heave

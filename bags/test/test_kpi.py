@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 from heave_bags import kpi, kpi_set
+from heave_bags.kpi_set import Signal
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -106,6 +107,19 @@ def test_a_snap_needs_low_then_high_tension_within_two_seconds():
     wrong_order = [140, 5, 100, 100, 100, 100, 100, 100]
     found = [kpi.snap_times(time, tension, static).tolist() for tension in (taut_in_time, too_late, twice, wrong_order)]
     assert found == [[2.0], [], [2.0, 4.0], []]
+
+
+def test_tension_is_judged_against_the_static_one_of_its_own_time():
+    static = Signal(np.array([0.0, 200.0]), np.array([50e3, 100e3]))
+    at_rest = static.at(Signal(TIME, TIME))
+    signals = run(tension=1.2 * at_rest, uncompensated_tension=np.where(TIME < 100.0, 1.5, 0.5) * at_rest)
+    signals.static_tension = static
+    values = kpi_set.evaluate(signals)
+    assert values["dynamic_amplification"] == pytest.approx(1.2)
+    assert values["tension_ratio_min"] == pytest.approx(1.2)
+    assert values["uncompensated_dynamic_amplification"] == pytest.approx(1.5)
+    assert values["uncompensated_tension_ratio_min"] == pytest.approx(0.5)
+    assert values["snaps"] == values["uncompensated_snaps"] == 0.0
 
 
 def test_time_at_limit_counts_speed_or_acceleration_but_not_twice():

@@ -9,6 +9,7 @@ from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import dataclass, field
 
 from heave_bags import kpi_set
+from heave_bags.depth_programme import take_out_programme
 from heave_bags.kpi_set import RunSignals, Signal
 from heave_node.parameters import ParameterError
 from winch_controller_node.closed_loop import ClosedLoop, LoopParameters, LoopRecord
@@ -57,8 +58,9 @@ def _scenario(campaign: Campaign, case: Case) -> Scenario:
     return scenario
 
 
-def _run_case(scenario: Scenario, case: Case) -> CaseResult:
-    parameters = LoopParameters(
+def loop_parameters(scenario: Scenario) -> LoopParameters:
+    """Return a scenario as parameters of the loop in one process."""
+    return LoopParameters(
         sea=scenario.parameters["wave_vessel"],
         plant=scenario.parameters["cable_sim"],
         winch=scenario.parameters["virtual_winch"],
@@ -67,29 +69,38 @@ def _run_case(scenario: Scenario, case: Case) -> CaseResult:
         duration=scenario.run.duration,
         seed=scenario.run.seed,
     )
+
+
+def _run_case(scenario: Scenario, case: Case) -> CaseResult:
+    parameters = loop_parameters(scenario)
     try:
         record = ClosedLoop(parameters).run()
     except Exception as error:  # one case that cannot be run must not end the others; it is named in the table
         return CaseResult(case, failure=" ".join(str(error).split()) or type(error).__name__)
-    return CaseResult(case, kpi_set.evaluate(_signals(record, scenario), scenario.run.transient, scenario.run.duration))
+    kpis = kpi_set.evaluate(run_signals(record, parameters), scenario.run.transient, scenario.run.duration)
+    return CaseResult(case, kpis)
 
 
-def _signals(record: LoopRecord, scenario: Scenario) -> RunSignals:
-    time = record.column("time")
+def run_signals(record: LoopRecord, parameters: LoopParameters) -> RunSignals:
+    """Return the signals that KPIs are computed from, as a bag of the same run would give them."""
+    time, plant = record.column("time"), parameters.plant
 
     def signal(name: str) -> Signal:
         return Signal(time, record.column(name))
 
-    limits = scenario.parameters["virtual_winch"]
-    return RunSignals(
-        unit_heave=Signal(time, record.column("unit") + record.column("depth_set_point")),
-        uncompensated_heave=Signal(time, record.column("uncompensated") + record.column("depth_set_point")),
+    signals = RunSignals(
+        unit_heave=signal("unit"),
+        uncompensated_heave=signal("uncompensated"),
         boom_tip_heave=signal("boom_tip"),
         payout=signal("payout"),
         payout_rate=signal("payout_rate"),
         payout_acceleration=signal("payout_acceleration"),
         tension=signal("top_tension"),
-        static_tension=float(record.column("top_tension")[0]),
-        speed_limit=limits.speed_limit,
-        acceleration_limit=limits.acceleration_limit,
+        uncompensated_tension=signal("uncompensated_tension"),
+        static_tension=Signal(time[:1], record.column("top_tension")[:1]),
+        speed_limit=parameters.winch.speed_limit,
+        acceleration_limit=parameters.winch.acceleration_limit,
     )
+    weight = plant.cable.weight_in_fluid(plant.water_density, plant.gravity)
+    take_out_programme(signals, signal("depth_set_point"), weight)
+    return signals

@@ -50,6 +50,7 @@ class PlantState:
     compensator_stroke : extension of a passive compensator [m]
     unit : motion of the unit
     uncompensated : motion of the unit of the shadow plant
+    uncompensated_tension : force on the top end of its cable [N]
     """
 
     time: float
@@ -63,6 +64,7 @@ class PlantState:
     compensator_stroke: float
     unit: PointMotion
     uncompensated: PointMotion
+    uncompensated_tension: float
 
 
 class CableSim:
@@ -118,6 +120,7 @@ class CableSim:
             compensator_stroke=plant.compensator_stroke,
             unit=_unit_motion(plant, time),
             uncompensated=_unit_motion(self._shadow, time),
+            uncompensated_tension=self._shadow.top_tension,
         )
 
     def readings(self, tick: int) -> tuple[PlantState, SensorReadings]:

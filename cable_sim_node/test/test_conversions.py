@@ -37,6 +37,7 @@ STATE = PlantState(
     compensator_stroke=0.2,
     unit=MOTION,
     uncompensated=MOTION,
+    uncompensated_tension=30_000.0,
 )
 
 

@@ -40,6 +40,7 @@ COLUMNS = (
     "depth_set_point",
     "touchdown_force",
     "unit_rate",
+    "uncompensated_tension",
 )
 
 
@@ -148,6 +149,7 @@ class ClosedLoop:
                 outputs.report.depth_set_point,
                 state.touchdown_force,
                 state.unit.velocity[2],
+                state.uncompensated_tension,
             ]
         )
         order = outputs.order
