@@ -399,20 +399,20 @@ class WinchController:
         parameters = self.parameters.tension
         if not self._has_landed:
             lowering = mode.mode is Mode.COMPENSATING and self.mean.point.rate > RETURN_SPEED
-            if lowering and mode.authority > 0.5 and share < parameters.touchdown_ratio and self._stands_above_model():
+            if lowering and mode.authority > 0.5 and share < parameters.touchdown_ratio and self._stands():
                 self._land(static - (1.0 - parameters.landing_ratio) * self._unit_weight)
         elif self._is_lifting and share > parameters.lift_off_ratio:
             self._hang()
 
-    def _stands_above_model(self) -> bool:
-        """Tell whether the depth sensor sees the unit above where a hanging one would have fallen under this tension.
+    def _stands(self) -> bool:
+        """Tell whether the depth sensor sees the unit stand, above where a hanging one would have fallen.
 
-        A unit that swings at the winch's limits unloads the cable too, but falls as the model says. Without a depth
+        A unit that swings unloads the cable too, but falls as the model says, and falls in any case. Without a depth
         sensor the tension alone tells.
         """
         if "unit_heave" not in self.estimator.measurements or self.observer.gates["depth"].reason == "stale":
             return True
-        return self._depth_surprise > STANDING_SURPRISE
+        return self._depth_surprise > STANDING_SURPRISE and self.observer.standing.stands(self.mean.point.rate)
 
     def _land(self, tension: float) -> None:
         """Go over to constant tension on the seabed."""

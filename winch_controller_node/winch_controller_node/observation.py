@@ -20,6 +20,7 @@ from winch_controller_node.sensor_health import (
     judge_mru,
     judge_scalar,
 )
+from winch_controller_node.touchdown import StandingWatch
 
 ON_UNIT = ("depth", "velocity", "imu")
 """Sensors that ride on the unit: they say nothing of the hanging cable when the unit stands on the seabed."""
@@ -45,6 +46,7 @@ class Observer:
     mru_rate : newest accepted heave rate of the MRU [m/s]
     stretch_per_payout : how much further than paid out the unit goes down at rest: stretch of the new cable [-]
     uses_unit : False: readings from the unit are gated but not used
+    standing : what the depth readings alone say of the unit's speed
     """
 
     def __init__(self, design: ControllerDesign, health: HealthParameters) -> None:
@@ -68,6 +70,7 @@ class Observer:
         self.mru_rate = 0.0
         self.stretch_per_payout = 0.0
         self.uses_unit = True
+        self.standing = StandingWatch()
         self._unit_heave = 0.0
         self._levels: dict[str, int] = {}
         self._attitude: tuple[float, float, float] | None = None
@@ -191,6 +194,7 @@ class Observer:
                     self.depth_zero = value
                 value = self.depth_zero - value
                 self._unit_heave = value
+                self.standing.add(reading.time, -value)
             if self.uses_unit:
                 taken.append(Measurement(name, value, self._tick_of(reading.time)))
         return taken
