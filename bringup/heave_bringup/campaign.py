@@ -10,6 +10,7 @@ A campaign file is YAML:
     draw:                                              # random cases, seeded
       count: 64
       seed: 1
+      nominal: true                                    # before them the scenario itself, to compare with
       uniform: {cable_sim.cable.axial_stiffness: [1.1e7, 2.0e7]}
 """
 
@@ -17,7 +18,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from importlib import resources
 from pathlib import Path
 from typing import Any
@@ -27,20 +28,26 @@ from heave_node.parameters import ParameterError
 from heave_node.randomness import random_stream
 
 _KEYS = {"scenario", "duration", "seeds", "set", "vary", "draw"}
-_DRAW_KEYS = {"count", "seed", "uniform"}
+_DRAW_KEYS = {"count", "seed", "nominal", "uniform"}
 
 
 @dataclass(frozen=True)
 class Case:
-    """One run of a campaign: its seed, and the settings by which it differs from the others."""
+    """One run of a campaign: its seed, and the settings by which it differs from the others.
+
+    A nominal case has none, not even those of every other case: it is the scenario itself.
+    """
 
     number: int
     seed: int
     settings: Mapping[str, object]
+    is_nominal: bool = False
 
     @property
     def label(self) -> str:
         """Say in short what the case is."""
+        if self.is_nominal:
+            return f"seed={self.seed} nominal"
         differences = " ".join(f"{name.split('.', 1)[1]}={_short(value)}" for name, value in self.settings.items())
         return f"seed={self.seed} {differences}".strip()
 
@@ -57,11 +64,15 @@ class Campaign:
     vary: Mapping[str, tuple[object, ...]] = field(default_factory=dict)
     draw_count: int = 0
     draw_seed: int = 1
+    has_nominal: bool = False
     uniform: Mapping[str, tuple[float, float]] = field(default_factory=dict)
 
     def cases(self) -> Iterator[Case]:
-        """Yield every case: seeds within draws within combinations."""
+        """Yield every case: nominal ones, then seeds within draws within combinations."""
         number = 0
+        for seed in self.seeds if self.has_nominal else ():
+            number += 1
+            yield Case(number, seed, {}, is_nominal=True)
         combinations = itertools.product(*self.vary.values())
         for combination in combinations:
             chosen = dict(zip(self.vary, combination, strict=True))
@@ -69,6 +80,14 @@ class Campaign:
                 for seed in self.seeds:
                     number += 1
                     yield Case(number, seed, {**chosen, **drawn})
+
+    def shortened(self, *, duration: float | None, draws: int | None) -> Campaign:
+        """Return the campaign with another duration [s] or only its first draws; None leaves what the file says."""
+        return replace(
+            self,
+            duration=self.duration if duration is None else duration,
+            draw_count=self.draw_count if draws is None else min(draws, self.draw_count),
+        )
 
     def _draws(self) -> Iterator[dict[str, object]]:
         if not self.draw_count:
@@ -112,6 +131,7 @@ def read_campaign(path: Path) -> Campaign:
             vary={name: tuple(values) for name, values in (content.get("vary") or {}).items()},
             draw_count=int(draw.get("count", 0)),
             draw_seed=int(draw.get("seed", 1)),
+            has_nominal=bool(draw.get("nominal", False)),
             uniform={name: (float(low), float(high)) for name, (low, high) in (draw.get("uniform") or {}).items()},
         )
     except (TypeError, ValueError) as error:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
 import multiprocessing
 import os
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import dataclass, field
 
+import numpy as np
 from heave_bags import kpi_set
 from heave_bags.depth_programme import take_out_programme
 from heave_bags.kpi_set import RunSignals, Signal
@@ -20,11 +22,23 @@ from heave_bringup.scenarios import Scenario, load_scenario
 
 @dataclass(frozen=True)
 class CaseResult:
-    """What a case came to: its KPIs, or why it failed."""
+    """What a case came to: its KPIs, or why it failed.
+
+    Attributes
+    ----------
+    compensating : share of the time after the transient in which the winch compensated or held a tension; NaN under
+        law off
+    """
 
     case: Case
     kpis: dict[str, float] = field(default_factory=dict)
     failure: str = ""
+    compensating: float = math.nan
+
+    @property
+    def is_lost(self) -> bool:
+        """Tell whether compensation was given up, or the unit moves more than uncompensated."""
+        return self.compensating < 1.0 or self.kpis["unit_sigma_m"] > self.kpis["uncompensated_sigma_m"]
 
 
 def run_cases(campaign: Campaign, cases: Sequence[Case], processes: int | None) -> Iterator[CaseResult]:
@@ -48,7 +62,7 @@ def _scenario(campaign: Campaign, case: Case) -> Scenario:
     common: dict[str, object] = {"seed": case.seed}
     if campaign.duration is not None:
         common["duration"] = campaign.duration
-    settings = as_settings({**campaign.common, **case.settings})
+    settings = as_settings({} if case.is_nominal else {**campaign.common, **case.settings})
     scenario = load_scenario(campaign.scenario, settings=settings, common=common)
     run = scenario.run
     if run.duration <= run.transient:
@@ -78,7 +92,18 @@ def _run_case(scenario: Scenario, case: Case) -> CaseResult:
     except Exception as error:  # one case that cannot be run must not end the others; it is named in the table
         return CaseResult(case, failure=" ".join(str(error).split()) or type(error).__name__)
     kpis = kpi_set.evaluate(run_signals(record, parameters), scenario.run.transient, scenario.run.duration)
-    return CaseResult(case, kpis)
+    return CaseResult(case, kpis, compensating=_compensating(record, scenario))
+
+
+WORKING = {"compensating", "constant_tension"}
+"""Modes in which the controller does what it was asked for."""
+
+
+def _compensating(record: LoopRecord, scenario: Scenario) -> float:
+    if scenario.parameters["winch_controller"].law == "off":
+        return math.nan
+    after = record.column("time") >= scenario.run.transient
+    return float(np.mean([mode in WORKING for mode, counts in zip(record.modes, after, strict=True) if counts]))
 
 
 def run_signals(record: LoopRecord, parameters: LoopParameters) -> RunSignals:

@@ -7,7 +7,7 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from heave_bags import kpi
+from heave_bags import kpi, kpi_set
 from heave_node.parameters import ParameterError
 
 from heave_bringup.campaign import find_campaign, read_campaign
@@ -20,11 +20,15 @@ def execute(options: argparse.Namespace) -> None:
     """Run every case and print unit sigma, uncompensated sigma, tension and winch use of each, then the summary."""
     if options.processes < 0:
         raise ParameterError(f"--processes {options.processes}: must be at least 1, or 0 for one per processor")
+    if options.draws is not None and options.draws < 1:
+        raise ParameterError(f"--draws {options.draws}: must be at least 1")
     campaign = read_campaign(find_campaign(options.campaign))
+    campaign = campaign.shortened(duration=options.duration, draws=options.draws)
     cases = list(campaign.cases())
     progress = ProgressLine()
     results: list[CaseResult] = []
     try:
+        progress.show(f"{len(cases)} cases of {campaign.scenario}")
         for result in run_cases(campaign, cases, options.processes or None):
             results.append(result)
             progress.show(f"case {len(results)} of {len(cases)}: {result.case.label}")
@@ -35,32 +39,64 @@ def execute(options: argparse.Namespace) -> None:
     content = {
         "campaign": str(campaign.path),
         "scenario": campaign.scenario,
-        "cases": [{"seed": r.case.seed, **r.case.settings, "failure": r.failure, **r.kpis} for r in results],
+        "cases": [_case_content(result) for result in results],
         "summary": summary,
     }
     write_result(options, _table(results) + "\n\n" + _summary_text(summary), content)
 
 
-def _summary(results: Sequence[CaseResult]) -> dict[str, float]:
-    good = [result.kpis for result in results if not result.failure]
-    unit = np.array([k["unit_sigma_m"] for k in good])
-    off = np.array([k["uncompensated_sigma_m"] for k in good])
-    if not good:
-        return {"cases": float(len(results)), "failed": float(len(results))}
+def _case_content(result: CaseResult) -> dict[str, object]:
+    case = result.case
+    content: dict[str, object] = {"seed": case.seed, "nominal": case.is_nominal, **case.settings}
+    if result.failure:
+        return {**content, "failure": result.failure}
     return {
-        "cases": float(len(results)),
-        "failed": float(len(results) - len(good)),
-        "unit_sigma_m_median": float(np.median(unit)),
-        "unit_sigma_m_p90": float(np.percentile(unit, 90)),
-        "unit_sigma_m_max": float(unit.max()),
-        "worse": kpi.worse(unit, off),
-        "snaps": float(np.nansum([k["snaps"] for k in good])),
+        **content,
+        "failure": "",
+        "compensating_share": result.compensating,
+        "lost": result.is_lost,
+        **kpi_set.to_json(result.kpis),
     }
+
+
+def _summary(results: Sequence[CaseResult]) -> dict[str, float]:
+    """Return what the cases come to together, nominal ones apart."""
+    drawn = [result for result in results if not result.case.is_nominal]
+    good = [result for result in drawn if not result.failure]
+    counts = {"cases": float(len(drawn)), "failed": float(len(drawn) - len(good))}
+    if not good:
+        return counts
+    unit = np.array([result.kpis["unit_sigma_m"] for result in good])
+    off = np.array([result.kpis["uncompensated_sigma_m"] for result in good])
+    p90 = float(np.percentile(unit, 90))
+    return {
+        **counts,
+        "lost": float(sum(result.is_lost for result in good)),
+        "unit_sigma_m_median": float(np.median(unit)),
+        "unit_sigma_m_p90": p90,
+        "unit_sigma_m_max": float(unit.max()),
+        **_against_nominal(results, p90),
+        "worse": kpi.worse(unit, off),
+        "snaps": float(np.nansum([result.kpis["snaps"] for result in good])),
+        "snaps_uncompensated": float(np.nansum([result.kpis["uncompensated_snaps"] for result in good])),
+    }
+
+
+def _against_nominal(results: Sequence[CaseResult], p90: float) -> dict[str, float]:
+    """Return the nominal cases' unit sigma (root mean square) and the others' 90th percentile over it."""
+    sigmas = [r.kpis["unit_sigma_m"] for r in results if r.case.is_nominal and not r.failure]
+    if not sigmas:
+        return {}
+    nominal = float(np.sqrt(np.mean(np.square(sigmas))))
+    return {"unit_sigma_m_nominal": nominal, "p90_over_nominal": p90 / nominal}
 
 
 def _table(results: Sequence[CaseResult]) -> str:
     width = max(len(result.case.label) for result in results)
-    lines = [f"{'case'.ljust(width)}  unit cm   off cm   ratio  Tmin kN  Tmax kN  speed m/s  at limit %"]
+    lines = [
+        f"{'case'.ljust(width)}  unit cm   off cm   ratio   max cm   DAF  DAF off  Tmin kN  Tmax kN  speed m/s  "
+        "at limit %"
+    ]
     for result in results:
         if result.failure:
             lines.append(f"{result.case.label.ljust(width)}  {result.failure}")
@@ -69,8 +105,11 @@ def _table(results: Sequence[CaseResult]) -> str:
         ratio = k["unit_sigma_m"] / k["uncompensated_sigma_m"] if k["uncompensated_sigma_m"] > 0.0 else math.nan
         lines.append(
             f"{result.case.label.ljust(width)} {100 * k['unit_sigma_m']:8.3f} {100 * k['uncompensated_sigma_m']:8.2f} "
-            f"{ratio:7.4f} {k['tension_min_n'] / 1e3:8.1f} {k['tension_max_n'] / 1e3:8.1f} "
+            f"{ratio:7.4f} {100 * k['max_abs_heave_m']:8.2f} {k['dynamic_amplification']:5.2f} "
+            f"{k['uncompensated_dynamic_amplification']:8.2f} "
+            f"{k['tension_min_n'] / 1e3:8.1f} {k['tension_max_n'] / 1e3:8.1f} "
             f"{k['winch_speed_max_mps']:10.3f} {k['time_at_limit_percent']:11.2f}"
+            + (f"  lost: compensating {100 * result.compensating:.0f} % of the time" if result.is_lost else "")
         )
     return "\n".join(lines)
 
