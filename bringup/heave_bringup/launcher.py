@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from heave_bags import substitute_node
-from heave_node.process import LAUNCHER_VARIABLE
+from heave_node.process import EXIT_FAILED, EXIT_OK, EXIT_REFUSED, EXIT_STUCK, LAUNCHER_VARIABLE
 
 from heave_bringup.node_table import NODE_BY_NAME
 
@@ -28,15 +28,36 @@ class NodeProcess:
     process: subprocess.Popen[bytes]
     log: Path
 
+    @property
+    def has_left(self) -> bool:
+        """Whether the node has ended, and had done its work by then."""
+        status = self.process.poll()
+        return status == EXIT_OK or (status == EXIT_STUCK and not self._complaint())
+
+    @property
+    def has_failed(self) -> bool:
+        """Whether the node has ended before its work was done."""
+        return self.process.poll() is not None and not self.has_left
+
     def obituary(self) -> str:
         """Say in one line how the node ended: its own last words where it had any."""
         status = self.process.returncode
+        complaint = self._complaint()
+        if complaint and status in (EXIT_FAILED, EXIT_REFUSED, EXIT_STUCK):
+            return complaint
         if status is not None and status < 0:
             return f"{self.name} was killed by {signal.Signals(-status).name}"
+        last = self._last_line()
+        return f"{self.name} ended with exit status {status}" + (f": {last}" if last else "")
+
+    def _complaint(self) -> str:
+        """Return what a node that failed says last; "" of one that did not."""
+        last = self._last_line()
+        return last if last.startswith((f"{self.name}:", "/")) else ""
+
+    def _last_line(self) -> str:
         words = [line for line in self.log.read_text(errors="replace").splitlines() if line.strip()]
-        if words and words[-1].startswith((f"{self.name}:", "/")):
-            return words[-1]
-        return f"{self.name} ended with exit status {status}" + (f": {words[-1]}" if words else "")
+        return words[-1] if words else ""
 
 
 class Launcher:
@@ -68,16 +89,20 @@ class Launcher:
             self.nodes.append(NodeProcess(name, process, log))
 
     def failed(self) -> list[NodeProcess]:
-        """Return the nodes that have ended with an exit status other than 0."""
-        return [node for node in self.nodes if node.process.poll() not in (None, 0)]
+        """Return the nodes that have ended before their work was done."""
+        return [node for node in self.nodes if node.has_failed]
 
     def left(self) -> list[NodeProcess]:
-        """Return the nodes that have ended of their own accord with exit status 0."""
-        return [node for node in self.nodes if node.process.poll() == 0]
+        """Return the nodes that have ended as if their work were done."""
+        return [node for node in self.nodes if node.has_left]
+
+    def running(self) -> list[str]:
+        """Return the names of the nodes that have not ended."""
+        return [node.name for node in self.nodes if node.process.poll() is None]
 
     def all_ended(self) -> bool:
         """Tell whether no node runs any more."""
-        return all(node.process.poll() is not None for node in self.nodes)
+        return not self.running()
 
     def stop(self, grace: float = GRACE) -> None:
         """End every node: SIGINT, time to close files, then SIGKILL."""

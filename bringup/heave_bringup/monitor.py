@@ -27,6 +27,7 @@ class Monitor:
         self._node = Node("heave_command", start_parameter_services=False)
         self.status: TickStatus | None = None
         self.kpi: CompensationKpi | None = None
+        self._over_since = 0.0
         self._node.create_subscription(
             TickStatus, topics.TICK_STATUS.name, self._on_status, qos_of(topics.TICK_STATUS.role)
         )
@@ -36,15 +37,29 @@ class Monitor:
         self._spinner = Spinner(self._node)
 
     def _on_status(self, message: TickStatus) -> None:
+        was_over = self.is_over
         self.status = message
+        if self.is_over and not was_over:
+            self._over_since = time.monotonic()
 
     def _on_kpi(self, message: CompensationKpi) -> None:
         self.kpi = message
+
+    def spin_until_over(self, seconds: float) -> None:
+        """Listen until the master says that the run is over, or for some wall time."""
+        deadline = time.monotonic() + seconds
+        while not self.is_over and time.monotonic() < deadline:
+            self.spin(0.02)
 
     @property
     def is_over(self) -> bool:
         """Whether the master has said that the run is over, well or not."""
         return self.status is not None and self.status.state in (TickStatus.ENDED, TickStatus.FAILED)
+
+    @property
+    def is_over_for(self) -> float:
+        """Wall time since the master said that the run is over [s]; 0 before."""
+        return time.monotonic() - self._over_since if self.is_over else 0.0
 
     def spin(self, seconds: float) -> None:
         """Listen for some wall time."""

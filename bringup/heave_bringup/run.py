@@ -24,6 +24,8 @@ LOOK_PERIOD = 0.1
 """Wall time between two looks at the nodes [s]."""
 DESERTION = 1.0
 """Wall time in which the news that a run is over may come after the first node that left for it [s]."""
+PARTING = 30.0
+"""Wall time that the nodes have to end once the run is over [s]."""
 AFTERMATH = 3.0
 """Real time: wall time that goes on after a node died, so that the bag shows how the winch stops [s]."""
 
@@ -125,6 +127,8 @@ def _watch(
             raise CommandError(cause)
         if launcher.all_ended():
             break
+        if monitor.is_over_for > PARTING:
+            raise CommandError(f"{', '.join(launcher.running())} did not end within {PARTING:g} s after the run")
         if monitor.masters() > 1:  # on a busy machine it may show itself late
             raise CommandError(ANOTHER_RUN)
     status = monitor.status
@@ -137,7 +141,7 @@ def _deserters(launcher: Launcher, monitor: Monitor) -> list[NodeProcess]:
     """Return the nodes that left, as if all were well, before the run was over."""
     if monitor.is_over or not launcher.left():
         return []
-    monitor.spin(DESERTION)
+    monitor.spin_until_over(DESERTION)
     return [] if monitor.is_over else launcher.left()
 
 

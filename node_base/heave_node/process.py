@@ -9,6 +9,7 @@ from types import FrameType
 
 import rclpy
 from rclpy.lifecycle import TransitionCallbackReturn
+from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
 from heave_node.environment import prepare_environment
@@ -22,6 +23,11 @@ LAUNCHER_VARIABLE = "HEAVE_LAUNCHER"
 EXIT_OK = 0
 EXIT_FAILED = 1
 EXIT_REFUSED = 2
+EXIT_STUCK = -signal.SIGALRM
+"""What a parent sees of a node that had done its work, but that the middleware did not let go."""
+
+LEAVING = 5
+"""Wall time that the middleware has to let a node go [s]."""
 
 
 def run_node(node_type: type[HeaveNode], args: list[str] | None = None) -> int:
@@ -49,9 +55,21 @@ def run_node(node_type: type[HeaveNode], args: list[str] | None = None) -> int:
     except Exception as error:  # closing a bag on a full disk must still be told
         node.fail(one_line(error), error)
     status = _last_word(f"{node.name}: {node.failure}", EXIT_FAILED) if node.failure else EXIT_OK
+    leave_ros(node)
+    return status
+
+
+def leave_ros(node: Node) -> None:
+    """Destroy a node whose work is done.
+
+    Fast DDS can lock up for ever where an endpoint goes while a timer of discovery runs out. The kernel then ends the
+    process: by that time everything is closed and said.
+    """
+    signal.signal(signal.SIGALRM, signal.SIG_DFL)
+    signal.alarm(LEAVING)
     node.destroy_node()
     rclpy.try_shutdown()
-    return status
+    signal.alarm(0)
 
 
 def _on_idle(node: HeaveNode) -> None:

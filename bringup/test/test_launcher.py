@@ -1,0 +1,65 @@
+"""How the launcher judges nodes by the way they end."""
+
+import subprocess
+import sys
+
+import pytest
+from heave_bringup.launcher import Launcher, NodeProcess
+
+STUCK = """
+import time
+from heave_node import process
+
+class Node:
+    def destroy_node(self):
+        time.sleep(60.0)
+
+process.LEAVING = 1
+process.leave_ros(Node())
+"""
+
+
+def ended(tmp_path, name, program):
+    log = tmp_path / f"{name}.log"
+    with log.open("wb") as sink:
+        process = subprocess.Popen([sys.executable, "-c", program], stdout=sink, stderr=subprocess.STDOUT)
+    process.wait(timeout=30.0)
+    return NodeProcess(name, process, log)
+
+
+def test_a_node_that_the_middleware_does_not_let_go_has_left_and_holds_up_nobody(tmp_path):
+    node = ended(tmp_path, "recorder", STUCK)
+    assert node.has_left
+    assert not node.has_failed
+
+
+def test_a_node_that_failed_has_failed_even_where_the_middleware_did_not_let_it_go(tmp_path):
+    node = ended(tmp_path, "recorder", "print('recorder: the disk is full', flush=True)" + STUCK)
+    assert node.has_failed
+    assert node.obituary() == "recorder: the disk is full"
+
+
+@pytest.mark.parametrize(
+    ("program", "words"),
+    [
+        ("import os, signal; os.kill(os.getpid(), signal.SIGKILL)", "wave_vessel was killed by SIGKILL"),
+        ("print('wave_vessel: no such file'); raise SystemExit(1)", "wave_vessel: no such file"),
+        ("print('half a word'); raise SystemExit(3)", "wave_vessel ended with exit status 3: half a word"),
+        ("raise SystemExit(3)", "wave_vessel ended with exit status 3"),
+    ],
+)
+def test_what_is_said_of_a_node_that_failed(tmp_path, program, words):
+    node = ended(tmp_path, "wave_vessel", program)
+    assert node.has_failed
+    assert node.obituary() == words
+
+
+def test_a_node_under_way_is_named_until_it_ends(tmp_path):
+    process = subprocess.Popen([sys.executable, "-c", "import time; time.sleep(60.0)"])
+    launcher = Launcher()
+    launcher.nodes.append(NodeProcess("virtual_winch", process, tmp_path / "log"))
+    assert launcher.running() == ["virtual_winch"]
+    assert launcher.failed() == []
+    assert launcher.left() == []
+    launcher.stop(grace=5.0)
+    assert launcher.all_ended()
