@@ -35,7 +35,7 @@ from cable_sim_node.parameters import CableSimParameters
 
 Array = NDArray[np.float64]
 
-_MOVING_ARRAYS = ("x", "v", "a", "seg", "lump", "unit", "moving", "tip", "settings", "counters")
+_MOVING_ARRAYS = ("now", "parts", "unit", "top", "settings", "counters")
 
 
 @dataclass(frozen=True)
@@ -63,8 +63,7 @@ class CableDynamics:
         self.parameters = parameters
         _check_seabed(parameters)
         self._line = build_line(parameters, 2.0 * parameters.length)
-        self._ends = np.zeros((4, 3))
-        self._lengths = np.zeros(4)
+        self._ends = np.zeros((4, 4))
         self._fresh = False
         self._least_strain = 0.0
 
@@ -81,24 +80,22 @@ class CableDynamics:
             )
         self._reserve(total)
         line = self._line
-        if total < at.MERGE_AT * line.grid_s[1]:
-            raise CableTooShortError(
-                f"{total:g} m of cable is less than a segment of {line.grid_s[1]:g} m can shrink to"
-            )
+        points = line.grid_s
+        if total < at.MERGE_AT * points[1]:
+            raise CableTooShortError(f"{total:g} m of cable is less than a segment of {points[1]:g} m can shrink to")
         line.settings[:] = settings_row(self.parameters)
         line.settings[at.SPRING_ON] = 0.0
-        line.moving[:] = 0.0
-        line.moving[at.TIME], line.moving[at.TOTAL] = time, total
-        line.seg[:] = line.grid
-        line.lump[:-1] = line.grid_lump
-        line.tip[:] = 0.0
-        line.tip[0] = boom_tip
-        n = max(int(np.searchsorted(line.grid_s, total - 1e-9 * total)), 1)
-        if n > 1 and total - line.grid_s[n - 1] < at.MERGE_AT * (line.grid_s[n] - line.grid_s[n - 1]):
+        line.parts[:-1] = line.grid[:, : at.PART_COLUMNS]
+        top = line.top[at.NOW]
+        top[:] = 0.0
+        top[at.X : at.Z + 1] = boom_tip
+        top[at.TIME], top[at.TOTAL] = time, total
+        n = max(int(np.searchsorted(points, total - 1e-9 * total)), 1)
+        if n > 1 and total - points[n - 1] < at.MERGE_AT * (points[n] - points[n - 1]):
             n -= 1
         line.counters[:] = 0
         line.counters[at.SEGMENTS] = n
-        set_top_segment(n, total, line.grid, line.grid_s, line.grid_lump, line.seg, line.lump)
+        set_top_segment(n, total, line.grid, line.parts)
         hang(line, boom_tip)
         if line.x[0, 2] > boom_tip[2]:
             raise NoEquilibriumError(
@@ -124,25 +121,20 @@ class CableDynamics:
         not finite and for a payout at the start that is not the present one, CableTooShortError, NotConvergedError; the
         state is then that of the last good step.
         """
-        ends, lengths = self._ends, self._lengths
-        ends[0], ends[1] = tip_start.position, tip_start.velocity
-        ends[2], ends[3] = tip_end.position, tip_end.velocity
-        base = self.parameters.length
-        lengths[0], lengths[1], lengths[2], lengths[3] = (
-            base + payout_start,
-            payout_rate_start,
-            base + payout_end,
-            payout_rate_end,
-        )
-        if not (duration > 0.0 and math.isfinite(duration + float(ends.sum()) + float(lengths.sum()))):
+        ends, base = self._ends, self.parameters.length
+        ends[0, :3], ends[1, :3] = tip_start.position, tip_start.velocity
+        ends[2, :3], ends[3, :3] = tip_end.position, tip_end.velocity
+        lengths = (base + payout_start, payout_rate_start, base + payout_end, payout_rate_end)
+        ends[:, 3] = lengths
+        if not (duration > 0.0 and math.isfinite(duration + float(ends.sum()))):
             raise BadMotionError(
                 f"at t = {self.time:g} s: boom tip and payout must be finite and the duration positive; got "
-                f"{ends.tolist()}, {lengths.tolist()}, {duration}"
+                f"{ends[:, :3].tolist()}, {ends[:, 3].tolist()}, {duration}"
             )
         refuse_jump(f"at t = {self.time:g} s", self.unstretched_length - base, payout_start)
         self._reserve(max(lengths[0], lengths[2]) + duration * max(abs(lengths[1]), abs(lengths[3])))
         self._fresh = False
-        outcome = advance(self._line, duration, ends, lengths)
+        outcome = advance(self._line, duration, ends)
         if outcome == at.TOO_SHORT:
             raise CableTooShortError(
                 f"at t = {self.time:g} s: {self.unstretched_length:g} m of cable is left, no segment can be shorter "
@@ -159,7 +151,7 @@ class CableDynamics:
     @property
     def time(self) -> float:
         """Simulated time [s]."""
-        return float(self._line.moving[at.TIME])
+        return float(self._line.top[at.NOW, at.TIME])
 
     @property
     def segments(self) -> int:
@@ -221,7 +213,7 @@ class CableDynamics:
     @property
     def unstretched_length(self) -> float:
         """Unstretched length between unit and top end [m]."""
-        return float(self._line.moving[at.TOTAL])
+        return float(self._line.top[at.NOW, at.TOTAL])
 
     @property
     def slack_segments(self) -> int:
@@ -241,9 +233,9 @@ class CableDynamics:
         line = self._line
         if line.settings[at.BED_ON] == 0.0:
             return 0.0
-        residual = np.zeros((1, 3))
-        add_contact(0, line.x, line.v, line.seg, line.settings, 0.0, np.zeros((1, 6)), residual)
-        return float(-residual[0, 2])
+        equations = np.zeros((1, at.EQUATION_COLUMNS))
+        add_contact.py_func(0, line.now, line.parts, line.settings, 0.0, equations)
+        return float(-equations[0, at.RZ])
 
     @property
     def grounded_length(self) -> float:
@@ -253,7 +245,7 @@ class CableDynamics:
             return 0.0
         x = self._line.x[: n + 1]
         below = x[:, 2] <= -bed.depth + bed.slope[0] * x[:, 0] + bed.slope[1] * x[:, 1]
-        return float(np.sum(self._line.seg[:n, at.LENGTH] * 0.5 * (below[1:].astype(float) + below[:-1])))
+        return float(np.sum(self._line.parts[:n, at.LENGTH] * 0.5 * (below[1:].astype(float) + below[:-1])))
 
     @property
     def compensator_stroke(self) -> float:
@@ -261,7 +253,7 @@ class CableDynamics:
 
         0 without a compensator.
         """
-        return float(self._line.tip[0, 2] - self._line.x[self.segments, 2])
+        return float(self._line.top[at.NOW, at.Z] - self._line.x[self.segments, 2])
 
     @property
     def steps_taken(self) -> int:
@@ -304,7 +296,7 @@ class CableDynamics:
 
     def restore(self, state: SavedState) -> None:
         """Go back to a state that `save` returned (of an object with the same parameters)."""
-        self._reserve_rows(len(state.arrays["seg"]))
+        self._reserve_rows(len(state.arrays["parts"]))
         for name, value in state.arrays.items():
             getattr(self._line, name)[: len(value)] = value
         self._fresh = False
@@ -322,7 +314,7 @@ class CableDynamics:
             self._grow(total)
 
     def _reserve_rows(self, rows: int) -> None:
-        while len(self._line.seg) < rows:
+        while len(self._line.parts) < rows:
             self._grow(2.0 * float(self._line.grid_s[-1]))
 
     def _grow(self, total: float) -> None:
@@ -333,8 +325,9 @@ class CableDynamics:
             getattr(self._line, name)[:rows] = getattr(old, name)
         # beyond the line in use the rows must be the grid's own
         n = int(old.counters[at.SEGMENTS])
-        self._line.seg[n:] = self._line.grid[n:]
-        self._line.lump[n + 1 : -1] = self._line.grid_lump[n + 1 :]
+        parts, grid = self._line.parts, self._line.grid
+        parts[n, : at.SEGMENT_COLUMNS] = grid[n, : at.SEGMENT_COLUMNS]  # its lump is the sheave's
+        parts[n + 1 : -1] = grid[n + 1 :, : at.PART_COLUMNS]
 
     def _start_compensator(self) -> None:
         spring = self.parameters.compensator

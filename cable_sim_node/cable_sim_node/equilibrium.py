@@ -11,7 +11,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from cable_sim_node.compiled import kernel
+from cable_sim_node.compiled import inner_kernel, kernel
 from cable_sim_node.errors import NoEquilibriumError
 from cable_sim_node.line_arrays import LineArrays
 from cable_sim_node.line_bending import CENTRE, solve_with_bending
@@ -19,18 +19,30 @@ from cable_sim_node.line_flow import set_flow
 from cable_sim_node.line_layout import (
     BENDING_ON,
     CUBIC,
+    CX,
+    CY,
+    CZ,
+    FLOW_AX,
+    FLOW_X,
+    FLOW_Y,
+    FLOW_Z,
     LENGTH,
     LUMP_DRAG,
     LUMP_WEIGHT,
     NORMAL_DRAG,
+    NOW,
     QUADRATIC,
     SEGMENTS,
     STIFFNESS,
     TANGENTIAL_DRAG,
+    TIME,
     UNIT_DRAG,
     UNIT_FORCE,
     WAVE_AMPLITUDE,
     WEIGHT,
+    X,
+    Y,
+    Z,
 )
 from cable_sim_node.line_step import assemble
 
@@ -56,7 +68,7 @@ def strain_at(row: Array, tension: float) -> float:
     return strain
 
 
-@kernel
+@inner_kernel
 def turn_of(pull: float, normal: float, along: float, across: float) -> float:
     """Return the angle [rad] by which a current turns a segment against itself, from the pull of what hangs below.
 
@@ -81,7 +93,7 @@ def turn_of(pull: float, normal: float, along: float, across: float) -> float:
     return 0.5 * (low + high)
 
 
-@kernel
+@inner_kernel
 def aim(force: Array, u: Array, normal: float, tangential: float, direction: Array, drag: Array) -> float:
     """Set `direction` of a segment that holds `force` [N] below it in the current `u`, and half its `drag` [N].
 
@@ -114,40 +126,42 @@ def aim(force: Array, u: Array, normal: float, tangential: float, direction: Arr
 
 
 @kernel
-def march(line: LineArrays, n: int, unit_position: Array) -> bool:
-    """Place nodes 0..n above the unit by equilibrium, with the flow as in `line.flow`; False where nothing pulls."""
-    x = line.x
-    force, drag, direction = np.empty(3), np.zeros(3), np.zeros(3)
+def march(line: LineArrays, n: int) -> bool:
+    """Place nodes 1..n above the unit by equilibrium in the current at the nodes' places until now; False where nothing
+    pulls.
+    """
+    now, parts, unit = line.now, line.parts, line.unit
+    set_flow(n, line.top[NOW, TIME], now, line.settings, line.current, line.schedule, line.flow)
+    force, drag, direction = line.middle[0], line.middle[1], line.middle[2]  # free until the first step
     for k in range(3):
-        x[0, k] = unit_position[k]
-        u = line.flow[0, k]
+        u = line.flow[0, FLOW_X + k]
         # what the rest of the line must hold: minus all steady forces below
-        force[k] = -(line.unit[UNIT_FORCE + k] + line.unit[UNIT_DRAG + k] * abs(u) * u)
+        force[k] = -(unit[UNIT_FORCE + k] + unit[UNIT_DRAG + k] * abs(u) * u)
     for i in range(n):
-        row = line.seg[i]
-        length = row[LENGTH]
-        flow = line.flow[i + 1]
-        force[2] += 0.5 * row[WEIGHT] * length
+        part, water = parts[i], line.flow[i + 1]
+        length = part[LENGTH]
+        force[2] += 0.5 * part[WEIGHT] * length
         half = 0.5 * length
-        tension = aim(force, flow, row[NORMAL_DRAG] * half, row[TANGENTIAL_DRAG] * half, direction, drag)
+        tension = aim(force, water, part[NORMAL_DRAG] * half, part[TANGENTIAL_DRAG] * half, direction, drag)
         if not tension > 0.0:
             return False
-        stretched = length * (1.0 + strain_at(row, tension))
+        stretched = length * (1.0 + strain_at(part, tension))
         if not stretched > length:
             return False
         for k in range(3):
-            x[i + 1, k] = x[i, k] + stretched * direction[k]
+            now[i + 1, X + k] = now[i, X + k] + stretched * direction[k]
             # the upper half of the segment hangs on the next one
             force[k] -= 2.0 * drag[k]
-        force[2] += 0.5 * row[WEIGHT] * length + line.lump[i + 1, LUMP_WEIGHT]
-        lump_drag = line.lump[i + 1, LUMP_DRAG] * math.sqrt(flow[0] ** 2 + flow[1] ** 2 + flow[2] ** 2)
+        force[2] += 0.5 * part[WEIGHT] * length + parts[i + 1, LUMP_WEIGHT]
+        speed = math.sqrt(water[FLOW_X] ** 2 + water[FLOW_Y] ** 2 + water[FLOW_Z] ** 2)
+        lump_drag = parts[i + 1, LUMP_DRAG] * speed
         for k in range(3):
-            force[k] -= lump_drag * flow[k]
+            force[k] -= lump_drag * water[FLOW_X + k]
     return True
 
 
-@kernel
-def add_drag_turning(n: int, x: Array, seg: Array, flow: Array, band: Array) -> None:
+@inner_kernel
+def add_drag_turning(n: int, nodes: Array, parts: Array, flow: Array, band: Array) -> None:
     """Add to `band` how the drag of each segment at rest changes as the segment turns.
 
     With u the velocity through the water, u_t = u.e and u_n the rest, the drag N abs(u_n) u_n + T abs(u_t) u_t e
@@ -155,11 +169,11 @@ def add_drag_turning(n: int, x: Array, seg: Array, flow: Array, band: Array) -> 
     -N (u_t u_n (u_n.de)/abs(u_n) + abs(u_n) ((u_n.de) e + u_t de)) + T (2 abs(u_t) (u_n.de) e + abs(u_t) u_t de).
     """
     for i in range(n):
-        row = seg[i]
-        ex, ey, ez = x[i + 1, 0] - x[i, 0], x[i + 1, 1] - x[i, 1], x[i + 1, 2] - x[i, 2]
+        row, low, high, water = parts[i], nodes[i], nodes[i + 1], flow[i + 1]
+        ex, ey, ez = high[X] - low[X], high[Y] - low[Y], high[Z] - low[Z]
         stretched = math.sqrt(ex * ex + ey * ey + ez * ez)
         e = (ex / stretched, ey / stretched, ez / stretched)
-        u = (-flow[i + 1, 0], -flow[i + 1, 1], -flow[i + 1, 2])
+        u = (-water[FLOW_X], -water[FLOW_Y], -water[FLOW_Z])
         ut = u[0] * e[0] + u[1] * e[1] + u[2] * e[2]
         un = (u[0] - ut * e[0], u[1] - ut * e[1], u[2] - ut * e[2])
         speed = math.sqrt(un[0] ** 2 + un[1] ** 2 + un[2] ** 2)
@@ -190,18 +204,18 @@ def bend(line: LineArrays, n: int, tolerance: float) -> bool:
     depth, the
     turning of the bending forces) is small, and only slows it.
     """
-    correction = line.correction
-    for k in range(3):
-        correction[n, k] = 0.0
+    equations = line.equations
+    equations[n, CX] = equations[n, CY] = equations[n, CZ] = 0.0
     for _ in range(400):
         assemble(line, n, 0.0, 0.0)
-        add_drag_turning(n, line.x, line.seg, line.flow, line.band)
-        solve_with_bending(n, line.diagonal, line.upper, line.residual, line.band, correction)
+        add_drag_turning(n, line.now, line.parts, line.flow, line.band)
+        solve_with_bending(n, equations, line.band)
         largest = 0.0
         for i in range(n):
             for k in range(3):
-                line.x[i, k] += correction[i, k]
-                size = abs(correction[i, k])
+                correction = equations[i, CX + k]
+                line.now[i, X + k] += correction
+                size = abs(correction)
                 if not size <= largest:
                     largest = size
         if largest < tolerance:
@@ -218,22 +232,20 @@ def hang(line: LineArrays, boom_tip: Array) -> None:
     Raises NoEquilibriumError where unit and cable do not hang (buoyant, or a tension law that yields).
     """
     n = int(line.counters[SEGMENTS])
-    total = float(np.sum(line.seg[:n, LENGTH]))
-    calm = line.settings.copy()
-    calm[WAVE_AMPLITUDE] = 0.0
-    line.flow_acceleration[:] = 0.0
+    total = float(np.sum(line.parts[:n, LENGTH]))
+    calm = line._replace(settings=line.settings.copy())
+    calm.settings[WAVE_AMPLITUDE] = 0.0
+    line.flow[:, FLOW_AX:] = 0.0
     unit_position = boom_tip - np.array([0.0, 0.0, total])
     line.x[: n + 1] = np.linspace(unit_position, boom_tip, n + 1)
     # where the line hangs depends on the current, and that on where it hangs: the shift of each pass is much smaller
     # than the last
     for _ in range(_PASSES):
-        set_flow(n, line.x, line.moving, calm, line.current, line.schedule, line.flow, line.flow_acceleration)
-        if not march(line, n, unit_position):
+        if not march(calm, n):
             raise NoEquilibriumError(
                 "the line does not hang: unit and cable must weigh more in water than what lifts them"
             )
         miss = boom_tip - line.x[n]
-        unit_position = unit_position + miss
         line.x[: n + 1] += miss
         if np.max(np.abs(miss)) < 1e-12 * total:
             break

@@ -1,6 +1,7 @@
 """The line's arrays, together, as the compiled kernels take them. Allocated once.
 
-Columns are named in `line_layout`.
+Columns are named in `line_layout`. They are few and wide: each array that a kernel takes is compiled into nine
+arguments, in every kernel anew.
 """
 
 from __future__ import annotations
@@ -10,8 +11,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from cable_sim_node import line_layout as at
 from cable_sim_node.kernel_cache import drop_stale
-from cable_sim_node.line_layout import COUNTER_COLUMNS, STATE_COLUMNS
 
 Array = NDArray[np.float64]
 
@@ -20,108 +21,85 @@ drop_stale(("line_*", "equilibrium"))
 
 
 class LineArrays(NamedTuple):
-    """What is known of a line. Rows are nodes or segments from the unit upwards; only the first ones are in use."""
+    """What is known of a line. Rows are nodes or segments from the unit upwards; only the first ones are in use.
 
-    x: Array
-    """Node positions [m], shape (rows, 3)."""
-    v: Array
-    """Node velocities [m/s]."""
-    a: Array
-    """Node accelerations [m/s^2]."""
+    The properties are views, for Python; kernels see the fields alone.
+    """
+
+    now: Array
+    """Position, velocity and acceleration of each node."""
+    middle: Array
+    """The same where the equations hold."""
+    top: Array
+    """Boom tip, time and length: now, where the equations hold, and at the end of the step."""
     grid: Array
-    """Properties of each grid segment, as `seg`; never change."""
-    grid_s: Array
-    """Material coordinate of each grid point [m], from the unit."""
-    grid_lump: Array
-    """Lump on each grid point."""
-    seg: Array
-    """Properties of each segment in use: those of the grid but for the top one."""
-    lump: Array
-    """Lump on each node in use."""
+    """Properties of each grid segment and of the point below it; never change."""
+    parts: Array
+    """Properties of each segment in use, those of the grid but for the top one, and of the lump on the node below."""
     unit: Array
     current: Array
     """Current profile, rows (depth, u_x, u_y)."""
     schedule: Array
     """Factor of the current, rows (time, factor)."""
     settings: Array
-    moving: Array
-    """Time and length now."""
-    tip: Array
-    """Boom tip now: rows position, velocity, acceleration."""
-    middle: Array
-    """Time and length where the equations hold."""
-    middle_tip: Array
-    """Boom tip where the equations hold."""
-    end: Array
-    """Time and length at the end of the step."""
-    end_tip: Array
-    """Boom tip at the end of the step."""
     flow: Array
-    flow_acceleration: Array
-    x_middle: Array
-    v_middle: Array
-    a_middle: Array
-    diagonal: Array
-    upper: Array
-    residual: Array
-    sweep: Array
-    correction: Array
-    hinge: Array
-    """Scratch of the bending, shape (3, 9)."""
-    tensions: Array
+    """Motion of the water along the line."""
+    equations: Array
+    """The linear equations of each node, and the tension of the segment above it."""
     band: Array
-    """Scratch of the solve with bending, shape (3 rows, 17); one row without bending."""
+    """Scratch of the bending, 17 columns: three rows for each node and three for a hinge; one row without bending."""
     counters: NDArray[np.int64]
+
+    @property
+    def x(self) -> Array:
+        """Node positions [m], shape (rows, 3)."""
+        return self.now[:, at.X : at.Z + 1]
+
+    @property
+    def v(self) -> Array:
+        """Node velocities [m/s], shape (rows, 3)."""
+        return self.now[:, at.VX : at.VZ + 1]
+
+    @property
+    def a(self) -> Array:
+        """Node accelerations [m/s^2], shape (rows, 3)."""
+        return self.now[:, at.AX : at.AZ + 1]
+
+    @property
+    def grid_s(self) -> Array:
+        """Material coordinate of each grid point [m], from the unit."""
+        return self.grid[:, at.START]
+
+    @property
+    def tensions(self) -> Array:
+        """Tension of each segment [N]."""
+        return self.equations[:, at.TENSION]
+
+    @property
+    def residual(self) -> Array:
+        """Residual of each node's equations [N], shape (rows, 3)."""
+        return self.equations[:, at.RX : at.RZ + 1]
 
 
 def allocate(
-    grid: Array,
-    grid_s: Array,
-    grid_lump: Array,
-    unit: Array,
-    current: Array,
-    schedule: Array,
-    settings: Array,
-    *,
-    bending: bool,
+    grid: Array, unit: Array, current: Array, schedule: Array, settings: Array, *, bending: bool
 ) -> LineArrays:
     """Return arrays for a line on this grid of material points, at rest and not yet in equilibrium."""
-    rows = len(grid_s) + 1
-
-    def scratch(columns: int) -> Array:
-        return np.zeros((rows, columns))
-
+    rows = len(grid) + 1
+    parts = np.zeros((rows, at.PART_COLUMNS))
+    parts[:-1] = grid[:, : at.PART_COLUMNS]
     return LineArrays(
-        x=scratch(3),
-        v=scratch(3),
-        a=scratch(3),
+        now=np.zeros((rows, at.NODE_COLUMNS)),
+        middle=np.zeros((rows, at.NODE_COLUMNS)),
+        top=np.zeros((3, at.TOP_COLUMNS)),
         grid=grid,
-        grid_s=grid_s,
-        grid_lump=grid_lump,
-        seg=grid.copy(),
-        lump=np.vstack([grid_lump, np.zeros((1, grid_lump.shape[1]))]),
+        parts=parts,
         unit=unit,
         current=current,
         schedule=schedule,
         settings=settings,
-        moving=np.zeros(STATE_COLUMNS),
-        tip=np.zeros((3, 3)),
-        middle=np.zeros(STATE_COLUMNS),
-        middle_tip=np.zeros((3, 3)),
-        end=np.zeros(STATE_COLUMNS),
-        end_tip=np.zeros((3, 3)),
-        flow=scratch(3),
-        flow_acceleration=scratch(3),
-        x_middle=scratch(3),
-        v_middle=scratch(3),
-        a_middle=scratch(3),
-        diagonal=scratch(6),
-        upper=scratch(6),
-        residual=scratch(3),
-        sweep=scratch(9),
-        correction=scratch(3),
-        hinge=np.zeros((3, 9)),
-        tensions=np.zeros(rows),
-        band=np.zeros((3 * rows if bending else 1, 17)),
-        counters=np.zeros(COUNTER_COLUMNS, dtype=np.int64),
+        flow=np.zeros((rows, at.FLOW_COLUMNS)),
+        equations=np.zeros((rows, at.EQUATION_COLUMNS)),
+        band=np.zeros((3 * rows + 3 if bending else 1, 17)),
+        counters=np.zeros(at.COUNTER_COLUMNS, dtype=np.int64),
     )

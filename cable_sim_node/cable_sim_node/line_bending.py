@@ -12,8 +12,18 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from cable_sim_node.compiled import inner_kernel, kernel
-from cable_sim_node.line_layout import BENDING, LENGTH
+from cable_sim_node.compiled import inner_kernel
+from cable_sim_node.line_layout import (
+    BENDING,
+    CX,
+    DXX,
+    LENGTH,
+    RX,
+    UXX,
+    X,
+    Y,
+    Z,
+)
 
 Array = NDArray[np.float64]
 
@@ -22,44 +32,46 @@ CENTRE = 8
 
 
 @inner_kernel
-def add_bending(n: int, x: Array, seg: Array, residual: Array, band: Array, g: Array) -> None:
+def add_bending(n: int, nodes: Array, parts: Array, equations: Array, band: Array) -> None:
     """Add the hinges' forces to the residual and write their stiffness into `band` (column 8 + j - i of row i), which
-    is cleared.
+    is cleared; its last three rows are scratch.
 
     The stiffness is the part that keeps the segments' directions: B G' G with G the derivative of e_i - e_{i-1}. It is
     positive semidefinite; what is left out is of the order of the bending force itself.
     """
     band[:] = 0.0
+    hinge = band.shape[0] - 3
     for i in range(1, n):
-        ax, ay, az = x[i, 0] - x[i - 1, 0], x[i, 1] - x[i - 1, 1], x[i, 2] - x[i - 1, 2]
-        bx, by, bz = x[i + 1, 0] - x[i, 0], x[i + 1, 1] - x[i, 1], x[i + 1, 2] - x[i, 2]
+        low, node, high = nodes[i - 1], nodes[i], nodes[i + 1]
+        ax, ay, az = node[X] - low[X], node[Y] - low[Y], node[Z] - low[Z]
+        bx, by, bz = high[X] - node[X], high[Y] - node[Y], high[Z] - node[Z]
         la, lb = math.sqrt(ax * ax + ay * ay + az * az), math.sqrt(bx * bx + by * by + bz * bz)
         ea = (ax / la, ay / la, az / la)
         eb = (bx / lb, by / lb, bz / lb)
-        span = 0.5 * (seg[i - 1, LENGTH] + seg[i, LENGTH])
-        stiffness = 0.5 * (seg[i - 1, BENDING] + seg[i, BENDING]) / span
+        span = 0.5 * (parts[i - 1, LENGTH] + parts[i, LENGTH])
+        stiffness = 0.5 * (parts[i - 1, BENDING] + parts[i, BENDING]) / span
         for p in range(3):
             for q in range(3):
                 one = 1.0 if p == q else 0.0
                 pa = (one - ea[p] * ea[q]) / la
                 pb = (one - eb[p] * eb[q]) / lb
-                g[p, q] = pa
-                g[p, 3 + q] = -pa - pb
-                g[p, 6 + q] = pb
+                band[hinge + p, q] = pa
+                band[hinge + p, 3 + q] = -pa - pb
+                band[hinge + p, 6 + q] = pb
         base = 3 * (i - 1)
         for r in range(9):
             force = 0.0
             for p in range(3):
-                force += g[p, r] * (eb[p] - ea[p])
-            residual[i - 1 + r // 3, r % 3] += stiffness * force
+                force += band[hinge + p, r] * (eb[p] - ea[p])
+            equations[i - 1 + r // 3, RX + r % 3] += stiffness * force
             for c in range(9):
                 total = 0.0
                 for p in range(3):
-                    total += g[p, r] * g[p, c]
+                    total += band[hinge + p, r] * band[hinge + p, c]
                 band[base + r, CENTRE + c - r] += stiffness * total
 
 
-@kernel
+@inner_kernel
 def _entry(p: int, q: int) -> int:
     """Return the column where a symmetric block stores its element (p, q)."""
     low, high = min(p, q), max(p, q)
@@ -67,20 +79,18 @@ def _entry(p: int, q: int) -> int:
 
 
 @inner_kernel
-def solve_with_bending(
-    count: int, diagonal: Array, upper: Array, residual: Array, band: Array, correction: Array
-) -> None:
+def solve_with_bending(count: int, equations: Array, band: Array) -> None:
     """Solve (blocks + band) correction = -residual by banded elimination; definite, so without pivoting."""
     size = 3 * count
     for i in range(count):
         for p in range(3):
             row = 3 * i + p
-            correction[i, p] = -residual[i, p]
+            equations[i, CX + p] = -equations[i, RX + p]
             for q in range(3):
-                band[row, CENTRE + q - p] += diagonal[i, _entry(p, q)]
+                band[row, CENTRE + q - p] += equations[i, DXX + _entry(p, q)]
                 if i + 1 < count:
-                    band[row, CENTRE + 3 + q - p] += upper[i, _entry(p, q)]
-                    band[row + 3, CENTRE - 3 + q - p] += upper[i, _entry(p, q)]
+                    band[row, CENTRE + 3 + q - p] += equations[i, UXX + _entry(p, q)]
+                    band[row + 3, CENTRE - 3 + q - p] += equations[i, UXX + _entry(p, q)]
     for row in range(size):
         pivot = 1.0 / band[row, CENTRE]
         for below in range(row + 1, min(row + CENTRE + 1, size)):
@@ -89,9 +99,9 @@ def solve_with_bending(
                 continue
             for column in range(row + 1, min(row + CENTRE + 1, size)):
                 band[below, CENTRE + column - below] -= factor * band[row, CENTRE + column - row]
-            correction[below // 3, below % 3] -= factor * correction[row // 3, row % 3]
+            equations[below // 3, CX + below % 3] -= factor * equations[row // 3, CX + row % 3]
     for row in range(size - 1, -1, -1):
-        value = correction[row // 3, row % 3]
+        value = equations[row // 3, CX + row % 3]
         for column in range(row + 1, min(row + CENTRE + 1, size)):
-            value -= band[row, CENTRE + column - row] * correction[column // 3, column % 3]
-        correction[row // 3, row % 3] = value / band[row, CENTRE]
+            value -= band[row, CENTRE + column - row] * equations[column // 3, CX + column % 3]
+        equations[row // 3, CX + row % 3] = value / band[row, CENTRE]

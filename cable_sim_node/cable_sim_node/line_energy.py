@@ -52,9 +52,9 @@ def energy_of(line: LineArrays) -> Energy:
     which take M a, not d(M v)/dt.
     """
     n = int(line.counters[at.SEGMENTS])
-    seg, x, v = line.seg[:n], line.x[: n + 1], line.v[: n + 1].copy()
+    seg, x, v = line.parts[:n], line.x[: n + 1], line.v[: n + 1].copy()
     chord = np.diff(x, axis=0)
-    v[n] -= line.moving[at.RATE] * chord[-1] / seg[-1, at.LENGTH]
+    v[n] -= line.top[at.NOW, at.RATE] * chord[-1] / seg[-1, at.LENGTH]
     stretched = np.linalg.norm(chord, axis=1)
     e = chord / stretched[:, None]
     half_mass = 0.5 * seg[:, at.MASS] * seg[:, at.LENGTH]
@@ -64,7 +64,7 @@ def energy_of(line: LineArrays) -> Energy:
         square = np.sum(ends**2, axis=1)
         kinetic += 0.5 * float(half_mass @ square + half_added @ (square - np.sum(ends * e, axis=1) ** 2))
     kinetic += 0.5 * float(line.unit[at.UNIT_INERTIA : at.UNIT_INERTIA + 3] @ v[0] ** 2)
-    lump = line.lump[: n + 1]
+    lump = line.parts[: n + 1]
     kinetic += 0.5 * float((lump[:, at.LUMP_MASS] + lump[:, at.LUMP_ADDED_MASS]) @ np.sum(v**2, axis=1))
     strain = np.maximum(stretched / seg[:, at.LENGTH] - 1.0, 0.0)
     law = 0.5 + strain * (seg[:, at.QUADRATIC] / 3.0 + seg[:, at.CUBIC] * strain / 4.0)
@@ -78,23 +78,23 @@ def energy_of(line: LineArrays) -> Energy:
 def power_lost(line: LineArrays) -> PowerLost:
     """Return the power lost at the present state; `line.flow` must be that of the present."""
     n = int(line.counters[at.SEGMENTS])
-    seg, x, v = line.seg[:n], line.x[: n + 1], line.v[: n + 1].copy()
+    seg, x, v = line.parts[:n], line.x[: n + 1], line.v[: n + 1].copy()
     chord = np.diff(x, axis=0)
     length = seg[:, at.LENGTH]
-    v[n] -= line.moving[at.RATE] * chord[-1] / length[-1]
+    v[n] -= line.top[at.NOW, at.RATE] * chord[-1] / length[-1]
     stretched = np.linalg.norm(chord, axis=1)
     e = chord / stretched[:, None]
-    mean = 0.5 * (v[:-1] + v[1:])
-    u = mean - line.flow[1 : n + 1]
+    mean, flow = 0.5 * (v[:-1] + v[1:]), line.flow[: n + 1, at.FLOW_X : at.FLOW_Z + 1]
+    u = mean - flow[1:]
     along = np.sum(u * e, axis=1)
     across = u - along[:, None] * e
     force = (seg[:, at.NORMAL_DRAG] * length * np.linalg.norm(across, axis=1))[:, None] * across
     force += (seg[:, at.TANGENTIAL_DRAG] * length * np.abs(along) * along)[:, None] * e
     drag = float(np.sum(force * mean))
-    u = v[0] - line.flow[0]
+    u = v[0] - flow[0]
     drag += float((line.unit[at.UNIT_DRAG : at.UNIT_DRAG + 3] * np.abs(u) * u) @ v[0])
-    u = v[1:] - line.flow[1 : n + 1]
-    drag += float(np.sum((line.lump[1 : n + 1, at.LUMP_DRAG] * np.linalg.norm(u, axis=1))[:, None] * u * v[1:]))
+    u = v[1:] - flow[1:]
+    drag += float(np.sum((line.parts[1 : n + 1, at.LUMP_DRAG] * np.linalg.norm(u, axis=1))[:, None] * u * v[1:]))
     strain = stretched / length - 1.0
     elastic = seg[:, at.STIFFNESS] * strain * (1.0 + strain * (seg[:, at.QUADRATIC] + seg[:, at.CUBIC] * strain))
     rate = np.sum(e * np.diff(v, axis=0), axis=1)
@@ -114,7 +114,7 @@ def _seabed_power(line: LineArrays, n: int) -> float:
         depth = -float((line.x[i] + np.array([0.0, 0.0, s[at.BED_DEPTH]])) @ normal)
         if depth <= 0.0:
             continue
-        share = 1.0 if i == 0 else 0.5 * (line.seg[i - 1, at.LENGTH] + line.seg[i, at.LENGTH])
+        share = 1.0 if i == 0 else 0.5 * (line.parts[i - 1, at.LENGTH] + line.parts[i, at.LENGTH])
         stiffness = share * s[at.BED_UNIT_STIFFNESS if i == 0 else at.BED_STIFFNESS]
         damping = share * s[at.BED_UNIT_DAMPING if i == 0 else at.BED_DAMPING]
         speed = float(line.v[i] @ normal)

@@ -21,110 +21,121 @@ from cable_sim_node.line_flow import set_flow
 from cable_sim_node.line_layout import (
     ACCELERATION,
     ADDED_MASS,
+    AX,
     DISPLACED,
+    DXX,
+    DXY,
+    DXZ,
+    DYY,
+    DYZ,
+    DZZ,
     LENGTH,
-    LUMP_COLUMNS,
     LUMP_MASS,
     LUMP_WEIGHT,
     MASS,
     MERGE_AT,
+    NODE_COLUMNS,
     NORMAL_DRAG,
+    NOW,
+    PART_COLUMNS,
     RATE,
-    SEGMENT_COLUMNS,
+    RX,
+    RY,
+    RZ,
     SPLIT_AT,
+    START,
     STIFFNESS,
     TANGENTIAL_DRAG,
+    TENSION,
+    TIME,
     TOTAL,
+    VX,
     WEIGHT,
+    X,
+    Y,
+    Z,
 )
 
 Array = NDArray[np.float64]
 
 
 @kernel
-def set_top_segment(
-    n: int, total: float, grid: Array, grid_s: Array, grid_lump: Array, seg: Array, lump: Array
-) -> None:
-    """Set row n - 1 of `seg` for the cable between grid point n - 1 and the length `total`.
+def set_top_segment(n: int, total: float, grid: Array, parts: Array) -> None:
+    """Set row n - 1 of `parts` for the cable between grid point n - 1 and the length `total`, and the lump of row n.
 
     Where it spans several grid segments (other sections), what is per metre is averaged by length and the compliance
-    is added. A lump on the way bears on both ends by the law of the lever, as do mass and weight of the parts:
-    that is what the node will
-    take over.
+    is added. A lump on the way bears on both ends by the law of the lever, as do mass and weight of the parts: that is
+    what the node will take over.
     """
-    length = total - grid_s[n - 1]
-    row = seg[n - 1]
-    for c in range(SEGMENT_COLUMNS):
+    start = grid[n - 1, START]
+    length = total - start
+    row, sheave = parts[n - 1], parts[n]
+    for c in range(PART_COLUMNS):
         row[c] = grid[n - 1, c]
-    for c in range(LUMP_COLUMNS):
-        lump[n - 1, c] = grid_lump[n - 1, c]
-        lump[n, c] = 0.0
+    for c in range(LUMP_MASS, PART_COLUMNS):
+        sheave[c] = 0.0
     row[LENGTH] = length
-    if grid_s[n] >= total:
+    if grid[n, START] >= total:
         return
     compliance = leaning_mass = leaning_weight = 0.0
     for c in (MASS, ADDED_MASS, WEIGHT, NORMAL_DRAG, TANGENTIAL_DRAG, DISPLACED):
         row[c] = 0.0
     j = n - 1
-    while grid_s[j] < total:
-        part = (min(grid_s[j + 1], total) - grid_s[j]) / length
+    while grid[j, START] < total:
+        low, high = grid[j, START], min(grid[j + 1, START], total)
+        part = (high - low) / length
         compliance += part / grid[j, STIFFNESS]
         # a part's share in the lower end is one half in the mean of all; what a heavier end takes more goes through
         # the lumps
-        lean = 0.5 - (0.5 * (grid_s[j] + min(grid_s[j + 1], total)) - grid_s[n - 1]) / length
+        lean = 0.5 - (0.5 * (low + high) - start) / length
         leaning_mass += lean * part * length * grid[j, MASS]
         leaning_weight += lean * part * length * grid[j, WEIGHT]
         for c in (MASS, ADDED_MASS, WEIGHT, NORMAL_DRAG, TANGENTIAL_DRAG, DISPLACED):
             row[c] += part * grid[j, c]
         if j >= n:
-            upper_share = (grid_s[j] - grid_s[n - 1]) / length
-            for c in range(LUMP_COLUMNS):
-                lump[n, c] += upper_share * grid_lump[j, c]
-                lump[n - 1, c] += (1.0 - upper_share) * grid_lump[j, c]
+            upper_share = (low - start) / length
+            for c in range(LUMP_MASS, PART_COLUMNS):
+                sheave[c] += upper_share * grid[j, c]
+                row[c] += (1.0 - upper_share) * grid[j, c]
         j += 1
     row[STIFFNESS] = 1.0 / compliance
-    lump[n - 1, LUMP_MASS] += leaning_mass
-    lump[n, LUMP_MASS] -= leaning_mass
-    lump[n - 1, LUMP_WEIGHT] += leaning_weight
-    lump[n, LUMP_WEIGHT] -= leaning_weight
-
-
-@kernel
-def restore_row(i: int, grid: Array, grid_lump: Array, seg: Array, lump: Array) -> None:
-    """Give segment i and node i back the properties of the grid."""
-    for c in range(SEGMENT_COLUMNS):
-        seg[i, c] = grid[i, c]
-    for c in range(LUMP_COLUMNS):
-        lump[i, c] = grid_lump[i, c]
+    row[LUMP_MASS] += leaning_mass
+    sheave[LUMP_MASS] -= leaning_mass
+    row[LUMP_WEIGHT] += leaning_weight
+    sheave[LUMP_WEIGHT] -= leaning_weight
 
 
 @inner_kernel
-def merge_top(n: int, x: Array, v: Array, a: Array) -> int:
+def merge_top(n: int, now: Array, grid: Array, parts: Array) -> int:
     """Remove the node below the sheave; return the new number of segments."""
-    for k in range(3):
-        x[n - 1, k] = x[n, k]
-        v[n - 1, k] = v[n, k]
-        a[n - 1, k] = a[n, k]
+    for c in range(PART_COLUMNS):
+        parts[n - 1, c] = grid[n - 1, c]
+    for c in range(NODE_COLUMNS):
+        now[n - 1, c] = now[n, c]
     return n - 1
 
 
 @inner_kernel
-def split_top(n: int, moving: Array, grid_s: Array, x: Array, v: Array, a: Array) -> int:
+def split_top(n: int, now: Array, top: Array, grid: Array, parts: Array) -> int:
     """Put a node on grid point n, on the straight line between its neighbours; return the new number of segments.
 
-    Velocity and acceleration are those of the material there, linear along the segment.
+    `top` is the row NOW. Velocity and acceleration are those of the material there, linear along the segment.
     """
-    length = moving[TOTAL] - grid_s[n - 1]
-    share = (grid_s[n] - grid_s[n - 1]) / length
+    length = top[TOTAL] - grid[n - 1, START]
+    share = (grid[n, START] - grid[n - 1, START]) / length
+    low, born, sheave = now[n - 1], now[n], now[n + 1]
+    for c in range(NODE_COLUMNS):
+        sheave[c] = born[c]
     for k in range(3):
-        q = (x[n, k] - x[n - 1, k]) / length
-        top_velocity = v[n, k] - moving[RATE] * q
-        turning = (top_velocity - v[n - 1, k]) / length
-        top_acceleration = a[n, k] - moving[ACCELERATION] * q - 2.0 * moving[RATE] * turning
-        x[n + 1, k], v[n + 1, k], a[n + 1, k] = x[n, k], v[n, k], a[n, k]
-        x[n, k] = x[n - 1, k] + share * (x[n + 1, k] - x[n - 1, k])
-        v[n, k] = v[n - 1, k] + share * (top_velocity - v[n - 1, k])
-        a[n, k] = a[n - 1, k] + share * (top_acceleration - a[n - 1, k])
+        q = (sheave[X + k] - low[X + k]) / length
+        velocity = sheave[VX + k] - top[RATE] * q
+        turning = (velocity - low[VX + k]) / length
+        acceleration = sheave[AX + k] - top[ACCELERATION] * q - 2.0 * top[RATE] * turning
+        born[X + k] = low[X + k] + share * (sheave[X + k] - low[X + k])
+        born[VX + k] = low[VX + k] + share * (velocity - low[VX + k])
+        born[AX + k] = low[AX + k] + share * (acceleration - low[AX + k])
+    for c in range(PART_COLUMNS):
+        parts[n - 1, c] = grid[n - 1, c]
     return n + 1
 
 
@@ -134,61 +145,29 @@ def settle_node(line: LineArrays, k: int, n: int) -> None:
 
     A node between slack segments stays.
     """
-    x, v, a, seg, residual = line.x, line.v, line.a, line.seg, line.residual
+    node, d = line.now[k], line.equations[k]
     for _ in range(6):
-        assemble_segments(
-            n,
-            x,
-            v,
-            a,
-            seg,
-            line.flow,
-            line.flow_acceleration,
-            line.moving,
-            line.settings,
-            0.0,
-            0.0,
-            line.diagonal,
-            line.upper,
-            residual,
-            line.tensions,
-        )
-        if line.tensions[k - 1] <= 0.0 or line.tensions[k] <= 0.0:
+        assemble_segments(n, line.now, line.top[NOW], line.parts, line.flow, line.settings, 0.0, 0.0, line.equations)
+        if line.equations[k - 1, TENSION] <= 0.0 or d[TENSION] <= 0.0:
             return
-        assemble_nodes(
-            n,
-            x,
-            v,
-            a,
-            seg,
-            line.lump,
-            line.unit,
-            line.flow,
-            line.flow_acceleration,
-            line.settings,
-            0.0,
-            0.0,
-            line.diagonal,
-            residual,
-        )
-        d = line.diagonal[k]
-        c0 = d[3] * d[5] - d[4] * d[4]
-        c1 = d[2] * d[4] - d[1] * d[5]
-        c2 = d[1] * d[4] - d[2] * d[3]
-        c4 = d[1] * d[2] - d[0] * d[4]
-        scale = -1.0 / (d[0] * c0 + d[1] * c1 + d[2] * c2)
-        r0, r1, r2 = residual[k, 0], residual[k, 1], residual[k, 2]
+        assemble_nodes(n, line.now, line.parts, line.unit, line.flow, line.settings, 0.0, 0.0, line.equations)
+        c0 = d[DYY] * d[DZZ] - d[DYZ] * d[DYZ]
+        c1 = d[DXZ] * d[DYZ] - d[DXY] * d[DZZ]
+        c2 = d[DXY] * d[DYZ] - d[DXZ] * d[DYY]
+        c4 = d[DXY] * d[DXZ] - d[DXX] * d[DYZ]
+        scale = -1.0 / (d[DXX] * c0 + d[DXY] * c1 + d[DXZ] * c2)
+        r0, r1, r2 = d[RX], d[RY], d[RZ]
         s0 = scale * (c0 * r0 + c1 * r1 + c2 * r2)
-        s1 = scale * (c1 * r0 + (d[0] * d[5] - d[2] * d[2]) * r1 + c4 * r2)
-        s2 = scale * (c2 * r0 + c4 * r1 + (d[0] * d[3] - d[1] * d[1]) * r2)
+        s1 = scale * (c1 * r0 + (d[DXX] * d[DZZ] - d[DXZ] * d[DXZ]) * r1 + c4 * r2)
+        s2 = scale * (c2 * r0 + c4 * r1 + (d[DXX] * d[DYY] - d[DXY] * d[DXY]) * r2)
         size = math.sqrt(s0 * s0 + s1 * s1 + s2 * s2)
         # a step of more than a tenth of a segment says that there is no such place: leave the straight line
-        if not size < 0.1 * min(seg[k - 1, LENGTH], seg[k, LENGTH]):
+        if not size < 0.1 * min(line.parts[k - 1, LENGTH], line.parts[k, LENGTH]):
             return
-        x[k, 0] += s0
-        x[k, 1] += s1
-        x[k, 2] += s2
-        if size < 1e-9 * seg[k, LENGTH]:
+        node[X] += s0
+        node[Y] += s1
+        node[Z] += s2
+        if size < 1e-9 * line.parts[k, LENGTH]:
             return
 
 
@@ -198,16 +177,14 @@ def feed(line: LineArrays, n: int) -> int:
 
     The caller keeps the length above the least one and below the grid's end.
     """
-    x, v, a, seg, lump, grid, grid_s = line.x, line.v, line.a, line.seg, line.lump, line.grid, line.grid_s
-    total = line.moving[TOTAL]
-    while n > 1 and total - grid_s[n - 1] < MERGE_AT * (grid_s[n] - grid_s[n - 1]):
-        restore_row(n - 1, grid, line.grid_lump, seg, lump)
-        n = merge_top(n, x, v, a)
-        set_top_segment(n, total, grid, grid_s, line.grid_lump, seg, lump)
-    while total - grid_s[n] > SPLIT_AT * (grid_s[n + 1] - grid_s[n]):
-        n = split_top(n, line.moving, grid_s, x, v, a)
-        restore_row(n - 2, grid, line.grid_lump, seg, lump)
-        set_top_segment(n, total, grid, grid_s, line.grid_lump, seg, lump)
-        set_flow(n, x, line.moving, line.settings, line.current, line.schedule, line.flow, line.flow_acceleration)
+    now, parts, grid, top = line.now, line.parts, line.grid, line.top[NOW]
+    total = top[TOTAL]
+    while n > 1 and total - grid[n - 1, START] < MERGE_AT * (grid[n, START] - grid[n - 1, START]):
+        n = merge_top(n, now, grid, parts)
+        set_top_segment(n, total, grid, parts)
+    while total - grid[n, START] > SPLIT_AT * (grid[n + 1, START] - grid[n, START]):
+        n = split_top(n, now, top, grid, parts)
+        set_top_segment(n, total, grid, parts)
+        set_flow(n, top[TIME], now, line.settings, line.current, line.schedule, line.flow)
         settle_node(line, n - 1, n)
     return n

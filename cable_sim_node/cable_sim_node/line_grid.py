@@ -21,8 +21,11 @@ def build_line(parameters: CableSimParameters, total: float) -> LineArrays:
     """Return the arrays of a line whose grid reaches beyond `total` [m] of unstretched length."""
     grid_s = grid_points(parameters, total)
     middles = 0.5 * (grid_s[1:] + grid_s[:-1])
-    grid = np.array([segment_row(parameters, s) for s in middles])
-    grid[:, at.LENGTH] = np.diff(grid_s)
+    grid = np.zeros((len(grid_s), at.GRID_COLUMNS))
+    grid[:-1, : at.SEGMENT_COLUMNS] = [segment_row(parameters, s) for s in middles]
+    grid[:-1, at.LENGTH] = np.diff(grid_s)
+    grid[:, at.START] = grid_s
+    _add_lumps(parameters, grid)
     profile = parameters.current_profile
     current = np.array([profile.depth, profile.velocity_x, profile.velocity_y]).T
     if not profile.depth:
@@ -30,8 +33,6 @@ def build_line(parameters: CableSimParameters, total: float) -> LineArrays:
     schedule = np.array([profile.time, profile.factor]).T if profile.time else np.array([[0.0, 1.0]])
     return allocate(
         grid,
-        grid_s,
-        _lumps(parameters, grid_s),
         unit_row(parameters),
         np.ascontiguousarray(current),
         np.ascontiguousarray(schedule),
@@ -145,15 +146,13 @@ def settings_row(parameters: CableSimParameters) -> Array:
     return row
 
 
-def _lumps(parameters: CableSimParameters, grid_s: Array) -> Array:
-    lumps = np.zeros((len(grid_s), at.LUMP_COLUMNS))
+def _add_lumps(parameters: CableSimParameters, grid: Array) -> None:
     clumps, density = parameters.clumps, parameters.water_density
     for i, position in enumerate(clumps.position):
-        j = int(np.argmin(np.abs(grid_s - position)))
+        row = grid[int(np.argmin(np.abs(grid[:, at.START] - position)))]
         displaced = density * clumps.volume[i]
-        lumps[j, at.LUMP_MASS] += clumps.mass[i]
-        lumps[j, at.LUMP_ADDED_MASS] += clumps.added_mass[i] if density > 0.0 else 0.0
-        lumps[j, at.LUMP_WEIGHT] += (clumps.mass[i] - displaced) * parameters.gravity
-        lumps[j, at.LUMP_DRAG] += 0.5 * density * clumps.drag_area[i]
-        lumps[j, at.LUMP_DISPLACED] += displaced
-    return lumps
+        row[at.LUMP_MASS] += clumps.mass[i]
+        row[at.LUMP_ADDED_MASS] += clumps.added_mass[i] if density > 0.0 else 0.0
+        row[at.LUMP_WEIGHT] += (clumps.mass[i] - displaced) * parameters.gravity
+        row[at.LUMP_DRAG] += 0.5 * density * clumps.drag_area[i]
+        row[at.LUMP_DISPLACED] += displaced

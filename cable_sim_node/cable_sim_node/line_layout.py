@@ -2,7 +2,22 @@
 
 from __future__ import annotations
 
-# A segment: unstretched length [m], EA [N], tension law, internal damping [N s]; the rest per unstretched metre.
+# A node: position [m], velocity [m/s], acceleration [m/s^2].
+X, Y, Z, VX, VY, VZ, AX, AY, AZ = range(9)
+NODE_COLUMNS = 9
+
+# The top end: rows now, where the equations hold, and at the end of the step; columns the boom tip as a node, time [s],
+# unstretched length [m], its rate and acceleration.
+NOW, MIDDLE, END = range(3)
+TIME, TOTAL, RATE, ACCELERATION = range(9, 13)
+TOP_COLUMNS = 13
+
+# The water: velocity [m/s], acceleration [m/s^2]. Row 0 at the unit, row i + 1 at the middle of segment i.
+FLOW_X, FLOW_Y, FLOW_Z, FLOW_AX, FLOW_AY, FLOW_AZ = range(6)
+FLOW_COLUMNS = 6
+
+# What the line is made of. First a segment: unstretched length [m], EA [N], tension law, internal damping [N s]; the
+# rest per unstretched metre.
 (
     LENGTH,
     STIFFNESS,
@@ -19,18 +34,25 @@ from __future__ import annotations
 ) = range(12)
 SEGMENT_COLUMNS = 12
 
-# A lump on a node: mass and added mass [kg], weight in fluid [N], (1/2) rho C_D A [kg/m].
-LUMP_MASS, LUMP_ADDED_MASS, LUMP_WEIGHT, LUMP_DRAG, LUMP_DISPLACED = range(5)
-LUMP_COLUMNS = 5
+# Then the lump on the node at its lower end: mass and added mass [kg], weight in fluid [N], (1/2) rho C_D A [kg/m].
+LUMP_MASS, LUMP_ADDED_MASS, LUMP_WEIGHT, LUMP_DRAG, LUMP_DISPLACED = range(12, 17)
+PART_COLUMNS = 17
+
+# On the grid of material points also where that node is: unstretched length [m] from the unit.
+START = 17
+GRID_COLUMNS = 18
 
 # The unit, three columns each: inertia along each axis [kg], (1/2) rho C_D S [kg/m], steady force [N], displaced and
 # added mass [kg].
 UNIT_INERTIA, UNIT_DRAG, UNIT_FORCE, UNIT_FLUID = 0, 3, 6, 9
 UNIT_COLUMNS = 12
 
-# The moving state: time [s], unstretched length [m], its rate and acceleration.
-TIME, TOTAL, RATE, ACCELERATION = range(4)
-STATE_COLUMNS = 4
+# The equations of a node: symmetric blocks on the diagonal and above it, residual [N], correction [m] of its position;
+# scratch of the elimination; tension [N] of the segment above it.
+DXX, DXY, DXZ, DYY, DYZ, DZZ, UXX, UXY, UXZ, UYY, UYZ, UZZ, RX, RY, RZ, CX, CY, CZ = range(18)
+SWEEP = 18
+TENSION = 27
+EQUATION_COLUMNS = 28
 
 # Settings: generalised-alpha, Newton, contact plane, wave, compensator.
 (

@@ -23,26 +23,37 @@ from cable_sim_node.line_layout import (
     ACCELERATION,
     ALPHA_F,
     ALPHA_M,
+    AX,
+    AZ,
     BENDING_ON,
     BETA,
+    CX,
+    CY,
+    CZ,
     DONE,
+    END,
     GAMMA,
     HALVINGS,
     ITERATIONS,
     LENGTH,
     MERGE_AT,
+    MIDDLE,
     NOT_CONVERGED,
+    NOW,
     RATE,
     SEGMENTS,
     SOLVES,
     SPRING_ON,
-    STATE_COLUMNS,
+    START,
     STEP,
     SUBSTEPS,
     TIME,
     TOLERANCE,
     TOO_SHORT,
+    TOP_COLUMNS,
     TOTAL,
+    VX,
+    X,
 )
 
 Array = NDArray[np.float64]
@@ -56,7 +67,7 @@ _FAILED, _TAUT, _SLACK, _SLACK_REFUSED = range(4)
 """How a step ended."""
 
 
-@kernel
+@inner_kernel
 def hermite(
     share: float, duration: float, start: float, start_rate: float, end: float, end_rate: float
 ) -> tuple[float, float, float]:
@@ -71,15 +82,14 @@ def hermite(
     return value, rate, acceleration
 
 
-@kernel
-def largest_relative_correction(count: int, seg: Array, correction: Array) -> float:
+@inner_kernel
+def largest_relative_correction(n: int, parts: Array, equations: Array) -> float:
     """Return the largest difference of neighbours' corrections per length of their segment (NaN stays NaN)."""
     largest = 0.0
-    for i in range(count):
-        d0 = correction[i + 1, 0] - correction[i, 0]
-        d1 = correction[i + 1, 1] - correction[i, 1]
-        d2 = correction[i + 1, 2] - correction[i, 2]
-        size = (d0 * d0 + d1 * d1 + d2 * d2) / (seg[i, LENGTH] * seg[i, LENGTH])
+    for i in range(n):
+        low, high = equations[i], equations[i + 1]
+        d0, d1, d2 = high[CX] - low[CX], high[CY] - low[CY], high[CZ] - low[CZ]
+        size = (d0 * d0 + d1 * d1 + d2 * d2) / (parts[i, LENGTH] * parts[i, LENGTH])
         if not size <= largest:
             largest = size
     return math.sqrt(largest)
@@ -92,149 +102,111 @@ def assemble(line: LineArrays, n: int, c_mass: float, c_velocity: float) -> tupl
     A flag for that would be a literal, and this long function compiled twice.
     Return the least strain and whether the seabed is touched.
     """
-    x, v, a, moving, tip = line.x, line.v, line.a, line.moving, line.tip
+    nodes, top, settings, equations = line.now, line.top[NOW], line.settings, line.equations
     at_middle = c_mass > 0.0
     if at_middle:
-        x, v, a, moving, tip = line.x_middle, line.v_middle, line.a_middle, line.middle, line.middle_tip
-    least = assemble_segments(
-        n,
-        x,
-        v,
-        a,
-        line.seg,
-        line.flow,
-        line.flow_acceleration,
-        moving,
-        line.settings,
-        c_mass,
-        c_velocity,
-        line.diagonal,
-        line.upper,
-        line.residual,
-        line.tensions,
-    )
-    touching = assemble_nodes(
-        n,
-        x,
-        v,
-        a,
-        line.seg,
-        line.lump,
-        line.unit,
-        line.flow,
-        line.flow_acceleration,
-        line.settings,
-        c_mass,
-        c_velocity,
-        line.diagonal,
-        line.residual,
-    )
-    if line.settings[BENDING_ON] > 0.0:
-        add_bending(n, x, line.seg, line.residual, line.band, line.hinge)
-    if at_middle:
-        touching |= add_compensator(n, x, v, a, tip, line.settings, c_mass, c_velocity, line.diagonal, line.residual)
-    return least, touching
+        nodes, top = line.middle, line.top[MIDDLE]
+    least = assemble_segments(n, nodes, top, line.parts, line.flow, settings, c_mass, c_velocity, equations)
+    near_kink = assemble_nodes(n, nodes, line.parts, line.unit, line.flow, settings, c_mass, c_velocity, equations)
+    if settings[BENDING_ON] > 0.0:
+        add_bending(n, nodes, line.parts, equations, line.band)
+    if at_middle and settings[SPRING_ON] > 0.0:
+        near_kink |= add_compensator(nodes[n], top, settings, c_mass, c_velocity, equations[n])
+    return least, near_kink
+
+
+@inner_kernel
+def hold_top(node: Array, top: Array, free: int) -> None:
+    """Put the sheave where the boom tip is, along the first `free` axes: with a compensator it keeps its own z."""
+    for k in range(free):
+        node[X + k], node[VX + k], node[AX + k] = top[X + k], top[VX + k], top[AX + k]
 
 
 @inner_kernel
 def predict(line: LineArrays, n: int, count: int, h: float) -> None:
-    """Set the middle state for constant acceleration of nodes 0..count-1; length and boom tip go to `end` and
-    `end_tip`.
+    """Set the middle state for constant acceleration of nodes 0..count-1, and length and boom tip between rows NOW and
+    END of `top`.
     """
-    end_length, end_tip = line.end, line.end_tip
     af, am = line.settings[ALPHA_F], line.settings[ALPHA_M]
-    for k in range(STATE_COLUMNS):
-        line.middle[k] = af * line.moving[k] + (1.0 - af) * end_length[k]
-    line.middle[ACCELERATION] = am * line.moving[ACCELERATION] + (1.0 - am) * end_length[ACCELERATION]
+    now, middle, end = line.top[NOW], line.top[MIDDLE], line.top[END]
+    for c in range(TOP_COLUMNS):
+        weight = am if c == ACCELERATION or AX <= c <= AZ else af
+        middle[c] = weight * now[c] + (1.0 - weight) * end[c]
     share = (1.0 - af) * h
     for i in range(count):
+        start, goal = line.now[i], line.middle[i]
         for k in range(3):
-            a = line.a[i, k]
-            line.x_middle[i, k] = line.x[i, k] + share * (line.v[i, k] + 0.5 * h * a)
-            line.v_middle[i, k] = line.v[i, k] + share * a
-            line.a_middle[i, k] = a
-    for k in range(3):
-        line.middle_tip[0, k] = af * line.tip[0, k] + (1.0 - af) * end_tip[0, k]
-        line.middle_tip[1, k] = af * line.tip[1, k] + (1.0 - af) * end_tip[1, k]
-        line.middle_tip[2, k] = am * line.tip[2, k] + (1.0 - am) * end_tip[2, k]
-    # with a compensator the sheave keeps its own z, but follows the boom tip sideways
-    for k in range(3 if count == n else 2):
-        line.x_middle[n, k] = line.middle_tip[0, k]
-        line.v_middle[n, k] = line.middle_tip[1, k]
-        line.a_middle[n, k] = line.middle_tip[2, k]
-    set_top_segment(n, line.middle[TOTAL], line.grid, line.grid_s, line.grid_lump, line.seg, line.lump)
-    set_flow(
-        n, line.x_middle, line.middle, line.settings, line.current, line.schedule, line.flow, line.flow_acceleration
-    )
+            a = start[AX + k]
+            goal[X + k] = start[X + k] + share * (start[VX + k] + 0.5 * h * a)
+            goal[VX + k] = start[VX + k] + share * a
+            goal[AX + k] = a
+    hold_top(line.middle[n], middle, 3 if count == n else 2)
+    set_top_segment(n, middle[TOTAL], line.grid, line.parts)
+    set_flow(n, middle[TIME], line.middle, line.settings, line.current, line.schedule, line.flow)
 
 
 @inner_kernel
 def finish(line: LineArrays, n: int, count: int, h: float) -> None:
     """Carry the middle state to the end of the step."""
-    end_tip = line.end_tip
     am, beta, gamma = line.settings[ALPHA_M], line.settings[BETA], line.settings[GAMMA]
     for i in range(count):
+        node = line.now[i]
         for k in range(3):
-            a, v = line.a[i, k], line.v[i, k]
-            new = (line.a_middle[i, k] - am * a) / (1.0 - am)
-            line.x[i, k] += h * (v + h * ((0.5 - beta) * a + beta * new))
-            line.v[i, k] = v + h * ((1.0 - gamma) * a + gamma * new)
-            line.a[i, k] = new
-    take_ends(line)
-    for k in range(3 if count == n else 2):
-        line.x[n, k], line.v[n, k], line.a[n, k] = end_tip[0, k], end_tip[1, k], end_tip[2, k]
-    set_top_segment(n, line.moving[TOTAL], line.grid, line.grid_s, line.grid_lump, line.seg, line.lump)
+            a, v = node[AX + k], node[VX + k]
+            new = (line.middle[i, AX + k] - am * a) / (1.0 - am)
+            node[X + k] += h * (v + h * ((0.5 - beta) * a + beta * new))
+            node[VX + k] = v + h * ((1.0 - gamma) * a + gamma * new)
+            node[AX + k] = new
+    take_end(line.top)
+    hold_top(line.now[n], line.top[NOW], 3 if count == n else 2)
+    set_top_segment(n, line.top[NOW, TOTAL], line.grid, line.parts)
 
 
 @inner_kernel
-def take_ends(line: LineArrays) -> None:
+def take_end(top: Array) -> None:
     """Make the end of the step the present: time, length and boom tip."""
-    for k in range(STATE_COLUMNS):
-        line.moving[k] = line.end[k]
-    for k in range(3):
-        line.tip[0, k], line.tip[1, k], line.tip[2, k] = line.end_tip[0, k], line.end_tip[1, k], line.end_tip[2, k]
+    for c in range(TOP_COLUMNS):
+        top[NOW, c] = top[END, c]
 
 
 @inner_kernel
 def step(line: LineArrays, n: int, h: float) -> int:
-    """Make one step of `h` seconds to `end` and `end_tip`; return whether the line was taut or slack in it.
+    """Make one step of `h` seconds to row END of `top`; return whether the line was taut or slack in it.
 
     _FAILED: Newton finds no solution; _SLACK_REFUSED: a segment is slack, which wants short steps of the dissipative
     scheme. The state is then as it was.
     """
-    settings = line.settings
+    settings, equations = line.settings, line.equations
     af, am, beta, gamma = settings[ALPHA_F], settings[ALPHA_M], settings[BETA], settings[GAMMA]
     c_velocity = gamma / (beta * h)
     c_mass = (1.0 - am) / ((1.0 - af) * beta * h * h)
     count = n if settings[SPRING_ON] == 0.0 else n + 1
     predict(line, n, count, h)
-    bending = settings[BENDING_ON] > 0.0
     tolerance = settings[TOLERANCE]
-    correction = line.correction
-    for k in range(3):
-        correction[n, k] = 0.0
+    equations[n, CX] = equations[n, CY] = equations[n, CZ] = 0.0
     last, part = 1e300, 1.0
     for _ in range(int(settings[ITERATIONS])):
-        least, touching = assemble(line, n, c_mass, c_velocity)
+        least, near_kink = assemble(line, n, c_mass, c_velocity)
         line.counters[SOLVES] += 1
-        if bending:
-            solve_with_bending(count, line.diagonal, line.upper, line.residual, line.band, correction)
+        if settings[BENDING_ON] > 0.0:
+            solve_with_bending(count, equations, line.band)
         else:
-            solve_blocks(count, line.diagonal, line.upper, line.residual, line.sweep, correction)
-        size = largest_relative_correction(n, line.seg, correction)
+            solve_blocks(count, equations)
+        size = largest_relative_correction(n, line.parts, equations)
         if not size < 10.0:
             return _FAILED
         # a correction that does not shrink jumps to and fro over a kink (a segment that comes taut): go part of the way
         part = 0.5 * part if size > 0.5 * last else min(2.0 * part, 1.0)
         last = size
         for i in range(count):
+            node = line.middle[i]
             for k in range(3):
-                c = part * correction[i, k]
-                line.x_middle[i, k] += c
-                line.v_middle[i, k] += c_velocity * c
-                line.a_middle[i, k] += c_mass * c
+                c = part * equations[i, CX + k]
+                node[X + k] += c
+                node[VX + k] += c_velocity * c
+                node[AX + k] += c_mass * c
         # where a segment is or may become slack, or the seabed is touched, the equations have a kink: ask for much more
-        smooth = least > 4.0 * size and not touching
+        smooth = least > 4.0 * size and not near_kink
         if size < (tolerance if smooth else min(tolerance, 1e-2 * tolerance)):
             # the margin is for rounding: a step that was shortened for slack is never refused again for its length
             if least <= 0.0 and (h > 1.001 * _LONGEST_SLACK_STEP or af > 0.0):
@@ -244,7 +216,7 @@ def step(line: LineArrays, n: int, h: float) -> int:
     return _FAILED
 
 
-@kernel
+@inner_kernel
 def set_scheme(settings: Array, alpha_m: float, alpha_f: float) -> None:
     """Set the parameters of the generalised-alpha scheme; (-1, 0) removes the fastest oscillations at once.
 
@@ -257,24 +229,20 @@ def set_scheme(settings: Array, alpha_m: float, alpha_f: float) -> None:
 
 
 @kernel
-def advance(line: LineArrays, duration: float, ends: Array, lengths: Array) -> int:
+def advance(line: LineArrays, duration: float, ends: Array) -> int:
     """Integrate over `duration` [s]; return the outcome (DONE, NOT_CONVERGED, TOO_SHORT).
 
-    `ends` rows: boom tip position and velocity at the start, position and velocity at the end. `lengths`: unstretched
-    length and rate at the start, length and rate at the end. Both run as cubics in between. The state is that of the
-    last good step where it fails.
+    `ends` rows: value and rate at the start, value and rate at the end; columns: boom tip x, y, z, unstretched length.
+    They run as cubics in between. The state is that of the last good step where it fails.
     """
     n = line.counters[SEGMENTS]
-    moving = line.moving
-    start_time = moving[TIME]
+    now, end = line.top[NOW], line.top[END]
+    start_time = now[TIME]
     shares = max(math.ceil(duration / line.settings[STEP] - 1e-9), 1)
     nominal = 1.0 / shares
-    end_tip = line.end_tip
-    load_ends(0.0, duration, start_time, ends, lengths, line.end, end_tip)
-    take_ends(line)
-    free = 3 if line.settings[SPRING_ON] == 0.0 else 2
-    for k in range(free):
-        line.x[n, k], line.v[n, k], line.a[n, k] = end_tip[0, k], end_tip[1, k], end_tip[2, k]
+    load_end(0.0, duration, start_time, ends, end)
+    take_end(line.top)
+    hold_top(line.now[n], now, 3 if line.settings[SPRING_ON] == 0.0 else 2)
     outcome = DONE
     alpha_m, alpha_f = line.settings[ALPHA_M], line.settings[ALPHA_F]
     for j in range(shares):
@@ -282,8 +250,8 @@ def advance(line: LineArrays, duration: float, ends: Array, lengths: Array) -> i
         goal = 1.0 if j == shares - 1 else (j + 1) * nominal
         while done < goal:
             at = goal if done + size > goal - 1e-12 else done + size
-            load_ends(at, duration, start_time, ends, lengths, line.end, end_tip)
-            if line.end[TOTAL] < MERGE_AT * line.grid_s[1]:
+            load_end(at, duration, start_time, ends, end)
+            if end[TOTAL] < MERGE_AT * line.grid[1, START]:
                 outcome = TOO_SHORT
                 break
             ended = step(line, n, (at - done) * duration)
@@ -308,31 +276,27 @@ def advance(line: LineArrays, duration: float, ends: Array, lengths: Array) -> i
             break
     set_scheme(line.settings, alpha_m, alpha_f)
     line.counters[SEGMENTS] = n
-    set_top_segment(n, moving[TOTAL], line.grid, line.grid_s, line.grid_lump, line.seg, line.lump)
+    set_top_segment(n, now[TOTAL], line.grid, line.parts)
     return outcome
 
 
-@kernel
-def load_ends(
-    share: float, duration: float, start_time: float, ends: Array, lengths: Array, end_length: Array, end_tip: Array
-) -> None:
+@inner_kernel
+def load_end(share: float, duration: float, start_time: float, ends: Array, end: Array) -> None:
     """Write time, length and boom tip at `share` of the interval."""
-    end_length[TIME] = start_time + share * duration
-    value, rate, acceleration = hermite(share, duration, lengths[0], lengths[1], lengths[2], lengths[3])
-    end_length[TOTAL], end_length[RATE], end_length[ACCELERATION] = value, rate, acceleration
+    end[TIME] = start_time + share * duration
     for k in range(3):
-        value, rate, acceleration = hermite(share, duration, ends[0, k], ends[1, k], ends[2, k], ends[3, k])
-        end_tip[0, k], end_tip[1, k], end_tip[2, k] = value, rate, acceleration
+        end[X + k], end[VX + k], end[AX + k] = hermite(share, duration, ends[0, k], ends[1, k], ends[2, k], ends[3, k])
+    end[TOTAL], end[RATE], end[ACCELERATION] = hermite(share, duration, ends[0, 3], ends[1, 3], ends[2, 3], ends[3, 3])
 
 
 @kernel
 def evaluate(line: LineArrays) -> float:
-    """Fill `tensions` and `residual` at the present state; return the least strain.
+    """Fill tensions and residual at the present state; return the least strain.
 
     Row n of the residual is then the force [N] that holds the line's top end: the top segment's tension with half its
     weight, drag and inertia.
     """
     n = line.counters[SEGMENTS]
-    set_flow(n, line.x, line.moving, line.settings, line.current, line.schedule, line.flow, line.flow_acceleration)
+    set_flow(n, line.top[NOW, TIME], line.now, line.settings, line.current, line.schedule, line.flow)
     least, _ = assemble(line, n, 0.0, 0.0)
     return least

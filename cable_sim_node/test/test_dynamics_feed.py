@@ -33,8 +33,8 @@ def feed(plant, rate, duration, tick=0.05, observe=lambda plant: None):
 
 def line_mass(plant):
     """Mass of cable and lumps in the equations of motion [kg]."""
-    n, line = plant.segments, plant._line
-    return float(line.seg[:n, at.MASS] @ line.seg[:n, at.LENGTH]) + float(np.sum(line.lump[: n + 1, at.LUMP_MASS]))
+    n, parts = plant.segments, plant._line.parts
+    return float(parts[:n, at.MASS] @ parts[:n, at.LENGTH]) + float(np.sum(parts[: n + 1, at.LUMP_MASS]))
 
 
 @pytest.mark.parametrize("segments", [20, 100])

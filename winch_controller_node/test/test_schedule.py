@@ -11,6 +11,7 @@ from winch_controller_node.linear_model import state_covariance
 from winch_controller_node.lqr import DesignError
 from winch_controller_node.models import CableModel, boom_tip_block
 from winch_controller_node.parameters import WinchControllerParameters
+from winch_controller_node.prediction import predict_loop
 from winch_controller_node.schedule import closed_loop_radius, design_schedule
 from winch_controller_node.sea_adaptation import PATIENCE, SeaTracker
 
@@ -44,6 +45,32 @@ def test_between_its_points_the_loop_is_stable_and_near_its_own_optimum(schedule
         assert closed_loop_radius(between) < 1.0
         assert between.cable.a == pytest.approx(own.cable.a, rel=0.02)
         assert between.gain == pytest.approx(own.gain, rel=0.1, abs=0.05 * np.abs(own.gain).max())
+
+
+def test_scheduled_gains_hold_the_unit_stiller_than_those_of_the_first_length_the_whole_way_down():
+    """125 t from 50 m on, axial resonance at the sea's peak near 320 m; both with the estimator of the length that is
+    out, so that the gains alone differ: those of another length are not the optimum.
+    """
+    unit = {
+        "cable__diameter": 0.047,
+        "cable__displaced_diameter": 0.045868,
+        "cable__mass_per_length": 7.2,
+        "cable__axial_stiffness": 15770645.9,
+        "unit__mass": 65000.0,
+        "unit__volume": 58.4404,
+        "unit__added_mass": [60000.0] * 3,
+    }
+    sea = {"sea__significant_wave_height": 1.5, "sea__peak_period": 10.0}
+    points = {"length": 50.0, "schedule__maximum_length": 450.0, "schedule__points": 5}
+    wide = design_schedule(parameters(**unit, **sea, **points), tick_period=DT)
+    first = wide.designs[0]
+    gained = []
+    for length in (70.0, 120.0, 200.0, 320.0, 400.0):
+        scheduled = predict_loop(wide.design_at(length)).sigma["unit_heave"]
+        fixed = predict_loop(at_cable(first, wide.cable_at(length), length, first.gain)).sigma["unit_heave"]
+        gained.append(1.0 - scheduled / fixed)
+    assert min(gained) > 0.0
+    assert gained[3] > 0.1
 
 
 def test_beyond_its_ends_the_schedule_holds_the_end_gain(schedule):

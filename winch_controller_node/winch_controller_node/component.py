@@ -35,6 +35,9 @@ from winch_controller_node.sea_adaptation import SeaTracker
 from winch_controller_node.trajectory import MeanPayout
 from winch_controller_node.winch_identification import LateCommands, WinchIdentifier
 
+LIFTING_SURPLUS = 0.06
+"""Tension above the static one that lifts a unit off, in weights of the unit: more than the load cell may err."""
+
 RETURN_SPEED = 0.05
 """Speed at which a payout left over from before a stop returns to the mean [m/s]."""
 
@@ -424,7 +427,7 @@ class WinchController:
     def _lift_off(self) -> None:
         """Raise the tension until the unit hangs."""
         self._is_lifting = True
-        self._tension.hold(self.design.cable.static_tension + 0.02 * self._unit_weight)
+        self._tension.hold(self.design.cable.static_tension + LIFTING_SURPLUS * self._unit_weight)
 
     def _hang(self) -> None:
         """Compensate again: the unit hangs, where it stands; raise it off the seabed."""
@@ -490,7 +493,8 @@ class WinchController:
     def _ask(self, mode: ModeOutput, state: LoopState, estimate: Array) -> LawCommand:
         if mode.mode is Mode.CONSTANT_TENSION:
             return self._tension.command(LoopState(estimate, state.reference, state.static_tension))
-        if mode.mode is Mode.FADE_OUT and self.guard.is_harming and self._open_loop is not None:
+        if mode.mode is Mode.FADE_OUT and self._open_loop is not None:
+            # whatever was lost, harm or a sensor: what the unit is believed to do is not to be acted upon any more
             return self._open_loop.command(state)
         if mode.mode in (Mode.COMPENSATING, Mode.FADE_OUT):
             if isinstance(self._law, SpeedFeedforward):

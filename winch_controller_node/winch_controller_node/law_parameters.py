@@ -180,7 +180,7 @@ class TensionLawParameters:
         description="The unit has landed when, lowering, the cable carries less than this share of its weight.",
     )
     lift_off_ratio: float = parameter(
-        0.95, unit="", minimum=0.1, maximum=1.0, description="The unit hangs when the cable carries this share again."
+        1.0, unit="", minimum=0.1, maximum=1.0, description="The unit hangs when the cable carries this share again."
     )
     lift_height: float = parameter(
         2.0, unit="m", minimum=0.0, maximum=100.0, description="Height the unit is raised to after it was lifted off."

@@ -1,0 +1,60 @@
+"""A sensor lost in a storm: the fade-out is orderly, and the cable none the worse for the compensation."""
+
+import numpy as np
+from heave_bags.kpi import snap_times
+from winch_controller_node.closed_loop import ClosedLoop, loop_parameters
+
+DT = 0.05
+S900 = {
+    "cable.diameter": 0.047,
+    "cable.displaced_diameter": 0.045868,
+    "cable.mass_per_length": 7.2,
+    "cable.axial_stiffness": 15770645.9,
+    "cable.tangential_drag": 0.025,
+    "unit.mass": 65000.0,
+    "unit.volume": 58.4404,
+    "unit.added_mass": [60000.0, 60000.0, 60000.0],
+    "unit.drag_coefficient": [1.0, 1.0, 1.0],
+    "unit.drag_area": [1.0, 1.0, 1.0],
+    "length": 900.0,
+}
+SEA = {"significant_wave_height": 6.0, "peak_period": 12.0}
+LOST = 80.0
+FADE = 10.0
+SLOWEST = 1.5 + FADE + 2.0 / 0.5 + 0.5
+"""Coasting, fade-out, and a stop from the winch's 2 m/s at the 0.5 m/s^2 of an orderly one; delay and lag [s]."""
+
+
+def test_an_mru_lost_in_a_storm_fades_compensation_out_without_a_jerk_and_without_a_snap():
+    record = ClosedLoop(
+        loop_parameters(
+            {
+                "wave_vessel": SEA
+                | {"ramp": 20.0, "vessel.natural_frequency": 0.9, "vessel.damping_ratio": 0.4}
+                | {"mru.dropout_start": [LOST], "mru.dropout_duration": [60.0]},
+                "cable_sim": S900 | {"segments": 12},
+                "virtual_winch": {},
+                "winch_controller": S900 | {f"sea.{name}": value for name, value in SEA.items()},
+            },
+            seed=2,
+            duration=120.0,
+        )
+    ).run()
+    time, rate, authority = (record.column(name) for name in ("time", "payout_rate", "authority"))
+    assert "fade_out" in record.modes
+    assert record.modes[-1] == "stopped"
+    assert np.max(np.abs(np.diff(authority))) <= DT / FADE + 1e-9
+    # the winch: 2 m/s and 1.5 m/s^2
+    assert np.max(np.abs(rate)) <= 2.0 + 1e-9
+    assert np.max(np.abs(np.diff(rate))) <= 1.5 * DT + 1e-9
+    assert np.max(np.abs(rate[time > LOST + SLOWEST])) < 0.05
+    static = record.column("top_tension")[0]
+    snaps, without = (
+        snap_times(time, record.column(name), static) for name in ("top_tension", "uncompensated_tension")
+    )
+    assert len(snaps) <= len(without)
+    # uncompensated, this sea takes the cable beyond what it carries in the fade-out
+    during = (time > LOST) & (time < LOST + SLOWEST)
+    assert np.max(record.column("top_tension")[during]) < np.max(record.column("uncompensated_tension")[during])
+    # the winch stands near its mean, so that nothing is left to swing about
+    assert abs(record.column("payout")[-1]) < 1.0
