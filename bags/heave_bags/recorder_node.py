@@ -39,6 +39,10 @@ LOOK_PERIOD = 0.1
 """Wall time between two looks for new topics before the run starts [s]."""
 LOOK_PERIOD_IN_RUN = 1.0
 """The same during the run, where a look costs time that messages need [s]."""
+REST = 0.01
+"""Wall time that messages wait in a lockstep run, to be taken together [s]: a few of the ticks that the recorder may
+be behind.
+"""
 
 
 class RecorderNode(ParticipantNode):
@@ -110,6 +114,10 @@ class RecorderNode(ParticipantNode):
 
     def _on_join(self, message: TickJoin) -> None:
         self._joined[message.node] = tuple(message.outputs)
+
+    def rest(self) -> float:
+        """See HeaveNode. In real time a message is written at the time of its arrival."""
+        return REST if self.has_started and self.run.is_lockstep else 0.0
 
     def _promised(self) -> set[str]:
         """Return the topics that other participants say they publish within ticks."""

@@ -16,6 +16,6 @@ def prepare_environment() -> None:
     """
     os.environ.setdefault("AMENT_PREFIX_PATH", sys.prefix)
     os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
-    # Many early announcements: a process finds the others within a tenth of a second even on a loaded machine.
+    # Announcements until all have started: a process finds the others within a tenth of a second.
     profile = resources.files("heave_node") / "fastdds_profile.xml"
     os.environ.setdefault("FASTDDS_DEFAULT_PROFILES_FILE", str(profile))

@@ -268,6 +268,10 @@ class HeaveNode(LifecycleNode):
         if not self.finished.done():
             self.finished.set_result(None)
 
+    def rest(self) -> float:
+        """Return for how long this node may now leave what comes unserved [s of wall time]; see `spin`."""
+        return 0.0
+
     def on_idle(self) -> None:
         """Look at the wall clock; called a few times per second from the spin loop."""
 

@@ -47,7 +47,7 @@ def run_node(node_type: type[HeaveNode], args: list[str] | None = None) -> int:
     try:
         if node.run.autostart and node.trigger_configure() == TransitionCallbackReturn.SUCCESS:
             node.trigger_activate()
-        spin(node, node.finished, lambda: _on_idle(node))
+        spin(node, node.finished, lambda: _on_idle(node), node.rest)
     except Exception as error:  # nothing may pass in silence
         node.fail(one_line(error), error)
     try:
