@@ -25,6 +25,15 @@ from cable_sim_node.markers import plant_markers
 from cable_sim_node.node_parameters import CableSimNodeParameters
 from cable_sim_node.sensor_suite import SensorReadings
 
+SENSOR_TOPICS = {
+    "depth": topics.UNIT_PRESSURE,
+    "velocity": topics.UNIT_VELOCITY,
+    "imu": topics.UNIT_IMU,
+    "load_cell": topics.LOAD_CELL,
+    "usbl": topics.UNIT_USBL,
+}
+"""What each sensor publishes."""
+
 
 class CableSimNode(ClockMasterNode):
     """Publishes state and sensor readings of t_k; integrates to t_{k+1} with the boom tip and the payout of then."""
@@ -41,18 +50,16 @@ class CableSimNode(ClockMasterNode):
         self.plant = self._make_plant()
         self.newest_tip, self.newest_payout = NewestMotion(), NewestMotion()
         self.state: PlantState | None = None
-        self.pressure = self.add_output(topics.UNIT_PRESSURE)
-        self.velocity = self.add_output(topics.UNIT_VELOCITY)
-        self.imu = self.add_output(topics.UNIT_IMU)
-        self.load_cell = self.add_output(topics.LOAD_CELL)
+        self.sensor_outputs = {name: self.add_output(SENSOR_TOPICS[name]) for name in self.plant.sensors}
         self.cable_state = self.add_output(topics.CABLE_STATE)
         self.unit_odometry = self.add_output(topics.UNIT_ODOMETRY)
         self.uncompensated = self.add_output(topics.UNIT_UNCOMPENSATED)
-        self.usbl = self.add_output(topics.UNIT_USBL)
         self.markers = self.add_output(topics.MARKERS)
         self.boom_tip = self._add_motion_input(topics.BOOM_TIP)
         self.winch_state = self._add_motion_input(topics.WINCH_STATE)
-        self.controller_state = self.add_input(topics.CONTROLLER_STATE)
+        # it takes time to read, and only a shadow that is lowered asks for it
+        follows = self.parameters.shadow_follows_programme
+        self.controller_state = self.add_input(topics.CONTROLLER_STATE) if follows else None
         self.create_service(InjectFault, f"{self.name}/inject_fault", self._serve_inject_fault)
 
     def on_reset(self) -> None:
@@ -70,18 +77,17 @@ class CableSimNode(ClockMasterNode):
         self._promise_state(self.state, tick)
 
     def _promise_readings(self, readings: SensorReadings) -> None:
-        """Publish what the sensors deliver, first what the controller waits for."""
+        """Publish what the sensors deliver; the controller waits for it."""
         density, gravity = self.parameters.water_density, self.parameters.gravity
-        for reading in readings.depth:
-            self.pressure.publish_later(partial(conversions.pressure_message, reading, density, gravity))
-        for output, to_message, delivered in (
-            (self.velocity, conversions.velocity_message, readings.velocity),
-            (self.imu, conversions.imu_message, readings.imu),
-            (self.load_cell, conversions.load_cell_message, readings.load_cell),
-            (self.usbl, conversions.usbl_message, readings.usbl),
+        for name, to_message, delivered in (
+            ("depth", partial(conversions.pressure_message, density=density, gravity=gravity), readings.depth),
+            ("velocity", conversions.velocity_message, readings.velocity),
+            ("imu", conversions.imu_message, readings.imu),
+            ("load_cell", conversions.load_cell_message, readings.load_cell),
+            ("usbl", conversions.usbl_message, readings.usbl),
         ):
             for reading in delivered:
-                output.publish_later(partial(to_message, reading))
+                self.sensor_outputs[name].publish_later(partial(to_message, reading))
 
     def _promise_state(self, state: PlantState, tick: Tick) -> None:
         """Publish the truth, which nobody but the winch's power limit waits for."""
@@ -100,19 +106,25 @@ class CableSimNode(ClockMasterNode):
             self.newest_payout.put(
                 self._in_simulated_time(topics.WINCH_STATE, conversions.drum_motion_of(message), tick)
             )
-        self.take(self.controller_state)
         end = tick.end_nanoseconds * 1e-9
         drum = self.newest_payout.at(end)
-        controller = self.controller_state.latest
         try:
             self.plant.advance(
                 tick.number,
                 self.newest_tip.at(end),
                 (float(drum.position[0]), float(drum.velocity[0])) if drum is not None else None,
-                controller.depth_set_point if controller is not None else None,
+                self._programme(),
             )
         except PlantError as error:
             raise NodeError(str(error)) from error
+
+    def _programme(self) -> float | None:
+        """Return the payout that the controller's depth programme asks for [m]; None where nobody wants to know."""
+        if self.controller_state is None:
+            return None
+        self.take(self.controller_state)
+        newest = self.controller_state.latest
+        return None if newest is None else float(newest.depth_set_point)
 
     def diagnose(self) -> list[Health]:
         """Say what of the inputs is missing and whether the cable is slack."""

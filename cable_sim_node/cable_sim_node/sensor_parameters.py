@@ -17,6 +17,9 @@ class SensorParameters:
     gives one sample a tick.
     """
 
+    fitted: bool = parameter(
+        True, unit="", description="Whether the unit has this sensor; of others nothing is published."
+    )
     rate: float = parameter(10.0, unit="Hz", minimum=1e-3, maximum=10_000.0, description="Samples per second.")
     latency: float = parameter(
         0.0, unit="s", minimum=0.0, maximum=600.0, description="From the measurement (its stamp) to its delivery."
@@ -123,7 +126,9 @@ class LoadCellParameters(SensorParameters):
 
 @dataclass(frozen=True)
 class SensorsParameters:
-    """All sensors on the unit and the cable; the defaults are those of the benchmark scenarios."""
+    """All sensors on the unit and the cable; their defaults are those of the benchmark scenarios, which have depth
+    sensor and load cell alone.
+    """
 
     depth: DepthSensorParameters = group(DepthSensorParameters)
     velocity: VelocitySensorParameters = group(VelocitySensorParameters)

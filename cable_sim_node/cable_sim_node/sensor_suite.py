@@ -41,11 +41,11 @@ class SensorReadings:
     and turn rate x, y, z [rad/s]; `usbl` position x, y, z [m]; `load_cell` tension [N].
     """
 
-    depth: tuple[Reading, ...]
-    velocity: tuple[Reading, ...]
-    imu: tuple[Reading, ...]
-    usbl: tuple[Reading, ...]
-    load_cell: tuple[Reading, ...]
+    depth: tuple[Reading, ...] = ()
+    velocity: tuple[Reading, ...] = ()
+    imu: tuple[Reading, ...] = ()
+    usbl: tuple[Reading, ...] = ()
+    load_cell: tuple[Reading, ...] = ()
 
 
 class SensorSuite:
@@ -60,7 +60,7 @@ class SensorSuite:
 
     Attributes
     ----------
-    by_name : the sensors by name (depth, velocity, imu, usbl, load_cell)
+    by_name : the sensors that are fitted, by name (depth, velocity, imu, usbl, load_cell)
     """
 
     def __init__(
@@ -81,24 +81,37 @@ class SensorSuite:
                 ("usbl", p.usbl, np.full(3, p.usbl.noise), np.full(3, p.usbl.bias)),
                 ("load_cell", p.load_cell, load_sigma, np.array([p.load_cell.bias])),
             )
+            if sensor.fitted
         }
 
     def step(self, tick: int, truth: SensorTruth) -> SensorReadings:
         """Let every sensor look at the `truth` of t_k, and return what is delivered at t_k."""
+        looks = {
+            "depth": self._depth,
+            "velocity": self._velocity,
+            "imu": self._imu,
+            "usbl": self._usbl_position,
+            "load_cell": self._load_cell,
+        }
+        return SensorReadings(**{name: looks[name](sensor, tick, truth) for name, sensor in self.by_name.items()})
+
+    def _depth(self, sensor: Sensor, tick: int, truth: SensorTruth) -> tuple[Reading, ...]:
+        return sensor.step(tick, -truth.position[2:])
+
+    def _velocity(self, sensor: Sensor, tick: int, truth: SensorTruth) -> tuple[Reading, ...]:
+        return sensor.step(tick, truth.velocity, is_available=truth.height_above_seabed <= self._bottom_range)
+
+    def _imu(self, sensor: Sensor, tick: int, truth: SensorTruth) -> tuple[Reading, ...]:
+        return sensor.step(tick, _specific_force_and_turn_rate(truth.acceleration))
+
+    def _usbl_position(self, sensor: Sensor, tick: int, truth: SensorTruth) -> tuple[Reading, ...]:
         slant_range = float(np.linalg.norm(truth.position))
-        usbl_sigma = np.full(3, math.hypot(self._usbl.noise, self._usbl.range_noise * slant_range))
-        sensors = self.by_name
-        return SensorReadings(
-            depth=sensors["depth"].step(tick, -truth.position[2:]),
-            velocity=sensors["velocity"].step(
-                tick, truth.velocity, is_available=truth.height_above_seabed <= self._bottom_range
-            ),
-            imu=sensors["imu"].step(tick, _specific_force_and_turn_rate(truth.acceleration)),
-            usbl=sensors["usbl"].step(
-                tick, truth.position, sigma=usbl_sigma, extra_latency=2.0 * slant_range / self._usbl.sound_speed
-            ),
-            load_cell=sensors["load_cell"].step(tick, np.array([truth.top_tension])),
-        )
+        sigma = np.full(3, math.hypot(self._usbl.noise, self._usbl.range_noise * slant_range))
+        travel = 2.0 * slant_range / self._usbl.sound_speed
+        return sensor.step(tick, truth.position, sigma=sigma, extra_latency=travel)
+
+    def _load_cell(self, sensor: Sensor, tick: int, truth: SensorTruth) -> tuple[Reading, ...]:
+        return sensor.step(tick, np.array([truth.top_tension]))
 
 
 def _specific_force_and_turn_rate(acceleration: Array) -> Array:

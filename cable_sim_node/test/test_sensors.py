@@ -206,6 +206,21 @@ def test_each_sensor_sees_its_own_truth() -> None:
     assert readings.usbl == ()
 
 
+def test_a_sensor_that_is_not_fitted_gives_nothing_and_leaves_the_others_as_they_were() -> None:
+    whole = suite(SensorsParameters())
+    parts = suite(
+        dataclasses.replace(
+            SensorsParameters(), imu=ImuParameters(fitted=False), velocity=VelocitySensorParameters(fitted=False)
+        )
+    )
+    assert "imu" not in parts.by_name
+    for k in range(1, 100):
+        both, one = whole.step(k, TRUTH), parts.step(k, TRUTH)
+        assert one.imu == one.velocity == ()
+        assert [reading.value[0] for reading in one.depth] == [reading.value[0] for reading in both.depth]
+        assert [reading.value[0] for reading in one.load_cell] == [reading.value[0] for reading in both.load_cell]
+
+
 def test_usbl_comes_after_the_two_way_travel_of_sound_and_its_noise_grows_with_range() -> None:
     sensors = suite(QUIET)
     deliveries = [k for k in range(1, 40) if sensors.step(k, TRUTH).usbl]
