@@ -22,7 +22,7 @@ from pathlib import Path
 
 import numpy as np
 from heave_bags import kpi_set
-from heave_bags.kpi import kappa, max_abs
+from heave_bags.kpi import kappa
 from heave_bringup.campaign_runs import run_signals
 from heave_bringup.kappa import LONGEST
 from heave_node.scenario import NodeValues, parse_yaml, read_scenario
@@ -102,8 +102,7 @@ def run_once(name: str, values: NodeValues, seed: int, duration: float, transien
 
     loop.controller.step = timed  # type: ignore[method-assign]
     record = loop.run()
-    signals = run_signals(record, parameters)
-    found = kpi_set.evaluate(signals, transient)
+    found = kpi_set.evaluate(run_signals(record, parameters), transient)
     bounds = estimation_bound(loop.controller.design), _actuator_bound(loop, record, transient)
     return Figures(
         scenario=name,
@@ -113,7 +112,7 @@ def run_once(name: str, values: NodeValues, seed: int, duration: float, transien
         uncompensated_sigma_m=found["uncompensated_sigma_m"],
         outlet_efficiency=found["outlet_efficiency"],
         max_abs_heave_m=found["max_abs_heave_m"],
-        uncompensated_max_abs_heave_m=max_abs(signals.uncompensated_heave.window(transient, math.inf).value),
+        uncompensated_max_abs_heave_m=found["uncompensated_max_abs_heave_m"],
         kappa=kappa(found["unit_sigma_m"], *bounds),
         snaps=int(found["snaps"]),
         uncompensated_snaps=int(found["uncompensated_snaps"]),

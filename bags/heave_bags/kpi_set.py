@@ -44,6 +44,7 @@ KPI_DEFINITIONS: tuple[KpiDefinition, ...] = (
     KpiDefinition("outlet_efficiency", "outlet efficiency 1 - s(z0-p)/s(z0)", "%", 100.0, 2),
     KpiDefinition("significant_residual_m", "significant residual 4 s(z)", "cm", 100.0, 2),
     KpiDefinition("max_abs_heave_m", "largest unit heave about the mean", "cm", 100.0, 2),
+    KpiDefinition("uncompensated_max_abs_heave_m", "largest uncompensated unit heave about the mean", "cm", 100.0, 2),
     KpiDefinition("heave_p999_m", "99.9th percentile of unit heave", "cm", 100.0, 2),
     KpiDefinition("boom_tip_sigma_m", "boom-tip heave, standard deviation", "cm", 100.0, 2),
     KpiDefinition("outlet_sigma_m", "outlet residual s(z0-p)", "cm", 100.0, 2),
@@ -183,7 +184,8 @@ def _motion(run: RunSignals, start: float, end: float) -> dict[str, float]:
     heave = run.unit_heave.window(start, end)
     boom_tip = run.boom_tip_heave.window(start, end)
     unit_sigma = kpi.sigma(heave.value)
-    uncompensated = kpi.sigma(run.uncompensated_heave.window(start, end).value)
+    without = run.uncompensated_heave.window(start, end)
+    uncompensated = kpi.sigma(without.value)
     boom_tip_sigma = kpi.sigma(boom_tip.value)
     outlet_sigma = kpi.sigma(boom_tip.value - run.payout.at(boom_tip)) if run.payout.size else math.nan
     return {
@@ -195,6 +197,7 @@ def _motion(run: RunSignals, start: float, end: float) -> dict[str, float]:
         "outlet_efficiency": kpi.efficiency(outlet_sigma, boom_tip_sigma),
         "significant_residual_m": kpi.significant(unit_sigma),
         "max_abs_heave_m": kpi.max_abs(heave.value),
+        "uncompensated_max_abs_heave_m": kpi.max_abs(without.value),
         "heave_p999_m": kpi.percentile_abs(heave.value),
         "kappa": kpi.kappa(unit_sigma, run.sensor_bound, run.actuator_bound),
     }

@@ -94,8 +94,8 @@ def _against_nominal(results: Sequence[CaseResult], p90: float) -> dict[str, flo
 def _table(results: Sequence[CaseResult]) -> str:
     width = max(len(result.case.label) for result in results)
     lines = [
-        f"{'case'.ljust(width)}  unit cm   off cm   ratio   max cm   DAF  DAF off  Tmin kN  Tmax kN  speed m/s  "
-        "at limit %"
+        f"{'case'.ljust(width)}  unit cm   off cm   ratio   max cm  off max cm   DAF  DAF off  Tmin kN  Tmax kN  "
+        "speed m/s  at limit %"
     ]
     for result in results:
         if result.failure:
@@ -105,7 +105,8 @@ def _table(results: Sequence[CaseResult]) -> str:
         ratio = k["unit_sigma_m"] / k["uncompensated_sigma_m"] if k["uncompensated_sigma_m"] > 0.0 else math.nan
         lines.append(
             f"{result.case.label.ljust(width)} {100 * k['unit_sigma_m']:8.3f} {100 * k['uncompensated_sigma_m']:8.2f} "
-            f"{ratio:7.4f} {100 * k['max_abs_heave_m']:8.2f} {k['dynamic_amplification']:5.2f} "
+            f"{ratio:7.4f} {100 * k['max_abs_heave_m']:8.2f} "
+            f"{100 * k['uncompensated_max_abs_heave_m']:11.1f} {k['dynamic_amplification']:5.2f} "
             f"{k['uncompensated_dynamic_amplification']:8.2f} "
             f"{k['tension_min_n'] / 1e3:8.1f} {k['tension_max_n'] / 1e3:8.1f} "
             f"{k['winch_speed_max_mps']:10.3f} {k['time_at_limit_percent']:11.2f}"
