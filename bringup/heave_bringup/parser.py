@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn
 
 from heave_bags.player_options import add_arguments
 from heave_node.run_parameters import LOCKSTEP, REALTIME
@@ -12,9 +12,17 @@ from heave_node.run_parameters import LOCKSTEP, REALTIME
 from heave_bringup.node_table import NODE_BY_NAME
 
 
+class OneLineParser(argparse.ArgumentParser):
+    """Complains in one line."""
+
+    def error(self, message: str) -> NoReturn:
+        """Say what is wrong and where help is, and exit with status 2."""
+        self.exit(2, f"{self.prog}: {message}; see {self.prog} --help\n")
+
+
 def make_parser() -> argparse.ArgumentParser:
     """Return the parser of the whole command; the chosen subcommand is in `command`."""
-    parser = argparse.ArgumentParser(
+    parser = OneLineParser(
         prog="heave",
         description="Active heave compensation: run scenarios over ROS 2, record, replay, analyse, design.",
         epilog="example: heave run b2_calm_300 --duration 600",
