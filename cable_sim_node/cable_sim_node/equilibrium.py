@@ -14,10 +14,11 @@ from numpy.typing import NDArray
 from cable_sim_node.compiled import inner_kernel, kernel
 from cable_sim_node.errors import NoEquilibriumError
 from cable_sim_node.line_arrays import LineArrays
-from cable_sim_node.line_bending import CENTRE, solve_with_bending
+from cable_sim_node.line_bending import solve_with_bending
 from cable_sim_node.line_flow import set_flow
 from cable_sim_node.line_layout import (
     BENDING_ON,
+    CENTRE,
     CUBIC,
     CX,
     CY,

@@ -47,7 +47,7 @@ class LineArrays(NamedTuple):
     equations: Array
     """The linear equations of each node, and the tension of the segment above it."""
     band: Array
-    """Scratch of the bending, 17 columns: three rows for each node and three for a hinge; one row without bending."""
+    """The wide system of a line with bending; three rows more are scratch for a hinge. One row without bending."""
     counters: NDArray[np.int64]
 
     @property
@@ -100,6 +100,6 @@ def allocate(
         settings=settings,
         flow=np.zeros((rows, at.FLOW_COLUMNS)),
         equations=np.zeros((rows, at.EQUATION_COLUMNS)),
-        band=np.zeros((3 * rows + 3 if bending else 1, 17)),
+        band=np.zeros((3 * rows + 3 if bending else 1, at.BAND_COLUMNS)),
         counters=np.zeros(at.COUNTER_COLUMNS, dtype=np.int64),
     )

@@ -15,9 +15,11 @@ from numpy.typing import NDArray
 from cable_sim_node.compiled import inner_kernel
 from cable_sim_node.line_layout import (
     BENDING,
+    CENTRE,
     CX,
     DXX,
     LENGTH,
+    RIGHT,
     RX,
     UXX,
     X,
@@ -26,9 +28,6 @@ from cable_sim_node.line_layout import (
 )
 
 Array = NDArray[np.float64]
-
-CENTRE = 8
-"""Column of the diagonal, and half bandwidth: two neighbours on each side, three coordinates each."""
 
 
 @inner_kernel
@@ -85,7 +84,7 @@ def solve_with_bending(count: int, equations: Array, band: Array) -> None:
     for i in range(count):
         for p in range(3):
             row = 3 * i + p
-            equations[i, CX + p] = -equations[i, RX + p]
+            band[row, RIGHT] = -equations[i, RX + p]
             for q in range(3):
                 band[row, CENTRE + q - p] += equations[i, DXX + _entry(p, q)]
                 if i + 1 < count:
@@ -93,15 +92,17 @@ def solve_with_bending(count: int, equations: Array, band: Array) -> None:
                     band[row + 3, CENTRE - 3 + q - p] += equations[i, UXX + _entry(p, q)]
     for row in range(size):
         pivot = 1.0 / band[row, CENTRE]
-        for below in range(row + 1, min(row + CENTRE + 1, size)):
+        end = min(row + CENTRE + 1, size)
+        for below in range(row + 1, end):
             factor = band[below, CENTRE + row - below] * pivot
             if factor == 0.0:
                 continue
-            for column in range(row + 1, min(row + CENTRE + 1, size)):
+            for column in range(row + 1, end):
                 band[below, CENTRE + column - below] -= factor * band[row, CENTRE + column - row]
-            equations[below // 3, CX + below % 3] -= factor * equations[row // 3, CX + row % 3]
+            band[below, RIGHT] -= factor * band[row, RIGHT]
     for row in range(size - 1, -1, -1):
-        value = equations[row // 3, CX + row % 3]
+        value = band[row, RIGHT]
         for column in range(row + 1, min(row + CENTRE + 1, size)):
-            value -= band[row, CENTRE + column - row] * equations[column // 3, CX + column % 3]
-        equations[row // 3, CX + row % 3] = value / band[row, CENTRE]
+            value -= band[row, CENTRE + column - row] * band[column, RIGHT]
+        band[row, RIGHT] = value / band[row, CENTRE]
+        equations[row // 3, CX + row % 3] = band[row, RIGHT]

@@ -20,9 +20,8 @@ from cable_sim_node.line_assembly import assemble_nodes, assemble_segments
 from cable_sim_node.line_flow import set_flow
 from cable_sim_node.line_layout import (
     ACCELERATION,
-    ADDED_MASS,
     AX,
-    DISPLACED,
+    BENDING,
     DXX,
     DXY,
     DXZ,
@@ -35,7 +34,6 @@ from cable_sim_node.line_layout import (
     MASS,
     MERGE_AT,
     NODE_COLUMNS,
-    NORMAL_DRAG,
     NOW,
     PART_COLUMNS,
     RATE,
@@ -45,7 +43,6 @@ from cable_sim_node.line_layout import (
     SPLIT_AT,
     START,
     STIFFNESS,
-    TANGENTIAL_DRAG,
     TENSION,
     TIME,
     TOTAL,
@@ -78,7 +75,7 @@ def set_top_segment(n: int, total: float, grid: Array, parts: Array) -> None:
     if grid[n, START] >= total:
         return
     compliance = leaning_mass = leaning_weight = 0.0
-    for c in (MASS, ADDED_MASS, WEIGHT, NORMAL_DRAG, TANGENTIAL_DRAG, DISPLACED):
+    for c in range(MASS, BENDING):  # mass to displaced mass, per metre
         row[c] = 0.0
     j = n - 1
     while grid[j, START] < total:
@@ -90,7 +87,7 @@ def set_top_segment(n: int, total: float, grid: Array, parts: Array) -> None:
         lean = 0.5 - (0.5 * (low + high) - start) / length
         leaning_mass += lean * part * length * grid[j, MASS]
         leaning_weight += lean * part * length * grid[j, WEIGHT]
-        for c in (MASS, ADDED_MASS, WEIGHT, NORMAL_DRAG, TANGENTIAL_DRAG, DISPLACED):
+        for c in range(MASS, BENDING):
             row[c] += part * grid[j, c]
         if j >= n:
             upper_share = (low - start) / length

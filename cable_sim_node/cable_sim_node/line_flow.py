@@ -51,33 +51,35 @@ def locate(at: float, table: Array) -> tuple[int, int, float]:
 def set_flow(n: int, time: float, nodes: Array, settings: Array, current: Array, schedule: Array, flow: Array) -> None:
     """Set the water's velocity [m/s] and acceleration [m/s^2]: row 0 at the unit, row i + 1 at the middle of segment i.
 
-    `current` has rows (depth, u_x, u_y), `schedule` rows (time, factor). Wave crests pass the origin at time 0.
+    `current` has rows (depth, u_x, u_y), `schedule` rows (time, factor).
     """
     low, high, share = locate(time, schedule)
     factor = schedule[low, 1] + share * (schedule[high, 1] - schedule[low, 1])
-    uniform = current.shape[0] == 1
-    amplitude = settings[WAVE_AMPLITUDE]
-    ux, uy = factor * current[0, 1], factor * current[0, 2]
+    waves = settings[WAVE_AMPLITUDE] > 0.0
     for i in range(n + 1):
-        if not uniform:
-            z = nodes[0, Z] if i == 0 else 0.5 * (nodes[i - 1, Z] + nodes[i, Z])
-            low, high, share = locate(-z, current)
-            ux = factor * (current[low, 1] + share * (current[high, 1] - current[low, 1]))
-            uy = factor * (current[low, 2] + share * (current[high, 2] - current[low, 2]))
-        flow[i, FLOW_X], flow[i, FLOW_Y], flow[i, FLOW_Z] = ux, uy, 0.0
-    if amplitude == 0.0:
-        return
+        lower, upper, water = nodes[i - 1 if i > 0 else 0], nodes[i], flow[i]
+        z = 0.5 * (lower[Z] + upper[Z])
+        low, high, share = locate(-z, current)
+        water[FLOW_X] = factor * (current[low, 1] + share * (current[high, 1] - current[low, 1]))
+        water[FLOW_Y] = factor * (current[low, 2] + share * (current[high, 2] - current[low, 2]))
+        water[FLOW_Z] = 0.0
+        if waves:
+            add_wave(time, 0.5 * (lower[X] + upper[X]), 0.5 * (lower[Y] + upper[Y]), z, settings, water)
+
+
+@inner_kernel
+def add_wave(time: float, x: float, y: float, z: float, settings: Array, water: Array) -> None:
+    """Add the wave's velocity at (x, y, z) to a row of the flow, and set its acceleration; crests pass the origin at
+    time 0.
+    """
     omega, number = settings[WAVE_FREQUENCY], settings[WAVE_NUMBER]
     dx, dy = settings[WAVE_X], settings[WAVE_Y]
-    for i in range(n + 1):
-        lower, upper = nodes[max(i - 1, 0)], nodes[i]
-        px, py, pz = 0.5 * (lower[X] + upper[X]), 0.5 * (lower[Y] + upper[Y]), 0.5 * (lower[Z] + upper[Z])
-        phase = number * (dx * px + dy * py) - omega * time
-        speed = amplitude * omega * math.exp(number * min(pz, 0.0))
-        cosine, sine = speed * math.cos(phase), speed * math.sin(phase)
-        flow[i, FLOW_X] += cosine * dx
-        flow[i, FLOW_Y] += cosine * dy
-        flow[i, FLOW_Z] += sine
-        flow[i, FLOW_AX] = omega * sine * dx
-        flow[i, FLOW_AY] = omega * sine * dy
-        flow[i, FLOW_AZ] = -omega * cosine
+    phase = number * (dx * x + dy * y) - omega * time
+    speed = settings[WAVE_AMPLITUDE] * omega * math.exp(number * min(z, 0.0))
+    cosine, sine = speed * math.cos(phase), speed * math.sin(phase)
+    water[FLOW_X] += cosine * dx
+    water[FLOW_Y] += cosine * dy
+    water[FLOW_Z] += sine
+    water[FLOW_AX] = omega * sine * dx
+    water[FLOW_AY] = omega * sine * dy
+    water[FLOW_AZ] = -omega * cosine

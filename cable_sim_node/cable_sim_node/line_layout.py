@@ -54,6 +54,10 @@ SWEEP = 18
 TENSION = 27
 EQUATION_COLUMNS = 28
 
+# The wide system of a line with bending, three rows for each node: half bandwidth 8, and the right side.
+CENTRE, RIGHT = 8, 17
+BAND_COLUMNS = 18
+
 # Settings: generalised-alpha, Newton, contact plane, wave, compensator.
 (
     ALPHA_F,

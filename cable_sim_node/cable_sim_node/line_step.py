@@ -24,6 +24,7 @@ from cable_sim_node.line_layout import (
     ALPHA_F,
     ALPHA_M,
     AX,
+    AY,
     AZ,
     BENDING_ON,
     BETA,
@@ -53,7 +54,11 @@ from cable_sim_node.line_layout import (
     TOP_COLUMNS,
     TOTAL,
     VX,
+    VY,
+    VZ,
     X,
+    Y,
+    Z,
 )
 
 Array = NDArray[np.float64]
@@ -116,10 +121,12 @@ def assemble(line: LineArrays, n: int, c_mass: float, c_velocity: float) -> tupl
 
 
 @inner_kernel
-def hold_top(node: Array, top: Array, free: int) -> None:
-    """Put the sheave where the boom tip is, along the first `free` axes: with a compensator it keeps its own z."""
-    for k in range(free):
-        node[X + k], node[VX + k], node[AX + k] = top[X + k], top[VX + k], top[AX + k]
+def hold_top(node: Array, top: Array, compensated: bool) -> None:
+    """Put the sheave where the boom tip is; with a compensator it keeps its own z."""
+    node[X], node[VX], node[AX] = top[X], top[VX], top[AX]
+    node[Y], node[VY], node[AY] = top[Y], top[VY], top[AY]
+    if not compensated:
+        node[Z], node[VZ], node[AZ] = top[Z], top[VZ], top[AZ]
 
 
 @inner_kernel
@@ -140,7 +147,7 @@ def predict(line: LineArrays, n: int, count: int, h: float) -> None:
             goal[X + k] = start[X + k] + share * (start[VX + k] + 0.5 * h * a)
             goal[VX + k] = start[VX + k] + share * a
             goal[AX + k] = a
-    hold_top(line.middle[n], middle, 3 if count == n else 2)
+    hold_top(line.middle[n], middle, count > n)
     set_top_segment(n, middle[TOTAL], line.grid, line.parts)
     set_flow(n, middle[TIME], line.middle, line.settings, line.current, line.schedule, line.flow)
 
@@ -158,7 +165,7 @@ def finish(line: LineArrays, n: int, count: int, h: float) -> None:
             node[VX + k] = v + h * ((1.0 - gamma) * a + gamma * new)
             node[AX + k] = new
     take_end(line.top)
-    hold_top(line.now[n], line.top[NOW], 3 if count == n else 2)
+    hold_top(line.now[n], line.top[NOW], count > n)
     set_top_segment(n, line.top[NOW, TOTAL], line.grid, line.parts)
 
 
@@ -242,7 +249,7 @@ def advance(line: LineArrays, duration: float, ends: Array) -> int:
     nominal = 1.0 / shares
     load_end(0.0, duration, start_time, ends, end)
     take_end(line.top)
-    hold_top(line.now[n], now, 3 if line.settings[SPRING_ON] == 0.0 else 2)
+    hold_top(line.now[n], now, line.settings[SPRING_ON] > 0.0)
     outcome = DONE
     alpha_m, alpha_f = line.settings[ALPHA_M], line.settings[ALPHA_F]
     for j in range(shares):
