@@ -26,7 +26,7 @@ EXIT_REFUSED = 2
 EXIT_STUCK = -signal.SIGALRM
 """What a parent sees of a node that had done its work, but that the middleware did not let go."""
 
-LEAVING = 5
+LEAVING = 3
 """Wall time that the middleware has to let a node go [s]."""
 
 
