@@ -223,14 +223,73 @@ def test_lqg_keeps_the_loop_in_a_sea_beyond_the_winch():
     assert record.unit_sigma(40.0) < record.uncompensated_sigma(40.0)
 
 
-@pytest.mark.parametrize("law", ["lqr", "mpc"])
-def test_a_lost_loop_is_given_up_before_the_unit_swings_far_and_the_winch_comes_to_rest_at_its_mean(law):
-    """0.4 s of delay that nobody believes in and nobody learns: no feedback of the unit is stable with it."""
-    parameters = loop_parameters(law=law, duration=90.0, **{"lag.adaptation": False, "guard.hold_time": 600.0})
-    record = ClosedLoop(dataclasses.replace(parameters, winch=WinchParameters(command_delay=0.6))).run()
+UNLEARNT = {"lag.adaptation": False, "guard.hold_time": 600.0, "modes.settling_time": 20.0, "modes.fade_in_time": 10.0}
+
+
+@pytest.mark.parametrize("law", ["lqr", "lqg", "mpc"])
+def test_a_lost_loop_is_given_up_before_the_unit_swings_and_the_winch_comes_to_rest_at_its_mean(law):
+    """A servo of 0.8 s for one of 0.15 s, that nobody believes in and nobody learns: no feedback is stable with it."""
+    parameters = loop_parameters(law=law, duration=120.0, **UNLEARNT)
+    record = ClosedLoop(dataclasses.replace(parameters, winch=WinchParameters(time_constant=0.8))).run()
     assert any("compensation does harm" in words for _, words in record.alarms)
     assert record.modes[-1] == "standby"
-    off = np.max(np.abs(record.column("uncompensated", after=20.0)))
-    assert np.max(np.abs(record.column("unit", after=20.0))) < 3.0 * off
+    # the try itself and what is left of it until it has died away; over the whole of a run that is a few percent
+    assert record.unit_sigma(20.0) < 1.4 * record.uncompensated_sigma(20.0)
     # what the lost loop had paid out is taken back during the fade-out
-    assert abs(record.column("payout")[-1]) < 0.5
+    assert abs(record.column("payout")[-1]) < 0.2
+    assert np.max(np.abs(np.diff(record.column("payout_rate")))) <= 1.5 * DT + 1e-9
+
+
+def test_a_transport_slower_than_any_loop_bears_is_known_before_the_winch_moves():
+    """0.4 s late: the winch says with every state which command it has taken."""
+    parameters = loop_parameters(duration=40.0, **{"lag.adaptation": False})
+    record = ClosedLoop(dataclasses.replace(parameters, winch=WinchParameters(command_delay=0.6))).run()
+    assert any("0.40 s later than believed" in words for _, words in record.alarms)
+    assert set(record.modes) == {"standby"}
+    assert np.all(record.column("payout") == 0.0)
+
+
+def test_a_motion_reference_unit_of_the_wrong_sign_is_contradicted_by_the_depth_sensor():
+    loop = ClosedLoop(loop_parameters(duration=150.0, **{"modes.settling_time": 20.0, "modes.fade_in_time": 10.0}))
+    step = loop.controller.step
+
+    def upside_down(tick, measured):
+        mru = tuple(dataclasses.replace(m, heave=-m.heave, heave_rate=-m.heave_rate) for m in measured.mru)
+        return step(tick, dataclasses.replace(measured, mru=mru))
+
+    loop.controller.step = upside_down
+    record = loop.run()
+    assert any("the depth sensor" in words for _, words in record.alarms)
+    # it is never tried again: no less than 100 s were enough for the first hold time of 60 s
+    assert record.modes[-1] == "standby"
+    assert record.unit_sigma(20.0) < 1.2 * record.uncompensated_sigma(20.0)
+
+
+def test_the_regulator_of_the_unit_alone_compensates_and_does_no_harm_where_it_takes_the_winch_to_its_limits():
+    """Without limits it would leave 12 % here (stationary prediction); its share of the sea is what the winch bears."""
+    record = ClosedLoop(loop_parameters(law="lqr", duration=150.0)).run()
+    assert not any("does harm" in words for _, words in record.alarms)
+    assert record.unit_sigma(60.0) < 0.5 * record.uncompensated_sigma(60.0)
+
+
+def test_a_known_position_loop_of_the_winch_costs_little():
+    parameters = loop_parameters(duration=70.0, **{"winch.position_gain": 0.5})
+    record = ClosedLoop(dataclasses.replace(parameters, winch=WinchParameters(position_gain=0.5))).run()
+    assert record.unit_sigma(45.0) < 1.2 * ClosedLoop(loop_parameters(duration=70.0)).run().unit_sigma(45.0)
+
+
+def test_the_mean_moves_and_a_stopped_winch_stays_under_a_position_loop():
+    parameters = loop_parameters(duration=80.0, **{"winch.position_gain": 0.5})
+    loop = ClosedLoop(dataclasses.replace(parameters, winch=WinchParameters(position_gain=0.5)))
+    for _ in range(600):
+        loop.step()
+    loop.controller.move_to_payout(2.0, 0.3)
+    moved = np.array([loop.step()[1] for _ in range(600)])
+    # the line gives 1 % more than is paid out, at most
+    assert np.mean(moved[-100:, 2]) - moved[0, 2] == pytest.approx(-2.0, abs=0.05)
+    loop.controller.set_mode("stopped")
+    stopped = np.array([loop.step()[1] for _ in range(200)])
+    # 1.5 m/s^2 are the winch's limit
+    assert np.max(np.abs(np.diff(stopped[:, 5]))) <= 1.5 * DT + 1e-9
+    assert np.all(stopped[-50:, 5] == 0.0)
+    assert loop.controller.estimator.value("payout_rate") == pytest.approx(0.0, abs=1e-3)

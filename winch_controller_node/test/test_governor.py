@@ -15,9 +15,14 @@ from winch_controller_node.parameters import WinchControllerParameters
 DT = 0.05
 
 
-@pytest.fixture(scope="module", params=[(0.15, 0.2), (0.08, 0.237)], ids=["delay of ticks", "delay within a tick"])
+@pytest.fixture(
+    scope="module",
+    params=[(0.15, 0.2, 0.0), (0.08, 0.237, 0.0), (0.15, 0.2, 0.5)],
+    ids=["delay of ticks", "delay within a tick", "position loop"],
+)
 def design(request):
-    winch = WinchModelParameters(time_constant=request.param[0], command_delay=request.param[1])
+    lag, delay, gain = request.param
+    winch = WinchModelParameters(time_constant=lag, command_delay=delay, position_gain=gain)
     return design_controller(WinchControllerParameters(winch=winch), tick_period=DT)
 
 
@@ -25,7 +30,9 @@ def drive(design, commands):
     """Give the virtual winch what the governor lets through; return its states and the linear model's."""
     governor = make_governor(design)
     belief = design.parameters.winch
-    lags = WinchParameters(time_constant=belief.time_constant, command_delay=belief.command_delay)
+    lags = WinchParameters(
+        time_constant=belief.time_constant, command_delay=belief.command_delay, position_gain=belief.position_gain
+    )
     winch = VirtualWinch(lags, tick_period=DT)
     model, x = design.model, np.zeros(design.model.order)
     winch.step(0, WinchCommand(1, brake=False))
@@ -57,7 +64,7 @@ def test_no_command_takes_the_winch_beyond_its_limits_and_the_model_knows_its_sp
 
 def test_the_winch_stops_inside_its_payout_range_under_a_command_that_never_lets_go(design):
     """The limits of the design are 50 m either way less the margin of 1 m."""
-    states, _ = drive(design, np.full(1200, 5.0))
+    states, _ = drive(design, np.full(1200, 30.0))
     assert max(state.payout for state in states) <= 49.0
     assert states[-1].payout > 47.0
     assert abs(states[-1].payout_rate) < 0.05

@@ -13,9 +13,9 @@ import numpy as np
 from cable_sim_node.drive import LIMIT_PAYOUT, LIMIT_POWER
 
 from winch_controller_node.design import ControllerDesign, carry_by_name, carry_over, design_controller
-from winch_controller_node.guard import HarmGuard
+from winch_controller_node.guard import HarmGuard, Seen
 from winch_controller_node.handover import hand_over, hand_over_standing
-from winch_controller_node.laws.build import Law, limits_of, make_governor, make_law, make_open_loop
+from winch_controller_node.laws.build import Law, effort_of, limits_of, make_governor, make_law, make_open_loop
 from winch_controller_node.laws.feedback import LawCommand
 from winch_controller_node.laws.feedforward import SpeedFeedforward
 from winch_controller_node.laws.governor import GovernedCommand
@@ -49,6 +49,9 @@ IDLE = LawCommand(0.0)
 LEARNING_PERIOD, CHECKING_PERIOD = 2.0, 10.0
 """Time from one look at the record of the winch to the next [s], while it grows and when it is full."""
 
+BEARABLE_SHARE = 0.5
+"""Further delay that is tried, over lag and delay believed in, where they are not learnt."""
+
 UNLEARNT_LIMITS = LIMIT_PAYOUT | LIMIT_POWER
 """Limits of a winch that its identification does not know."""
 
@@ -80,7 +83,12 @@ class WinchController:
         design = self._design_for(parameters, 0.0)
         self.estimator = design.make_estimator()
         self.observer = Observer(design, parameters.health)
-        self.guard = HarmGuard(parameters.guard, limits_of(design), tick_period=tick_period)
+        self.guard = HarmGuard(
+            parameters.guard,
+            limits_of(design),
+            tick_period=tick_period,
+            depth_noise=parameters.sensors.depth.noise,
+        )
         self._kpi = KpiWindow(parameters.kpi_window, parameters.winch, tick_period=tick_period)
         self._mean_state: Array = np.zeros(design.model.order)
         self._shadow_state: Array = np.zeros(2)
@@ -93,9 +101,13 @@ class WinchController:
         self._order_given: WinchOrder | None = None
         self._tick = 0
         self._mode_before = self.modes.mode
+        self._harm_before = ""
+        self._authority_before = 0.0
         self._depth_surprise = 0.0
+        self._depth_reading: float | None = None
         self._compensating_command = 0.0
         self._total_command = 0.0
+        self._speed_asked = 0.0
         self._last_rate = 0.0
         self._has_landed = False
         self._is_lifting = False
@@ -219,21 +231,29 @@ class WinchController:
     def _watch_winch(self, winch: WinchReading | None) -> None:
         """Put the set-points of the last tick and what the encoder made of them on record; notice late commands."""
         given = self._order_given
+        if given is not None and winch is not None:
+            self._watch_transport(given.sequence, winch.command_sequence)
         if given is None or given.brake:
-            self._winch.reset()
+            self._winch.reset(0.0 if given is None else given.payout)
             return
-        if winch is not None:
-            words = self._late_commands.update(
-                given.sequence, winch.command_sequence, self.parameters.winch.command_delay
-            )
-            if words:
-                self._alarms.append(words)
-                self._winch.restart()
         if winch is not None and winch.limits_hit & UNLEARNT_LIMITS:
             self._winch.add(given.payout, given.payout_rate, None)
             self._winch.restart()
         else:
             self._winch.add(given.payout, given.payout_rate, self.observer.payout)
+
+    def _watch_transport(self, given: int, taken: int) -> None:
+        """Notice late commands; no feedback of the unit is tried with more delay than can be learnt or borne."""
+        winch = self.parameters.winch
+        words = self._late_commands.update(given, taken, winch.command_delay)
+        if words:
+            self._alarms.append(words)
+            self._winch.restart()
+        lag = winch.command_delay + winch.time_constant
+        bearable = self.parameters.lag.largest if self._learns_winch else BEARABLE_SHARE * lag
+        overdue = self._late_commands.overdue
+        if overdue > bearable:
+            self.guard.hold_off(f"winch takes commands {overdue:.2f} s later than believed: no loop bears that")
 
     def _believe(self, parameters: WinchControllerParameters) -> None:
         """Go on with a design of another winch: every state keeps its meaning, the chain of commands its newest."""
@@ -287,8 +307,10 @@ class WinchController:
         """Use a design from now on; estimate, mode and mean payout stay."""
         self.design = design
         self._law: Law = make_law(design)
+        self.guard.effort = effort_of(design, self._law)
         self._governor = make_governor(design)
         self._open_loop = make_open_loop(design)
+        self._settling_loop = make_open_loop(design, settles=True)
         self._tension_law = ConstantTension(
             design.model, design.cable, self.parameters.winch, self.parameters.tension, self._tension_law
         )
@@ -331,6 +353,7 @@ class WinchController:
         if measurements.load_cell and math.isfinite(self.observer.tension):
             self._tension.observe(self.observer.tension)
         estimate = self.estimator.step(tick, self._compensating_command, readings)
+        self._depth_reading = next((r.value for r in reversed(readings) if r.name == "unit_heave"), None)
         depth = self.estimator.innovations.get("unit_heave")
         if depth is not None and math.isfinite(depth.nis):
             self._depth_surprise = depth.value / depth.sigma
@@ -347,16 +370,16 @@ class WinchController:
     def _step_mode(self, estimate: Array, uncompensated: Array, fault: int) -> ModeOutput:
         is_judged = not self._has_landed and self.modes.mode is not Mode.CONSTANT_TENSION
         authority = self.modes.authority if is_judged else 0.0
-        residual = self._winch_rows @ self._mean_state + (estimate + self._mean_state)[self._unit_states]
         self.guard.update(
-            (float(residual[0]), float(residual[1])),
-            (float(uncompensated[0]), float(uncompensated[1])),
-            float(self._tip_rows[1] @ estimate),
+            self._seen(estimate, uncompensated, authority),
             authority,
             self.modes.target,
             inertia=self.design.cable.a,
             has_feedback=self.parameters.law != "feedforward",
         )
+        if self.modes.brake and self.guard.reason and self.guard.reason != self._harm_before:
+            self._alarms.append(self.guard.reason)
+        self._harm_before = self.guard.reason
         situation = Situation(
             lost=self.observer.lost(self._vital()),
             has_estimate=bool(self.observer.gates["encoder"].state(0.0).accepted),
@@ -364,12 +387,41 @@ class WinchController:
             harm=self.guard.reason,
             speed=self._commanded_speed(estimate),
             authority_limit=1.0 if self.parameters.law == "mpc" else self.guard.authority_limit,
+            is_settled=self._is_settled(estimate, uncompensated),
         )
         mode = self.modes.step(situation)
         if mode.mode is not self._mode_before:
             self._enter(mode.mode, self._mode_before, estimate)
             self._mode_before = mode.mode
         return mode
+
+    def _seen(self, estimate: Array, uncompensated: Array, authority: float) -> Seen:
+        """Return what the guard is told of a tick; the mean payout's own motion is no harm."""
+        mean = self._winch_rows @ self._mean_state + self._mean_state[self._unit_states]
+        residual = mean + estimate[self._unit_states]
+        tip, tip_rate = (float(value) for value in self._tip_rows @ estimate)
+        # while authority A moves, the unit goes over to (1 - A) of the uncompensated motion: by Eq. 6.2 that asks for
+        # payout = A tip + 2 a A' z_off' (b and A'' left out), with a z_off'' = tip - z_off
+        change, self._authority_before = authority - self._authority_before, authority
+        modes = self.parameters.modes
+        largest = self._dt / min(modes.fade_in_time, modes.fade_out_time)
+        change = min(max(change, -largest), largest) / self._dt
+        meant = authority * tip_rate + change * (3.0 * tip - 2.0 * float(uncompensated[0]))
+        return Seen(
+            residual=(float(residual[0]), float(residual[1])),
+            uncompensated=(float(uncompensated[0]), float(uncompensated[1])),
+            tip_rate=tip_rate,
+            drum_error=float(self._rate_row @ estimate) - meant,
+            depth=None if self._depth_reading is None else self._depth_reading + float(mean[0]),
+        )
+
+    def _is_settled(self, estimate: Array, uncompensated: Array) -> bool:
+        """Tell whether a lost loop has been brought back: the winch may stop, and the unit will not swing on."""
+        if not (self.guard.is_harming and self.guard.trusts_estimate) or self._settling_loop is None:
+            return True
+        error = estimate[self._unit_states] + self._winch_rows @ estimate - uncompensated
+        swing = math.hypot(error[0], math.sqrt(self.design.cable.a) * error[1])
+        return bool(swing < self._settling_loop.settled)
 
     def _vital(self) -> tuple[str, ...]:
         if self.modes.mode is Mode.CONSTANT_TENSION:
@@ -461,20 +513,21 @@ class WinchController:
         total_state = estimate + self._mean_state
         payout, rate = self._governor.predict(total_state)
         reference_command = self._reference_command()
+        standing = self._standing_command(total_state, payout)
         mean_payout, mean_rate = self._governor.predict(self._mean_state)
         state = LoopState(
             x=self._law_state(mode, estimate, uncompensated),
             reference=Reference(mean_payout, mean_rate, reference_command),
             static_tension=self.design.cable.static_tension,
         )
-        asked = self._ask(mode, state, estimate)
+        asked = self._ask(mode, state, estimate, standing)
         if mode.brake:
-            still = self._standing_command(total_state)
-            governed = GovernedCommand(still, (), still)
+            governed = GovernedCommand(standing, (), standing)
         else:
             tension = self.observer.tension if math.isfinite(self.observer.tension) else state.static_tension
             governed = self._governor.govern(asked.value + reference_command, payout, rate, tension)
         self._total_command = governed.value
+        self._speed_asked = governed.value - standing
         self._compensating_command = governed.value - reference_command
         return asked, governed
 
@@ -490,39 +543,50 @@ class WinchController:
             x[self.design.model.state("unit_heave")] += left
         return x
 
-    def _ask(self, mode: ModeOutput, state: LoopState, estimate: Array) -> LawCommand:
+    def _ask(self, mode: ModeOutput, state: LoopState, estimate: Array, standing: float) -> LawCommand:
         if mode.mode is Mode.CONSTANT_TENSION:
             return self._tension.command(LoopState(estimate, state.reference, state.static_tension))
+        if mode.mode is Mode.STOPPING or (mode.mode is Mode.FADE_OUT and not self.guard.trusts_estimate):
+            return self._slow_down(state, standing)
+        if mode.mode is Mode.FADE_OUT and self.guard.is_harming and self._settling_loop is not None:
+            return self._settling_loop.command(state)
         if mode.mode is Mode.FADE_OUT and self._open_loop is not None:
-            # whatever was lost, harm or a sensor: what the unit is believed to do is not to be acted upon any more
+            # a sensor was lost: what the unit is believed to do is not to be acted upon any more
             return self._open_loop.command(state)
         if mode.mode in (Mode.COMPENSATING, Mode.FADE_OUT):
             if isinstance(self._law, SpeedFeedforward):
                 self._law.reading = mode.authority * self.observer.mru_rate
             return self._law.command(state)
-        if mode.mode is Mode.STOPPING:
-            if self._is_first_order:
-                return LawCommand(self._standing_command(estimate + self._mean_state) - state.reference.command)
-            step = self.parameters.modes.stop_deceleration * self._dt
-            slower = math.copysign(max(abs(self._total_command) - step, 0.0), self._total_command)
-            return LawCommand(slower - state.reference.command)
         return IDLE
 
-    def _standing_command(self, total_state: Array) -> float:
-        """Return the command under which the winch stays where it is: no rate, or its own payout."""
-        return float(self._payout_row @ total_state) if self._is_first_order else 0.0
+    def _slow_down(self, state: LoopState, standing: float) -> LawCommand:
+        """Return the command that brings the winch to rest at a bounded deceleration; `standing` keeps it there."""
+        if self._is_first_order:
+            return LawCommand(standing - state.reference.command)
+        step = self.parameters.modes.stop_deceleration * self._dt
+        slower = math.copysign(max(abs(self._speed_asked) - step, 0.0), self._speed_asked)
+        return LawCommand(slower + standing - state.reference.command)
+
+    def _standing_command(self, total_state: Array, payout_ahead: float) -> float:
+        """Return the command under which the winch stays where it is: its own payout, or what a servo's position loop
+        takes off.
+        """
+        if self._is_first_order:
+            return float(self._payout_row @ total_state)
+        return self.parameters.winch.position_gain * payout_ahead
 
     def _commanded_speed(self, estimate: Array) -> float:
         if self._is_first_order:
             return abs(float(self._rate_row @ (estimate + self._mean_state)))
-        return abs(self._total_command)
+        return abs(self._speed_asked)
 
     def _reference_command(self) -> float:
         """Return the share of the command that moves the mean payout: its rate, and the servo's lag ahead."""
         point = self.mean.point
         if self._is_first_order:
             return point.payout + point.rate / self.parameters.winch.position_rate
-        return point.rate + self.parameters.winch.time_constant * point.acceleration
+        winch = self.parameters.winch
+        return point.rate + winch.time_constant * point.acceleration + winch.position_gain * point.payout
 
     def _advance_mean(self) -> None:
         """Advance the mean payout and the loop's known answer to it by a tick."""
@@ -535,7 +599,9 @@ class WinchController:
     def _order(self, mode: ModeOutput, governed: GovernedCommand) -> WinchOrder:
         self._sequence += 1
         payout = self.mean.point.payout + self._left_over.point.payout
-        order = WinchOrder(self._sequence, payout, governed.sent, mode.brake)
+        # the model's command counts what the winch's position loop makes of the payout set-point as well
+        rate = governed.sent - self.parameters.winch.position_gain * payout
+        order = WinchOrder(self._sequence, payout, rate, mode.brake)
         if self._is_first_order:
             order = WinchOrder(self._sequence, governed.sent, 0.0, mode.brake)
         self._order_given = order

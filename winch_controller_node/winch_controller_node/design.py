@@ -57,7 +57,6 @@ class ControllerDesign:
         up, about the expected mean), payout (encoder), unit_velocity, unit_acceleration, tension (about the static one)
     initial_covariance : of the estimate at the start, shape (n, n)
     gain : u = -gain x, shape (n,): optimum for all states (thesis 6.3), zero for sensor states
-    regulator_gain : the same without the states of the sea (thesis 6.2.4, 6.2.5): feedback of unit, winch and delay
     cost : of the model's states
     sigma : stationary standard deviation of each output with the winch locked
     sea_noise : what the waves contribute to the process noise of a tick, shape (n, n)
@@ -71,7 +70,6 @@ class ControllerDesign:
     measurements: tuple[MeasurementModel, ...]
     initial_covariance: Array
     gain: Array
-    regulator_gain: Array
     cost: QuadraticCost
     sigma: dict[str, float]
     sea_noise: Array
@@ -144,7 +142,6 @@ def design_controller(
         measurements=measurements,
         initial_covariance=covariance,
         gain=gain,
-        regulator_gain=_without_sea(model, gain),
         cost=cost,
         sigma=sigma,
         sea_noise=sea_noise_covariance(model_inputs(parameters, cable), tick_period, model.order),
@@ -165,7 +162,6 @@ def at_cable(design: ControllerDesign, cable: CableModel, length: float, gain: A
         model=model,
         measurements=measurement_models(parameters, model, cable),
         gain=gain,
-        regulator_gain=_without_sea(model, gain),
         cost=design_cost(parameters, model),
     )
 
@@ -328,7 +324,14 @@ def _is_sea(name: str) -> bool:
     return name.startswith(("vessel_", "wave_"))
 
 
-def _without_sea(model: LinearModel, gain: Array) -> Array:
+def regulator_gain(parameters: WinchControllerParameters, model: LinearModel) -> Array:
+    """Return the gain of the regulator of unit, winch and delay (thesis 6.2.4, 6.2.5), shape (n,).
+
+    The outlet has no weight in it: without a boom tip to follow, that would hold the payout where it is. Nothing but
+    the unit's own motion then asks for a command, so that it is weighed as in the thesis, by itself.
+    """
+    weights = replace(parameters.weights, outlet_heave=0.0)
+    gain = full_gain(model, design_cost(replace(parameters, weights=weights), model))
     return np.where([_is_sea(name) for name in model.state_names], 0.0, gain)
 
 

@@ -1,21 +1,27 @@
 """Never worse than off: compares the residual with what the unit would do uncompensated, live, from estimates.
 
 Over some waves exponentially weighted variances of both are compared: compensation must be better than none. A loop
-that is lost pumps energy into a unit that then swings for minutes, so that the guard must not wait for waves: over
-seconds it compares the swing of the unit, z^2 + a z'^2, with that of the uncompensated one now and in the last waves.
-Compensation that does harm is faded out; after a hold time, which doubles with every harm, it is tried again once the
-sea asks for no more than the winch can give.
+that is lost pumps energy into a unit that then swings for minutes, so that the guard must not wait for waves. Over
+seconds it compares
+
+- the speed of the drum, where the law did not mean it, with the speed of the boom tip: a loop that grows shows there
+  first, long before the heavy unit has answered;
+- the swing of the unit, z^2 + a z'^2, with that of the uncompensated one;
+- the heave that the depth sensor reads with the uncompensated one, and with the estimate: it knows where that is led
+  astray (a motion reference unit of the wrong sign), and nothing can be tried before they agree again.
+
+Compensation that does harm is faded out; after a hold time, which becomes longer with every harm, it is tried again
+once the sea asks for no more than the winch can give.
 """
 
 from __future__ import annotations
 
-import math
+from dataclasses import dataclass
 
+from winch_controller_node.comparison import MeasuredHeave, QuickComparison, Quickness, RunningSigma
 from winch_controller_node.law_parameters import GuardParameters
+from winch_controller_node.laws.effort import Effort
 from winch_controller_node.laws.governor import WinchLimits
-
-SLOW_MEAN_FACTOR = 3.0
-"""The mean about which motion is judged is followed this many times more slowly than the variance."""
 
 FULL_SHARE = 0.95
 """Share of the wanted authority from which on compensation is judged."""
@@ -23,86 +29,57 @@ FULL_SHARE = 0.95
 PEAK = 3.0
 """Peak amplitude over standard deviation of a sea, over some minutes."""
 
-QUICK_TIME = 3.0
-"""Memory of the quick comparison [s]."""
-
-QUICK_FLOORS = 10.0
-"""Quick comparison: swings below so many times the floor are left to the slow one."""
-
-QUICK_RATIO = 1.5
-"""Quick comparison: harm above this ratio to the largest of what the sea gives now and in the last waves."""
-
 SIGNIFICANT = 2.0
 """Significant amplitude over standard deviation of a narrow-banded sea."""
 
+GROUP_TIME, GROUP_PEAK = 8.0, 2.2
+"""Memory that sees a group of high waves come [s], and peak amplitude over standard deviation within one."""
+
+DRUM = Quickness(time=2.0, ratio=1.5, floor=0.1)
+"""Speed of the drum that was not meant, against that of the boom tip [m/s]."""
+
+SWING_WORK = 2.0
+"""Speed of the drum that stops a unit, over the speed of that."""
+
+SWING_TIME, SWING_RATIO = 3.0, 1.2
+"""Swing of the unit against the uncompensated one: memory [s] and ratio."""
+
+DEPTH_TIME, DEPTH_RATIO = 6.0, 1.3
+"""Heave that the depth sensor reads against the uncompensated one: memory [s] and ratio."""
+
+DOUBT_TIME, DOUBT_RATIO = 8.0, 0.8
+"""Depth sensor against the estimate, over the uncompensated heave: memory [s] and ratio."""
+
+LEAST_AUTHORITY = 0.5
+"""The drum's error is judged against this share of the boom tip's speed at least."""
+
+QUICK_FLOORS = 10.0
+"""Quick comparisons of heave: below so many times the floor it is left to the slow one."""
+
+HOLD_GROWTH = 4.0
+"""The hold time grows by this factor with each harm: what all tries do together stays little."""
 
 Motion = tuple[float, float]
 """Heave [m] and heave rate [m/s]."""
 
 
-class RunningSigma:
-    """Exponentially weighted standard deviation about a slow mean.
+@dataclass(frozen=True)
+class Seen:
+    """What the controller knows of a tick, all about the mean depth.
 
-    Parameters
+    Attributes
     ----------
-    time_constant : memory [s]
-    tick_period : [s]
+    residual, uncompensated : estimated heave [m] and rate [m/s] of the unit with and without compensation
+    tip_rate : estimated heave rate of the boom tip [m/s]
+    drum_error : speed of the drum less what compensating that share of the sea asks for [m/s]
+    depth : heave as the depth sensor reads it [m]; None: no reading
     """
 
-    def __init__(self, time_constant: float, tick_period: float) -> None:
-        self._weight = tick_period / time_constant
-        self._count = 0
-        self._mean = 0.0
-        self._variance = 0.0
-
-    def add(self, value: float) -> None:
-        """Take a value in; the first ones weigh as in a plain average."""
-        self._count += 1
-        weight = max(self._weight, 1.0 / self._count)
-        self._mean += max(self._weight / SLOW_MEAN_FACTOR, 1.0 / self._count) * (value - self._mean)
-        self._variance += weight * ((value - self._mean) ** 2 - self._variance)
-
-    @property
-    def sigma(self) -> float:
-        """Standard deviation, in the unit of the values."""
-        return math.sqrt(self._variance)
-
-
-class QuickComparison:
-    """Compares two motions over seconds by their energy; the reference also by that of the last waves.
-
-    Parameters
-    ----------
-    window : memory of the waves [s]
-    tick_period : [s]
-    """
-
-    def __init__(self, window: float, tick_period: float) -> None:
-        self._quick, self._slow = tick_period / QUICK_TIME, tick_period / window
-        self._count = 0
-        self._patience = round(0.5 * window / tick_period)
-        self._energy = self._reference = self._waves = 0.0
-
-    def add(self, energy: float, reference: float, *, is_on: bool) -> None:
-        """Take in the energies of a tick [m^2]; while compensation is off they are the same."""
-        self._count += 1
-        least = 1.0 / self._count
-        self._reference += max(self._quick, least) * (reference - self._reference)
-        self._waves += max(self._slow, least) * (reference - self._waves)
-        self._energy += max(self._quick, least) * (energy - self._energy)
-        if not is_on:
-            self._energy = self._reference
-
-    @property
-    def amplitude(self) -> float:
-        """Root mean square of the motion [m]."""
-        return math.sqrt(self._energy)
-
-    def is_above(self, floor: float) -> bool:
-        """Tell whether the motion is above `floor` [m] and surely above the reference, once some waves have come."""
-        if self._count < self._patience:
-            return False
-        return self.amplitude > max(floor, QUICK_RATIO * math.sqrt(max(self._reference, self._waves)))
+    residual: Motion
+    uncompensated: Motion
+    tip_rate: float
+    drum_error: float = 0.0
+    depth: float | None = None
 
 
 class HarmGuard:
@@ -113,26 +90,43 @@ class HarmGuard:
     parameters : window, ratio, hold times
     limits : of the winch, for what the sea may ask for
     tick_period : [s]
+    depth_noise : standard deviation of the depth sensor's noise [m]
 
     Attributes
     ----------
+    effort : of the law in force
     is_harming : compensation is to be off
+    trusts_estimate : the depth sensor bears the estimate out
     reason : in words, empty when all is well
     """
 
-    def __init__(self, parameters: GuardParameters, limits: WinchLimits, *, tick_period: float) -> None:
+    def __init__(
+        self, parameters: GuardParameters, limits: WinchLimits, *, tick_period: float, depth_noise: float = 0.0
+    ) -> None:
         self._parameters = parameters
         self._limits = limits
         self._dt = tick_period
+        self.effort = Effort()
         self.is_harming = False
+        self.trusts_estimate = True
         self.reason = ""
         self._hold = parameters.hold_time
         self._off_time = 0.0
         self._on_time = 0.0
         self._reset_sigmas()
-        self._swing = QuickComparison(parameters.window, tick_period)
-        self._tip_rate = RunningSigma(parameters.window, tick_period)
-        self._tip_acceleration = RunningSigma(parameters.window, tick_period)
+        window, floor = parameters.window, QUICK_FLOORS * parameters.floor
+        self._drum = QuickComparison(DRUM, window, tick_period)
+        self._swing = QuickComparison(Quickness(SWING_TIME, SWING_RATIO, floor), window, tick_period)
+        self._depth = QuickComparison(Quickness(DEPTH_TIME, DEPTH_RATIO, floor, depth_noise), window, tick_period)
+        self._measured = MeasuredHeave(tick_period)
+        self._doubt = QuickComparison(Quickness(DOUBT_TIME, DOUBT_RATIO, floor, depth_noise), window, tick_period)
+        self._difference = MeasuredHeave(tick_period)
+        self._authority_before = 0.0
+        self._exchanged = 0.0
+        self._tip_rate = RunningSigma(window, tick_period)
+        self._tip_acceleration = RunningSigma(window, tick_period)
+        self._group_rate = RunningSigma(GROUP_TIME, tick_period)
+        self._group_acceleration = RunningSigma(GROUP_TIME, tick_period)
         self._last_rate: float | None = None
 
     def _reset_sigmas(self) -> None:
@@ -159,14 +153,17 @@ class HarmGuard:
     @property
     def authority_limit(self) -> float:
         """Largest authority that keeps a law without limits of its own off the winch's limits, by the sea seen now."""
-        peak = PEAK / SIGNIFICANT * self.demand
+        speed = max(PEAK * self._tip_rate.sigma, GROUP_PEAK * self._group_rate.sigma)
+        acceleration = max(PEAK * self._tip_acceleration.sigma, GROUP_PEAK * self._group_acceleration.sigma)
+        peak = max(
+            self.effort.speed * speed / self._limits.speed,
+            self.effort.acceleration * acceleration / self._limits.acceleration,
+        )
         return min(1.0, self._parameters.limit_use / peak) if peak > 0.0 else 1.0
 
     def update(
         self,
-        residual: Motion,
-        uncompensated: Motion,
-        tip_rate: float,
+        seen: Seen,
         authority: float,
         target: float = 1.0,
         *,
@@ -177,19 +174,16 @@ class HarmGuard:
 
         Parameters
         ----------
-        residual, uncompensated : estimated heave [m] and rate [m/s] of the unit with and without compensation
-        inertia : a of the two-state cable [s^2]
-        has_feedback : the law feeds the unit's motion back, and could be lost; others are judged over waves only
-        tip_rate : estimated heave rate of the boom tip [m/s]
+        seen : motions of the tick
         authority : share of the sea that is compensated now
         target : share it goes to; compensation is judged when that is (nearly) reached
+        inertia : a of the two-state cable [s^2]
+        has_feedback : the law feeds the unit's motion back, and could be lost; others are judged over waves only
         """
-        self._tip_rate.add(tip_rate)
-        if self._last_rate is not None:
-            self._tip_acceleration.add((tip_rate - self._last_rate) / self._dt)
-        self._last_rate = tip_rate
-        swings = [heave**2 + inertia * rate**2 for heave, rate in (residual, uncompensated)]
-        self._swing.add(*swings, is_on=authority > 0.0)
+        self._watch_sea(seen.tip_rate)
+        self._watch(seen, inertia, authority)
+        if self._doubt.is_above:
+            self._distrust()
         if self.is_harming:
             self._wait(authority)
             return
@@ -197,19 +191,73 @@ class HarmGuard:
             self._on_time = 0.0
             self._reset_sigmas()
             return
-        if has_feedback:
-            self._judge_quickly()
+        self._judge_quickly(has_feedback=has_feedback)
         if self.is_harming or authority < FULL_SHARE * target:
             return
-        self._residual.add(residual[0])
-        self._uncompensated.add(uncompensated[0])
+        self._residual.add(seen.residual[0])
+        self._uncompensated.add(seen.uncompensated[0])
         self._on_time += self._dt
         self._judge()
 
-    def _judge_quickly(self) -> None:
-        if self._swing.is_above(QUICK_FLOORS * self._parameters.floor):
+    def hold_off(self, reason: str) -> None:
+        """Keep compensation off while there is a `reason` that is known for sure, and for the hold time after it."""
+        self._off_time = 0.0
+        if not self.is_harming:
+            self._fade(reason)
+
+    def _watch_sea(self, tip_rate: float) -> None:
+        self._tip_rate.add(tip_rate)
+        self._group_rate.add(tip_rate)
+        if self._last_rate is not None:
+            acceleration = (tip_rate - self._last_rate) / self._dt
+            self._tip_acceleration.add(acceleration)
+            self._group_acceleration.add(acceleration)
+        self._last_rate = tip_rate
+
+    def _watch(self, seen: Seen, inertia: float, authority: float) -> None:
+        """Take the motions of a tick into the quick comparisons."""
+        swing, uncompensated = (heave**2 + inertia * rate**2 for heave, rate in (seen.residual, seen.uncompensated))
+        self._measured.add(seen.depth)
+        self._difference.add(None if seen.depth is None else seen.depth - seen.residual[0])
+        meant = (1.0 + self.effort.drum_error) * max(authority, LEAST_AUTHORITY) * seen.tip_rate
+        # a law has to stop a unit that swings, and while authority moves to take it out of its uncompensated swing
+        moves, self._authority_before = authority != self._authority_before, authority
+        self._exchanged = uncompensated if moves else self._exchanged * (1.0 - self._dt / SWING_TIME)
+        work = SWING_WORK**2 * (swing + self._exchanged) / inertia if inertia > 0.0 else 0.0
+        self._drum.add(seen.drum_error**2, meant**2 + work)
+        self._swing.add(swing, uncompensated)
+        # the mean square of a swing is half its energy; a sensor of heave alone sees that
+        self._depth.add(self._measured.value**2, 0.5 * uncompensated)
+        self._doubt.add(self._difference.value**2, 0.5 * uncompensated)
+        if authority <= 0.0:
+            self._drum.begin()
+            self._swing.begin(self._swing.reference)
+            self._depth.begin()
+
+    def _judge_quickly(self, *, has_feedback: bool) -> None:
+        if self._depth.is_above:
+            amplitude = self._depth.amplitude
+            self.trusts_estimate = False
+            self._fade(
+                f"compensation does harm: the depth sensor sees the unit move {amplitude:.3f} m, more than the "
+                "sea would have it"
+            )
+        elif has_feedback and self._swing.is_above:
             amplitude = self._swing.amplitude
             self._fade(f"compensation does harm: the unit swings {amplitude:.3f} m, more than the sea would have it")
+        elif has_feedback and self._drum.is_above:
+            amplitude = self._drum.amplitude
+            self._fade(
+                f"compensation does harm: the drum runs {amplitude:.3f} m/s off the boom tip, more than that "
+                "itself moves"
+            )
+
+    def _distrust(self) -> None:
+        self.trusts_estimate = False
+        amplitude = self._doubt.amplitude
+        self.hold_off(
+            f"the depth sensor contradicts the estimate by {amplitude:.3f} m: no compensation before they agree"
+        )
 
     def _judge(self) -> None:
         parameters = self._parameters
@@ -233,7 +281,8 @@ class HarmGuard:
         self._off_time += self._dt
         if self._off_time >= self._hold and self.demand <= self._parameters.demand_ratio:
             self.is_harming = False
+            self.trusts_estimate = True
             self.reason = ""
-            self._hold = min(2.0 * self._hold, self._parameters.hold_time_limit)
+            self._hold = min(HOLD_GROWTH * self._hold, self._parameters.hold_time_limit)
             self._on_time = 0.0
             self._reset_sigmas()

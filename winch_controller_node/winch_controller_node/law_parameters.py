@@ -97,7 +97,11 @@ class GuardParameters:
         60.0, unit="s", minimum=0.0, maximum=86_400.0, description="Time off before compensation is tried again."
     )
     hold_time_limit: float = parameter(
-        960.0, unit="s", minimum=0.0, maximum=86_400.0, description="The hold time doubles at each harm up to this."
+        960.0,
+        unit="s",
+        minimum=0.0,
+        maximum=86_400.0,
+        description="Each harm makes the hold time four times longer, up to this.",
     )
     demand_ratio: float = parameter(
         3.0,

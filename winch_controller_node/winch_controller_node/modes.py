@@ -40,6 +40,10 @@ BACK_TIME = 1.0
 """A sensor that is back for so long [s] ends the fade-out it was the reason of."""
 
 
+SETTLING_LIMIT = 30.0
+"""Longest time that a unit may take to settle after a fade-out [s]."""
+
+
 class ModeError(ValueError):
     """A mode that cannot be taken now; the message says why."""
 
@@ -56,6 +60,7 @@ class Situation:
     harm : the guard's reason to fade out, empty when all is well
     speed : speed of the winch as commanded [m/s], absolute
     authority_limit : share of the sea that the winch can follow under this law
+    is_settled : the unit moves as it would with the winch locked: the winch may stop
     """
 
     lost: str
@@ -64,6 +69,7 @@ class Situation:
     harm: str
     speed: float
     authority_limit: float = 1.0
+    is_settled: bool = True
 
 
 @dataclass(frozen=True)
@@ -210,7 +216,8 @@ class ModeMachine:
             self._enter(Mode.COMPENSATING, "sensors well again")
             return
         self._move_authority(0.0, self._parameters.fade_out_time)
-        if self.authority == 0.0:
+        longest = self._parameters.fade_out_time + SETTLING_LIMIT
+        if self.authority == 0.0 and (situation.is_settled or situation.lost or self._time > longest):
             self._enter(Mode.STOPPING, self.reason)
 
     def _stopping(self, situation: Situation) -> None:

@@ -94,12 +94,12 @@ class WinchIdentifier:
         self._readings: deque[float] = deque(maxlen=window)
         self.reset()
 
-    def reset(self) -> None:
-        """Begin a new record with the drum at rest."""
+    def reset(self, payout: float = 0.0) -> None:
+        """Begin a new record with the drum at rest at `payout` [m]."""
         self._payouts.clear()
         self._rates.clear()
         self.restart()
-        self._payouts.extend([0.0] * self._ahead)
+        self._payouts.extend([payout] * self._ahead)
         self._rates.extend([0.0] * self._ahead)
 
     def restart(self) -> None:
@@ -195,11 +195,16 @@ class LateCommands:
     Parameters
     ----------
     tick_period : [s]
+
+    Attributes
+    ----------
+    overdue : time by which commands are surely later than believed [s]
     """
 
     def __init__(self, tick_period: float) -> None:
         self._dt = tick_period
         self._late = 0
+        self.overdue = 0.0
 
     def update(self, given: int, taken: int, delay: float) -> str:
         """Return in words what is wrong, once each time; empty when nothing is.
@@ -212,6 +217,7 @@ class LateCommands:
         due = math.ceil(delay / self._dt - 1e-6) - 1
         is_late = taken > 0 and given - taken > due + 1
         self._late = self._late + 1 if is_late else 0
+        self.overdue = (given - taken - due - 1) * self._dt if self._late >= LATE_TICKS else 0.0
         if self._late != LATE_TICKS:
             return ""
-        return f"winch takes commands at least {(given - taken - due - 1) * self._dt:.2f} s later than believed"
+        return f"winch takes commands at least {self.overdue:.2f} s later than believed"

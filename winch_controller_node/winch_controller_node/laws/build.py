@@ -6,9 +6,10 @@ from typing import Protocol
 
 import numpy as np
 
-from winch_controller_node.design import ControllerDesign, is_sensor_state
+from winch_controller_node.design import ControllerDesign, is_sensor_state, regulator_gain
 from winch_controller_node.law_parameters import MpcParameters
 from winch_controller_node.laws.constrained import ConstrainedLaw
+from winch_controller_node.laws.effort import Effort, feedback_effort
 from winch_controller_node.laws.feedback import LawCommand, StateFeedback
 from winch_controller_node.laws.feedforward import OutletHold, SpeedFeedforward
 from winch_controller_node.laws.governor import CommandGovernor, WinchLimits, winch_limits
@@ -69,15 +70,24 @@ def make_law(design: ControllerDesign) -> Law:
         return ConstrainedLaw(design.model, gain, parameters.winch, limits_of(design), parameters.mpc)
     if parameters.law == "feedforward":
         return SpeedFeedforward(design.model, parameters.winch, parameters.feedforward)
-    gain = design.regulator_gain if parameters.law == "lqr" else design.gain
     unit = [design.model.state("unit_heave"), design.model.state("unit_heave_rate")]
-    return StateFeedback(gain, unit, parameters.limits.unit_share * limits_of(design).speed)
+    if parameters.law == "lqr":
+        # all that it does comes from the unit's error
+        return StateFeedback(regulator_gain(parameters, design.model), unit, limits_of(design).speed)
+    return StateFeedback(design.gain, unit, parameters.limits.unit_share * limits_of(design).speed)
 
 
-def make_open_loop(design: ControllerDesign) -> OutletHold | None:
-    """Return the law by which harm is faded out: without feedback of the unit, nothing can be unstable.
+def effort_of(design: ControllerDesign, law: Law) -> Effort:
+    """Return what the design's law asks of the winch; those that know the boom tip ask for its motion."""
+    is_regulator = design.parameters.law == "lqr" and design.parameters.winch.law == "speed_servo"
+    return feedback_effort(design, law.gain) if is_regulator else Effort()
 
-    None for a first-order winch, which has no rate to command.
+
+def make_open_loop(design: ControllerDesign, *, settles: bool = False) -> OutletHold | None:
+    """Return the law by which compensation is faded out: slow enough to bear delays that nobody believes in.
+
+    With `settles` it damps the unit as well. None for a first-order winch, which has no rate to command.
     """
     winch = design.parameters.winch
-    return None if winch.law == "first_order" else OutletHold(design.model, winch)
+    inertia = design.cable.a if settles else 0.0
+    return None if winch.law == "first_order" else OutletHold(design.model, winch, inertia)

@@ -66,7 +66,7 @@ class GovernedCommand:
     ----------
     value : command in the terms of the linear model: what the estimator is told
     active : names of the limits that shaped it
-    sent : set-point for the winch, whose acceleration limiter acts within the tick
+    sent : the same for the winch, whose acceleration limiter acts within the tick
     """
 
     value: float
@@ -125,6 +125,7 @@ class CommandGovernor:
     def __init__(self, model: LinearModel, winch: WinchModelParameters, limits: WinchLimits) -> None:
         assert model.dt is not None
         self._winch = winch
+        self._dt = model.dt
         self.limits = limits
         self.servo = SpeedServo(winch.time_constant, limits.acceleration, model.dt)
         self._ahead = drum_ahead(model, winch)
@@ -149,7 +150,9 @@ class CommandGovernor:
         active: list[str] = []
         speed = limits.speed_under(tension)
         step = self.servo.linear_step
-        value = wanted
+        # limits are those of the speed that the servo is asked for, less what its position loop takes off over the tick
+        taken = self._winch.position_gain * (payout + 0.5 * rate * self._dt)
+        value = wanted - taken
         for lower, upper, name in (
             (-speed, speed, SPEED if speed >= limits.speed else POWER),
             (*self._room(payout, rate), PAYOUT),
@@ -159,10 +162,10 @@ class CommandGovernor:
                 active.append(name)
                 value = min(max(value, lower), upper)
         sent = min(max(self.servo.set_point(value, rate), -limits.speed), limits.speed)
-        return GovernedCommand(value, tuple(active), sent)
+        return GovernedCommand(value + taken, tuple(active), sent + taken)
 
     def _room(self, payout: float, rate: float) -> tuple[float, float]:
-        """Return the rate commands from which the winch can still stop before the ends of its range."""
+        """Return the speeds asked for from which the winch can still stop before the ends of its range."""
         limits = self.limits
         lag = self._winch.time_constant
         # the servo needs its lag before it brakes; half the acceleration leaves the other half for errors
@@ -206,3 +209,12 @@ def drum_ahead(model: LinearModel, winch: WinchModelParameters) -> Array:
         payout = part.A[0, 0] * rows[0] + part.B[0, 0] * before
         return np.array([payout, winch.position_rate * (before - payout)])
     return np.asarray(part.A @ rows + part.B @ before[None, :])
+
+
+def standing_command(model: LinearModel, winch: WinchModelParameters) -> Array:
+    """Return the row that gives the rate command [m/s] under which a servo's drum would stand, shape (n,).
+
+    It is what its position loop takes off when the command of the tick takes effect; zero without a position loop. A
+    law that asks for a speed adds it.
+    """
+    return winch.position_gain * drum_ahead(model, winch)[0]

@@ -8,6 +8,7 @@ import numpy as np
 
 from winch_controller_node.law_parameters import TensionLawParameters
 from winch_controller_node.laws.feedback import LawCommand
+from winch_controller_node.laws.governor import standing_command
 from winch_controller_node.laws.loop_state import LoopState
 from winch_controller_node.linear_model import Array, LinearModel
 from winch_controller_node.model_parameters import WinchModelParameters
@@ -46,6 +47,8 @@ class ConstantTension:
         self._parameters = parameters
         ticks = round((winch.command_delay + winch.time_constant) / model.dt)
         self._rate: Array = model.row("boom_tip_heave_rate") @ np.linalg.matrix_power(model.A, ticks)
+        if winch.law == "speed_servo":
+            self._rate = self._rate + standing_command(model, winch)
         self._per_tension = 1.0 / (cable.stiffness * parameters.time_constant)
         self.set_point = math.nan
         self.measured = math.nan

@@ -1,0 +1,46 @@
+"""What a law asks of the winch over what the boom tip's own motion would ask: how much of a sea it can be given."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from winch_controller_node.design import ControllerDesign, is_sensor_state
+from winch_controller_node.linear_model import Array, state_covariance, with_feedback
+
+
+@dataclass(frozen=True)
+class Effort:
+    """Standard deviations in the design sea over those of a drum that follows the boom tip.
+
+    Attributes
+    ----------
+    speed, acceleration : of the drum
+    drum_error : drum speed less boom-tip rate, over the latter
+    """
+
+    speed: float = 1.0
+    acceleration: float = 1.0
+    drum_error: float = 0.0
+
+
+def feedback_effort(design: ControllerDesign, gain: Array) -> Effort:
+    """Return the effort of u = -gain x with the state known, speed servo; gain has shape (n,).
+
+    A law that sees the unit alone acts when it has moved: later than the boom tip, and so with more speed than that.
+    """
+    names = [name for name in design.model.state_names if not is_sensor_state(name)]
+    keep = [design.model.state(name) for name in names]
+    loop = with_feedback(design.model.select_states(names), gain[None, keep])
+    tip = loop.row("boom_tip_heave_rate")
+    P = state_covariance(loop)
+
+    def sigma(row: Array) -> float:
+        return math.sqrt(max(float(row @ P @ row), 0.0))
+
+    tip_acceleration = tip @ loop.A / design.tick_period - tip / design.tick_period
+    return Effort(
+        speed=sigma(loop.row("payout_rate")) / sigma(tip),
+        acceleration=sigma(loop.row("payout_acceleration")) / sigma(tip_acceleration),
+        drum_error=sigma(loop.row("payout_rate") - tip) / sigma(tip),
+    )
