@@ -436,6 +436,8 @@ class WinchController:
         elif mode is not Mode.COMPENSATING:
             self.mean.stop()
         is_returning = mode is Mode.COMPENSATING and before is not Mode.FADE_OUT
+        if mode is Mode.COMPENSATING and before is Mode.FADE_OUT:
+            self.guard.excuse_drum()
         if before is Mode.CONSTANT_TENSION and mode is Mode.COMPENSATING:
             self._hand_over(stood=False)
         elif is_returning or (mode is Mode.FADE_OUT and before is Mode.CONSTANT_TENSION):

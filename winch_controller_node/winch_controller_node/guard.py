@@ -38,6 +38,9 @@ GROUP_TIME, GROUP_PEAK = 8.0, 2.2
 DRUM = Quickness(time=2.0, ratio=1.5, floor=0.1)
 """Speed of the drum that was not meant, against that of the boom tip [m/s]."""
 
+EXCUSE_TIME = 15.0
+"""Time that a law has to catch up after a lost sensor is back [s]."""
+
 SWING_WORK = 2.0
 """Speed of the drum that stops a unit, over the speed of that."""
 
@@ -123,6 +126,7 @@ class HarmGuard:
         self._difference = MeasuredHeave(tick_period)
         self._authority_before = 0.0
         self._exchanged = 0.0
+        self._excused = 0.0
         self._tip_rate = RunningSigma(window, tick_period)
         self._tip_acceleration = RunningSigma(window, tick_period)
         self._group_rate = RunningSigma(GROUP_TIME, tick_period)
@@ -199,6 +203,10 @@ class HarmGuard:
         self._on_time += self._dt
         self._judge()
 
+    def excuse_drum(self) -> None:
+        """Leave the drum alone for some seconds: the law has to catch up with what it could not see."""
+        self._excused = EXCUSE_TIME
+
     def hold_off(self, reason: str) -> None:
         """Keep compensation off while there is a `reason` that is known for sure, and for the hold time after it."""
         self._off_time = 0.0
@@ -229,6 +237,9 @@ class HarmGuard:
         # the mean square of a swing is half its energy; a sensor of heave alone sees that
         self._depth.add(self._measured.value**2, 0.5 * uncompensated)
         self._doubt.add(self._difference.value**2, 0.5 * uncompensated)
+        self._excused = max(self._excused - self._dt, 0.0)
+        if self._excused > 0.0:
+            self._drum.begin()
         if authority <= 0.0:
             self._drum.begin()
             self._swing.begin(self._swing.reference)
