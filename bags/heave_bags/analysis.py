@@ -185,16 +185,23 @@ def kpi_frame(records: Sequence[RunRecord], window: float | None = None) -> pand
     return pandas.DataFrame(rows)
 
 
+TABLE_ENDINGS = (".csv", ".parquet")
+
+
 def save_frame(frame: pandas.DataFrame, path: Path) -> None:
-    """Write a frame as CSV or Parquet, by the ending of `path`. Raises BagError for another ending or without
-    pyarrow.
+    """Write a frame as CSV or Parquet, by the ending of `path`.
+
+    Raises BagError for another ending, without pyarrow, or if the file cannot be written.
     """
-    if path.suffix == ".csv":
-        frame.to_csv(path, index=frame.index.name is not None)
-    elif path.suffix == ".parquet":
-        try:
+    ending = path.suffix.lower()
+    if ending not in TABLE_ENDINGS:
+        raise BagError(f"{path}: a table ends in {' or '.join(TABLE_ENDINGS)}")
+    try:
+        if ending == ".csv":
+            frame.to_csv(path, index=frame.index.name is not None)
+        else:
             frame.to_parquet(path)
-        except ImportError as error:
-            raise BagError(f"{path}: Parquet needs the package pyarrow: pip install pyarrow") from error
-    else:
-        raise BagError(f"{path}: a table ends in .csv or .parquet")
+    except ImportError as error:
+        raise BagError(f"{path}: Parquet needs the package pyarrow: pip install pyarrow") from error
+    except OSError as error:
+        raise BagError(f"{path}: the table cannot be written: {error.strerror or error}") from error

@@ -94,6 +94,8 @@ def test_tables_are_written_as_csv_and_parquet(record, tmp_path):
     assert back["unit_sigma_m"].tolist() == pytest.approx(frame["unit_sigma_m"].tolist())
     with pytest.raises(BagError, match=r"\.csv or \.parquet"):
         analysis.save_frame(frame, tmp_path / "kpis.txt")
+    with pytest.raises(BagError, match=r"kpis\.csv: the table cannot be written"):
+        analysis.save_frame(frame, tmp_path / "nowhere" / "kpis.csv")
 
 
 def test_parquet_needs_a_package_that_is_named(record, tmp_path, monkeypatch):

@@ -35,14 +35,22 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return _complain(error, EXIT_FAILED)
     except KeyboardInterrupt:
         return _complain("interrupted", EXIT_FAILED)
-    except BrokenPipeError:
-        return EXIT_FAILED
+    except OSError as error:
+        return _refused_by_the_system(error)
     return EXIT_OK
 
 
 def _complain(error: object, status: int) -> int:
     sys.stderr.write(f"heave: {error}\n")
     return status
+
+
+def _refused_by_the_system(error: OSError) -> int:
+    if isinstance(error, BrokenPipeError):  # whoever read our output has seen enough
+        return EXIT_FAILED
+    if error.filename is None:  # nothing that a user named: a fault of ours, to be seen in full
+        raise error
+    return _complain(f"{error.filename}: {error.strerror}", EXIT_FAILED)
 
 
 if __name__ == "__main__":

@@ -6,8 +6,10 @@ import argparse
 import json
 import math
 import sys
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+
+from heave_node.parameters import ParameterError
 
 from heave_bringup.errors import CommandError
 
@@ -26,6 +28,20 @@ def write_result(options: argparse.Namespace, text: str, result: Mapping[str, ob
             Path(options.json).write_text(document, encoding="utf-8")
         except OSError as error:
             raise CommandError(f"{options.json}: cannot be written: {error.strerror}") from error
+
+
+def check_output(option: str, path: Path | None, endings: Sequence[str], *, makes_folder: bool = False) -> None:
+    """Refuse an output file that could not be written, before the work for it begins; None is no file.
+
+    Raises ParameterError, naming the option, for another ending than `endings`, or for a folder that does not exist
+    unless the command makes it.
+    """
+    if path is None:
+        return
+    if path.suffix.lower() not in endings:
+        raise ParameterError(f"{option} {path}: must end in {' or '.join(endings)}")
+    if not makes_folder and not path.resolve().parent.is_dir():
+        raise ParameterError(f"{option} {path}: there is no folder {path.parent}")
 
 
 def _finite(value: object) -> object:

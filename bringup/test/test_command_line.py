@@ -14,6 +14,11 @@ from heave_bringup.cli import main
         (["sail"], "heave: argument COMMAND: invalid choice: 'sail'"),
         (["run", "no_such_scenario"], "heave: no_such_scenario"),
         (["run", "b2_calm_300", "--set", "cable_sim.length=-1"], "heave: "),
+        (["static", "b3_deep_900", "--picture", "x.doc"], "heave: --picture x.doc: must end in .png or .svg"),
+        (["identify", "b3_deep_900", "--picture", "x.doc"], "heave: --picture x.doc: must end in .png or .svg or"),
+        (["kpi", "no_bag", "--table", "x.foo"], "heave: --table x.foo: must end in .csv or .parquet"),
+        (["kpi", "no_bag", "--table", "nodir/x.csv"], "heave: --table nodir/x.csv: there is no folder nodir"),
+        (["kpi", "no_bag", "--window", "-3"], "heave: --window -3: must be a number above 0 [s]"),
     ],
 )
 def test_a_wrong_command_line_is_one_line_and_status_2(arguments, words, capsys):
@@ -25,3 +30,8 @@ def test_a_wrong_command_line_is_one_line_and_status_2(arguments, words, capsys)
     assert status == 2
     assert said.startswith(words)
     assert said.count("\n") == 1
+
+
+def test_a_file_that_the_system_refuses_is_one_line_and_status_1(capsys):
+    assert main(["static", "b2_calm_300", "--picture", "/proc/x.svg"]) == 1
+    assert capsys.readouterr().err == "heave: /proc/x.svg: No such file or directory\n"

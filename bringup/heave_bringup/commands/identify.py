@@ -19,12 +19,13 @@ from winch_controller_node.lqr import DesignError
 
 from heave_bringup.bag_paths import bag_folders
 from heave_bringup.errors import CommandError
-from heave_bringup.output import write_result
+from heave_bringup.output import check_output, write_result
 from heave_bringup.scenarios import load_scenario
 
 
 def execute(options: argparse.Namespace) -> None:
     """Identify and print a and b with their uncertainty, and draw how well they explain the response."""
+    check_output("--picture", options.picture, (".png", ".svg", ".pdf"), makes_folder=True)
     try:
         if Path(options.source).is_dir():
             found = _from_bag(Path(options.source), options.drag)

@@ -3,16 +3,21 @@
 from __future__ import annotations
 
 import argparse
+import math
 
 from heave_bags import analysis
+from heave_node.parameters import ParameterError
 
 from heave_bringup.bag_paths import bag_folders
-from heave_bringup.output import write_result
+from heave_bringup.output import check_output, write_result
 from heave_bringup.records import read_records
 
 
 def execute(options: argparse.Namespace) -> None:
     """Print the figures of one bag, or of several side by side, and of windows over time."""
+    check_output("--table", options.table, analysis.TABLE_ENDINGS)
+    if options.window is not None and not 0.0 < options.window < math.inf:
+        raise ParameterError(f"--window {options.window:g}: must be a number above 0 [s]")
     records = read_records(bag_folders(options.bags))
     results = [analysis.to_json(record, options.window) for record in records]
     text = analysis.table(records)

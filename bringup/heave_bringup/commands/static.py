@@ -10,12 +10,13 @@ from cable_sim_node.static_report import draw_static, static_report
 from cable_sim_node.statics.errors import StaticsError
 
 from heave_bringup.errors import CommandError
-from heave_bringup.output import write_result
+from heave_bringup.output import check_output, write_result
 from heave_bringup.scenarios import load_scenario
 
 
 def execute(options: argparse.Namespace) -> None:
     """Print end forces, positions, top tension and angle; draw the shape in both planes."""
+    check_output("--picture", options.picture, (".png", ".svg"))
     scenario = load_scenario(options.scenario, settings=options.set)
     try:
         report = static_report(scenario.parameters["cable_sim"])
