@@ -48,7 +48,7 @@ $(VENV)/bin/uv:
 	@$(BIN)/python -m pip install --quiet uv
 
 $(VENV)/.installed: $(VENV)/bin/uv $(BUILD_INPUTS)
-	@echo "setup: ROS 2 from wheels, then the messages are compiled: a minute or two"
+	@echo "setup: ROS 2 from wheels, then the messages are compiled: two to four minutes"
 	@VIRTUAL_ENV=$(CURDIR)/$(VENV) $(BIN)/uv pip install --quiet --reinstall-package heave --editable . || \
 		$(BIN)/python -m pip install --quiet --editable .
 	@echo "setup: compiling the models, once"

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import re
 import time
 
 import rclpy
+from builtin_interfaces.msg import Time
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from heave_msgs.msg import CompensationKpi, TickStatus
 from heave_node import topics
 from heave_node.qos import qos_of
 from heave_node.spin import Spinner
+from heave_node.tick import seconds_of
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
@@ -17,9 +21,18 @@ DISCOVERY = 0.5
 later is told apart all the same.
 """
 
+_FIGURES = re.compile(r"[0-9.]+")
+"""What changes in a message while the fault stays the same."""
+
 
 class Monitor:
-    """Listens to a run from outside; takes no part in it."""
+    """Listens to a run from outside; takes no part in it.
+
+    Attributes
+    ----------
+    status, kpi : the newest of each
+    alarms : what the nodes called an error on /diagnostics, in order, each once
+    """
 
     def __init__(self) -> None:
         # The command handles Ctrl-C itself: it must end the nodes in order.
@@ -27,12 +40,18 @@ class Monitor:
         self._node = Node("heave_command", start_parameter_services=False)
         self.status: TickStatus | None = None
         self.kpi: CompensationKpi | None = None
+        self.alarms: list[str] = []
+        self._wrong: dict[str, str] = {}
+        self._taken = 0
         self._over_since = 0.0
         self._node.create_subscription(
             TickStatus, topics.TICK_STATUS.name, self._on_status, qos_of(topics.TICK_STATUS.role)
         )
         self._node.create_subscription(
             CompensationKpi, topics.CONTROLLER_KPI.name, self._on_kpi, qos_of(topics.CONTROLLER_KPI.role)
+        )
+        self._node.create_subscription(
+            DiagnosticArray, topics.DIAGNOSTICS.name, self._on_diagnostics, qos_of(topics.DIAGNOSTICS.role)
         )
         self._spinner = Spinner(self._node)
 
@@ -55,6 +74,25 @@ class Monitor:
     def is_over(self) -> bool:
         """Whether the master has said that the run is over, well or not."""
         return self.status is not None and self.status.state in (TickStatus.ENDED, TickStatus.FAILED)
+
+    def _on_diagnostics(self, message: DiagnosticArray) -> None:
+        """Note what has become an error, once; the same may be noted again after it was well in between.
+
+        Stamp 0 is for what the clock master misses outside of simulated time: that shows, or ends the run.
+        """
+        if message.header.stamp == Time():
+            return
+        for part in message.status:
+            if part.level != DiagnosticStatus.ERROR:
+                self._wrong.pop(part.name, None)
+            elif self._wrong.get(part.name) != _FIGURES.sub("", part.message):
+                self._wrong[part.name] = _FIGURES.sub("", part.message)
+                self.alarms.append(f"t = {seconds_of(message.header.stamp):.2f} s: {part.name}: {part.message}")
+
+    def take_alarms(self) -> list[str]:
+        """Return the alarms that came since the last call."""
+        new, self._taken = self.alarms[self._taken :], len(self.alarms)
+        return new
 
     @property
     def is_over_for(self) -> float:

@@ -30,6 +30,12 @@ class ProgressLine:
             self._stream.write(text + "\n")
         self._stream.flush()
 
+    def tell(self, text: str) -> None:
+        """Say something that stays, on a line of its own."""
+        self.close()
+        self._stream.write(text + "\n")
+        self._stream.flush()
+
     def close(self) -> None:
         """Leave the line, so that what follows begins on a new one."""
         if self._is_terminal and self._width:

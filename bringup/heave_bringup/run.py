@@ -62,6 +62,20 @@ def new_run_folder(name: str, chosen: Path | None) -> RunFolder:
     return RunFolder(path.resolve())
 
 
+@dataclass(frozen=True)
+class Outcome:
+    """How a run went.
+
+    Attributes
+    ----------
+    status : the master's last word
+    alarms : what the nodes called an error meanwhile, in order
+    """
+
+    status: TickStatus
+    alarms: list[str]
+
+
 OnLook = Callable[[Launcher, "TickStatus | None"], None]
 
 
@@ -71,9 +85,8 @@ def run_scenario(
     *,
     substitutes: Mapping[str, Path] | None = None,
     on_look: OnLook | None = None,
-) -> TickStatus:
-    """Run a scenario to its end and return the master's last word on it; raise CommandError, in one line, where it
-    does not reach it.
+) -> Outcome:
+    """Run a scenario to its end and return how it went; raise CommandError, in one line, where it does not reach it.
 
     Whatever happens, no node process is left behind and the bag is closed by then. `substitutes` names nodes in whose
     place a bag is played; `on_look` is called a few times per second while the run lasts.
@@ -88,9 +101,10 @@ def run_scenario(
         folder.path.mkdir(parents=True, exist_ok=True)
         write_scenario(resolved(scenario, folder), folder.scenario)
         launcher.start(nodes_to_start(scenario), folder.scenario, folder.logs, substitutes)
-        return _watch(scenario, launcher, monitor, progress, on_look)
+        status = _watch(scenario, folder, launcher, monitor, progress, on_look)
+        return Outcome(status, monitor.alarms)
     except KeyboardInterrupt:
-        raise CommandError("interrupted; the bag holds what was recorded until then") from None
+        raise CommandError(f"interrupted; {_what_is_left(folder)}") from None
     finally:
         progress.close()
         launcher.stop()
@@ -113,18 +127,25 @@ def resolved(scenario: Scenario, folder: RunFolder) -> NodeValues:
 
 
 def _watch(
-    scenario: Scenario, launcher: Launcher, monitor: Monitor, progress: ProgressLine, on_look: OnLook | None
+    scenario: Scenario,
+    folder: RunFolder,
+    launcher: Launcher,
+    monitor: Monitor,
+    progress: ProgressLine,
+    on_look: OnLook | None,
 ) -> TickStatus:
     while True:
         monitor.spin(LOOK_PERIOD)
         if on_look is not None:
             on_look(launcher, monitor.status)
+        _tell_alarms(monitor, progress)
         progress.show(_progress_text(scenario, monitor))
         failed = launcher.failed() or _deserters(launcher, monitor)
         if failed:
             cause = _cause([node.obituary() for node in failed], monitor)
             _let_the_bag_show_it(scenario, monitor)
-            raise CommandError(cause)
+            _tell_alarms(monitor, progress)
+            raise CommandError(f"{cause}; {_what_is_left(folder)}")
         if launcher.all_ended():
             break
         if monitor.is_over_for > PARTING:
@@ -135,6 +156,15 @@ def _watch(
     if status is None or status.state != TickStatus.ENDED:
         raise CommandError("the nodes ended without saying that the run was over; see the logs")
     return status
+
+
+def _tell_alarms(monitor: Monitor, progress: ProgressLine) -> None:
+    for alarm in monitor.take_alarms():
+        progress.tell(alarm)
+
+
+def _what_is_left(folder: RunFolder) -> str:
+    return f"what was recorded is in {folder.bag}, what the nodes said in {folder.logs}"
 
 
 def _deserters(launcher: Launcher, monitor: Monitor) -> list[NodeProcess]:
@@ -168,5 +198,6 @@ def _progress_text(scenario: Scenario, monitor: Monitor) -> str:
     text = f"{status.simulated_time:7.1f} s of {scenario.run.duration:g} s ({min(share, 1.0):4.0%})"
     text += f"  {status.real_time_factor:5.1f} x real time"
     if kpi is not None and status.simulated_time > kpi.window:  # before that the window holds the start-up
-        text += f"  unit sigma {100.0 * kpi.unit_sigma:.2f} cm  efficiency {100.0 * kpi.unit_efficiency:.1f} %"
+        text += f"  as estimated: unit sigma {100.0 * kpi.unit_sigma:.2f} cm"
+        text += f"  efficiency {100.0 * kpi.unit_efficiency:.1f} %"
     return text

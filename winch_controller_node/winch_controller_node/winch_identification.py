@@ -93,6 +93,8 @@ class WinchIdentifier:
         self._rates: deque[float] = deque(maxlen=window + self._ahead)
         self._readings: deque[float] = deque(maxlen=window)
         self.reset()
+        # Compiles the drum now: in real time the loop could not bear it seconds into a run.
+        self._record(np.zeros(self._ahead + 1), np.zeros(self._ahead + 1), 1, np.array([*self._found, 0.0, 0.0]))
 
     def reset(self, payout: float = 0.0) -> None:
         """Begin a new record with the drum at rest at `payout` [m]."""

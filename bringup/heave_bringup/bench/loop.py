@@ -27,7 +27,7 @@ def measure_loop(duration: float, say: Callable[[str], None]) -> dict[str, objec
     scenario = load_scenario(SCENARIO, common={"duration": duration, "transient": 0.0})
     with tempfile.TemporaryDirectory() as folder:
         usage = CpuUsage()
-        status = run_scenario(scenario, RunFolder(Path(folder)), on_look=usage.look)
+        status = run_scenario(scenario, RunFolder(Path(folder)), on_look=usage.look).status
     ticks = scenario.run.tick_count
     period = scenario.run.tick_period
     return {

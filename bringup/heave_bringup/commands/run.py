@@ -31,13 +31,14 @@ def execute(options: argparse.Namespace) -> None:
     folder = new_run_folder(scenario.name, options.bag)
     # What judges the run takes seconds to load: time that the nodes need to find each other.
     threading.Thread(target=importlib.import_module, args=(AFTERMATH,)).start()
-    status = run_scenario(scenario, folder, substitutes=_substitutes(options.from_bag))
+    outcome = run_scenario(scenario, folder, substitutes=_substitutes(options.from_bag))
     if scenario.run.is_lockstep:
-        _check_complete(folder.bag, status)
+        _check_complete(folder.bag, outcome.status)
     aftermath = importlib.import_module(AFTERMATH)
     table, figures = aftermath.judge(folder.bag, None if options.no_report else folder.report)
-    text = "\n".join([table, "", *_where(scenario, folder, with_report=not options.no_report)])
-    write_result(options, text, {**figures, "folder": str(folder.path)})
+    where = _where(scenario, folder, with_report=not options.no_report)
+    text = "\n".join([table, "", *_what_went_wrong(outcome.alarms), *where])
+    write_result(options, text, {**figures, "alarms": outcome.alarms, "folder": str(folder.path)})
 
 
 def _common_values(options: argparse.Namespace) -> Mapping[str, object]:
@@ -70,6 +71,10 @@ def _check_complete(bag: Path, status: TickStatus) -> None:
     for topic, published in zip(status.topics, status.published, strict=True):
         if recorded.get(topic, 0) != published:
             raise CommandError(f"{bag}: holds {recorded.get(topic, 0)} of {published} messages of {topic}")
+
+
+def _what_went_wrong(alarms: Sequence[str]) -> list[str]:
+    return ["what the nodes called an error:", *(f"  {alarm}" for alarm in alarms), ""] if alarms else []
 
 
 def _where(scenario: Scenario, folder: RunFolder, *, with_report: bool) -> list[str]:
