@@ -253,6 +253,11 @@ def tension_figure(record: RunRecord) -> Figure:
         layout=_time_layout(record, "top tension [kN]", shapes),
     )
     figure.traces.append(line(Signal(tension.time, tension.value * 1e-3), "top tension", BOOM_TIP))
+    shown = np.concatenate([tension.value * 1e-3, static.value * 1e-3, [shape["y0"] for shape in shapes]])
+    shown = shown[np.isfinite(shown)]
+    lowest, highest = float(shown.min()), float(shown.max())
+    margin = 0.08 * (highest - lowest)  # the lines and their names keep clear of the frame
+    figure.layout["yaxis"]["range"] = [lowest - margin, highest + margin]
     if static.size > 1:
         figure.traces.append(line(Signal(static.time, static.value * 1e-3), "static", LIMIT, dash="dash"))
     return figure
@@ -298,42 +303,50 @@ def _spectrum_line(shown: Spectrum, name: str, colour: str, **style: Any) -> dic
 
 
 HIGHEST_OMEGA = 4.0
-"""Spectra are shown up to this angular frequency [rad/s]; a sea has nothing above it."""
+"""Spectra are in the page up to this angular frequency [rad/s]; a sea has nothing above it."""
+SHOWN_OMEGA = 2.5
+"""Spectra are shown up to this angular frequency [rad/s] before anyone zooms."""
+SCALED_FLOOR = 1e-2
+"""Share of the boom tip's peak density above which a transmissibility decides the scale of its axis."""
 
 
-def _spectrum_layout() -> dict[str, Any]:
+def _spectrum_layout(pairs: Sequence[tuple[Spectrum, Spectrum]]) -> dict[str, Any]:
+    """Return the layout for transmissibilities of `pairs` (unit, boom tip), scaled to what is shown and moves much."""
+    ratios = [transmissibility(unit, boom_tip, SCALED_FLOOR) for unit, boom_tip in pairs]
+    shown = [ratio.density[ratio.omega <= SHOWN_OMEGA] for ratio in ratios]
+    reach = 1.15 * max((float(values.max()) for values in shown if values.size), default=1.0)
     return {
-        "xaxis": {"title": {"text": "angular frequency ω [rad/s]"}, "range": [0.0, 2.5]},
+        "xaxis": {"title": {"text": "angular frequency ω [rad/s]"}, "range": [0.0, SHOWN_OMEGA]},
         "yaxis": {
             "title": {"text": "S(ω) [m² s/rad]"},
             "type": "log",
             "exponentformat": "power",
             "domain": [0.54, 1.0],
         },
-        "yaxis2": {"title": {"text": "transmissibility [-]"}, "domain": [0.0, 0.46], "rangemode": "tozero"},
+        "yaxis2": {"title": {"text": "transmissibility [-]"}, "domain": [0.0, 0.46], "range": [0.0, reach]},
     }
 
 
 def spectrum_figure(record: RunRecord) -> Figure:
     """Spectra of boom tip and unit, and the transmissibility with and without compensation."""
+    spectra = spectrum_lines(record)
+    compared = [name for name in ("uncompensated", "unit") if {name, "boom tip"} <= set(spectra)]
     figure = Figure(
         "Spectra and transmissibility",
         "One-sided spectra over angular frequency (Welch). Transmissibility √(S_unit/S_boom tip), "
-        "where the boom tip has at least 10⁻⁴ of its peak density.",
-        layout=_spectrum_layout(),
+        "where the boom tip has at least 10⁻⁴ of its peak density; its axis fits where it has 10⁻².",
+        layout=_spectrum_layout([(spectra[name], spectra["boom tip"]) for name in compared]),
         is_over_time=False,
         height=560,
     )
     figure.layout["xaxis"]["anchor"] = "y2"
-    spectra = spectrum_lines(record)
     colours = {"boom tip": BOOM_TIP, "uncompensated": UNCOMPENSATED, "unit": UNIT}
     for name, found in spectra.items():
         figure.traces.append(_spectrum_line(found, f"S {name}", colours[name]))
-    for name in ("uncompensated", "unit"):
-        if name in spectra and "boom tip" in spectra:
-            ratio = transmissibility(spectra[name], spectra["boom tip"])
-            label = "transmissibility, " + ("compensated" if name == "unit" else name)
-            figure.traces.append(_spectrum_line(ratio, label, colours[name], axis="y2", dash="dot"))
+    for name in compared:
+        ratio = transmissibility(spectra[name], spectra["boom tip"])
+        label = "transmissibility, " + ("compensated" if name == "unit" else name)
+        figure.traces.append(_spectrum_line(ratio, label, colours[name], axis="y2", dash="dot"))
     return figure
 
 
@@ -399,18 +412,19 @@ def comparison_figures(records: Sequence[RunRecord]) -> list[Figure]:
         "About the mean of each run.",
         layout=_time_layout(records[0], "unit heave about the mean [m]"),
     )
+    found_of = [spectrum_lines(record) for record in records]
+    pairs = [(found["unit"], found["boom tip"]) for found in found_of if {"unit", "boom tip"} <= set(found)]
     spectra = Figure(
         "Spectra and transmissibility of all runs",
         "Of the compensated unit.",
-        layout=_spectrum_layout(),
+        layout=_spectrum_layout(pairs),
         is_over_time=False,
         height=560,
     )
     spectra.layout["xaxis"]["anchor"] = "y2"
-    for index, record in enumerate(records):
+    for index, (record, found) in enumerate(zip(records, found_of, strict=True)):
         colour = RUN_COLOURS[index % len(RUN_COLOURS)]
         heave.traces.append(line(_about_mean(record.signals.unit_heave), record.name, colour))
-        found = spectrum_lines(record)
         if "unit" in found:
             spectra.traces.append(_spectrum_line(found["unit"], record.name, colour))
         if {"unit", "boom tip"} <= set(found):

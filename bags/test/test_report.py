@@ -64,6 +64,32 @@ def test_a_run_with_little_in_it_still_gets_a_report(made_up_bag):
     assert "ended within its transient" in report.render([record])
 
 
+def test_the_transmissibility_is_scaled_to_where_the_boom_tip_moves(shared_bag):
+    (record,) = analysis.analyse([shared_bag])
+    time = arange(0.0, 600.0, 0.05)
+    ratios = {0.6: (1.0, 1.2), 2.0: (0.02, 8.0), 3.5: (0.5, 60.0)}  # boom tip's amplitude, and the unit's over it
+    tip, unit = (sum(a * r**n * sin(w * time) for w, (a, r) in ratios.items()) for n in (0, 1))
+    record.start, record.end = 0.0, 600.0
+    record.signals.boom_tip_heave = Signal(time, tip)
+    record.signals.unit_heave = record.signals.uncompensated_heave = Signal(time, unit)
+    figure = next(figure for figure in run_figures(record) if figure.title.startswith("Spectra"))
+    bottom, top = figure.layout["yaxis2"]["range"]
+    assert bottom == 0.0
+    assert 1.2 < top < 2.0  # neither 8, where the boom tip hardly moves, nor 60, which is beyond the right edge
+
+
+def test_no_limit_of_tension_lies_on_the_frame(shared_bag):
+    (record,) = analysis.analyse([shared_bag])
+    record.signals.static_tension = Signal(record.signals.tension.time[:1], record.signals.tension.value[:1])
+    figure = next(figure for figure in run_figures(record) if figure.title == "Top tension")
+    bottom, top = figure.layout["yaxis"]["range"]
+    levels = [shape["y0"] for shape in figure.layout["shapes"] if shape["type"] == "line"]
+    assert len(levels) == 4  # slack, 0.1, 1 and 1.3 static
+    clearance = 0.05 * (top - bottom)
+    assert bottom + clearance < min(levels)
+    assert max(levels) < top - clearance
+
+
 def test_thinning_keeps_every_peak():
     value = zeros(1_000_001)
     value[123_457], value[987_654] = 9.0, -7.0
