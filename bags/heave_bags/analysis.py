@@ -101,17 +101,26 @@ class WindowKpis:
 
 def windows(record: RunRecord, length: float, step: float | None = None) -> list[WindowKpis]:
     """Return the KPIs of windows of `length` [s] that begin every `step` [s] (default: one behind the other),
-    over the whole run.
+    over the whole run: from one sample before the first, which is where a run starts; an end that is shorter than a
+    window is left out.
 
     Raises BagError if `length` or `step` is not positive.
     """
     step = length if step is None else step
     if not (length > 0.0 and step > 0.0):
         raise BagError(f"windows need a positive length and step, got {length:g} s and {step:g} s")
-    first = record.signals.unit_heave.time[0] if record.signals.unit_heave.size else 0.0
+    first = _start_of_run(record)
     count = math.floor((record.end - first - length) / step + 1e-9) + 1
     bounds = [(first + number * step, first + number * step + length) for number in range(max(count, 0))]
     return [WindowKpis(start, end, record.kpis(start, end)) for start, end in bounds]
+
+
+def _start_of_run(record: RunRecord) -> float:
+    """Return the time one sample before the first [s]: the first sample of a run is that of the end of tick 1."""
+    time = record.signals.unit_heave.time
+    if time.size < 2:
+        return float(time[0]) if time.size else 0.0
+    return float(time[0] - np.median(np.diff(time)))
 
 
 def to_json(record: RunRecord, window: float | None = None) -> dict[str, Any]:
@@ -160,15 +169,19 @@ WINDOW_COLUMNS = {
 
 
 def window_table(record: RunRecord, length: float) -> str:
-    """Return the main KPIs of each window of a run as text, one line per window."""
+    """Return the main KPIs of each window of a run as text, one line per window, and what time is in none of them."""
     definitions = [kpi_set.DEFINITION_OF[key] for key in WINDOW_COLUMNS]
     headings = [f"{WINDOW_COLUMNS[definition.key]} {definition.unit}" for definition in definitions]
     rows = [("from s", "to s", *headings)]
-    for part in windows(record, length):
+    parts = windows(record, length)
+    for part in parts:
         cells = [definition.text(part.values[definition.key]) for definition in definitions]
         rows.append((f"{part.start:.2f}", f"{part.end:.2f}", *cells))
     widths = [max(len(row[column]) for row in rows) for column in range(len(rows[0]))]
     lines = ["  ".join(f"{cell:>{width}}" for cell, width in zip(row, widths, strict=True)) for row in rows]
+    left_out = record.end - (parts[-1].end if parts else _start_of_run(record))
+    if left_out > 1e-6:
+        lines.append(f"left out: the last {left_out:.2f} s, shorter than a window of {length:g} s")
     return "\n".join([record.name, *lines])
 
 

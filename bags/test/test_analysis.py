@@ -66,14 +66,17 @@ def test_extremes_have_the_time_at_which_they_were(record):
 def test_windows_cover_the_run(record):
     parts = analysis.windows(record, 8.0)
     assert len(parts) == 7
-    assert [part.start for part in parts] == pytest.approx([0.05 + 8.0 * n for n in range(7)])
+    assert [part.start for part in parts] == pytest.approx([8.0 * n for n in range(7)], abs=1e-6)
+    assert [part.end for part in analysis.windows(record, 20.0)] == pytest.approx([20.0, 40.0, 60.0])
     with pytest.raises(BagError, match="positive length"):
         analysis.windows(record, 0.0)
 
 
 def test_windows_are_listed_one_a_line(record):
     lines = analysis.window_table(record, 2 * RUN.period).splitlines()
-    assert len(lines) == 2 + 3  # the name, the heading, and three times two waves in 60 s
+    assert len(lines) == 2 + 3 + 1  # the name, the heading, three times two waves in 60 s, and what is left out
+    assert lines[-1] == "left out: the last 12.00 s, shorter than a window of 16 s"
+    assert "left out" not in analysis.window_table(record, 20.0)
     start, end, sigma = (float(cell) for cell in lines[3].split()[:3])
     assert end - start == pytest.approx(2 * RUN.period)
     assert sigma == pytest.approx(100.0 * RUN.unit / ROOT, rel=0.01)
@@ -84,7 +87,7 @@ def test_json_is_plain_and_has_no_nan(record):
     content = json.loads(text)
     assert content["real_time_factor"] == 50.0
     assert content["kappa"] is None
-    assert len(content["windows"]) == 2
+    assert len(content["windows"]) == 3
 
 
 def test_tables_are_written_as_csv_and_parquet(record, tmp_path):
