@@ -66,6 +66,13 @@ class Campaign:
     draw_seed: int = 1
     has_nominal: bool = False
     uniform: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    duration_source: str = ""
+    """What set the duration instead of the file."""
+
+    @property
+    def source(self) -> str:
+        """Say where the values of the cases come from."""
+        return f"{self.path} and {self.duration_source}" if self.duration_source else str(self.path)
 
     def cases(self) -> Iterator[Case]:
         """Yield every case: nominal ones, then seeds within draws within combinations."""
@@ -86,6 +93,7 @@ class Campaign:
         return replace(
             self,
             duration=self.duration if duration is None else duration,
+            duration_source="" if duration is None else f"--duration {duration:g}",
             draw_count=self.draw_count if draws is None else min(draws, self.draw_count),
         )
 

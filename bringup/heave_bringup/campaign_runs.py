@@ -63,11 +63,11 @@ def _scenario(campaign: Campaign, case: Case) -> Scenario:
     if campaign.duration is not None:
         common["duration"] = campaign.duration
     settings = as_settings({} if case.is_nominal else {**campaign.common, **case.settings})
-    scenario = load_scenario(campaign.scenario, settings=settings, common=common)
+    scenario = load_scenario(campaign.scenario, settings=settings, common=common, source=campaign.source)
     run = scenario.run
     if run.duration <= run.transient:
         raise ParameterError(
-            f"{campaign.path}: duration {run.duration:g} s leaves nothing after the transient of {run.transient:g} s"
+            f"{campaign.source}: duration {run.duration:g} s leaves nothing after the transient of {run.transient:g} s"
         )
     return scenario
 

@@ -171,7 +171,7 @@ def _add_campaign(commands: Any) -> None:
     parser.add_argument(
         "campaign", metavar="CAMPAIGN", help="a shipped campaign, or a file (heave_bringup/campaign.py says its form)"
     )
-    parser.add_argument("--processes", type=int, default=0, metavar="N", help="default: one per processor")
+    parser.add_argument("--processes", type=int, metavar="N", help="default: one per processor")
     parser.add_argument("--duration", type=float, metavar="S", help="simulated time of a case, instead of the file's")
     parser.add_argument("--draws", type=int, metavar="N", help="only the first N of the file's random draws")
 

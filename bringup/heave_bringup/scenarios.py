@@ -58,7 +58,13 @@ def find_scenario(name: str) -> Path:
     raise ParameterError(f"{name}: no such scenario; {hint}")
 
 
-def load_scenario(name: str, *, settings: Iterable[str] = (), common: Mapping[str, object] | None = None) -> Scenario:
+def load_scenario(
+    name: str,
+    *,
+    settings: Iterable[str] = (),
+    common: Mapping[str, object] | None = None,
+    source: str = "command line",
+) -> Scenario:
     """Find, merge and check a scenario.
 
     Parameters
@@ -66,20 +72,31 @@ def load_scenario(name: str, *, settings: Iterable[str] = (), common: Mapping[st
     name : shipped name or file
     settings : "NODE.PARAM=VALUE" texts, values in YAML, on top of the file; NODE may be `all`
     common : values for every node, on top of everything (from the command's own options)
+    source : where settings and common come from, to be named where they, and not the file, are wrong
 
     Raises ParameterError, in one line, for whatever is wrong.
     """
     path = find_scenario(name)
-    values = read_scenario(path)
+    in_file = read_scenario(path)
+    _refuse_unknown_nodes(in_file, path)
+    values = {node: dict(section) for node, section in in_file.items()}
     for setting in settings:
         _apply_setting(values, setting)
     values.setdefault(WILDCARD, {}).update(common or {})
-    _refuse_unknown_nodes(values, path)
+    try:
+        return _checked(path, values, str(path))
+    except ParameterError:
+        _checked(path, in_file, str(path))  # a fault of the file is told as such
+        return _checked(path, values, f"{source} (on top of {path})")
+
+
+def _checked(path: Path, values: NodeValues, source: str) -> Scenario:
+    """Return the scenario of these values; `source` opens the message of the ParameterError for what is wrong."""
     of_run = {info.name for info in describe(RunParameters)}
-    run = build_parameters(RunParameters, values[WILDCARD], where=f"{path}: {WILDCARD}")
+    run = build_parameters(RunParameters, values.get(WILDCARD, {}), where=f"{source}: {WILDCARD}")
     parameters: dict[str, Any] = {}
     for node in NODES:
-        where = f"{path}: {node.name}"
+        where = f"{source}: {node.name}"
         given = values_of_node(values, node.name)
         run_values = {key: value for key, value in given.items() if key in of_run}
         build_parameters(RunParameters, run_values, where=where)

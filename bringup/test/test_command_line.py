@@ -13,7 +13,11 @@ from heave_bringup.cli import main
         (["repair", "bag"], "heave repair: one of the arguments --output --reindex is required"),
         (["sail"], "heave: argument COMMAND: invalid choice: 'sail'"),
         (["run", "no_such_scenario"], "heave: no_such_scenario"),
-        (["run", "b2_calm_300", "--set", "cable_sim.length=-1"], "heave: "),
+        (["run", "b2_calm_300", "--set", "cable_sim.length=-1"], "heave: command line (on top of "),
+        (["run", "b2_calm_300", "--duration", "-5"], "heave: command line (on top of "),
+        (["design", "b2_calm_300", "--length", "-5"], "heave: --length -5: must be a number above 0 [m]"),
+        (["identify", "b2_calm_300", "--lengths", "300", "nan"], "heave: --lengths nan: must be numbers above 0 [m]"),
+        (["campaign", "b9_model_error", "--processes", "0"], "heave: --processes 0: must be at least 1"),
         (["static", "b3_deep_900", "--picture", "x.doc"], "heave: --picture x.doc: must end in .png or .svg"),
         (["identify", "b3_deep_900", "--picture", "x.doc"], "heave: --picture x.doc: must end in .png or .svg or"),
         (["kpi", "no_bag", "--table", "x.foo"], "heave: --table x.foo: must end in .csv or .parquet"),
@@ -35,3 +39,24 @@ def test_a_wrong_command_line_is_one_line_and_status_2(arguments, words, capsys)
 def test_a_file_that_the_system_refuses_is_one_line_and_status_1(capsys):
     assert main(["static", "b2_calm_300", "--picture", "/proc/x.svg"]) == 1
     assert capsys.readouterr().err == "heave: /proc/x.svg: No such file or directory\n"
+
+
+def test_a_wrong_value_is_told_with_where_it_stands(tmp_path, capsys):
+    scenario = tmp_path / "own.yaml"
+    scenario.write_text("wave_vessel: {ros__parameters: {peak_period: abc}}\n")
+    assert main(["static", str(scenario), "--set", "cable_sim.length=200"]) == 2
+    assert capsys.readouterr().err.startswith(f"heave: {scenario}: wave_vessel: peak_period = 'abc' is not allowed")
+    scenario.write_text("wave_vessel: {ros__parameters: {peak_period: 8.0}}\n")
+    assert main(["static", str(scenario), "--set", "wave_vessel.peak_period=abc"]) == 2
+    said = capsys.readouterr().err
+    assert said.startswith(f"heave: command line (on top of {scenario}): wave_vessel: peak_period = 'abc' is not")
+
+
+def test_a_wrong_value_of_a_campaign_is_told_of_its_file(tmp_path, capsys):
+    campaign = tmp_path / "own_campaign.yaml"
+    campaign.write_text("scenario: b2_calm_300\nset: {wave_vessel.peak_period: abc}\n")
+    assert main(["campaign", str(campaign)]) == 2
+    assert capsys.readouterr().err.splitlines()[-1].startswith(f"heave: {campaign} (on top of ")
+    campaign.write_text("scenario: b2_calm_300\n")
+    assert main(["campaign", str(campaign), "--duration", "5"]) == 2
+    assert f"heave: {campaign} and --duration 5: duration 5 s leaves nothing" in capsys.readouterr().err

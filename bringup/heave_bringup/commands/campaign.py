@@ -18,8 +18,8 @@ from heave_bringup.progress import ProgressLine
 
 def execute(options: argparse.Namespace) -> None:
     """Run every case and print unit sigma, uncompensated sigma, tension and winch use of each, then the summary."""
-    if options.processes < 0:
-        raise ParameterError(f"--processes {options.processes}: must be at least 1, or 0 for one per processor")
+    if options.processes is not None and options.processes < 1:
+        raise ParameterError(f"--processes {options.processes}: must be at least 1")
     if options.draws is not None and options.draws < 1:
         raise ParameterError(f"--draws {options.draws}: must be at least 1")
     campaign = read_campaign(find_campaign(options.campaign))
@@ -29,7 +29,7 @@ def execute(options: argparse.Namespace) -> None:
     results: list[CaseResult] = []
     try:
         progress.show(f"{len(cases)} cases of {campaign.scenario}")
-        for result in run_cases(campaign, cases, options.processes or None):
+        for result in run_cases(campaign, cases, options.processes):
             results.append(result)
             progress.show(f"case {len(results)} of {len(cases)}: {result.case.label}")
     finally:

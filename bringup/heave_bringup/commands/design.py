@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import argparse
+import math
 from pathlib import Path
 
 from cable_sim_node.errors import PlantError
+from heave_node.parameters import ParameterError
 from winch_controller_node.lqr import DesignError
 from winch_controller_node.report import design_report
 from winch_controller_node.report_figures import draw_report
@@ -18,6 +20,8 @@ from heave_bringup.scenarios import load_scenario
 
 def execute(options: argparse.Namespace) -> None:
     """Print gains, poles, margins, predictions, bounds and curves; draw them."""
+    if options.length is not None and not 0.0 < options.length < math.inf:
+        raise ParameterError(f"--length {options.length:g}: must be a number above 0 [m]")
     scenario = load_scenario(options.scenario, settings=options.set)
     progress = ProgressLine()
     progress.show("designing, and predicting the loop")
@@ -29,7 +33,8 @@ def execute(options: argparse.Namespace) -> None:
             length=options.length,
         )
     except (PlantError, DesignError) as error:
-        raise CommandError(f"{scenario.path}: {error}") from error
+        where = scenario.path if options.length is None else f"--length {options.length:g} of {scenario.path}"
+        raise CommandError(f"{where}: {error}") from error
     finally:
         progress.close()
     folder = options.pictures or Path(f"{scenario.name}_design")
