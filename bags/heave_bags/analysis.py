@@ -120,7 +120,7 @@ def _start_of_run(record: RunRecord) -> float:
     time = record.signals.unit_heave.time
     if time.size < 2:
         return float(time[0]) if time.size else 0.0
-    return float(time[0] - np.median(np.diff(time)))
+    return round(float(time[0] - np.median(np.diff(time))), 9) + 0.0  # stamps are whole nanoseconds; never -0
 
 
 def to_json(record: RunRecord, window: float | None = None) -> dict[str, Any]:
