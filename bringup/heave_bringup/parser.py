@@ -208,7 +208,7 @@ def _add_repair(commands: Any) -> None:
         "Save what can be read of a damaged bag into a sound one, or index a folder anew; say what is lost.",
         "heave repair damaged/bag --output saved",
     )
-    parser.add_argument("bag", metavar="BAG", type=Path, help="bag folder or MCAP file")
+    parser.add_argument("bag", metavar="BAG", type=Path, help="bag folder, folder of a run, or MCAP file")
     chosen = parser.add_mutually_exclusive_group(required=True)
     chosen.add_argument("--output", type=Path, metavar="DIR", help="folder of the sound bag")
     chosen.add_argument("--reindex", action="store_true", help="write metadata.yaml anew, in place")

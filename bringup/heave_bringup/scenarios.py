@@ -90,6 +90,14 @@ def load_scenario(
         return _checked(path, values, f"{source} (on top of {path})")
 
 
+def check_lengths(option: str, lengths: Iterable[float]) -> None:
+    """Refuse deployed lengths [m] given by an option that a scenario could not have; raises ParameterError."""
+    parameters = describe(NODE_BY_NAME["winch_controller"].parameters_type())
+    (allowed,) = (info for info in parameters if info.name == "length")
+    for length in lengths:
+        allowed.check(length, where=option)
+
+
 def _checked(path: Path, values: NodeValues, source: str) -> Scenario:
     """Return the scenario of these values; `source` opens the message of the ParameterError for what is wrong."""
     of_run = {info.name for info in describe(RunParameters)}

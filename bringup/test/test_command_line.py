@@ -1,6 +1,7 @@
 """What the `heave` command says of a wrong command line."""
 
 import pytest
+from heave_bags.bag_writer import BagWriter
 from heave_bringup.cli import main
 
 
@@ -15,8 +16,8 @@ from heave_bringup.cli import main
         (["run", "no_such_scenario"], "heave: no_such_scenario"),
         (["run", "b2_calm_300", "--set", "cable_sim.length=-1"], "heave: command line (on top of "),
         (["run", "b2_calm_300", "--duration", "-5"], "heave: command line (on top of "),
-        (["design", "b2_calm_300", "--length", "-5"], "heave: --length -5: must be a number above 0 [m]"),
-        (["identify", "b2_calm_300", "--lengths", "300", "nan"], "heave: --lengths nan: must be numbers above 0 [m]"),
+        (["design", "b2_calm_300", "--length", "-5"], "heave: --length: length = -5.0 is not allowed: it must be"),
+        (["identify", "b2_calm_300", "--lengths", "300", "nan"], "heave: --lengths: length = nan is not allowed"),
         (["campaign", "b9_model_error", "--processes", "0"], "heave: --processes 0: must be at least 1"),
         (["static", "b3_deep_900", "--picture", "x.doc"], "heave: --picture x.doc: must end in .png or .svg"),
         (["identify", "b3_deep_900", "--picture", "x.doc"], "heave: --picture x.doc: must end in .png or .svg or"),
@@ -60,3 +61,21 @@ def test_a_wrong_value_of_a_campaign_is_told_of_its_file(tmp_path, capsys):
     campaign.write_text("scenario: b2_calm_300\n")
     assert main(["campaign", str(campaign), "--duration", "5"]) == 2
     assert f"heave: {campaign} and --duration 5: duration 5 s leaves nothing" in capsys.readouterr().err
+
+
+def test_the_folder_of_a_run_is_repaired_though_its_bag_lost_the_index(tmp_path):
+    writer = BagWriter(tmp_path / "run" / "bag")
+    writer.add_topic("/chatter", "std_msgs/msg/String")
+    writer.write("/chatter", 1, b"\x00\x01\x00\x00\x02\x00\x00\x00a\x00")
+    writer.close()
+    (tmp_path / "run" / "bag" / "metadata.yaml").unlink()
+    assert main(["repair", str(tmp_path / "run"), "--output", str(tmp_path / "saved")]) == 0
+    assert main(["repair", str(tmp_path / "run"), "--reindex"]) == 0
+    assert (tmp_path / "saved" / "metadata.yaml").is_file()
+    assert (tmp_path / "run" / "bag" / "metadata.yaml").is_file()
+
+
+@pytest.mark.parametrize("command", [["replay"], ["import", "--topic", "/heave", "--output", "sea.csv"], ["kpi"]])
+def test_a_bag_that_does_not_exist_is_told_as_such(command, tmp_path, capsys):
+    assert main([*command, str(tmp_path / "nothing")]) == 1
+    assert capsys.readouterr().err.endswith("nothing: there is no such bag\n")

@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import argparse
-import math
 from pathlib import Path
 
 from cable_sim_node.errors import PlantError
-from heave_node.parameters import ParameterError
 from winch_controller_node.lqr import DesignError
 from winch_controller_node.report import design_report
 from winch_controller_node.report_figures import draw_report
@@ -15,13 +13,13 @@ from winch_controller_node.report_figures import draw_report
 from heave_bringup.errors import CommandError
 from heave_bringup.output import write_result
 from heave_bringup.progress import ProgressLine
-from heave_bringup.scenarios import load_scenario
+from heave_bringup.scenarios import check_lengths, load_scenario
 
 
 def execute(options: argparse.Namespace) -> None:
     """Print gains, poles, margins, predictions, bounds and curves; draw them."""
-    if options.length is not None and not 0.0 < options.length < math.inf:
-        raise ParameterError(f"--length {options.length:g}: must be a number above 0 [m]")
+    if options.length is not None:
+        check_lengths("--length", [options.length])
     scenario = load_scenario(options.scenario, settings=options.set)
     progress = ProgressLine()
     progress.show("designing, and predicting the loop")

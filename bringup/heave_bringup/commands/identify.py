@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import argparse
-import math
 from pathlib import Path
 
 import numpy as np
 from cable_sim_node.errors import PlantError
 from heave_bags.run_record import read_run
-from heave_node.parameters import ParameterError
 from winch_controller_node.identification import Identification, IdentificationError, identify
 from winch_controller_node.identification_plant import (
     draw_identification,
@@ -22,15 +20,13 @@ from winch_controller_node.lqr import DesignError
 from heave_bringup.bag_paths import bag_folders
 from heave_bringup.errors import CommandError
 from heave_bringup.output import check_output, write_result
-from heave_bringup.scenarios import load_scenario
+from heave_bringup.scenarios import check_lengths, load_scenario
 
 
 def execute(options: argparse.Namespace) -> None:
     """Identify and print a and b with their uncertainty, and draw how well they explain the response."""
     check_output("--picture", options.picture, (".png", ".svg", ".pdf"), makes_folder=True)
-    for length in options.lengths or ():
-        if not 0.0 < length < math.inf:
-            raise ParameterError(f"--lengths {length:g}: must be numbers above 0 [m]")
+    check_lengths("--lengths", options.lengths or ())
     try:
         if Path(options.source).is_dir():
             found = _from_bag(Path(options.source), options.drag)

@@ -6,6 +6,7 @@ import argparse
 
 from heave_bags.repair import reindex, repair
 
+from heave_bringup.bag_paths import bag_folders
 from heave_bringup.errors import CommandError
 from heave_bringup.output import write_result
 from heave_bringup.progress import ProgressLine
@@ -13,17 +14,18 @@ from heave_bringup.progress import ProgressLine
 
 def execute(options: argparse.Namespace) -> None:
     """Save or index, and name the loss."""
+    (source,) = bag_folders([options.bag])
     if options.reindex:
-        bag = reindex(options.bag)
+        bag = reindex(source)
         text = f"{bag.path}: indexed, {bag.message_count} messages"
         write_result(options, text, {"bag": str(bag.path), "messages": bag.message_count, "losses": []})
         return
     progress = ProgressLine()
     try:
-        saved = repair(options.bag, options.output, progress=lambda share: progress.show(f"saving {share:4.0%}"))
+        saved = repair(source, options.output, progress=lambda share: progress.show(f"saving {share:4.0%}"))
     finally:
         progress.close()
     if not saved.messages:
-        raise CommandError(f"{options.bag}: nothing in it can be read")
+        raise CommandError(f"{source}: nothing in it can be read")
     losses = [str(loss) for loss in saved.losses]
     write_result(options, str(saved), {"bag": str(saved.folder), "messages": saved.messages, "losses": losses})
