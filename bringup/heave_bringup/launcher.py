@@ -19,6 +19,11 @@ from heave_bringup.node_table import NODE_BY_NAME
 GRACE = 8.0
 """Wall time that a node has to end after it was asked to [s]."""
 
+ALLOCATOR = {"MALLOC_TRIM_THRESHOLD_": str(1 << 30), "MALLOC_TOP_PAD_": str(1 << 24)}
+"""Environment in which glibc keeps the memory that a message frees for the next one. Without it a node gives pages
+back to the system and asks for them again in every tick, a tenth of its time.
+"""
+
 
 @dataclass
 class NodeProcess:
@@ -83,7 +88,7 @@ class Launcher:
                     stdin=subprocess.DEVNULL,
                     stdout=sink,
                     stderr=subprocess.STDOUT,
-                    env={**os.environ, LAUNCHER_VARIABLE: str(os.getpid())},
+                    env={**ALLOCATOR, **os.environ, LAUNCHER_VARIABLE: str(os.getpid())},
                     start_new_session=True,  # a Ctrl-C in the terminal is passed on in order, not to all at once
                 )
             self.nodes.append(NodeProcess(name, process, log))
