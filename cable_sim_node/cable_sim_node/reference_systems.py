@@ -1,10 +1,30 @@
-"""The two systems with published particulars and peer numbers on which the plant is judged."""
+"""The two systems with published particulars and peer numbers on which plant and controller are judged."""
 
 from __future__ import annotations
+
+from collections.abc import Mapping
 
 from heave_node.constants import SEAWATER_DENSITY, STANDARD_GRAVITY
 
 from cable_sim_node.parameters import CableParameters, CableSimParameters, SolverParameters, UnitParameters
+
+DEEP_900: Mapping[str, object] = {
+    "length": 900.0,
+    "cable.diameter": 0.047,
+    # 54 N/m in water with 7.2 kg/m: this diameter displaces the difference, drag stays on 0.047 m
+    "cable.displaced_diameter": 0.045868,
+    "cable.mass_per_length": 7.2,
+    "cable.axial_stiffness": 15770645.9,
+    "cable.tangential_drag": 0.025,
+    "unit.mass": 65000.0,
+    "unit.volume": 58.4404,
+    "unit.added_mass": [60000.0] * 3,
+    "unit.drag_coefficient": [1.0] * 3,
+    "unit.drag_area": [1.0] * 3,
+}
+"""Parameters that the 900 m scenarios give to plant and controller: `s900`, its effective mass parted between unit and
+water.
+"""
 
 
 def s300(

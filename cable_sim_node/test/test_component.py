@@ -12,6 +12,7 @@ from cable_sim_node.component import CableSim, PlantState
 from cable_sim_node.errors import PlantError
 from cable_sim_node.node_parameters import CableSimNodeParameters
 from cable_sim_node.parameters import SeabedParameters
+from cable_sim_node.reference_systems import DEEP_900
 from cable_sim_node.sensor_parameters import (
     DepthSensorParameters,
     LoadCellParameters,
@@ -25,23 +26,7 @@ from hypothesis import strategies as st
 
 TICK = 0.05
 S300 = CableSimNodeParameters(length=300.0, segments=20)
-S900 = build_parameters(
-    CableSimNodeParameters,
-    {
-        "length": 900.0,
-        "segments": 40,
-        "cable.displaced_diameter": 0.045868,
-        "cable.mass_per_length": 7.2,
-        "cable.axial_stiffness": 15770645.9,
-        "cable.tangential_drag": 0.025,
-        "unit.mass": 65000.0,
-        "unit.volume": 58.4404,
-        "unit.added_mass": (60000.0, 60000.0, 60000.0),
-        "unit.drag_coefficient": (1.0, 1.0, 1.0),
-        "unit.drag_area": (1.0, 1.0, 1.0),
-    },
-    where="test",
-)
+S900 = build_parameters(CableSimNodeParameters, {**DEEP_900, "segments": 40}, where="test")
 
 
 def ramped_sine(amplitude: tuple[float, float, float], omega: float, ramp: float) -> Callable[[int], PointMotion]:

@@ -10,6 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from cable_sim_node.reference_systems import DEEP_900
 from heave_node.parameters import build_parameters
 from winch_controller_node.identification_plant import identify_simulated
 from winch_controller_node.linear_model import Array, LinearModel, interconnect, output_sigma, with_feedback
@@ -112,20 +113,7 @@ def test_a_winch_beyond_a_critical_bandwidth_saves_no_control_energy(gallery) ->
 
 def test_the_response_is_reconstructed_as_in_the_thesis(gallery) -> None:
     """Thesis figs 6.11 to 6.13: a good agreement with the linear model, a better one with quadratic drag."""
-    values = {
-        "length": 900.0,
-        "cable.axial_stiffness": 1.57706e7,
-        "cable.displaced_diameter": 0.045868,
-        "cable.mass_per_length": 7.2,
-        "cable.tangential_drag": 0.025,
-        "unit.mass": 65000.0,
-        "unit.volume": 58.4404,
-        "unit.added_mass": [60000.0] * 3,
-        "unit.drag_coefficient": [1.0] * 3,
-        "unit.drag_area": [1.0] * 3,
-        "sea.significant_wave_height": 1.5,
-        "sea.peak_period": 10.0,
-    }
+    values = {**DEEP_900, "sea.significant_wave_height": 1.5, "sea.peak_period": 10.0}
     parameters = build_parameters(WinchControllerParameters, values, where="test")
     found = {drag: identify_simulated(parameters, drag=drag) for drag in ("linear", "quadratic")}
 

@@ -2,25 +2,14 @@
 
 import numpy as np
 import pytest
+from cable_sim_node.reference_systems import DEEP_900
 from winch_controller_node.closed_loop import ClosedLoop, loop_parameters
 from winch_controller_node.design import design_controller
 from winch_controller_node.handover import hand_over, hand_over_standing
 from winch_controller_node.parameters import WinchControllerParameters
 
 DT = 0.05
-CABLE = {
-    "cable.diameter": 0.047,
-    "cable.displaced_diameter": 0.045868,
-    "cable.mass_per_length": 7.2,
-    "cable.axial_stiffness": 15770645.9,
-    "cable.tangential_drag": 0.025,
-    "unit.mass": 65000.0,
-    "unit.volume": 58.4404,
-    "unit.added_mass": [60000.0, 60000.0, 60000.0],
-    "unit.drag_coefficient": [1.0, 1.0, 1.0],
-    "unit.drag_area": [1.0, 1.0, 1.0],
-    "length": 570.0,
-}
+CABLE = {**DEEP_900, "length": 570.0}
 """The 125 t unit of the landing benchmark, 50 kN in water."""
 SEA = {"significant_wave_height": 1.5, "peak_period": 10.0}
 

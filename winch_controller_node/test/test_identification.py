@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from cable_sim_node.reference_systems import DEEP_900
 from heave_node.parameters import build_parameters
 from scipy.integrate import solve_ivp
 from winch_controller_node.design import believed_cable
@@ -12,21 +13,7 @@ from winch_controller_node.identification_kernel import respond
 from winch_controller_node.identification_plant import identify_against_length, identify_simulated
 from winch_controller_node.parameters import WinchControllerParameters
 
-S900 = {
-    "length": 900.0,
-    "cable.diameter": 0.047,
-    "cable.displaced_diameter": 0.045868,
-    "cable.axial_stiffness": 1.57706e7,
-    "cable.mass_per_length": 7.2,
-    "cable.tangential_drag": 0.025,
-    "unit.mass": 65000.0,
-    "unit.volume": 58.4404,
-    "unit.added_mass": [60000.0, 60000.0, 60000.0],
-    "unit.drag_coefficient": [1.0, 1.0, 1.0],
-    "unit.drag_area": [1.0, 1.0, 1.0],
-    "sea.significant_wave_height": 1.5,
-    "sea.peak_period": 10.0,
-}  # thesis 6.2.6
+S900 = {**DEEP_900, "sea.significant_wave_height": 1.5, "sea.peak_period": 10.0}
 
 
 def sea(t, seed=0):

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from cable_sim_node.reference_systems import DEEP_900
 from heave_node.parameters import build_parameters
 from winch_controller_node.design import at_cable, carry_over, design_controller
 from winch_controller_node.feasibility import boom_tip_moments, feasibility_table, uncompensated_sigma
@@ -51,15 +52,7 @@ def test_scheduled_gains_hold_the_unit_stiller_than_those_of_the_first_length_th
     """125 t from 50 m on, axial resonance at the sea's peak near 320 m; both with the estimator of the length that is
     out, so that the gains alone differ: those of another length are not the optimum.
     """
-    unit = {
-        "cable__diameter": 0.047,
-        "cable__displaced_diameter": 0.045868,
-        "cable__mass_per_length": 7.2,
-        "cable__axial_stiffness": 15770645.9,
-        "unit__mass": 65000.0,
-        "unit__volume": 58.4404,
-        "unit__added_mass": [60000.0] * 3,
-    }
+    unit = {name.replace(".", "__"): value for name, value in DEEP_900.items() if name != "length"}
     sea = {"sea__significant_wave_height": 1.5, "sea__peak_period": 10.0}
     points = {"length": 50.0, "schedule__maximum_length": 450.0, "schedule__points": 5}
     wide = design_schedule(parameters(**unit, **sea, **points), tick_period=DT)

@@ -1,23 +1,11 @@
 """A sensor lost in a storm: the fade-out is orderly, and the cable none the worse for the compensation."""
 
 import numpy as np
+from cable_sim_node.reference_systems import DEEP_900
 from heave_bags.kpi import snap_times
 from winch_controller_node.closed_loop import ClosedLoop, loop_parameters
 
 DT = 0.05
-S900 = {
-    "cable.diameter": 0.047,
-    "cable.displaced_diameter": 0.045868,
-    "cable.mass_per_length": 7.2,
-    "cable.axial_stiffness": 15770645.9,
-    "cable.tangential_drag": 0.025,
-    "unit.mass": 65000.0,
-    "unit.volume": 58.4404,
-    "unit.added_mass": [60000.0, 60000.0, 60000.0],
-    "unit.drag_coefficient": [1.0, 1.0, 1.0],
-    "unit.drag_area": [1.0, 1.0, 1.0],
-    "length": 900.0,
-}
 SEA = {"significant_wave_height": 6.0, "peak_period": 12.0}
 LOST = 80.0
 FADE = 10.0
@@ -32,9 +20,9 @@ def test_an_mru_lost_in_a_storm_fades_compensation_out_without_a_jerk_and_withou
                 "wave_vessel": SEA
                 | {"ramp": 20.0, "vessel.natural_frequency": 0.9, "vessel.damping_ratio": 0.4}
                 | {"mru.dropout_start": [LOST], "mru.dropout_duration": [60.0]},
-                "cable_sim": S900 | {"segments": 12},
+                "cable_sim": {**DEEP_900} | {"segments": 12},
                 "virtual_winch": {},
-                "winch_controller": S900 | {f"sea.{name}": value for name, value in SEA.items()},
+                "winch_controller": {**DEEP_900} | {f"sea.{name}": value for name, value in SEA.items()},
             },
             seed=2,
             duration=120.0,
