@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import sys
+from collections.abc import Callable
 from functools import partial
 
 from heave_msgs.srv import InjectFault
@@ -12,7 +13,7 @@ from heave_node.diagnostics import Health, Level
 from heave_node.kinematics import PointMotion
 from heave_node.master import ClockMasterNode
 from heave_node.node import NodeError
-from heave_node.ports import Input
+from heave_node.ports import Input, Output
 from heave_node.process import run_node
 from heave_node.tick import Tick
 from heave_node.topics import Topic
@@ -24,15 +25,7 @@ from cable_sim_node.inputs import NewestMotion
 from cable_sim_node.markers import plant_markers
 from cable_sim_node.node_parameters import CableSimNodeParameters
 from cable_sim_node.sensor_suite import SensorReadings
-
-SENSOR_TOPICS = {
-    "depth": topics.UNIT_PRESSURE,
-    "velocity": topics.UNIT_VELOCITY,
-    "imu": topics.UNIT_IMU,
-    "load_cell": topics.LOAD_CELL,
-    "usbl": topics.UNIT_USBL,
-}
-"""What each sensor publishes."""
+from cable_sim_node.sensors import Reading
 
 
 class CableSimNode(ClockMasterNode):
@@ -50,7 +43,7 @@ class CableSimNode(ClockMasterNode):
         self.plant = self._make_plant()
         self.newest_tip, self.newest_payout = NewestMotion(), NewestMotion()
         self.state: PlantState | None = None
-        self.sensor_outputs = {name: self.add_output(SENSOR_TOPICS[name]) for name in self.plant.sensors}
+        self.sensor_outputs = self._add_sensor_outputs()
         self.cable_state = self.add_output(topics.CABLE_STATE)
         self.unit_odometry = self.add_output(topics.UNIT_ODOMETRY)
         self.uncompensated = self.add_output(topics.UNIT_UNCOMPENSATED)
@@ -78,16 +71,9 @@ class CableSimNode(ClockMasterNode):
 
     def _promise_readings(self, readings: SensorReadings) -> None:
         """Publish what the sensors deliver; the controller waits for it."""
-        density, gravity = self.parameters.water_density, self.parameters.gravity
-        for name, to_message, delivered in (
-            ("depth", partial(conversions.pressure_message, density=density, gravity=gravity), readings.depth),
-            ("velocity", conversions.velocity_message, readings.velocity),
-            ("imu", conversions.imu_message, readings.imu),
-            ("load_cell", conversions.load_cell_message, readings.load_cell),
-            ("usbl", conversions.usbl_message, readings.usbl),
-        ):
-            for reading in delivered:
-                self.sensor_outputs[name].publish_later(partial(to_message, reading))
+        for name, (output, to_message) in self.sensor_outputs.items():
+            for reading in getattr(readings, name):
+                output.publish_later(partial(to_message, reading))
 
     def _promise_state(self, state: PlantState, tick: Tick) -> None:
         """Publish the truth, which nobody but the winch's power limit waits for."""
@@ -138,6 +124,20 @@ class CableSimNode(ClockMasterNode):
             Health("cable", Level.WARN, f"{slack} segments are slack") if slack else Health("cable", Level.OK, "taut")
         )
         return parts
+
+    def _add_sensor_outputs(self) -> dict[str, tuple[Output, Callable[[Reading], object]]]:
+        """Add the topics of the sensors that are fitted; return with each how a reading becomes a message."""
+        p = self.parameters
+        pressure_message = partial(conversions.pressure_message, density=p.water_density, gravity=p.gravity)
+        known: dict[str, tuple[Topic, Callable[[Reading], object]]] = {
+            "depth": (topics.UNIT_PRESSURE, pressure_message),
+            "velocity": (topics.UNIT_VELOCITY, conversions.velocity_message),
+            "imu": (topics.UNIT_IMU, conversions.imu_message),
+            "usbl": (topics.UNIT_USBL, conversions.usbl_message),
+            "load_cell": (topics.LOAD_CELL, conversions.load_cell_message),
+        }
+        fitted = {name: known[name] for name in self.plant.sensors}
+        return {name: (self.add_output(topic), to_message) for name, (topic, to_message) in fitted.items()}
 
     def _add_motion_input(self, topic: Topic) -> Input:
         """Add an input; hardware stamps by a clock of its own, so its stamps are not looked at."""

@@ -84,15 +84,17 @@ class SensorSuite:
             if sensor.fitted
         }
 
-    def step(self, tick: int, truth: SensorTruth) -> SensorReadings:
-        """Let every sensor look at the `truth` of t_k, and return what is delivered at t_k."""
-        looks = {
+        self._looks = {
             "depth": self._depth,
             "velocity": self._velocity,
             "imu": self._imu,
             "usbl": self._usbl_position,
             "load_cell": self._load_cell,
         }
+
+    def step(self, tick: int, truth: SensorTruth) -> SensorReadings:
+        """Let every sensor look at the `truth` of t_k, and return what is delivered at t_k."""
+        looks = self._looks
         return SensorReadings(**{name: looks[name](sensor, tick, truth) for name, sensor in self.by_name.items()})
 
     def _depth(self, sensor: Sensor, tick: int, truth: SensorTruth) -> tuple[Reading, ...]:

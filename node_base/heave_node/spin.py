@@ -65,7 +65,7 @@ def spin(node: Node, finished: Future, on_idle: Callable[[], None], rest: Callab
             if finished.done():
                 break
             time.sleep(pause)
-            if time.monotonic() - looked_at >= IDLE_PERIOD:
+            if not pause or time.monotonic() - looked_at >= IDLE_PERIOD:
                 looked_at = time.monotonic()
                 on_idle()
     finally:
