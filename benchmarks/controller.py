@@ -17,7 +17,6 @@ import math
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
-from importlib.resources import files
 from pathlib import Path
 
 import numpy as np
@@ -25,7 +24,8 @@ from heave_bags import kpi_set
 from heave_bags.kpi import kappa
 from heave_bringup.campaign_runs import run_signals
 from heave_bringup.kappa import LONGEST
-from heave_node.scenario import NodeValues, parse_yaml, read_scenario
+from heave_bringup.scenarios import apply_setting, find_scenario
+from heave_node.scenario import NodeValues, read_scenario
 from winch_controller_node.bounds import BOUND_STEP, WinchLimits, actuator_bound
 from winch_controller_node.closed_loop import ClosedLoop, LoopRecord, loop_parameters
 from winch_controller_node.prediction import estimation_bound
@@ -58,14 +58,11 @@ class Figures:
 
 def scenario_values(name: str, law: str, settings: Sequence[str] = ()) -> NodeValues:
     """Return the values of a shipped scenario, or of a file, with another law and settings where they are given."""
-    shipped = Path(str(files("heave_bringup"))) / "scenarios" / f"{name}.yaml"
-    values = read_scenario(shipped if shipped.exists() else Path(name))
+    values = read_scenario(find_scenario(name))
     if law:
         values["winch_controller"]["law"] = law
     for setting in settings:
-        target, _, text = setting.partition("=")
-        node, _, parameter = target.partition(".")
-        values[node][parameter] = parse_yaml(text)
+        apply_setting(values, setting)
     return values
 
 

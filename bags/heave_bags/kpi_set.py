@@ -208,8 +208,7 @@ def _tension(run: RunSignals, start: float, end: float) -> dict[str, float]:
     slack = run.slack.window(start, end)
     if not tension.size:
         return {"slack_percent": kpi.percent_true(slack.value)}
-    static = run.static_at(tension)
-    ratio, amplification = kpi.tension_ratios(tension.value, static)
+    ratio, amplification, snaps = _against_static(run, tension)
     slack_flags = slack.value if slack.size else tension.value <= 0.0
     return {
         "tension_min_n": float(tension.value.min()),
@@ -219,7 +218,7 @@ def _tension(run: RunSignals, start: float, end: float) -> dict[str, float]:
         "tension_ratio_min": ratio,
         "dynamic_amplification": amplification,
         "slack_percent": kpi.percent_true(slack_flags),
-        "snaps": float(kpi.snap_times(tension.time, tension.value, static).size),
+        "snaps": snaps,
     }
 
 
@@ -227,13 +226,19 @@ def _uncompensated_tension(run: RunSignals, start: float, end: float) -> dict[st
     tension = run.uncompensated_tension.window(start, end)
     if not tension.size:
         return {}
-    static = run.static_at(tension)
-    ratio, amplification = kpi.tension_ratios(tension.value, static)
+    ratio, amplification, snaps = _against_static(run, tension)
     return {
         "uncompensated_tension_ratio_min": ratio,
         "uncompensated_dynamic_amplification": amplification,
-        "uncompensated_snaps": float(kpi.snap_times(tension.time, tension.value, static).size),
+        "uncompensated_snaps": snaps,
     }
+
+
+def _against_static(run: RunSignals, tension: Signal) -> tuple[float, float, float]:
+    """Return rT, DAF and the number of snaps of a tension, all over the static one."""
+    static = run.static_at(tension)
+    snaps = kpi.snap_times(tension.time, tension.value, static)
+    return *kpi.tension_ratios(tension.value, static), float(snaps.size)
 
 
 def _winch(run: RunSignals, start: float, end: float) -> dict[str, float]:

@@ -81,7 +81,7 @@ def load_scenario(
     _refuse_unknown_nodes(in_file, path)
     values = {node: dict(section) for node, section in in_file.items()}
     for setting in settings:
-        _apply_setting(values, setting)
+        apply_setting(values, setting)
     values.setdefault(WILDCARD, {}).update(common or {})
     try:
         return _checked(path, values, str(path))
@@ -113,7 +113,8 @@ def _checked(path: Path, values: NodeValues, source: str) -> Scenario:
     return Scenario(path.stem, path, values, run, parameters)
 
 
-def _apply_setting(values: NodeValues, setting: str) -> None:
+def apply_setting(values: NodeValues, setting: str) -> None:
+    """Put a "NODE.PARAM=VALUE" text into the values of a scenario; raises ParameterError for what is none."""
     target, separator, text = setting.partition("=")
     node, dot, parameter = target.partition(".")
     if not separator or not dot or not parameter:

@@ -27,6 +27,9 @@ Array = NDArray[np.float64]
 
 STIFFNESS_ITERATIONS = 50
 
+PICTURE_ENDINGS = (".png", ".svg")
+"""Kinds of picture of a static state."""
+
 
 @dataclass(frozen=True)
 class StaticReport:
@@ -214,8 +217,8 @@ def draw_static(report: StaticReport, path: Path) -> None:
     from matplotlib.backends.backend_agg import FigureCanvasAgg  # noqa: PLC0415 (slow to import, rarely needed)
     from matplotlib.figure import Figure  # noqa: PLC0415 (slow to import, rarely needed)
 
-    if path.suffix.lower() not in {".png", ".svg"}:
-        raise StaticsError(f"{path}: a static picture is .png or .svg")
+    if path.suffix.lower() not in PICTURE_ENDINGS:
+        raise StaticsError(f"{path}: a static picture is {' or '.join(PICTURE_ENDINGS)}")
     figure = Figure(figsize=(11.0, 5.5), layout="constrained")
     FigureCanvasAgg(figure)
     draw_shape(figure, report)

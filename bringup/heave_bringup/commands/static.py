@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 
 from cable_sim_node.errors import PlantError
-from cable_sim_node.static_report import draw_static, static_report
+from cable_sim_node.static_report import PICTURE_ENDINGS, draw_static, static_report
 from cable_sim_node.statics.errors import StaticsError
 
 from heave_bringup.errors import CommandError
@@ -16,7 +16,7 @@ from heave_bringup.scenarios import load_scenario
 
 def execute(options: argparse.Namespace) -> None:
     """Print end forces, positions, top tension and angle; draw the shape in both planes."""
-    check_output("--picture", options.picture, (".png", ".svg"))
+    check_output("--picture", options.picture, PICTURE_ENDINGS)
     scenario = load_scenario(options.scenario, settings=options.set)
     try:
         report = static_report(scenario.parameters["cable_sim"])
