@@ -35,6 +35,9 @@ setup(
     extras_require={"test": ["pytest"]},
     zip_safe=False,
     entry_points={
-        "console_scripts": ["recorder = heave_bags.recorder_node:main", "player = heave_bags.player_node:main"]
+        "console_scripts": [
+            "recorder = heave_bags.record.recorder_node:main",
+            "player = heave_bags.play.player_node:main",
+        ]
     },
 )

@@ -20,16 +20,16 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from heave_bags import kpi_set
-from heave_bags.kpi import kappa
-from heave_bringup.campaign_runs import run_signals
-from heave_bringup.kappa import LONGEST
+from heave_bags.analyse import kpi_set
+from heave_bringup.campaign.runs import run_signals
+from heave_bringup.closed_loop import ClosedLoop, LoopRecord, loop_parameters
+from heave_bringup.run.kappa import LONGEST
 from heave_bringup.scenarios import apply_setting, find_scenario
+from heave_node.kpi import kappa
 from heave_node.scenario import NodeValues, read_scenario
-from winch_controller_node.bounds import BOUND_STEP, WinchLimits, actuator_bound
-from winch_controller_node.closed_loop import ClosedLoop, LoopRecord, loop_parameters
-from winch_controller_node.prediction import estimation_bound
-from winch_controller_node.readings import Measurements, Outputs
+from winch_controller_node.design.bounds import BOUND_STEP, WinchLimits, actuator_bound
+from winch_controller_node.design.prediction import estimation_bound
+from winch_controller_node.interface.readings import Measurements, Outputs
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from domain_coordinator import domain_id
-from heave_bags.reader import Bag
+from heave_bags.mcap.reader import Bag
 
 from tests.loop_runs import command, environment, process_of, wait_until
 

@@ -9,8 +9,8 @@ from xml.etree import ElementTree
 
 import pytest
 from ament_index_python.packages import get_package_prefix, get_package_share_path
-from heave_bringup.node_table import NODES
-from heave_node.environment import prepare_environment
+from heave_bringup.run.node_table import NODES
+from heave_node.ros.environment import prepare_environment
 
 if sys.version_info >= (3, 11):
     import tomllib

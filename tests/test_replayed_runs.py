@@ -1,7 +1,7 @@
 """A bag in the place of all nodes but the controller gives the same run; and markers in a bag show the cable."""
 
 import pytest
-from heave_bags.reader import Bag
+from heave_bags.mcap.reader import Bag
 from visualization_msgs.msg import Marker
 
 from tests.loop_runs import CALM_DURATION, heave, run_scenario

@@ -10,7 +10,7 @@ import pytest
 
 sys.path.insert(0, str(Path(__file__).parent))
 
-from heave_bags.bag_writer import BagPolicy
+from heave_bags.mcap.bag_writer import BagPolicy
 from made_up_run import MadeUpRun, write_run
 
 

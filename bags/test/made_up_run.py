@@ -12,9 +12,9 @@ os.environ.setdefault("AMENT_PREFIX_PATH", sys.prefix)
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from geometry_msgs.msg import Point, Vector3
-from heave_bags.bag_writer import Attachment, BagPolicy, BagWriter
-from heave_bags.mcap_writer import ChunkPolicy
-from heave_bags.qos import OfferedQos
+from heave_bags.mcap.bag_writer import Attachment, BagPolicy, BagWriter
+from heave_bags.mcap.qos import OfferedQos
+from heave_bags.mcap.writer import ChunkPolicy
 from heave_msgs.msg import (
     CableState,
     ControllerState,

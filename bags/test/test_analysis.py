@@ -6,7 +6,7 @@ import sys
 
 import pandas
 import pytest
-from heave_bags import analysis
+from heave_bags.analyse import analysis
 from heave_bags.errors import BagError
 from made_up_run import MadeUpRun
 
@@ -119,7 +119,7 @@ def test_runs_are_compared_side_by_side(made_up_bag):
 
 
 def test_a_bag_of_others_is_refused_with_what_it_has(tmp_path):
-    from heave_bags.bag_writer import BagWriter  # noqa: PLC0415
+    from heave_bags.mcap.bag_writer import BagWriter  # noqa: PLC0415
 
     writer = BagWriter(tmp_path / "bag")
     writer.add_topic("/chatter", "std_msgs/msg/String")

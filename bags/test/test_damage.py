@@ -9,9 +9,9 @@ import time
 from pathlib import Path
 
 import pytest
-from heave_bags.bag_writer import BagPolicy
-from heave_bags.mcap_writer import ChunkPolicy
-from heave_bags.reader import Bag
+from heave_bags.mcap.bag_writer import BagPolicy
+from heave_bags.mcap.reader import Bag
+from heave_bags.mcap.writer import ChunkPolicy
 from made_up_run import MadeUpRun, write_run
 
 SMALL_CHUNKS = BagPolicy(ChunkPolicy(size=8_000))
@@ -100,8 +100,8 @@ import sys, time
 sys.path.insert(0, {tests!r})
 from pathlib import Path
 import made_up_run as made_up
-from heave_bags.bag_writer import BagPolicy
-from heave_bags.mcap_writer import ChunkPolicy
+from heave_bags.mcap.bag_writer import BagPolicy
+from heave_bags.mcap.writer import ChunkPolicy
 from rclpy.serialization import serialize_message
 
 writer = made_up.write_run(Path({folder!r}), made_up.MadeUpRun(duration=0.05),

@@ -5,12 +5,13 @@ import math
 import numpy as np
 import pytest
 from geometry_msgs.msg import Quaternion, Vector3
-from heave_bags import repair, sea_import
-from heave_bags.bag_writer import BagPolicy, BagWriter
 from heave_bags.errors import BagError
-from heave_bags.mcap_writer import ChunkPolicy
-from heave_bags.reader import Bag
-from heave_bags.sea_import import Channel, SeaMapping, boom_tip_motion, euler_part, import_sea, integrated_twice
+from heave_bags.mcap import repair
+from heave_bags.mcap.bag_writer import BagPolicy, BagWriter
+from heave_bags.mcap.reader import Bag
+from heave_bags.mcap.writer import ChunkPolicy
+from heave_bags.play import sea_import
+from heave_bags.play.sea_import import Channel, SeaMapping, boom_tip_motion, euler_part, import_sea, integrated_twice
 from hypothesis import given
 from hypothesis import strategies as st
 from made_up_run import MadeUpRun, header
@@ -95,7 +96,7 @@ def test_a_csv_log_is_the_sea_and_bad_cells_are_told(tmp_path):
 
 
 def test_the_result_is_read_by_the_node_that_plays_it(ship, tmp_path):
-    recording = pytest.importorskip("wave_vessel_node.recording")
+    recording = pytest.importorskip("wave_vessel_node.vessel.recording")
     sea = import_sea(ship, "/mru/heave")
     sea_import.write_sea(sea, tmp_path / "sea.csv", ship)
     read = recording.read_recording(tmp_path / "sea.csv")

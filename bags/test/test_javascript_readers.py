@@ -11,9 +11,9 @@ import subprocess
 from pathlib import Path
 
 import pytest
-from heave_bags.bag_writer import BagPolicy
-from heave_bags.mcap_writer import ChunkPolicy
-from heave_bags.reader import Bag
+from heave_bags.mcap.bag_writer import BagPolicy
+from heave_bags.mcap.reader import Bag
+from heave_bags.mcap.writer import ChunkPolicy
 from made_up_run import MadeUpRun
 
 FOLDER = Path(__file__).parent / "javascript"

@@ -7,8 +7,8 @@ from xml.etree import ElementTree
 
 import pytest
 import yaml
-from heave_bags.cdr_layout import PRIMITIVES, parse_schema
-from heave_bags.definitions import schema_text
+from heave_bags.cdr.layout import PRIMITIVES, parse_schema
+from heave_bags.mcap.definitions import schema_text
 from heave_node.topics import ALL_TOPICS
 
 CONFIG = Path(__file__).parent.parent / "config"

@@ -13,9 +13,9 @@ from pathlib import Path
 import pytest
 import rclpy
 from domain_coordinator import domain_id
-from heave_bags.reader import Bag
+from heave_bags.mcap.reader import Bag
 from heave_msgs.srv import PlaybackControl, SaveSnapshot, StartRecording
-from heave_node.environment import prepare_environment
+from heave_node.ros.environment import prepare_environment
 from made_up_run import TYPES, MadeUpRun
 from rclpy.node import Node
 from std_msgs.msg import String

@@ -3,7 +3,7 @@
 import random
 import struct
 
-from heave_bags.recording import TickOrder
+from heave_bags.record.recording import TickOrder
 from hypothesis import given
 from hypothesis import strategies as st
 

@@ -5,9 +5,9 @@ import shutil
 import subprocess
 
 import pytest
-from heave_bags import analysis, report
-from heave_bags.kpi_set import Signal
-from heave_bags.report_figures import pack, run_figures, thin
+from heave_bags.analyse import analysis, report
+from heave_bags.analyse.kpi_set import Signal
+from heave_bags.analyse.report_figures import pack, run_figures, thin
 from made_up_run import MadeUpRun
 from numpy import arange, sin, zeros
 

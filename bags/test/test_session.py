@@ -1,11 +1,11 @@
 """Start, stop, split and snapshots, without ROS."""
 
 import pytest
-from heave_bags.bag_writer import BagWriter
 from heave_bags.errors import BagError
-from heave_bags.qos import OfferedQos
-from heave_bags.reader import Bag
-from heave_bags.session import RecordingSession, SnapshotRing
+from heave_bags.mcap.bag_writer import BagWriter
+from heave_bags.mcap.qos import OfferedQos
+from heave_bags.mcap.reader import Bag
+from heave_bags.record.session import RecordingSession, SnapshotRing
 from made_up_run import MadeUpRun, tick_messages
 from rclpy.serialization import serialize_message
 

@@ -9,12 +9,12 @@ import time
 from pathlib import Path
 
 import pytest
-from heave_bags.bag_writer import BagPolicy, BagWriter
 from heave_bags.errors import StorageError
-from heave_bags.mcap_writer import ChunkPolicy
-from heave_bags.reader import Bag
-from heave_bags.session import RecordingSession, SnapshotRing
-from heave_bags.storage import BackgroundStorage, DirectStorage, journal_path
+from heave_bags.mcap.bag_writer import BagPolicy, BagWriter
+from heave_bags.mcap.reader import Bag
+from heave_bags.mcap.storage import BackgroundStorage, DirectStorage, journal_path
+from heave_bags.mcap.writer import ChunkPolicy
+from heave_bags.record.session import RecordingSession, SnapshotRing
 from made_up_run import MadeUpRun, tick_messages
 from rclpy.serialization import serialize_message
 from rosbags.highlevel import AnyReader
@@ -81,7 +81,7 @@ sys.path.insert(0, {tests!r})
 resource.setrlimit(resource.RLIMIT_FSIZE, (60_000, resource.RLIM_INFINITY))
 import test_storage
 from pathlib import Path
-from heave_bags.bag_writer import BagWriter
+from heave_bags.mcap.bag_writer import BagWriter
 writer = BagWriter(Path({folder!r}), policy=test_storage.POLICY)
 try:
     test_storage.record(writer, 100_000)

@@ -6,10 +6,10 @@ import argparse
 from pathlib import Path
 from typing import Any, NoReturn
 
-from heave_bags.player_options import add_arguments
+from heave_bags.play.player_options import add_arguments
 from heave_node.run_parameters import LOCKSTEP, REALTIME
 
-from heave_bringup.node_table import NODE_BY_NAME
+from heave_bringup.run.node_table import NODE_BY_NAME
 
 
 class OneLineParser(argparse.ArgumentParser):

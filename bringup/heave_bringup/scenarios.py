@@ -14,7 +14,7 @@ from heave_node.parameters import ParameterError, build_parameters, describe
 from heave_node.run_parameters import RunParameters
 from heave_node.scenario import WILDCARD, NodeValues, parse_yaml, read_scenario, values_of_node
 
-from heave_bringup.node_table import NODE_BY_NAME, NODES
+from heave_bringup.run.node_table import NODE_BY_NAME, NODES
 
 SCENARIO_FOLDER = "scenarios"
 

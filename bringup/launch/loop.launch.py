@@ -6,8 +6,8 @@ fails takes the others down.
 
 from pathlib import Path
 
-from heave_bringup.node_table import NODE_BY_NAME
-from heave_bringup.run import new_run_folder, nodes_to_start, resolved
+from heave_bringup.run.node_table import NODE_BY_NAME
+from heave_bringup.run.run import new_run_folder, nodes_to_start, resolved
 from heave_bringup.scenarios import load_scenario
 from heave_node.scenario import write_scenario
 from launch import LaunchContext, LaunchDescription, LaunchDescriptionEntity

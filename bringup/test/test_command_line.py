@@ -1,7 +1,7 @@
 """What the `heave` command says of a wrong command line."""
 
 import pytest
-from heave_bags.bag_writer import BagWriter
+from heave_bags.mcap.bag_writer import BagWriter
 from heave_bringup.cli import main
 
 

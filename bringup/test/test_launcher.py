@@ -4,7 +4,7 @@ import subprocess
 import sys
 
 import pytest
-from heave_bringup.launcher import Launcher, NodeProcess
+from heave_bringup.run.launcher import Launcher, NodeProcess
 
 STUCK = """
 import time

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from heave_bringup.campaign import as_settings, read_campaign
+from heave_bringup.campaign.plan import as_settings, read_campaign
 from heave_bringup.scenarios import load_scenario
 
 FOLDER = Path(str(resources.files("heave_bringup"))) / "campaigns"

@@ -8,7 +8,7 @@ from itertools import pairwise
 from pathlib import Path
 
 import pytest
-from heave_bringup.node_table import NODES
+from heave_bringup.run.node_table import NODES
 from heave_bringup.scenarios import Scenario, description_of, load_scenario, shipped_scenarios
 from heave_node.parameters import flatten
 from heave_node.scenario import read_scenario, values_of_node

@@ -13,14 +13,14 @@ import numpy as np
 from heave_node.kinematics import PointMotion
 from numpy.typing import NDArray
 
-from cable_sim_node.dynamics import CableDynamics
 from cable_sim_node.errors import BadMotionError, PlantError
 from cable_sim_node.inputs import BridgedInput
-from cable_sim_node.linear_plant import LinearPlant
+from cable_sim_node.line.dynamics import CableDynamics
 from cable_sim_node.node_parameters import CableSimNodeParameters
-from cable_sim_node.sensor_suite import SensorReadings, SensorSuite, SensorTruth
-from cable_sim_node.sensors import Sensor
+from cable_sim_node.sensors.sensor import Sensor
+from cable_sim_node.sensors.suite import SensorReadings, SensorSuite, SensorTruth
 from cable_sim_node.shadow import ShadowPayout
+from cable_sim_node.vertical.linear_plant import LinearPlant
 
 Array = NDArray[np.float64]
 Motion = tuple[Array, Array, Array]

@@ -9,13 +9,13 @@ from functools import partial
 
 from heave_msgs.srv import InjectFault
 from heave_node import topics
-from heave_node.diagnostics import Health, Level
 from heave_node.kinematics import PointMotion
-from heave_node.master import ClockMasterNode
-from heave_node.node import NodeError
-from heave_node.ports import Input, Output
-from heave_node.process import run_node
-from heave_node.tick import Tick
+from heave_node.ros.diagnostics import Health, Level
+from heave_node.ros.master import ClockMasterNode
+from heave_node.ros.node import NodeError
+from heave_node.ros.ports import Input, Output
+from heave_node.ros.process import run_node
+from heave_node.tick.tick import Tick
 from heave_node.topics import Topic
 
 from cable_sim_node import conversions
@@ -24,8 +24,8 @@ from cable_sim_node.errors import PlantError
 from cable_sim_node.inputs import NewestMotion
 from cable_sim_node.markers import plant_markers
 from cable_sim_node.node_parameters import CableSimNodeParameters
-from cable_sim_node.sensor_suite import SensorReadings
-from cable_sim_node.sensors import Reading
+from cable_sim_node.sensors.sensor import Reading
+from cable_sim_node.sensors.suite import SensorReadings
 
 
 class CableSimNode(ClockMasterNode):

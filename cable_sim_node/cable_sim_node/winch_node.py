@@ -6,15 +6,15 @@ import sys
 
 from heave_msgs.srv import InjectFault
 from heave_node import topics
-from heave_node.diagnostics import Health, Level
-from heave_node.participant import ParticipantNode
-from heave_node.process import run_node
-from heave_node.tick import Tick
+from heave_node.ros.diagnostics import Health, Level
+from heave_node.ros.participant import ParticipantNode
+from heave_node.ros.process import run_node
+from heave_node.tick.tick import Tick
 
 from cable_sim_node.conversions import winch_command_of, winch_state_message
-from cable_sim_node.faults import FaultSchedule
-from cable_sim_node.winch import VirtualWinch, WinchFault
-from cable_sim_node.winch_parameters import WinchParameters
+from cable_sim_node.sensors.faults import FaultSchedule
+from cable_sim_node.winch.component import VirtualWinch, WinchFault
+from cable_sim_node.winch.parameters import WinchParameters
 
 
 class VirtualWinchNode(ParticipantNode):

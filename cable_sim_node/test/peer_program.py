@@ -19,10 +19,10 @@ from heave_msgs.srv import InjectFault
 from heave_node import topics
 from heave_node.kinematics import PointMotion
 from heave_node.parameters import parameter
-from heave_node.participant import ParticipantNode
-from heave_node.process import run_node
-from heave_node.qos import qos_of
-from heave_node.tick import Tick, nanoseconds_of
+from heave_node.ros.participant import ParticipantNode
+from heave_node.ros.process import run_node
+from heave_node.ros.qos import qos_of
+from heave_node.tick.tick import Tick, nanoseconds_of
 from std_msgs.msg import Header
 
 HEARD = (

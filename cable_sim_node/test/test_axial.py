@@ -3,11 +3,11 @@ import math
 
 import numpy as np
 import pytest
-from cable_sim_node.axial import AxialError, simulate_axial
-from cable_sim_node.axial_line import AxialClump, AxialLine, AxialSection, AxialUnit, axial_line
 from cable_sim_node.errors import NoEquilibriumError
-from cable_sim_node.linear import heave_transfer_function
 from cable_sim_node.parameters import CableParameters, CableSimParameters, ClumpsParameters, SectionsParameters
+from cable_sim_node.vertical.axial import AxialError, simulate_axial
+from cable_sim_node.vertical.axial_line import AxialClump, AxialLine, AxialSection, AxialUnit, axial_line
+from cable_sim_node.vertical.linear import heave_transfer_function
 from hypothesis import given, settings
 from hypothesis import strategies as st
 

@@ -12,8 +12,8 @@ from cable_sim_node.component import CableSim, PlantState
 from cable_sim_node.errors import PlantError
 from cable_sim_node.node_parameters import CableSimNodeParameters
 from cable_sim_node.parameters import SeabedParameters
-from cable_sim_node.reference_systems import DEEP_900
-from cable_sim_node.sensor_parameters import (
+from cable_sim_node.peers.reference_systems import DEEP_900
+from cable_sim_node.sensors.parameters import (
     DepthSensorParameters,
     LoadCellParameters,
     SensorsParameters,

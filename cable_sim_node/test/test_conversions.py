@@ -13,9 +13,9 @@ pytest.importorskip("heave_msgs")
 from builtin_interfaces.msg import Time
 from cable_sim_node.component import PlantState
 from cable_sim_node.parameters import SeabedParameters
-from cable_sim_node.sensors import Reading
-from cable_sim_node.winch import VirtualWinch, WinchCommand
-from cable_sim_node.winch_parameters import WinchParameters
+from cable_sim_node.sensors.sensor import Reading
+from cable_sim_node.winch.component import VirtualWinch, WinchCommand
+from cable_sim_node.winch.parameters import WinchParameters
 from heave_msgs.msg import WinchCommand as WinchCommandMessage
 from heave_msgs.msg import WinchState as WinchStateMessage
 from heave_node.kinematics import PointMotion

@@ -5,9 +5,8 @@ import math
 
 import numpy as np
 import pytest
-from cable_sim_node.driven_run import ramped_sine, run_driven
-from cable_sim_node.dynamics import CableDynamics
 from cable_sim_node.errors import BadMotionError, NoEquilibriumError, PlantError
+from cable_sim_node.line.dynamics import CableDynamics
 from cable_sim_node.parameters import (
     CableParameters,
     CableSimParameters,
@@ -17,7 +16,8 @@ from cable_sim_node.parameters import (
     UnitParameters,
     WaveKinematicsParameters,
 )
-from cable_sim_node.reference_systems import s300
+from cable_sim_node.peers.driven_run import ramped_sine, run_driven
+from cable_sim_node.peers.reference_systems import s300
 from heave_node.kinematics import PointMotion
 from heave_node.parameters import ParameterError, build_parameters
 from hypothesis import given, settings

@@ -2,8 +2,8 @@ import math
 
 import numpy as np
 import pytest
-from cable_sim_node.axial_line import AxialClump, AxialLine, AxialSection, AxialUnit
-from cable_sim_node.linear import (
+from cable_sim_node.vertical.axial_line import AxialClump, AxialLine, AxialSection, AxialUnit
+from cable_sim_node.vertical.linear import (
     LinearisationError,
     TwoStateModel,
     fit_two_state,

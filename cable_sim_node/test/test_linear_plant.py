@@ -7,8 +7,8 @@ import math
 import numpy as np
 import pytest
 from cable_sim_node.errors import BadMotionError
-from cable_sim_node.linear_plant import LinearPlant
 from cable_sim_node.parameters import CableSimParameters
+from cable_sim_node.vertical.linear_plant import LinearPlant
 from heave_node.kinematics import PointMotion
 from scipy.integrate import solve_ivp
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 from cable_sim_node.node_parameters import CableSimNodeParameters
-from cable_sim_node.winch_parameters import WinchParameters
+from cable_sim_node.winch.parameters import WinchParameters
 from heave_node.parameters import ParameterInfo, describe
 
 README = (Path(__file__).parents[1] / "README.md").read_text(encoding="utf-8")

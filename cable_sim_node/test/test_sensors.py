@@ -7,8 +7,8 @@ import math
 
 import numpy as np
 import pytest
-from cable_sim_node.fault_parameters import FaultParameters
-from cable_sim_node.sensor_parameters import (
+from cable_sim_node.sensors.fault_parameters import FaultParameters
+from cable_sim_node.sensors.parameters import (
     DepthSensorParameters,
     ImuParameters,
     LoadCellParameters,
@@ -17,8 +17,8 @@ from cable_sim_node.sensor_parameters import (
     UsblParameters,
     VelocitySensorParameters,
 )
-from cable_sim_node.sensor_suite import SensorSuite, SensorTruth
-from cable_sim_node.sensors import Reading, Sensor
+from cable_sim_node.sensors.sensor import Reading, Sensor
+from cable_sim_node.sensors.suite import SensorSuite, SensorTruth
 from heave_node.parameters import ParameterError, build_parameters, flatten
 from hypothesis import given, settings
 from hypothesis import strategies as st

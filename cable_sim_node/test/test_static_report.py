@@ -3,8 +3,8 @@ import math
 
 import numpy as np
 import pytest
-from cable_sim_node.dynamics import CableDynamics
 from cable_sim_node.errors import PlantError
+from cable_sim_node.line.dynamics import CableDynamics
 from cable_sim_node.parameters import (
     CableParameters,
     CableSimParameters,
@@ -13,8 +13,8 @@ from cable_sim_node.parameters import (
     SeabedParameters,
     SectionsParameters,
 )
-from cable_sim_node.static_report import draw_static, static_report
 from cable_sim_node.statics.errors import StaticsError
+from cable_sim_node.statics.report import draw_static, static_report
 
 PNG_HEAD = b"\x89PNG\r\n\x1a\n"
 

@@ -7,9 +7,9 @@ import math
 
 import numpy as np
 import pytest
-from cable_sim_node.fault_parameters import FaultParameters
-from cable_sim_node.winch import VirtualWinch, WinchCommand, WinchFault, WinchLimit, WinchState
-from cable_sim_node.winch_parameters import EncoderParameters, WinchParameters
+from cable_sim_node.sensors.fault_parameters import FaultParameters
+from cable_sim_node.winch.component import VirtualWinch, WinchCommand, WinchFault, WinchLimit, WinchState
+from cable_sim_node.winch.parameters import EncoderParameters, WinchParameters
 from hypothesis import given, settings
 from hypothesis import strategies as st
 

@@ -14,12 +14,12 @@ from dataclasses import dataclass
 
 from heave_msgs.msg import LoadCell, MruSample, PointMotion, TickStatus, WinchCommand, WinchState
 from heave_node import topics
-from heave_node.master import ClockMasterNode
-from heave_node.node import NodeError
 from heave_node.parameters import parameter
-from heave_node.participant import ParticipantNode
-from heave_node.process import run_node
-from heave_node.tick import stamp_of
+from heave_node.ros.master import ClockMasterNode
+from heave_node.ros.node import NodeError
+from heave_node.ros.participant import ParticipantNode
+from heave_node.ros.process import run_node
+from heave_node.tick.tick import stamp_of
 from rclpy.serialization import serialize_message
 
 FAULTS = ("", "die", "hang", "late", "duplicate", "lose", "lose_for_ever", "future_stamp", "old_stamp", "raise")

@@ -2,8 +2,8 @@
 
 import random
 
-from heave_node.gate import Inbox, TickGate
-from heave_node.roster import Participant, Roster
+from heave_node.tick.gate import Inbox, TickGate
+from heave_node.tick.roster import Participant, Roster
 from hypothesis import given
 from hypothesis import strategies as st
 

@@ -194,7 +194,7 @@ def test_an_external_node_is_waited_for_and_used_as_it_comes(loop):
 EXTERNAL_WINCH = """
 import rclpy
 from heave_msgs.msg import WinchCommand, WinchState
-from heave_node.environment import prepare_environment
+from heave_node.ros.environment import prepare_environment
 prepare_environment()
 rclpy.init()
 node = rclpy.create_node("a_real_winch")
@@ -249,8 +249,8 @@ import rclpy
 from heave_msgs.msg import TickStatus
 from heave_msgs.srv import StepSimulation
 from heave_node import topics
-from heave_node.environment import prepare_environment
-from heave_node.qos import qos_of
+from heave_node.ros.environment import prepare_environment
+from heave_node.ros.qos import qos_of
 from std_srvs.srv import SetBool, Trigger
 prepare_environment()
 rclpy.init()

@@ -5,12 +5,12 @@ import itertools
 
 import numpy as np
 import pytest
-from cable_sim_node.axial import simulate_axial
-from cable_sim_node.axial_line import axial_line
-from cable_sim_node.dynamics import CableDynamics
-from cable_sim_node.linear import heave_transfer_function, natural_frequencies
-from cable_sim_node.linear_line import linearise
+from cable_sim_node.line.dynamics import CableDynamics
+from cable_sim_node.line.linearised import linearise
 from cable_sim_node.parameters import CableParameters, CableSimParameters, ClumpsParameters, SectionsParameters
+from cable_sim_node.vertical.axial import simulate_axial
+from cable_sim_node.vertical.axial_line import axial_line
+from cable_sim_node.vertical.linear import heave_transfer_function, natural_frequencies
 from heave_node.kinematics import PointMotion
 
 PERIOD = 0.05

@@ -9,11 +9,11 @@ import math
 
 import numpy as np
 import pytest
-from cable_sim_node.axial import simulate_axial
-from cable_sim_node.axial_line import AxialLine, AxialSection, AxialUnit, axial_line
-from cable_sim_node.dynamics import CableDynamics
-from cable_sim_node.linear import heave_transfer_function, natural_frequencies, resonant_length
+from cable_sim_node.line.dynamics import CableDynamics
 from cable_sim_node.parameters import CableParameters, CableSimParameters, UnitParameters
+from cable_sim_node.vertical.axial import simulate_axial
+from cable_sim_node.vertical.axial_line import AxialLine, AxialSection, AxialUnit, axial_line
+from cable_sim_node.vertical.linear import heave_transfer_function, natural_frequencies, resonant_length
 from heave_node.constants import SEAWATER_DENSITY, STANDARD_GRAVITY
 from heave_node.kinematics import PointMotion
 

@@ -4,10 +4,10 @@ import math
 
 import numpy as np
 import pytest
-from cable_sim_node.axial import simulate_axial
-from cable_sim_node.axial_line import axial_line
-from cable_sim_node.linear import heave_transfer_function, natural_frequencies, resonance_map, resonant_length
-from cable_sim_node.reference_systems import s900
+from cable_sim_node.peers.reference_systems import s900
+from cable_sim_node.vertical.axial import simulate_axial
+from cable_sim_node.vertical.axial_line import axial_line
+from cable_sim_node.vertical.linear import heave_transfer_function, natural_frequencies, resonance_map, resonant_length
 
 LINE = axial_line(s900(1))
 

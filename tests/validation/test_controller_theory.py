@@ -10,13 +10,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from cable_sim_node.reference_systems import DEEP_900
+from cable_sim_node.peers.reference_systems import DEEP_900
 from heave_node.parameters import build_parameters
-from winch_controller_node.identification_plant import identify_simulated
-from winch_controller_node.linear_model import Array, LinearModel, interconnect, output_sigma, with_feedback
-from winch_controller_node.lqr import QuadraticCost, lqr_gain
-from winch_controller_node.model_parameters import SeaModelParameters, VesselModelParameters, WinchModelParameters
-from winch_controller_node.models import (
+from winch_controller_node.identification.cable_response import identify_simulated
+from winch_controller_node.model.linear_model import Array, LinearModel, interconnect, output_sigma, with_feedback
+from winch_controller_node.model.lqr import QuadraticCost, lqr_gain
+from winch_controller_node.model.models import (
     PAYOUT_COMMAND,
     CableModel,
     ModelInputs,
@@ -26,7 +25,8 @@ from winch_controller_node.models import (
     taylor_delay_block,
     winch_block,
 )
-from winch_controller_node.parameters import WinchControllerParameters
+from winch_controller_node.parameters.controller import WinchControllerParameters
+from winch_controller_node.parameters.model import SeaModelParameters, VesselModelParameters, WinchModelParameters
 
 THESIS_SEA = SeaModelParameters(
     significant_wave_height=3.048, peak_period=2.0 * math.pi / 0.785, filter_form="thesis"
@@ -138,10 +138,10 @@ def test_the_response_is_reconstructed_as_in_the_thesis(gallery) -> None:
 @pytest.mark.slow
 def test_lqg_on_the_lumped_mass_plant_leaves_what_the_lyapunov_equation_predicts() -> None:
     """Deep-900 keeps the winch inside its limits: the run against the prediction of the design, same sensors."""
+    from heave_bringup.closed_loop import ClosedLoop, LoopParameters  # noqa: PLC0415
     from heave_bringup.scenarios import load_scenario  # noqa: PLC0415
     from scipy import stats  # noqa: PLC0415
-    from winch_controller_node.closed_loop import ClosedLoop, LoopParameters  # noqa: PLC0415
-    from winch_controller_node.prediction import predict_loop  # noqa: PLC0415
+    from winch_controller_node.design.prediction import predict_loop  # noqa: PLC0415
 
     scenario = load_scenario("b3_deep_900", settings=("winch_controller.law=lqg",))
     p = scenario.parameters

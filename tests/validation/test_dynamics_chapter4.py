@@ -14,11 +14,11 @@ import math
 
 import numpy as np
 import pytest
-from cable_sim_node.axial_line import axial_line
-from cable_sim_node.dynamics import CableDynamics
-from cable_sim_node.linear import heave_transfer_function
-from cable_sim_node.linear_line import linearise
+from cable_sim_node.line.dynamics import CableDynamics
+from cable_sim_node.line.linearised import linearise
 from cable_sim_node.parameters import CableParameters, CableSimParameters, SolverParameters, UnitParameters
+from cable_sim_node.vertical.axial_line import axial_line
+from cable_sim_node.vertical.linear import heave_transfer_function
 from heave_node.constants import STANDARD_GRAVITY
 from heave_node.kinematics import PointMotion
 

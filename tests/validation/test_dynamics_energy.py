@@ -8,7 +8,7 @@ import math
 
 import numpy as np
 import pytest
-from cable_sim_node.dynamics import CableDynamics
+from cable_sim_node.line.dynamics import CableDynamics
 from cable_sim_node.parameters import CableParameters, CableSimParameters, SolverParameters, UnitParameters
 from heave_node.kinematics import PointMotion
 

@@ -11,10 +11,10 @@ import math
 
 import numpy as np
 import pytest
-from cable_sim_node.driven_run import ramped_sine, run_driven
-from cable_sim_node.dynamics import CableDynamics
+from cable_sim_node.line.dynamics import CableDynamics
 from cable_sim_node.parameters import CableParameters, CableSimParameters, SolverParameters, UnitParameters
-from cable_sim_node.reference_systems import s300
+from cable_sim_node.peers.driven_run import ramped_sine, run_driven
+from cable_sim_node.peers.reference_systems import s300
 from heave_node.kinematics import PointMotion
 
 

@@ -6,9 +6,9 @@ import math
 
 import numpy as np
 import pytest
-from cable_sim_node.driven_run import first_harmonic, ramped_sine, run_driven
-from cable_sim_node.moordyn_peer import run_moordyn
-from cable_sim_node.reference_systems import s300, s900
+from cable_sim_node.peers.driven_run import first_harmonic, ramped_sine, run_driven
+from cable_sim_node.peers.moordyn import run_moordyn
+from cable_sim_node.peers.reference_systems import s300, s900
 
 pytest.importorskip("moordyn")
 

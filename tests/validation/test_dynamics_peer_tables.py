@@ -9,8 +9,8 @@ from __future__ import annotations
 import math
 
 import pytest
-from cable_sim_node.driven_run import run_driven
-from cable_sim_node.reference_systems import s300, s900
+from cable_sim_node.peers.driven_run import run_driven
+from cable_sim_node.peers.reference_systems import s300, s900
 
 # rad/s, current m/s, heave amplitude m, phase deg, mean z m, tension mean, amplitude, min, max N
 TABLE_300 = [

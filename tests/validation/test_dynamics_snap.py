@@ -6,10 +6,10 @@ import math
 
 import numpy as np
 import pytest
-from cable_sim_node.driven_run import run_driven
-from cable_sim_node.dynamics import CableDynamics
+from cable_sim_node.line.dynamics import CableDynamics
 from cable_sim_node.parameters import CableParameters, CableSimParameters, SolverParameters, UnitParameters
-from cable_sim_node.reference_systems import s900
+from cable_sim_node.peers.driven_run import run_driven
+from cable_sim_node.peers.reference_systems import s900
 from heave_node.kinematics import PointMotion
 
 

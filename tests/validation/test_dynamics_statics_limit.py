@@ -7,7 +7,7 @@ import math
 
 import numpy as np
 import pytest
-from cable_sim_node.dynamics import CableDynamics
+from cable_sim_node.line.dynamics import CableDynamics
 from cable_sim_node.parameters import (
     CableParameters,
     CableSimParameters,
@@ -16,7 +16,7 @@ from cable_sim_node.parameters import (
     SectionsParameters,
     UnitParameters,
 )
-from cable_sim_node.reference_systems import s300, s900
+from cable_sim_node.peers.reference_systems import s300, s900
 from heave_node.kinematics import PointMotion
 from scipy.integrate import solve_ivp
 from scipy.optimize import root

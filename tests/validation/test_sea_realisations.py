@@ -12,10 +12,10 @@ import pytest
 from heave_node.randomness import random_stream
 from scipy.stats import binom, chi2
 from wave_vessel_node.motion_sources import FilterSource
-from wave_vessel_node.realisation import HarmonicSum, draw_components
-from wave_vessel_node.record_statistics import record_statistics, welch
-from wave_vessel_node.shaping_filter import shaping_filter
-from wave_vessel_node.spectra import (
+from wave_vessel_node.sea.realisation import HarmonicSum, draw_components
+from wave_vessel_node.sea.record_statistics import record_statistics, welch
+from wave_vessel_node.sea.shaping_filter import shaping_filter
+from wave_vessel_node.sea.spectra import (
     Bretschneider,
     Jonswap,
     OchiHubble,
@@ -23,7 +23,7 @@ from wave_vessel_node.spectra import (
     WaveSpectrum,
     pierson_moskowitz,
 )
-from wave_vessel_node.spectrum_files import read_spectra
+from wave_vessel_node.sea.spectrum_files import read_spectra
 
 ROOT = Path(__file__).parents[2]
 SAMPLE = ROOT / "wave_vessel_node" / "test" / "data" / "real_time.data_spec"

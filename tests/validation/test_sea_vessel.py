@@ -7,16 +7,16 @@ import pytest
 from heave_node.parameters import build_parameters
 from scipy.integrate import solve_ivp
 from wave_vessel_node.component import WaveVessel
-from wave_vessel_node.course import Course
-from wave_vessel_node.filter_fit import fit_filter
-from wave_vessel_node.mru import STATUS_SETTLING, MotionReferenceUnit, high_pass_response
+from wave_vessel_node.mru.mru import STATUS_SETTLING, MotionReferenceUnit, high_pass_response
 from wave_vessel_node.parameters import MruParameters, WaveVesselParameters
-from wave_vessel_node.rao_files import shipped_rao
-from wave_vessel_node.shaping_filter import filter_quality, shaping_filter
-from wave_vessel_node.spectra import Bretschneider, Jonswap
-from wave_vessel_node.vessel import SecondOrderVessel
-from wave_vessel_node.vessel_fit import fit_vessel
-from wave_vessel_node.vessel_motion import VesselMotion, lever_arm_matrix
+from wave_vessel_node.sea.filter_fit import fit_filter
+from wave_vessel_node.sea.shaping_filter import filter_quality, shaping_filter
+from wave_vessel_node.sea.spectra import Bretschneider, Jonswap
+from wave_vessel_node.vessel.course import Course
+from wave_vessel_node.vessel.fit import fit_vessel
+from wave_vessel_node.vessel.motion import VesselMotion, lever_arm_matrix
+from wave_vessel_node.vessel.rao_files import shipped_rao
+from wave_vessel_node.vessel.second_order import SecondOrderVessel
 
 DT, DURATION = 1.0, 10800.0  # variances need no finer sampling
 ARM = np.array([-20.0, 10.0, 15.0])

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from wave_vessel_node.rao import RaoError
-from wave_vessel_node.rao_files import COLUMNS, read_rao_csv
-from wave_vessel_node.recording import RecordingError, read_recording
-from wave_vessel_node.spectrum_files import SpectrumFileError, read_spectra
+from wave_vessel_node.sea.spectrum_files import SpectrumFileError, read_spectra
+from wave_vessel_node.vessel.rao import RaoError
+from wave_vessel_node.vessel.rao_files import COLUMNS, read_rao_csv
+from wave_vessel_node.vessel.recording import RecordingError, read_recording
 
 DATA = Path(__file__).parent / "data"
 FRAGMENTS = st.sampled_from(

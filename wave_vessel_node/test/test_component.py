@@ -6,9 +6,9 @@ from heave_node.parameters import ParameterError, build_parameters, describe
 from wave_vessel_node.component import WaveVessel
 from wave_vessel_node.motion_sources import FilterSource, boom_tip_system
 from wave_vessel_node.parameters import CourseParameters, DriftParameters, VesselParameters, WaveVesselParameters
-from wave_vessel_node.shaping_filter import shaping_filter
-from wave_vessel_node.spectra import Bretschneider
-from wave_vessel_node.vessel import SecondOrderVessel
+from wave_vessel_node.sea.shaping_filter import shaping_filter
+from wave_vessel_node.sea.spectra import Bretschneider
+from wave_vessel_node.vessel.second_order import SecondOrderVessel
 
 DT = 0.05
 

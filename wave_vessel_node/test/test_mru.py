@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from wave_vessel_node.mru import (
+from wave_vessel_node.mru.mru import (
     STATUS_OK,
     STATUS_SETTLING,
     HighPass,
@@ -12,7 +12,7 @@ from wave_vessel_node.mru import (
     high_pass_response,
 )
 from wave_vessel_node.parameters import MruParameters
-from wave_vessel_node.vessel_motion import PITCH, ROLL, VesselMotion
+from wave_vessel_node.vessel.motion import PITCH, ROLL, VesselMotion
 
 DT = 0.05
 

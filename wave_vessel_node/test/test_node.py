@@ -6,12 +6,13 @@ import numpy as np
 import pytest
 from heave_node import topics
 from heave_node.kinematics import PointMotion
-from heave_node.tick import stamp_of_seconds
+from heave_node.tick.tick import stamp_of_seconds
 from wave_vessel_node.component import WaveVessel
 from wave_vessel_node.parameters import WaveVesselParameters
-from wave_vessel_node.vessel_motion import VesselMotion
+from wave_vessel_node.vessel.motion import VesselMotion
 
-from wave_vessel_node import messages, node
+from wave_vessel_node import conversions as messages
+from wave_vessel_node import node
 
 STAMP = stamp_of_seconds(12.5)
 

@@ -4,18 +4,24 @@ from pathlib import Path
 import numpy as np
 import pytest
 from heave_node.constants import STANDARD_GRAVITY
-from wave_vessel_node.course import Course
 from wave_vessel_node.parameters import CourseParameters
-from wave_vessel_node.rao import RaoError, ResponseTable, encounter_frequency
-from wave_vessel_node.rao_files import COLUMNS, read_capytaine, read_rao, read_rao_csv, shipped_rao, write_rao_csv
-from wave_vessel_node.rao_source import RaoSource
-from wave_vessel_node.realisation import WaveComponents
-from wave_vessel_node.spectra import Bretschneider
-from wave_vessel_node.vessel import SecondOrderVessel
-from wave_vessel_node.vessel_fit import boom_tip_heave_response, fit_vessel
-from wave_vessel_node.vessel_motion import VesselMotion, lever_arm_matrix, point_motion
-
-from wave_vessel_node import rao_files
+from wave_vessel_node.sea.realisation import WaveComponents
+from wave_vessel_node.sea.spectra import Bretschneider
+from wave_vessel_node.vessel import rao_files
+from wave_vessel_node.vessel.course import Course
+from wave_vessel_node.vessel.fit import boom_tip_heave_response, fit_vessel
+from wave_vessel_node.vessel.motion import VesselMotion, lever_arm_matrix, point_motion
+from wave_vessel_node.vessel.rao import RaoError, ResponseTable, encounter_frequency
+from wave_vessel_node.vessel.rao_files import (
+    COLUMNS,
+    read_capytaine,
+    read_rao,
+    read_rao_csv,
+    shipped_rao,
+    write_rao_csv,
+)
+from wave_vessel_node.vessel.rao_source import RaoSource
+from wave_vessel_node.vessel.second_order import SecondOrderVessel
 
 HEAVE, ROLL, PITCH = 2, 3, 4
 OMEGA = np.linspace(0.2, 2.0, 10)

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from wave_vessel_node.realisation import HarmonicSum, draw_components
-from wave_vessel_node.spectra import Bretschneider, Jonswap, OchiHubble, OchiHubbleSystem, TabulatedSpectrum
+from wave_vessel_node.sea.realisation import HarmonicSum, draw_components
+from wave_vessel_node.sea.spectra import Bretschneider, Jonswap, OchiHubble, OchiHubbleSystem, TabulatedSpectrum
 
 SEAS = [
     Bretschneider(2.0, 9.0),

@@ -2,9 +2,9 @@ import math
 
 import numpy as np
 import pytest
-from wave_vessel_node.realisation import draw_components
-from wave_vessel_node.record_statistics import record_statistics, welch
-from wave_vessel_node.spectra import Bretschneider, Jonswap, SpectrumError
+from wave_vessel_node.sea.realisation import draw_components
+from wave_vessel_node.sea.record_statistics import record_statistics, welch
+from wave_vessel_node.sea.spectra import Bretschneider, Jonswap, SpectrumError
 
 DT = 0.5
 

@@ -7,8 +7,8 @@ from mcap.writer import Writer
 from rclpy.serialization import serialize_message
 from wave_vessel_node.component import WaveVessel
 from wave_vessel_node.parameters import VesselParameters, WaveVesselParameters
-from wave_vessel_node.recording import RecordedSource, RecordingError, read_recording
-from wave_vessel_node.vessel import SecondOrderVessel
+from wave_vessel_node.vessel.recording import RecordedSource, RecordingError, read_recording
+from wave_vessel_node.vessel.second_order import SecondOrderVessel
 
 DT = 0.05
 TIME = np.arange(0.0, 120.0, 0.1)

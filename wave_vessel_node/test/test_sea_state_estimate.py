@@ -2,11 +2,11 @@ import math
 
 import numpy as np
 import pytest
-from wave_vessel_node.mru import STATUS_OK, STATUS_SETTLING, MruReading, high_pass_response
+from wave_vessel_node.mru.mru import STATUS_OK, STATUS_SETTLING, MruReading, high_pass_response
+from wave_vessel_node.mru.sea_state_estimate import SeaStateEstimator, peak_frequency
 from wave_vessel_node.parameters import SeaStateEstimateParameters
-from wave_vessel_node.realisation import draw_components
-from wave_vessel_node.sea_state_estimate import SeaStateEstimator, peak_frequency
-from wave_vessel_node.spectra import Bretschneider, Jonswap
+from wave_vessel_node.sea.realisation import draw_components
+from wave_vessel_node.sea.spectra import Bretschneider, Jonswap
 
 DT = 0.1
 

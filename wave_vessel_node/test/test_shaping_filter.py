@@ -2,9 +2,9 @@ import math
 
 import numpy as np
 import pytest
-from wave_vessel_node.filter_fit import fit_filter
-from wave_vessel_node.shaping_filter import filter_quality, shaping_filter, thesis_filter
-from wave_vessel_node.spectra import (
+from wave_vessel_node.sea.filter_fit import fit_filter
+from wave_vessel_node.sea.shaping_filter import filter_quality, shaping_filter, thesis_filter
+from wave_vessel_node.sea.spectra import (
     Bretschneider,
     Jonswap,
     OchiHubble,
@@ -12,8 +12,8 @@ from wave_vessel_node.spectra import (
     SpectrumError,
     TabulatedSpectrum,
 )
-from wave_vessel_node.state_space import StateSpace, series
-from wave_vessel_node.vessel import vessel_filter
+from wave_vessel_node.sea.state_space import StateSpace, series
+from wave_vessel_node.vessel.second_order import vessel_filter
 
 THESIS_SEA = Bretschneider(3.048, 2.0 * math.pi / 0.785)
 SEA = Bretschneider(2.0, 9.0)

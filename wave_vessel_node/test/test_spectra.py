@@ -6,7 +6,7 @@ from heave_node.constants import STANDARD_GRAVITY
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.special import gamma
-from wave_vessel_node.spectra import (
+from wave_vessel_node.sea.spectra import (
     Bretschneider,
     Jonswap,
     OchiHubble,

@@ -5,8 +5,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from wave_vessel_node.spectra import Bretschneider
-from wave_vessel_node.spectrum_files import SpectrumFileError, read_spectra
+from wave_vessel_node.sea.spectra import Bretschneider
+from wave_vessel_node.sea.spectrum_files import SpectrumFileError, read_spectra
 
 DATA = Path(__file__).parent / "data"
 REAL_TIME, HISTORICAL = DATA / "real_time.data_spec", DATA / "historical.txt"

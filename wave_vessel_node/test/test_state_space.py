@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.linalg import expm
-from wave_vessel_node.state_space import StateSpace, covariance_factor, discretise, series
+from wave_vessel_node.sea.state_space import StateSpace, covariance_factor, discretise, series
 
 LAG = StateSpace(np.array([[-0.5]]), np.array([[2.0]]), np.array([[1.0]]), ("x",))
 

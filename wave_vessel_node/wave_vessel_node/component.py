@@ -10,7 +10,6 @@ from heave_node.kinematics import PointMotion
 from heave_node.randomness import random_stream
 from numpy.typing import NDArray
 
-from wave_vessel_node.course import Course
 from wave_vessel_node.motion_sources import (
     CourseSource,
     DriftingSource,
@@ -20,20 +19,21 @@ from wave_vessel_node.motion_sources import (
     RegularSource,
     SecondOrderSource,
 )
-from wave_vessel_node.mru import MotionReferenceUnit, MruReading, high_pass_response
+from wave_vessel_node.mru.mru import MotionReferenceUnit, MruReading, high_pass_response
+from wave_vessel_node.mru.sea_state_estimate import SeaStateEstimate, SeaStateEstimator
 from wave_vessel_node.parameters import WaveVesselParameters
-from wave_vessel_node.rao import RaoError, ResponseTable
-from wave_vessel_node.rao_files import read_rao
-from wave_vessel_node.rao_source import RaoSource
-from wave_vessel_node.realisation import WaveComponents, draw_components
-from wave_vessel_node.recording import RecordedSource, read_recording
-from wave_vessel_node.sea import SeaState, build_spectrum, describe_sea
-from wave_vessel_node.sea_state_estimate import SeaStateEstimate, SeaStateEstimator
-from wave_vessel_node.shaping_filter import shaping_filter
-from wave_vessel_node.spectra import WaveSpectrum
-from wave_vessel_node.vessel import SecondOrderVessel
-from wave_vessel_node.vessel_fit import VesselFit, boom_tip_heave_response, fit_vessel
-from wave_vessel_node.vessel_motion import VesselMotion, lever_arm_matrix, point_motion
+from wave_vessel_node.sea.realisation import WaveComponents, draw_components
+from wave_vessel_node.sea.sea import SeaState, build_spectrum, describe_sea
+from wave_vessel_node.sea.shaping_filter import shaping_filter
+from wave_vessel_node.sea.spectra import WaveSpectrum
+from wave_vessel_node.vessel.course import Course
+from wave_vessel_node.vessel.fit import VesselFit, boom_tip_heave_response, fit_vessel
+from wave_vessel_node.vessel.motion import VesselMotion, lever_arm_matrix, point_motion
+from wave_vessel_node.vessel.rao import RaoError, ResponseTable
+from wave_vessel_node.vessel.rao_files import read_rao
+from wave_vessel_node.vessel.rao_source import RaoSource
+from wave_vessel_node.vessel.recording import RecordedSource, read_recording
+from wave_vessel_node.vessel.second_order import SecondOrderVessel
 
 Array = NDArray[np.float64]
 

@@ -9,14 +9,14 @@ import numpy as np
 from heave_node.randomness import random_stream
 from numpy.typing import NDArray
 
-from wave_vessel_node.course import Course
 from wave_vessel_node.parameters import DriftParameters, WaveVesselParameters
 from wave_vessel_node.ramp import apply_ramp
-from wave_vessel_node.realisation import HarmonicSum, WaveComponents, draw_components
-from wave_vessel_node.spectra import TabulatedSpectrum
-from wave_vessel_node.state_space import StateSpace, covariance_factor, discretise
-from wave_vessel_node.vessel import SecondOrderVessel, wave_slope_response
-from wave_vessel_node.vessel_motion import HEAVE, PITCH, VesselMotion
+from wave_vessel_node.sea.realisation import HarmonicSum, WaveComponents, draw_components
+from wave_vessel_node.sea.spectra import TabulatedSpectrum
+from wave_vessel_node.sea.state_space import StateSpace, covariance_factor, discretise
+from wave_vessel_node.vessel.course import Course
+from wave_vessel_node.vessel.motion import HEAVE, PITCH, VesselMotion
+from wave_vessel_node.vessel.second_order import SecondOrderVessel, wave_slope_response
 
 Array = NDArray[np.float64]
 

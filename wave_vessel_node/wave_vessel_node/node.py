@@ -7,16 +7,16 @@ import sys
 
 from heave_msgs.srv import InjectFault
 from heave_node import topics
-from heave_node.diagnostics import Health, Level
-from heave_node.node import NodeError
-from heave_node.participant import ParticipantNode
-from heave_node.process import run_node
-from heave_node.tick import Tick, stamp_of_seconds
+from heave_node.ros.diagnostics import Health, Level
+from heave_node.ros.node import NodeError
+from heave_node.ros.participant import ParticipantNode
+from heave_node.ros.process import run_node
+from heave_node.tick.tick import Tick, stamp_of_seconds
 
-from wave_vessel_node import messages
+from wave_vessel_node import conversions as messages
 from wave_vessel_node.component import WaveVessel
-from wave_vessel_node.mru import STATUS_OK
-from wave_vessel_node.mru_faults import DELAY, FAULT_KINDS, LONGEST_DELAY
+from wave_vessel_node.mru.faults import DELAY, FAULT_KINDS, LONGEST_DELAY
+from wave_vessel_node.mru.mru import STATUS_OK
 from wave_vessel_node.parameters import WaveVesselParameters
 
 _CLEAR = "clear"

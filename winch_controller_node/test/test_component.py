@@ -5,17 +5,17 @@ import math
 
 import numpy as np
 import pytest
-from cable_sim_node.fault_parameters import FaultParameters
 from cable_sim_node.node_parameters import CableSimNodeParameters, LinearModelParameters
 from cable_sim_node.parameters import UnitParameters
-from cable_sim_node.winch_parameters import WinchParameters
+from cable_sim_node.sensors.fault_parameters import FaultParameters
+from cable_sim_node.winch.parameters import WinchParameters
+from heave_bringup.closed_loop import ClosedLoop, LoopParameters
 from heave_node.parameters import build_parameters
 from wave_vessel_node.parameters import WaveVesselParameters
-from winch_controller_node.closed_loop import ClosedLoop, LoopParameters
 from winch_controller_node.component import WinchController
-from winch_controller_node.modes import ModeError
-from winch_controller_node.parameters import WinchControllerParameters
-from winch_controller_node.readings import Measurements, MruReading, ScalarReading, WinchReading
+from winch_controller_node.interface.readings import Measurements, MruReading, ScalarReading, WinchReading
+from winch_controller_node.parameters.controller import WinchControllerParameters
+from winch_controller_node.supervision.modes import ModeError
 
 DT = 0.05
 INERTIA, DAMPING = 7.339769, 0.1906759

@@ -4,15 +4,15 @@ import numpy as np
 import osqp
 import pytest
 import scipy.sparse as sp
-from winch_controller_node.design import design_controller
-from winch_controller_node.law_parameters import MpcParameters
+from winch_controller_node.design.design import design_controller
 from winch_controller_node.laws.build import constrained_gain, limits_of
 from winch_controller_node.laws.constrained import ConstrainedLaw
 from winch_controller_node.laws.governor import SpeedServo
 from winch_controller_node.laws.loop_state import AuthorityShift, LoopState, Reference
-from winch_controller_node.lqr import DesignError
-from winch_controller_node.model_parameters import SeaModelParameters, WinchModelParameters
-from winch_controller_node.parameters import WinchControllerParameters
+from winch_controller_node.model.lqr import DesignError
+from winch_controller_node.parameters.controller import WinchControllerParameters
+from winch_controller_node.parameters.laws import MpcParameters
+from winch_controller_node.parameters.model import SeaModelParameters, WinchModelParameters
 
 DT = 0.05
 

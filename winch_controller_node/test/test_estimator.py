@@ -4,8 +4,8 @@ import math
 
 import numpy as np
 import pytest
-from winch_controller_node.estimator import KalmanEstimator, Measurement, MeasurementModel
-from winch_controller_node.linear_model import discretise, linear_model, state_covariance
+from winch_controller_node.model.estimator import KalmanEstimator, Measurement, MeasurementModel
+from winch_controller_node.model.linear_model import discretise, linear_model, state_covariance
 
 DT = 0.1
 
@@ -169,7 +169,7 @@ def test_a_scale_error_is_found_when_another_sensor_tells_the_truth():
 
 def test_the_compiled_steps_are_those_of_filterpy():
     from filterpy.kalman import KalmanFilter  # noqa: PLC0415
-    from winch_controller_node.estimator_kernel import CompiledKalmanFilter  # noqa: PLC0415
+    from winch_controller_node.model.estimator_kernel import CompiledKalmanFilter  # noqa: PLC0415
 
     rng = np.random.default_rng(2)
     n, m = 7, 3

@@ -2,15 +2,15 @@ import math
 
 import numpy as np
 import pytest
-from cable_sim_node.winch import VirtualWinch, WinchCommand
-from cable_sim_node.winch_parameters import WinchParameters
+from cable_sim_node.winch.component import VirtualWinch, WinchCommand
+from cable_sim_node.winch.parameters import WinchParameters
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from winch_controller_node.design import design_controller
+from winch_controller_node.design.design import design_controller
 from winch_controller_node.laws.build import make_governor
 from winch_controller_node.laws.governor import SpeedServo, WinchLimits
-from winch_controller_node.model_parameters import WinchModelParameters
-from winch_controller_node.parameters import WinchControllerParameters
+from winch_controller_node.parameters.controller import WinchControllerParameters
+from winch_controller_node.parameters.model import WinchModelParameters
 
 DT = 0.05
 

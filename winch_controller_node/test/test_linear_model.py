@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
-from winch_controller_node.linear_model import (
+from winch_controller_node.model.linear_model import (
     ModelError,
     delay_command,
     discretise,
@@ -18,8 +18,7 @@ from winch_controller_node.linear_model import (
     output_sigma,
     state_covariance,
 )
-from winch_controller_node.model_parameters import MruModelParameters, WinchModelParameters
-from winch_controller_node.models import (
+from winch_controller_node.model.models import (
     RATE_COMMAND,
     CableModel,
     cable_block,
@@ -29,6 +28,7 @@ from winch_controller_node.models import (
     taylor_delay_block,
     winch_block,
 )
+from winch_controller_node.parameters.model import MruModelParameters, WinchModelParameters
 
 
 def oscillator(noise=0.0):

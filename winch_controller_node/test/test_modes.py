@@ -2,10 +2,10 @@ import math
 
 import numpy as np
 import pytest
-from winch_controller_node.guard import HarmGuard, Seen
-from winch_controller_node.law_parameters import GuardParameters, ModeParameters
 from winch_controller_node.laws.governor import WinchLimits
-from winch_controller_node.modes import Mode, ModeError, ModeMachine, Situation
+from winch_controller_node.parameters.laws import GuardParameters, ModeParameters
+from winch_controller_node.supervision.guard import HarmGuard, Seen
+from winch_controller_node.supervision.modes import Mode, ModeError, ModeMachine, Situation
 
 DT = 0.05
 WELL = Situation(lost="", has_estimate=True, winch_fault=0, harm="", speed=0.0)

@@ -5,9 +5,9 @@ from types import SimpleNamespace
 import pytest
 from heave_node.parameters import build_parameters
 from winch_controller_node.component import WinchController
-from winch_controller_node.estimator import Innovation
-from winch_controller_node.parameters import WinchControllerParameters
-from winch_controller_node.readings import Measurements, MruReading
+from winch_controller_node.interface.readings import Measurements, MruReading
+from winch_controller_node.model.estimator import Innovation
+from winch_controller_node.parameters.controller import WinchControllerParameters
 
 
 @pytest.mark.parametrize("refused", [("mru_heave",), ("mru_heave", "mru_heave_rate")])

@@ -6,15 +6,15 @@ from functools import lru_cache
 import numpy as np
 import pytest
 from heave_node.parameters import build_parameters
-from winch_controller_node.bounds import WinchLimits, actuator_bound, boom_tip_realisation
-from winch_controller_node.design import design_controller
-from winch_controller_node.estimator import Measurement
-from winch_controller_node.lqr import DesignError
-from winch_controller_node.margins import frequencies, margins, output_feedback_loop, state_feedback_loop
-from winch_controller_node.model_parameters import SeaModelParameters, VesselModelParameters
-from winch_controller_node.models import CableModel
-from winch_controller_node.parameters import WinchControllerParameters
-from winch_controller_node.prediction import error_covariances, estimation_bound, predict_loop, sensor_periods
+from winch_controller_node.design.bounds import WinchLimits, actuator_bound, boom_tip_realisation
+from winch_controller_node.design.design import design_controller
+from winch_controller_node.design.margins import frequencies, margins, output_feedback_loop, state_feedback_loop
+from winch_controller_node.design.prediction import error_covariances, estimation_bound, predict_loop, sensor_periods
+from winch_controller_node.model.estimator import Measurement
+from winch_controller_node.model.lqr import DesignError
+from winch_controller_node.model.models import CableModel
+from winch_controller_node.parameters.controller import WinchControllerParameters
+from winch_controller_node.parameters.model import SeaModelParameters, VesselModelParameters
 
 DT = 0.05
 

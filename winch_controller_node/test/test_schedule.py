@@ -4,17 +4,17 @@ import math
 
 import numpy as np
 import pytest
-from cable_sim_node.reference_systems import DEEP_900
+from cable_sim_node.peers.reference_systems import DEEP_900
 from heave_node.parameters import build_parameters
-from winch_controller_node.design import at_cable, carry_over, design_controller
-from winch_controller_node.feasibility import boom_tip_moments, feasibility_table, uncompensated_sigma
-from winch_controller_node.linear_model import state_covariance
-from winch_controller_node.lqr import DesignError
-from winch_controller_node.models import CableModel, boom_tip_block
-from winch_controller_node.parameters import WinchControllerParameters
-from winch_controller_node.prediction import predict_loop
-from winch_controller_node.schedule import closed_loop_radius, design_schedule
-from winch_controller_node.sea_adaptation import PATIENCE, SeaTracker
+from winch_controller_node.design.design import at_cable, carry_over, design_controller
+from winch_controller_node.design.feasibility import boom_tip_moments, feasibility_table, uncompensated_sigma
+from winch_controller_node.design.prediction import predict_loop
+from winch_controller_node.design.schedule import closed_loop_radius, design_schedule
+from winch_controller_node.estimation.sea_adaptation import PATIENCE, SeaTracker
+from winch_controller_node.model.linear_model import state_covariance
+from winch_controller_node.model.lqr import DesignError
+from winch_controller_node.model.models import CableModel, boom_tip_block
+from winch_controller_node.parameters.controller import WinchControllerParameters
 
 DT = 0.05
 

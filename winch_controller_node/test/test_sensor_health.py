@@ -1,9 +1,17 @@
 import math
 
 import pytest
-from winch_controller_node.law_parameters import HealthParameters
-from winch_controller_node.readings import MRU_SETTLING, MruReading, ScalarReading
-from winch_controller_node.sensor_health import LOST, OK, SUSPECT, EncoderGate, SensorGate, SensorTiming, judge_mru
+from winch_controller_node.estimation.sensor_health import (
+    LOST,
+    OK,
+    SUSPECT,
+    EncoderGate,
+    SensorGate,
+    SensorTiming,
+    judge_mru,
+)
+from winch_controller_node.interface.readings import MRU_SETTLING, MruReading, ScalarReading
+from winch_controller_node.parameters.laws import HealthParameters
 
 DT = 0.05
 

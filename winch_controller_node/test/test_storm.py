@@ -1,9 +1,9 @@
 """A sensor lost in a storm: the fade-out is orderly, and the cable none the worse for the compensation."""
 
 import numpy as np
-from cable_sim_node.reference_systems import DEEP_900
-from heave_bags.kpi import snap_times
-from winch_controller_node.closed_loop import ClosedLoop, loop_parameters
+from cable_sim_node.peers.reference_systems import DEEP_900
+from heave_bringup.closed_loop import ClosedLoop, loop_parameters
+from heave_node.kpi import snap_times
 
 DT = 0.05
 SEA = {"significant_wave_height": 6.0, "peak_period": 12.0}

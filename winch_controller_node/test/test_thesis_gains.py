@@ -7,10 +7,9 @@ import control
 import numpy as np
 import pytest
 from scipy.integrate import trapezoid
-from winch_controller_node.linear_model import discretise, interconnect, output_sigma, with_feedback
-from winch_controller_node.lqr import QuadraticCost, lqr_gain
-from winch_controller_node.model_parameters import SeaModelParameters, VesselModelParameters, WinchModelParameters
-from winch_controller_node.models import (
+from winch_controller_node.model.linear_model import discretise, interconnect, output_sigma, with_feedback
+from winch_controller_node.model.lqr import QuadraticCost, lqr_gain
+from winch_controller_node.model.models import (
     PAYOUT_COMMAND,
     CableModel,
     ModelInputs,
@@ -19,6 +18,7 @@ from winch_controller_node.models import (
     taylor_delay_block,
     winch_block,
 )
+from winch_controller_node.parameters.model import SeaModelParameters, VesselModelParameters, WinchModelParameters
 
 THESIS_SEA = SeaModelParameters(
     significant_wave_height=3.048, peak_period=2.0 * math.pi / 0.785, filter_form="thesis"

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from winch_controller_node.touchdown import StandingWatch
+from winch_controller_node.estimation.touchdown import StandingWatch
 
 NOISE = 0.02
 """Depth sensor of the benchmarks: 2 cm, 10 Hz."""

@@ -1,9 +1,9 @@
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from winch_controller_node.law_parameters import MoveParameters, ProgrammeParameters
-from winch_controller_node.programme import Programme
-from winch_controller_node.trajectory import MeanPayout
+from winch_controller_node.motion.programme import Programme
+from winch_controller_node.motion.trajectory import MeanPayout
+from winch_controller_node.parameters.laws import MoveParameters, ProgrammeParameters
 
 DT = 0.05
 

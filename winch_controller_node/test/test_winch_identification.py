@@ -2,15 +2,15 @@
 
 import numpy as np
 import pytest
-from cable_sim_node.fault_parameters import FaultParameters
-from cable_sim_node.winch import VirtualWinch, WinchCommand
-from cable_sim_node.winch_parameters import WinchParameters
+from cable_sim_node.sensors.fault_parameters import FaultParameters
+from cable_sim_node.winch.component import VirtualWinch, WinchCommand
+from cable_sim_node.winch.parameters import WinchParameters
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from winch_controller_node.design import design_controller
-from winch_controller_node.drum_kernel import drum_record
-from winch_controller_node.parameters import WinchControllerParameters
-from winch_controller_node.winch_identification import LateCommands, WinchIdentifier
+from winch_controller_node.design.design import design_controller
+from winch_controller_node.identification.drum_kernel import drum_record
+from winch_controller_node.identification.winch import LateCommands, WinchIdentifier
+from winch_controller_node.parameters.controller import WinchControllerParameters
 
 DT = 0.05
 

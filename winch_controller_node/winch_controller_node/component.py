@@ -10,27 +10,27 @@ from __future__ import annotations
 
 import math
 
-from winch_controller_node.design import ControllerDesign
+from winch_controller_node.design.design import ControllerDesign
+from winch_controller_node.design.prediction import predict_loop
 from winch_controller_node.design_in_force import DesignInForce
-from winch_controller_node.estimator import KalmanEstimator
-from winch_controller_node.guard import HarmGuard
-from winch_controller_node.guard_inputs import GuardInputs, swing_left
-from winch_controller_node.landing import LandingWatch
+from winch_controller_node.estimation.loop_estimation import LoopEstimation
+from winch_controller_node.estimation.observation import Observer
+from winch_controller_node.interface.readings import Measurements, Outputs, RollingKpi
 from winch_controller_node.laws.build import effort_of, limits_of
-from winch_controller_node.linear_model import Array
 from winch_controller_node.loop_command import LoopCommand
-from winch_controller_node.loop_estimation import LoopEstimation
-from winch_controller_node.mean_motion import MeanMotion
-from winch_controller_node.modes import BRAKED, Mode, ModeError, ModeMachine, ModeOutput, Situation
-from winch_controller_node.observation import Observer
-from winch_controller_node.parameters import WinchControllerParameters
-from winch_controller_node.prediction import predict_loop
-from winch_controller_node.programme import Programme, ProgrammeStep
-from winch_controller_node.readings import Measurements, Outputs, RollingKpi
-from winch_controller_node.rolling_kpi import KpiWindow
+from winch_controller_node.model.estimator import KalmanEstimator
+from winch_controller_node.model.linear_model import Array
+from winch_controller_node.motion.mean_motion import MeanMotion
+from winch_controller_node.motion.programme import Programme, ProgrammeStep
+from winch_controller_node.motion.trajectory import MeanPayout
+from winch_controller_node.parameters.controller import WinchControllerParameters
 from winch_controller_node.state_report import state_report
-from winch_controller_node.trajectory import MeanPayout
-from winch_controller_node.winch_watch import WinchWatch, learns_winch
+from winch_controller_node.supervision.guard import HarmGuard
+from winch_controller_node.supervision.guard_inputs import GuardInputs, swing_left
+from winch_controller_node.supervision.landing import LandingWatch
+from winch_controller_node.supervision.modes import BRAKED, Mode, ModeError, ModeMachine, ModeOutput, Situation
+from winch_controller_node.supervision.rolling_kpi import KpiWindow
+from winch_controller_node.supervision.winch_watch import WinchWatch, learns_winch
 
 LIFTING_SURPLUS = 0.06
 """Tension above the static one that lifts a unit off, in weights of the unit: more than the load cell may err."""

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from winch_controller_node.design import ControllerDesign, carry_by_name, carry_over, design_controller
-from winch_controller_node.estimator import KalmanEstimator
-from winch_controller_node.loop_estimation import LoopEstimation
-from winch_controller_node.parameters import WinchControllerParameters
-from winch_controller_node.schedule import FOLLOW, GainSchedule, design_schedule, is_scheduled
+from winch_controller_node.design.design import ControllerDesign, carry_by_name, carry_over, design_controller
+from winch_controller_node.design.schedule import FOLLOW, GainSchedule, design_schedule, is_scheduled
+from winch_controller_node.estimation.loop_estimation import LoopEstimation
+from winch_controller_node.model.estimator import KalmanEstimator
+from winch_controller_node.parameters.controller import WinchControllerParameters
 
 
 class DesignInForce:

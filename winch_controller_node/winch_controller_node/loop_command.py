@@ -4,20 +4,20 @@ from __future__ import annotations
 
 import math
 
-from winch_controller_node.design import ControllerDesign
-from winch_controller_node.guard import HarmGuard
+from winch_controller_node.design.design import ControllerDesign
+from winch_controller_node.estimation.observation import Observer
+from winch_controller_node.interface.readings import WinchOrder
 from winch_controller_node.laws.build import Law, make_governor, make_law, make_open_loop
 from winch_controller_node.laws.feedback import LawCommand
 from winch_controller_node.laws.feedforward import SpeedFeedforward
 from winch_controller_node.laws.governor import GovernedCommand
 from winch_controller_node.laws.loop_state import AuthorityShift, LoopState, Reference
 from winch_controller_node.laws.tension import ConstantTension
-from winch_controller_node.linear_model import Array
-from winch_controller_node.loop_rows import loop_rows
-from winch_controller_node.mean_motion import MeanMotion
-from winch_controller_node.modes import Mode, ModeOutput
-from winch_controller_node.observation import Observer
-from winch_controller_node.readings import WinchOrder
+from winch_controller_node.model.linear_model import Array
+from winch_controller_node.model.loop_rows import loop_rows
+from winch_controller_node.motion.mean_motion import MeanMotion
+from winch_controller_node.supervision.guard import HarmGuard
+from winch_controller_node.supervision.modes import Mode, ModeOutput
 
 IDLE = LawCommand(0.0)
 

@@ -7,12 +7,12 @@ from collections.abc import Callable
 from typing import Any
 
 from heave_msgs.action import MoveToDepth
-from heave_node.node import HeaveNode
+from heave_node.ros.node import HeaveNode
 from rclpy.action import ActionServer, CancelResponse, GoalResponse
 from rclpy.task import Future
 
 from winch_controller_node.component import WinchController
-from winch_controller_node.modes import Mode, ModeError
+from winch_controller_node.supervision.modes import Mode, ModeError
 
 FEEDBACK_PERIOD = 0.5
 """Simulated time between two feedback messages [s]."""

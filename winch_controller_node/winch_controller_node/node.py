@@ -8,20 +8,20 @@ import sys
 
 from heave_msgs.srv import Redesign, SetMode
 from heave_node import topics
-from heave_node.diagnostics import Health, Level
-from heave_node.node import NodeError
-from heave_node.participant import ParticipantNode
-from heave_node.process import run_node
-from heave_node.tick import Tick
+from heave_node.ros.diagnostics import Health, Level
+from heave_node.ros.node import NodeError
+from heave_node.ros.participant import ParticipantNode
+from heave_node.ros.process import run_node
+from heave_node.tick.tick import Tick
 
-from winch_controller_node import conversions
 from winch_controller_node.component import WinchController
-from winch_controller_node.linear_model import ModelError
-from winch_controller_node.lqr import DesignError
-from winch_controller_node.modes import ModeError
+from winch_controller_node.interface import conversions
+from winch_controller_node.interface.readings import Measurements, Outputs
+from winch_controller_node.model.linear_model import ModelError
+from winch_controller_node.model.lqr import DesignError
 from winch_controller_node.move_action import MoveAction
-from winch_controller_node.parameters import WinchControllerParameters
-from winch_controller_node.readings import Measurements, Outputs
+from winch_controller_node.parameters.controller import WinchControllerParameters
+from winch_controller_node.supervision.modes import ModeError
 
 LEVELS = (Level.OK, Level.WARN, Level.ERROR)
 

@@ -6,13 +6,13 @@ import math
 
 import numpy as np
 
-from winch_controller_node.design import ControllerDesign
+from winch_controller_node.design.design import ControllerDesign
+from winch_controller_node.estimation.loop_estimation import LoopEstimation
+from winch_controller_node.interface.readings import Report, WinchOrder
 from winch_controller_node.laws.feedback import LawCommand
 from winch_controller_node.laws.governor import GovernedCommand
-from winch_controller_node.linear_model import Array
-from winch_controller_node.loop_estimation import LoopEstimation
-from winch_controller_node.modes import ModeOutput
-from winch_controller_node.readings import Report, WinchOrder
+from winch_controller_node.model.linear_model import Array
+from winch_controller_node.supervision.modes import ModeOutput
 
 
 def state_report(

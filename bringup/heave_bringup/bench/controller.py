@@ -6,9 +6,9 @@ import time
 from collections.abc import Callable, Sequence
 
 import numpy as np
-from winch_controller_node.closed_loop import ClosedLoop, LoopParameters
-from winch_controller_node.readings import Measurements, Outputs
+from winch_controller_node.interface.readings import Measurements, Outputs
 
+from heave_bringup.closed_loop import ClosedLoop, LoopParameters
 from heave_bringup.scenarios import load_scenario
 
 SCENARIO = "b4_limit_900_tp10"

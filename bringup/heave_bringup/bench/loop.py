@@ -9,8 +9,8 @@ from pathlib import Path
 import psutil
 from heave_msgs.msg import TickStatus
 
-from heave_bringup.launcher import Launcher
-from heave_bringup.run import RunFolder, run_scenario
+from heave_bringup.run.launcher import Launcher
+from heave_bringup.run.run import RunFolder, run_scenario
 from heave_bringup.scenarios import load_scenario
 
 SCENARIO = "b2_calm_300"

@@ -15,8 +15,8 @@ from pathlib import Path
 
 import psutil
 import rclpy
-from heave_bags.reader import Bag
-from heave_node.environment import prepare_environment
+from heave_bags.mcap.reader import Bag
+from heave_node.ros.environment import prepare_environment
 from rclpy.qos import QoSProfile
 from rclpy.serialization import serialize_message
 from std_msgs.msg import UInt8MultiArray
@@ -35,7 +35,7 @@ def measure_recorder(seconds: float, say: Callable[[str], None]) -> dict[str, fl
     environment = {**os.environ, "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"}
     with tempfile.TemporaryDirectory() as folder:
         bag = Path(folder) / "bag"
-        command = [sys.executable, "-m", "heave_bags.live_recorder", "--ros-args", "-p", f"directory:={bag}"]
+        command = [sys.executable, "-m", "heave_bags.record.live_recorder", "--ros-args", "-p", f"directory:={bag}"]
         recorder = subprocess.Popen(command, env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         try:
             load = [sys.executable, "-m", __name__, "--seconds", str(seconds)]

@@ -9,7 +9,7 @@ import os
 from collections.abc import Callable
 from typing import Any
 
-from cable_sim_node.plant_benchmark import measure_plant
+from cable_sim_node.peers.benchmark import measure_plant
 from heave_node.parameters import ParameterError
 
 from heave_bringup.bench.controller import measure_controller

@@ -7,11 +7,12 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from heave_bags import kpi, kpi_set
+from heave_bags.analyse import kpi_set
+from heave_node import kpi
 from heave_node.parameters import ParameterError
 
-from heave_bringup.campaign import find_campaign, read_campaign
-from heave_bringup.campaign_runs import CaseResult, run_cases
+from heave_bringup.campaign.plan import find_campaign, read_campaign
+from heave_bringup.campaign.runs import CaseResult, run_cases
 from heave_bringup.output import write_result
 from heave_bringup.progress import ProgressLine
 

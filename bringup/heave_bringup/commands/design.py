@@ -6,9 +6,9 @@ import argparse
 from pathlib import Path
 
 from cable_sim_node.errors import PlantError
-from winch_controller_node.lqr import DesignError
-from winch_controller_node.report import design_report
-from winch_controller_node.report_figures import draw_report
+from winch_controller_node.design.report import design_report
+from winch_controller_node.design.report_figures import draw_report
+from winch_controller_node.model.lqr import DesignError
 
 from heave_bringup.errors import CommandError
 from heave_bringup.output import write_result

@@ -7,15 +7,15 @@ from pathlib import Path
 
 import numpy as np
 from cable_sim_node.errors import PlantError
-from heave_bags.run_record import read_run
-from winch_controller_node.identification import Identification, IdentificationError, identify
-from winch_controller_node.identification_plant import (
+from heave_bags.analyse.run_record import read_run
+from winch_controller_node.identification.cable import Identification, IdentificationError, identify
+from winch_controller_node.identification.cable_response import (
     draw_identification,
     format_lengths,
     identify_against_length,
     identify_simulated,
 )
-from winch_controller_node.lqr import DesignError
+from winch_controller_node.model.lqr import DesignError
 
 from heave_bringup.bag_paths import bag_folders
 from heave_bringup.errors import CommandError

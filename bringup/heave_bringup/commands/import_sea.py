@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from heave_bags.sea_import import import_sea, read_mapping, write_sea
+from heave_bags.play.sea_import import import_sea, read_mapping, write_sea
 
 from heave_bringup.bag_paths import bag_folders
 from heave_bringup.output import write_result

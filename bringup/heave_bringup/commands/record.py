@@ -5,8 +5,8 @@ from __future__ import annotations
 import argparse
 import os
 
-from heave_bags.live_recorder import record
-from heave_bags.reader import Bag
+from heave_bags.mcap.reader import Bag
+from heave_bags.record.live_recorder import record
 from heave_node.parameters import ParameterError
 
 from heave_bringup.errors import CommandError

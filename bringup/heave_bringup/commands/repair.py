@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from heave_bags.repair import reindex, repair
+from heave_bags.mcap.repair import reindex, repair
 
 from heave_bringup.bag_paths import bag_folders
 from heave_bringup.errors import CommandError

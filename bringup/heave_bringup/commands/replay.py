@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import argparse
 
-from heave_bags.player_node import play
-from heave_bags.player_options import options_from
+from heave_bags.play.player_node import play
+from heave_bags.play.player_options import options_from
 
 from heave_bringup.bag_paths import bag_folders
 from heave_bringup.output import write_result

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import argparse
 
-from heave_bags import analysis
-from heave_bags.report import save_report
+from heave_bags.analyse import analysis
+from heave_bags.analyse.report import save_report
 
 from heave_bringup.bag_paths import bag_folders
 from heave_bringup.output import write_result
-from heave_bringup.records import read_records
+from heave_bringup.run.records import read_records
 
 
 def execute(options: argparse.Namespace) -> None:

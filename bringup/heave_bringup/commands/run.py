@@ -9,18 +9,18 @@ import threading
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from heave_bags.reader import Bag
+from heave_bags.mcap.reader import Bag
 from heave_msgs.msg import TickStatus
 from heave_node.parameters import ParameterError
 
 from heave_bringup.bag_paths import bag_folders
 from heave_bringup.errors import CommandError
-from heave_bringup.node_table import NODE_BY_NAME
 from heave_bringup.output import write_result
-from heave_bringup.run import RunFolder, new_run_folder, run_scenario
+from heave_bringup.run.node_table import NODE_BY_NAME
+from heave_bringup.run.run import RunFolder, new_run_folder, run_scenario
 from heave_bringup.scenarios import Scenario, load_scenario
 
-AFTERMATH = "heave_bringup.aftermath"
+AFTERMATH = "heave_bringup.run.aftermath"
 
 
 def execute(options: argparse.Namespace) -> None:

@@ -6,8 +6,8 @@ import argparse
 from pathlib import Path
 
 from cable_sim_node.errors import PlantError
-from cable_sim_node.static_report import PICTURE_ENDINGS, draw_static, static_report
 from cable_sim_node.statics.errors import StaticsError
+from cable_sim_node.statics.report import PICTURE_ENDINGS, draw_static, static_report
 
 from heave_bringup.errors import CommandError
 from heave_bringup.output import check_output, write_result

@@ -3,3 +3,7 @@
 The shape is a function of three unknowns, the tension vector at the end s = 0; everything else follows in closed form
 from segment to segment. Start at `problems` (submerged, towing, mooring), `footprint` and `laying`.
 """
+
+from heave_node.compiled import drop_stale_kernels
+
+drop_stale_kernels(__file__)

@@ -13,17 +13,12 @@ in which the limits q -> 0 (a straight segment) and a vertical cable are ordinar
 from __future__ import annotations
 
 import math
-from pathlib import Path
 
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from cable_sim_node.kernel_cache import drop_stale
-
 Array = NDArray[np.float64]
-
-drop_stale(("segment", "drag", "march", "dead_loads"), Path(__file__).parent)
 
 SERIES_BELOW = 0.2
 """Below this `a` the power series in a^2 replace the closed forms, which would cancel."""

@@ -6,16 +6,16 @@ from typing import Protocol
 
 import numpy as np
 
-from winch_controller_node.design import ControllerDesign, is_sensor_state, regulator_gain
-from winch_controller_node.law_parameters import MpcParameters
+from winch_controller_node.design.design import ControllerDesign, is_sensor_state, regulator_gain
 from winch_controller_node.laws.constrained import ConstrainedLaw
 from winch_controller_node.laws.effort import Effort, feedback_effort
 from winch_controller_node.laws.feedback import LawCommand, StateFeedback
 from winch_controller_node.laws.feedforward import OutletHold, SpeedFeedforward
 from winch_controller_node.laws.governor import CommandGovernor, WinchLimits, winch_limits
 from winch_controller_node.laws.loop_state import LoopState
-from winch_controller_node.linear_model import Array, LinearModel
-from winch_controller_node.lqr import lqr_gain, output_cost
+from winch_controller_node.model.linear_model import Array, LinearModel
+from winch_controller_node.model.lqr import lqr_gain, output_cost
+from winch_controller_node.parameters.laws import MpcParameters
 
 
 class Law(Protocol):

@@ -16,7 +16,6 @@ from dataclasses import dataclass
 import daqp
 import numpy as np
 
-from winch_controller_node.law_parameters import MpcParameters
 from winch_controller_node.laws.feedback import LawCommand
 from winch_controller_node.laws.governor import (
     ACCELERATION,
@@ -29,9 +28,10 @@ from winch_controller_node.laws.governor import (
     drum_ahead,
 )
 from winch_controller_node.laws.loop_state import LoopState
-from winch_controller_node.linear_model import Array, LinearModel
-from winch_controller_node.lqr import DesignError
-from winch_controller_node.model_parameters import WinchModelParameters
+from winch_controller_node.model.linear_model import Array, LinearModel
+from winch_controller_node.model.lqr import DesignError
+from winch_controller_node.parameters.laws import MpcParameters
+from winch_controller_node.parameters.model import WinchModelParameters
 
 SOFT = 8
 """DAQP's mark of a soft constraint."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from winch_controller_node.laws.loop_state import LoopState
-from winch_controller_node.linear_model import Array
+from winch_controller_node.model.linear_model import Array
 
 
 @dataclass(frozen=True)

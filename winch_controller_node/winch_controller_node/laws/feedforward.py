@@ -10,13 +10,13 @@ import math
 
 import numpy as np
 
-from winch_controller_node.law_parameters import FeedforwardParameters
 from winch_controller_node.laws.feedback import LawCommand
 from winch_controller_node.laws.governor import standing_command
 from winch_controller_node.laws.loop_state import LoopState
-from winch_controller_node.linear_model import Array, LinearModel
-from winch_controller_node.lqr import DesignError
-from winch_controller_node.model_parameters import WinchModelParameters
+from winch_controller_node.model.linear_model import Array, LinearModel
+from winch_controller_node.model.lqr import DesignError
+from winch_controller_node.parameters.laws import FeedforwardParameters
+from winch_controller_node.parameters.model import WinchModelParameters
 
 HOLD_TIME, HOLD_LAGS = 2.0, 4.0
 """The payout follows the boom tip within this time [s], and no quicker than so many lags of the winch."""

@@ -12,10 +12,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from winch_controller_node.law_parameters import LimitParameters
-from winch_controller_node.linear_model import Array, LinearModel, discretise
-from winch_controller_node.model_parameters import WinchModelParameters
-from winch_controller_node.models import winch_block
+from winch_controller_node.model.linear_model import Array, LinearModel, discretise
+from winch_controller_node.model.models import winch_block
+from winch_controller_node.parameters.laws import LimitParameters
+from winch_controller_node.parameters.model import WinchModelParameters
 
 SPEED, ACCELERATION, PAYOUT, POWER, TENSION = "speed", "acceleration", "payout", "power", "tension"
 

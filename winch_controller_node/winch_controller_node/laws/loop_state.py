@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from winch_controller_node.linear_model import Array, LinearModel
+from winch_controller_node.model.linear_model import Array, LinearModel
 
 
 @dataclass(frozen=True)

@@ -6,13 +6,13 @@ import math
 
 import numpy as np
 
-from winch_controller_node.law_parameters import TensionLawParameters
 from winch_controller_node.laws.feedback import LawCommand
 from winch_controller_node.laws.governor import standing_command
 from winch_controller_node.laws.loop_state import LoopState
-from winch_controller_node.linear_model import Array, LinearModel
-from winch_controller_node.model_parameters import WinchModelParameters
-from winch_controller_node.models import CableModel
+from winch_controller_node.model.linear_model import Array, LinearModel
+from winch_controller_node.model.models import CableModel
+from winch_controller_node.parameters.laws import TensionLawParameters
+from winch_controller_node.parameters.model import WinchModelParameters
 
 FILTER_SHARE = 0.25
 """Time constant of the load cell's low-pass over that of the loop."""

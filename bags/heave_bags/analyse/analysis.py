@@ -1,0 +1,221 @@
+"""What a bag says in numbers: KPIs of the run and of windows in it, extremes with their times, as table, JSON,
+CSV or Parquet.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from heave_node import kpi
+
+from heave_bags.analyse import kpi_set
+from heave_bags.analyse.kpi_set import Signal
+from heave_bags.analyse.run_record import RunRecord, read_run
+from heave_bags.errors import BagError
+from heave_bags.mcap.reader import Progress, no_progress
+
+if TYPE_CHECKING:
+    import pandas
+
+
+@dataclass(frozen=True)
+class Extreme:
+    """The largest or smallest value of something, and when it was: `time` [s], `value` in `unit`."""
+
+    name: str
+    value: float
+    unit: str
+    time: float
+
+
+def analyse(
+    paths: Sequence[str | Path], *, transient: float | None = None, progress: Progress = no_progress
+) -> list[RunRecord]:
+    """Read the bags of several runs; `transient` [s] overrides the one each bag names.
+
+    Raises BagError for the first bag that cannot be read.
+    """
+    records = []
+    for number, path in enumerate(paths):
+        records.append(read_run(path, transient=transient, progress=_part(progress, number, len(paths))))
+    names = [record.name for record in records]
+    for record, path in zip(records, paths, strict=True):
+        if names.count(record.name) > 1:
+            record.name = str(path)
+    return records
+
+
+def _part(progress: Progress, number: int, total: int) -> Progress:
+    return lambda share: progress((number + share) / total)
+
+
+def extremes(record: RunRecord) -> list[Extreme]:
+    """Return the extremes within the evaluation window."""
+    signals = record.signals
+    found: list[Extreme] = []
+
+    def add(name: str, signal: Signal, unit: str, *, about_mean: bool = False, smallest: bool = False) -> None:
+        part = signal.window(record.start, record.end)
+        if not part.size:
+            return
+        values = part.value - part.value.mean() if about_mean else part.value
+        index = (
+            int(np.argmin(values)) if smallest else int(np.argmax(values if name.endswith("largest") else abs(values)))
+        )
+        found.append(Extreme(name, float(values[index]), unit, float(part.time[index])))
+
+    add("unit heave about its mean", signals.unit_heave, "m", about_mean=True)
+    add("uncompensated unit heave about its mean", signals.uncompensated_heave, "m", about_mean=True)
+    add("boom-tip heave about its mean", signals.boom_tip_heave, "m", about_mean=True)
+    add("top tension, smallest", signals.tension, "N", smallest=True)
+    add("top tension, largest", signals.tension, "N")
+    add("winch speed", signals.payout_rate, "m/s")
+    add("winch acceleration", signals.payout_acceleration, "m/s2")
+    if signals.tension.size and signals.payout_rate.size:
+        rate = signals.payout_rate
+        add("winch power T v", Signal(rate.time, signals.tension.at(rate) * rate.value), "W")
+    return found
+
+
+def snaps(record: RunRecord) -> list[float]:
+    """Return the times [s] of snaps within the evaluation window."""
+    tension = record.signals.tension.window(record.start, record.end)
+    if not tension.size:
+        return []
+    static = record.signals.static_at(tension)
+    return [float(time) for time in kpi.snap_times(tension.time, tension.value, static)]
+
+
+@dataclass(frozen=True)
+class WindowKpis:
+    """KPIs of one window of a run, start to end [s]."""
+
+    start: float
+    end: float
+    values: dict[str, float]
+
+
+def windows(record: RunRecord, length: float, step: float | None = None) -> list[WindowKpis]:
+    """Return the KPIs of windows of `length` [s] that begin every `step` [s] (default: one behind the other),
+    over the whole run: from one sample before the first, which is where a run starts; an end that is shorter than a
+    window is left out.
+
+    Raises BagError if `length` or `step` is not positive.
+    """
+    step = length if step is None else step
+    if not (length > 0.0 and step > 0.0):
+        raise BagError(f"windows need a positive length and step, got {length:g} s and {step:g} s")
+    first = _start_of_run(record)
+    count = math.floor((record.end - first - length) / step + 1e-9) + 1
+    bounds = [(first + number * step, first + number * step + length) for number in range(max(count, 0))]
+    return [WindowKpis(start, end, record.kpis(start, end)) for start, end in bounds]
+
+
+def _start_of_run(record: RunRecord) -> float:
+    """Return the time one sample before the first [s]: the first sample of a run is that of the end of tick 1."""
+    time = record.signals.unit_heave.time
+    if time.size < 2:
+        return float(time[0]) if time.size else 0.0
+    return round(float(time[0] - np.median(np.diff(time))), 9) + 0.0  # stamps are whole nanoseconds; never -0
+
+
+def to_json(record: RunRecord, window: float | None = None) -> dict[str, Any]:
+    """Return everything as plain data: KPIs by their keys, then `extremes`, `snap_times_s`, `run`, `outcome`,
+    `losses`, `notes`.
+    """
+    content: dict[str, Any] = dict(kpi_set.to_json(record.kpis()))
+    content["bag"] = record.name
+    content["window_start_s"], content["window_end_s"] = record.start, record.end
+    content["extremes"] = [
+        {"name": extreme.name, "value": extreme.value, "unit": extreme.unit, "time_s": extreme.time}
+        for extreme in extremes(record)
+    ]
+    content["snap_times_s"] = snaps(record)
+    content["run"], content["outcome"] = dict(record.run), dict(record.outcome)
+    content["losses"] = [str(loss) for loss in record.losses]
+    content["notes"] = list(record.notes)
+    if window is not None:
+        content["windows"] = [
+            {"start_s": part.start, "end_s": part.end, **kpi_set.to_json(part.values)}
+            for part in windows(record, window)
+        ]
+    return content
+
+
+def table(records: Sequence[RunRecord]) -> str:
+    """Return the KPIs of runs side by side as text, and below them what a reader of them must know."""
+    lines = [kpi_set.table({record.name: record.kpis() for record in records})]
+    for record in records:
+        lines += [f"{record.name}: {text}" for text in record.remarks()]
+    return "\n".join(lines)
+
+
+WINDOW_COLUMNS = {
+    "unit_sigma_m": "s(z)",
+    "uncompensated_sigma_m": "s(z_off)",
+    "unit_efficiency": "unit eff.",
+    "outlet_efficiency": "outlet eff.",
+    "max_abs_heave_m": "max |z|",
+    "tension_min_n": "T min",
+    "tension_max_n": "T max",
+    "winch_speed_max_mps": "max |v|",
+    "time_at_limit_percent": "at limit",
+}
+"""The KPIs that a table of windows shows, with short headings."""
+
+
+def window_table(record: RunRecord, length: float) -> str:
+    """Return the main KPIs of each window of a run as text, one line per window, and what time is in none of them."""
+    definitions = [kpi_set.DEFINITION_OF[key] for key in WINDOW_COLUMNS]
+    headings = [f"{WINDOW_COLUMNS[definition.key]} {definition.unit}" for definition in definitions]
+    rows = [("from s", "to s", *headings)]
+    parts = windows(record, length)
+    for part in parts:
+        cells = [definition.text(part.values[definition.key]) for definition in definitions]
+        rows.append((f"{part.start:.2f}", f"{part.end:.2f}", *cells))
+    widths = [max(len(row[column]) for row in rows) for column in range(len(rows[0]))]
+    lines = ["  ".join(f"{cell:>{width}}" for cell, width in zip(row, widths, strict=True)) for row in rows]
+    left_out = record.end - (parts[-1].end if parts else _start_of_run(record))
+    if left_out > 1e-6:
+        lines.append(f"left out: the last {left_out:.2f} s, shorter than a window of {length:g} s")
+    return "\n".join([record.name, *lines])
+
+
+def kpi_frame(records: Sequence[RunRecord], window: float | None = None) -> pandas.DataFrame:
+    """Return KPIs as a DataFrame: one row per run, or per window of each run, with columns bag, start_s, end_s
+    and the KPI keys.
+    """
+    import pandas  # noqa: PLC0415 - half a second to import, for those who want frames only
+
+    rows: list[dict[str, Any]] = []
+    for record in records:
+        parts = [WindowKpis(record.start, record.end, record.kpis())] if window is None else windows(record, window)
+        rows += [{"bag": record.name, "start_s": part.start, "end_s": part.end, **part.values} for part in parts]
+    return pandas.DataFrame(rows)
+
+
+TABLE_ENDINGS = (".csv", ".parquet")
+
+
+def save_frame(frame: pandas.DataFrame, path: Path) -> None:
+    """Write a frame as CSV or Parquet, by the ending of `path`.
+
+    Raises BagError for another ending, without pyarrow, or if the file cannot be written.
+    """
+    ending = path.suffix.lower()
+    if ending not in TABLE_ENDINGS:
+        raise BagError(f"{path}: a table ends in {' or '.join(TABLE_ENDINGS)}")
+    try:
+        if ending == ".csv":
+            frame.to_csv(path, index=frame.index.name is not None)
+        else:
+            frame.to_parquet(path)
+    except ImportError as error:
+        raise BagError(f"{path}: Parquet needs the package pyarrow: pip install pyarrow") from error
+    except OSError as error:
+        raise BagError(f"{path}: the table cannot be written: {error.strerror or error}") from error

@@ -1,0 +1,172 @@
+"""The report of one or several runs: one HTML file that opens offline, zooms and prints."""
+
+from __future__ import annotations
+
+import html
+import json
+import math
+from collections.abc import Sequence
+from importlib import resources
+from pathlib import Path
+
+from heave_bags.analyse import analysis, kpi_set
+from heave_bags.analyse.analysis import Extreme
+from heave_bags.analyse.report_figures import Figure, comparison_figures, run_figures
+from heave_bags.analyse.run_record import RunRecord
+from heave_bags.errors import BagError
+from heave_bags.mcap.reader import Progress, no_progress
+
+_LEVELS = ("", "warning", "error")
+_MOST_ALARMS = 50
+
+
+def write_report(
+    paths: Sequence[str | Path],
+    output: Path,
+    *,
+    transient: float | None = None,
+    progress: Progress = no_progress,
+) -> list[RunRecord]:
+    """Read the bags `paths` and write their report to `output`; return the runs read.
+
+    Raises BagError if a bag cannot be read or the file cannot be written.
+    """
+    records = analysis.analyse(paths, transient=transient, progress=progress)
+    save_report(records, output)
+    return records
+
+
+def save_report(records: Sequence[RunRecord], output: Path) -> None:
+    """Write the report of runs that were read to `output`. Raises BagError if the file cannot be written."""
+    text = render(records)
+    try:
+        output.parent.mkdir(parents=True, exist_ok=True)
+        output.write_text(text, encoding="utf-8")
+    except OSError as error:
+        raise BagError(f"{output}: the report cannot be written: {error.strerror}") from error
+
+
+def render(records: Sequence[RunRecord]) -> str:
+    """Return the report of `records` as HTML text."""
+    title = " and ".join(record.run.get("scenario") or record.name for record in records)
+    figures: list[Figure] = []
+    body = [_heading(title, records), _kpi_section(records)]
+    if len(records) > 1:
+        body += ["<h2>Comparison</h2>", *(_plot(figure, figures) for figure in comparison_figures(records))]
+    body += [_run_section(record, figures, is_only=len(records) == 1) for record in records]
+    return _page(title, "\n".join(body), figures)
+
+
+def _page(title: str, body: str, figures: Sequence[Figure]) -> str:
+    from plotly.offline import get_plotlyjs  # noqa: PLC0415 - slow to import, needed for its script only
+
+    assets = resources.files("heave_bags.analyse") / "report_assets"
+    style = (assets / "report.css").read_text(encoding="utf-8")
+    script = (assets / "report.js").read_text(encoding="utf-8")
+    data = json.dumps([figure.to_mapping() for figure in figures]).replace("</", "<\\/")
+    return f"""<!doctype html>
+<html lang="en">
+<head>
+<meta charset="utf-8">
+<meta name="viewport" content="width=device-width, initial-scale=1">
+<title>{html.escape(title)} - heave compensation report</title>
+<link rel="icon" href="data:,">
+<style>
+{style}</style>
+</head>
+<body>
+{body}
+<footer>SI units; heave positive up, payout positive lowers the unit. Drag to zoom, double-click to see all;
+figures over time zoom together. For a PDF, print this page.</footer>
+<script>{get_plotlyjs()}</script>
+<script type="application/json" id="figures">{data}</script>
+<script>
+{script}</script>
+</body>
+</html>
+"""
+
+
+def _heading(title: str, records: Sequence[RunRecord]) -> str:
+    lines = [f"<h1>{html.escape(title)}</h1>", '<p class="lead">Active heave compensation: run report</p>']
+    for record in records:
+        prefix = f"{record.name}: " if len(records) > 1 else ""
+        lines += [f'<div class="notice">{html.escape(prefix + text)}</div>' for text in record.remarks()]
+    return "\n".join(lines)
+
+
+def _kpi_section(records: Sequence[RunRecord]) -> str:
+    columns = [record.kpis() for record in records]
+    names = "".join(f'<th class="number">{html.escape(record.name)}</th>' for record in records)
+    rows = []
+    for definition in kpi_set.KPI_DEFINITIONS:
+        values = [column[definition.key] for column in columns]
+        if any(math.isfinite(value) for value in values):
+            cells = "".join(f'<td class="number">{definition.text(value)}</td>' for value in values)
+            rows.append(f"<tr><td>{html.escape(definition.title)}</td>{cells}<td>{definition.unit}</td></tr>")
+    window = "; ".join(f"{record.start:.2f} s to {record.end:.2f} s" for record in records)
+    return (
+        f'<h2>Figures of merit</h2>\n<p class="caption">Evaluation window: {window}.</p>\n'
+        f'<div class="scroll"><table id="kpis"><thead><tr><th>KPI</th>{names}<th>unit</th></tr></thead>\n<tbody>'
+        + "\n".join(rows)
+        + "</tbody></table></div>"
+    )
+
+
+def _run_section(record: RunRecord, figures: list[Figure], *, is_only: bool) -> str:
+    plots = "\n".join(_plot(figure, figures) for figure in run_figures(record))
+    details = _details(record)
+    heading = "Figures" if is_only else f"Run {html.escape(record.name)}"
+    return f"<h2>{heading}</h2>\n{plots}\n{details}"
+
+
+def _plot(figure: Figure, figures: list[Figure]) -> str:
+    """Return the place of a figure in the page, and add it to those the script draws."""
+    figures.append(figure)
+    title, caption = html.escape(figure.title), html.escape(figure.caption)
+    return (
+        f'<section class="plot"><h3>{title}</h3><p class="caption">{caption}</p>'
+        f'<div class="figure" id="figure-{len(figures) - 1}" style="min-height:{figure.height}px"></div></section>'
+    )
+
+
+def _details(record: RunRecord) -> str:
+    return (
+        "<h3>Extremes, alarms and provenance</h3>"
+        f'<div class="tables">{_extremes_table(analysis.extremes(record))}{_alarm_table(record)}</div>'
+        f"<details><summary>Where this bag comes from</summary>{_provenance_table(record)}</details>"
+    )
+
+
+def _extremes_table(found: Sequence[Extreme]) -> str:
+    rows = "".join(
+        f"<tr><td>{html.escape(extreme.name)}</td>"
+        f'<td class="number">{extreme.value:.5g}</td><td>{extreme.unit}</td>'
+        f'<td class="number">{extreme.time:.2f}</td></tr>'
+        for extreme in found
+    )
+    head = '<tr><th>extreme</th><th class="number">value</th><th>unit</th><th class="number">time [s]</th></tr>'
+    return f"<table><thead>{head}</thead><tbody>{rows}</tbody></table>"
+
+
+def _alarm_table(record: RunRecord) -> str:
+    alarms = sorted(record.alarms, key=lambda alarm: alarm.start)
+    if not alarms:
+        return "<p>No alarms.</p>"
+    rows = "".join(
+        f'<tr><td class="number">{alarm.start:.2f}</td><td class="number">{alarm.end:.2f}</td>'
+        f"<td>{_LEVELS[alarm.level]}</td><td>{html.escape(alarm.name)}</td></tr>"
+        for alarm in alarms[:_MOST_ALARMS]
+    )
+    more = f"<p>and {len(alarms) - _MOST_ALARMS} more</p>" if len(alarms) > _MOST_ALARMS else ""
+    head = '<tr><th class="number">from [s]</th><th class="number">to [s]</th><th>level</th><th>alarm</th></tr>'
+    return f"<div><table><thead>{head}</thead><tbody>{rows}</tbody></table>{more}</div>"
+
+
+def _provenance_table(record: RunRecord) -> str:
+    rows = "".join(
+        f"<tr><td>{html.escape(name)}</td><td><code>{html.escape(value)}</code></td></tr>"
+        for name, value in {**record.run, **record.outcome}.items()
+        if not name.startswith("publishers.")
+    )
+    return f"<table><tbody>{rows}</tbody></table>"

@@ -1,0 +1,434 @@
+"""The figures of a report as plain data for plotly.js: arrays travel packed, and the page thins them to what a
+screen can show.
+"""
+
+from __future__ import annotations
+
+import base64
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from heave_bags.analyse.kpi_set import Signal
+from heave_bags.analyse.run_record import Innovation, Interval, RunRecord
+from heave_bags.analyse.spectra import Spectrum, spectrum, transmissibility
+
+Array = NDArray[np.float64]
+
+BOOM_TIP = "#0072b2"
+PAYOUT = "#e69f00"
+UNIT = "#009e73"
+UNCOMPENSATED = "#999999"
+LIMIT = "#d55e00"
+OTHER = "#cc79a7"
+RUN_COLOURS = ("#009e73", "#0072b2", "#e69f00", "#cc79a7", "#56b4e9", "#d55e00", "#000000")
+LEVEL_COLOURS = ("#0072b2", "#e69f00", "#d55e00")
+MODE_COLOURS = {
+    "off": "#bbbbbb",
+    "standby": "#56b4e9",
+    "compensating": "#009e73",
+    "constant_tension": "#0072b2",
+    "fade_out": "#e69f00",
+    "stopping": "#e69f00",
+    "stopped": "#d55e00",
+    "emergency_stop": "#d55e00",
+}
+
+MAXIMUM_SAMPLES = 200_000
+"""Longer signals are thinned before they enter the page; their extremes stay."""
+_TIME_TITLE = "simulated time [s]"
+
+
+@dataclass
+class Figure:
+    """One figure: title, a line that explains it, plotly traces and layout. Figures over time zoom together."""
+
+    title: str
+    caption: str
+    traces: list[dict[str, Any]] = field(default_factory=list)
+    layout: dict[str, Any] = field(default_factory=dict)
+    is_over_time: bool = True
+    height: int = 380
+
+    def to_mapping(self) -> dict[str, Any]:
+        """Return what the page's script draws."""
+        return {"traces": self.traces, "layout": self.layout, "time": self.is_over_time, "height": self.height}
+
+
+def pack(values: Array) -> dict[str, Any]:
+    """Return an array as the page's script unpacks it: even steps as three numbers, others as 32-bit floats about
+    an offset.
+    """
+    if values.size > 2:
+        step = (values[-1] - values[0]) / (values.size - 1)
+        even = values[0] + step * np.arange(values.size)
+        if step > 0.0 and np.abs(even - values).max() < 1e-6 * step:
+            return {"start": float(values[0]), "step": float(step), "count": int(values.size)}
+    offset = float(values[0]) if values.size and math.isfinite(values[0]) else 0.0
+    data = (values - offset).astype("<f4").tobytes()
+    return {"offset": offset, "float32": base64.b64encode(data).decode("ascii")}
+
+
+def thin(signal: Signal, limit: int = MAXIMUM_SAMPLES) -> Signal:
+    """Return at most `limit` samples: of each stretch of time the smallest and the largest, so that no peak is lost."""
+    if signal.size <= limit:
+        return signal
+    bounds = np.linspace(0, signal.size, limit // 2 + 1).astype(int)
+    kept: list[int] = []
+    for first, after in pairwise(bounds):
+        part = signal.value[first:after]
+        kept += sorted({first + int(part.argmin()), first + int(part.argmax())})
+    return Signal(signal.time[kept], signal.value[kept])
+
+
+def line(signal: Signal, name: str, colour: str, **style: Any) -> dict[str, Any]:
+    """Return a signal as a line; `style` may hold `axis` ("y2"), `dash`, `width`, `opacity`."""
+    small = thin(signal)
+    trace: dict[str, Any] = {
+        "name": name,
+        "x": pack(small.time),
+        "y": pack(small.value),
+        "mode": "lines",
+        "line": {"color": colour, "width": style.get("width", 1.3), "dash": style.get("dash", "solid")},
+        "opacity": style.get("opacity", 1.0),
+    }
+    if "axis" in style:
+        trace["yaxis"] = style["axis"]
+    return trace
+
+
+def _about_mean(signal: Signal) -> Signal:
+    return Signal(signal.time, signal.value - signal.value.mean()) if signal.size else signal
+
+
+def _level(height: float, name: str, axis: str = "y") -> list[dict[str, Any]]:
+    """Return a horizontal line with its name, for a limit; nothing for one that is not known."""
+    if not math.isfinite(height):
+        return []
+    return [
+        {
+            "type": "line",
+            "xref": "paper",
+            "x0": 0,
+            "x1": 1,
+            "yref": axis,
+            "y0": height,
+            "y1": height,
+            "line": {"color": LIMIT, "width": 1.2, "dash": "dash"},
+            "label": {"text": name, "textposition": "end", "font": {"size": 10, "color": LIMIT}},
+        }
+    ]
+
+
+def _transient(record: RunRecord) -> list[dict[str, Any]]:
+    """Return a grey band over the time that no figure counts."""
+    first = record.signals.unit_heave.time[0] if record.signals.unit_heave.size else 0.0
+    if record.start <= first:
+        return []
+    return [
+        {
+            "type": "rect",
+            "xref": "x",
+            "x0": float(first),
+            "x1": record.start,
+            "yref": "paper",
+            "y0": 0,
+            "y1": 1,
+            "fillcolor": "#000000",
+            "opacity": 0.05,
+            "line": {"width": 0},
+            "layer": "below",
+        }
+    ]
+
+
+def _time_layout(record: RunRecord, y_title: str, shapes: Sequence[dict[str, Any]] = ()) -> dict[str, Any]:
+    return {
+        "xaxis": {"title": {"text": _TIME_TITLE}},
+        "yaxis": {"title": {"text": y_title}},
+        "shapes": [*_transient(record), *shapes],
+    }
+
+
+def _ribbon(intervals: Sequence[Interval], row: str, colour: str, name: str) -> dict[str, Any]:
+    """Return intervals as a thick line in the row `row` of the ribbon."""
+    x: list[float | None] = []
+    y: list[str | None] = []
+    texts: list[str | None] = []
+    for interval in intervals:
+        x += [interval.start, interval.end, None]
+        y += [row, row, None]
+        texts += [interval.name, interval.name, None]
+    return {
+        "name": name,
+        "x": x,
+        "y": y,
+        "text": texts,
+        "mode": "lines",
+        "line": {"color": colour, "width": 13},
+        "hovertemplate": "%{text}: %{x:.1f} s<extra></extra>",
+        "yaxis": "y2",
+        "showlegend": False,
+    }
+
+
+def ribbon_traces(record: RunRecord) -> list[dict[str, Any]]:
+    """Return the mode and alarm ribbon: one row each for modes, active limits and alarms."""
+    traces = []
+    for mode in dict.fromkeys(interval.name for interval in record.modes):
+        part = [interval for interval in record.modes if interval.name == mode]
+        traces.append(_ribbon(part, "mode", MODE_COLOURS.get(mode, OTHER), mode))
+    if record.limits:
+        traces.append(_ribbon(record.limits, "limits", PAYOUT, "limits"))
+    for level in (1, 2):
+        alarms = [interval for interval in record.alarms if interval.level == level]
+        if alarms:
+            traces.append(_ribbon(alarms, "alarms", LEVEL_COLOURS[level], "alarms"))
+    return traces
+
+
+def motion_figure(record: RunRecord) -> Figure:
+    """Boom tip, minus payout and unit about their means, below the ribbon of modes, limits and alarms."""
+    signals = record.signals
+    minus_payout = Signal(signals.payout.time, -signals.payout.value)
+    ribbon = ribbon_traces(record)
+    figure = Figure(
+        "Motion",
+        "Heave about the mean: the sum of boom tip and minus payout is what the cable's top does. "
+        "Above: mode, active winch limits and alarms. Grey: transient, not counted.",
+        layout=_time_layout(record, "heave about the mean [m]"),
+        height=480,
+    )
+    figure.traces += [
+        line(_about_mean(signals.boom_tip_heave), "boom tip", BOOM_TIP),
+        line(_about_mean(minus_payout), "minus payout", PAYOUT),
+        line(_about_mean(signals.unit_heave), "unit", UNIT, width=1.8),
+    ]
+    if ribbon:
+        rows = [row for row in ("alarms", "limits", "mode") if any(trace["y"][0] == row for trace in ribbon)]
+        figure.traces += ribbon
+        figure.layout["yaxis"]["domain"] = [0.0, 0.78]
+        figure.layout["yaxis2"] = {
+            "domain": [0.82, 1.0],
+            "type": "category",
+            "categoryorder": "array",
+            "categoryarray": rows,
+            "fixedrange": True,
+            "showgrid": False,
+        }
+    return figure
+
+
+def unit_figure(record: RunRecord) -> Figure:
+    """Unit heave with and without compensation."""
+    signals = record.signals
+    figure = Figure(
+        "Unit heave, compensated and uncompensated",
+        "Uncompensated: the same sea and cable with the winch locked, computed beside the run.",
+        layout=_time_layout(record, "unit heave about the mean [m]"),
+    )
+    figure.traces += [
+        line(_about_mean(signals.uncompensated_heave), "uncompensated", UNCOMPENSATED),
+        line(_about_mean(signals.unit_heave), "compensated", UNIT, width=1.6),
+    ]
+    return figure
+
+
+def tension_figure(record: RunRecord) -> Figure:
+    """Top tension with its static value, slack and snap limits; static is a line where the deployed length changes."""
+    static = record.signals.static_tension
+    tension = record.signals.tension
+    is_steady = static.size == 1
+    shapes = _level(0.0, "slack")
+    for share, name in ((1.0, "static"), (1.3, "1.3 static"), (0.1, "0.1 static")) if is_steady else ():
+        shapes += _level(share * static.value[0] * 1e-3, name)
+    figure = Figure(
+        "Top tension",
+        "A snap is a tension below 0.1 of the static one followed by more than 1.3 of it within 2 s.",
+        layout=_time_layout(record, "top tension [kN]", shapes),
+    )
+    figure.traces.append(line(Signal(tension.time, tension.value * 1e-3), "top tension", BOOM_TIP))
+    shown = np.concatenate([tension.value * 1e-3, static.value * 1e-3, [shape["y0"] for shape in shapes]])
+    shown = shown[np.isfinite(shown)]
+    lowest, highest = float(shown.min()), float(shown.max())
+    margin = 0.08 * (highest - lowest)  # the lines and their names keep clear of the frame
+    figure.layout["yaxis"]["range"] = [lowest - margin, highest + margin]
+    if static.size > 1:
+        figure.traces.append(line(Signal(static.time, static.value * 1e-3), "static", LIMIT, dash="dash"))
+    return figure
+
+
+def winch_figure(record: RunRecord) -> Figure:
+    """Winch speed and acceleration with their limits."""
+    signals = record.signals
+    shapes = [shape for sign in (1, -1) for shape in _level(sign * signals.speed_limit, "speed limit")]
+    for sign in (1, -1):
+        shapes += _level(sign * signals.acceleration_limit, "acceleration limit", "y2")
+    figure = Figure(
+        "Winch speed and acceleration",
+        "Positive pays out and lowers the unit.",
+        layout=_time_layout(record, "payout rate [m/s]", shapes),
+        height=520,
+    )
+    figure.traces += [
+        line(signals.payout_rate, "payout rate", PAYOUT),
+        line(signals.payout_acceleration, "payout acceleration", OTHER, axis="y2"),
+    ]
+    figure.layout["yaxis"]["domain"] = [0.54, 1.0]
+    figure.layout["yaxis2"] = {"title": {"text": "acceleration [m/s²]"}, "domain": [0.0, 0.46]}
+    figure.layout["xaxis"]["anchor"] = "y2"
+    return figure
+
+
+def spectrum_lines(record: RunRecord) -> dict[str, Spectrum]:
+    """Return the spectra of the evaluation window by name; those that cannot be computed are left out."""
+    signals = record.signals
+    named = {
+        "boom tip": signals.boom_tip_heave,
+        "uncompensated": signals.uncompensated_heave,
+        "unit": signals.unit_heave,
+    }
+    spectra = {name: spectrum(signal.window(record.start, record.end)) for name, signal in named.items()}
+    return {name: found for name, found in spectra.items() if found is not None}
+
+
+def _spectrum_line(shown: Spectrum, name: str, colour: str, **style: Any) -> dict[str, Any]:
+    visible = shown.omega <= HIGHEST_OMEGA
+    return line(Signal(shown.omega[visible], shown.density[visible]), name, colour, **style)
+
+
+HIGHEST_OMEGA = 4.0
+"""Spectra are in the page up to this angular frequency [rad/s]; a sea has nothing above it."""
+SHOWN_OMEGA = 2.5
+"""Spectra are shown up to this angular frequency [rad/s] before anyone zooms."""
+SCALED_FLOOR = 1e-2
+"""Share of the boom tip's peak density above which a transmissibility decides the scale of its axis."""
+
+
+def _spectrum_layout(pairs: Sequence[tuple[Spectrum, Spectrum]]) -> dict[str, Any]:
+    """Return the layout for transmissibilities of `pairs` (unit, boom tip), scaled to what is shown and moves much."""
+    ratios = [transmissibility(unit, boom_tip, SCALED_FLOOR) for unit, boom_tip in pairs]
+    shown = [ratio.density[ratio.omega <= SHOWN_OMEGA] for ratio in ratios]
+    reach = 1.15 * max((float(values.max()) for values in shown if values.size), default=1.0)
+    return {
+        "xaxis": {"title": {"text": "angular frequency ω [rad/s]"}, "range": [0.0, SHOWN_OMEGA]},
+        "yaxis": {
+            "title": {"text": "S(ω) [m² s/rad]"},
+            "type": "log",
+            "exponentformat": "power",
+            "domain": [0.54, 1.0],
+        },
+        "yaxis2": {"title": {"text": "transmissibility [-]"}, "domain": [0.0, 0.46], "range": [0.0, reach]},
+    }
+
+
+def spectrum_figure(record: RunRecord) -> Figure:
+    """Spectra of boom tip and unit, and the transmissibility with and without compensation."""
+    spectra = spectrum_lines(record)
+    compared = [name for name in ("uncompensated", "unit") if {name, "boom tip"} <= set(spectra)]
+    figure = Figure(
+        "Spectra and transmissibility",
+        "One-sided spectra over angular frequency (Welch). Transmissibility √(S_unit/S_boom tip), "
+        "where the boom tip has at least 10⁻⁴ of its peak density; its axis fits where it has 10⁻².",
+        layout=_spectrum_layout([(spectra[name], spectra["boom tip"]) for name in compared]),
+        is_over_time=False,
+        height=560,
+    )
+    figure.layout["xaxis"]["anchor"] = "y2"
+    colours = {"boom tip": BOOM_TIP, "uncompensated": UNCOMPENSATED, "unit": UNIT}
+    for name, found in spectra.items():
+        figure.traces.append(_spectrum_line(found, f"S {name}", colours[name]))
+    for name in compared:
+        ratio = transmissibility(spectra[name], spectra["boom tip"])
+        label = "transmissibility, " + ("compensated" if name == "unit" else name)
+        figure.traces.append(_spectrum_line(ratio, label, colours[name], axis="y2", dash="dot"))
+    return figure
+
+
+def innovation_figure(record: RunRecord) -> Figure | None:
+    """Innovations with the band of two predicted standard deviations, one row per measurement; None without an
+    estimator.
+    """
+    rows = record.innovations
+    if not rows:
+        return None
+    figure = Figure(
+        "Estimator innovations",
+        "Measurement minus prediction; dotted: two predicted standard deviations, which 95 % should keep within.",
+        layout=_time_layout(record, ""),
+        height=120 + 190 * len(rows),
+    )
+    gap = 0.08 / len(rows)
+    for index, row in enumerate(rows):
+        axis = "y" if index == 0 else f"y{index + 1}"
+        colour = RUN_COLOURS[index % len(RUN_COLOURS)]
+        band = 2.0 * row.sigma
+        edge = {"axis": axis, "dash": "dot", "width": 1.0}
+        figure.traces += [
+            line(Signal(row.time, row.value), row.name, colour, axis=axis, width=1.0),
+            line(Signal(row.time, band), "2 sigma", "#555555", **edge) | {"showlegend": index == 0},
+            line(Signal(row.time, -band), "2 sigma", "#555555", **edge) | {"showlegend": False},
+        ]
+        top = 1.0 - index / len(rows)
+        name = "yaxis" + axis[1:]
+        figure.layout[name] = {
+            "title": {"text": row.name},
+            "domain": [max(0.0, top - 1.0 / len(rows) + gap), top],
+            "range": _settled_range(row, record),
+        }
+    figure.layout["xaxis"]["anchor"] = "y" if len(rows) == 1 else f"y{len(rows)}"
+    return figure
+
+
+def _settled_range(row: Innovation, record: RunRecord) -> list[float]:
+    """Return the range that the evaluation window needs: the first innovations of a filter dwarf all others."""
+    settled = (row.time >= record.start) & (row.time <= record.end)
+    shown = settled if settled.any() else np.ones(row.time.size, dtype=bool)
+    reach = 1.15 * max(float(np.abs(row.value[shown]).max()), float(2.0 * row.sigma[shown].max()), 1e-9)
+    return [-reach, reach]
+
+
+def run_figures(record: RunRecord) -> list[Figure]:
+    """Return the figures of one run; those nobody recorded the signals of are left out."""
+    signals = record.signals
+    figures: list[Figure | None] = [motion_figure(record)]
+    figures.append(unit_figure(record) if signals.unit_heave.size else None)
+    figures.append(tension_figure(record) if signals.tension.size else None)
+    figures.append(winch_figure(record) if signals.payout_rate.size else None)
+    figures.append(spectrum_figure(record) if spectrum_lines(record) else None)
+    figures.append(innovation_figure(record))
+    return [figure for figure in figures if figure is not None]
+
+
+def comparison_figures(records: Sequence[RunRecord]) -> list[Figure]:
+    """Return the figures that show several runs together."""
+    heave = Figure(
+        "Unit heave of all runs",
+        "About the mean of each run.",
+        layout=_time_layout(records[0], "unit heave about the mean [m]"),
+    )
+    found_of = [spectrum_lines(record) for record in records]
+    pairs = [(found["unit"], found["boom tip"]) for found in found_of if {"unit", "boom tip"} <= set(found)]
+    spectra = Figure(
+        "Spectra and transmissibility of all runs",
+        "Of the compensated unit.",
+        layout=_spectrum_layout(pairs),
+        is_over_time=False,
+        height=560,
+    )
+    spectra.layout["xaxis"]["anchor"] = "y2"
+    for index, (record, found) in enumerate(zip(records, found_of, strict=True)):
+        colour = RUN_COLOURS[index % len(RUN_COLOURS)]
+        heave.traces.append(line(_about_mean(record.signals.unit_heave), record.name, colour))
+        if "unit" in found:
+            spectra.traces.append(_spectrum_line(found["unit"], record.name, colour))
+        if {"unit", "boom tip"} <= set(found):
+            ratio = transmissibility(found["unit"], found["boom tip"])
+            label = f"{record.name}: transmissibility"
+            spectra.traces.append(_spectrum_line(ratio, label, colour, axis="y2", dash="dot"))
+    return [heave, spectra]

@@ -1,0 +1,155 @@
+"""Serialised ROS 2 messages to columns: many messages of one type at once, by numpy, from the definition a bag
+carries.
+
+Where strings and sequences of two messages have the same lengths, their bytes are laid out alike. So the layout is
+worked out once for each
+pattern of lengths, and the values of all messages of that pattern are picked in one step.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from heave_bags.cdr.layout import Layout, Leaf, MessageLayouts
+
+Columns = dict[str, NDArray[Any]]
+
+
+class ColumnDecoder:
+    """Decodes messages of one type into columns named by dotted paths, such as `pose.pose.position.z`.
+
+    Array elements of structures are `nodes[0].x`; an array of numbers is one column of shape (n, elements).
+
+    Parameters
+    ----------
+    name, text : the type and its `ros2msg` schema
+    wanted : which paths to decode; all if None
+    """
+
+    def __init__(self, name: str, text: str, wanted: Callable[[str], bool] | None = None) -> None:
+        self._types = MessageLayouts(name, text)
+        self._wanted = wanted
+        self._layouts: dict[int, list[Layout]] = {}
+
+    @property
+    def has_header(self) -> bool:
+        """The type begins with a std_msgs/Header."""
+        return self._types.has_header
+
+    def decode(self, messages: Sequence[bytes]) -> Columns:
+        """Return the columns of `messages`, n rows each; what a message does not have is NaN or "".
+
+        Raises BagError for a message that does not fit the definition.
+        """
+        by_size: dict[int, list[int]] = {}
+        for row, data in enumerate(messages):
+            by_size.setdefault(len(data), []).append(row)
+        gathered: list[tuple[NDArray[np.intp], Columns]] = []
+        for size, rows in by_size.items():
+            block = np.frombuffer(b"".join([messages[row] for row in rows]), dtype=np.uint8).reshape(-1, size)
+            self._groups(block, np.asarray(rows), gathered)
+        if len(gathered) == 1:
+            return gathered[0][1]
+        return _merge(gathered, len(messages))
+
+    def _groups(
+        self, block: NDArray[np.uint8], rows: NDArray[np.intp], gathered: list[tuple[NDArray[np.intp], Columns]]
+    ) -> None:
+        """Split rows of one size by layout, and decode each group."""
+        known = self._layouts.setdefault(block.shape[1], [])
+        for layout in known:
+            block, rows = self._gather(layout, block, rows, gathered)
+        while rows.size:
+            layout = self._layout(block[0].tobytes())
+            if len(known) < 64:
+                known.append(layout)
+            block, rows = self._gather(layout, block, rows, gathered)
+
+    def _gather(
+        self,
+        layout: Layout,
+        block: NDArray[np.uint8],
+        rows: NDArray[np.intp],
+        gathered: list[tuple[NDArray[np.intp], Columns]],
+    ) -> tuple[NDArray[np.uint8], NDArray[np.intp]]:
+        """Decode the rows that have this layout; return the others."""
+        if not rows.size:
+            return block, rows
+        fits = np.ones(rows.size, dtype=bool)
+        for offset, value in layout.lengths:
+            fits &= _words(block, offset) == value
+        if not fits.any():
+            return block, rows
+        whole = bool(fits.all())
+        matching = block if whole else block[fits]
+        gathered.append((rows[fits], {leaf.name: _column(matching, leaf) for leaf in layout.leaves}))
+        return block[~fits], rows[~fits]
+
+    def _layout(self, data: bytes) -> Layout:
+        layout = self._types.of(data)
+        if self._wanted:
+            layout.leaves = [leaf for leaf in layout.leaves if self._wanted(leaf.name)]
+        return layout
+
+
+def _words(block: NDArray[np.uint8], offset: int) -> NDArray[np.uint32]:
+    return np.ascontiguousarray(block[:, offset : offset + 4]).view("<u4")[:, 0]
+
+
+def _column(block: NDArray[np.uint8], leaf: Leaf) -> NDArray[Any]:
+    if not leaf.dtype:
+        length = max((leaf.count or 0) - 1, 0)
+        if not length:
+            return np.full(block.shape[0], "", dtype=object)
+        texts = np.ascontiguousarray(block[:, leaf.offset : leaf.offset + length]).view(f"S{length}")[:, 0]
+        unique, inverse = np.unique(texts, return_inverse=True)
+        decoded = np.array([text.decode("utf-8", "replace") for text in unique], dtype=object)
+        return decoded[inverse]
+    dtype = np.dtype("<" + leaf.dtype)
+    count = 1 if leaf.count is None else leaf.count
+    if not count:
+        return np.empty((block.shape[0], 0), dtype=dtype)
+    values = np.ascontiguousarray(block[:, leaf.offset : leaf.offset + count * dtype.itemsize]).view(dtype)
+    return values[:, 0] if leaf.count is None else values
+
+
+def _blank(rows: int, example: NDArray[Any], width: int) -> NDArray[Any]:
+    shape = (rows,) if example.ndim == 1 else (rows, width)
+    if example.dtype == object:
+        return np.full(shape, "", dtype=object)
+    return np.full(shape, np.nan)
+
+
+def _merge(gathered: Sequence[tuple[NDArray[np.intp], Columns]], rows: int) -> Columns:
+    """Put groups of rows together; columns or elements that a group lacks are NaN or ""."""
+    names = dict.fromkeys(name for _, columns in gathered for name in columns)
+    merged: Columns = {}
+    for name in names:
+        parts = [(index, columns[name]) for index, columns in gathered if name in columns]
+        widths = [part.shape[1] if part.ndim > 1 else 0 for _, part in parts]
+        example = parts[0][1]
+        if sum(index.size for index, _ in parts) == rows and len(set(widths)) == 1:
+            column = np.empty((rows, *example.shape[1:]), dtype=example.dtype)
+        else:
+            column = _blank(rows, example, max(widths))
+        for (index, part), width in zip(parts, widths, strict=True):
+            if part.ndim == 1:
+                column[index] = part
+            else:
+                column[index, :width] = part
+        merged[name] = column
+    return merged
+
+
+def join(batches: Sequence[tuple[int, Columns]]) -> Columns:
+    """Put batches (rows, columns) one behind the other."""
+    gathered = []
+    first = 0
+    for rows, columns in batches:
+        gathered.append((np.arange(first, first + rows), columns))
+        first += rows
+    return gathered[0][1] if len(gathered) == 1 else _merge(gathered, first)

@@ -1,0 +1,209 @@
+"""The layout of serialised ROS 2 messages (CDR): where each value lies, worked out from the definition that a bag
+carries.
+"""
+
+from __future__ import annotations
+
+import re
+import struct
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from heave_bags.errors import BagError
+from heave_bags.mcap.definitions import PRIMITIVES, SEPARATOR
+
+NUMPY_TYPES = {
+    "bool": "?",
+    "byte": "u1",
+    "char": "u1",
+    "uint8": "u1",
+    "int8": "i1",
+    "uint16": "u2",
+    "int16": "i2",
+    "uint32": "u4",
+    "int32": "i4",
+    "uint64": "u8",
+    "int64": "i8",
+    "float32": "f4",
+    "float64": "f8",
+}
+
+_ENCAPSULATION = 4
+"""Bytes before the message proper; alignment counts from behind them."""
+
+_FIELD = re.compile(
+    r"^(?P<type>[A-Za-z][\w/]*)(?:<=\d+)?(?P<array>\[(?:<=)?\d*\])?\s+(?P<name>[A-Za-z]\w*)\s*(?P<rest>.*)$"
+)
+
+
+@dataclass(frozen=True)
+class Field:
+    """One field of a message definition. `count` is the length of a fixed array; -1 is a sequence, None a single
+    value.
+    """
+
+    name: str
+    type: str
+    count: int | None
+
+
+@dataclass(frozen=True)
+class Leaf:
+    """Where one primitive value, array or text lies in a message: byte offset, numpy type ("" for a text), elements."""
+
+    name: str
+    offset: int
+    dtype: str
+    count: int | None
+
+
+@dataclass
+class Layout:
+    """The layout of all messages whose length words agree with `lengths` (offset, value)."""
+
+    leaves: list[Leaf] = field(default_factory=list)
+    lengths: list[tuple[int, int]] = field(default_factory=list)
+    gaps: list[tuple[int, int]] = field(default_factory=list)
+    """Padding between values: first byte and the one behind the last."""
+    end: int = 0
+    """Number of bytes of the message."""
+
+
+def parse_schema(name: str, text: str) -> dict[str, list[Field]]:
+    """Return the fields of each type in a `ros2msg` schema, keyed `package/Type`; the first is that of `name`."""
+    parts = name.split("/")
+    key = f"{parts[0]}/{parts[-1]}"
+    types: dict[str, list[Field]] = {}
+    for part in text.split(SEPARATOR):
+        lines = part.splitlines()
+        heading = next((line for line in lines if line.strip()), "")
+        if heading.startswith("MSG:"):
+            key = heading[4:].strip()
+            parts = key.split("/")
+            key = f"{parts[0]}/{parts[-1]}"
+            lines = lines[lines.index(heading) + 1 :]
+        types[key] = list(_fields(lines, key.split("/")[0]))
+    for built_in in ("builtin_interfaces/Time", "builtin_interfaces/Duration"):
+        types.setdefault(built_in, [Field("sec", "int32", None), Field("nanosec", "uint32", None)])
+    return types
+
+
+def _fields(lines: Sequence[str], package: str) -> Iterator[Field]:
+    for line in lines:
+        match = _FIELD.match(line.split("#", 1)[0].strip())
+        if not match or match["rest"].startswith("="):
+            continue
+        kind, array = match["type"], match["array"]
+        if kind not in PRIMITIVES:
+            parts = kind.split("/")
+            kind = f"{parts[0] if len(parts) > 1 else package}/{parts[-1]}"
+        count = None if not array else int(array[1:-1]) if array[1:-1].isdigit() else -1
+        yield Field(match["name"], kind, count)
+
+
+class _Walker:
+    """Walks one message and notes where its values lie."""
+
+    def __init__(self, types: dict[str, list[Field]], data: bytes) -> None:
+        self._types = types
+        self._data = data
+        self._position = _ENCAPSULATION
+        self.layout = Layout()
+
+    def walk(self, name: str) -> Layout:
+        self.struct(name, "")
+        self.layout.end = self._position
+        if self._position > len(self._data):
+            raise struct.error("it ends too early")
+        return self.layout
+
+    def struct(self, name: str, prefix: str) -> None:
+        fields = self._types[name]
+        if not fields:
+            self._position += 1
+        for member in fields:
+            self._member(member, prefix + member.name)
+
+    def _member(self, member: Field, path: str) -> None:
+        count = self._length() if member.count == -1 else member.count
+        if member.type in NUMPY_TYPES:
+            self._primitive(path, NUMPY_TYPES[member.type], count)
+        elif count is None:
+            self._single(member.type, path)
+        else:
+            for index in range(count):
+                self._single(member.type, f"{path}[{index}]")
+
+    def _single(self, kind: str, path: str) -> None:
+        if kind == "string":
+            length = self._length()
+            self.layout.leaves.append(Leaf(path, self._position, "", length))
+            self._position += length
+        elif kind == "wstring":
+            self._position += 4 * self._length()
+        else:
+            self.struct(kind, path + ".")
+
+    def _align(self, size: int) -> None:
+        gap = -(self._position - _ENCAPSULATION) % size
+        if gap:
+            self.layout.gaps.append((self._position, self._position + gap))
+            self._position += gap
+
+    def _length(self) -> int:
+        self._align(4)
+        (length,) = struct.unpack_from("<I", self._data, self._position)
+        self.layout.lengths.append((self._position, length))
+        self._position += 4
+        return int(length)
+
+    def _primitive(self, path: str, dtype: str, count: int | None) -> None:
+        size = np.dtype(dtype).itemsize
+        if count != 0:
+            self._align(size)
+        end = self._position + size * (1 if count is None else count)
+        if end > len(self._data):
+            raise struct.error(f"{path} lies beyond the end of the message")
+        self.layout.leaves.append(Leaf(path, self._position, dtype, count))
+        self._position = end
+
+
+class MessageLayouts:
+    """Works out the layouts of messages of one type.
+
+    Parameters
+    ----------
+    name, text : the type and its `ros2msg` schema
+
+    Raises BagError if the schema lacks a type that it uses.
+    """
+
+    def __init__(self, name: str, text: str) -> None:
+        self.name = name
+        self._types = parse_schema(name, text)
+        self._root = next(iter(self._types))
+        missing = {
+            member.type
+            for fields in self._types.values()
+            for member in fields
+            if member.type not in PRIMITIVES and member.type not in self._types
+        }
+        if missing:
+            raise BagError(f"the definition of {name} lacks {', '.join(sorted(missing))}")
+
+    @property
+    def has_header(self) -> bool:
+        """The type begins with a std_msgs/Header."""
+        fields = self._types[self._root]
+        return bool(fields) and fields[0] == Field("header", "std_msgs/Header", None)
+
+    def of(self, data: bytes) -> Layout:
+        """Return the layout of one message. Raises BagError if it does not fit the definition."""
+        if data[:2] != b"\x00\x01":
+            raise BagError(f"a message of {self.name} is not little-endian CDR (it begins with {data[:4].hex()})")
+        try:
+            return _Walker(self._types, data).walk(self._root)
+        except struct.error as error:
+            raise BagError(f"a message of {self.name} does not fit its definition: {error}") from error

@@ -1,0 +1,1 @@
+"""Files: rosbag2 folders of MCAP files, written, scanned, read and repaired."""

@@ -1,0 +1,269 @@
+"""Writes a rosbag2 folder of MCAP files: topics with definitions and QoS, splits, attachments, `metadata.yaml`."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from heave_bags.cdr.canonical import Canonical
+from heave_bags.errors import BagError, StorageError
+from heave_bags.mcap.definitions import DefinitionError, schema_text, type_hash
+from heave_bags.mcap.files import (
+    METADATA_KEY,
+    METADATA_RECORD,
+    OUTCOME_RECORD,
+    RUN_RECORD,
+    BagSummary,
+    FileSummary,
+    TopicSummary,
+    file_name,
+    write_metadata,
+)
+from heave_bags.mcap.qos import OfferedQos, to_yaml
+from heave_bags.mcap.reader import Bag, summary_of
+from heave_bags.mcap.storage import DirectStorage, Storage
+from heave_bags.mcap.writer import ChunkPolicy, McapWriter
+
+
+@dataclass(frozen=True)
+class Attachment:
+    """A file carried inside a bag, such as the scenario."""
+
+    name: str
+    media_type: str
+    data: bytes
+
+
+@dataclass(frozen=True)
+class BagPolicy:
+    """How a bag is written.
+
+    Attributes
+    ----------
+    chunks : size, span and compression of chunks
+    max_file_bytes : a new file is begun after so many bytes; 0: never
+    max_file_span : a new file is begun after so much log time [ns]; 0: never
+    """
+
+    chunks: ChunkPolicy = field(default_factory=ChunkPolicy)
+    max_file_bytes: int = 0
+    max_file_span: int = 0
+
+
+@dataclass
+class _Topic:
+    summary: TopicSummary
+    schema: str
+    canonical: Callable[[bytes], bytes] | None = None
+    channel: int = 0
+    """Id in the present file; 0: not yet registered there."""
+
+
+class BagWriter:
+    """Writes one bag. Not thread-safe.
+
+    Parameters
+    ----------
+    folder : of the bag
+    policy : chunks and splits
+    run : what the bag says of itself, in metadata records and `metadata.yaml`
+    attachments : files carried in each file of the bag
+    ros_distro : for `metadata.yaml`
+    opener : makes the storage of each file
+    closing_attachments : gives what is attached at the end
+
+    Raises BagError if the folder exists already, or a topic is used that was not added; StorageError if the
+    disk refuses. After a StorageError nothing more can be written, but `close` still leaves a readable bag.
+    """
+
+    def __init__(
+        self,
+        folder: Path,
+        *,
+        policy: BagPolicy | None = None,
+        run: Mapping[str, str] | None = None,
+        attachments: Sequence[Attachment] = (),
+        ros_distro: str = "",
+        opener: Callable[[Path], Storage] = DirectStorage,
+        closing_attachments: Callable[[], Sequence[Attachment]] = tuple,
+    ) -> None:
+        self.folder = folder
+        self._policy = policy or BagPolicy()
+        self._run = dict(run or {})
+        self._attachments = tuple(attachments)
+        self._opener = opener
+        self._closing_attachments = closing_attachments
+        self._topics: dict[str, _Topic] = {}
+        self._schema_ids: dict[str, int] = {}
+        self._closed_files: list[FileSummary] = []
+        self._ros_distro = ros_distro
+        self._last_time = 0
+        self._refusal: StorageError | None = None
+        self.closed = False
+        try:
+            folder.mkdir(parents=True)
+        except FileExistsError:
+            raise BagError(f"{folder} exists already: a bag needs a new folder") from None
+        self._open()
+
+    def _open(self) -> None:
+        self._file_name = file_name(self.folder, len(self._closed_files))
+        self._file = self._opener(self.folder / self._file_name)
+        self._writer = McapWriter(self._file, chunks=self._policy.chunks)
+        self._is_open = True
+        self._schema_ids = {}
+        for topic in self._topics.values():
+            topic.channel = 0
+        if self._run:
+            self._writer.add_metadata(RUN_RECORD, self._run)
+        for attachment in self._attachments:
+            self._writer.add_attachment(attachment.name, attachment.media_type, attachment.data, log_time=0)
+
+    def add_topic(self, name: str, message_type: str, qos: Sequence[OfferedQos] = ()) -> str:
+        """Make a topic known, by the definition installed here. Its messages are written without what middleware
+        leaves in their padding.
+
+        Returns "" or one line that says why its bag cannot be decoded elsewhere.
+        """
+        if name in self._topics:
+            return ""
+        try:
+            schema, problem = schema_text(message_type), ""
+        except DefinitionError as error:
+            schema, problem = "", f"{name} is recorded without its definition: {error}"
+        summary = TopicSummary(name, message_type, tuple(qos), type_hash(message_type))
+        self._topics[name] = _Topic(summary, schema, Canonical(message_type, schema) if schema else None)
+        return problem
+
+    def add_foreign_topic(self, summary: TopicSummary, schema: str) -> None:
+        """Make a topic known by the definition that another bag holds. Its messages are written as they are."""
+        own = TopicSummary(summary.name, summary.type, summary.qos, summary.type_hash)
+        self._topics.setdefault(summary.name, _Topic(own, schema))
+
+    def write(self, topic: str, log_time: int, data: bytes, *, publish_time: int | None = None) -> None:
+        """Write one serialised message; times in nanoseconds."""
+        try:
+            known = self._topics[topic]
+        except KeyError:
+            raise BagError(f"topic {topic} was not added to the bag {self.folder}") from None
+        if self._must_split(log_time):
+            self.split()
+        if not known.channel:
+            self._register(known)
+        known.summary.message_count += 1
+        self._last_time = log_time
+        if known.canonical is not None:
+            data = known.canonical(data)
+        published = log_time if publish_time is None else publish_time
+        sequence = known.summary.message_count & 0xFFFFFFFF
+        if self._refusal is not None:
+            raise self._refusal
+        try:
+            self._writer.write(known.channel, log_time, data, publish_time=published, sequence=sequence)
+        except StorageError as error:
+            self._refusal = error
+            raise
+
+    @contextmanager
+    def _remembering_refusal(self) -> Iterator[None]:
+        """Remember that the disk has refused something: from then on the bag is not what was written."""
+        if self._refusal is not None:
+            raise self._refusal
+        try:
+            yield
+        except StorageError as error:
+            self._refusal = error
+            raise
+
+    def _must_split(self, log_time: int) -> bool:
+        writer, policy = self._writer, self._policy
+        if not writer.message_count:
+            return False
+        too_big = 0 < policy.max_file_bytes <= writer.size + writer.pending_bytes
+        return too_big or 0 < policy.max_file_span <= log_time - writer.start_time
+
+    def _register(self, topic: _Topic) -> None:
+        name = topic.summary.type
+        if name not in self._schema_ids:
+            encoding = "ros2msg" if topic.schema else ""
+            self._schema_ids[name] = self._writer.add_schema(name, encoding, topic.schema.encode())
+        metadata = {
+            "offered_qos_profiles": to_yaml(topic.summary.qos),
+            "topic_type_hash": topic.summary.type_hash,
+        }
+        topic.channel = self._writer.add_channel(topic.summary.name, self._schema_ids[name], metadata)
+
+    def acknowledge(self) -> None:
+        """Journal what was written since: it survives a crash of this process."""
+        with self._remembering_refusal():
+            self._file.acknowledge(self._writer.take_pending())
+
+    def split(self) -> None:
+        """Complete the present file and begin the next."""
+        self._complete_file()
+        write_metadata(self.folder, self.summary())
+        self._open()
+
+    def _complete_file(self) -> None:
+        writer = self._writer
+        writer.close_chunk()
+        self._closed_files.append(self._file_summary())
+        self._is_open = False
+        serialized = self.summary().to_yaml()
+        writer.add_metadata(METADATA_RECORD, {METADATA_KEY: serialized})
+        writer.finish()
+        self._file.close()
+
+    def _file_summary(self) -> FileSummary:
+        writer = self._writer
+        return FileSummary(self._file_name, writer.start_time, writer.end_time, writer.message_count)
+
+    def summary(self) -> BagSummary:
+        """Return what `metadata.yaml` would say now."""
+        files = [*self._closed_files, self._file_summary()] if self._is_open else list(self._closed_files)
+        topics = [self._topics[name].summary for name in sorted(self._topics)]
+        return BagSummary(files, topics, self._run, self._ros_distro)
+
+    def close(self, outcome: Mapping[str, str] | None = None) -> None:
+        """Complete the bag; `outcome` goes into a metadata record of the last file. Closing twice does nothing.
+
+        Raises StorageError if the disk has refused something; the bag can be read all the same, and the message
+        says what it lacks.
+        """
+        if self.closed:
+            return
+        self.closed = True
+        try:
+            with self._remembering_refusal():
+                self._complete(outcome)
+        except (StorageError, OSError) as error:
+            reason = str(error) if isinstance(error, StorageError) else f"{self.folder}: {error.strerror}"
+            raise StorageError(f"{reason}; {self._salvage()}") from error
+
+    def _complete(self, outcome: Mapping[str, str] | None) -> None:
+        for name in sorted(self._topics):
+            if not self._topics[name].channel:
+                self._register(self._topics[name])
+        for attachment in self._closing_attachments():
+            self._writer.add_attachment(attachment.name, attachment.media_type, attachment.data, log_time=0)
+        if outcome:
+            self._writer.add_metadata(OUTCOME_RECORD, outcome)
+        self._complete_file()
+        write_metadata(self.folder, self.summary())
+
+    def _salvage(self) -> str:
+        """Close what could not be completed, describe it as it is, and say what it lacks."""
+        with suppress(StorageError, OSError):
+            self._file.close()
+        saved = Bag(self.folder)
+        summary = summary_of(saved)
+        with suppress(OSError):
+            write_metadata(self.folder, summary)
+        written = sum(topic.summary.message_count for topic in self._topics.values())
+        lost = written - saved.message_count
+        if not lost:
+            return "no message was lost"
+        first, last = saved.end_time * 1e-9, self._last_time * 1e-9
+        return f"{lost} messages from {first:.3f} s to {last:.3f} s were lost"

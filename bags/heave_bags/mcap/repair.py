@@ -1,0 +1,63 @@
+"""Repair: a damaged bag becomes a sound one with all that can still be read; an unindexed folder gets its
+`metadata.yaml` again.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from heave_bags.errors import BagError
+from heave_bags.mcap.bag_writer import Attachment, BagWriter
+from heave_bags.mcap.files import write_metadata
+from heave_bags.mcap.reader import Bag, Progress, metadata_of, no_progress, summary_of
+from heave_bags.mcap.scan import Loss
+
+
+@dataclass(frozen=True)
+class Repaired:
+    """What a repair has saved: the new bag, its messages, and what is lost."""
+
+    folder: Path
+    messages: int
+    losses: tuple[Loss, ...]
+
+    def __str__(self) -> str:
+        lines = [f"{self.folder}: {self.messages} messages saved"]
+        return "\n".join([*lines, *(str(loss) for loss in self.losses)])
+
+
+def repair(source: str | Path, output: str | Path, *, progress: Progress = no_progress) -> Repaired:
+    """Write everything of a bag that can be read to a new, sound and indexed one; the source stays as it is.
+
+    Messages keep their bytes, times and order. Raises BagError if there is no bag at `source` or `output` exists.
+    """
+    bag = Bag(source)
+    attachments = [Attachment(name, "application/octet-stream", data) for name, data in bag.attachments.items()]
+    distro = str(metadata_of(bag).get("ros_distro", ""))
+    writer = BagWriter(Path(output), run=bag.run, attachments=attachments, ros_distro=distro)
+    for topic in bag.topics.values():
+        writer.add_foreign_topic(topic, topic.schema)
+    count = 0
+    for message in bag.messages(progress=progress):
+        writer.write(message.topic, message.log_time, message.data, publish_time=message.publish_time)
+        count += 1
+    lost = "; ".join(str(loss) for loss in bag.losses)
+    writer.close({**bag.outcome, "repaired_from": str(bag.path.name), **({"lost": lost} if lost else {})})
+    return Repaired(Path(output), count, tuple(bag.losses))
+
+
+def reindex(folder: str | Path) -> Bag:
+    """Write `metadata.yaml` of a bag anew from its files; return the bag.
+
+    Raises BagError if `folder` is no folder of a bag, or if a file in it is damaged: other readers could not open
+    it, `repair` can.
+    """
+    bag = Bag(folder)
+    if not bag.path.is_dir():
+        raise BagError(f"{bag.path}: only the folder of a bag has a metadata.yaml")
+    summary = summary_of(bag)
+    if bag.losses:
+        raise BagError(f"{bag.losses[0]}; repair the bag instead")
+    write_metadata(bag.path, summary)
+    return bag

@@ -1,0 +1,186 @@
+"""When to play which message of a bag: rate, start, duration, loop, pause, step and selection. No ROS, no clock
+of its own.
+"""
+
+from __future__ import annotations
+
+import heapq
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from fnmatch import fnmatch
+
+from heave_node.topics import TOPIC_BY_NAME
+
+from heave_bags.errors import BagError
+from heave_bags.mcap.reader import Bag, RawMessage
+
+_SORTED_AHEAD = 512
+_SECOND = 1_000_000_000
+
+
+@dataclass(frozen=True)
+class PlaybackOptions:
+    """What is played, and how fast.
+
+    Attributes
+    ----------
+    rate : bag time per wall time
+    start, duration : part of the bag that is played, from its beginning [s]; a duration of infinity plays to the end
+    loop : begin again at the end
+    paused : wait for `resume` or `step` before the first message
+    topics, exclude : patterns of topics to play and to leave out; no `topics` means all
+    nodes : only topics that these nodes published; none means all
+    remap : new names of topics
+    """
+
+    rate: float = 1.0
+    start: float = 0.0
+    duration: float = math.inf
+    loop: bool = False
+    paused: bool = False
+    topics: Sequence[str] = ()
+    exclude: Sequence[str] = ()
+    nodes: Sequence[str] = ()
+    remap: Mapping[str, str] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        if not (math.isfinite(self.rate) and self.rate > 0.0):
+            raise BagError(f"rate {self.rate:g} is not allowed: it must be a number above 0")
+        if not (self.start >= 0.0 and self.duration > 0.0):
+            raise BagError(f"start {self.start:g} s and duration {self.duration:g} s must not be negative or empty")
+
+
+def publisher_of(bag: Bag, topic: str) -> tuple[str, ...]:
+    """Return the nodes that published a topic: as the bag says, or as the suite's table of topics does; empty if
+    nobody knows.
+    """
+    said = bag.outcome.get(f"publishers.{topic}")
+    if said is not None:
+        return tuple(said.split())
+    for name, known in TOPIC_BY_NAME.items():
+        if topic.endswith("/" + name.lstrip("/")) and known.publisher:
+            return (known.publisher,)
+    return ()
+
+
+def selected_topics(bag: Bag, options: PlaybackOptions) -> list[str]:
+    """Return the topics that are to be played. Raises BagError if none is left, or a pattern or node fits nothing."""
+    for pattern in options.topics:
+        if not any(_fits(topic, pattern) for topic in bag.topics):
+            raise BagError(f"{bag.path}: no topic is like {pattern}; it has {', '.join(bag.topics)}")
+    for node in options.nodes:
+        if not any(node in publisher_of(bag, topic) for topic in bag.topics):
+            raise BagError(f"{bag.path}: nothing in it was published by {node}")
+    chosen = [
+        topic
+        for topic in bag.topics
+        if (not options.topics or any(_fits(topic, pattern) for pattern in options.topics))
+        and not any(_fits(topic, pattern) for pattern in options.exclude)
+        and (not options.nodes or set(options.nodes) & set(publisher_of(bag, topic)))
+    ]
+    if not chosen:
+        raise BagError(f"{bag.path}: no topic is left to play")
+    return chosen
+
+
+def _fits(topic: str, pattern: str) -> bool:
+    return fnmatch(topic, pattern) or topic.lstrip("/") == pattern.lstrip("/")
+
+
+def in_order_of_time(messages: Iterator[RawMessage]) -> Iterator[RawMessage]:
+    """Yield messages by log time, where they are out of order by no more than a few hundred; equal times keep
+    their order.
+    """
+    heap: list[tuple[int, int, RawMessage]] = []
+    for number, message in enumerate(messages):
+        heapq.heappush(heap, (message.log_time, number, message))
+        if len(heap) > _SORTED_AHEAD:
+            yield heapq.heappop(heap)[2]
+    while heap:
+        yield heapq.heappop(heap)[2]
+
+
+class Playback:
+    """Hands out the messages of a bag when they are due. Wall times come in as arguments [s], from any steady clock."""
+
+    def __init__(self, bag: Bag, options: PlaybackOptions) -> None:
+        self._bag = bag
+        self._options = options
+        self.topics = selected_topics(bag, options)
+        self._first = bag.start_time + round(options.start * _SECOND)
+        if self._first > bag.end_time:
+            raise BagError(f"{bag.path}: start {options.start:g} s lies behind its end, {bag.duration:.3f} s")
+        whole = bag.end_time - self._first
+        part = round(options.duration * _SECOND) if math.isfinite(options.duration) else whole
+        self._last = self._first + min(part, whole)
+        self.rate = options.rate
+        self.paused = options.paused
+        self.finished = False
+        self.rounds = 0
+        self._bag_time = self._first
+        self._wall: float | None = None
+        self._begin()
+
+    @property
+    def time(self) -> int:
+        """Bag time that has been reached [ns]."""
+        return self._bag_time
+
+    def latched(self) -> list[RawMessage]:
+        """Return the last message of each latched topic before the start: what a late subscriber would have got."""
+        names = [
+            name
+            for name in self.topics
+            if self._bag.topics[name].qos
+            and all(offer.durability == "transient_local" for offer in self._bag.topics[name].qos)
+        ]
+        if not names or self._first <= self._bag.start_time:
+            return []
+        last = {message.topic: message for message in self._bag.messages(names, end=self._first - 1)}
+        return [last[name] for name in sorted(last)]
+
+    def _begin(self) -> None:
+        messages = self._bag.messages(self.topics, start=self._first, end=self._last)
+        self._messages = in_order_of_time(messages)
+        self._next = next(self._messages, None)
+        self._bag_time = self._first
+        if self._next is None:
+            self.finished = True
+
+    def due(self, wall: float) -> list[RawMessage]:
+        """Return the messages that have become due by wall time `wall` [s]; time stands still while paused."""
+        elapsed = 0.0 if self._wall is None else wall - self._wall
+        self._wall = wall
+        if self.paused or self.finished:
+            return []
+        self._bag_time += round(elapsed * self.rate * _SECOND)
+        found = self._take_until(self._bag_time)
+        if self._next is None:
+            self._end()
+        return found
+
+    def _take_until(self, time: int) -> list[RawMessage]:
+        found: list[RawMessage] = []
+        while self._next is not None and self._next.log_time <= time:
+            found.append(self._next)
+            self._next = next(self._messages, None)
+        return found
+
+    def _end(self) -> None:
+        self.rounds += 1
+        if self._options.loop:
+            self._begin()
+        else:
+            self.finished = True
+
+    def step(self, count: int = 1) -> list[RawMessage]:
+        """Return the next `count` messages, whenever they would be due; time goes to the last of them."""
+        found: list[RawMessage] = []
+        while len(found) < count and self._next is not None:
+            found.append(self._next)
+            self._bag_time = max(self._bag_time, self._next.log_time)
+            self._next = next(self._messages, None)
+        if self._next is None and not self.finished:
+            self._end()
+        return found

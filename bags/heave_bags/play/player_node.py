@@ -1,0 +1,157 @@
+"""The player: publishes a bag with the recorded types, quality of service and `/clock`."""
+
+from __future__ import annotations
+
+import argparse
+import math
+import sys
+import time
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+import rclpy
+from builtin_interfaces.msg import Time
+from heave_msgs.srv import PlaybackControl
+from heave_node.ros.environment import prepare_environment
+from heave_node.ros.node import steady_clock
+from heave_node.ros.ports import message_type
+from heave_node.ros.spin import spin
+from rclpy.node import Node
+from rclpy.publisher import Publisher
+from rclpy.task import Future
+from rclpy.utilities import remove_ros_args
+from rosgraph_msgs.msg import Clock
+
+from heave_bags.errors import BagError
+from heave_bags.mcap.reader import Bag, RawMessage
+from heave_bags.mcap.ros_qos import offer_like
+from heave_bags.play.playback import Playback, PlaybackOptions
+from heave_bags.play.player_options import DISCOVERY_TIME, add_arguments, options_from
+
+PERIOD = 0.002
+"""Wall time between two looks for messages that are due [s]."""
+CLOCK_PERIOD = 0.02
+"""Wall time between two /clock messages where the bag has none [s]."""
+CLOCK = "/clock"
+
+
+class Player(Node):
+    """Plays one bag. `finished` completes at its end.
+
+    Services
+    --------
+    player/control (heave_msgs/srv/PlaybackControl) : pause, rate, step
+    """
+
+    def __init__(self, bag: Bag, options: PlaybackOptions, *, delay: float = DISCOVERY_TIME) -> None:
+        super().__init__("player")
+        self.playback = Playback(bag, options)
+        self.finished: Future = Future()
+        self.published = 0
+        self._outlets = {name: self._publisher(bag, name, options) for name in self.playback.topics}
+        self._clock_publisher: Publisher[Clock] | None = None
+        if CLOCK not in bag.topics:
+            self._clock_publisher = self.create_publisher(Clock, CLOCK, 10)
+        self._clock_at = 0.0
+        self._begin_at = time.monotonic() + delay
+        self._has_begun = False
+        self.create_service(PlaybackControl, "player/control", self._control)
+        self.create_timer(PERIOD, self._play, clock=steady_clock())
+
+    def _publisher(self, bag: Bag, name: str, options: PlaybackOptions) -> Publisher[Any]:
+        topic = bag.topics[name]
+        try:
+            kind = message_type(topic.type)
+        except (ImportError, AttributeError, ValueError) as error:
+            raise BagError(f"{name}: {topic.type} is not installed here; leave it out with --exclude {name}") from error
+        return self.create_publisher(kind, options.remap.get(name, name), offer_like(topic.qos))
+
+    def _play(self) -> None:
+        now = time.monotonic()
+        if now < self._begin_at or self.finished.done():
+            return
+        if not self._has_begun:
+            self._has_begun = True
+            self._publish(self.playback.latched())
+        self._publish(self.playback.due(now))
+        self._tell_time(now)
+        if self.playback.finished:
+            self._end()
+
+    def _publish(self, messages: Sequence[RawMessage]) -> None:
+        for message in messages:
+            self._outlets[message.topic].publish(message.data)
+        self.published += len(messages)
+
+    def _tell_time(self, now: float) -> None:
+        if self._clock_publisher is None or now - self._clock_at < CLOCK_PERIOD or self.playback.paused:
+            return
+        self._clock_at = now
+        seconds, nanoseconds = divmod(self.playback.time, 1_000_000_000)
+        self._clock_publisher.publish(Clock(clock=Time(sec=seconds, nanosec=nanoseconds)))
+
+    def _control(
+        self, request: PlaybackControl.Request, response: PlaybackControl.Response
+    ) -> PlaybackControl.Response:
+        playback = self.playback
+        if request.rate < 0.0 or not math.isfinite(request.rate):
+            response.success, response.message = False, f"rate {request.rate:g} is not allowed: it must be above 0"
+            return response
+        if request.step and not request.paused:
+            response.success, response.message = False, "stepping needs paused: true"
+            return response
+        playback.paused = request.paused
+        if request.rate > 0.0:
+            playback.rate = request.rate
+        self._publish(playback.step(request.step) if request.step else [])
+        response.success = True
+        response.message = f"t = {playback.time * 1e-9:.3f} s, rate {playback.rate:g}" + (
+            ", paused" if playback.paused else ""
+        )
+        return response
+
+    def _end(self) -> None:
+        for publisher in self._outlets.values():
+            publisher.wait_for_all_acked(rclpy.duration.Duration(seconds=1))
+        self.finished.set_result(None)
+
+
+def play(
+    path: str | Path,
+    options: PlaybackOptions,
+    *,
+    delay: float = DISCOVERY_TIME,
+    progress: Callable[[float], None] | None = None,
+    args: list[str] | None = None,
+) -> int:
+    """Play a bag to its end, or until the context is shut down; return the number of messages published.
+
+    `progress` is called a few times a second with the bag time reached [s]. Raises BagError for what cannot be played.
+    """
+    bag = Bag(path)
+    prepare_environment()
+    rclpy.init(args=args)
+    try:
+        player = Player(bag, options, delay=delay)
+        spin(player, player.finished, lambda: progress(player.playback.time * 1e-9) if progress else None)
+        published = player.published
+        player.destroy_node()
+    finally:
+        rclpy.try_shutdown()
+    return published
+
+
+def main() -> None:
+    """Play a bag from the command line."""
+    parser = argparse.ArgumentParser(prog="player", description=__doc__)
+    add_arguments(parser)
+    arguments = parser.parse_args(remove_ros_args(sys.argv)[1:])
+    try:
+        play(arguments.bag, options_from(arguments), delay=arguments.delay, args=sys.argv)
+    except BagError as error:
+        sys.exit(f"player: {error}")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,51 @@
+"""The player's command-line options; free of ROS, so that help and mistakes are answered at once."""
+
+from __future__ import annotations
+
+import argparse
+import math
+from pathlib import Path
+
+from heave_bags.errors import BagError
+from heave_bags.play.playback import PlaybackOptions
+
+DISCOVERY_TIME = 1.0
+"""Wall time that subscribers get to find the player before the first message [s]."""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the player's options to a command."""
+    parser.add_argument("bag", type=Path, help="folder of the bag, or one MCAP file")
+    parser.add_argument("--rate", type=float, default=1.0, help="bag time per wall time (default 1)")
+    parser.add_argument("--start", type=float, default=0.0, metavar="S", help="begin S seconds into the bag")
+    parser.add_argument("--duration", type=float, default=math.inf, metavar="S", help="play S seconds of the bag")
+    parser.add_argument("--loop", action="store_true", help="begin again at the end")
+    parser.add_argument("--paused", action="store_true", help="wait for the service player/control")
+    parser.add_argument("--topics", nargs="+", default=[], metavar="TOPIC", help="play only these (patterns)")
+    parser.add_argument("--exclude", nargs="+", default=[], metavar="TOPIC", help="leave these out (patterns)")
+    parser.add_argument("--nodes", nargs="+", default=[], metavar="NODE", help="play only what these nodes published")
+    parser.add_argument("--remap", nargs="+", default=[], metavar="OLD:=NEW", help="publish OLD as NEW")
+    parser.add_argument(
+        "--delay", type=float, default=DISCOVERY_TIME, metavar="S", help="wait S seconds for subscribers"
+    )
+
+
+def options_from(arguments: argparse.Namespace) -> PlaybackOptions:
+    """Return what the arguments of `add_arguments` say. Raises BagError where they make no sense."""
+    remap = {}
+    for text in arguments.remap:
+        old, arrow, new = text.partition(":=")
+        if not (old and arrow and new):
+            raise BagError(f"--remap {text}: it must be OLD:=NEW")
+        remap[old] = new
+    return PlaybackOptions(
+        rate=arguments.rate,
+        start=arguments.start,
+        duration=arguments.duration,
+        loop=arguments.loop,
+        paused=arguments.paused,
+        topics=arguments.topics,
+        exclude=arguments.exclude,
+        nodes=arguments.nodes,
+        remap=remap,
+    )

@@ -1,0 +1,309 @@
+"""A ship's own records become a sea for the loop: bags with any topics, or CSV logs, to boom-tip motion.
+
+A mapping says where heave, and if known surge, sway, roll and pitch, are found, and where the boom tip lies from
+the sensor. The result is a
+CSV file with columns time_s, x_m, y_m, z_m, which `wave_vessel` plays with `boom_tip_source: file`.
+"""
+
+from __future__ import annotations
+
+import csv
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import yaml
+from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline
+
+from heave_bags.analyse.kpi_set import Signal
+from heave_bags.errors import BagError
+from heave_bags.mcap.reader import TIME, Bag
+
+Array = NDArray[np.float64]
+
+MOTIONS = ("surge", "sway", "heave", "roll", "pitch")
+EULER_PARTS = ("roll", "pitch", "yaw")
+LONGEST_GAP = 2.0
+"""A longer time without a sample is no record to interpolate [s]."""
+DEFAULT_CUT_OFF = 2.0 * math.pi / 40.0
+"""Motion slower than this is taken out when acceleration is integrated [rad/s]: no sea is slower."""
+
+
+@dataclass(frozen=True)
+class Channel:
+    """Where one motion is found.
+
+    Attributes
+    ----------
+    topic, field : of a bag, such as "/imu/data", "linear_acceleration.z"; `field` may be a quaternion if `part`
+        is given
+    column : of a CSV log
+    part : "roll", "pitch" or "yaw" of a quaternion [rad]
+    scale, offset : motion = scale * value + offset, to metres or radians
+    acceleration : the value is an acceleration [m/s^2]; it is integrated twice, and what is slower than `cut_off`
+        [rad/s] is taken out
+    """
+
+    topic: str = ""
+    field: str = "data"
+    column: str = ""
+    part: str = ""
+    scale: float = 1.0
+    offset: float = 0.0
+    acceleration: bool = False
+    cut_off: float = DEFAULT_CUT_OFF
+
+
+@dataclass(frozen=True)
+class SeaMapping:
+    """How a record becomes boom-tip motion.
+
+    Attributes
+    ----------
+    channels : per motion (surge, sway, heave, roll, pitch); heave there must be
+    lever_arm : boom tip from the sensor, x forward, y to port, z up [m]
+    time_column, time_scale : of a CSV log; time in seconds = scale * value
+    rate : samples per second of the result
+    """
+
+    channels: Mapping[str, Channel]
+    lever_arm: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    time_column: str = "time_s"
+    time_scale: float = 1.0
+    rate: float = 20.0
+
+
+@dataclass
+class ImportedSea:
+    """Boom-tip motion about its mean: time [s] from 0, position (n, 3) [m], and what was left out."""
+
+    time: Array
+    position: Array
+    notes: list[str] = field(default_factory=list)
+
+
+def read_mapping(path: Path) -> SeaMapping:
+    """Read a mapping file (YAML). Raises BagError with the file and the entry that is wrong."""
+    try:
+        content = yaml.safe_load(path.read_text(encoding="utf-8"))
+    except (OSError, yaml.YAMLError, UnicodeDecodeError) as error:
+        raise BagError(f"{path}: cannot be read as a mapping: {' '.join(str(error).split())}") from error
+    if not isinstance(content, dict):
+        raise BagError(f"{path}: a mapping names heave and where it is found")
+    entries = dict(content)
+    channels = {name: _channel(path, name, entries.pop(name)) for name in MOTIONS if name in entries}
+    if "heave" not in channels:
+        raise BagError(f"{path}: heave is missing: say its topic and field, or its column")
+    known = ("lever_arm", "time_column", "time_scale", "rate")
+    unknown = sorted(set(entries) - set(known))
+    if unknown:
+        raise BagError(f"{path}: there is no entry {unknown[0]}; known: {', '.join((*MOTIONS, *known))}")
+    try:
+        arm = tuple(float(value) for value in entries.pop("lever_arm", (0.0, 0.0, 0.0)))
+        mapping = SeaMapping(channels, arm, **entries)  # type: ignore[arg-type]
+        if len(arm) != 3 or not mapping.rate > 0.0:
+            raise ValueError("lever_arm has three numbers, rate is above 0")
+    except (TypeError, ValueError) as error:
+        raise BagError(f"{path}: {error}") from error
+    return mapping
+
+
+def _channel(path: Path, name: str, entry: Any) -> Channel:
+    if not isinstance(entry, dict):
+        raise BagError(f"{path}: {name} must say topic and field, or column")
+    try:
+        channel = Channel(**entry)
+    except TypeError:
+        known = ", ".join(Channel.__dataclass_fields__)
+        raise BagError(f"{path}: {name} has an entry that is not known; known: {known}") from None
+    if bool(channel.topic) == bool(channel.column):
+        raise BagError(f"{path}: {name} needs either a topic or a column")
+    if channel.part and channel.part not in EULER_PARTS:
+        raise BagError(f"{path}: {name}: part must be one of {', '.join(EULER_PARTS)}")
+    return channel
+
+
+def mapping_for_topic(bag: Bag, topic: str) -> SeaMapping:
+    """Return the mapping that a standard type suggests: Odometry, Imu, Float64, Float32, and the suite's own.
+    Raises BagError for others.
+    """
+    name = bag.resolve(topic)
+    kind = bag.topics[name].type
+    positions = {
+        "nav_msgs/msg/Odometry": "pose.pose.position",
+        "geometry_msgs/msg/PoseStamped": "pose.position",
+        "geometry_msgs/msg/PoseWithCovarianceStamped": "pose.pose.position",
+        "geometry_msgs/msg/PointStamped": "point",
+        "heave_msgs/msg/PointMotion": "position",
+    }
+    if kind in positions:
+        at = positions[kind]
+        named = {"surge": "x", "sway": "y", "heave": "z"}
+        return SeaMapping({motion: Channel(topic=name, field=f"{at}.{axis}") for motion, axis in named.items()})
+    heaves = {
+        "std_msgs/msg/Float64": Channel(topic=name),
+        "std_msgs/msg/Float32": Channel(topic=name),
+        "heave_msgs/msg/MruSample": Channel(topic=name, field="heave"),
+        "heave_msgs/msg/WaveElevation": Channel(topic=name, field="elevation"),
+        "sensor_msgs/msg/Imu": Channel(topic=name, field="linear_acceleration.z", acceleration=True),
+    }
+    if kind not in heaves:
+        raise BagError(f"{bag.path}: {name} is {kind}, which is no motion by itself: write a mapping file")
+    return SeaMapping({"heave": heaves[kind]})
+
+
+def import_sea(source: Path, mapping: SeaMapping | str) -> ImportedSea:
+    """Read a bag or a CSV log as boom-tip motion; a text for `mapping` is the name of one topic of a bag.
+
+    Raises BagError if something named is missing, if there is a gap of more than 2 s, or if there are fewer than
+    10 samples.
+    """
+    notes: list[str] = []
+    if isinstance(mapping, str):
+        mapping = mapping_for_topic(Bag(source), mapping)
+    is_log = source.suffix.lower() == ".csv"
+    signals = _csv_signals(source, mapping) if is_log else _bag_signals(source, mapping, notes)
+    checked = {name: _checked(source, name, signal, notes) for name, signal in signals.items()}
+    start = max(signal.time[0] for signal in checked.values())
+    end = min(signal.time[-1] for signal in checked.values())
+    count = math.floor((end - start) * mapping.rate) + 1
+    if count < 10:
+        raise BagError(f"{source}: the channels have only {max(end - start, 0.0):.2f} s in common")
+    time = start + np.arange(count) / mapping.rate
+    motions = {name: _resampled(signal, mapping.channels[name], time) for name, signal in checked.items()}
+    position = boom_tip_motion(motions, mapping.lever_arm, count)
+    return ImportedSea(time - start, position - position.mean(axis=0), notes)
+
+
+def boom_tip_motion(motions: Mapping[str, Array], lever_arm: Sequence[float], count: int) -> Array:
+    """Return the position of a point that is fixed to the vessel at `lever_arm` from the sensor, shape (count, 3) [m].
+
+    Rotation by roll (starboard down positive, about x forward), then pitch (bow down positive, about y to port):
+    REP-103.
+    """
+    none = np.zeros(count)
+    roll, pitch = motions.get("roll", none), motions.get("pitch", none)
+    x, y, z = lever_arm
+    y_rolled = y * np.cos(roll) - z * np.sin(roll)
+    z_rolled = y * np.sin(roll) + z * np.cos(roll)
+    return np.column_stack(
+        (
+            motions.get("surge", none) + x * np.cos(pitch) + z_rolled * np.sin(pitch),
+            motions.get("sway", none) + y_rolled,
+            motions["heave"] - x * np.sin(pitch) + z_rolled * np.cos(pitch),
+        )
+    )
+
+
+def _bag_signals(source: Path, mapping: SeaMapping, notes: list[str]) -> dict[str, Signal]:
+    bag = Bag(source)
+    for name, channel in mapping.channels.items():
+        if not channel.topic:
+            raise BagError(f"{source}: {name} names a column, but this is a bag: name a topic")
+    wanted: dict[str, set[str]] = {}
+    for channel in mapping.channels.values():
+        wanted.setdefault(channel.topic, set()).add(channel.field)
+    columns = bag.columns(wanted)
+    notes += [str(loss) for loss in bag.losses]
+    signals = {}
+    for name, channel in mapping.channels.items():
+        topic = columns[channel.topic]
+        names = [f"{channel.field}.{axis}" for axis in "xyzw"] if channel.part else [channel.field]
+        missing = [column for column in names if column not in topic]
+        if missing:
+            raise BagError(f"{source}: {name}: {channel.topic} has no field {missing[0]}")
+        values = [np.asarray(topic[column], dtype=float) for column in names]
+        signals[name] = Signal(topic[TIME], euler_part(channel.part, *values) if channel.part else values[0])
+    return signals
+
+
+def euler_part(part: str, x: Array, y: Array, z: Array, w: Array) -> Array:
+    """Return roll, pitch or yaw [rad] (about x, y, z, in the order z-y-x) of quaternions."""
+    if part == "roll":
+        return np.arctan2(2.0 * (w * x + y * z), 1.0 - 2.0 * (x * x + y * y))
+    if part == "pitch":
+        return np.arcsin(np.clip(2.0 * (w * y - z * x), -1.0, 1.0))
+    return np.arctan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
+
+
+def _csv_signals(source: Path, mapping: SeaMapping) -> dict[str, Signal]:
+    try:
+        lines = source.read_text(encoding="utf-8").splitlines()
+    except (OSError, UnicodeDecodeError) as error:
+        raise BagError(f"{source}: cannot be read: {error}") from error
+    rows = [row for row in csv.reader(line for line in lines if line.strip() and not line.startswith("#")) if row]
+    if not rows:
+        raise BagError(f"{source}: is empty")
+    header = [name.strip() for name in rows[0]]
+    wanted = {"time": mapping.time_column, **{name: channel.column for name, channel in mapping.channels.items()}}
+    for name, column in wanted.items():
+        if column not in header:
+            raise BagError(f"{source}: there is no column {column!r} for {name}; it has {', '.join(header)}")
+    numbers = np.array([[_number(row, header.index(column)) for column in wanted.values()] for row in rows[1:]])
+    if not numbers.size:
+        raise BagError(f"{source}: has a header and no rows")
+    time = numbers[:, 0] * mapping.time_scale
+    return {name: Signal(time, numbers[:, index]) for index, name in enumerate(mapping.channels, start=1)}
+
+
+def _number(row: Sequence[str], index: int) -> float:
+    """Return a cell as a number; what is none is NaN, and is left out and counted."""
+    try:
+        return float(row[index])
+    except (ValueError, IndexError):
+        return math.nan
+
+
+def _checked(source: Path, name: str, signal: Signal, notes: list[str]) -> Signal:
+    good = np.isfinite(signal.value) & np.isfinite(signal.time)
+    time, value = signal.time[good], signal.value[good]
+    later = np.ones(time.size, dtype=bool)
+    if time.size:
+        later[1:] = time[1:] > np.maximum.accumulate(time)[:-1]
+    left_out = signal.size - int(later.sum())
+    if left_out:
+        notes.append(f"{name}: {left_out} samples that are no numbers or not later than the one before left out")
+    time, value = time[later], value[later]
+    if time.size < 10:
+        raise BagError(f"{source}: {name} has {time.size} usable samples, 10 are needed")
+    gaps = np.diff(time)
+    if gaps.max() > LONGEST_GAP:
+        at = time[int(np.argmax(gaps))]
+        raise BagError(f"{source}: {name} has no sample for {gaps.max():.1f} s after t = {at:.3f} s")
+    return Signal(time, value)
+
+
+def _resampled(signal: Signal, channel: Channel, time: Array) -> Array:
+    values: Array = CubicSpline(signal.time, channel.scale * signal.value + channel.offset)(time)
+    return integrated_twice(values, float(time[1] - time[0]), channel.cut_off) if channel.acceleration else values
+
+
+def integrated_twice(acceleration: Array, period: float, cut_off: float) -> Array:
+    """Return the motion whose second derivative is `acceleration`, about its mean, without what is slower than
+    `cut_off` [rad/s].
+
+    In the frequency domain: X = -A/omega^2, faded in over the half octave below and above the cut-off. The ends
+    of the record ring; whole records of minutes are meant.
+    """
+    transform = np.fft.rfft(acceleration - acceleration.mean())
+    omega = 2.0 * math.pi * np.fft.rfftfreq(acceleration.size, period)
+    octaves = np.log2(np.maximum(omega, 1e-12) / cut_off)
+    gain = np.clip(octaves + 0.5, 0.0, 1.0)
+    gain = gain * gain * (3.0 - 2.0 * gain)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        motion = np.where(gain > 0.0, -transform * gain / omega**2, 0.0)
+    return np.asarray(np.fft.irfft(motion, acceleration.size))
+
+
+def write_sea(sea: ImportedSea, output: Path, source: Path) -> None:
+    """Write the motion as the CSV file that `wave_vessel` takes. Raises BagError if it cannot be written."""
+    lines = [f"# boom-tip motion about its mean, from {source.name}", "time_s,x_m,y_m,z_m"]
+    lines += [f"{t:.4f},{x:.6f},{y:.6f},{z:.6f}" for t, (x, y, z) in zip(sea.time, sea.position, strict=True)]
+    try:
+        output.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    except OSError as error:
+        raise BagError(f"{output}: cannot be written: {error.strerror}") from error

@@ -1,0 +1,200 @@
+"""A bag in the place of a node: plays what the node published, tick by tick, while the others run live.
+
+It takes part in the tick protocol in the node's name, so that the others cannot tell. In the place of the clock
+master it steps the run.
+Messages of a lockstep bag go out in the tick in which they were recorded; the same sea through the same scenario
+gives the same run.
+"""
+
+from __future__ import annotations
+
+import argparse
+import struct
+import sys
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from diagnostic_msgs.msg import DiagnosticArray
+from heave_node import topics
+from heave_node.parameters import parameter
+from heave_node.ros.master import ClockMasterNode
+from heave_node.ros.node import HeaveNode, NodeError
+from heave_node.ros.participant import ParticipantNode
+from heave_node.ros.ports import Output
+from heave_node.ros.process import run_node
+from heave_node.tick.tick import Tick
+from heave_node.topics import Role, Topic
+from rclpy.serialization import deserialize_message
+
+from heave_bags.errors import BagError
+from heave_bags.mcap.reader import Bag, RawMessage
+from heave_bags.play.playback import in_order_of_time, publisher_of
+from heave_bags.record.recording import header_stamp
+
+_STAMP = struct.Struct("<iI")
+_STAMP_END = 12
+MASTER = topics.CLOCK.publisher
+
+
+@dataclass(frozen=True)
+class SubstituteParameters:
+    """Which bag is played in whose place."""
+
+    bag: str = parameter("", unit="", description="The bag.")
+    bag_start: float = parameter(
+        0.0,
+        unit="s",
+        minimum=0.0,
+        maximum=1e9,
+        description="Time of the bag that becomes time 0 of the run, in whole ticks; stamps are moved with it.",
+    )
+
+
+class TickPlayer:
+    """The messages that a node published in each tick.
+
+    Parameters
+    ----------
+    bag, node : whose messages
+    period : length of a tick [ns]
+    shift : bag time of the run's time 0 [ns]
+
+    Raises BagError if the bag has nothing of the node, or was recorded with another tick.
+    """
+
+    def __init__(self, bag: Bag, node: str, period: int, shift: int = 0) -> None:
+        self.topics = [name for name in bag.topics if node in publisher_of(bag, name) and name != topics.CLOCK.name]
+        if not self.topics:
+            raise BagError(f"{bag.path}: nothing in it was published by {node}")
+        recorded = bag.run.get("tick_period_s")
+        if recorded is not None and round(float(recorded) * 1e9) != period:
+            raise BagError(
+                f"{bag.path}: it was recorded with a tick of {recorded} s, the run has one of {period * 1e-9:g} s"
+            )
+        if shift % period:
+            raise BagError(f"bag_start {shift * 1e-9:g} s is no whole number of ticks of {period * 1e-9:g} s")
+        self._bag = bag
+        self._node = node
+        self._period = period
+        self._shift = shift
+        self.last_tick = (bag.end_time - shift) // period
+        self.restart()
+
+    def restart(self) -> None:
+        """Begin again at tick 1."""
+        wanted = [*self.topics, *(name for name in (topics.DIAGNOSTICS.name,) if name in self._bag.topics)]
+        messages = self._bag.messages(wanted, start=self._shift)
+        self._messages: Iterator[RawMessage] = in_order_of_time(messages)
+        self._next = next(self._messages, None)
+
+    def take(self, tick: int) -> list[tuple[str, bytes]]:
+        """Return what the node published in a tick, in the order of the bag. Raises BagError behind the end of
+        the bag.
+        """
+        if tick > self.last_tick:
+            raise BagError(f"{self._bag.path}: it ends at t = {self.last_tick * self._period * 1e-9:g} s of this run")
+        end = (tick + 1) * self._period + self._shift
+        found: list[tuple[str, bytes]] = []
+        while self._next is not None and self._next.log_time < end:
+            message, self._next = self._next, next(self._messages, None)
+            if self._is_own(message) and message.data[4:_STAMP_END] != bytes(8):
+                found.append((message.topic, self._moved(message)))
+        return found
+
+    def _is_own(self, message: RawMessage) -> bool:
+        """Tell whether the node itself published a message; /diagnostics has several publishers."""
+        if message.topic != topics.DIAGNOSTICS.name:
+            return True
+        array: DiagnosticArray = deserialize_message(message.data, DiagnosticArray)
+        return bool(array.status) and array.status[0].hardware_id == self._node
+
+    def _moved(self, message: RawMessage) -> bytes:
+        """Return a message with its stamp moved to the time of the run."""
+        if not self._shift:
+            return message.data
+        seconds, nanoseconds = divmod(header_stamp(message.data) - self._shift, 1_000_000_000)
+        return message.data[:4] + _STAMP.pack(seconds, nanoseconds) + message.data[_STAMP_END:]
+
+
+class Substitute(HeaveNode):
+    """What a substitute of a participant and one of the clock master have in common."""
+
+    parameters_type = SubstituteParameters
+
+    def on_build(self) -> None:
+        """Open the bag and make the outputs of the node."""
+        bag = Bag(self.parameters.bag)
+        shift = round(self.parameters.bag_start * 1e9)
+        try:
+            self.player = TickPlayer(bag, self.name, self.run.tick_nanoseconds, shift)
+        except BagError as error:
+            raise NodeError(str(error)) from error
+        if self.player.last_tick < self.run.tick_count:
+            available = self.player.last_tick * self.run.tick_period
+            raise NodeError(f"{bag.path}: it has {available:g} s to play, the run lasts {self.run.duration:g} s")
+        self.played: dict[str, Output] = {}
+        for name in self.player.topics:
+            if name == topics.DIAGNOSTICS.name:
+                continue
+            topic = bag.topics[name]
+            latched = any(offer.durability == "transient_local" for offer in topic.qos)
+            role = Role.LATCHED if latched else Role.STREAM
+            self.played[name] = self.add_output(Topic(name, topic.type, self.name, role))
+
+    def on_reset(self) -> None:
+        """Begin the bag again."""
+        self.player.restart()
+
+    def play(self, tick: Tick) -> None:
+        """Publish what the node published in this tick, its diagnostics included."""
+        for name, data in self.player.take(tick.number):
+            output = self._diagnostics if name == topics.DIAGNOSTICS.name else self.played[name]
+            output.publish(data)
+
+    def publish_diagnostics(self, tick: Tick) -> None:
+        """Say nothing: the diagnostics of the bag are the node's."""
+
+
+class SubstituteParticipant(Substitute, ParticipantNode):
+    """Stands in for a participant."""
+
+    def on_tick(self, tick: Tick) -> None:
+        """Play the tick."""
+        self.play(tick)
+
+
+class SubstituteMaster(Substitute, ClockMasterNode):
+    """Stands in for the clock master: it steps the run, but integrates nothing."""
+
+    def on_readings(self, tick: Tick) -> None:
+        """Play the tick."""
+        self.play(tick)
+
+
+def substitute_type(node: str, after: Sequence[str] = ()) -> type[Any]:
+    """Return the class of the substitute of `node`; `after` are nodes whose part of a tick the node waits for."""
+    base = SubstituteMaster if node == MASTER else SubstituteParticipant
+    return type(f"Substitute_{node}", (base,), {"name": node, "after": tuple(after)})
+
+
+def command(node: str, bag: Path, start: float = 0.0) -> list[str]:
+    """Return the command that starts the substitute of a node; more ROS arguments may follow."""
+    return [
+        *(sys.executable, "-m", "heave_bags.play.substitute_node", node, "--ros-args"),
+        *("-r", f"__node:={node}_from_bag"),  # the parameters of the node itself do not concern its substitute
+        *("-p", f"bag:={bag}", "-p", f"bag_start:={float(start)}"),
+    ]
+
+
+def main() -> None:
+    """Run the substitute of the node named on the command line."""
+    parser = argparse.ArgumentParser(prog="substitute", description=__doc__)
+    parser.add_argument("node", help="name of the node that is replaced, such as wave_vessel")
+    arguments, rest = parser.parse_known_args()
+    sys.exit(run_node(substitute_type(arguments.node), [sys.argv[0], *rest]))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,1 @@
+"""Recording: the recorder of a run and the one on its own."""

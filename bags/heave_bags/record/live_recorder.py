@@ -1,0 +1,161 @@
+"""A recorder on its own: every topic that appears, on a ship or beside any other program, without the tick protocol.
+
+Messages get the time of their arrival, by the host's clock or by `/clock` where `use_sim_time` is on.
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+from types import FrameType
+
+import rclpy
+from heave_node import topics
+from heave_node.parameters import ParameterError
+from heave_node.ros.diagnostics import Health, Level, diagnostic_array
+from heave_node.ros.environment import prepare_environment
+from heave_node.ros.node import steady_clock
+from heave_node.ros.node_parameters import read_parameters
+from heave_node.ros.ports import message_type
+from heave_node.ros.spin import spin
+from rclpy.node import Node
+from rclpy.signals import SignalHandlerOptions
+from rclpy.task import Future
+
+from heave_bags.errors import BagError
+from heave_bags.mcap.bag_writer import BagWriter
+from heave_bags.mcap.storage import BackgroundStorage, DirectStorage
+from heave_bags.record.parameters import RecorderParameters
+from heave_bags.record.provenance import describe_run
+from heave_bags.record.recorder_services import RecorderServices
+from heave_bags.record.session import RecordingSession, SnapshotRing
+from heave_bags.record.topic_watch import TopicWatch
+
+LOOK_PERIOD = 0.2
+"""Wall time between two looks for new topics [s]."""
+DIAGNOSTICS_PERIOD = 1.0
+
+
+class LiveRecorder(Node):
+    """Records whatever is published. `finished` completes when it is told to end."""
+
+    def __init__(self) -> None:
+        super().__init__("recorder", automatically_declare_parameters_from_overrides=True)
+        _, self.parameters = read_parameters(self, RecorderParameters)
+        self.finished: Future = Future()
+        self._sees_faults = self.parameters.snapshot_duration > 0.0
+        self.session = RecordingSession(self._make_writer, self._make_ring(), survive=True)
+        self.watch = TopicWatch(self, self.parameters.exclude)
+        self.controls = RecorderServices(self, self.session, Path(self.parameters.directory))
+        diagnostics = topics.DIAGNOSTICS
+        self._diagnostics = self.create_publisher(message_type(diagnostics.type), diagnostics.name, 10)
+        if self.parameters.record:
+            self.session.start(Path(self.parameters.directory))
+        steady = steady_clock()
+        self.create_timer(LOOK_PERIOD, self._look, clock=steady)
+        self.create_timer(DIAGNOSTICS_PERIOD, self._publish_diagnostics, clock=steady)
+
+    def _make_ring(self) -> SnapshotRing:
+        return SnapshotRing(round(self.parameters.snapshot_duration * 1e9), self.parameters.snapshot_size)
+
+    def _make_writer(self, folder: Path) -> BagWriter:
+        parameters = self.parameters
+        now = self.get_clock().now().nanoseconds
+        description = describe_run(
+            scenario=parameters.scenario, seed=0, pacing="realtime", tick_period=0.0, transient=0.0
+        )
+        del description["tick_period_s"], description["seed"], description["transient_s"]
+        return BagWriter(
+            folder,
+            policy=parameters.policy(),
+            run={**description, "host_time_minus_log_time_ns": str(time.time_ns() - now)},
+            ros_distro=os.environ.get("ROS_DISTRO", "kilted"),
+            opener=lambda path: BackgroundStorage(DirectStorage(path)),
+        )
+
+    def _look(self) -> None:
+        for topic in [*self.watch.look(), *self.watch.outdated()]:
+            self.watch.unsubscribe(topic)
+            problem = self.session.add_topic(topic, self.watch.types[topic], self.watch.offers[topic])
+            if problem:
+                self.get_logger().warning(problem)
+            self.watch.subscribe(topic, self._taker(topic))
+
+    def _taker(self, topic: str) -> Callable[[bytes], None]:
+        write, clock = self.session.write, self.get_clock()
+        if topic == topics.DIAGNOSTICS.name and self._sees_faults:
+
+            def take_and_watch(data: bytes) -> None:
+                write(topic, clock.now().nanoseconds, data)
+                self.controls.watch_for_faults(data)
+
+            return take_and_watch
+
+        def take(data: bytes) -> None:
+            write(topic, clock.now().nanoseconds, data)
+
+        return take
+
+    def health(self) -> Health:
+        """Tell what is recorded and what is not."""
+        state = self.session.state
+        values = {"written": str(state.written), "not_written": str(state.unwritten)}
+        problems = [*state.problems, *self.watch.unreadable.values()]
+        if problems:
+            return Health("recording", Level.ERROR if state.problems else Level.WARN, "; ".join(problems), values)
+        return Health("recording", Level.OK, str(self.session.folder or "stopped"), values)
+
+    def _publish_diagnostics(self) -> None:
+        stamp = self.get_clock().now().to_msg()
+        self._diagnostics.publish(diagnostic_array(self.get_name(), stamp, [self.health()]))
+
+    def close(self) -> list[str]:
+        """End the bag; return what went wrong."""
+        if self.session.is_recording:
+            try:
+                self.session.stop({"ended": "the recorder was stopped"})
+            except BagError as error:
+                self.session.state.problems.append(str(error))
+        return self.session.state.problems
+
+
+def record(args: list[str] | None = None) -> int:
+    """Record until SIGINT or SIGTERM; return the exit status. `args` are ROS arguments: parameters, remaps.
+
+    Raises BagError or ParameterError for what cannot be recorded as asked.
+    """
+    prepare_environment()
+    rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
+    recorder = LiveRecorder()
+
+    def on_signal(_number: int, _frame: FrameType | None) -> None:
+        if not recorder.finished.done():
+            recorder.finished.set_result(None)
+
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, on_signal)
+    try:
+        spin(recorder, recorder.finished, recorder.session.acknowledge)
+    finally:
+        problems = recorder.close()
+        written = recorder.session.state.written
+        recorder.destroy_node()
+        rclpy.try_shutdown()
+    sys.stderr.write("".join(f"recorder: {line}\n" for line in [*problems, f"{written} messages recorded"]))
+    return 1 if problems else 0
+
+
+def main() -> None:
+    """Record from the command line."""
+    try:
+        sys.exit(record(sys.argv))
+    except (BagError, ParameterError) as error:
+        sys.exit(f"recorder: {error}")
+
+
+if __name__ == "__main__":
+    main()

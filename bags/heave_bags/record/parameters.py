@@ -1,0 +1,58 @@
+"""Parameters of the recorder."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from heave_node.parameters import parameter
+
+from heave_bags.mcap.bag_writer import BagPolicy
+from heave_bags.mcap.writer import COMPRESSIONS, ChunkPolicy
+
+NO_COMPRESSION = "none"
+
+
+@dataclass(frozen=True)
+class RecorderParameters:
+    """Where and how the recorder writes."""
+
+    directory: str = parameter("bag", unit="", description="Folder of the bag; it must not exist yet.")
+    scenario: str = parameter("", unit="", description="Name of the scenario, for the bag's metadata.")
+    scenario_file: str = parameter("", unit="", description="Parameter file of the run, carried in the bag.")
+    record: bool = parameter(True, unit="", description="Record from the start; false waits for the service start.")
+    snapshot_duration: float = parameter(
+        0.0, unit="s", minimum=0.0, maximum=86400.0, description="Past kept in memory for snapshots; 0: none."
+    )
+    snapshot_size: int = parameter(
+        256 << 20, unit="byte", minimum=1 << 20, maximum=1 << 36, description="Memory that the past may take."
+    )
+    exclude: tuple[str, ...] = parameter(
+        ("/rosout", "/parameter_events", "*/transition_event"),
+        unit="",
+        description="Patterns of topics that are not recorded. These three carry wall-clock times.",
+    )
+    compression: str = parameter(
+        "zstd",
+        unit="",
+        choices=("zstd", "lz4", NO_COMPRESSION),
+        description="Compression of chunks.",
+    )
+    chunk_size: int = parameter(
+        192 * 1024, unit="byte", minimum=1024, maximum=1 << 28, description="A chunk closes at this size."
+    )
+    chunk_span: float = parameter(
+        2.0, unit="s", minimum=0.01, maximum=3600.0, description="A chunk closes when it covers this time."
+    )
+    split_size: int = parameter(
+        0, unit="byte", minimum=0, maximum=1 << 50, description="A new file begins at this size; 0: never."
+    )
+    split_duration: float = parameter(
+        0.0, unit="s", minimum=0.0, maximum=1e9, description="A new file begins after this time; 0: never."
+    )
+
+    def policy(self) -> BagPolicy:
+        """Return how bags are written."""
+        compression = "" if self.compression == NO_COMPRESSION else self.compression
+        assert compression in COMPRESSIONS
+        chunks = ChunkPolicy(size=self.chunk_size, span=round(self.chunk_span * 1e9), compression=compression)
+        return BagPolicy(chunks, self.split_size, round(self.split_duration * 1e9))

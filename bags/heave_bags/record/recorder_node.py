@@ -1,0 +1,343 @@
+"""The recorder of a run: every topic into one bag, complete in lockstep.
+
+It takes part in the tick protocol, a few ticks behind the others. In lockstep it knows by count that it has
+everything of a tick, and writes
+it in an order that depends on the run alone. In real time it writes what comes when it comes, and no disk holds it up.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+from heave_msgs.msg import TickJoin, TickRoster, TickStatus
+from heave_node import topics
+from heave_node.ros.diagnostics import Health, Level
+from heave_node.ros.node import NodeError, steady_clock
+from heave_node.ros.participant import ParticipantNode
+from heave_node.ros.process import run_node
+from heave_node.tick.tick import Tick
+from heave_node.topics import Role, Topic
+
+from heave_bags.cdr.canonical import Canonical
+from heave_bags.errors import BagError
+from heave_bags.mcap.bag_writer import Attachment, BagWriter
+from heave_bags.mcap.definitions import schema_text
+from heave_bags.mcap.storage import BackgroundStorage, DirectStorage, Storage
+from heave_bags.record.parameter_survey import ParameterSurvey
+from heave_bags.record.parameters import RecorderParameters
+from heave_bags.record.provenance import PARAMETERS_ATTACHMENT, describe_run, scenario_attachment
+from heave_bags.record.recorder_services import RecorderServices
+from heave_bags.record.recording import TickOrder
+from heave_bags.record.session import RecordingSession, SnapshotRing
+from heave_bags.record.topic_watch import TopicWatch
+
+LOOK_PERIOD = 0.1
+"""Wall time between two looks for new topics before the run starts [s]."""
+LOOK_PERIOD_IN_RUN = 1.0
+"""The same during the run, where a look costs time that messages need [s]."""
+REST = 0.01
+"""Wall time that messages wait in a lockstep run, to be taken together [s]: a few of the ticks that the recorder may
+be behind.
+"""
+
+
+class RecorderNode(ParticipantNode):
+    """Records a run."""
+
+    name = "recorder"
+    parameters_type = RecorderParameters
+    lag = 20
+
+    def on_build(self) -> None:
+        """Open the bag and begin to look for topics."""
+        self.session = self._make_session()
+        self.watch = TopicWatch(self, self.parameters.exclude)
+        self.survey = ParameterSurvey(self)
+        self._joined: dict[str, tuple[str, ...]] = {}
+        self._order: TickOrder | None = None
+        self._taken: set[str] = set()
+        self._foreign: list[tuple[str, bytes]] = []
+        self._tick_began = time.monotonic_ns()
+        self._last_log_time = 0
+        self._outcome: dict[str, str] = {}
+        self._expected: dict[str, int] = {}
+        self._topic_publishers: dict[str, str] = {}
+        self._diagnostics_topic = self.resolve_topic_name(topics.DIAGNOSTICS.name)
+        self.controls = RecorderServices(self, self.session, Path(self.parameters.directory))
+        if self.parameters.record:
+            try:
+                self.session.start(Path(self.parameters.directory))
+            except BagError as error:
+                raise NodeError(str(error)) from error
+        self.listen(topics.TICK_JOIN, self._on_join)
+        self._looked_at = 0.0
+        self._look()
+        self.create_timer(LOOK_PERIOD, self._look, clock=steady_clock())
+
+    def _make_session(self) -> RecordingSession:
+        run, parameters = self.run, self.parameters
+        attachments: list[Attachment] = []
+        if parameters.scenario_file:
+            attachments.append(scenario_attachment(Path(parameters.scenario_file)))
+        description = describe_run(
+            scenario=parameters.scenario,
+            seed=run.seed,
+            pacing=run.pacing,
+            tick_period=run.tick_period,
+            transient=run.transient,
+        )
+
+        def make_writer(folder: Path) -> BagWriter:
+            return BagWriter(
+                folder,
+                policy=parameters.policy(),
+                run=description,
+                attachments=attachments,
+                ros_distro=os.environ.get("ROS_DISTRO", "kilted"),
+                opener=_open_at_once if run.is_lockstep else _open_in_background,
+                closing_attachments=self._parameter_attachment,
+            )
+
+        ring = SnapshotRing(round(parameters.snapshot_duration * 1e9), parameters.snapshot_size)
+        return RecordingSession(make_writer, ring, survive=not run.is_lockstep)
+
+    def _parameter_attachment(self) -> list[Attachment]:
+        if self.survey.is_empty:
+            return []
+        return [Attachment(PARAMETERS_ATTACHMENT, "application/yaml", self.survey.to_yaml())]
+
+    # Topics --------------------------------------------------------------------------------------------------------
+
+    def _on_join(self, message: TickJoin) -> None:
+        self._joined[message.node] = tuple(message.outputs)
+
+    def rest(self) -> float:
+        """See HeaveNode. In real time a message is written at the time of its arrival."""
+        return REST if self.has_started and self.run.is_lockstep else 0.0
+
+    def _promised(self) -> set[str]:
+        """Return the topics that other participants say they publish within ticks."""
+        return {topic for node, outputs in self._joined.items() if node != self.name for topic in outputs}
+
+    def is_ready(self) -> bool:
+        """Tell whether every participant has named its topics and all of them are subscribed to."""
+        wanted = set(self.run.participants) - set(self.run.external) - {self.name}
+        clock = self.resolve_topic_name(topics.CLOCK.name)
+        has_master = any(clock in outputs for outputs in self._joined.values())
+        subscribed = self._promised() <= set(self._input_subscriptions)
+        return self.is_active and has_master and wanted <= set(self._joined) and subscribed
+
+    def _look(self) -> None:
+        """Subscribe to what has appeared, and ask new nodes for their parameters."""
+        if self.has_started and time.monotonic() - self._looked_at < LOOK_PERIOD_IN_RUN:
+            return
+        self._looked_at = time.monotonic()
+        promised = self._promised()
+        self.watch.look()
+        for topic in self.watch.types:
+            if topic in self._taken:
+                continue
+            if topic in promised and not self.has_started:
+                self._subscribe_ticked(topic)
+            elif topic not in promised and (self.has_started or self.is_ready()):
+                self._subscribe_foreign(topic)
+        for topic in self.watch.outdated():
+            self.watch.unsubscribe(topic)
+            self._subscribe_foreign(topic)
+        self.survey.ask(node for node in self._joined if node != self.name)
+
+    def _take_topic(self, topic: str) -> None:
+        self._taken.add(topic)
+        problem = self.session.add_topic(topic, self.watch.types[topic], self.watch.offers[topic])
+        if problem:
+            self.get_logger().warning(problem)
+
+    def _subscribe_ticked(self, topic: str) -> None:
+        self._take_topic(topic)
+        if not self.run.is_lockstep:
+            self._input_subscriptions[topic] = self.watch.subscribe(topic, self._writer_of(topic))
+            return
+        latched = all(offer.durability == "transient_local" for offer in self.watch.offers[topic])
+        self.add_raw_input(Topic(topic, self.watch.types[topic], "", Role.LATCHED if latched else Role.STREAM))
+
+    def _subscribe_foreign(self, topic: str) -> None:
+        self._take_topic(topic)
+        self.watch.subscribe(topic, self._keeper_of(topic) if self.run.is_lockstep else self._writer_of(topic))
+
+    def _keeper_of(self, topic: str) -> Callable[[bytes], None]:
+        """Return a callback that keeps a message nobody counts for the tick in which it happens to come."""
+
+        def keep(data: bytes) -> None:
+            self._foreign.append((topic, data))
+
+        return keep
+
+    def _writer_of(self, topic: str) -> Callable[[bytes], None]:
+        """Return a callback that writes a message at once, at the simulated time of its arrival."""
+        write = self.session.write
+        may_tell_of_faults = topic == self._diagnostics_topic and self.parameters.snapshot_duration > 0.0
+
+        def take(data: bytes) -> None:
+            write(topic, self._now(), data)
+            if may_tell_of_faults:
+                self.controls.watch_for_faults(data)
+
+        return take
+
+    def _now(self) -> int:
+        """Return the simulated time [ns], interpolated by the wall clock within a tick; it never goes back."""
+        if self.tick is None:
+            return self._last_log_time
+        elapsed = min(time.monotonic_ns() - self._tick_began, self.tick.period_nanoseconds - 1)
+        self._last_log_time = max(self._last_log_time, self.tick.start_nanoseconds + elapsed)
+        return self._last_log_time
+
+    # Ticks ---------------------------------------------------------------------------------------------------------
+
+    def _on_roster(self, message: TickRoster) -> None:
+        publishers: dict[str, set[str]] = {}
+        for node, topic in zip(message.nodes, message.topics, strict=True):
+            if node != self.name:
+                publishers.setdefault(topic, set()).add(node)
+        clock = self.resolve_topic_name(topics.CLOCK.name)
+        (master,) = publishers[clock]
+        self._topic_publishers = {f"publishers.{topic}": " ".join(sorted(nodes)) for topic, nodes in publishers.items()}
+        recorded = {topic: nodes for topic, nodes in publishers.items() if topic in self.gate.inboxes}
+        shared = {topic: self._canonical_form(topic) for topic, nodes in recorded.items() if len(nodes) > 1}
+        self._order = TickOrder(recorded, master, lambda topic, data: shared[topic](data))
+        super()._on_roster(message)
+
+    def _canonical_form(self, topic: str) -> Canonical:
+        kind = self.watch.types[topic]
+        return Canonical(kind, schema_text(kind))
+
+    def on_tick(self, tick: Tick) -> None:
+        """Write what has become complete, and make it survive a crash before it is answered for."""
+        self._tick_began = time.monotonic_ns()
+        if self.run.is_lockstep:
+            self._write_complete(tick)
+        self.session.acknowledge()
+
+    def on_flush(self, tick: Tick) -> None:
+        """Write the messages of the last tick."""
+        if self.run.is_lockstep:
+            self._write_complete(tick)
+
+    def _write_complete(self, tick: Tick) -> None:
+        assert self._order is not None
+        before = max(tick.start_nanoseconds - tick.period_nanoseconds, tick.period_nanoseconds)
+        self._order.write(self.session, self._take, tick_start=tick.start_nanoseconds, tick_before=before)
+        self._last_log_time = tick.start_nanoseconds
+        for topic, data in self._foreign:
+            self.session.write(topic, self._last_log_time, data)
+        self._foreign.clear()
+
+    def _take(self, topic: str) -> list[bytes]:
+        messages = self.gate.take(topic)
+        if topic == self._diagnostics_topic and self.parameters.snapshot_duration > 0.0:
+            for data in messages:
+                self.controls.watch_for_faults(data)
+        return messages
+
+    def on_reset(self) -> None:
+        """A run that begins anew goes on in the same bag, in a file of its own."""
+        if self.session.is_recording:
+            self.session.split()
+
+    def publish_diagnostics(self, tick: Tick) -> None:
+        """Say how recording goes, in real time only: in lockstep it would tell of the machine, not of the run."""
+        if not self.run.is_lockstep:
+            super().publish_diagnostics(tick)
+
+    def diagnose(self) -> list[Health]:
+        """Tell what is recorded and what cannot be."""
+        state = self.session.state
+        values = {"written": str(state.written), "not_written": str(state.unwritten)}
+        if state.problems:
+            return [Health("recording", Level.ERROR, state.problems[-1], values)]
+        unreadable = "; ".join(self.watch.unreadable.values())
+        if unreadable:
+            return [Health("recording", Level.WARN, unreadable, values)]
+        return [Health("recording", Level.OK, str(self.session.folder or "stopped"), values)]
+
+    # End -----------------------------------------------------------------------------------------------------------
+
+    def on_end(self, status: TickStatus) -> None:
+        """Note how the run went, and how many messages the nodes say they published."""
+        self._outcome = {
+            "ended": "complete" if status.state == TickStatus.ENDED else status.reason or "failed",
+            "ticks": str(status.tick),
+            "real_time_factor": repr(status.real_time_factor),
+            "loop_age_p50_s": repr(status.loop_age_p50),
+            "loop_age_p99_s": repr(status.loop_age_p99),
+            "loop_age_max_s": repr(status.loop_age_max),
+            "missed_deadlines": str(status.missed_deadlines),
+            "resends": str(status.resends),
+        }
+        self._expected = dict(zip(status.topics, status.published, strict=True))
+
+    def on_leave(self) -> None:
+        """Write what is left and close the bag, however the run ended."""
+        session: RecordingSession | None = getattr(self, "session", None)
+        if session is None:
+            return
+        if self._order is not None and self.run.is_lockstep:
+            self._order.write_rest(session, self._take_everything, tick_start=self._last_log_time)
+        problems = [*session.state.problems]
+        lost = self._lost() if session.is_recording else ""
+        if lost:
+            problems.append(f"messages were lost: {lost}")
+        if session.is_recording:
+            session.stop(self._closing_words(lost))
+        if problems and not self.failure:
+            raise NodeError("; ".join(problems))
+
+    def _closing_words(self, lost: str) -> dict[str, str]:
+        now = time.time_ns()
+        return {
+            "ended": self.failure or "the recorder was stopped",
+            **self._outcome,
+            **self._topic_publishers,
+            "ended_at_host_time_ns": str(now),
+            "host_time_minus_log_time_ns": str(now - self._last_log_time),
+            **({"lost": lost} if lost else {}),
+        }
+
+    def _take_everything(self, topic: str) -> list[bytes]:
+        inbox = self.gate.inboxes[topic]
+        return inbox.take(inbox.received)
+
+    def _lost(self) -> str:
+        """Say which topics hold fewer messages than were published; "" where all are there.
+
+        Only of a bag that covers the whole run. The recorder's own /diagnostics are not in it.
+        """
+        counts = self.session.counts()
+        lost = [
+            f"{topic} {published - counts[topic]} of {published}"
+            for topic, published in self._expected.items()
+            if topic in counts and counts[topic] < published and topic != self._diagnostics_topic
+        ]
+        is_whole = str(self.session.folder) == self.parameters.directory
+        return ", ".join(lost) if is_whole else ""
+
+
+def _open_at_once(path: Path) -> Storage:
+    return DirectStorage(path)
+
+
+def _open_in_background(path: Path) -> Storage:
+    return BackgroundStorage(DirectStorage(path))
+
+
+def main() -> None:
+    """Run the recorder."""
+    sys.exit(run_node(RecorderNode))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,202 @@
+"""What a recorder does with messages: write them to a bag, keep the last ones for a snapshot, start, stop and
+split. No ROS.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from heave_bags.errors import BagError, StorageError
+from heave_bags.mcap.bag_writer import BagWriter
+from heave_bags.mcap.qos import OfferedQos
+
+
+class SnapshotRing:
+    """The last messages of all topics, within a span of time and a size; those of latched topics outlive the span.
+
+    Parameters
+    ----------
+    span : log time that is kept [ns]; 0 keeps nothing
+    limit : bytes that are kept at most
+    """
+
+    def __init__(self, span: int, limit: int) -> None:
+        self.span = span
+        self._limit = limit
+        self._messages: deque[tuple[str, int, bytes]] = deque()
+        self._latched: dict[str, tuple[int, bytes]] = {}
+        self._size = 0
+
+    def put(self, topic: str, log_time: int, data: bytes, *, latched: bool = False) -> None:
+        """Take a message; the oldest leave."""
+        if self.span <= 0:
+            return
+        if latched:
+            self._latched[topic] = (log_time, data)
+            return
+        self._messages.append((topic, log_time, data))
+        self._size += len(data)
+        while self._messages and (log_time - self._messages[0][1] > self.span or self._size > self._limit):
+            self._size -= len(self._messages.popleft()[2])
+
+    def since(self, start: int) -> list[tuple[str, int, bytes]]:
+        """Return latched messages, then the others from log time `start` [ns] on, in the order of time."""
+        if not self._messages:
+            return []
+        first = max(start, self._messages[0][1])
+        latched = [(topic, max(time, first), data) for topic, (time, data) in self._latched.items()]
+        return sorted(latched + [entry for entry in self._messages if entry[1] >= first], key=lambda entry: entry[1])
+
+    def __len__(self) -> int:
+        return len(self._messages)
+
+
+@dataclass
+class _KnownTopic:
+    type: str
+    qos: tuple[OfferedQos, ...]
+    latched: bool = False
+    last: tuple[int, bytes] | None = None
+    """The last message of a latched topic: a bag begun later starts with it."""
+
+
+@dataclass
+class SessionState:
+    """How recording goes; for diagnostics and the end of a run."""
+
+    written: int = 0
+    unwritten: int = 0
+    """Messages that came while a bag should have been written and could not be."""
+    problems: list[str] = field(default_factory=list)
+
+
+class RecordingSession:
+    """Writes one bag after the other.
+
+    Parameters
+    ----------
+    make_writer : makes the writer of a bag in a folder
+    ring : what is kept for snapshots
+    survive : True: a disk that refuses ends the bag, not the session; False: the StorageError is raised
+    """
+
+    def __init__(self, make_writer: Callable[[Path], BagWriter], ring: SnapshotRing, *, survive: bool) -> None:
+        self._make_writer = make_writer
+        self._topics: dict[str, _KnownTopic] = {}
+        self._survive = survive
+        self._writer: BagWriter | None = None
+        self._failed = False
+        self.ring = ring
+        self.state = SessionState()
+        self.last_time = 0
+
+    @property
+    def folder(self) -> Path | None:
+        """Folder of the bag that is being written; None between bags."""
+        return self._writer.folder if self._writer else None
+
+    @property
+    def is_recording(self) -> bool:
+        """Tell whether a bag is being written."""
+        return self._writer is not None
+
+    def start(self, folder: Path) -> None:
+        """Begin a bag. Raises BagError while one is being written, or if the folder exists."""
+        if self._writer:
+            raise BagError(f"{self._writer.folder} is being recorded: stop it first")
+        self._failed = False
+        self._writer = self._make_writer(folder)
+        for name, topic in self._topics.items():
+            self._writer.add_topic(name, topic.type, topic.qos)
+        for name in sorted(self._topics):
+            last = self._topics[name].last
+            if last and self.last_time:
+                self._writer.write(name, self.last_time, last[1])
+
+    def stop(self, outcome: Mapping[str, str] | None = None) -> str:
+        """End the bag; return its folder. Raises BagError if there is none, StorageError if it could not be
+        completed.
+        """
+        if not self._writer:
+            raise BagError("nothing is being recorded")
+        writer, self._writer = self._writer, None
+        writer.close(outcome)
+        return str(writer.folder)
+
+    def split(self) -> None:
+        """Begin the next file of the bag. Raises BagError if nothing is being recorded."""
+        if not self._writer:
+            raise BagError("nothing is being recorded")
+        self._writer.split()
+
+    def add_topic(self, name: str, message_type: str, qos: Sequence[OfferedQos]) -> str:
+        """Make a topic known; return "" or what a reader of the bag will lack."""
+        latched = bool(qos) and all(offer.durability == "transient_local" for offer in qos)
+        self._topics[name] = _KnownTopic(message_type, tuple(qos), latched)
+        return self._writer.add_topic(name, message_type, qos) if self._writer else ""
+
+    def write(self, topic: str, log_time: int, data: bytes) -> None:
+        """Take a message; times in nanoseconds. Raises StorageError if the disk refuses and the session does not
+        survive it.
+        """
+        self.last_time = log_time
+        known = self._topics[topic]
+        if known.latched:
+            known.last = (log_time, data)
+        if self.ring.span:
+            self.ring.put(topic, log_time, data, latched=known.latched)
+        if self._writer is None:
+            self.state.unwritten += self._failed
+            return
+        try:
+            self._writer.write(topic, log_time, data)
+        except StorageError:
+            self._give_up()
+        else:
+            self.state.written += 1
+
+    def acknowledge(self) -> None:
+        """Make what was written survive a crash of this process."""
+        if self._writer is None:
+            return
+        try:
+            self._writer.acknowledge()
+        except StorageError:
+            self._give_up()
+
+    def _give_up(self) -> None:
+        """End a bag that the disk refuses."""
+        assert self._writer is not None
+        writer, self._writer = self._writer, None
+        self._failed = True
+        try:
+            writer.close({"ended": "the disk refused"})
+        except StorageError as error:
+            self.state.problems.append(str(error))
+            if not self._survive:
+                raise
+
+    def save_snapshot(self, folder: Path, span: int = 0) -> int:
+        """Write the last `span` [ns] (0: all that is kept) to a bag of their own; return the number of messages.
+
+        Raises BagError if nothing is kept or the folder exists, StorageError if the disk refuses.
+        """
+        if not self.ring.span:
+            raise BagError("no snapshot is kept: set snapshot_duration")
+        messages = self.ring.since(self.last_time - span if span else 0)
+        writer = self._make_writer(folder)
+        for name, topic in self._topics.items():
+            writer.add_topic(name, topic.type, topic.qos)
+        for name, log_time, data in messages:
+            writer.write(name, log_time, data)
+        writer.close({"ended": "snapshot"})
+        return len(messages)
+
+    def counts(self) -> dict[str, int]:
+        """Return the number of messages in the present bag, by topic."""
+        if not self._writer:
+            return {}
+        return {topic.name: topic.message_count for topic in self._writer.summary().topics}

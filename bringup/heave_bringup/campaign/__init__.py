@@ -1,0 +1,1 @@
+"""Campaigns: many cases of a scenario in worker processes, without ROS."""

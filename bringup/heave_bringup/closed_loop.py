@@ -1,0 +1,195 @@
+"""The whole loop in one process, without ROS: sea and vessel, winch, cable and unit, sensors, controller.
+
+The same components as the nodes', in the order of the tick protocol, for campaigns, design studies and tests.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+from cable_sim_node.component import CableSim
+from cable_sim_node.node_parameters import CableSimNodeParameters
+from cable_sim_node.sensors.suite import SensorReadings
+from cable_sim_node.winch.component import VirtualWinch, WinchCommand, WinchState
+from cable_sim_node.winch.parameters import WinchParameters
+from heave_node.constants import STANDARD_GRAVITY
+from heave_node.parameters import build_parameters
+from heave_node.scenario import NodeValues, values_of_node
+from wave_vessel_node.component import WaveVessel
+from wave_vessel_node.mru.mru import MruReading as SeaMruReading
+from wave_vessel_node.parameters import WaveVesselParameters
+from winch_controller_node.component import WinchController
+from winch_controller_node.interface.readings import Measurements, MruReading, Outputs, ScalarReading, WinchReading
+from winch_controller_node.model.linear_model import Array
+from winch_controller_node.parameters.controller import WinchControllerParameters
+
+COLUMNS = (
+    "time",
+    "boom_tip",
+    "unit",
+    "uncompensated",
+    "payout",
+    "payout_rate",
+    "payout_acceleration",
+    "top_tension",
+    "authority",
+    "depth_set_point",
+    "touchdown_force",
+    "unit_rate",
+    "uncompensated_tension",
+)
+
+
+@dataclass(frozen=True)
+class LoopParameters:
+    """Parameters of all components, and of the run: tick period and duration [s], seed."""
+
+    sea: WaveVesselParameters
+    plant: CableSimNodeParameters
+    winch: WinchParameters
+    controller: WinchControllerParameters
+    tick_period: float = 0.05
+    duration: float = 600.0
+    seed: int = 1
+
+
+@dataclass
+class LoopRecord:
+    """What a run left: one row per tick (t_k), columns by name, and the changes of mode.
+
+    Attributes
+    ----------
+    rows : shape (ticks, len(COLUMNS)), SI units, heave positive up
+    modes : mode at each tick; alarms : time [s] and words
+    """
+
+    rows: Array
+    modes: list[str] = field(default_factory=list)
+    alarms: list[tuple[float, str]] = field(default_factory=list)
+
+    def column(self, name: str, *, after: float = 0.0) -> Array:
+        """Return a column from time `after` [s] on."""
+        return self.rows[self.rows[:, 0] >= after, COLUMNS.index(name)]
+
+    def unit_sigma(self, after: float) -> float:
+        """Standard deviation of the unit's heave [m], a moving mean depth taken off."""
+        return float(np.std(self.column("unit", after=after) + self.column("depth_set_point", after=after)))
+
+    def uncompensated_sigma(self, after: float) -> float:
+        """Standard deviation of the uncompensated unit's heave [m]."""
+        return float(np.std(self.column("uncompensated", after=after)))
+
+
+def loop_parameters(values: NodeValues, *, seed: int, duration: float, tick_period: float = 0.05) -> LoopParameters:
+    """Return the parameters of a scenario's nodes; raises ParameterError for what is not allowed."""
+
+    def own(node: str) -> dict[str, object]:
+        shared = values.get("/**", {})
+        return {name: value for name, value in values_of_node(values, node).items() if name not in shared}
+
+    return LoopParameters(
+        sea=build_parameters(WaveVesselParameters, own("wave_vessel"), where="wave_vessel"),
+        plant=build_parameters(CableSimNodeParameters, own("cable_sim"), where="cable_sim"),
+        winch=build_parameters(WinchParameters, own("virtual_winch"), where="virtual_winch"),
+        controller=build_parameters(WinchControllerParameters, own("winch_controller"), where="winch_controller"),
+        tick_period=tick_period,
+        duration=duration,
+        seed=seed,
+    )
+
+
+class ClosedLoop:
+    """The loop; `step` does one tick.
+
+    Parameters
+    ----------
+    parameters : of all components
+
+    Attributes
+    ----------
+    sea, plant, winch, controller : the components
+    tick : number of the next tick, from 1
+    """
+
+    def __init__(self, parameters: LoopParameters) -> None:
+        seed, dt = parameters.seed, parameters.tick_period
+        self._dt = dt
+        self._parameters = parameters
+        self.sea = WaveVessel(parameters.sea, seed=seed, tick_period=dt)
+        self.plant = CableSim(parameters.plant, seed=seed, tick_period=dt)
+        self.winch = VirtualWinch(parameters.winch, tick_period=dt)
+        self.winch.step(0, None)
+        self.controller = WinchController(parameters.controller, tick_period=dt, seed=seed)
+        self.tick = 1
+        self._boom_tip = self.sea.initial_boom_tip()
+        self._mean_tip = parameters.sea.boom_tip_height
+
+    def step(self) -> tuple[Outputs, Array]:
+        """Do one tick; return what the controller gave and the row of the record."""
+        tick = self.tick
+        state, readings = self.plant.readings(tick)
+        vessel = self.sea.step(tick)
+        measurements = measurements_of(readings, vessel.mru, self.winch.state)
+        outputs = self.controller.step(tick, measurements)
+        row = np.array(
+            [
+                state.time,
+                self._boom_tip.position[2] - self._mean_tip,
+                state.unit.position[2],
+                state.uncompensated.position[2],
+                self.winch.state.payout,
+                self.winch.state.payout_rate,
+                self.winch.state.payout_acceleration,
+                state.top_tension,
+                outputs.report.authority,
+                outputs.report.depth_set_point,
+                state.touchdown_force,
+                state.unit.velocity[2],
+                state.uncompensated_tension,
+            ]
+        )
+        order = outputs.order
+        command = WinchCommand(order.sequence, order.payout, order.payout_rate, order.brake)
+        winch = self.winch.step(tick, command, state.top_tension)
+        self.plant.advance(tick, vessel.boom_tip, (winch.payout, winch.payout_rate), outputs.report.depth_set_point)
+        self._boom_tip = vessel.boom_tip
+        self.tick += 1
+        return outputs, row
+
+    def run(self, on_tick: Callable[[int, Outputs], None] | None = None) -> LoopRecord:
+        """Run to the end; `on_tick` sees each tick's number and outputs."""
+        ticks = math.floor(self._parameters.duration / self._dt + 1e-9)
+        record = LoopRecord(np.empty((ticks, len(COLUMNS))))
+        for index in range(ticks):
+            outputs, record.rows[index] = self.step()
+            record.modes.append(outputs.report.mode)
+            record.alarms += [(float(record.rows[index, 0]), words) for words in outputs.alarms]
+            if on_tick is not None:
+                on_tick(self.tick - 1, outputs)
+        return record
+
+
+def measurements_of(readings: SensorReadings, mru: SeaMruReading | None, winch: WinchState) -> Measurements:
+    """Return the controller's view of what the simulated sensors delivered."""
+    taken: tuple[MruReading, ...] = ()
+    if mru is not None:
+        taken = (MruReading(mru.time, mru.heave, mru.heave_rate, mru.roll, mru.pitch, mru.status, mru.sequence),)
+    return Measurements(
+        mru=taken,
+        depth=tuple(ScalarReading(r.stamp, float(r.value[0])) for r in readings.depth),
+        velocity=tuple(ScalarReading(r.stamp, float(r.value[2])) for r in readings.velocity),
+        imu=tuple(ScalarReading(r.stamp, float(r.value[2]) - STANDARD_GRAVITY) for r in readings.imu),
+        load_cell=tuple(ScalarReading(r.stamp, float(r.value[0])) for r in readings.load_cell),
+        winch=WinchReading(
+            winch.time,
+            winch.encoder_payout,
+            winch.encoder_payout_rate,
+            winch.brake,
+            int(winch.fault),
+            winch.command_sequence,
+            int(winch.limits),
+        ),
+    )

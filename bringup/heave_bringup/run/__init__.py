@@ -1,0 +1,1 @@
+"""One run: processes started, watched and ended; its bag judged."""

@@ -1,0 +1,131 @@
+"""Node processes: started together, watched, and ended without leaving one behind."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from heave_bags.play import substitute_node
+from heave_node.ros.process import EXIT_FAILED, EXIT_OK, EXIT_REFUSED, EXIT_STUCK, LAUNCHER_VARIABLE
+
+from heave_bringup.run.node_table import NODE_BY_NAME
+
+GRACE = 8.0
+"""Wall time that a node has to end after it was asked to [s]."""
+
+ALLOCATOR = {"MALLOC_TRIM_THRESHOLD_": str(1 << 30), "MALLOC_TOP_PAD_": str(1 << 24)}
+"""Environment in which glibc keeps the memory that a message frees for the next one. Without it a node gives pages
+back to the system and asks for them again in every tick, a tenth of its time.
+"""
+
+
+@dataclass
+class NodeProcess:
+    """One running node."""
+
+    name: str
+    process: subprocess.Popen[bytes]
+    log: Path
+
+    @property
+    def has_left(self) -> bool:
+        """Whether the node has ended, and had done its work by then."""
+        status = self.process.poll()
+        return status == EXIT_OK or (status == EXIT_STUCK and not self._complaint())
+
+    @property
+    def has_failed(self) -> bool:
+        """Whether the node has ended before its work was done."""
+        return self.process.poll() is not None and not self.has_left
+
+    def obituary(self) -> str:
+        """Say in one line how the node ended: its own last words where it had any."""
+        status = self.process.returncode
+        complaint = self._complaint()
+        if complaint and status in (EXIT_FAILED, EXIT_REFUSED, EXIT_STUCK):
+            return complaint
+        if status is not None and status < 0:
+            return f"{self.name} was killed by {signal.Signals(-status).name}"
+        last = self._last_line()
+        return f"{self.name} ended with exit status {status}" + (f": {last}" if last else "")
+
+    def _complaint(self) -> str:
+        """Return what a node that failed says last; "" of one that did not."""
+        last = self._last_line()
+        return last if last.startswith((f"{self.name}:", "/")) else ""
+
+    def _last_line(self) -> str:
+        words = [line for line in self.log.read_text(errors="replace").splitlines() if line.strip()]
+        return words[-1] if words else ""
+
+
+class Launcher:
+    """The node processes of one run."""
+
+    def __init__(self) -> None:
+        self.nodes: list[NodeProcess] = []
+
+    def start(
+        self, names: Sequence[str], scenario_file: Path, logs: Path, substitutes: Mapping[str, Path] | None = None
+    ) -> None:
+        """Start nodes with one parameter file; what each prints goes to `logs`/NAME.log.
+
+        A node in `substitutes` is not started: what it published in that bag is played in its place.
+        """
+        logs.mkdir(parents=True, exist_ok=True)
+        for name in names:
+            log = logs / f"{name}.log"
+            command = _command(name, scenario_file, (substitutes or {}).get(name))
+            with log.open("wb") as sink:
+                process = subprocess.Popen(
+                    command,
+                    stdin=subprocess.DEVNULL,
+                    stdout=sink,
+                    stderr=subprocess.STDOUT,
+                    env={**ALLOCATOR, **os.environ, LAUNCHER_VARIABLE: str(os.getpid())},
+                    start_new_session=True,  # a Ctrl-C in the terminal is passed on in order, not to all at once
+                )
+            self.nodes.append(NodeProcess(name, process, log))
+
+    def failed(self) -> list[NodeProcess]:
+        """Return the nodes that have ended before their work was done."""
+        return [node for node in self.nodes if node.has_failed]
+
+    def left(self) -> list[NodeProcess]:
+        """Return the nodes that have ended as if their work were done."""
+        return [node for node in self.nodes if node.has_left]
+
+    def running(self) -> list[str]:
+        """Return the names of the nodes that have not ended."""
+        return [node.name for node in self.nodes if node.process.poll() is None]
+
+    def all_ended(self) -> bool:
+        """Tell whether no node runs any more."""
+        return not self.running()
+
+    def stop(self, grace: float = GRACE) -> None:
+        """End every node: SIGINT, time to close files, then SIGKILL."""
+        for node in self.nodes:
+            if node.process.poll() is None:
+                node.process.send_signal(signal.SIGINT)
+        deadline = time.monotonic() + grace
+        while not self.all_ended() and time.monotonic() < deadline:
+            time.sleep(0.02)
+        for node in self.nodes:
+            if node.process.poll() is None:
+                node.process.kill()
+                node.process.wait()
+
+
+def _command(name: str, scenario_file: Path, bag: Path | None) -> list[str]:
+    entry = NODE_BY_NAME[name]
+    parameters = ["--params-file", str(scenario_file)]
+    if bag is not None:
+        return [*substitute_node.command(name, bag), *parameters]
+    return [sys.executable, "-m", entry.module, "--ros-args", *parameters]

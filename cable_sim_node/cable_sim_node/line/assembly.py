@@ -1,0 +1,426 @@
+"""Equations of motion of the lumped line: residual and symmetric block-tridiagonal Jacobian (thesis Eq. 5.1-5.6).
+
+Node 0 is the unit, node n the sheave (boom tip); segment i joins nodes i and i + 1. Blocks are symmetric 3 x 3, stored
+as xx, xy, xz, yy, yz, zz. The top segment changes its length L' at the sheave, where material passes: with q = (x_n -
+x_{n-1})/l, material at the sheave has velocity x_n' - L' q and acceleration x_n'' - L'' q - 2 L' q'.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from heave_node.compiled import inner_kernel
+from numpy.typing import NDArray
+
+from cable_sim_node.line.layout import (
+    ACCELERATION,
+    ADDED_MASS,
+    AX,
+    AY,
+    AZ,
+    BED_DAMPING,
+    BED_DEPTH,
+    BED_FRICTION,
+    BED_ON,
+    BED_SLIP,
+    BED_SLOPE_X,
+    BED_SLOPE_Y,
+    BED_STIFFNESS,
+    BED_UNIT_DAMPING,
+    BED_UNIT_STIFFNESS,
+    CUBIC,
+    CX,
+    CY,
+    CZ,
+    DAMPING,
+    DISPLACED,
+    DXX,
+    DXY,
+    DXZ,
+    DYY,
+    DYZ,
+    DZZ,
+    FLOW_AX,
+    FLOW_AY,
+    FLOW_AZ,
+    FLOW_X,
+    FLOW_Y,
+    FLOW_Z,
+    LENGTH,
+    LUMP_ADDED_MASS,
+    LUMP_DISPLACED,
+    LUMP_DRAG,
+    LUMP_MASS,
+    LUMP_WEIGHT,
+    MASS,
+    NORMAL_DRAG,
+    QUADRATIC,
+    RATE,
+    RX,
+    RY,
+    RZ,
+    SPRING_DAMPING,
+    SPRING_HALF_STROKE,
+    SPRING_MASS,
+    SPRING_PRELOAD,
+    SPRING_STIFFNESS,
+    SPRING_STOP,
+    SPRING_STOP_DAMPING,
+    STIFFNESS,
+    SWEEP,
+    TANGENTIAL_DRAG,
+    TENSION,
+    UNIT_DRAG,
+    UNIT_FLUID,
+    UNIT_FORCE,
+    UNIT_INERTIA,
+    UXX,
+    UXY,
+    UXZ,
+    UYY,
+    UYZ,
+    UZZ,
+    VX,
+    VY,
+    VZ,
+    WAVE_AMPLITUDE,
+    WEIGHT,
+    X,
+    Y,
+    Z,
+)
+
+Array = NDArray[np.float64]
+Vector = tuple[float, float, float]
+Block = tuple[float, float, float, float, float, float]
+
+
+@inner_kernel
+def tension_of(
+    stiffness: float, q: float, c: float, damping: float, strain: float, strain_rate: float
+) -> tuple[float, float, float]:
+    """Return tension [N], its derivative to strain and to strain rate.
+
+    A slack segment carries none. Damping r T_e grows as r/sqrt(1 + r^2) and so stays below the elastic tension
+    T_e: it never pushes, and a line that comes
+    taut meets no step in force.
+    """
+    if strain <= 0.0:
+        return 0.0, 0.0, 0.0
+    elastic = stiffness * strain * (1.0 + strain * (q + c * strain))
+    slope = stiffness * (1.0 + strain * (2.0 * q + 3.0 * c * strain))
+    if damping == 0.0:
+        return elastic, slope, 0.0
+    ratio = damping * strain_rate / elastic
+    root = math.sqrt(1.0 + ratio * ratio)
+    cosine = 1.0 / root
+    sine = ratio * cosine
+    return elastic * (1.0 + sine), slope * (1.0 + sine**3), damping * cosine**3
+
+
+@inner_kernel
+def rank_one(a: float, b: float, x: float, y: float, z: float) -> Block:
+    """Return the block a I + b w w' with w = (x, y, z)."""
+    return a + b * x * x, b * x * y, b * x * z, a + b * y * y, b * y * z, a + b * z * z
+
+
+@inner_kernel
+def add_blocks(p: Block, q: Block) -> Block:
+    """Return p + q."""
+    return p[0] + q[0], p[1] + q[1], p[2] + q[2], p[3] + q[3], p[4] + q[4], p[5] + q[5]
+
+
+@inner_kernel
+def times(m: Block, x: float, y: float, z: float) -> Vector:
+    """Return the block times a vector."""
+    return m[0] * x + m[1] * y + m[2] * z, m[1] * x + m[3] * y + m[4] * z, m[2] * x + m[4] * y + m[5] * z
+
+
+@inner_kernel
+def drag_of(normal: float, tangential: float, e: Vector, ux: float, uy: float, uz: float) -> tuple[Vector, Block]:
+    """Return half the drag [N] on a segment along `e` that moves with (ux, uy, uz) through the water, and
+    d(drag)/d(velocity) / 4.
+
+    `normal` = (1/2) rho C_N d l, `tangential` = (pi/2) rho C_tau d l: normal abs(u_n) u_n across, tangential
+    abs(u_t) u_t along. The sign is that of the motion, the force on the segment the opposite.
+    """
+    ut = ux * e[0] + uy * e[1] + uz * e[2]
+    nx, ny, nz = ux - ut * e[0], uy - ut * e[1], uz - ut * e[2]
+    speed = math.sqrt(nx * nx + ny * ny + nz * nz)
+    across = 0.5 * normal * speed
+    slip = 0.5 * tangential * abs(ut)
+    along = slip * ut
+    half = (across * nx + along * e[0], across * ny + along * e[1], across * nz + along * e[2])
+    slope = add_blocks(
+        rank_one(0.5 * across, slip - 0.5 * across, e[0], e[1], e[2]),
+        rank_one(0.0, 0.25 * normal / (speed + 1e-12), nx, ny, nz),
+    )
+    return half, slope
+
+
+@inner_kernel
+def sheave_material(
+    dx: float, v_top: float, a_top: float, v_low: float, length: float, rate: float, acceleration: float
+) -> tuple[float, float]:
+    """Return velocity and acceleration of the material at the sheave along one axis (see the module's text)."""
+    q = dx / length
+    velocity = v_top - rate * q
+    return velocity, a_top - acceleration * q - 2.0 * rate * (velocity - v_low) / length
+
+
+@inner_kernel
+def assemble_segments(
+    n: int,
+    nodes: Array,
+    top: Array,
+    parts: Array,
+    flow: Array,
+    settings: Array,
+    c_mass: float,
+    c_velocity: float,
+    equations: Array,
+) -> float:
+    """Add all segments to residual R = M a - F and Jacobian c_mass M - c_velocity dF/dv - dF/dx; return the least
+    strain.
+
+    Rows 0..n of the diagonal blocks and the residual, rows 0..n-1 of the upper blocks and the tensions [N] are
+    overwritten. `top` is one row. What the drag and the added mass owe to the turning of a segment is left out of the
+    Jacobian (not of the residual): both are small beside inertia, and the blocks stay symmetric.
+    """
+    least, r0, r1, r2 = 1e300, 0.0, 0.0, 0.0
+    below = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    waves = settings[WAVE_AMPLITUDE] > 0.0
+    for i in range(n):
+        part, low, high, water, out = parts[i], nodes[i], nodes[i + 1], flow[i + 1], equations[i]
+        length = part[LENGTH]
+        ex, ey, ez = high[X] - low[X], high[Y] - low[Y], high[Z] - low[Z]
+        wx, wy, wz = high[VX], high[VY], high[VZ]
+        gx, gy, gz = high[AX], high[AY], high[AZ]
+        if i == n - 1:
+            wx, gx = sheave_material(ex, wx, gx, low[VX], length, top[RATE], top[ACCELERATION])
+            wy, gy = sheave_material(ey, wy, gy, low[VY], length, top[RATE], top[ACCELERATION])
+            wz, gz = sheave_material(ez, wz, gz, low[VZ], length, top[RATE], top[ACCELERATION])
+        stretched = math.sqrt(ex * ex + ey * ey + ez * ez)
+        inverse = 1.0 / (stretched + 1e-300)
+        ex, ey, ez = ex * inverse, ey * inverse, ez * inverse
+        per_length = 1.0 / length
+        strain = stretched * per_length - 1.0
+        least = min(least, strain)
+        strain_rate = (ex * (wx - low[VX]) + ey * (wy - low[VY]) + ez * (wz - low[VZ])) * per_length
+        tension, slope, viscous = tension_of(
+            part[STIFFNESS], part[QUADRATIC], part[CUBIC], part[DAMPING], strain, strain_rate
+        )
+        out[TENSION] = tension
+        # the segment moves through the water with the mean of its ends; half its drag, weight and mass goes to each
+        # of them
+        ux = 0.5 * (low[VX] + wx) - water[FLOW_X]
+        uy = 0.5 * (low[VY] + wy) - water[FLOW_Y]
+        uz = 0.5 * (low[VZ] + wz) - water[FLOW_Z]
+        (hx, hy, hz), b = drag_of(part[NORMAL_DRAG] * length, part[TANGENTIAL_DRAG] * length, (ex, ey, ez), ux, uy, uz)
+        hz += 0.5 * part[WEIGHT] * length
+        added = 0.5 * part[ADDED_MASS] * length
+        m = rank_one(0.5 * part[MASS] * length + added, -added, ex, ey, ez)
+        if waves:
+            moved = 0.5 * part[DISPLACED] * length + added
+            px, py, pz = times(rank_one(moved, -added, ex, ey, ez), water[FLOW_AX], water[FLOW_AY], water[FLOW_AZ])
+            hx, hy, hz = hx - px, hy - py, hz - pz
+        across = tension * inverse
+        c = c_velocity
+        k = rank_one(across, (slope + c * viscous) * per_length - across, ex, ey, ez)
+        out[UXX], out[UXY], out[UXZ] = c * b[0] - k[0], c * b[1] - k[1], c * b[2] - k[2]
+        out[UYY], out[UYZ], out[UZZ] = c * b[3] - k[3], c * b[4] - k[4], c * b[5] - k[5]
+        own = (
+            c * b[0] + k[0] + c_mass * m[0],
+            c * b[1] + k[1] + c_mass * m[1],
+            c * b[2] + k[2] + c_mass * m[2],
+            c * b[3] + k[3] + c_mass * m[3],
+            c * b[4] + k[4] + c_mass * m[4],
+            c * b[5] + k[5] + c_mass * m[5],
+        )
+        out[DXX], out[DXY], out[DXZ], out[DYY], out[DYZ], out[DZZ] = add_blocks(below, own)
+        px, py, pz = times(m, low[AX], low[AY], low[AZ])
+        out[RX] = r0 + px + hx - tension * ex
+        out[RY] = r1 + py + hy - tension * ey
+        out[RZ] = r2 + pz + hz - tension * ez
+        px, py, pz = times(m, gx, gy, gz)
+        r0, r1, r2 = px + hx + tension * ex, py + hy + tension * ey, pz + hz + tension * ez
+        below = own
+    out = equations[n]
+    out[DXX], out[DXY], out[DXZ], out[DYY], out[DYZ], out[DZZ] = below
+    out[RX], out[RY], out[RZ] = r0, r1, r2
+    return least
+
+
+@inner_kernel
+def assemble_nodes(
+    n: int,
+    nodes: Array,
+    parts: Array,
+    unit: Array,
+    flow: Array,
+    settings: Array,
+    c_mass: float,
+    c_velocity: float,
+    equations: Array,
+) -> bool:
+    """Add unit, lumps and seabed to the residual and the Jacobian; return whether anything touches the seabed.
+
+    The unit's drag works along each axis by itself (thesis 5.2.2): (1/2) rho C_Dx S_x abs(u_x) u_x, and so on.
+    """
+    for k in range(3):
+        u = nodes[0, VX + k] - flow[0, FLOW_X + k]
+        force = unit[UNIT_INERTIA + k] * nodes[0, AX + k] + unit[UNIT_DRAG + k] * abs(u) * u - unit[UNIT_FORCE + k]
+        equations[0, RX + k] += force
+        equations[0, RX + k] -= unit[UNIT_FLUID + k] * flow[0, FLOW_AX + k]
+        entry = DXX if k == 0 else (DYY if k == 1 else DZZ)
+        equations[0, entry] += c_mass * unit[UNIT_INERTIA + k] + c_velocity * 2.0 * unit[UNIT_DRAG + k] * abs(u)
+    for i in range(1, n + 1):
+        lump = parts[i]
+        inertia = lump[LUMP_MASS] + lump[LUMP_ADDED_MASS]
+        if inertia == 0.0 and lump[LUMP_DRAG] == 0.0:
+            continue
+        node, water, out = nodes[i], flow[i], equations[i]
+        fluid = lump[LUMP_DISPLACED] + lump[LUMP_ADDED_MASS]
+        ux, uy, uz = node[VX] - water[FLOW_X], node[VY] - water[FLOW_Y], node[VZ] - water[FLOW_Z]
+        drag = lump[LUMP_DRAG] * math.sqrt(ux * ux + uy * uy + uz * uz)
+        out[RX] += inertia * node[AX] + drag * ux - fluid * water[FLOW_AX]
+        out[RY] += inertia * node[AY] + drag * uy - fluid * water[FLOW_AY]
+        out[RZ] += inertia * node[AZ] + drag * uz - fluid * water[FLOW_AZ] + lump[LUMP_WEIGHT]
+        # the full derivative lies between drag and 2 drag: an upper bound keeps the correction short
+        added = c_mass * inertia + 2.0 * c_velocity * drag
+        out[DXX] += added
+        out[DYY] += added
+        out[DZZ] += added
+    touching = False
+    if settings[BED_ON] > 0.0:
+        for i in range(n):
+            touching |= add_contact(i, nodes, parts, settings, c_velocity, equations)
+    return touching
+
+
+@inner_kernel
+def add_contact(i: int, nodes: Array, parts: Array, settings: Array, c_velocity: float, equations: Array) -> bool:
+    """Add the seabed's push and friction on node i; return whether it touches.
+
+    Normal to the plane z = -depth + slope . (x, y): N = k d + c d' while positive, d the depth of penetration.
+    Friction mu N tanh(v_t / v_s) against the sliding velocity.
+    """
+    node, out = nodes[i], equations[i]
+    sx, sy = settings[BED_SLOPE_X], settings[BED_SLOPE_Y]
+    norm = 1.0 / math.sqrt(1.0 + sx * sx + sy * sy)
+    depth = (-settings[BED_DEPTH] + sx * node[X] + sy * node[Y] - node[Z]) * norm
+    if depth <= 0.0:
+        return False
+    if i == 0:
+        stiffness, damping = settings[BED_UNIT_STIFFNESS], settings[BED_UNIT_DAMPING]
+    else:
+        share = 0.5 * (parts[i - 1, LENGTH] + parts[i, LENGTH])
+        stiffness, damping = settings[BED_STIFFNESS] * share, settings[BED_DAMPING] * share
+    mx, my, mz = -sx * norm, -sy * norm, norm
+    vn = node[VX] * mx + node[VY] * my + node[VZ] * mz
+    # damping grows in with the penetration over 1 cm: no jump in force at first touch
+    grown = min(depth / 0.01, 1.0)
+    push = stiffness * depth - damping * grown * vn
+    if push <= 0.0:
+        return True
+    tx, ty, tz = node[VX] - vn * mx, node[VY] - vn * my, node[VZ] - vn * mz
+    speed = math.sqrt(tx * tx + ty * ty + tz * tz)
+    ratio = speed / settings[BED_SLIP]
+    # tanh(r)/r is 1 at rest
+    per_speed = settings[BED_FRICTION] * push / settings[BED_SLIP] * (math.tanh(ratio) / ratio if ratio > 1e-6 else 1.0)
+    out[RX] += per_speed * tx - push * mx
+    out[RY] += per_speed * ty - push * my
+    out[RZ] += per_speed * tz - push * mz
+    hard = stiffness + c_velocity * damping * grown
+    soft = c_velocity * per_speed
+    out[DXX] += soft + (hard - soft) * mx * mx
+    out[DXY] += (hard - soft) * mx * my
+    out[DXZ] += (hard - soft) * mx * mz
+    out[DYY] += soft + (hard - soft) * my * my
+    out[DYZ] += (hard - soft) * my * mz
+    out[DZZ] += soft + (hard - soft) * mz * mz
+    return True
+
+
+@inner_kernel
+def add_compensator(node: Array, top: Array, settings: Array, c_mass: float, c_velocity: float, out: Array) -> bool:
+    """Make `node` the sheave on a passive compensator, free along z only; `top` is a row, `out` the node's equations.
+
+    Stroke s = z_tip - z_n, upward force on the sheave F0 + k s + c s', beyond the half stroke stiffened by the stops.
+    The preload F0 carries the moving mass as well, so that the static stroke is 0 where F0 is the static top
+    tension. Returns whether a stop is near.
+    """
+    stroke = top[Z] - node[Z]
+    speed = top[VZ] - node[VZ]
+    force = settings[SPRING_PRELOAD] + settings[SPRING_STIFFNESS] * stroke + settings[SPRING_DAMPING] * speed
+    stiffness = settings[SPRING_STIFFNESS] + c_velocity * settings[SPRING_DAMPING]
+    over = abs(stroke) - settings[SPRING_HALF_STROKE]
+    if over > 0.0:
+        side = math.copysign(1.0, stroke)
+        push = settings[SPRING_STOP] * over + settings[SPRING_STOP_DAMPING] * side * speed
+        if push > 0.0:
+            force += side * push
+            stiffness += settings[SPRING_STOP] + c_velocity * settings[SPRING_STOP_DAMPING]
+    out[RX] = 0.0
+    out[RY] = 0.0
+    out[RZ] += settings[SPRING_MASS] * node[AZ] - force
+    out[DZZ] += c_mass * settings[SPRING_MASS] + stiffness
+    out[DXX] = out[DYY] = 1e30
+    out[DXY] = out[DXZ] = out[DYZ] = 0.0
+    return over > -0.1 * settings[SPRING_HALF_STROKE]
+
+
+@inner_kernel
+def solve_blocks(count: int, equations: Array) -> None:
+    """Solve the symmetric block-tridiagonal system J correction = -residual for rows 0..count-1 (block Gauss, one pass
+    each way).
+
+    Diagonal blocks and residual are used up. The correction of row `count` must be what is prescribed there.
+    """
+    for i in range(count):
+        row, above = equations[i], equations[i + 1]
+        a0, a1, a2, a3, a4, a5 = row[DXX], row[DXY], row[DXZ], row[DYY], row[DYZ], row[DZZ]
+        c0 = a3 * a5 - a4 * a4
+        c1 = a2 * a4 - a1 * a5
+        c2 = a1 * a4 - a2 * a3
+        scale = 1.0 / (a0 * c0 + a1 * c1 + a2 * c2)
+        i0, i1, i2 = c0 * scale, c1 * scale, c2 * scale
+        i3 = (a0 * a5 - a2 * a2) * scale
+        i4 = (a1 * a2 - a0 * a4) * scale
+        i5 = (a0 * a3 - a1 * a1) * scale
+        r0, r1, r2 = -row[RX], -row[RY], -row[RZ]
+        y0 = i0 * r0 + i1 * r1 + i2 * r2
+        y1 = i1 * r0 + i3 * r1 + i4 * r2
+        y2 = i2 * r0 + i4 * r1 + i5 * r2
+        row[CX], row[CY], row[CZ] = y0, y1, y2
+        if i == count - 1:
+            break
+        u0, u1, u2, u3, u4, u5 = row[UXX], row[UXY], row[UXZ], row[UYY], row[UYZ], row[UZZ]
+        w00 = i0 * u0 + i1 * u1 + i2 * u2
+        w01 = i0 * u1 + i1 * u3 + i2 * u4
+        w02 = i0 * u2 + i1 * u4 + i2 * u5
+        w10 = i1 * u0 + i3 * u1 + i4 * u2
+        w11 = i1 * u1 + i3 * u3 + i4 * u4
+        w12 = i1 * u2 + i3 * u4 + i4 * u5
+        w20 = i2 * u0 + i4 * u1 + i5 * u2
+        w21 = i2 * u1 + i4 * u3 + i5 * u4
+        w22 = i2 * u2 + i4 * u4 + i5 * u5
+        row[SWEEP], row[SWEEP + 1], row[SWEEP + 2] = w00, w01, w02
+        row[SWEEP + 3], row[SWEEP + 4], row[SWEEP + 5] = w10, w11, w12
+        row[SWEEP + 6], row[SWEEP + 7], row[SWEEP + 8] = w20, w21, w22
+        above[DXX] -= u0 * w00 + u1 * w10 + u2 * w20
+        above[DXY] -= u0 * w01 + u1 * w11 + u2 * w21
+        above[DXZ] -= u0 * w02 + u1 * w12 + u2 * w22
+        above[DYY] -= u1 * w01 + u3 * w11 + u4 * w21
+        above[DYZ] -= u1 * w02 + u3 * w12 + u4 * w22
+        above[DZZ] -= u2 * w02 + u4 * w12 + u5 * w22
+        above[RX] += u0 * y0 + u1 * y1 + u2 * y2
+        above[RY] += u1 * y0 + u3 * y1 + u4 * y2
+        above[RZ] += u2 * y0 + u4 * y1 + u5 * y2
+    for i in range(count - 2, -1, -1):
+        row, above = equations[i], equations[i + 1]
+        z0, z1, z2 = above[CX], above[CY], above[CZ]
+        row[CX] -= row[SWEEP] * z0 + row[SWEEP + 1] * z1 + row[SWEEP + 2] * z2
+        row[CY] -= row[SWEEP + 3] * z0 + row[SWEEP + 4] * z1 + row[SWEEP + 5] * z2
+        row[CZ] -= row[SWEEP + 6] * z0 + row[SWEEP + 7] * z1 + row[SWEEP + 8] * z2

@@ -1,0 +1,366 @@
+"""Three-dimensional dynamics of a unit on a cable with a moving top end and a changing length: the plant's solver.
+
+>>> cable = CableDynamics(CableSimParameters())
+>>> cable.start_at_equilibrium(np.zeros(3), payout=0.0)
+>>> tip = PointMotion()
+>>> cable.advance(0.05, tip, tip, 0.0, 0.0, 0.0, 0.0)
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from heave_node.kinematics import PointMotion
+from heave_node.parameters import ParameterError
+from numpy.typing import ArrayLike, NDArray
+
+from cable_sim_node.errors import (
+    BadMotionError,
+    CableTooShortError,
+    NoEquilibriumError,
+    NotConvergedError,
+    PlantError,
+    refuse_jump,
+)
+from cable_sim_node.line import layout as at
+from cable_sim_node.line.assembly import add_contact
+from cable_sim_node.line.energy import Energy, PowerLost, energy_of, power_lost
+from cable_sim_node.line.equilibrium import hang
+from cable_sim_node.line.feed import set_top_segment
+from cable_sim_node.line.grid import build_line, settings_row
+from cable_sim_node.line.step import advance, evaluate
+from cable_sim_node.parameters import CableSimParameters
+
+Array = NDArray[np.float64]
+
+_MOVING_ARRAYS = ("now", "parts", "unit", "top", "settings", "counters")
+
+
+@dataclass(frozen=True)
+class SavedState:
+    """The whole state of a `CableDynamics` at one time, to be given back to `restore`."""
+
+    arrays: dict[str, NDArray[np.float64] | NDArray[np.int64]]
+
+
+class CableDynamics:
+    """A cable with a unit at its lower end, in frame `world` (z up, origin at still water), SI units.
+
+    The lumped-mass model of thesis chapter 5 (Eq. 5.1-5.6, with the right projection I - e e'): node 0 is the unit,
+    node N the top end, which is the boom tip (or the sheave that a passive compensator carries). Cable that is paid
+    out or hauled in passes the top end; everything below is material that stays itself, so N changes with the length.
+    The fluid surrounds all of it: there is no splash zone.
+
+    Time: `advance` takes the motion at the start and at the end of an interval; all properties are those of the end of
+    the last interval. Two objects share nothing.
+
+    Raises ParameterError where the parameters contradict one another.
+    """
+
+    def __init__(self, parameters: CableSimParameters) -> None:
+        self.parameters = parameters
+        _check_seabed(parameters)
+        self._line = build_line(parameters, 2.0 * parameters.length)
+        self._ends = np.zeros((4, 4))
+        self._fresh = False
+        self._least_strain = 0.0
+
+    def start_at_equilibrium(self, boom_tip_position: ArrayLike, payout: float = 0.0, *, time: float = 0.0) -> None:
+        """Hang the line at rest, exactly in equilibrium, in the current of `time` [s].
+
+        Raises NoEquilibriumError where it does not hang, PlantError where it would reach the seabed.
+        """
+        boom_tip = np.array(boom_tip_position, dtype=float)
+        total = self.parameters.length + payout
+        if boom_tip.shape != (3,) or not np.all(np.isfinite(boom_tip)) or not math.isfinite(total):
+            raise BadMotionError(
+                f"boom tip {boom_tip.tolist()} and payout {payout} must be finite, boom tip three numbers"
+            )
+        self._reserve(total)
+        line = self._line
+        points = line.grid_s
+        if total < at.MERGE_AT * points[1]:
+            raise CableTooShortError(f"{total:g} m of cable is less than a segment of {points[1]:g} m can shrink to")
+        line.settings[:] = settings_row(self.parameters)
+        line.settings[at.SPRING_ON] = 0.0
+        line.parts[:-1] = line.grid[:, : at.PART_COLUMNS]
+        top = line.top[at.NOW]
+        top[:] = 0.0
+        top[at.X : at.Z + 1] = boom_tip
+        top[at.TIME], top[at.TOTAL] = time, total
+        n = max(int(np.searchsorted(points, total - 1e-9 * total)), 1)
+        if n > 1 and total - points[n - 1] < at.MERGE_AT * (points[n] - points[n - 1]):
+            n -= 1
+        line.counters[:] = 0
+        line.counters[at.SEGMENTS] = n
+        set_top_segment(n, total, line.grid, line.parts)
+        hang(line, boom_tip)
+        if line.x[0, 2] > boom_tip[2]:
+            raise NoEquilibriumError(
+                "the line does not hang: unit and cable must weigh more in water than what lifts them"
+            )
+        self._fresh = False
+        self._start_compensator()
+        self._check_clear_of_seabed()
+
+    def advance(
+        self,
+        duration: float,
+        tip_start: PointMotion,
+        tip_end: PointMotion,
+        payout_start: float,
+        payout_rate_start: float,
+        payout_end: float,
+        payout_rate_end: float,
+    ) -> None:
+        """Integrate over `duration` [s]; boom tip and payout [m] run as cubics through values and rates at both ends.
+
+        Only position and velocity of `tip_start` and `tip_end` are used. Raises BadMotionError for numbers that are
+        not finite and for a payout at the start that is not the present one, CableTooShortError, NotConvergedError; the
+        state is then that of the last good step.
+        """
+        ends, base = self._ends, self.parameters.length
+        ends[0, :3], ends[1, :3] = tip_start.position, tip_start.velocity
+        ends[2, :3], ends[3, :3] = tip_end.position, tip_end.velocity
+        lengths = (base + payout_start, payout_rate_start, base + payout_end, payout_rate_end)
+        ends[:, 3] = lengths
+        if not (duration > 0.0 and math.isfinite(duration + float(ends.sum()))):
+            raise BadMotionError(
+                f"at t = {self.time:g} s: boom tip and payout must be finite and the duration positive; got "
+                f"{ends[:, :3].tolist()}, {ends[:, 3].tolist()}, {duration}"
+            )
+        refuse_jump(f"at t = {self.time:g} s", self.unstretched_length - base, payout_start)
+        self._reserve(max(lengths[0], lengths[2]) + duration * max(abs(lengths[1]), abs(lengths[3])))
+        self._fresh = False
+        outcome = advance(self._line, duration, ends)
+        if outcome == at.TOO_SHORT:
+            raise CableTooShortError(
+                f"at t = {self.time:g} s: {self.unstretched_length:g} m of cable is left, no segment can be shorter "
+                f"than {at.MERGE_AT * self._line.grid_s[1]:g} m: haul in less or use more segments"
+            )
+        if outcome == at.NOT_CONVERGED:
+            raise NotConvergedError(
+                f"at t = {self.time:g} s: no solution even with very small steps; top tension {self.top_tension:g} N, "
+                f"unit at {self.unit_position.round(3).tolist()} m"
+            )
+
+    # --- what is known after the last interval
+
+    @property
+    def time(self) -> float:
+        """Simulated time [s]."""
+        return float(self._line.top[at.NOW, at.TIME])
+
+    @property
+    def segments(self) -> int:
+        """Number of segments now."""
+        return int(self._line.counters[at.SEGMENTS])
+
+    @property
+    def node_positions(self) -> Array:
+        """Positions [m], shape (N + 1, 3); row 0 the unit, row N the top end."""
+        return self._line.x[: self.segments + 1].copy()
+
+    @property
+    def node_velocities(self) -> Array:
+        """Velocities [m/s], shape (N + 1, 3)."""
+        return self._line.v[: self.segments + 1].copy()
+
+    @property
+    def material_coordinates(self) -> Array:
+        """Unstretched length from the unit to each node [m], shape (N + 1,)."""
+        return np.append(self._line.grid_s[: self.segments], self.unstretched_length)
+
+    @property
+    def segment_tensions(self) -> Array:
+        """Tension of each segment [N], shape (N,), from the unit upwards; 0 where slack."""
+        self._evaluate()
+        return self._line.tensions[: self.segments].copy()
+
+    @property
+    def top_force(self) -> Array:
+        """Force of the line on its top end [N], shape (3,).
+
+        The top segment's tension with half its weight, drag and inertia.
+        """
+        self._evaluate()
+        return -self._line.residual[self.segments]
+
+    @property
+    def top_tension(self) -> float:
+        """Size of `top_force` [N]; 0 where the line would have to push."""
+        force, n = self.top_force, self.segments
+        down = self._line.x[n - 1] - self._line.x[n]
+        return float(np.linalg.norm(force)) if float(force @ down) > 0.0 else 0.0
+
+    @property
+    def unit_position(self) -> Array:
+        """Position of the unit [m], shape (3,)."""
+        return self._line.x[0].copy()
+
+    @property
+    def unit_velocity(self) -> Array:
+        """Velocity of the unit [m/s], shape (3,)."""
+        return self._line.v[0].copy()
+
+    @property
+    def unit_acceleration(self) -> Array:
+        """Acceleration of the unit [m/s^2], shape (3,)."""
+        return self._line.a[0].copy()
+
+    @property
+    def unstretched_length(self) -> float:
+        """Unstretched length between unit and top end [m]."""
+        return float(self._line.top[at.NOW, at.TOTAL])
+
+    @property
+    def slack_segments(self) -> int:
+        """Number of segments that carry no tension."""
+        return int(np.count_nonzero(self.segment_tensions <= 0.0))
+
+    @property
+    def touchdown(self) -> bool:
+        """Whether the unit stands on the seabed."""
+        bed = self.parameters.seabed
+        x, y, z = self._line.x[0]
+        return bed.depth > 0.0 and z <= -bed.depth + bed.slope[0] * x + bed.slope[1] * y
+
+    @property
+    def touchdown_force(self) -> float:
+        """Vertical force of the seabed on the unit, positive up [N]; 0 off the seabed."""
+        line = self._line
+        if line.settings[at.BED_ON] == 0.0:
+            return 0.0
+        equations = np.zeros((1, at.EQUATION_COLUMNS))
+        add_contact.py_func(0, line.now, line.parts, line.settings, 0.0, equations)
+        return float(-equations[0, at.RZ])
+
+    @property
+    def grounded_length(self) -> float:
+        """Unstretched length of cable on the seabed [m]."""
+        bed, n = self.parameters.seabed, self.segments
+        if bed.depth == 0.0:
+            return 0.0
+        x = self._line.x[: n + 1]
+        below = x[:, 2] <= -bed.depth + bed.slope[0] * x[:, 0] + bed.slope[1] * x[:, 1]
+        return float(np.sum(self._line.parts[:n, at.LENGTH] * 0.5 * (below[1:].astype(float) + below[:-1])))
+
+    @property
+    def compensator_stroke(self) -> float:
+        """How far the passive compensator's sheave is below its mid-stroke at the boom tip [m].
+
+        0 without a compensator.
+        """
+        return float(self._line.top[at.NOW, at.Z] - self._line.x[self.segments, 2])
+
+    @property
+    def steps_taken(self) -> int:
+        """Inner steps since the start."""
+        return int(self._line.counters[at.SUBSTEPS])
+
+    @property
+    def steps_halved(self) -> int:
+        """How often a step had to be halved since the start."""
+        return int(self._line.counters[at.HALVINGS])
+
+    @property
+    def newton_solves(self) -> int:
+        """Linear solves since the start."""
+        return int(self._line.counters[at.SOLVES])
+
+    @property
+    def energy(self) -> Energy:
+        """Mechanical energy [J]."""
+        return energy_of(self._line)
+
+    @property
+    def power_lost(self) -> PowerLost:
+        """Power [W] taken by drag, internal damping and the seabed."""
+        self._evaluate()
+        return power_lost(self._line)
+
+    def set_thrust(self, force: ArrayLike) -> None:
+        """Set the thruster force on the unit [N], shape (3,), in place of `unit.thrust`, from now on."""
+        thrust = np.array(force, dtype=float)
+        if thrust.shape != (3,) or not np.all(np.isfinite(thrust)):
+            raise BadMotionError(f"thrust must be three finite numbers [N]; got {thrust.tolist()}")
+        weight = self.parameters.unit.weight_in_fluid(self.parameters.water_density, self.parameters.gravity)
+        self._line.unit[at.UNIT_FORCE : at.UNIT_FORCE + 3] = thrust - np.array([0.0, 0.0, weight])
+        self._fresh = False
+
+    def save(self) -> SavedState:
+        """Return a copy of the state."""
+        return SavedState({name: getattr(self._line, name).copy() for name in _MOVING_ARRAYS})
+
+    def restore(self, state: SavedState) -> None:
+        """Go back to a state that `save` returned (of an object with the same parameters)."""
+        self._reserve_rows(len(state.arrays["parts"]))
+        for name, value in state.arrays.items():
+            getattr(self._line, name)[: len(value)] = value
+        self._fresh = False
+
+    # --- inside
+
+    def _evaluate(self) -> None:
+        if not self._fresh:
+            self._least_strain = evaluate(self._line)
+            self._fresh = True
+
+    def _reserve(self, total: float) -> None:
+        """Make sure that the grid reaches beyond `total` [m]; rare, and the only allocation."""
+        if total > self._line.grid_s[-5]:
+            self._grow(total)
+
+    def _reserve_rows(self, rows: int) -> None:
+        while len(self._line.parts) < rows:
+            self._grow(2.0 * float(self._line.grid_s[-1]))
+
+    def _grow(self, total: float) -> None:
+        old = self._line
+        self._line = build_line(self.parameters, 2.0 * total)
+        for name in _MOVING_ARRAYS:
+            rows = len(getattr(old, name))
+            getattr(self._line, name)[:rows] = getattr(old, name)
+        # beyond the line in use the rows must be the grid's own
+        n = int(old.counters[at.SEGMENTS])
+        parts, grid = self._line.parts, self._line.grid
+        parts[n, : at.SEGMENT_COLUMNS] = grid[n, : at.SEGMENT_COLUMNS]  # its lump is the sheave's
+        parts[n + 1 : -1] = grid[n + 1 :, : at.PART_COLUMNS]
+
+    def _start_compensator(self) -> None:
+        spring = self.parameters.compensator
+        if spring.stiffness == 0.0:
+            return
+        self._line.settings[at.SPRING_ON] = 1.0
+        if spring.preload == 0.0:
+            self._line.settings[at.SPRING_PRELOAD] = -self.top_force[2]
+            return
+        # the sheave rests where the spring balances the line; the line below hangs that much lower, as one
+        stroke = (-self.top_force[2] - spring.preload) / spring.stiffness
+        if abs(stroke) > 0.5 * spring.stroke:
+            raise PlantError(
+                f"compensator.preload = {spring.preload:g} N leaves it {stroke:.2f} m from mid-stroke at rest, beyond "
+                f"its {spring.stroke:g} m; the static top tension is {-self.top_force[2]:.0f} N"
+            )
+        self._line.x[: self.segments + 1, 2] -= stroke
+        self._fresh = False
+
+    def _check_clear_of_seabed(self) -> None:
+        bed = self.parameters.seabed
+        if bed.depth == 0.0:
+            return
+        x = self._line.x[: self.segments + 1]
+        clearance = x[:, 2] + bed.depth - bed.slope[0] * x[:, 0] - bed.slope[1] * x[:, 1]
+        if clearance.min() < 0.0:
+            raise PlantError(
+                f"at the start the line reaches {-clearance.min():.2f} m below the seabed (unit at {-x[0, 2]:.2f} m, "
+                f"seabed.depth {bed.depth:g} m): shorten `length` or give a deeper seabed"
+            )
+
+
+def _check_seabed(parameters: CableSimParameters) -> None:
+    depth = parameters.seabed.depth
+    if 0.0 < depth < 0.5 * parameters.length / parameters.segments:
+        raise ParameterError(f"seabed.depth = {depth:g} m is less than half a segment: no room for the line")

@@ -1,0 +1,309 @@
+"""Time integration of the line: generalised-alpha (Chung & Hulbert 1993), second order, unconditionally stable in the
+linear case.
+
+The equations hold at the point between t_n and t_{n+1} where x, v are blended by alpha_f and a by alpha_m. Newton
+starts from a constant acceleration and stops when a correction strains no segment by more than the tolerance; what is
+left then is its square.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from heave_node.compiled import inner_kernel, kernel
+from numpy.typing import NDArray
+
+from cable_sim_node.line.arrays import LineArrays
+from cable_sim_node.line.assembly import add_compensator, assemble_nodes, assemble_segments, solve_blocks
+from cable_sim_node.line.bending import add_bending, solve_with_bending
+from cable_sim_node.line.feed import feed, set_top_segment
+from cable_sim_node.line.flow import set_flow
+from cable_sim_node.line.layout import (
+    ACCELERATION,
+    ALPHA_F,
+    ALPHA_M,
+    AX,
+    AY,
+    AZ,
+    BENDING_ON,
+    BETA,
+    CX,
+    CY,
+    CZ,
+    DONE,
+    END,
+    GAMMA,
+    HALVINGS,
+    ITERATIONS,
+    LENGTH,
+    MERGE_AT,
+    MIDDLE,
+    NOT_CONVERGED,
+    NOW,
+    RATE,
+    SEGMENTS,
+    SOLVES,
+    SPRING_ON,
+    START,
+    STEP,
+    SUBSTEPS,
+    TIME,
+    TOLERANCE,
+    TOO_SHORT,
+    TOP_COLUMNS,
+    TOTAL,
+    VX,
+    VY,
+    VZ,
+    X,
+    Y,
+    Z,
+)
+
+Array = NDArray[np.float64]
+Counters = NDArray[np.int64]
+
+_SMALLEST_SHARE = 2.0**-16
+"""A step is halved at most so far before the advance is given up."""
+_LONGEST_SLACK_STEP = 0.0125
+"""Steps with a slack segment are halved down to this [s]."""
+_FAILED, _TAUT, _SLACK, _SLACK_REFUSED = range(4)
+"""How a step ended."""
+
+
+@inner_kernel
+def hermite(
+    share: float, duration: float, start: float, start_rate: float, end: float, end_rate: float
+) -> tuple[float, float, float]:
+    """Return value, rate and acceleration at `share` of `duration` of the cubic through both ends."""
+    s = share
+    delta = end - start
+    bend = delta - duration * start_rate
+    turn = duration * (start_rate + end_rate) - 2.0 * delta
+    value = start + s * (duration * start_rate + s * (bend + turn * (s - 1.0)))
+    rate = start_rate + (2.0 * s * bend + turn * s * (3.0 * s - 2.0)) / duration
+    acceleration = (2.0 * bend + turn * (6.0 * s - 2.0)) / (duration * duration)
+    return value, rate, acceleration
+
+
+@inner_kernel
+def largest_relative_correction(n: int, parts: Array, equations: Array) -> float:
+    """Return the largest difference of neighbours' corrections per length of their segment (NaN stays NaN)."""
+    largest = 0.0
+    for i in range(n):
+        low, high = equations[i], equations[i + 1]
+        d0, d1, d2 = high[CX] - low[CX], high[CY] - low[CY], high[CZ] - low[CZ]
+        size = (d0 * d0 + d1 * d1 + d2 * d2) / (parts[i, LENGTH] * parts[i, LENGTH])
+        if not size <= largest:
+            largest = size
+    return math.sqrt(largest)
+
+
+@inner_kernel
+def assemble(line: LineArrays, n: int, c_mass: float, c_velocity: float) -> tuple[float, bool]:
+    """Assemble everything at the middle of the step or, where `c_mass` is 0, at its end.
+
+    A flag for that would be a literal, and this long function compiled twice.
+    Return the least strain and whether the seabed is touched.
+    """
+    nodes, top, settings, equations = line.now, line.top[NOW], line.settings, line.equations
+    at_middle = c_mass > 0.0
+    if at_middle:
+        nodes, top = line.middle, line.top[MIDDLE]
+    least = assemble_segments(n, nodes, top, line.parts, line.flow, settings, c_mass, c_velocity, equations)
+    near_kink = assemble_nodes(n, nodes, line.parts, line.unit, line.flow, settings, c_mass, c_velocity, equations)
+    if settings[BENDING_ON] > 0.0:
+        add_bending(n, nodes, line.parts, equations, line.band)
+    if at_middle and settings[SPRING_ON] > 0.0:
+        near_kink |= add_compensator(nodes[n], top, settings, c_mass, c_velocity, equations[n])
+    return least, near_kink
+
+
+@inner_kernel
+def hold_top(node: Array, top: Array, compensated: bool) -> None:
+    """Put the sheave where the boom tip is; with a compensator it keeps its own z."""
+    node[X], node[VX], node[AX] = top[X], top[VX], top[AX]
+    node[Y], node[VY], node[AY] = top[Y], top[VY], top[AY]
+    if not compensated:
+        node[Z], node[VZ], node[AZ] = top[Z], top[VZ], top[AZ]
+
+
+@inner_kernel
+def predict(line: LineArrays, n: int, count: int, h: float) -> None:
+    """Set the middle state for constant acceleration of nodes 0..count-1, and length and boom tip between rows NOW and
+    END of `top`.
+    """
+    af, am = line.settings[ALPHA_F], line.settings[ALPHA_M]
+    now, middle, end = line.top[NOW], line.top[MIDDLE], line.top[END]
+    for c in range(TOP_COLUMNS):
+        weight = am if c == ACCELERATION or AX <= c <= AZ else af
+        middle[c] = weight * now[c] + (1.0 - weight) * end[c]
+    share = (1.0 - af) * h
+    for i in range(count):
+        start, goal = line.now[i], line.middle[i]
+        for k in range(3):
+            a = start[AX + k]
+            goal[X + k] = start[X + k] + share * (start[VX + k] + 0.5 * h * a)
+            goal[VX + k] = start[VX + k] + share * a
+            goal[AX + k] = a
+    hold_top(line.middle[n], middle, count > n)
+    set_top_segment(n, middle[TOTAL], line.grid, line.parts)
+    set_flow(n, middle[TIME], line.middle, line.settings, line.current, line.schedule, line.flow)
+
+
+@inner_kernel
+def finish(line: LineArrays, n: int, count: int, h: float) -> None:
+    """Carry the middle state to the end of the step."""
+    am, beta, gamma = line.settings[ALPHA_M], line.settings[BETA], line.settings[GAMMA]
+    for i in range(count):
+        node = line.now[i]
+        for k in range(3):
+            a, v = node[AX + k], node[VX + k]
+            new = (line.middle[i, AX + k] - am * a) / (1.0 - am)
+            node[X + k] += h * (v + h * ((0.5 - beta) * a + beta * new))
+            node[VX + k] = v + h * ((1.0 - gamma) * a + gamma * new)
+            node[AX + k] = new
+    take_end(line.top)
+    hold_top(line.now[n], line.top[NOW], count > n)
+    set_top_segment(n, line.top[NOW, TOTAL], line.grid, line.parts)
+
+
+@inner_kernel
+def take_end(top: Array) -> None:
+    """Make the end of the step the present: time, length and boom tip."""
+    for c in range(TOP_COLUMNS):
+        top[NOW, c] = top[END, c]
+
+
+@inner_kernel
+def step(line: LineArrays, n: int, h: float) -> int:
+    """Make one step of `h` seconds to row END of `top`; return whether the line was taut or slack in it.
+
+    _FAILED: Newton finds no solution; _SLACK_REFUSED: a segment is slack, which wants short steps of the dissipative
+    scheme. The state is then as it was.
+    """
+    settings, equations = line.settings, line.equations
+    af, am, beta, gamma = settings[ALPHA_F], settings[ALPHA_M], settings[BETA], settings[GAMMA]
+    c_velocity = gamma / (beta * h)
+    c_mass = (1.0 - am) / ((1.0 - af) * beta * h * h)
+    count = n if settings[SPRING_ON] == 0.0 else n + 1
+    predict(line, n, count, h)
+    tolerance = settings[TOLERANCE]
+    equations[n, CX] = equations[n, CY] = equations[n, CZ] = 0.0
+    last, part = 1e300, 1.0
+    for _ in range(int(settings[ITERATIONS])):
+        least, near_kink = assemble(line, n, c_mass, c_velocity)
+        line.counters[SOLVES] += 1
+        if settings[BENDING_ON] > 0.0:
+            solve_with_bending(count, equations, line.band)
+        else:
+            solve_blocks(count, equations)
+        size = largest_relative_correction(n, line.parts, equations)
+        if not size < 10.0:
+            return _FAILED
+        # a correction that does not shrink jumps to and fro over a kink (a segment that comes taut): go part of the way
+        part = 0.5 * part if size > 0.5 * last else min(2.0 * part, 1.0)
+        last = size
+        for i in range(count):
+            node = line.middle[i]
+            for k in range(3):
+                c = part * equations[i, CX + k]
+                node[X + k] += c
+                node[VX + k] += c_velocity * c
+                node[AX + k] += c_mass * c
+        # where a segment is or may become slack, or the seabed is touched, the equations have a kink: ask for much more
+        smooth = least > 4.0 * size and not near_kink
+        if size < (tolerance if smooth else min(tolerance, 1e-2 * tolerance)):
+            # the margin is for rounding: a step that was shortened for slack is never refused again for its length
+            if least <= 0.0 and (h > 1.001 * _LONGEST_SLACK_STEP or af > 0.0):
+                return _SLACK_REFUSED
+            finish(line, n, count, h)
+            return _SLACK if least <= 0.0 else _TAUT
+    return _FAILED
+
+
+@inner_kernel
+def set_scheme(settings: Array, alpha_m: float, alpha_f: float) -> None:
+    """Set the parameters of the generalised-alpha scheme; (-1, 0) removes the fastest oscillations at once.
+
+    A scheme that keeps them feeds energy into light nodes that snap taut: it must not be used while a segment is
+    slack.
+    """
+    settings[ALPHA_M], settings[ALPHA_F] = alpha_m, alpha_f
+    settings[GAMMA] = 0.5 - alpha_m + alpha_f
+    settings[BETA] = 0.25 * (1.0 - alpha_m + alpha_f) ** 2
+
+
+@kernel
+def advance(line: LineArrays, duration: float, ends: Array) -> int:
+    """Integrate over `duration` [s]; return the outcome (DONE, NOT_CONVERGED, TOO_SHORT).
+
+    `ends` rows: value and rate at the start, value and rate at the end; columns: boom tip x, y, z, unstretched length.
+    They run as cubics in between. The state is that of the last good step where it fails.
+    """
+    n = line.counters[SEGMENTS]
+    now, end = line.top[NOW], line.top[END]
+    start_time = now[TIME]
+    shares = max(math.ceil(duration / line.settings[STEP] - 1e-9), 1)
+    nominal = 1.0 / shares
+    load_end(0.0, duration, start_time, ends, end)
+    take_end(line.top)
+    hold_top(line.now[n], now, line.settings[SPRING_ON] > 0.0)
+    outcome = DONE
+    alpha_m, alpha_f = line.settings[ALPHA_M], line.settings[ALPHA_F]
+    for j in range(shares):
+        done, size = j * nominal, nominal
+        goal = 1.0 if j == shares - 1 else (j + 1) * nominal
+        while done < goal:
+            at = goal if done + size > goal - 1e-12 else done + size
+            load_end(at, duration, start_time, ends, end)
+            if end[TOTAL] < MERGE_AT * line.grid[1, START]:
+                outcome = TOO_SHORT
+                break
+            ended = step(line, n, (at - done) * duration)
+            if ended in (_TAUT, _SLACK):
+                done = at
+                size = min(2.0 * size, nominal)
+                line.counters[SUBSTEPS] += 1
+                n = feed(line, n)
+                if ended == _TAUT:
+                    set_scheme(line.settings, alpha_m, alpha_f)
+            elif ended == _SLACK_REFUSED:
+                set_scheme(line.settings, -1.0, 0.0)
+                while size * duration > _LONGEST_SLACK_STEP:
+                    size *= 0.5
+            else:
+                size *= 0.5
+                line.counters[HALVINGS] += 1
+                if size < nominal * _SMALLEST_SHARE:
+                    outcome = NOT_CONVERGED
+                    break
+        if outcome != DONE:
+            break
+    set_scheme(line.settings, alpha_m, alpha_f)
+    line.counters[SEGMENTS] = n
+    set_top_segment(n, now[TOTAL], line.grid, line.parts)
+    return outcome
+
+
+@inner_kernel
+def load_end(share: float, duration: float, start_time: float, ends: Array, end: Array) -> None:
+    """Write time, length and boom tip at `share` of the interval."""
+    end[TIME] = start_time + share * duration
+    for k in range(3):
+        end[X + k], end[VX + k], end[AX + k] = hermite(share, duration, ends[0, k], ends[1, k], ends[2, k], ends[3, k])
+    end[TOTAL], end[RATE], end[ACCELERATION] = hermite(share, duration, ends[0, 3], ends[1, 3], ends[2, 3], ends[3, 3])
+
+
+@kernel
+def evaluate(line: LineArrays) -> float:
+    """Fill tensions and residual at the present state; return the least strain.
+
+    Row n of the residual is then the force [N] that holds the line's top end: the top segment's tension with half its
+    weight, drag and inertia.
+    """
+    n = line.counters[SEGMENTS]
+    set_flow(n, line.top[NOW, TIME], line.now, line.settings, line.current, line.schedule, line.flow)
+    least, _ = assemble(line, n, 0.0, 0.0)
+    return least

@@ -1,0 +1,1 @@
+"""The plant beside its peers: reference systems, driven runs, MoorDyn, and the benchmark."""

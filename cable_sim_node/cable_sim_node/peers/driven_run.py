@@ -1,0 +1,116 @@
+"""A plant with its winch locked and its boom tip moved as a sine: the response by first harmonic, for comparing
+with others.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from heave_node.kinematics import PointMotion
+from numpy.typing import NDArray
+
+from cable_sim_node.line.dynamics import CableDynamics
+from cable_sim_node.parameters import CableSimParameters
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class DrivenResponse:
+    """First harmonics and extremes over the last part of a driven run. `times`, `unit`, `tension` are the records
+    behind them.
+    """
+
+    unit_heave_amplitude: float
+    unit_heave_phase: float
+    """Lead of the unit over the boom tip [rad]."""
+    unit_heave_mean: float
+    tension_mean: float
+    tension_amplitude: float
+    tension_min: float
+    tension_max: float
+    times: Array
+    unit: Array
+    tension: Array
+
+
+def ramped_sine(amplitude: Sequence[float], frequency: float, ramp: float) -> Callable[[float], PointMotion]:
+    """Return the motion x_i = a_i r(t) sin(w t) [m], with r a ramp over `ramp` seconds whose first two
+    derivatives vanish at its ends.
+    """
+    direction = np.array(amplitude, dtype=float)
+
+    def motion(t: float) -> PointMotion:
+        s = min(t / ramp, 1.0)
+        rise = s**3 * (10.0 - 15.0 * s + 6.0 * s * s)
+        slope = 30.0 * s**2 * (1.0 - s) ** 2 / ramp
+        bend = 60.0 * s * (1.0 - s) * (1.0 - 2.0 * s) / ramp**2
+        sine, cosine = math.sin(frequency * t), math.cos(frequency * t)
+        return PointMotion(
+            time=t,
+            position=direction * (rise * sine),
+            velocity=direction * (slope * sine + rise * frequency * cosine),
+            acceleration=direction * ((bend - rise * frequency**2) * sine + 2.0 * slope * frequency * cosine),
+        )
+
+    return motion
+
+
+def run_driven(
+    parameters: CableSimParameters,
+    amplitude: Sequence[float],
+    frequency: float,
+    *,
+    duration: float,
+    window: float,
+    ramp: float,
+    tick: float = 0.05,
+) -> DrivenResponse:
+    """Start at equilibrium under the origin, drive the boom tip and analyse the last `window` seconds of `duration`.
+
+    `amplitude` [m] along x, y, z, `frequency` [rad/s]; phases refer to sin(frequency t).
+    """
+    motion = ramped_sine(amplitude, frequency, ramp)
+    plant = CableDynamics(parameters)
+    plant.start_at_equilibrium(np.zeros(3))
+    count = round(duration / tick)
+    first = count - round(window / tick)
+    times, unit, tension = [], [], []
+    start = motion(0.0)
+    for k in range(1, count + 1):
+        end = motion(k * tick)
+        plant.advance(tick, start, end, 0.0, 0.0, 0.0, 0.0)
+        start = end
+        if k > first:
+            times.append(end.time)
+            unit.append(plant.unit_position)
+            tension.append(plant.top_tension)
+    record, heave = np.array(times), np.array(unit)[:, 2]
+    mean, size, phase = first_harmonic(record, heave, frequency)
+    tension_mean, tension_size, _ = first_harmonic(record, np.array(tension), frequency)
+    return DrivenResponse(
+        unit_heave_amplitude=size,
+        unit_heave_phase=phase,
+        unit_heave_mean=mean,
+        tension_mean=tension_mean,
+        tension_amplitude=tension_size,
+        tension_min=min(tension),
+        tension_max=max(tension),
+        times=record,
+        unit=np.array(unit),
+        tension=np.array(tension),
+    )
+
+
+def first_harmonic(times: Array, values: Array, frequency: float) -> tuple[float, float, float]:
+    """Return mean, amplitude and phase [rad] of the sine at `frequency` [rad/s], fitted with two higher harmonics
+    beside it.
+    """
+    columns = [np.ones_like(times)]
+    for k in (1, 2, 3):
+        columns += [np.sin(k * frequency * times), np.cos(k * frequency * times)]
+    fit = np.linalg.lstsq(np.array(columns).T, values, rcond=None)[0]
+    return float(fit[0]), float(math.hypot(fit[1], fit[2])), math.atan2(fit[2], fit[1])

@@ -1,0 +1,261 @@
+"""The static state of a scenario: forces, positions, top tension and angle, as text and as a picture."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from cable_sim_node.errors import NoEquilibriumError
+from cable_sim_node.line import layout as at
+from cable_sim_node.line.grid import segment_row, unit_row
+from cable_sim_node.parameters import CableParameters, CableSimParameters
+from cable_sim_node.statics.errors import StaticsError
+from cable_sim_node.statics.march import LENGTH, STIFFNESS
+from cable_sim_node.statics.problems import towing_cable
+from cable_sim_node.statics.shape import StaticShape
+from cable_sim_node.statics.system import Current, PointLoad, StaticCable, StaticSection, static_cable
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+Array = NDArray[np.float64]
+
+STIFFNESS_ITERATIONS = 50
+
+PICTURE_ENDINGS = (".png", ".svg")
+"""Kinds of picture of a static state."""
+
+
+@dataclass(frozen=True)
+class StaticReport:
+    """Static equilibrium of unit and cable under the boom tip, winch locked.
+
+    Attributes
+    ----------
+    shape : the whole shape, s = 0 at the unit
+    boom_tip, unit : positions, z up [m]
+    boom_tip_force : force by which the ship holds the cable [N]
+    unit_weight : weight of the unit in water [N]
+    unit_pull : force of the cable on the unit [N]
+    seabed_depth : [m] below the origin, None without a seabed
+    """
+
+    shape: StaticShape
+    boom_tip: Array
+    unit: Array
+    boom_tip_force: Array
+    unit_weight: float
+    unit_pull: Array
+    seabed_depth: float | None
+
+    @property
+    def top_tension(self) -> float:
+        """Tension at the boom tip [N]."""
+        return self.shape.top_tension
+
+    @property
+    def top_angle(self) -> float:
+        """Angle of the cable at the boom tip from the vertical [rad]."""
+        return self.shape.top_angle
+
+    @property
+    def top_azimuth(self) -> float:
+        """Direction in which the cable leaves the boom tip, from x towards y [rad]."""
+        return math.atan2(-self.boom_tip_force[1], -self.boom_tip_force[0])
+
+    def values(self) -> dict[str, float | list[float]]:
+        """Return the numbers with units in their names, for a machine."""
+        return {
+            "length_m": self.shape.cable.length,
+            "stretched_length_m": self.shape.stretched_length,
+            "boom_tip_m": self.boom_tip.tolist(),
+            "unit_m": self.unit.tolist(),
+            "boom_tip_force_n": (self.boom_tip_force + 0.0).tolist(),
+            "unit_pull_n": (self.unit_pull + 0.0).tolist(),
+            "unit_weight_n": self.unit_weight,
+            "top_tension_n": self.top_tension,
+            "top_angle_deg": math.degrees(self.top_angle),
+            "top_azimuth_deg": math.degrees(self.top_azimuth),
+            "least_tension_n": float(self.shape.tension.min()),
+            "horizontal_offset_m": float(np.hypot(*(self.unit - self.boom_tip)[:2])),
+        }
+
+    def table(self) -> str:
+        """Return the report as text for a person."""
+
+        def vector(value: Array) -> str:
+            return "  ".join(f"{component + 0.0:12.3f}" for component in value)
+
+        stretch = self.shape.stretched_length - self.shape.cable.length
+        offset = float(np.hypot(*(self.unit - self.boom_tip)[:2]))
+        rows = [
+            ("", "           x             y             z"),
+            ("boom tip [m]", vector(self.boom_tip)),
+            ("unit [m]", vector(self.unit)),
+            ("force on the cable at the boom tip [N]", vector(self.boom_tip_force)),
+            ("force of the cable on the unit [N]", vector(self.unit_pull)),
+            ("unstretched length [m]", f"{self.shape.cable.length:12.3f}"),
+            ("stretch [m]", f"{stretch:12.4f}"),
+            ("horizontal offset of the unit [m]", f"{offset:12.3f}"),
+            ("weight of the unit in water [N]", f"{self.unit_weight:12.1f}"),
+            ("top tension [N]", f"{self.top_tension:12.1f}"),
+            ("top angle from the vertical [deg]", f"{math.degrees(self.top_angle):12.3f}"),
+            ("least tension [N]", f"{float(self.shape.tension.min()):12.1f}"),
+        ]
+        if self.seabed_depth is not None:
+            rows.append(("unit above the seabed [m]", f"{self.unit[2] + self.seabed_depth:12.3f}"))
+        return "\n".join(f"{name:40}{text}" for name, text in rows)
+
+
+def static_report(parameters: CableSimParameters, boom_tip: ArrayLike = (0.0, 0.0, 0.0)) -> StaticReport:
+    """Return the static equilibrium of a cable system hanging from `boom_tip` [m] at payout 0.
+
+    Bending stiffness, waves and the passive compensator have no part in it; a current that changes in time is taken
+    at the start.
+
+    Raises
+    ------
+    StaticsError
+        if sections or clumps do not fit on the cable, or the unit would lie below the seabed.
+    NoEquilibriumError
+        if the current's equilibrium cannot be reached.
+    """
+    tip = np.asarray(boom_tip, dtype=np.float64)
+    current = current_of(parameters)
+    cable = cable_of(parameters)
+    shape = _with_tension_law(parameters.cable, cable, tip, current)
+    unit = shape.positions[0]
+    seabed = parameters.seabed
+    depth = seabed.depth if seabed.depth > 0.0 else None
+    if depth is not None:
+        bottom = -depth + seabed.slope[0] * unit[0] + seabed.slope[1] * unit[1]
+        if unit[2] < bottom:
+            raise StaticsError(
+                f"the unit would hang {bottom - unit[2]:.3g} m below the seabed: shorten length {parameters.length:g} m"
+                f" or deepen seabed.depth {depth:g} m"
+            )
+    return StaticReport(
+        shape=shape,
+        boom_tip=tip,
+        unit=unit,
+        boom_tip_force=shape.end_force,
+        unit_weight=parameters.unit.weight_in_fluid(parameters.water_density, parameters.gravity),
+        unit_pull=shape.lower[0],
+        seabed_depth=depth,
+    )
+
+
+def current_of(parameters: CableSimParameters) -> Current:
+    """Return the current of a parameter set at the start of the run."""
+    profile = parameters.current_profile
+    factor = profile.factor[0] if profile.factor else 1.0
+    if not profile.depth:
+        return Current(factor * np.array(parameters.current))
+    velocities = factor * np.column_stack((profile.velocity_x, profile.velocity_y))
+    return Current(velocities, profile.depth)
+
+
+def cable_of(parameters: CableSimParameters, *, segments: int | None = None) -> StaticCable:
+    """Return the cable with unit and clumps, s = 0 at the unit; `segments` as in the parameters but 100 at least."""
+    sections = []
+    start = 0.0
+    for size in (*parameters.sections.length, parameters.length):
+        if start >= parameters.length:
+            break
+        row = segment_row(parameters, start)
+        sections.append(
+            StaticSection(
+                length=min(size, parameters.length - start),
+                axial_stiffness=row[at.STIFFNESS],
+                weight=row[at.WEIGHT],
+                normal_drag=row[at.NORMAL_DRAG],
+                tangential_drag=row[at.TANGENTIAL_DRAG],
+            )
+        )
+        start += size
+    force, drag = np.split(unit_row(parameters), 4)[2], np.split(unit_row(parameters), 4)[1]
+    loads = [PointLoad(0.0, (force[0], force[1], force[2]), (drag[0], drag[1], drag[2]))]
+    density = parameters.water_density
+    clumps = parameters.clumps
+    for index, label in enumerate(clumps.position):
+        in_water = (clumps.mass[index] - density * clumps.volume[index]) * parameters.gravity
+        loads.append(PointLoad(label, (0.0, 0.0, -in_water), body_drag=0.5 * density * clumps.drag_area[index]))
+    count = max(parameters.segments, 100) if segments is None else segments
+    return static_cable(sections, loads, segments=count)
+
+
+def _with_tension_law(law: CableParameters, cable: StaticCable, tip: Array, current: Current) -> StaticShape:
+    """Solve; with a tension law that is not straight, again with each segment's secant stiffness until it settles."""
+    shape = towing_cable(cable, tip, current)
+    if law.stiffness_quadratic == 0.0 and law.stiffness_cubic == 0.0:
+        return shape
+    small_strain = cable.segments[:, STIFFNESS].copy()
+    for _ in range(STIFFNESS_ITERATIONS):
+        tension = 0.5 * (np.linalg.norm(shape.lower, axis=1) + np.linalg.norm(shape.upper, axis=1))
+        strain = tension / cable.segments[:, STIFFNESS]
+        shaped = 1.0 + law.stiffness_quadratic * strain + law.stiffness_cubic * strain**2
+        wanted = small_strain * shaped
+        if not np.all(wanted > 0.0):
+            raise NoEquilibriumError("the cable's tension law carries no load at the static strain")
+        segments = cable.segments.copy()
+        segments[:, STIFFNESS] = wanted
+        settled = float(np.max(np.abs(wanted / cable.segments[:, STIFFNESS] - 1.0))) < 1e-12
+        cable = replace(cable, segments=segments)
+        shape = towing_cable(cable, tip, current)
+        if settled:
+            return shape
+    raise NoEquilibriumError("the static strain did not settle under the cable's tension law")
+
+
+def draw_static(report: StaticReport, path: Path) -> None:
+    """Draw the shape in both vertical planes and from above, to a PNG or SVG file by the suffix of `path`."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg  # noqa: PLC0415 (slow to import, rarely needed)
+    from matplotlib.figure import Figure  # noqa: PLC0415 (slow to import, rarely needed)
+
+    if path.suffix.lower() not in PICTURE_ENDINGS:
+        raise StaticsError(f"{path}: a static picture is {' or '.join(PICTURE_ENDINGS)}")
+    figure = Figure(figsize=(11.0, 5.5), layout="constrained")
+    FigureCanvasAgg(figure)
+    draw_shape(figure, report)
+    figure.savefig(path, dpi=120)
+
+
+def draw_shape(figure: Figure, report: StaticReport) -> None:
+    """Draw x-z, y-z and x-y views into `figure`, coloured by tension."""
+    from matplotlib.cm import ScalarMappable  # noqa: PLC0415 (slow to import, rarely needed)
+    from matplotlib.colors import Normalize  # noqa: PLC0415 (slow to import, rarely needed)
+
+    curve = report.shape.curve()
+    labels = np.interp(
+        np.linspace(0.0, len(report.shape.positions) - 1, len(curve)),
+        np.arange(len(report.shape.positions)),
+        report.shape.cable.labels,
+    )
+    tension = np.interp(labels, report.shape.cable.labels, report.shape.tension)
+    span = max(float(np.ptp(curve, axis=0).max()), report.shape.cable.segments[0, LENGTH])
+    axes = figure.subplots(1, 3)
+    colours = Normalize(float(tension.min()) / 1e3, float(tension.max()) / 1e3)
+    for axis, (across, up) in zip(axes, ((0, 2), (1, 2), (0, 1)), strict=True):
+        axis.plot(curve[:, across], curve[:, up], color="0.7", linewidth=1.0)
+        axis.scatter(curve[:, across], curve[:, up], c=tension / 1e3, s=6.0, cmap="viridis", norm=colours)
+        axis.plot(report.unit[across], report.unit[up], "ks", markersize=7.0, label="unit")
+        axis.plot(report.boom_tip[across], report.boom_tip[up], "r^", markersize=7.0, label="boom tip")
+        axis.set_xlabel(f"{'xyz'[across]} [m]")
+        axis.set_ylabel(f"{'xyz'[up]} [m]")
+        if float(np.ptp(curve[:, across])) < 0.02 * span:
+            middle = float(curve[:, across].mean())
+            axis.set_xlim(middle - 0.1 * span, middle + 0.1 * span)
+        if report.seabed_depth is not None and up == 2:
+            axis.axhline(-report.seabed_depth, color="saddlebrown", linewidth=2.0)
+        axis.grid(alpha=0.3)
+    axes[0].legend(loc="best", fontsize="small")
+    figure.colorbar(ScalarMappable(colours, "viridis"), ax=axes, label="tension [kN]")
+    figure.suptitle(
+        f"{report.shape.cable.length:g} m out: top tension {report.top_tension / 1e3:.2f} kN,"
+        f" top angle {math.degrees(report.top_angle):.2f} deg"
+    )

@@ -1,0 +1,203 @@
+"""What the axial models know of cable and unit: the few numbers that vertical motion depends on."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from dataclasses import dataclass, fields, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cable_sim_node.errors import NoEquilibriumError
+from cable_sim_node.line import layout as at
+from cable_sim_node.line.equilibrium import strain_at
+from cable_sim_node.line.grid import segment_row, unit_row
+from cable_sim_node.parameters import CableSimParameters
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class AxialSection:
+    """One uniform piece of cable, per unstretched metre.
+
+    Attributes
+    ----------
+    length : [m]; the uppermost section goes on for ever, whatever its length, because the winch feeds it
+    axial_stiffness : EA [N]
+    mass : [kg/m], with the tangential added mass if there is any
+    weight : in water, positive down [N/m]
+    drag : tangential drag over speed squared, (pi/2) rho C_tau d (thesis Eq. 3.1) [N s2/m3]
+    damping_time : of the internal damping, T = EA (strain + damping_time * strain rate) [s]
+    """
+
+    length: float
+    axial_stiffness: float
+    mass: float
+    weight: float
+    drag: float = 0.0
+    damping_time: float = 0.0
+
+
+@dataclass(frozen=True)
+class AxialUnit:
+    """The subsea unit in vertical motion.
+
+    Attributes
+    ----------
+    inertia : mass and vertical added mass [kg]
+    weight : in water, positive down [N]
+    drag : over speed squared, rho C_D S / 2 (thesis Eq. 3.3) [N s2/m2]
+    """
+
+    inertia: float
+    weight: float
+    drag: float = 0.0
+
+
+@dataclass(frozen=True)
+class AxialClump:
+    """A body clamped on the cable at `label`, unstretched length from the unit [m]; the rest as for `AxialUnit`."""
+
+    label: float
+    inertia: float
+    weight: float
+    drag: float = 0.0
+
+
+@dataclass(frozen=True)
+class AxialPiece(AxialSection):
+    """A piece of the cable that is out, and the clumps at its lower end."""
+
+    clumps: tuple[AxialClump, ...] = ()
+
+
+@dataclass(frozen=True)
+class AxialLine:
+    """Cable (sections counted from the unit upwards), unit, and bodies on the cable in the order of their labels."""
+
+    sections: tuple[AxialSection, ...]
+    unit: AxialUnit
+    clumps: tuple[AxialClump, ...] = ()
+
+    def starts(self) -> Array:
+        """Labels at which the sections begin [m], counted from the unit."""
+        lengths = [section.length for section in self.sections[:-1]]
+        return np.concatenate(([0.0], np.cumsum(lengths)))
+
+    def densities(self) -> Array:
+        """Return shape (5, sections): 1/EA, mass, weight, drag and damping time, per metre."""
+        rows = [(1.0 / s.axial_stiffness, s.mass, s.weight, s.drag, s.damping_time) for s in self.sections]
+        return np.ascontiguousarray(np.array(rows).T)
+
+    def totals(self) -> Array:
+        """Return shape (5, sections): the integrals of `densities` from the unit to each section's start."""
+        lengths = np.array([section.length for section in self.sections[:-1]])
+        sums = np.cumsum(self.densities()[:, :-1] * lengths, axis=1)
+        return np.concatenate((np.zeros((5, 1)), sums), axis=1)
+
+    def clump_table(self) -> Array:
+        """Return shape (clumps, 4): label, inertia, weight and drag of each."""
+        return np.array([(c.label, c.inertia, c.weight, c.drag) for c in self.clumps]).reshape(-1, 4)
+
+    def section_at(self, label: float) -> AxialSection:
+        """Return the section to which the point at `label` [m] belongs."""
+        return self.sections[int(np.searchsorted(self.starts(), label, side="right")) - 1]
+
+    def pieces(self, length: float) -> list[AxialPiece]:
+        """Return the cable that is out, cut at joints and clumps, from the unit upwards."""
+        marks = {0.0, length, *self.starts(), *(clump.label for clump in self.clumps)}
+        cuts = sorted(float(mark) for mark in marks if mark <= length)
+        pieces = []
+        for low, high in itertools.pairwise(cuts):
+            section = self.section_at(0.5 * (low + high))
+            values = {field.name: getattr(section, field.name) for field in fields(AxialSection)}
+            bodies = tuple(clump for clump in self.clumps if clump.label == low)
+            pieces.append(AxialPiece(**{**values, "length": high - low}, clumps=bodies))
+        return pieces
+
+    def static_stretch(self, length: float) -> float:
+        """Elongation under weight in still water [m]."""
+        stretch, load = 0.0, self.unit.weight
+        for piece in self.pieces(length):
+            load += sum(clump.weight for clump in piece.clumps)
+            stretch += piece.length * (load + 0.5 * piece.weight * piece.length) / piece.axial_stiffness
+            load += piece.weight * piece.length
+        return stretch
+
+    def static_top_tension(self, length: float) -> float:
+        """Tension at the top in still water [N]."""
+        weight = self.unit.weight
+        for piece in self.pieces(length):
+            weight += piece.weight * piece.length + sum(clump.weight for clump in piece.clumps)
+        return weight
+
+
+def axial_line(parameters: CableSimParameters) -> AxialLine:
+    """Return the axial model's view of a cable system: vertical weight, stiffness, inertia and drag.
+
+    The model is linear elastic. A tension law that is not straight is taken by its slope at the static tension half-way
+    along each section at payout 0, which is right for motion about rest. The vertical part of the unit's thrust counts
+    as weight.
+
+    Raises
+    ------
+    NoEquilibriumError
+        if the tension law does not reach the static tension, or falls there.
+    """
+    sections = []
+    start = 0.0
+    for size in (*parameters.sections.length, math.inf):
+        row = segment_row(parameters, start)
+        sections.append(
+            AxialSection(
+                length=size,
+                axial_stiffness=float(row[at.STIFFNESS]),
+                mass=float(row[at.MASS]),
+                weight=float(row[at.WEIGHT]),
+                drag=float(row[at.TANGENTIAL_DRAG]),
+                damping_time=float(row[at.DAMPING] / row[at.STIFFNESS]),
+            )
+        )
+        start += size
+    unit = unit_row(parameters)
+    density, clumps = parameters.water_density, parameters.clumps
+    bodies = [
+        AxialClump(
+            label=label,
+            inertia=clumps.mass[i] + (clumps.added_mass[i] if density > 0.0 else 0.0),
+            weight=(clumps.mass[i] - density * clumps.volume[i]) * parameters.gravity,
+            drag=0.5 * density * clumps.drag_area[i],
+        )
+        for i, label in enumerate(clumps.position)
+    ]
+    line = AxialLine(
+        tuple(sections),
+        AxialUnit(float(unit[at.UNIT_INERTIA + 2]), -float(unit[at.UNIT_FORCE + 2]), float(unit[at.UNIT_DRAG + 2])),
+        tuple(sorted(bodies, key=lambda body: body.label)),
+    )
+    cable = parameters.cable
+    if cable.stiffness_quadratic == 0.0 and cable.stiffness_cubic == 0.0:
+        return line
+    return _at_static_tension(parameters, line)
+
+
+def _at_static_tension(parameters: CableSimParameters, line: AxialLine) -> AxialLine:
+    """Return `line` with each section's EA replaced by the slope of its tension law at rest."""
+    sections = []
+    start = 0.0
+    for section in line.sections:
+        end = max(min(start + section.length, parameters.length), start + 1e-6 * parameters.length)
+        row = segment_row(parameters, start)
+        strain = strain_at(row, line.static_top_tension(0.5 * (start + end)))
+        slope = 1.0 + strain * (2.0 * row[at.QUADRATIC] + 3.0 * row[at.CUBIC] * strain)
+        if not (math.isfinite(strain) and slope > 0.0):
+            raise NoEquilibriumError(
+                f"the cable's tension law does not carry the static tension {start:g} m above the unit"
+            )
+        stiffness = float(row[at.STIFFNESS] * slope)
+        delay = section.damping_time * section.axial_stiffness / stiffness
+        sections.append(replace(section, axial_stiffness=stiffness, damping_time=delay))
+        start += section.length
+    return replace(line, sections=tuple(sections))

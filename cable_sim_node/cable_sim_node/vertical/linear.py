@@ -1,0 +1,272 @@
+"""Linearised vertical motion of unit and cable: transfer functions, natural frequencies, resonance map, two-state fit.
+
+Exact in space: every uniform piece of cable is a bar solved in closed form, pieces are joined by their tension, so that
+there is no mesh. Quadratic drag enters as the equivalent linear damping that dissipates the same energy in a harmonic
+cycle, 8/(3 pi) * drag * velocity amplitude, found by iteration with the local amplitude.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.optimize import brentq, least_squares
+
+from cable_sim_node.errors import PlantError
+from cable_sim_node.vertical.axial_line import AxialLine, AxialPiece
+
+Array = NDArray[np.float64]
+ComplexArray = NDArray[np.complex128]
+
+HARMONIC_DRAG = 8.0 / (3.0 * math.pi)
+"""First harmonic of abs(sin) sin: makes quadratic drag linear at equal energy per cycle."""
+
+DRAG_PIECES = 12
+"""Pieces along the cable in each of which the drag's linearisation amplitude is constant."""
+
+DRAG_ITERATIONS = 60
+
+
+class LinearisationError(PlantError, ValueError):
+    """A linearisation that cannot be made; the message says why."""
+
+
+@dataclass(frozen=True)
+class HeaveTransfer:
+    """Transfer function from boom-tip heave at a fixed length.
+
+    Attributes
+    ----------
+    omegas : [rad/s]
+    unit_heave : complex, unit heave over boom-tip heave (positive phase leads) [-]
+    top_tension : complex, top tension over boom-tip heave [N/m]
+    """
+
+    omegas: Array
+    unit_heave: ComplexArray
+    top_tension: ComplexArray
+
+
+@dataclass(frozen=True)
+class ResonanceMap:
+    """Amplitudes over length and frequency.
+
+    Attributes
+    ----------
+    lengths : [m], shape (n,)
+    omegas : [rad/s], shape (k,)
+    unit_heave : over boom-tip heave, shape (n, k) [-]
+    top_tension : over boom-tip heave, shape (n, k) [N/m]
+    """
+
+    lengths: Array
+    omegas: Array
+    unit_heave: Array
+    top_tension: Array
+
+
+@dataclass(frozen=True)
+class TwoStateModel:
+    """a x'' + b x' + x = x0 (thesis Eq. 6.2): x unit heave, x0 boom-tip heave.
+
+    Attributes
+    ----------
+    a : [s2]; b : [s]
+    error : root mean square of the weighted difference of transfer functions over that of the exact one [-]
+    """
+
+    a: float
+    b: float
+    error: float
+
+    def transfer(self, omegas: ArrayLike) -> ComplexArray:
+        """Return 1/(1 - a w^2 + i b w)."""
+        omega = np.asarray(omegas, dtype=np.float64)
+        return np.asarray(1.0 / (1.0 - self.a * omega**2 + 1j * self.b * omega))
+
+
+def heave_transfer_function(
+    line: AxialLine, length: float, omegas: ArrayLike, *, amplitude: float | ArrayLike = 0.0
+) -> HeaveTransfer:
+    """Return the transfer functions boom tip to unit heave and to top tension.
+
+    Parameters
+    ----------
+    line : cable and unit
+    length : unstretched length out [m]
+    omegas : [rad/s], positive
+    amplitude : boom-tip amplitude at each frequency [m] about which drag is made linear; 0 leaves drag out, which is
+        infinite at a resonance unless the cable has internal damping
+
+    Raises
+    ------
+    LinearisationError
+        for a length or a frequency that is not positive.
+    """
+    omega = np.atleast_1d(np.asarray(omegas, dtype=np.float64))
+    if not (length > 0.0 and np.all(np.isfinite(omega)) and np.all(omega > 0.0)):
+        raise LinearisationError("length and all frequencies must be positive and finite")
+    tip = np.broadcast_to(np.asarray(amplitude, dtype=np.float64), omega.shape)
+    pieces = [part for piece in line.pieces(length) for part in _divide(piece, length / DRAG_PIECES)]
+    drags = [line.unit.drag, *(clump.drag for clump in line.clumps), *(section.drag for section in line.sections)]
+    has_drag = bool(np.any(tip > 0.0)) and max(drags) > 0.0
+    speeds = np.zeros((len(pieces) + 1, len(omega)))
+    if has_drag:
+        speeds[:] = omega * tip
+        for _ in range(DRAG_ITERATIONS):
+            motion = _march(line, pieces, omega, speeds)
+            heave = np.abs(motion.heave) / np.abs(motion.heave[-1]) * tip
+            local = omega * np.concatenate((heave[:1], 0.5 * (heave[1:] + heave[:-1])))
+            change = float(np.max(np.abs(local - speeds)))
+            # the geometric mean settles the resonance, where amplitude goes as 1/sqrt(damping)
+            speeds = np.sqrt(speeds * local)
+            if change < 1e-9 * (1.0 + float(speeds.max())):
+                break
+    motion = _march(line, pieces, omega, speeds)
+    return HeaveTransfer(omega, 1.0 / motion.heave[-1], motion.top_tension / motion.heave[-1])
+
+
+@dataclass(frozen=True)
+class _March:
+    """Heave at the joints for a unit heave of 1, from the unit upwards, and the tension at the top."""
+
+    heave: ComplexArray
+    top_tension: ComplexArray
+
+
+def _divide(piece: AxialPiece, size: float) -> list[AxialPiece]:
+    """Cut a piece into equal pieces of at most `size` [m]; the clumps stay at the lower end."""
+    count = max(1, math.ceil(piece.length / size - 1e-9))
+    part = replace(piece, length=piece.length / count)
+    return [part, *[replace(part, clumps=())] * (count - 1)]
+
+
+def _march(line: AxialLine, pieces: list[AxialPiece], omega: Array, speeds: Array) -> _March:
+    """Carry displacement and tension from the unit (displacement 1) to the top, piece by piece in closed form."""
+    displacement = np.ones(len(omega), dtype=np.complex128)
+    unit_damping = HARMONIC_DRAG * line.unit.drag * speeds[0]
+    tension = -line.unit.inertia * omega**2 + 1j * omega * unit_damping
+    heave = [displacement]
+    for piece, speed in zip(pieces, speeds[1:], strict=True):
+        for clump in piece.clumps:
+            drag = 1j * omega * HARMONIC_DRAG * clump.drag * speed
+            tension = tension + (drag - clump.inertia * omega**2) * displacement
+        stiffness = piece.axial_stiffness * (1.0 + 1j * omega * piece.damping_time)
+        load = piece.mass * omega**2 - 1j * omega * HARMONIC_DRAG * piece.drag * speed
+        number = np.sqrt(load / stiffness)
+        angle = number * piece.length
+        cosine, shape = np.cos(angle), np.sinc(angle / np.pi) * piece.length
+        displacement, tension = (
+            cosine * displacement + shape / stiffness * tension,
+            -load * shape * displacement + cosine * tension,
+        )
+        heave.append(displacement)
+    return _March(np.array(heave), tension)
+
+
+def natural_frequencies(line: AxialLine, length: float, count: int) -> Array:
+    """Return the lowest undamped natural frequencies of heave with the top held [rad/s], ascending.
+
+    Between two roots the top displacement per unit displacement changes sign, and there is one root for each half wave
+    along the cable, so none is missed.
+    """
+    if not (length > 0.0 and count >= 1):
+        raise LinearisationError("length must be positive and count at least 1")
+    pieces = _undamped(line.pieces(length))
+    speeds = np.zeros((len(pieces) + 1, 1))
+
+    def top(omega: float) -> float:
+        return float(_march(line, pieces, np.array([omega]), speeds).heave[-1].real[0])
+
+    travel = sum(piece.length * math.sqrt(piece.mass / piece.axial_stiffness) for piece in pieces)
+    compliance = sum(piece.length / piece.axial_stiffness for piece in pieces)
+    mass = sum(piece.mass * piece.length for piece in pieces)
+    mass += line.unit.inertia + sum(clump.inertia for clump in line.clumps)
+    step = 0.05 * min(1.0 / math.sqrt(compliance * mass), math.pi / travel)
+    roots: list[float] = []
+    low, value = 0.0, 1.0
+    while len(roots) < count:
+        high = low + step
+        next_value = top(high)
+        if value * next_value <= 0.0:
+            roots.append(float(brentq(top, low, high, xtol=1e-14, rtol=1e-13)))
+            step = 0.05 * math.pi / travel
+        low, value = high, next_value
+    return np.array(roots)
+
+
+def _undamped(pieces: list[AxialPiece]) -> list[AxialPiece]:
+    return [replace(piece, damping_time=0.0) for piece in pieces]
+
+
+def mode_shape(line: AxialLine, length: float, omega: float, points: int = 50) -> tuple[Array, Array]:
+    """Return labels counted from the unit [m] and the heave there of the free vibration at `omega`, largest 1.
+
+    There are `points` labels, or some more where the cable has joints.
+    """
+    pieces = [part for piece in _undamped(line.pieces(length)) for part in _divide(piece, length / points)]
+    labels = np.concatenate(([0.0], np.cumsum([piece.length for piece in pieces])))
+    march = _march(line, pieces, np.array([omega]), np.zeros((len(pieces) + 1, 1)))
+    shape = march.heave[:, 0].real
+    return labels, shape / float(np.max(np.abs(shape)))
+
+
+def resonance_map(line: AxialLine, lengths: ArrayLike, omegas: ArrayLike, *, amplitude: float = 0.0) -> ResonanceMap:
+    """Return how unit and top tension answer at every length and frequency: where a lowering meets its resonances.
+
+    Arguments as for `heave_transfer_function`, `lengths` in place of one length.
+    """
+    spans = np.atleast_1d(np.asarray(lengths, dtype=np.float64))
+    answers = [heave_transfer_function(line, float(length), omegas, amplitude=amplitude) for length in spans]
+    return ResonanceMap(
+        lengths=spans,
+        omegas=answers[0].omegas,
+        unit_heave=np.array([np.abs(answer.unit_heave) for answer in answers]),
+        top_tension=np.array([np.abs(answer.top_tension) for answer in answers]),
+    )
+
+
+def resonant_length(line: AxialLine, omega: float) -> float:
+    """Return the rough length of cable [m] at which `omega` is in resonance: EA/(w^2 (M + Ma)) (thesis 3.3.5).
+
+    Neglects the cable's own mass; of several sections it takes the uppermost.
+    """
+    if not omega > 0.0:
+        raise LinearisationError("omega must be positive")
+    return line.sections[-1].axial_stiffness / (omega**2 * line.unit.inertia)
+
+
+def fit_two_state(omegas: ArrayLike, unit_heave: ArrayLike, *, weights: ArrayLike | None = None) -> TwoStateModel:
+    """Return the a, b of thesis Eq. 6.2 whose transfer function is nearest to `unit_heave` in least squares.
+
+    Parameters
+    ----------
+    omegas : [rad/s]
+    unit_heave : complex transfer function boom tip to unit at `omegas`
+    weights : of each frequency, for example the amplitude spectrum of the boom tip; None for equal
+
+    Raises
+    ------
+    LinearisationError
+        if fewer than two frequencies are given, or they differ in number.
+    """
+    omega = np.asarray(omegas, dtype=np.float64)
+    exact = np.asarray(unit_heave, dtype=np.complex128)
+    weight = np.ones_like(omega) if weights is None else np.asarray(weights, dtype=np.float64)
+    if len(omega) < 2 or exact.shape != omega.shape or weight.shape != omega.shape:
+        raise LinearisationError("a two-state fit needs two or more frequencies, with one response and weight each")
+
+    def difference(guess: Array) -> Array:
+        model = TwoStateModel(guess[0], guess[1], 0.0).transfer(omega)
+        error = weight * (model - exact)
+        return np.concatenate((error.real, error.imag))
+
+    inverse = 1.0 / exact
+    scale = weight / np.abs(inverse)
+    a = float(np.sum(scale * omega**2 * (1.0 - inverse.real)) / np.sum(scale * omega**4))
+    b = float(np.sum(scale * omega * inverse.imag) / np.sum(scale * omega**2))
+    fit = least_squares(difference, np.array([a, max(b, 1e-6)]), x_scale=np.array([abs(a) + 1e-9, abs(b) + 1e-3]))
+    size = float(np.sqrt(np.sum(np.abs(weight * exact) ** 2)))
+    return TwoStateModel(float(fit.x[0]), float(fit.x[1]), float(np.sqrt(2.0 * fit.cost)) / size)

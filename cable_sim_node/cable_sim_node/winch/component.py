@@ -1,0 +1,332 @@
+"""The virtual winch: what a real winch drive does with the commands it gets, and with those it does not get.
+
+State: payout u [m] (positive lets out) and its rate v [m/s], both 0 at the start. Laws, with the set-points held from
+the moment a command takes effect:
+
+- `speed_servo` (default): u' = v, v' = clip((v_set - v)/T, acceleration_limit),
+  v_set = clip(payout_rate + k_p (payout - u), speed_limit) with the set-points payout_rate and payout of the command.
+  With k_p = 0 and inside the limits V(s)/V_set(s) = exp(-s tau)/(1 + T s); the payout set-point then has no effect.
+  With k_p > 0, U(s)/U_set(s) = k_p exp(-s tau)/(T s^2 + s + k_p) for a payout_rate of 0, and
+  (s + k_p) exp(-s tau)/(T s^2 + s + k_p) when payout_rate is the derivative of payout; it is stable for every k_p and
+  overdamped for k_p < 1/(4 T).
+- `first_order`: u' = K (u_0 - u), thesis Eq. 6.1, u_0 the payout set-point; payout_rate has no effect.
+
+The command of tick k takes effect exactly at t_k + tau, tau = command_delay, also where that falls inside a tick.
+
+What no command can make the winch do: exceed speed_limit, acceleration_limit or the payout range. A power limit
+bounds the speed to power_limit/tension; where tension rises in motion the winch slows down to that speed within its
+acceleration limit.
+
+Brake and faults: the brake is engaged at the start; a fresh command without a brake request releases it. A brake
+request makes the winch stop with stop_deceleration and then brake. So do faults, and they latch: no fresh command for
+command_timeout (counted from the moment the last one took effect, while released), a set-point that is not a finite
+number, a trip of the drive, the emergency stop. A latched fault is left only by an explicit release: a fresh command
+with a brake request and, the drum at rest, a fresh one without. A command is fresh when its sequence number is above
+the last one taken; while a fault is latched a brake request with any other number is fresh too, so that a restarted
+controller can take over.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import enum
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from cable_sim_node.sensors.fault_parameters import ENCODER_FAULT_KINDS, WINCH_FAULT_KINDS
+from cable_sim_node.sensors.faults import FaultSchedule
+from cable_sim_node.winch import drive
+from cable_sim_node.winch.parameters import EncoderParameters, WinchParameters
+
+_TICK_ROUNDING = 1e-6
+"""An event this near to a tick [ticks] is at the tick: delay/tick_period is a rounded quotient."""
+
+
+class WinchFault(enum.IntEnum):
+    """Why the winch stopped by itself; numbers of heave_msgs/WinchState."""
+
+    NONE = 0
+    COMMAND_TIMEOUT = 1
+    INVALID_COMMAND = 2
+    DRIVE = 3
+    EMERGENCY_STOP = 4
+
+
+class WinchLimit(enum.IntFlag):
+    """Limits that acted within a tick; numbers of heave_msgs/WinchState."""
+
+    NONE = 0
+    SPEED = drive.LIMIT_SPEED
+    ACCELERATION = drive.LIMIT_ACCELERATION
+    PAYOUT = drive.LIMIT_PAYOUT
+    POWER = drive.LIMIT_POWER
+
+
+@dataclass(frozen=True)
+class WinchCommand:
+    """What the winch shall do from the start of its tick on, until the next command.
+
+    Attributes
+    ----------
+    sequence : counts commands from 1
+    payout, payout_rate : set-points [m], [m/s]
+    brake : stop within the limits, then hold with the brake
+    """
+
+    sequence: int
+    payout: float = 0.0
+    payout_rate: float = 0.0
+    brake: bool = False
+
+    def is_finite(self) -> bool:
+        """Tell whether both set-points are finite numbers."""
+        return math.isfinite(self.payout) and math.isfinite(self.payout_rate)
+
+
+@dataclass(frozen=True)
+class WinchState:
+    """State of the winch at the end of a tick.
+
+    Attributes
+    ----------
+    time : simulated time [s]
+    command_sequence : number of the newest command taken; 0: none yet
+    payout, payout_rate, payout_acceleration : truth [m], [m/s], [m/s^2]
+    encoder_payout : the encoder's reading [m]
+    encoder_payout_rate : its difference over the tick by the tick [m/s]
+    tension : tension at the drum, as given [N]; NaN: unknown
+    power : -tension*payout_rate, positive when hauling in [W]; NaN: unknown
+    limits : limits that acted within the tick
+    brake : the brake is engaged
+    fault : why the winch stopped by itself
+    """
+
+    time: float
+    command_sequence: int
+    payout: float
+    payout_rate: float
+    payout_acceleration: float
+    encoder_payout: float
+    encoder_payout_rate: float
+    tension: float
+    power: float
+    limits: WinchLimit
+    brake: bool
+    fault: WinchFault
+
+
+class Encoder:
+    """The drum encoder: payout rounded to its resolution, with faults.
+
+    Parameters
+    ----------
+    parameters : resolution [m] and scheduled faults
+    """
+
+    def __init__(self, parameters: EncoderParameters) -> None:
+        self._resolution = parameters.resolution
+        self.faults = FaultSchedule(parameters.faults, device="encoder", known=ENCODER_FAULT_KINDS)
+        self._value = 0.0
+
+    def read(self, time: float, payout: float) -> float:
+        """Return the reading [m] of the true `payout` [m] at `time` [s]; NaN under a nan fault."""
+        if not self.faults.is_active("freeze", time):
+            self._value = self._quantise(payout + self.faults.total("jump", time))
+        if self.faults.is_active("nan", time):
+            return math.nan
+        return self._value + self.faults.take_once("spike", time)
+
+    def _quantise(self, payout: float) -> float:
+        return payout if self._resolution == 0.0 else self._resolution * round(payout / self._resolution)
+
+
+class VirtualWinch:
+    """The winch as a component: a command per tick in, the state at the end of the tick out.
+
+    Parameters
+    ----------
+    parameters : the winch
+    tick_period : [s]
+
+    Attributes
+    ----------
+    faults, encoder.faults : fault schedules; faults may be injected during the run
+    refused_commands : commands that were neither fresh nor the newest one again, so far
+    """
+
+    def __init__(self, parameters: WinchParameters, *, tick_period: float) -> None:
+        self._parameters = parameters
+        self._tick_period = tick_period
+        self.faults = FaultSchedule(parameters.faults, device="winch", known=WINCH_FAULT_KINDS)
+        self.encoder = Encoder(parameters.encoder)
+        self.refused_commands = 0
+        self._now = 0.0  # [ticks]
+        self._payout = 0.0
+        self._rate = 0.0
+        self._mode = drive.HOLD
+        self._fault = WinchFault.NONE
+        self._is_acknowledged = False
+        self._line: list[tuple[float, WinchCommand]] = []
+        self._newest_sent: WinchCommand | None = None
+        self._command = WinchCommand(0)
+        self._command_since = 0.0
+        self._reading = self.encoder.read(0.0, self._payout)
+        self.state = self._make_state(0.0, WinchLimit.NONE, math.nan, self._reading)
+
+    @property
+    def tick(self) -> int:
+        """Number of the next tick to be stepped; `state` is that at its start."""
+        return round(self._now)
+
+    def step(self, tick: int, command: WinchCommand | None, tension: float = math.nan) -> WinchState:
+        """Take the command of `tick` and return the state at the end of the tick.
+
+        Parameters
+        ----------
+        tick : k, the interval [t_k, t_{k+1}]; ticks left out (real time, late caller) are run without a command first
+        command : what arrived for this tick; None: nothing
+        tension : cable tension at the drum [N]; NaN: unknown, the power limit then does not act
+
+        Raises
+        ------
+        ValueError : `tick` lies before the state the winch is in.
+        """
+        if tick < self.tick:
+            raise ValueError(f"virtual winch: tick {tick} is over; the next one is {self.tick}")
+        self._send(tick, command)
+        previous_reading = self._reading
+        ticks = tick + 1 - self.tick
+        limits, acceleration = self._advance_to(float(tick + 1), tension)
+        self._reading = self.encoder.read(self._now * self._tick_period, self._payout)
+        reading_rate = (self._reading - previous_reading) / (ticks * self._tick_period)
+        self.state = self._make_state(acceleration, limits, tension, reading_rate)
+        return self.state
+
+    def _send(self, tick: int, command: WinchCommand | None) -> None:
+        """Put a command on its way to the drive."""
+        time = tick * self._tick_period
+        if command is None or command == self._newest_sent or self.faults.is_active("gap", time):
+            return
+        self._newest_sent = command
+        delay = self._parameters.command_delay + self.faults.total("delay", time)
+        self._line.append((_round_to_tick(tick + delay / self._tick_period), command))
+        self._line.sort(key=lambda entry: entry[0])
+
+    def _advance_to(self, end: float, tension: float) -> tuple[WinchLimit, float]:
+        """Move the drum to `end` [ticks], event by event; return the limits that acted and the last acceleration."""
+        limits = 0
+        acceleration = 0.0
+        while self._now < end:
+            self._handle_events()
+            following = min(end, self._next_event())
+            acted, acceleration = self._move((following - self._now) * self._tick_period, tension)
+            limits |= acted
+            self._now = following
+        return WinchLimit(limits), acceleration
+
+    def _handle_events(self) -> None:
+        """Do what is due now: commands first, so that one at the very deadline is in time; then watchdog and faults."""
+        time = self._now * self._tick_period
+        while self._line and self._line[0][0] <= self._now:
+            self._take(self._line.pop(0)[1])
+        if self._mode in (drive.FOLLOW_SPEED, drive.FOLLOW_POSITION) and self._now >= self._deadline():
+            self._trip(WinchFault.COMMAND_TIMEOUT)
+        if self.faults.is_active("drive", time):
+            self._trip(WinchFault.DRIVE)
+        if self.faults.is_active("emergency_stop", time):
+            self._trip(WinchFault.EMERGENCY_STOP)
+
+    def _next_event(self) -> float:
+        """Return the time of the next event after now [ticks]."""
+        start = self.faults.next_start(("drive", "emergency_stop"), self._now * self._tick_period)
+        events = [_round_to_tick(start / self._tick_period) if math.isfinite(start) else math.inf]
+        events += [effect for effect, _ in self._line[:1]]
+        if self._mode in (drive.FOLLOW_SPEED, drive.FOLLOW_POSITION):
+            events.append(self._deadline())
+        return min((event for event in events if event > self._now), default=math.inf)
+
+    def _deadline(self) -> float:
+        """Return when the watchdog trips [ticks]."""
+        return _round_to_tick(self._command_since + self._parameters.command_timeout / self._tick_period)
+
+    def _take(self, command: WinchCommand) -> None:
+        """Let a command take effect."""
+        is_resync = self._fault is not WinchFault.NONE and command.brake and command.sequence != self._command.sequence
+        if command.sequence <= self._command.sequence and not is_resync:
+            self.refused_commands += 1
+            return
+        if not command.is_finite():
+            self._command = dataclasses.replace(self._command, sequence=command.sequence)
+            self._trip(WinchFault.INVALID_COMMAND)
+            return
+        self._command = command
+        self._command_since = self._now
+        if self._fault is not WinchFault.NONE:
+            if command.brake:
+                self._is_acknowledged = True
+            elif self._is_acknowledged and self._mode == drive.HOLD:
+                self._fault = WinchFault.NONE
+        if command.brake:
+            self._stop()
+        elif self._fault is WinchFault.NONE:
+            self._mode = drive.FOLLOW_SPEED if self._parameters.law == "speed_servo" else drive.FOLLOW_POSITION
+
+    def _trip(self, fault: WinchFault) -> None:
+        """Latch a fault and stop. The first fault stays the named one; the emergency stop goes before all."""
+        if self._fault is WinchFault.NONE or fault is WinchFault.EMERGENCY_STOP:
+            self._fault = fault
+        self._is_acknowledged = False
+        self._stop()
+
+    def _stop(self) -> None:
+        if self._mode != drive.HOLD:
+            self._mode = drive.STOP
+
+    def _move(self, duration: float, tension: float) -> tuple[int, float]:
+        """Move the drum for `duration` [s] under the present command; return limits that acted and the acceleration."""
+        p = self._parameters
+        power_speed = p.power_limit / tension if p.power_limit > 0.0 and tension > 0.0 else math.inf
+        self._payout, self._rate, acceleration, limits = drive.advance_drum(
+            self._payout,
+            self._rate,
+            duration,
+            self._mode,
+            self._command.payout,
+            self._command.payout_rate,
+            p.speed_limit,
+            power_speed,
+            p.acceleration_limit,
+            p.stop_deceleration,
+            p.time_constant,
+            p.position_gain,
+            p.position_rate,
+            p.payout_minimum,
+            p.payout_maximum,
+        )
+        if self._mode == drive.STOP and self._rate == 0.0:
+            self._mode = drive.HOLD
+        return limits, acceleration
+
+    def _make_state(self, acceleration: float, limits: WinchLimit, tension: float, encoder_rate: float) -> WinchState:
+        return WinchState(
+            time=self._now * self._tick_period,
+            command_sequence=self._command.sequence,
+            payout=self._payout,
+            payout_rate=self._rate,
+            payout_acceleration=acceleration,
+            encoder_payout=self._reading,
+            encoder_payout_rate=encoder_rate,
+            tension=tension,
+            power=-tension * self._rate,
+            limits=limits,
+            brake=self._mode == drive.HOLD,
+            fault=self._fault,
+        )
+
+
+def _round_to_tick(time: float) -> float:
+    """Return `time` [ticks], or the tick it is at but for rounding."""
+    nearest = float(np.rint(time))
+    return nearest if abs(time - nearest) < _TICK_ROUNDING else time

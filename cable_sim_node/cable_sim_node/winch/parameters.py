@@ -1,0 +1,107 @@
+"""Parameters of the virtual winch."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from heave_node.parameters import group, parameter
+
+from cable_sim_node.sensors.fault_parameters import ENCODER_FAULT_KINDS, WINCH_FAULT_KINDS, FaultParameters
+
+
+@dataclass(frozen=True)
+class EncoderParameters:
+    """The drum encoder: what it says of the payout."""
+
+    resolution: float = parameter(
+        0.001, unit="m", minimum=0.0, maximum=1.0, description="Quantisation of the encoder's payout; 0 means none."
+    )
+    faults: FaultParameters = group(FaultParameters)
+
+    def __post_init__(self) -> None:
+        """Refuse faults an encoder cannot have."""
+        self.faults.require_kinds(ENCODER_FAULT_KINDS, "encoder")
+
+
+@dataclass(frozen=True)
+class WinchParameters:
+    """The winch: how it answers a command, what it cannot exceed, and when it stops by itself.
+
+    The defaults are the winch of the benchmark scenarios: a speed servo of 0.15 s, 2 m/s, 1.5 m/s^2, a command
+    delay of 0.2 s and an encoder of 1 mm.
+    """
+
+    law: str = parameter(
+        "speed_servo",
+        unit="",
+        choices=("speed_servo", "first_order"),
+        description="Speed servo, or the first-order position law of thesis Eq. 6.1.",
+    )
+    time_constant: float = parameter(
+        0.15, unit="s", minimum=1e-3, maximum=60.0, description="Speed servo: time constant T of the speed loop."
+    )
+    position_gain: float = parameter(
+        0.0,
+        unit="1/s",
+        minimum=0.0,
+        maximum=100.0,
+        description="Speed servo: gain k_p from payout error to speed; 0 follows the rate set-point alone.",
+    )
+    position_rate: float = parameter(
+        1.0, unit="1/s", minimum=1e-3, maximum=1000.0, description="First-order law: K of thesis Eq. 6.1."
+    )
+    command_delay: float = parameter(
+        0.2, unit="s", minimum=0.0, maximum=60.0, description="Time from the start of a command's tick to its effect."
+    )
+    speed_limit: float = parameter(2.0, unit="m/s", minimum=1e-3, maximum=100.0, description="Largest payout speed.")
+    acceleration_limit: float = parameter(
+        1.5, unit="m/s^2", minimum=1e-3, maximum=1e6, description="Largest payout acceleration, in service."
+    )
+    stop_deceleration: float = parameter(
+        1.5,
+        unit="m/s^2",
+        minimum=1e-3,
+        maximum=1e6,
+        description="Deceleration of a stop (brake request, watchdog, fault); not above acceleration_limit.",
+    )
+    payout_minimum: float = parameter(
+        -50.0, unit="m", minimum=-20_000.0, maximum=20_000.0, description="Lower end of the payout range."
+    )
+    payout_maximum: float = parameter(
+        50.0, unit="m", minimum=-20_000.0, maximum=20_000.0, description="Upper end of the payout range."
+    )
+    power_limit: float = parameter(
+        0.0,
+        unit="W",
+        minimum=0.0,
+        maximum=1e9,
+        description="Largest product of tension and speed, either way; 0 means no limit.",
+    )
+    command_timeout: float = parameter(
+        0.5,
+        unit="s",
+        minimum=1e-3,
+        maximum=3600.0,
+        description="Watchdog: simulated time without a fresh command after which the winch stops and brakes.",
+    )
+    encoder: EncoderParameters = group(EncoderParameters)
+    faults: FaultParameters = group(FaultParameters)
+    """Faults of the command line (`gap`, `delay`), of the drive (`drive`), and the `emergency_stop`."""
+
+    def __post_init__(self) -> None:
+        """Refuse a set that contradicts itself."""
+        if self.payout_minimum >= self.payout_maximum:
+            raise ValueError(
+                f"payout_minimum = {self.payout_minimum:g} m must be below payout_maximum = {self.payout_maximum:g} m"
+            )
+        if not self.payout_minimum <= 0.0 <= self.payout_maximum:
+            raise ValueError(
+                f"payout 0, where the run starts, must be from payout_minimum = {self.payout_minimum:g} m "
+                f"to payout_maximum = {self.payout_maximum:g} m"
+            )
+        if self.stop_deceleration > self.acceleration_limit:
+            raise ValueError(
+                f"stop_deceleration = {self.stop_deceleration:g} m/s^2 must not be above "
+                f"acceleration_limit = {self.acceleration_limit:g} m/s^2"
+            )
+        self.faults.require_kinds(WINCH_FAULT_KINDS, "winch")

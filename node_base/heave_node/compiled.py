@@ -1,0 +1,36 @@
+"""How hot loops are compiled: cached on disk, division by zero gives inf or NaN as in numpy."""
+
+from __future__ import annotations
+
+import contextlib
+from pathlib import Path
+from typing import Any
+
+from numba import njit
+
+_WITHOUT_ENTRANCES: dict[str, Any] = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+
+kernel = njit(cache=True, error_model="numpy")
+"""A function that Python or other kernels call."""
+
+inner_kernel = njit(cache=True, error_model="numpy", **_WITHOUT_ENTRANCES)
+"""A function that kernels alone may call; from Python it would crash.
+
+The way in from Python, which takes all arrays of a line apart, costs as much to compile as the function itself.
+"""
+
+
+def drop_stale_kernels(package_file: str) -> None:
+    """Delete the compiled kernels of a package folder that are older than any of its sources.
+
+    Numba's cache looks only at the file a function stands in, not at the files of the functions it calls. Kernels call
+    one another across the files of their folder, so an edit of one would leave stale machine code of its callers in
+    use. `package_file` is the `__file__` of the folder's `__init__`, which runs before any of them is loaded.
+    """
+    folder = Path(package_file).parent
+    newest = max(path.stat().st_mtime for path in folder.glob("*.py"))
+    for index in (folder / "__pycache__").glob("*.nbi"):
+        # several processes start at once: another may have been quicker
+        with contextlib.suppress(OSError):
+            if index.stat().st_mtime < newest:
+                index.unlink()

@@ -1,0 +1,1 @@
+"""The ROS shell that every node is made of: the one place of this package that imports rclpy."""

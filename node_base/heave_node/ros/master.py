@@ -1,0 +1,360 @@
+"""The clock master: starts each tick when all have done the one before (lockstep), or when the wall clock says so
+(real time).
+
+The node that derives from `ClockMasterNode` owns the plant: it publishes what holds at t_k, and integrates to t_{k+1}
+when the others have answered.
+`supervisor.Supervisor` looks after the run in wall time.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+
+from heave_msgs.msg import TickDone, TickJoin, TickRoster, TickStart, TickStatus
+from heave_msgs.srv import StepSimulation
+from rclpy.duration import Duration
+from rosgraph_msgs.msg import Clock
+from std_srvs.srv import SetBool, Trigger
+
+from heave_node import topics
+from heave_node.ros.node import HeaveNode, steady_clock
+from heave_node.tick.loop_timing import LoopTiming
+from heave_node.tick.roster import Participant, Roster
+from heave_node.tick.tick import Tick
+
+SUPERVISION_PERIOD = 0.05
+"""Wall time between two looks at who is missing [s]."""
+STATUS_PERIOD = 0.25
+"""Wall time between two TickStatus messages [s]."""
+RECENT_TICKS = 1000
+"""Ticks whose loop age a status during the run tells of; the last status tells of all."""
+COMPLAINT_PERIOD = 1.0
+"""Wall time between two complaints about a missing node [s]."""
+FAREWELL = Duration(seconds=2)
+"""Wall time that the last status may take to reach everybody."""
+
+
+class ClockMasterNode(HeaveNode):
+    """Base of the node that steps the clock."""
+
+    # What a master fills in ----------------------------------------------------------------------------------------
+
+    def on_readings(self, tick: Tick) -> None:
+        """Publish the state and the sensor readings that are due at t_k."""
+
+    def on_advance(self, tick: Tick) -> None:
+        """Integrate from t_k to t_{k+1} with the newest inputs."""
+
+    # Start barrier -------------------------------------------------------------------------------------------------
+
+    def join_protocol(self) -> None:
+        """Make the topics by which the master hears and leads the participants, and its services."""
+        peers = [name for name in self.run.participants if name not in self.run.external and name != self.name]
+        self.roster = Roster([self.name, *peers])
+        self.timing = LoopTiming()
+        self.run_state = TickStatus.WAITING
+        self._reason = ""
+        self._stepped = True
+        self._pause_at: int | None = None
+        self._reset_wanted = False
+        self._clock_started_at = 0.0
+        now = time.monotonic()
+        self._created_at = self._sent_at = self._complained_at = self._status_at = now
+        self._start_message = TickStart()
+        self._clock_output = self.add_output(topics.CLOCK)
+        self._roster_publisher = self.speak(topics.TICK_ROSTER)
+        self._start_publisher = self.speak(topics.TICK_START)
+        self._status_publisher = self.speak(topics.TICK_STATUS)
+        self.listen(topics.TICK_JOIN, self._on_join)
+        for node in peers:
+            self.listen(topics.tick_done_topic(node), self._answer_listener(node))
+        self.create_service(SetBool, "simulation/pause", self._serve_pause)
+        self.create_service(StepSimulation, "simulation/step", self._serve_step)
+        self.create_service(Trigger, "simulation/reset", self._serve_reset)
+        self.create_timer(SUPERVISION_PERIOD, self._supervise, clock=steady_clock())
+
+    def _on_join(self, message: TickJoin) -> None:
+        if message.node in self.roster.expected:
+            self.roster.join(
+                Participant(
+                    message.node,
+                    ready=message.ready,
+                    lag=message.lag,
+                    outputs=dict(zip(message.outputs, message.matched_subscriptions, strict=True)),
+                    inputs=dict(zip(message.inputs, message.matched_publishers, strict=True)),
+                    waiting_for=message.waiting_for,
+                )
+            )
+
+    def _external_topics(self) -> dict[str, int]:
+        """Return what external nodes must publish for the loop to close, with the number of publishers seen."""
+        wanted = [topic for topic in topics.ALL_TOPICS if topic.publisher in self.run.external and topic.is_needed]
+        return {topic.name: self.count_publishers(topic.name) for topic in wanted}
+
+    def _try_to_start(self) -> None:
+        lacking = self.roster.missing(self._external_topics())
+        self._reason = "; ".join(lacking)
+        if not lacking:
+            self.roster.freeze()
+            self._begin_run()
+            if not self.run.is_lockstep:
+                self._clock_started_at = time.monotonic()
+                self.create_timer(self.run.tick_period, self._follow_wall_clock, clock=steady_clock())
+
+    def _begin_run(self) -> None:
+        """Begin a run (an epoch): tell all the order of the counters, and start tick 1."""
+        self.epoch += 1
+        self._roster_publisher.publish(
+            TickRoster(
+                epoch=self.epoch,
+                nodes=self.roster.nodes,
+                topics=self.roster.topics,
+                tick_period=self.run.tick_period,
+                lockstep=self.run.is_lockstep,
+            )
+        )
+        self.gate.set_roster(self.roster.nodes, self.roster.topics)
+        self.has_started = True
+        self.run_state = TickStatus.RUNNING
+        self.timing.run_began()
+        if self.run.is_lockstep:
+            self._begin_tick(1)
+
+    # Ticks ---------------------------------------------------------------------------------------------------------
+
+    @property
+    def tick_number(self) -> int:
+        """Number of the tick the run is in; 0 before the first."""
+        return 0 if self.tick is None else self.tick.number
+
+    def _begin_tick(self, number: int) -> None:
+        tick = Tick(number, self.epoch, self.run.tick_nanoseconds)
+        self.tick, self._stepped = tick, False
+        self.timing.tick_began()
+        self.begin_outputs()
+        self._clock_output.publish_later(lambda: Clock(clock=tick.stamp))
+        self.guard(lambda: self._publish_readings(tick))
+        if not self.failure:
+            self._send_start(tick, flush=False)
+            self.keep_promises()
+
+    def _publish_readings(self, tick: Tick) -> None:
+        self.on_readings(tick)
+        self.publish_diagnostics(tick)
+
+    def _send_start(self, tick: Tick, *, flush: bool) -> None:
+        self.roster.answer(self.name, tick.number, self.published())
+        counters = self.roster.counters
+        self.gate.begin(self.epoch, tick.number, counters)
+        self._start_message = TickStart(
+            epoch=self.epoch, tick=tick.number, stamp=tick.stamp, flush=flush, published=counters
+        )
+        self._start_publisher.publish(self._start_message)
+        self._sent_at = self._complained_at = time.monotonic()
+        self._patience = self.run.resend_period
+
+    @property
+    def _is_flushing(self) -> bool:
+        return bool(self._start_message.flush)
+
+    def _answer_listener(self, node: str) -> Callable[[TickDone], None]:
+        def on_done(message: TickDone) -> None:
+            if message.epoch == self.epoch and self.has_started:
+                self.roster.answer(node, message.tick, message.published)
+                self.gate.peer_done(node, message.epoch, message.tick, message.published)
+                self._advance()
+
+        return on_done
+
+    def _advance(self) -> None:
+        """End the tick as soon as all have answered and all inputs are here."""
+        tick = self.tick
+        if self._stepped or tick is None or self.failure:
+            return
+        if self.roster.behind(tick.number, flush=self._is_flushing) or not self.gate.is_complete():
+            return
+        self._stepped = True
+        if self._is_flushing:
+            self._end_of_flush()
+            return
+        self.timing.tick_answered()
+        if self.run.is_lockstep:
+            self.guard(lambda: self.on_advance(tick))
+            self._begin_what_follows()
+
+    def _begin_what_follows(self) -> None:
+        """Go on after a tick: to the next one, to the end, to a pause or to a new run."""
+        if self.failure:
+            return
+        if self._reset_wanted or self.tick_number >= self.run.tick_count:
+            self._begin_flush()
+        elif self._pause_at is not None and self.tick_number >= self._pause_at:
+            self.run_state = TickStatus.PAUSED
+        else:
+            self._begin_tick(self.tick_number + 1)
+
+    def _follow_wall_clock(self) -> None:
+        """Begin the ticks that are due; a late machine catches up, and the deadlines it missed are counted."""
+        elapsed = round((time.monotonic() - self._clock_started_at) / self.run.tick_period)
+        while self.run_state == TickStatus.RUNNING and not self.failure and not self._is_flushing:
+            if self.tick_number >= elapsed:
+                return
+            if self.tick is not None:
+                self._close_real_time_tick(self.tick)
+                self._begin_what_follows()
+            else:
+                self._begin_tick(1)
+
+    def _close_real_time_tick(self, tick: Tick) -> None:
+        if not self._stepped:
+            self.timing.missed_deadlines += 1
+        self._stepped = True
+        self.guard(lambda: self.on_advance(tick))
+
+    # Pause, step, reset --------------------------------------------------------------------------------------------
+
+    def _serve_pause(self, request: SetBool.Request, response: SetBool.Response) -> SetBool.Response:
+        if request.data:
+            self._pause_at = self.tick_number
+        else:
+            self._resume(until=None)
+        response.success, response.message = True, f"tick {self.tick_number}"
+        return response
+
+    def _serve_step(
+        self, request: StepSimulation.Request, response: StepSimulation.Response
+    ) -> StepSimulation.Response:
+        response.success = self.run_state == TickStatus.PAUSED
+        response.message = f"from tick {self.tick_number}" if response.success else "not paused"
+        if response.success and request.ticks > 0:
+            self._resume(until=self.tick_number + request.ticks)
+        return response
+
+    def _resume(self, until: int | None) -> None:
+        self._pause_at = until
+        if self.run_state != TickStatus.PAUSED:
+            return
+        self.run_state = TickStatus.RUNNING
+        # A pause is no time that simulation has to catch up with.
+        self._clock_started_at = time.monotonic() - self.tick_number * self.run.tick_period
+        if self.run.is_lockstep:
+            self._begin_what_follows()
+
+    def _serve_reset(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+        response.success = self.run_state in (TickStatus.RUNNING, TickStatus.PAUSED)
+        response.message = "a new run begins" if response.success else "no run is under way"
+        if response.success:
+            self._reset_wanted = True
+            self._pause_at = None
+            if self.run_state == TickStatus.PAUSED:
+                self._resume(until=None)
+        return response
+
+    # End -----------------------------------------------------------------------------------------------------------
+
+    def _begin_flush(self) -> None:
+        """Ask all to say when they have every message of the run; only then may writers leave."""
+        self.tick = Tick(self.tick_number + 1, self.epoch, self.run.tick_nanoseconds)
+        self._stepped = False
+        self.begin_outputs()
+        self.timing.tick_began()
+        self._send_start(self.tick, flush=True)
+
+    def _end_of_flush(self) -> None:
+        if not self._reset_wanted:
+            self._end(TickStatus.ENDED, "")
+            return
+        self._reset_wanted = False
+        self.gate.end_run()
+        self.roster.restart()
+        self.tick = None
+        self._start_message = TickStart()
+        self.forget_run()
+        self._clock_started_at = time.monotonic()
+        self._begin_run()
+
+    def _end(self, state: int, reason: str) -> None:
+        self.run_state, self._reason = state, reason
+        if state == TickStatus.FAILED:
+            self.fail(reason)
+        self.finish()
+
+    def on_leave(self) -> None:
+        """Tell the others how the run ended, whatever the reason for leaving, and give them the time to hear it."""
+        if self.run_state != TickStatus.ENDED:
+            self.run_state, self._reason = TickStatus.FAILED, self.failure
+        self._publish_status()
+        self._status_publisher.wait_for_all_acked(FAREWELL)
+
+    # Supervision in wall time --------------------------------------------------------------------------------------
+
+    def _supervise(self) -> None:
+        """Start the run, send again what is unanswered, name who is missing, end what lasts too long."""
+        if self.finished.done() or not self.is_active:
+            return
+        now = time.monotonic()
+        if now - self._status_at > STATUS_PERIOD:
+            self._status_at = now
+            self._publish_status()
+        if self.run_state == TickStatus.WAITING:
+            self._try_to_start()
+            self._complain(now - self._created_at, self.run.start_timeout, self._reason)
+        elif not self._stepped:
+            self._look_for_missing(now)
+
+    def _look_for_missing(self, now: float) -> None:
+        """Ask again, and name who has not answered."""
+        if now - self._sent_at > self._patience and (self.run.is_lockstep or self._is_flushing):
+            self._sent_at = now
+            self._patience *= 2.0  # a machine that is merely slow must not be given more to do each time
+            self.timing.resends += 1
+            self.send_outputs_again()
+            self._start_publisher.publish(self._start_message)
+        behind = self.roster.behind(self.tick_number, flush=self._is_flushing)
+        text = "; ".join(
+            f"{p.name} did not finish tick {p.answered + 1}"
+            + (f" (waiting for {p.waiting_for})" if p.waiting_for else "")
+            for p in behind
+        )
+        waited = self.timing.age_of_tick
+        if not self.run.is_lockstep and behind:
+            waited += (self.tick_number - 1 - min(p.answered for p in behind)) * self.run.tick_period
+        self._complain(waited, self.run.participant_timeout, text or self.gate.missing())
+
+    def _complain(self, waited: float, limit: float, text: str) -> None:
+        """Name what is missing each second; end the run when it lasts too long."""
+        if not text or waited < COMPLAINT_PERIOD:
+            return
+        now = time.monotonic()
+        if waited > limit:
+            self._end(TickStatus.FAILED, f"{text}: gave up after {limit:g} s")
+        elif now - self._complained_at > COMPLAINT_PERIOD:
+            self._complained_at = now
+            complaint = f"waiting for {waited:.0f} s: {text}"
+            self.get_logger().warning(complaint)
+            self.publish_complaint(complaint)
+
+    def _publish_status(self) -> None:
+        is_over = self.run_state in (TickStatus.ENDED, TickStatus.FAILED)
+        age = self.timing.loop_age(last=None if is_over else RECENT_TICKS)
+        time_now = self.tick.time if self.tick is not None else 0.0
+        factor = self.timing.overall_factor if is_over else self.timing.real_time_factor
+        totals = self.roster.published_by_topic() if is_over else {}
+        self._status_publisher.publish(
+            TickStatus(
+                state=self.run_state,
+                reason=self._reason,
+                epoch=self.epoch,
+                tick=self.tick_number,
+                simulated_time=time_now,
+                real_time_factor=factor(time_now),
+                loop_age_p50=age.p50,
+                loop_age_p99=age.p99,
+                loop_age_max=age.max,
+                missed_deadlines=self.timing.missed_deadlines,
+                resends=self.timing.resends,
+                topics=list(totals),
+                published=list(totals.values()),
+            )
+        )

@@ -1,0 +1,287 @@
+"""The thin ROS shell that every node of the suite is made of: lifecycle, parameters, inputs and outputs, diagnostics,
+one way to end.
+
+Nodes do not derive from `HeaveNode` but from `participant.ParticipantNode` or, for the one that steps the clock,
+`master.ClockMasterNode`.
+"""
+
+from __future__ import annotations
+
+import traceback
+from collections.abc import Callable
+from typing import Any, ClassVar
+
+from builtin_interfaces.msg import Time
+from heave_msgs.msg import TickJoin, TickStatus
+from rclpy.clock import Clock, ClockType
+from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackReturn
+from rclpy.publisher import Publisher
+from rclpy.serialization import deserialize_message
+from rclpy.subscription import Subscription
+from rclpy.task import Future
+
+from heave_node import topics
+from heave_node.ros.diagnostics import Health, Level, diagnostic_array
+from heave_node.ros.node_parameters import read_parameters
+from heave_node.ros.ports import Input, Output, message_type
+from heave_node.ros.qos import qos_of
+from heave_node.ros.spin import message_callback
+from heave_node.run_parameters import RunParameters
+from heave_node.tick.gate import TickGate
+from heave_node.tick.tick import Tick
+from heave_node.topics import Topic
+
+JOIN_PERIOD = 0.05
+"""Wall time between two TickJoin messages while the run has not started [s]."""
+DIAGNOSTICS_PERIOD = 1.0
+"""Simulated time between two diagnostic messages [s]."""
+
+
+class NodeError(Exception):
+    """A node cannot go on; the message is one line for the user."""
+
+
+class HeaveNode(LifecycleNode):
+    """What participants and the clock master have in common.
+
+    Class attributes that a node sets
+    ---------------------------------
+    name : node name
+    parameters_type : parameter set of the node's own parameters (those of RunParameters are added)
+    after : nodes whose part of a tick this node waits for before its own
+    """
+
+    name: ClassVar[str]
+    parameters_type: ClassVar[type[Any]]
+    after: ClassVar[tuple[str, ...]] = ()
+    lag: ClassVar[int] = 0
+
+    def __init__(self) -> None:
+        super().__init__(self.name, automatically_declare_parameters_from_overrides=True)
+        self.run: RunParameters
+        self.parameters: Any
+        self.run, self.parameters = read_parameters(self, self.parameters_type)
+        in_protocol = set(self.run.participants) - set(self.run.external)
+        self.gate = TickGate((), [node for node in self.after if node in in_protocol], lockstep=self.run.is_lockstep)
+        self.finished: Future = Future()
+        self.failure = ""
+        self.tick: Tick | None = None
+        self.epoch = 0
+        self.has_started = False
+        self.is_active = False
+        self._outputs: list[Output] = []
+        self._inputs: list[Input] = []
+        self._input_subscriptions: dict[str, Subscription[Any]] = {}
+
+    # What a node fills in ------------------------------------------------------------------------------------------
+
+    def on_build(self) -> None:
+        """Make the component, inputs and outputs; compile and warm up whatever the first tick would wait for."""
+        raise NodeError(f"{self.name} builds nothing")
+
+    def on_reset(self) -> None:
+        """Start the component anew for another run with the same inputs and outputs."""
+        raise NodeError(f"{self.name} cannot be reset")
+
+    def diagnose(self) -> list[Health]:
+        """Say how the parts of this node are; asked once per simulated second.
+
+        In lockstep the answer must depend on the run alone, not on the machine: it is recorded.
+        """
+        return []
+
+    def on_end(self, status: TickStatus) -> None:
+        """Hear that the run is over, and how."""
+
+    def on_leave(self) -> None:
+        """Release what the node holds (files); called once, however the node ends."""
+
+    # Ports ---------------------------------------------------------------------------------------------------------
+
+    def add_output(self, topic: Topic) -> Output:
+        """Publish `topic` within ticks."""
+        output = Output(self, topic)
+        self._outputs.append(output)
+        return output
+
+    def add_input(self, topic: Topic, *, check_stamps: bool = True) -> Input:
+        """Read `topic` within ticks; `check_stamps` refuses messages from the future and out of order."""
+        port = Input(self, topic, self.gate, check_stamps=check_stamps)
+        self._inputs.append(port)
+        kind = message_type(topic.type)
+        self.add_raw_input(topic, lambda data: deserialize_message(data, kind))
+        return port
+
+    def add_raw_input(self, topic: Topic, decode: Callable[[bytes], Any] = bytes) -> None:
+        """Let the gate wait for `topic` and hold its messages, as `decode` makes them."""
+        name = self.resolve_topic_name(topic.name)
+        inbox = self.gate.add_input(name, decode)
+
+        def on_data(data: bytes) -> None:
+            if inbox.put(data):
+                self._advance()
+
+        self._input_subscriptions[name] = self.create_subscription(
+            message_type(topic.type), name, message_callback(on_data), qos_of(topic.role), raw=True
+        )
+
+    def take(self, port: Input) -> list[Any]:
+        """Return the new messages of this tick on an input, oldest first."""
+        assert self.tick is not None
+        return port.take(self.tick.end_nanoseconds)
+
+    def listen(self, topic: Topic, callback: Callable[[Any], None]) -> None:
+        """Hear a topic of the tick protocol."""
+        self.create_subscription(message_type(topic.type), topic.name, message_callback(callback), qos_of(topic.role))
+
+    def speak(self, topic: Topic) -> Publisher[Any]:
+        """Publish a topic of the tick protocol."""
+        return self.create_publisher(message_type(topic.type), topic.name, qos_of(topic.role))
+
+    # Lifecycle -----------------------------------------------------------------------------------------------------
+
+    def on_configure(self, state: LifecycleState) -> TransitionCallbackReturn:
+        """Build the component and join the tick protocol."""
+        try:
+            self._diagnostics = self.add_output(topics.DIAGNOSTICS)
+            self.join_protocol()
+            self.on_build()
+        except Exception as error:  # rclpy would swallow it and say only that the transition failed
+            self.fail(one_line(error), error)
+            return TransitionCallbackReturn.ERROR
+        self._join = self.speak(topics.TICK_JOIN)
+        self._join_timer = self.create_timer(JOIN_PERIOD, self._announce_until_started, clock=steady_clock())
+        return super().on_configure(state)
+
+    def on_activate(self, state: LifecycleState) -> TransitionCallbackReturn:
+        """Take part in the run from now on."""
+        self.is_active = True
+        return super().on_activate(state)
+
+    def on_deactivate(self, state: LifecycleState) -> TransitionCallbackReturn:
+        """Take no part any more; a run under way ends for want of this node."""
+        self.is_active = False
+        return super().on_deactivate(state)
+
+    # Tick protocol: what both sides do -----------------------------------------------------------------------------
+
+    def join_protocol(self) -> None:
+        """Make the topics of the tick protocol."""
+
+    def _advance(self) -> None:
+        """Go on where everything of the tick is here; called after each message."""
+
+    def is_ready(self) -> bool:
+        """Tell whether this node could begin tick 1."""
+        return self.is_active
+
+    def _announce_until_started(self) -> None:
+        if self.has_started:
+            self._join_timer.cancel()
+        else:
+            self.announce()
+
+    def announce(self, waiting_for: str = "") -> None:
+        """Tell the master what this node sends, hears and waits for."""
+        self._join.publish(
+            TickJoin(
+                node=self.name,
+                ready=self.is_ready(),
+                lag=self.lag,
+                after=list(self.gate.after),
+                outputs=[output.topic for output in self._outputs],
+                matched_subscriptions=[output.publisher.get_subscription_count() for output in self._outputs],
+                inputs=list(self._input_subscriptions),
+                matched_publishers=[s.get_publisher_count() for s in self._input_subscriptions.values()],
+                waiting_for=waiting_for,
+            )
+        )
+
+    def begin_outputs(self) -> None:
+        """Begin a tick on every output."""
+        for output in self._outputs:
+            output.begin_tick()
+
+    def keep_promises(self) -> None:
+        """Send what was promised in this tick; what its making raises ends this node."""
+        for output in self._outputs:
+            self.guard(output.keep_promises)
+
+    def send_outputs_again(self) -> None:
+        """Repeat every message of this tick."""
+        for output in self._outputs:
+            output.send_again()
+
+    def published(self) -> list[int]:
+        """Return the number of messages published so far on each output."""
+        return [output.published for output in self._outputs]
+
+    def forget_run(self) -> None:
+        """Drop what was received of the run before, and start the component anew."""
+        self.gate.clear()
+        for port in self._inputs:
+            port.reset()
+        self.guard(self.on_reset)
+
+    def publish_diagnostics(self, tick: Tick) -> None:
+        """Publish the health of this node, once per simulated second."""
+        every = max(1, round(DIAGNOSTICS_PERIOD / self.run.tick_period))
+        if tick.number % every == 1 % every:
+            parts = [*self.diagnose(), *self._diagnose_inputs()] or [Health("node")]
+            self._diagnostics.publish_later(lambda: diagnostic_array(self.name, tick.stamp, parts))
+
+    def publish_complaint(self, text: str) -> None:
+        """Say on /diagnostics what is wrong outside of simulated time; stamp 0 keeps it out of counts and
+        recordings.
+        """
+        part = Health("tick protocol", Level.ERROR, text)
+        self._diagnostics.publisher.publish(diagnostic_array(self.name, Time(), [part]))
+
+    def _diagnose_inputs(self) -> list[Health]:
+        return [
+            Health(f"input {port.name}", Level.WARN, f"{port.wrong_stamps} messages with a wrong stamp were refused")
+            for port in self._inputs
+            if port.wrong_stamps
+        ]
+
+    # Ends ----------------------------------------------------------------------------------------------------------
+
+    def guard(self, work: Callable[[], None]) -> None:
+        """Run a part of the component; whatever it raises ends this node with one line."""
+        try:
+            work()
+        except Exception as error:  # the border between a component and the run: nothing may pass in silence
+            self.fail(one_line(error), error)
+
+    def fail(self, reason: str, error: Exception | None = None) -> None:
+        """End this node with a one-line reason; the traceback of an unforeseen error goes to the debug log."""
+        if self.failure:
+            return
+        when = f" at t = {self.tick.time:.3f} s" if self.tick is not None else ""
+        self.failure = f"{reason}{when}"
+        if error is not None:
+            self.get_logger().debug("".join(traceback.format_exception(error)))
+        self.finish()
+
+    def finish(self) -> None:
+        """Leave the spin loop."""
+        if not self.finished.done():
+            self.finished.set_result(None)
+
+    def rest(self) -> float:
+        """Return for how long this node may now leave what comes unserved [s of wall time]; see `spin`."""
+        return 0.0
+
+    def on_idle(self) -> None:
+        """Look at the wall clock; called a few times per second from the spin loop."""
+
+
+def one_line(error: BaseException) -> str:
+    """Return an error as one line: the bare text where the error was foreseen, with its type where not."""
+    text = " ".join(str(error).split())
+    return text if isinstance(error, NodeError | ValueError) and text else f"{type(error).__name__}: {text}"
+
+
+def steady_clock() -> Clock:
+    """Return the clock of wall-time waits, which no simulated time stops."""
+    return Clock(clock_type=ClockType.STEADY_TIME)

@@ -1,0 +1,164 @@
+"""A node that takes part in each tick: waits for what it needs, steps its component, answers the master."""
+
+from __future__ import annotations
+
+import time
+from collections import deque
+from collections.abc import Callable
+
+from heave_msgs.msg import TickDone, TickRoster, TickStart, TickStatus
+
+from heave_node import topics
+from heave_node.ros.node import HeaveNode, steady_clock
+from heave_node.tick.tick import Tick
+
+
+class ParticipantNode(HeaveNode):
+    """Base of every node but the clock master.
+
+    A node sets `name`, `parameters_type` and `after`, makes its component, inputs and outputs in `on_build`, and does
+    its part of a tick in `on_tick`.
+    `lag` is the number of ticks that it may be behind the others (a recorder).
+    """
+
+    def on_tick(self, tick: Tick) -> None:
+        """Do this node's part of `tick`: take the inputs, step the component, publish the outputs."""
+
+    def join_protocol(self) -> None:
+        """Make the topics by which a participant hears and answers the master."""
+        self._starts: deque[TickStart] = deque()
+        self._answered: TickStart | None = None
+        self._roster_epoch = 0
+        self._heard_at = time.monotonic()
+        self._done = self.speak(topics.tick_done_topic(self.name))
+        self.listen(topics.TICK_ROSTER, self._on_roster)
+        self.listen(topics.TICK_START, self._on_start)
+        self.listen(topics.TICK_STATUS, self._on_status)
+        for node in self.gate.after:
+            self.listen(topics.tick_done_topic(node), self._peer_listener(node))
+        if not self.run.is_lockstep:
+            wait = self.run.in_tick_wait * self.run.tick_period
+            self._deadline = self.create_timer(wait, self._on_deadline, clock=steady_clock())
+            self._deadline.cancel()
+
+    def _peer_listener(self, node: str) -> Callable[[TickDone], None]:
+        def on_done(message: TickDone) -> None:
+            self.gate.peer_done(node, message.epoch, message.tick, message.published)
+            self._advance()
+
+        return on_done
+
+    def _on_roster(self, message: TickRoster) -> None:
+        self._heard_at = time.monotonic()
+        self.gate.set_roster(message.nodes, message.topics)
+        self._roster_epoch = message.epoch
+        self.has_started = True
+        if round(message.tick_period * 1e9) != self.run.tick_nanoseconds:
+            self.fail(
+                f"tick_period is {self.run.tick_period} s here and {message.tick_period} s at the clock master; "
+                "set it under /** of the scenario"
+            )
+        self._begin_next()
+
+    def _on_start(self, message: TickStart) -> None:
+        """Queue a tick; one that was heard before is a question that got no answer."""
+        self._heard_at = time.monotonic()
+        newest = self._starts[-1] if self._starts else self._answered
+        if newest is None and self.run.is_lockstep and message.tick > 1 + self.lag:
+            self.fail(f"came too late: a run is under way in this ROS domain, at tick {message.tick}")
+        elif newest is None or _order(message) > _order(newest):
+            self._starts.append(message)
+            if len(self._starts) == 1:
+                self._begin_next()
+            elif not self.run.is_lockstep:
+                self._step()
+        elif _order(message) == _order(newest):
+            self._answer_again()
+
+    def _begin_next(self) -> None:
+        """Enter the oldest tick of the queue, once its roster is known."""
+        if not self._starts or self._starts[0].epoch > self._roster_epoch:
+            return
+        start = self._starts[0]
+        if start.epoch > self.epoch:
+            if self.epoch > 0:
+                self.forget_run()
+            self.epoch = start.epoch
+        self.tick = Tick(start.tick, start.epoch, self.run.tick_nanoseconds)
+        self.gate.begin(start.epoch, start.tick, start.published)
+        self.begin_outputs()
+        if not self.run.is_lockstep:
+            self._deadline.reset()
+        self._advance()
+
+    def _advance(self) -> None:
+        while self._starts and self._is_in_tick() and self.gate.is_complete() and not self.failure:
+            self._step()
+
+    def _is_in_tick(self) -> bool:
+        start = self._starts[0]
+        return self.tick is not None and (self.tick.epoch, self.tick.number) == (start.epoch, start.tick)
+
+    def _on_deadline(self) -> None:
+        """Step with what is here: in real time nobody waits."""
+        self._deadline.cancel()
+        if self._starts and self._is_in_tick() and not self._starts[0].flush:
+            self._step()
+
+    def _step(self) -> None:
+        """Do the part of the tick, answer, and enter the next tick where one waits already."""
+        start = self._starts.popleft()
+        tick = self.tick
+        assert tick is not None
+        if start.flush:
+            self.guard(lambda: self.on_flush(tick))
+            self.gate.end_run()
+        else:
+            self.guard(lambda: self._do_tick(tick))
+        if self.failure:
+            return
+        self._answered = start
+        if self._is_answer_due(start):
+            self._answer()
+        self.keep_promises()
+        self._begin_next()
+
+    def _do_tick(self, tick: Tick) -> None:
+        self.on_tick(tick)
+        self.publish_diagnostics(tick)
+
+    def on_flush(self, tick: Tick) -> None:
+        """Take the last messages of a run; no step belongs to it."""
+
+    def _is_answer_due(self, start: TickStart) -> bool:
+        """Tell whether the master waits for an answer: one that may lag hears of each tick, but answers for many."""
+        return start.flush or start.tick % max(1, self.lag // 2) == 0
+
+    def _answer(self) -> None:
+        assert self._answered is not None
+        self._done.publish(TickDone(epoch=self._answered.epoch, tick=self._answered.tick, published=self.published()))
+
+    def _answer_again(self) -> None:
+        """Say again what was said, or what is lacking."""
+        if self._starts:
+            self.announce(self.gate.missing())
+        else:
+            self.send_outputs_again()
+            self._answer()
+
+    def _on_status(self, message: TickStatus) -> None:
+        self._heard_at = time.monotonic()
+        if message.state in (TickStatus.ENDED, TickStatus.FAILED) and self.has_started and not self.finished.done():
+            self.guard(lambda: self.on_end(message))
+            self.finish()
+
+    def on_idle(self) -> None:
+        """End the node when the clock master has been silent for too long."""
+        limit = self.run.participant_timeout if self.has_started else self.run.start_timeout
+        silence = time.monotonic() - self._heard_at
+        if self.is_active and silence > limit:
+            self.fail(f"the clock master has been silent for {silence:.1f} s")
+
+
+def _order(message: TickStart) -> tuple[int, int]:
+    return (message.epoch, message.tick)

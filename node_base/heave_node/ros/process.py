@@ -1,0 +1,93 @@
+"""Run one node as a process: the same start, spin loop, signals and exit status for every node of the suite."""
+
+from __future__ import annotations
+
+import os
+import signal
+import sys
+from types import FrameType
+
+import rclpy
+from rclpy.lifecycle import TransitionCallbackReturn
+from rclpy.node import Node
+from rclpy.signals import SignalHandlerOptions
+
+from heave_node.parameters import ParameterError
+from heave_node.ros.environment import prepare_environment
+from heave_node.ros.node import HeaveNode, one_line
+from heave_node.ros.spin import spin
+
+LAUNCHER_VARIABLE = "HEAVE_LAUNCHER"
+"""Environment variable with the process id of the launcher that a node must not outlive."""
+
+EXIT_OK = 0
+EXIT_FAILED = 1
+EXIT_REFUSED = 2
+EXIT_STUCK = -signal.SIGALRM
+"""What a parent sees of a node that had done its work, but that the middleware did not let go."""
+
+LEAVING = 3
+"""Wall time that the middleware has to let a node go [s]."""
+
+
+def run_node(node_type: type[HeaveNode], args: list[str] | None = None) -> int:
+    """Run a node until the run ends or SIGINT or SIGTERM comes; return the exit status: 0 done, 1 failed, 2 parameters
+    refused.
+
+    Whatever goes wrong is one line on standard error: `<node>: <what>`.
+    """
+    prepare_environment()
+    # Signals end the node, not the context: its last words must still reach the others.
+    rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
+    try:
+        node = node_type()
+    except ParameterError as error:
+        return _last_word(str(error), EXIT_REFUSED)
+    _end_on_signals(node)
+    try:
+        if node.run.autostart and node.trigger_configure() == TransitionCallbackReturn.SUCCESS:
+            node.trigger_activate()
+        spin(node, node.finished, lambda: _on_idle(node), node.rest)
+    except Exception as error:  # nothing may pass in silence
+        node.fail(one_line(error), error)
+    try:
+        node.on_leave()
+    except Exception as error:  # closing a bag on a full disk must still be told
+        node.fail(one_line(error), error)
+    status = _last_word(f"{node.name}: {node.failure}", EXIT_FAILED) if node.failure else EXIT_OK
+    leave_ros(node)
+    return status
+
+
+def leave_ros(node: Node) -> None:
+    """Destroy a node whose work is done.
+
+    Fast DDS can lock up for ever where an endpoint goes while a timer of discovery runs out. The kernel then ends the
+    process: by that time everything is closed and said.
+    """
+    signal.signal(signal.SIGALRM, signal.SIG_DFL)
+    signal.alarm(LEAVING)
+    node.destroy_node()
+    rclpy.try_shutdown()
+    signal.alarm(0)
+
+
+def _on_idle(node: HeaveNode) -> None:
+    """Let the node look at the wall clock, and end it when the launcher that it belongs to is gone."""
+    launcher = os.environ.get(LAUNCHER_VARIABLE)
+    if launcher and os.getppid() != int(launcher):
+        node.fail("the command that started it is gone")
+    node.on_idle()
+
+
+def _end_on_signals(node: HeaveNode) -> None:
+    def on_signal(number: int, _: FrameType | None) -> None:
+        node.fail(f"ended by {signal.Signals(number).name}")
+
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, on_signal)
+
+
+def _last_word(text: str, status: int) -> int:
+    sys.stderr.write(text + "\n")
+    return status

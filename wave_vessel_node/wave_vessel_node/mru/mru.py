@@ -1,0 +1,213 @@
+"""The motion reference unit (MRU) at the boom tip: what it says of heave, and when it says nothing or worse.
+
+The reading is the true heave plus the lever-arm error (pitch and roll let in), times 1 + scale error, through a
+second-order high-pass
+s^2 / (s^2 + 2 zeta omega_c s + omega_c^2), with white noise. The high-pass is kept as what it takes away: reading =
+truth - e with
+e'' + 2 zeta omega_c e' + omega_c^2 e = 2 zeta omega_c x' + omega_c^2 x - d, solved exactly for x a cubic between
+ticks; d is an error of
+the vertical acceleration (a tilt of the vertical in a turn, a bias after a restart).
+"""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from dataclasses import dataclass
+
+import numpy as np
+from heave_node.randomness import random_stream
+from numpy.typing import NDArray
+
+from wave_vessel_node.mru.faults import BIAS, DELAY, FREEZE, GAP, LONGEST_DELAY, RESTART, SPIKE, MruFaults
+from wave_vessel_node.mru.oscillator import DrivenOscillator
+from wave_vessel_node.parameters import MruParameters
+from wave_vessel_node.vessel.motion import PITCH, ROLL, VesselMotion
+
+Array = NDArray[np.float64]
+
+STATUS_OK, STATUS_SETTLING, STATUS_INVALID = 0, 1, 2
+_TURNING = 1e-4  # rad/s: above this rate of turn the unit is disturbed
+
+
+@dataclass(frozen=True)
+class MruReading:
+    """One sample of the MRU.
+
+    Attributes
+    ----------
+    time : stamp: time of the measurement as the unit states it [s]
+    sequence : counts samples from 1; a gap is a lost sample
+    status : STATUS_OK, STATUS_SETTLING or STATUS_INVALID
+    heave, heave_rate, heave_acceleration : of the boom tip about its mean, positive up [m], [m/s], [m/s^2]
+    roll, pitch : of the vessel [rad]
+    """
+
+    time: float
+    sequence: int
+    status: int
+    heave: float
+    heave_rate: float
+    heave_acceleration: float
+    roll: float
+    pitch: float
+
+
+class HighPass:
+    """y = s^2 / (s^2 + 2 zeta omega s + omega^2) x, exact for x a cubic between steps and d held; see the module."""
+
+    def __init__(self, cut_off: float, damping: float, period: float) -> None:
+        """Make the filter with cut-off omega = `cut_off` [rad/s]; 0 lets everything pass."""
+        self._cut_off, self._damping = cut_off, damping
+        self._taken = DrivenOscillator(
+            cut_off, damping, value_gain=cut_off**2, rate_gain=2.0 * damping * cut_off, period=period
+        )
+
+    def reset(self, value: float, rate: float) -> None:
+        """Begin anew at the true motion `value`, `rate`: the unit knows nothing and reads zero."""
+        self._taken.start(value, rate, state=(value, rate))
+
+    def settle(self, value: float, rate: float) -> None:
+        """Begin with nothing taken away: right for a motion about zero that has been at rest."""
+        self._taken.start(value, rate)
+
+    def step(self, value: float, rate: float, acceleration_error: float = 0.0) -> tuple[float, float, float]:
+        """Advance one period to the motion `value`, `rate`.
+
+        Returns what to subtract from value, rate and acceleration.
+        """
+        if self._cut_off == 0.0:
+            return 0.0, 0.0, 0.0
+        return self._taken.step(value, rate, -acceleration_error)
+
+
+def high_pass_response(omega: Array, cut_off: float, damping: float) -> NDArray[np.complex128]:
+    """Return -omega^2 / (cut_off^2 - omega^2 + 2 i damping cut_off omega), the formula the unit obeys."""
+    omega = np.asarray(omega, dtype=float)
+    return np.asarray(-(omega**2) / (cut_off**2 - omega**2 + 2j * damping * cut_off * omega))
+
+
+class MotionReferenceUnit:
+    """The unit; `step` is called at every tick with the true motion of that tick, in order.
+
+    Parameters
+    ----------
+    parameters : see MruParameters
+    seed : seed of the run
+    tick_period : [s]
+    """
+
+    def __init__(self, parameters: MruParameters, *, seed: int, tick_period: float) -> None:
+        self._parameters = parameters
+        self._period = tick_period
+        self._generator = random_stream(seed, "wave_vessel/mru")
+        cut_off = 2.0 * math.pi / parameters.high_pass_period if parameters.high_pass_period > 0.0 else 0.0
+        self._filter = HighPass(cut_off, parameters.high_pass_damping, tick_period)
+        self._ticks_between = 1
+        if parameters.rate > 0.0:
+            self._ticks_between = max(1, round(1.0 / (parameters.rate * tick_period)))
+        self.faults = MruFaults(parameters, self.reading_period)
+        self._stamp_error_ticks = round(parameters.stamp_error / tick_period)
+        self._late_ticks = self._stamp_error_ticks + round(parameters.latency / tick_period)
+        self._history: deque[tuple[float, Array, float, float]] = deque(
+            maxlen=1 + self._late_ticks + math.ceil(LONGEST_DELAY / tick_period)
+        )
+        self._last_delivered = -math.inf
+        self._sequence = 0
+        self._frozen: tuple[float, Array, float, float] | None = None
+        self._settled_at = 0.0
+        self._restarted_at = -math.inf
+        self._started = False
+
+    @property
+    def reading_period(self) -> float:
+        """Time between two readings [s]: the nearest whole number of ticks to 1 / rate."""
+        return self._ticks_between * self._period
+
+    def inject(self, kind: str, start: float, duration: float = 0.0, size: float = 0.0) -> None:
+        """Schedule a fault at simulated time `start` [s] for `duration` [s].
+
+        restart: silent, then settling; gap: silent; freeze: values stand, stamps go on; spike: one reading is `size`
+        [m]
+        off; bias: all are; delay: readings come `size` [s] later, honestly stamped. A duration of 0 lasts until cleared
+        (a restart: its usual silence). Raises ValueError for another kind, or numbers a fault cannot have.
+        """
+        self.faults.inject(kind, start, duration, size)
+
+    def step(self, tick: int, heave: Array, motion: VesselMotion) -> MruReading | None:
+        """Return the reading delivered at `tick`, or None if there is none.
+
+        Parameters
+        ----------
+        heave : true boom-tip heave about its mean, rate, acceleration at the tick, shape (3,)
+        motion : true motion of the vessel at the tick
+        """
+        now = tick * self._period
+        seen = self._with_instrument_errors(heave, motion)
+        if not self._started:
+            self._filter.settle(seen[0], seen[1])
+            self._started = True
+        self._restart_when_due(now, seen)
+        taken = self._filter.step(seen[0], seen[1], self._acceleration_error(now, motion))
+        self._history.append((now, seen - np.array(taken), motion.displacement[ROLL], motion.displacement[PITCH]))
+        if tick % self._ticks_between:
+            return None
+        self._sequence += 1
+        noise = self._generator.standard_normal(3)
+        if self.faults.is_active(RESTART, now) or self.faults.is_active(GAP, now):
+            return None
+        return self._reading(now, noise)
+
+    def _reading(self, now: float, noise: Array) -> MruReading | None:
+        late = self._late_ticks + round(self.faults.size(DELAY, now) / self._period)
+        if late >= len(self._history):
+            return None
+        measured_at, seen, roll, pitch = self._history[-1 - late]
+        if measured_at <= self._last_delivered:
+            return None
+        self._last_delivered = measured_at
+        values = seen + noise * (self._parameters.noise, self._parameters.rate_noise, self._parameters.rate_noise)
+        if self.faults.is_active(FREEZE, now):
+            if self._frozen is None:
+                self._frozen = (measured_at, values, roll, pitch)
+            _, values, roll, pitch = self._frozen
+        else:
+            self._frozen = None
+        wrong = self.faults.size(SPIKE, now) + self.faults.size(BIAS, now)
+        status = STATUS_SETTLING if now < self._settled_at else STATUS_OK
+        return MruReading(
+            time=measured_at + self._stamp_error_ticks * self._period,
+            sequence=self._sequence,
+            status=status,
+            heave=float(values[0] + wrong),
+            heave_rate=float(values[1]),
+            heave_acceleration=float(values[2]),
+            roll=float(roll),
+            pitch=float(pitch),
+        )
+
+    def _with_instrument_errors(self, heave: Array, motion: VesselMotion) -> Array:
+        x, y, _ = self._parameters.lever_arm_error
+        six = np.stack((motion.displacement, motion.velocity, motion.acceleration))
+        seen: Array = (1.0 + self._parameters.scale_error) * (heave - x * six[:, PITCH] + y * six[:, ROLL])
+        return seen
+
+    def _acceleration_error(self, now: float, motion: VesselMotion) -> float:
+        period = self._parameters.high_pass_period
+        if period == 0.0:
+            return 0.0
+        if abs(motion.turn_rate) > _TURNING:
+            self._settled_at = max(self._settled_at, now + self._parameters.settling_periods * period)
+        error = self._parameters.turn_sensitivity * motion.speed * motion.turn_rate
+        if self._restarted_at >= 0.0:
+            error += self._parameters.restart_bias * math.exp(-(now - self._restarted_at) / period)
+        return error
+
+    def _restart_when_due(self, now: float, seen: Array) -> None:
+        restart = self.faults.take_restart(now)
+        if restart is None:
+            return
+        self._restarted_at = now
+        self._settled_at = restart.end + self._parameters.settling_periods * self._parameters.high_pass_period
+        if self._parameters.high_pass_period > 0.0:
+            self._filter.reset(seen[0], seen[1])

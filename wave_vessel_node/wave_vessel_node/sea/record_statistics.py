@@ -1,0 +1,134 @@
+"""Statistics of a record of elevation against its target: moments, Hs, Tz and Tp with 95 % intervals.
+
+Of a Gaussian record of length T the variance of the n-th spectral moment is (2 pi / T) integral of omega^{2n} S^2.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wave_vessel_node.sea.spectra import SpectrumError, WaveSpectrum, cell_integrals
+
+Array = NDArray[np.float64]
+
+_NORMAL_95 = 1.959964
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """A value from a record, what it should be, and the half width of the 95 % interval about the target."""
+
+    value: float
+    target: float
+    half_width: float
+
+    @property
+    def is_inside(self) -> bool:
+        """Tell whether the value lies within the interval."""
+        return abs(self.value - self.target) <= self.half_width
+
+
+@dataclass(frozen=True)
+class RecordStatistics:
+    """A record against its spectrum.
+
+    Attributes
+    ----------
+    m0, m2 : spectral moments [m^2], [m^2 (rad/s)^2]
+    significant_wave_height : 4 sqrt(m0) [m]
+    zero_crossing_period : 2 pi sqrt(m0 / m2) [s]
+    peak_period : from the Welch spectrum [s]
+    """
+
+    m0: Estimate
+    m2: Estimate
+    significant_wave_height: Estimate
+    zero_crossing_period: Estimate
+    peak_period: Estimate
+
+
+def welch(record: Array, period: float, segment: float) -> tuple[Array, Array, float]:
+    """Return omega [rad/s], the one-sided density [m^2 s/rad] and its degrees of freedom (Hann, half overlapping).
+
+    Parameters
+    ----------
+    record : samples `period` [s] apart; segment : length of a segment [s]
+
+    Raises SpectrumError for a record shorter than two segments.
+    """
+    size = 2 * round(0.5 * segment / period)
+    if record.size < 2 * size:
+        raise SpectrumError(f"a record of {record.size * period:g} s is too short for two segments of {segment:g} s")
+    window = np.hanning(size + 1)[:-1]
+    starts = range(0, record.size - size + 1, size // 2)
+    power = np.mean([np.abs(np.fft.rfft(record[i : i + size] * window)) ** 2 for i in starts], axis=0)
+    count = len(starts)
+    density = power * period / (math.pi * float((window**2).sum()))
+    omega = np.asarray(2.0 * math.pi * np.fft.rfftfreq(size, period), dtype=np.float64)
+    return omega, density, 36.0 * count**2 / (19.0 * count - 1.0)
+
+
+def record_statistics(
+    record: Array, period: float, spectrum: WaveSpectrum, *, segment: float = 200.0
+) -> RecordStatistics:
+    """Compare a record of elevation (samples `period` [s] apart) with the `spectrum` it should have.
+
+    Frequencies above pi / (4 period) count for the second moment with less than they have: rates are central
+    differences, and the target is taken through the same difference.
+    """
+    length = record.size * period
+    elevation = record - record.mean()
+    rate = (elevation[2:] - elevation[:-2]) / (2.0 * period)
+    edges = spectrum.edges
+
+    def seen(omega: Array) -> Array:
+        """Return the gain of the central difference."""
+        return np.asarray(np.sin(omega * period) / period)
+
+    def scatter(weight: int) -> float:
+        squared = cell_integrals(lambda omega: seen(omega) ** (2 * weight) * spectrum.density(omega) ** 2, edges)
+        return math.sqrt(2.0 * math.pi / length * float(squared.sum()))
+
+    moments = (
+        Estimate(float(elevation.var()), spectrum.moment(0), _NORMAL_95 * scatter(0)),
+        Estimate(
+            float(rate.var()),
+            float(cell_integrals(lambda omega: seen(omega) ** 2 * spectrum.density(omega), edges).sum()),
+            _NORMAL_95 * scatter(2),
+        ),
+    )
+    m0, m2 = moments
+    cross = cell_integrals(lambda omega: seen(omega) ** 2 * spectrum.density(omega) ** 2, edges)
+    covariance = 2.0 * math.pi / length * float(cross.sum())
+    height = 4.0 * math.sqrt(m0.target)
+    # to first order: d(Hs) = Hs dm0 / (2 m0); d(Tz) = Tz (dm0 / m0 - dm2 / m2) / 2
+    relative = (scatter(0) / m0.target) ** 2 + (scatter(2) / m2.target) ** 2
+    relative -= 2.0 * covariance / (m0.target * m2.target)
+    crossing = 2.0 * math.pi * math.sqrt(m0.target / m2.target)
+    omega, density, freedom = welch(elevation, period, segment)
+    peak = 2.0 * math.pi / float(omega[np.argmax(density)])
+    return RecordStatistics(
+        m0,
+        m2,
+        Estimate(4.0 * math.sqrt(m0.value), height, height * m0.half_width / (2.0 * m0.target)),
+        Estimate(
+            2.0 * math.pi * math.sqrt(m0.value / m2.value),
+            crossing,
+            0.5 * _NORMAL_95 * crossing * math.sqrt(max(relative, 0.0)),
+        ),
+        Estimate(peak, spectrum.peak_period, _peak_half_width(spectrum, freedom, segment)),
+    )
+
+
+def _peak_half_width(spectrum: WaveSpectrum, freedom: float, segment: float) -> float:
+    """Return how far the highest line may lie from the peak: where S is within two chi-square deviations of its top."""
+    peak = spectrum.peak_frequency
+    grid = np.linspace(0.3, 3.0, 4001) * peak
+    near = grid[spectrum.density(grid) > (1.0 - 2.0 * math.sqrt(2.0 * 2.0 / freedom)) * spectrum.density(peak)]
+    resolution = 2.0 * math.pi / segment
+    periods = 2.0 * math.pi / np.array([near[0] - resolution, near[-1] + resolution])
+    return float(np.abs(periods - spectrum.peak_period).max())

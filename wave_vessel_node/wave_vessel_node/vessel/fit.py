@@ -1,0 +1,81 @@
+"""Fit of the thesis's second-order vessel (Eq. 6.25) to an RAO of boom-tip heave, by identification in the frequency
+domain.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import least_squares
+
+from wave_vessel_node.sea.spectra import WaveSpectrum
+from wave_vessel_node.vessel.motion import lever_arm_matrix
+from wave_vessel_node.vessel.rao import RaoError, ResponseTable
+from wave_vessel_node.vessel.second_order import SecondOrderVessel
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class VesselFit:
+    """A second-order vessel fitted to an RAO.
+
+    Attributes
+    ----------
+    relative_error : sqrt(integral (|H_fit| - |H|)^2 S / integral |H|^2 S): of the amplitude, weighted with the sea
+    sigma_ratio : standard deviation of heave by the fit over that by the RAO, in the sea
+    """
+
+    vessel: SecondOrderVessel
+    relative_error: float
+    sigma_ratio: float
+
+
+def boom_tip_heave_response(
+    table: ResponseTable, omega: Array, heading: float, speed: float, arm: Array
+) -> NDArray[np.complex128]:
+    """Return the heave of the point at `arm` [m] per wave amplitude, at `omega` [rad/s] and a relative `heading`
+    [rad].
+    """
+    response = table.at(omega, np.full(omega.shape, heading), speed)
+    return np.asarray(lever_arm_matrix(arm)[2] @ response)
+
+
+def fit_vessel(omega: Array, response: NDArray[Any], spectrum: WaveSpectrum) -> VesselFit:
+    """Fit natural frequency, damping and gain to amplitudes of an RAO, weighted with the sea's spectrum.
+
+    Parameters
+    ----------
+    omega : [rad/s], shape (n,); response : |H| at them (complex values are taken by their amplitude)
+
+    Phases are left out: seen from another point of the ship they differ by the wave's travel, which a causal filter
+    cannot follow, and the spectrum of the motion does not depend on them. Raises RaoError when there is nothing to fit.
+    """
+    amplitude = np.abs(np.asarray(response))
+    weight = np.sqrt(spectrum.density(omega) * np.gradient(omega))
+    if omega.size < 6 or not np.isfinite(amplitude).all() or not (weight * amplitude > 0.0).any():
+        raise RaoError("a fit needs 6 frequencies or more with finite responses where the sea has energy")
+    norm = math.sqrt(float(((weight * amplitude) ** 2).sum()))
+
+    def vessel(parameters: Array) -> SecondOrderVessel:
+        natural, damping, gain = (float(value) for value in np.exp(parameters))
+        return SecondOrderVessel(natural, damping, gain)
+
+    def residual(parameters: Array) -> Array:
+        return weight * (np.abs(vessel(parameters).response(omega)) - amplitude) / norm
+
+    bounds = (np.log([0.05, 0.02, 1e-3]), np.log([10.0, 5.0, 20.0]))
+    starts = [
+        np.log([natural * spectrum.peak_frequency, damping, max(1e-2, float(amplitude[0]))])
+        for natural in (0.6, 1.0, 1.5)
+        for damping in (0.2, 0.7)
+    ]
+    results = [least_squares(residual, np.clip(start, *bounds), bounds=bounds) for start in starts]
+    best = min(results, key=lambda result: result.cost)
+    fitted = vessel(best.x)
+    ratio = float(np.abs(fitted.response(omega)) * weight @ (np.abs(fitted.response(omega)) * weight)) / norm**2
+    return VesselFit(fitted, math.sqrt(2.0 * best.cost), math.sqrt(ratio))

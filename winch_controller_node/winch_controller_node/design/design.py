@@ -1,0 +1,391 @@
+"""From the parameters to a controller: the augmented model, what is measured, gains and scales, in one frozen object.
+
+>>> design = design_controller(WinchControllerParameters(), tick_period=0.05)
+>>> estimator = design.make_estimator()
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+from wave_vessel_node.sea.state_space import covariance_factor
+
+from winch_controller_node.model.estimator import KalmanEstimator, MeasurementModel
+from winch_controller_node.model.linear_model import Array, LinearModel, state_covariance
+from winch_controller_node.model.lqr import DesignError, QuadraticCost, check_detectable, lqr_gain, output_cost
+from winch_controller_node.model.models import (
+    DEPTH_BIAS,
+    LEVER_ARM_X,
+    LEVER_ARM_Y,
+    MRU_SCALE,
+    CableModel,
+    ModelInputs,
+    PlantBelief,
+    augmented_model,
+    boom_tip_block,
+    cable_model,
+    sea_noise_covariance,
+    sea_spectrum,
+)
+from winch_controller_node.parameters.controller import WinchControllerParameters
+
+FIT_FREQUENCIES = 80
+"""Frequencies of the fit of the two-state cable, from 0.3 to 2.5 times the boom tip's mean frequency."""
+
+LONGEST_DELAY = 5.0
+"""Command delay [s] above which a design is refused: no boom-tip prediction reaches that far (17 % error at 2 s)."""
+
+SCALE_DRIFT = 1e-5
+"""Random walk of the MRU's scale [1/sqrt(s)]: 0.1 % in three hours; keeps the filter awake."""
+
+LEVER_ARM_DRIFT = 1e-5
+"""Random walk of the lever arm [m/sqrt(s)]."""
+
+
+@dataclass(frozen=True)
+class ControllerDesign:
+    """Everything a control law needs for one deployed length. All in SI, states by `model.state_names`.
+
+    Attributes
+    ----------
+    parameters, tick_period, length : what it was designed for
+    cable : the two-state cable believed in
+    model : sampled augmented model; one input, the command
+    measurements : what the estimator may be given, by name: mru_heave, mru_heave_rate, unit_heave (from depth, positive
+        up, about the expected mean), payout (encoder), unit_velocity, unit_acceleration, tension (about the static one)
+    initial_covariance : of the estimate at the start, shape (n, n)
+    gain : u = -gain x, shape (n,): optimum for all states (thesis 6.3), zero for sensor states
+    cost : of the model's states
+    sigma : stationary standard deviation of each output with the winch locked
+    sea_noise : what the waves contribute to the process noise of a tick, shape (n, n)
+    """
+
+    parameters: WinchControllerParameters
+    tick_period: float
+    length: float
+    cable: CableModel
+    model: LinearModel
+    measurements: tuple[MeasurementModel, ...]
+    initial_covariance: Array
+    gain: Array
+    cost: QuadraticCost
+    sigma: dict[str, float]
+    sea_noise: Array
+
+    @property
+    def command(self) -> str:
+        """Name of the model's input."""
+        return self.model.input_names[0]
+
+    @property
+    def delay_states(self) -> tuple[str, ...]:
+        """Names of the past commands, the newest first."""
+        return tuple(name for name in self.model.state_names if name.startswith(self.command + "_"))
+
+    @property
+    def sea_states(self) -> tuple[str, ...]:
+        """Names of the states of waves and vessel: those that grow with the sea."""
+        return tuple(name for name in self.model.state_names if _is_sea(name))
+
+    @property
+    def unit_weight(self) -> float:
+        """Submerged weight of the unit as believed [N]."""
+        unit = self.parameters.unit
+        return (unit.mass - self.parameters.water_density * unit.volume) * self.parameters.gravity
+
+    def make_estimator(self) -> KalmanEstimator:
+        """Return a Kalman filter at its initial state."""
+        estimator = self.parameters.estimator
+        return KalmanEstimator(
+            self.model,
+            self.measurements,
+            self.initial_covariance,
+            gate=estimator.gate,
+            gate_limit=estimator.gate_limit,
+            largest_age=round(estimator.largest_age / self.tick_period),
+        )
+
+
+def design_controller(
+    parameters: WinchControllerParameters,
+    *,
+    tick_period: float,
+    length: float | None = None,
+    cable: CableModel | None = None,
+) -> ControllerDesign:
+    """Design estimator and gains for `length` [m] (default: parameters.length).
+
+    `cable` is the two-state cable there, where it is known already (most of the work is its fit).
+
+    Raises
+    ------
+    DesignError : in words, for a wrong sensor set, a delay that no prediction bridges, singular weights, a model that
+        is not stabilisable or not detectable.
+    """
+    length = parameters.length if length is None else length
+    _check_inputs(parameters, tick_period)
+    cable = believed_cable(parameters, length) if cable is None else cable
+    model = augmented_model(model_inputs(parameters, cable), tick_period)
+    measurements = measurement_models(parameters, model, cable)
+    _check_observability(parameters, model, measurements)
+    cost = design_cost(parameters, model)
+    gain = full_gain(model, cost)
+    covariance, sigma = _locked_covariance(parameters, model)
+    return ControllerDesign(
+        parameters=parameters,
+        tick_period=tick_period,
+        length=length,
+        cable=cable,
+        model=model,
+        measurements=measurements,
+        initial_covariance=covariance,
+        gain=gain,
+        cost=cost,
+        sigma=sigma,
+        sea_noise=sea_noise_covariance(model_inputs(parameters, cable), tick_period, model.order),
+    )
+
+
+def at_cable(design: ControllerDesign, cable: CableModel, length: float, gain: Array) -> ControllerDesign:
+    """Return the design with another cable and gain, all else as it is.
+
+    It is what a gain schedule gives between its points.
+    """
+    parameters = design.parameters
+    model = augmented_model(model_inputs(parameters, cable), design.tick_period)
+    return replace(
+        design,
+        length=length,
+        cable=cable,
+        model=model,
+        measurements=measurement_models(parameters, model, cable),
+        gain=gain,
+        cost=design_cost(parameters, model),
+    )
+
+
+def carry_over(old: ControllerDesign, new: ControllerDesign) -> Array:
+    """Return by what each state estimated under `old` must be multiplied to mean the same under `new`, shape (n,).
+
+    Wave states are derivatives of one signal, in units of the sea's height and peak frequency (companion form); all
+    other states are physical.
+    """
+    factors = np.ones(old.model.order)
+    before, after = old.parameters.sea, new.parameters.sea
+    if "thesis" in (before.filter_form, after.filter_form):
+        return factors
+    for sea, power in ((before, 1.0), (after, -1.0)):
+        spectrum = sea_spectrum(sea)
+        peak = spectrum.peak_frequency
+        unit = spectrum.significant_wave_height / math.sqrt(peak)
+        for i, name in enumerate(old.model.state_names):
+            if name.startswith("wave_"):
+                factors[i] *= (unit * peak ** int(name.removeprefix("wave_"))) ** power
+    return factors
+
+
+def carry_by_name(old: ControllerDesign, new: ControllerDesign) -> Array:
+    """Return the matrix that takes a state of `old` to one of `new`, shape (n_new, n_old).
+
+    States of one name are the same; a longer chain of past commands repeats its oldest.
+    """
+    chain = old.delay_states
+    matrix = np.zeros((new.model.order, old.model.order))
+    for row, name in enumerate(new.model.state_names):
+        if old.model.has_state(name):
+            matrix[row, old.model.state(name)] = 1.0
+        elif chain:
+            matrix[row, old.model.state(chain[-1])] = 1.0
+    return matrix
+
+
+def _check_inputs(parameters: WinchControllerParameters, tick_period: float) -> None:
+    if not tick_period > 0.0:
+        raise DesignError(f"tick_period must be above 0; got {tick_period:g} s")
+    delay = parameters.winch.command_delay
+    if delay > LONGEST_DELAY:
+        raise DesignError(
+            f"winch.command_delay = {delay:g} s is longer than any useful prediction of the boom tip "
+            f"({LONGEST_DELAY:g} s)"
+        )
+    use = parameters.sensors.use
+    if "encoder" not in use:
+        raise DesignError("sensors.use must have the encoder: without it nobody knows the payout")
+    if not {"mru", "depth", "velocity", "imu"} & set(use):
+        raise DesignError(
+            "sensors.use must have one of mru, depth, velocity, imu: nothing measures the motion otherwise"
+        )
+
+
+def believed_cable(parameters: WinchControllerParameters, length: float) -> CableModel:
+    """Return the two-state cable at `length` [m] as believed, fitted where the boom tip has its energy."""
+    plant = PlantBelief(parameters.cable, parameters.unit, parameters.water_density, parameters.gravity)
+    tip = boom_tip_block(parameters.sea, parameters.vessel)
+    P = state_covariance(tip)
+    heave, rate = tip.row("boom_tip_heave"), tip.row("boom_tip_heave_rate")
+    mean_frequency = math.sqrt(float(rate @ P @ rate) / float(heave @ P @ heave))
+    omegas = np.linspace(0.3, 2.5, FIT_FREQUENCIES) * mean_frequency
+    response = [
+        np.linalg.norm(heave @ np.linalg.solve(1j * w * np.eye(tip.order) - tip.A, tip.G.astype(complex)))
+        for w in omegas
+    ]
+    return cable_model(plant, parameters.cable_model, length, omegas, np.array(response))
+
+
+def model_inputs(parameters: WinchControllerParameters, cable: CableModel) -> ModelInputs:
+    """Return what the augmented model is made of under these parameters."""
+    sensors = parameters.sensors
+    has_mru = "mru" in sensors.use
+    slow: list[tuple[str, float]] = []
+    if "depth" in sensors.use and sensors.depth.bias_sigma > 0.0:
+        slow.append((DEPTH_BIAS, sensors.depth.bias_drift))
+    if has_mru and sensors.mru.scale_sigma > 0.0:
+        slow.append((MRU_SCALE, SCALE_DRIFT))
+    if has_mru and sensors.mru.lever_arm_sigma > 0.0:
+        slow += [(LEVER_ARM_X, LEVER_ARM_DRIFT), (LEVER_ARM_Y, LEVER_ARM_DRIFT)]
+    return ModelInputs(
+        cable=cable,
+        winch=parameters.winch,
+        sea=parameters.sea,
+        vessel=parameters.vessel,
+        cable_disturbance=parameters.cable_model.disturbance,
+        mru=sensors.mru if has_mru else None,
+        slow=tuple(slow),
+    )
+
+
+def measurement_models(
+    parameters: WinchControllerParameters, model: LinearModel, cable: CableModel
+) -> tuple[MeasurementModel, ...]:
+    """Return the measurements of the sensors in use."""
+    sensors = parameters.sensors
+    scale = model.state(MRU_SCALE) if model.has_state(MRU_SCALE) else None
+    depth = model.row("unit_heave").copy()
+    if model.has_state(DEPTH_BIAS):
+        depth[model.state(DEPTH_BIAS)] = 1.0
+    tension = cable.static_tension * sensors.load_cell_noise
+    known = (
+        MeasurementModel("mru_heave", "mru", _row(model, "mru_heave"), sensors.mru.noise, scale),
+        MeasurementModel("mru_heave_rate", "mru", _row(model, "mru_heave_rate"), sensors.mru.rate_noise, scale),
+        MeasurementModel("unit_heave", "depth", depth, sensors.depth.noise),
+        # a servo other than believed moves the drum otherwise, at the winch's limits by centimetres in a second:
+        # refusing the encoder would leave the loop blind when it is needed most; jumps are found by a gate of its own
+        MeasurementModel("payout", "encoder", model.row("payout"), sensors.encoder_noise, is_gated=False),
+        MeasurementModel("unit_velocity", "velocity", model.row("unit_heave_rate"), sensors.velocity_noise),
+        MeasurementModel("unit_acceleration", "imu", model.row("unit_heave_acceleration"), sensors.imu_noise),
+        MeasurementModel("tension", "load_cell", model.row("tension"), tension),
+    )
+    return tuple(measurement for measurement in known if measurement.sensor in sensors.use)
+
+
+def _row(model: LinearModel, output: str) -> Array:
+    return model.row(output) if output in model.output_names else np.zeros(model.order)
+
+
+def _check_observability(
+    parameters: WinchControllerParameters, model: LinearModel, measurements: tuple[MeasurementModel, ...]
+) -> None:
+    """Refuse a sensor set that does not determine the state.
+
+    Scale and lever arm show only in motion, so that a constant linear test cannot judge them: they need a sensor on the
+    unit or the cable that tells how much the boom tip really moves.
+    """
+    use = parameters.sensors.use
+    in_motion = (MRU_SCALE, LEVER_ARM_X, LEVER_ARM_Y)
+    asked = [name for name in in_motion if model.has_state(name)]
+    if asked and not {"depth", "velocity", "imu", "load_cell"} & set(use):
+        raise DesignError(
+            f"{' and '.join(asked)} cannot be seen with the sensors {', '.join(use)}: add depth, "
+            f"velocity, imu or load_cell, "
+            "or set its sigma to 0"
+        )
+    kept = [name for name in model.state_names if name not in in_motion]
+    index = [model.state(name) for name in kept]
+    check_detectable(model.select_states(kept), np.array([m.row[index] for m in measurements]), use)
+
+
+def design_cost(parameters: WinchControllerParameters, model: LinearModel) -> QuadraticCost:
+    """Return the quadratic cost of `parameters.weights` on `model`."""
+    weights = parameters.weights
+    sizes = {
+        "unit_heave": weights.unit_heave,
+        "unit_heave_rate": weights.unit_heave_rate,
+        "outlet_heave": weights.outlet_heave,
+        "payout": weights.payout,
+        "payout_rate": weights.payout_rate,
+        "payout_acceleration": weights.payout_acceleration if "payout_acceleration" in model.output_names else 0.0,
+    }
+    return output_cost(model, sizes, weights.command)
+
+
+def _is_sea(name: str) -> bool:
+    return name.startswith(("vessel_", "wave_"))
+
+
+def regulator_gain(parameters: WinchControllerParameters, model: LinearModel) -> Array:
+    """Return the gain of the regulator of unit, winch and delay (thesis 6.2.4, 6.2.5), shape (n,).
+
+    The outlet has no weight in it: without a boom tip to follow, that would hold the payout where it is. Nothing but
+    the unit's own motion then asks for a command, so that it is weighed as in the thesis, by itself.
+    """
+    weights = replace(parameters.weights, outlet_heave=0.0)
+    gain = full_gain(model, design_cost(replace(parameters, weights=weights), model))
+    return np.where([_is_sea(name) for name in model.state_names], 0.0, gain)
+
+
+def is_sensor_state(name: str) -> bool:
+    """Tell whether a state belongs to a sensor alone, so that no control can or need act on it."""
+    return name.startswith("mru_") or name in (DEPTH_BIAS, LEVER_ARM_X, LEVER_ARM_Y)
+
+
+def full_gain(model: LinearModel, cost: QuadraticCost) -> Array:
+    """Return the LQR gain over all states; sensor states, which move nothing, have none."""
+    keep = [i for i, name in enumerate(model.state_names) if not is_sensor_state(name)]
+    plant = model.select_states([model.state_names[i] for i in keep])
+    reduced = QuadraticCost(cost.Q[np.ix_(keep, keep)], cost.N[keep], cost.R)
+    gain = np.zeros(model.order)
+    gain[keep] = lqr_gain(plant, reduced)[0]
+    return gain
+
+
+def _locked_covariance(parameters: WinchControllerParameters, model: LinearModel) -> tuple[Array, dict[str, float]]:
+    """Return the covariance at the start and the outputs' standard deviations, winch locked, from the stable part."""
+    moving = [name for name in model.state_names if not is_sensor_state(name) and not name.startswith("payout")]
+    free = _without_payout(model, moving)
+    P = state_covariance(free)
+    covariance = np.zeros((model.order, model.order))
+    index = [model.state(name) for name in moving]
+    covariance[np.ix_(index, index)] = P
+    sensors = parameters.sensors
+    start = {
+        DEPTH_BIAS: sensors.depth.bias_sigma,
+        MRU_SCALE: sensors.mru.scale_sigma,
+        "payout": 1.0,
+        "payout_rate": 0.1,
+    }
+    start |= dict.fromkeys((LEVER_ARM_X, LEVER_ARM_Y), sensors.mru.lever_arm_sigma)
+    start |= dict.fromkeys(("mru_offset", "mru_offset_rate"), 0.1)
+    for name, sigma in start.items():
+        if model.has_state(name):
+            covariance[model.state(name), model.state(name)] = sigma**2
+    variances = np.einsum("ij,jk,ik->i", model.C[:, index], P, model.C[:, index])
+    return covariance, dict(zip(model.output_names, np.sqrt(np.maximum(variances, 0.0)).tolist(), strict=True))
+
+
+def _without_payout(model: LinearModel, names: list[str]) -> LinearModel:
+    """Return the model of the states `names` with payout and past commands held at zero."""
+    index = [model.state(name) for name in names]
+    return LinearModel(
+        A=model.A[np.ix_(index, index)],
+        B=np.zeros((len(index), 0)),
+        C=np.zeros((0, len(index))),
+        D=np.zeros((0, 0)),
+        G=covariance_factor(model.noise_covariance[np.ix_(index, index)]),
+        state_names=tuple(names),
+        input_names=(),
+        output_names=(),
+        noise_names=tuple(f"noise_{i}" for i in range(len(index))),
+        dt=model.dt,
+    )

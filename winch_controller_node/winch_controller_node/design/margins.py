@@ -1,0 +1,101 @@
+"""Stability margins of the loop at the winch command, with the exact delay."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from winch_controller_node.design.design import ControllerDesign
+from winch_controller_node.design.prediction import equivalent_filter
+from winch_controller_node.model.linear_model import Array
+from winch_controller_node.model.lqr import DesignError
+
+ComplexArray = NDArray[np.complex128]
+
+FREQUENCIES = 2000
+
+
+@dataclass(frozen=True)
+class Margins:
+    """Margins of a loop gain L, broken at the command.
+
+    Attributes
+    ----------
+    gain_up, gain_down : factors by which the loop gain may grow and shrink; inf and 0: without limit
+    phase : smallest phase to instability at abs(L) = 1 [rad]; inf: never 1
+    delay : smallest further delay to instability [s]; inf: none
+    sensitivity_peak : largest abs(1/(1 + L)) [-]
+    """
+
+    gain_up: float
+    gain_down: float
+    phase: float
+    delay: float
+    sensitivity_peak: float
+
+
+def frequencies(tick_period: float) -> Array:
+    """Return angular frequencies up to half the tick rate [rad/s]."""
+    return np.geomspace(1e-3, math.pi / tick_period, FREQUENCIES)
+
+
+def state_feedback_loop(design: ControllerDesign, gain: Array, omegas: Array) -> ComplexArray:
+    """Return L = G (zI - A)^-1 B when all states are known (LQR), shape of `omegas`."""
+    return _transfer(design.model.A, design.model.B[:, 0], gain, design.tick_period, omegas)
+
+
+def output_feedback_loop(design: ControllerDesign, gain: Array, omegas: Array) -> ComplexArray:
+    """Return L with the stationary Kalman filter in the loop (LQG), shape of `omegas`.
+
+    A sensor slower than the tick stands as one at the tick with the same information per second.
+    """
+    filter_ = equivalent_filter(design)
+    n = len(filter_.A)
+    G = np.zeros(n)
+    G[: design.model.order] = gain
+    B = np.zeros(n)
+    B[: design.model.order] = design.model.B[:, 0]
+    correct = np.eye(n) - filter_.K @ filter_.H
+    controller = correct @ (filter_.A - np.outer(B, G))
+    L = np.empty(len(omegas), dtype=np.complex128)
+    for i, z in enumerate(np.exp(1j * omegas * design.tick_period)):
+        measured = filter_.H @ np.linalg.solve(z * np.eye(n) - filter_.A, B)
+        L[i] = G @ np.linalg.solve(z * np.eye(n) - controller, z * (filter_.K @ measured))
+    return L
+
+
+def _transfer(A: Array, B: Array, C: Array, dt: float, omegas: Array) -> ComplexArray:
+    z = np.exp(1j * omegas * dt)
+    resolvent = z[:, None, None] * np.eye(len(A)) - A
+    solution: ComplexArray = np.linalg.solve(resolvent, np.broadcast_to(B[:, None], (len(z), len(B), 1)))[:, :, 0]
+    return np.asarray(solution @ C)
+
+
+def margins(omegas: Array, L: ComplexArray) -> Margins:
+    """Return the margins of a loop that is stable as it is.
+
+    Raises DesignError for arrays of different or no length.
+    """
+    if len(omegas) != len(L) or not len(L):
+        raise DesignError("margins need a loop gain at each frequency")
+    size, angle = np.abs(L), np.unwrap(np.angle(L))
+    crossings = np.flatnonzero((size[:-1] - 1.0) * (size[1:] - 1.0) < 0.0)
+    phases, delays = [], []
+    for i in crossings:
+        share = (1.0 - size[i]) / (size[i + 1] - size[i])
+        phase = (angle[i] + share * (angle[i + 1] - angle[i]) + math.pi) % (2.0 * math.pi)
+        omega = omegas[i] + share * (omegas[i + 1] - omegas[i])
+        phases.append(float(min(phase, 2.0 * math.pi - phase)))
+        delays.append(float(phase / omega))
+    real_axis = np.flatnonzero((L.imag[:-1] * L.imag[1:] < 0.0) & (L.real[:-1] < 0.0))
+    gains = [float(1.0 / np.mean(size[i : i + 2])) for i in real_axis]
+    return Margins(
+        gain_up=min((g for g in gains if g > 1.0), default=math.inf),
+        gain_down=max((g for g in gains if g < 1.0), default=0.0),
+        phase=min(phases, default=math.inf),
+        delay=min(delays, default=math.inf),
+        sensitivity_peak=float(np.max(1.0 / np.abs(1.0 + L))),
+    )

@@ -1,0 +1,367 @@
+"""The design report: what the controller will do in its sea, before anyone starts it. Numbers, a table, and figures."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass, replace
+
+import numpy as np
+from heave_node.kpi import kappa
+
+from winch_controller_node.design.bounds import BOUND_STEP, WinchLimits, actuator_bound, boom_tip_realisation
+from winch_controller_node.design.design import ControllerDesign, design_controller, design_cost, full_gain
+from winch_controller_node.design.feasibility import (
+    WinchDemand,
+    feasibility_table,
+    format_feasibility,
+    uncompensated_sigma,
+)
+from winch_controller_node.design.margins import (
+    ComplexArray,
+    Margins,
+    frequencies,
+    margins,
+    output_feedback_loop,
+    state_feedback_loop,
+)
+from winch_controller_node.design.prediction import (
+    ErrorCovariances,
+    LoopPrediction,
+    error_covariances,
+    estimation_bound,
+    predict_loop,
+)
+from winch_controller_node.model.linear_model import Array, with_feedback
+from winch_controller_node.model.lqr import DesignError
+from winch_controller_node.parameters.controller import WinchControllerParameters
+
+COMMAND_SIZES = (0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 20.0, 100.0)
+"""Sizes of the command weight along the trade-off curve; a smaller size is a larger weight."""
+
+WINCH_LAGS = (0.05, 0.1, 0.15, 0.25, 0.4, 0.6, 1.0, 1.6, 2.5)
+"""Lags of the winch along the bandwidth curve [s]."""
+
+BISECTIONS = 12
+"""Halvings of the search for the weight that gives a prescribed sigma."""
+
+PRESCRIBED = 2.0
+"""Unit sigma prescribed along the bandwidth curve, in that of the design."""
+
+BOUND_DURATION = 400.0
+"""Record over which the clairvoyant plans [s]."""
+
+BOUND_RECORDS = 3
+"""Records it plans over."""
+
+
+@dataclass(frozen=True)
+class TradeOff:
+    """One point of a trade-off curve.
+
+    Attributes
+    ----------
+    parameter : size of the command weight [m/s], or lag of the winch [s]
+    unit_sigma, rate_sigma, acceleration_sigma : predicted [m], [m/s], [m/s^2]
+    command_sigma : of the set-point [m/s], the effort asked of the drive
+    gain_norm : square root of the sum of squared gains, the thesis's index (Eq. 6.18; it mixes units)
+    """
+
+    parameter: float
+    unit_sigma: float
+    rate_sigma: float
+    acceleration_sigma: float
+    command_sigma: float
+    gain_norm: float
+
+
+@dataclass(frozen=True)
+class DesignReport:
+    """All that `heave design` says.
+
+    Attributes
+    ----------
+    design : what it is about
+    prediction : of the LQG loop, and of the delay-augmented LQR with all states known
+    poles : discrete poles of the closed loop
+    margins_state, margins_output : with all states known, and with the Kalman filter
+    omegas, loop : loop gain with the Kalman filter
+    uncompensated_sigma : of the unit with the winch locked, drag linearised at that motion [m]
+    s_est, s_act, kappa : bounds [m] and how far the LQG prediction is from them
+    power_mean, power_significant : mean of abs(T v) and 4 sigma of T v at static tension [W]
+    weight_curve, winch_curve : trade-off against command weight (thesis figs 6.18, 6.19) and winch lag (fig 6.25)
+    feasibility : demand on the winch for seas around the design sea
+    """
+
+    design: ControllerDesign
+    prediction: LoopPrediction
+    poles: ComplexArray
+    margins_state: Margins
+    margins_output: Margins
+    omegas: Array
+    loop: ComplexArray
+    uncompensated_sigma: float
+    s_est: float
+    s_act: float
+    kappa: float
+    power_mean: float
+    power_significant: float
+    weight_curve: tuple[TradeOff, ...]
+    winch_curve: tuple[TradeOff, ...]
+    feasibility: tuple[WinchDemand, ...]
+
+    def table(self) -> str:
+        """Return the report as text a person can read."""
+        return "\n\n".join([_head(self), _gains(self), _loop(self), _predictions(self), _curves(self), _demands(self)])
+
+    def values(self) -> dict[str, object]:
+        """Return the report as plain values for a machine."""
+        design = self.design
+        return {
+            "length_m": design.length,
+            "a_s2": design.cable.a,
+            "b_s": design.cable.b,
+            "state_names": list(design.model.state_names),
+            "gain": design.gain.tolist(),
+            "poles": [[float(pole.real), float(pole.imag)] for pole in self.poles],
+            "margins_state_feedback": _finite(asdict(self.margins_state)),
+            "margins_output_feedback": _finite(asdict(self.margins_output)),
+            "predicted_sigma": self.prediction.sigma,
+            "predicted_command_sigma": self.prediction.command_sigma,
+            "estimate_error": self.prediction.estimate_error,
+            "uncompensated_sigma": self.uncompensated_sigma,
+            "locked_sigma_small_motion": design.sigma,
+            "s_est_m": self.s_est,
+            "s_act_m": self.s_act,
+            "kappa": self.kappa,
+            "power_mean_w": self.power_mean,
+            "power_significant_w": self.power_significant,
+            "weight_curve": [asdict(point) for point in self.weight_curve],
+            "winch_curve": [asdict(point) for point in self.winch_curve],
+            "winch_knee_s": knee(self.winch_curve) if self.winch_curve else None,
+            "feasibility": [asdict(row) for row in self.feasibility],
+        }
+
+
+def _finite(values: dict[str, float]) -> dict[str, float | None]:
+    return {name: value if math.isfinite(value) else None for name, value in values.items()}
+
+
+def design_report(
+    parameters: WinchControllerParameters, *, tick_period: float, seed: int = 1, length: float | None = None
+) -> DesignReport:
+    """Design a controller and return all there is to say of it.
+
+    Parameters
+    ----------
+    parameters : of the controller
+    tick_period : [s]
+    seed : of the record the clairvoyant plans over
+    length : deployed length [m]; None: that of the parameters
+
+    Raises
+    ------
+    DesignError : what cannot be designed, in words.
+    """
+    design = design_controller(parameters, tick_period=tick_period, length=length)
+    errors = error_covariances(design)
+    prediction = predict_loop(design, design.gain, errors)
+    omegas = frequencies(tick_period)
+    loop = output_feedback_loop(design, design.gain, omegas)
+    s_est = estimation_bound(design, errors)
+    s_act = _actuator_bound(design, seed)
+    power = design.cable.static_tension * prediction.sigma["payout_rate"]
+    closed = with_feedback(design.model, design.gain)
+    return DesignReport(
+        design=design,
+        prediction=prediction,
+        poles=np.linalg.eigvals(closed.A).astype(np.complex128),
+        margins_state=margins(omegas, state_feedback_loop(design, design.gain, omegas)),
+        margins_output=margins(omegas, loop),
+        omegas=omegas,
+        loop=loop,
+        uncompensated_sigma=_uncompensated(design),
+        s_est=s_est,
+        s_act=s_act,
+        kappa=kappa(prediction.sigma["unit_heave"], s_est, s_act),
+        power_mean=power * math.sqrt(2.0 / math.pi),
+        power_significant=4.0 * power,
+        weight_curve=weight_curve(design, errors),
+        winch_curve=winch_curve(design, PRESCRIBED * prediction.sigma["unit_heave"]),
+        feasibility=tuple(_feasibility(parameters)),
+    )
+
+
+def _uncompensated(design: ControllerDesign) -> float:
+    given = design.parameters.cable_model
+    if given.inertia > 0.0 and given.damping > 0.0:
+        return design.sigma["unit_heave"]  # an identified cable is all that is known
+    return uncompensated_sigma(design.parameters, design.length)
+
+
+def _actuator_bound(design: ControllerDesign, seed: int) -> float:
+    """Return the root mean square of the clairvoyant's bound over some records: rare high waves make it scatter."""
+    parameters = design.parameters
+    winch = parameters.winch
+    limits = WinchLimits(winch.speed_limit, winch.acceleration_limit, min(-winch.payout_minimum, winch.payout_maximum))
+    bounds = []
+    for record in range(BOUND_RECORDS):
+        tip = boom_tip_realisation(
+            parameters.sea, parameters.vessel, duration=BOUND_DURATION, step=BOUND_STEP, seed=seed + record
+        )
+        bounds.append(actuator_bound(design.cable, limits, tip, BOUND_STEP))
+    return float(np.sqrt(np.mean(np.square(bounds))))
+
+
+def _point(design: ControllerDesign, value: float, command_size: float, errors: ErrorCovariances) -> TradeOff:
+    weights = replace(design.parameters.weights, command=command_size)
+    gain = full_gain(design.model, design_cost(replace(design.parameters, weights=weights), design.model))
+    prediction = predict_loop(design, gain, errors)
+    return TradeOff(
+        parameter=value,
+        unit_sigma=prediction.sigma["unit_heave"],
+        rate_sigma=prediction.sigma["payout_rate"],
+        acceleration_sigma=prediction.sigma.get("payout_acceleration", math.nan),
+        command_sigma=prediction.command_sigma,
+        gain_norm=float(np.linalg.norm(gain)),
+    )
+
+
+def weight_curve(
+    design: ControllerDesign, errors: ErrorCovariances, sizes: Sequence[float] = COMMAND_SIZES
+) -> tuple[TradeOff, ...]:
+    """Return predicted unit motion against winch use for growing sizes of the command weight (thesis figs 6.18, 6.19).
+
+    `errors` are `error_covariances(design)`.
+    """
+    return tuple(_point(design, size, size, errors) for size in sizes)
+
+
+def winch_curve(
+    design: ControllerDesign, unit_sigma: float, lags: Sequence[float] = WINCH_LAGS
+) -> tuple[TradeOff, ...]:
+    """Return what a prescribed `unit_sigma` [m] costs with a slower and slower winch (thesis fig 6.25, 6.3.5).
+
+    For each lag the command weight is found that gives the prescribed sigma; lags at which none does are left out.
+    """
+    points = []
+    for lag in lags:
+        winch = replace(design.parameters.winch, time_constant=lag, position_rate=1.0 / lag)
+        trial = design_controller(
+            replace(design.parameters, winch=winch), tick_period=design.tick_period, length=design.length
+        )
+        point = _at_sigma(trial, lag, unit_sigma)
+        if point is not None:
+            points.append(point)
+    return tuple(points)
+
+
+def _at_sigma(design: ControllerDesign, value: float, unit_sigma: float) -> TradeOff | None:
+    """Return the point of the weight curve with the prescribed sigma, by bisection; None: out of reach."""
+    errors = error_covariances(design)
+    low, high = math.log(COMMAND_SIZES[0] * 0.1), math.log(COMMAND_SIZES[-1] * 10.0)
+    best = _point(design, value, math.exp(high), errors)
+    if best.unit_sigma > unit_sigma:
+        return None
+    for _ in range(BISECTIONS):
+        middle = 0.5 * (low + high)
+        point = _point(design, value, math.exp(middle), errors)
+        if point.unit_sigma > unit_sigma:
+            low = middle
+        else:
+            high, best = middle, point
+    return best
+
+
+def knee(curve: Sequence[TradeOff], share: float = 0.1) -> float:
+    """Return the largest lag of the winch [s] whose command is at most `share` larger than that of the fastest winch.
+
+    A quicker winch gains no more: the critical K of thesis fig 6.25 is its inverse.
+
+    Raises DesignError for a curve without points.
+    """
+    if not curve:
+        raise DesignError("no winch of the curve reaches the prescribed sigma")
+    fastest = min(curve, key=lambda point: point.parameter)
+    return max(point.parameter for point in curve if point.command_sigma <= (1.0 + share) * fastest.command_sigma)
+
+
+def _feasibility(parameters: WinchControllerParameters) -> list[WinchDemand]:
+    sea = parameters.sea
+    heights = [round(factor * sea.significant_wave_height, 2) for factor in (0.5, 1.0, 1.5, 2.0)]
+    periods = [max(1.0, round(sea.peak_period + shift, 2)) for shift in (-2.0, 0.0, 2.0)]
+    return feasibility_table(parameters, heights, periods)
+
+
+def _head(report: DesignReport) -> str:
+    design = report.design
+    sea = design.parameters.sea
+    return (
+        f"Design at {design.length:g} m: a = {design.cable.a:.4g} s2, b = {design.cable.b:.4g} s, static tension "
+        f"{design.cable.static_tension / 1e3:.1f} kN\n"
+        f"Sea {sea.spectrum}, Hs {sea.significant_wave_height:g} m, Tp {sea.peak_period:g} s; winch "
+        f"{design.parameters.winch.law}, "
+        f"delay {design.parameters.winch.command_delay:g} s; sensors {', '.join(design.parameters.sensors.use)}"
+    )
+
+
+def _gains(report: DesignReport) -> str:
+    design = report.design
+    lines = ["state                        gain   1-sigma error of its estimate"]
+    lines += [
+        f"{name:24s} {gain:9.4g}   {report.prediction.estimate_error[name]:.3g}"
+        for name, gain in zip(design.model.state_names, design.gain, strict=True)
+    ]
+    return "\n".join(lines)
+
+
+def _loop(report: DesignReport) -> str:
+    moving = [pole for pole in report.poles if 1e-9 < abs(pole) < 1.0 - 1e-9]
+    slowest = max(moving, key=abs)
+    lines = [f"slowest closed-loop pole {abs(slowest):.5f} (1 is the edge of stability)"]
+    for name, margin in (("all states known", report.margins_state), ("with the Kalman filter", report.margins_output)):
+        lines.append(
+            f"{name:22s}: gain margin x{margin.gain_up:.3g} (down x{margin.gain_down:.3g}), phase margin "
+            f"{math.degrees(margin.phase):.0f} deg, delay margin {margin.delay:.3f} s, sensitivity peak "
+            f"{margin.sensitivity_peak:.2f}"
+        )
+    return "\n".join(lines)
+
+
+def _predictions(report: DesignReport) -> str:
+    sigma, off = report.prediction.sigma, report.design.sigma
+    lines = ["output                    compensated  winch locked   (1 sigma, SI; locked: drag of small motion)"]
+    lines += [f"{name:24s} {sigma[name]:12.5g}  {off[name]:12.5g}" for name in sigma]
+    lines.append(
+        f"unit {100.0 * sigma['unit_heave']:.3f} cm of {100.0 * report.uncompensated_sigma:.1f} cm "
+        f"uncompensated; bounds: sensors and delay "
+        f"{100.0 * report.s_est:.3f} cm, winch limits {100.0 * report.s_act:.3f} cm, kappa {report.kappa:.2f}"
+    )
+    lines.append(
+        f"winch power at static tension: mean {report.power_mean / 1e3:.1f} kW, significant "
+        f"{report.power_significant / 1e3:.1f} kW"
+    )
+    return "\n".join(lines)
+
+
+def _curves(report: DesignReport) -> str:
+    columns = "unit cm   rate m/s   accel. m/s2  command   gain index"
+    lines = [f"size of command weight     {columns}"]
+    lines += [_curve_row(point) for point in report.weight_curve]
+    lines += ["", f"lag of winch s             {columns}"]
+    lines += [_curve_row(point) for point in report.winch_curve]
+    if report.winch_curve:
+        lines.append(f"knee: a winch quicker than {knee(report.winch_curve):g} s saves less than 10 % of the command")
+    return "\n".join(lines)
+
+
+def _curve_row(point: TradeOff) -> str:
+    return (
+        f"{point.parameter:22.3g} {100.0 * point.unit_sigma:11.3f} {point.rate_sigma:10.3f} "
+        f"{point.acceleration_sigma:13.3f} "
+        f"{point.command_sigma:8.3f} {point.gain_norm:12.4g}"
+    )
+
+
+def _demands(report: DesignReport) -> str:
+    return "Full compensation, largest in three hours, drum radius 0.75 m:\n" + format_feasibility(report.feasibility)

@@ -1,0 +1,78 @@
+"""Handing the loop over to compensation where the unit is: the present depth becomes the mean, nothing else changes.
+
+Payout P = mean + p and unit X = -mean + x stay what they are when the mean goes down by d: p' = p - d, x' = x + d. The
+pull x0 - p - x of the cable stays too, so that no law sees a step. A unit that has just been lifted off stood still:
+the estimate of a hanging unit means nothing then, and begins anew from what the load cell says of the pull.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from winch_controller_node.model.linear_model import Array, LinearModel
+from winch_controller_node.model.models import DEPTH_BIAS
+
+PULL_SIGMA = 0.1
+"""Doubt in the pull of the cable [m] of a unit that has just been lifted off: 5 % of a weight on a long cable."""
+
+STANDING_SIGMA = 0.01
+"""Doubt in its rate [m/s]: it stood."""
+
+
+@dataclass(frozen=True)
+class Handover:
+    """How the loop goes on.
+
+    Attributes
+    ----------
+    estimate : shape (n,); covariance : shape (n, n); mean_state : the mean payout's own motion, shape (n,)
+    lowered : how much the mean payout becomes larger [m]
+    """
+
+    estimate: Array
+    covariance: Array
+    mean_state: Array
+    lowered: float
+
+
+def hand_over(model: LinearModel, estimate: Array, covariance: Array, mean_state: Array) -> Handover:
+    """Return the loop with the unit's present heave as the mean."""
+    payout, unit = model.state("payout"), model.state("unit_heave")
+    lowered = -float(estimate[unit] + mean_state[unit] + mean_state[payout])
+    estimate, mean_state = estimate.copy(), mean_state.copy()
+    estimate[payout] -= lowered
+    estimate[unit] += lowered
+    mean_state[payout] += lowered
+    mean_state[unit] -= lowered
+    return Handover(estimate, covariance, mean_state, lowered)
+
+
+def hand_over_standing(
+    model: LinearModel, estimate: Array, covariance: Array, mean_state: Array, *, pull: float, heave: float
+) -> Handover:
+    """Return the loop with a unit that stood until now as the mean.
+
+    Parameters
+    ----------
+    pull : measured tension over the static one, over the stiffness: x0 - p - x [m]
+    heave : newest heave from the depth sensor about the mean payout's [m]
+    """
+    payout, unit, rate = model.state("payout"), model.state("unit_heave"), model.state("unit_heave_rate")
+    estimate, covariance, mean_state = estimate.copy(), covariance.copy(), mean_state.copy()
+    mean_state[unit], mean_state[rate] = -mean_state[payout], -float(model.row("payout_rate") @ mean_state)
+    estimate[unit] = float(model.row("boom_tip_heave") @ estimate) - estimate[payout] - pull
+    estimate[rate] = 0.0
+    loose = [(unit, PULL_SIGMA), (rate, STANDING_SIGMA)]
+    if model.has_state(DEPTH_BIAS):
+        bias = model.state(DEPTH_BIAS)
+        estimate[bias] = heave - estimate[unit]
+        loose.append((bias, PULL_SIGMA))
+    for index, sigma in loose:
+        covariance[index, :] = covariance[:, index] = 0.0
+        covariance[index, index] = sigma**2
+    if model.has_state(DEPTH_BIAS):
+        # the depth sensor knows their sum
+        covariance[unit, bias] = covariance[bias, unit] = -(1.0 - 1e-3) * PULL_SIGMA**2
+    return hand_over(model, np.asarray(estimate), covariance, mean_state)

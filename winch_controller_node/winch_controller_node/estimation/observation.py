@@ -1,0 +1,212 @@
+"""From what was delivered to what the estimator takes: gates, signs, means, and the mean payout's share taken off."""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+
+from winch_controller_node.design.design import ControllerDesign
+from winch_controller_node.estimation.sensor_health import (
+    LEVEL_WORDS,
+    OK,
+    EncoderGate,
+    SensorGate,
+    SensorTiming,
+    judge_mru,
+    judge_scalar,
+)
+from winch_controller_node.estimation.touchdown import StandingWatch
+from winch_controller_node.interface.readings import Measurements, MruReading, ScalarReading, SensorState
+from winch_controller_node.model.estimator import KalmanEstimator, Measurement
+from winch_controller_node.model.linear_model import Array
+from winch_controller_node.model.models import LEVER_ARM_X, LEVER_ARM_Y
+from winch_controller_node.parameters.laws import HealthParameters
+
+ON_UNIT = ("depth", "velocity", "imu")
+"""Sensors that ride on the unit: they say nothing of the hanging cable when the unit stands on the seabed."""
+
+REMEMBERED = 64
+"""Ticks for which the mean payout's share is kept, for readings that come late."""
+
+
+class Observer:
+    """Gates the readings of a tick and puts them into the estimator's terms.
+
+    Parameters
+    ----------
+    design : its measurements and their rates
+    health : tolerances of the gates
+
+    Attributes
+    ----------
+    gates : by sensor
+    depth_zero : depth that counts as heave zero [m]; None before the first reading
+    payout : encoder reading accepted in this tick, jumps taken off [m]; None: none
+    tension : newest accepted top tension [N]; NaN before the first
+    mru_rate : newest accepted heave rate of the MRU [m/s]
+    stretch_per_payout : how much further than paid out the unit goes down at rest: stretch of the new cable [-]
+    uses_unit : False: readings from the unit are gated but not used
+    standing : what the depth readings alone say of the unit's speed
+    """
+
+    def __init__(self, design: ControllerDesign, health: HealthParameters) -> None:
+        self._dt = design.tick_period
+        sensors = design.parameters.sensors
+        timings = {
+            "mru": SensorTiming(1.0 / sensors.mru.rate),
+            "depth": SensorTiming(1.0 / sensors.depth.rate, sensors.depth.latency),
+            "velocity": SensorTiming(1.0 / sensors.velocity_rate),
+            "imu": SensorTiming(self._dt),
+            "load_cell": SensorTiming(self._dt),
+        }
+        used = [name for name in timings if name in sensors.use or name == "load_cell"]
+        self.gates = {name: SensorGate(name, timings[name], health) for name in used}
+        self.encoder = EncoderGate(SensorTiming(self._dt, self._dt), health, tick_period=self._dt)
+        self.gates["encoder"] = self.encoder.gate
+        self._use = sensors.use
+        self.depth_zero: float | None = None
+        self.payout: float | None = None
+        self.tension = math.nan
+        self.mru_rate = 0.0
+        self.stretch_per_payout = 0.0
+        self.uses_unit = True
+        self.standing = StandingWatch()
+        self._unit_heave = 0.0
+        self._levels: dict[str, int] = {}
+        self._attitude: tuple[float, float, float] | None = None
+        self._shares: deque[tuple[int, Array]] = deque(maxlen=REMEMBERED)
+
+    def remember_share(self, tick: int, mean_state: Array) -> None:
+        """Note the state of the mean payout's own motion at `tick`, shape (n,)."""
+        self._shares.append((tick, mean_state))
+
+    def forget_shares(self) -> None:
+        """Forget the shares noted so far: the states are counted otherwise from now on."""
+        self._shares.clear()
+
+    def observe(
+        self, tick: int, delivered: Measurements, estimator: KalmanEstimator, expected_rate: float
+    ) -> list[Measurement]:
+        """Return the readings of a tick for the estimator.
+
+        Parameters
+        ----------
+        tick : k
+        delivered : readings of this tick
+        estimator : whose measurement rows say what share of a reading is the mean payout's
+        expected_rate : of the drum since the last tick [m/s]
+        """
+        now = tick * self._dt
+        taken: list[Measurement] = []
+        for mru in delivered.mru:
+            if "mru" in self._use and judge_mru(self.gates["mru"], now, mru):
+                taken += self._mru(mru)
+        for reading in delivered.load_cell:
+            if judge_scalar(self.gates["load_cell"], now, reading):
+                self.tension = reading.value
+        taken += self._encoder(now, delivered, expected_rate)
+        for sensor, name, readings in (
+            ("depth", "unit_heave", delivered.depth),
+            ("velocity", "unit_velocity", delivered.velocity),
+            ("imu", "unit_acceleration", delivered.imu),
+        ):
+            if sensor in self._use:
+                taken += self._unit(now, sensor, name, readings)
+        for gate in self.gates.values():
+            gate.tick(now)
+        return [self._without_share(reading, estimator) for reading in taken]
+
+    def learn(self, estimator: KalmanEstimator) -> None:
+        """Take back the samples of which the estimator refused a reading; an MRU's sample holds two."""
+        refused = {
+            estimator.measurements[name].sensor
+            for name, innovation in estimator.innovations.items()
+            # one that came too late to be compared says nothing against the sensor; `stale` does, when they all are
+            if not innovation.accepted and math.isfinite(innovation.nis)
+        }
+        for sensor in sorted(refused - {"encoder"}):
+            self.gates[sensor].note_innovation(accepted=False)
+
+    def lost(self, vital: tuple[str, ...]) -> str:
+        """Return which of the `vital` sensors are lost and why; empty when none."""
+        words = [
+            f"{name} {self.gates[name].reason}" for name in vital if name in self.gates and self.gates[name].is_lost
+        ]
+        return ", ".join(words)
+
+    def new_faults(self) -> list[str]:
+        """Return, in words, which sensors have become worse since the last call."""
+        words = []
+        for name, gate in self.gates.items():
+            before, self._levels[name] = self._levels.get(name, OK), gate.level
+            if gate.level > before:
+                is_jump = name == "encoder" and gate.reason == "jump"
+                detail = f"jump of {self.encoder.jump:+.3f} m taken off" if is_jump else gate.reason
+                words.append(f"{name} {LEVEL_WORDS[gate.level]}: {detail}")
+        return words
+
+    def states(self, tick: int) -> tuple[SensorState, ...]:
+        """Return how each sensor is seen."""
+        return tuple(gate.state(tick * self._dt) for gate in self.gates.values())
+
+    def unit_heave_reading(self, mean_state: Array, unit: int) -> float:
+        """Return the newest depth as heave [m] about the mean payout's; `unit` is the index of unit_heave."""
+        return self._unit_heave - float(mean_state[unit]) * (1.0 + self.stretch_per_payout)
+
+    def _tick_of(self, time: float) -> int:
+        return round(time / self._dt)
+
+    def _mru(self, reading: MruReading) -> list[Measurement]:
+        tick = self._tick_of(reading.time)
+        attitude, self._attitude = self._attitude, (reading.time, reading.roll, reading.pitch)
+        level = {LEVER_ARM_X: -reading.pitch, LEVER_ARM_Y: reading.roll}
+        taken = [Measurement("mru_heave", reading.heave, tick, regressors=level)]
+        if attitude is None or reading.time <= attitude[0]:
+            return taken
+        elapsed = reading.time - attitude[0]
+        turning = {
+            LEVER_ARM_X: -(reading.pitch - attitude[2]) / elapsed,
+            LEVER_ARM_Y: (reading.roll - attitude[1]) / elapsed,
+        }
+        self.mru_rate = reading.heave_rate
+        taken.append(Measurement("mru_heave_rate", reading.heave_rate, tick, regressors=turning))
+        return taken
+
+    def _encoder(self, now: float, delivered: Measurements, expected_rate: float) -> list[Measurement]:
+        winch = delivered.winch
+        self.payout = None
+        if winch is None:
+            return []
+        reading = ScalarReading(winch.time, winch.encoder_payout)
+        is_driven = not winch.brake and winch.fault == 0
+        payout = self.encoder.judge(now, reading, expected_rate, is_driven=is_driven)
+        self.payout = payout
+        return [] if payout is None else [Measurement("payout", payout, self._tick_of(winch.time))]
+
+    def _unit(self, now: float, sensor: str, name: str, readings: tuple[ScalarReading, ...]) -> list[Measurement]:
+        taken = []
+        for reading in readings:
+            if not judge_scalar(self.gates[sensor], now, reading):
+                continue
+            value = reading.value
+            if sensor == "depth":
+                if self.depth_zero is None:
+                    self.depth_zero = value
+                value = self.depth_zero - value
+                self._unit_heave = value
+                self.standing.add(reading.time, -value)
+            if self.uses_unit:
+                taken.append(Measurement(name, value, self._tick_of(reading.time)))
+        return taken
+
+    def _without_share(self, reading: Measurement, estimator: KalmanEstimator) -> Measurement:
+        """Take the mean payout's share at the time of the reading off it."""
+        if not self._shares or reading.name.startswith("mru"):
+            return reading
+        shares = [share for tick, share in self._shares if tick <= reading.tick]
+        state = shares[-1] if shares else self._shares[0][1]
+        row = estimator.measurements[reading.name].row
+        share = float(row @ state)
+        if reading.name == "unit_heave":
+            share -= self.stretch_per_payout * float(estimator.model.row("payout") @ state)
+        return Measurement(reading.name, reading.value - share, reading.tick, reading.sigma, reading.regressors)

@@ -1,0 +1,225 @@
+"""Gates in front of the estimator: which readings may be used, and how each sensor is seen.
+
+A reading is refused for what can be told from it alone: not a number, a status of the sensor's own, a stamp that
+cannot be, a value that does not change. What only the estimate can tell (spike, jump) comes back from the innovations.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from winch_controller_node.interface.readings import MRU_INVALID, MRU_OK, MruReading, ScalarReading, SensorState
+from winch_controller_node.parameters.laws import HealthParameters
+
+OK, SUSPECT, LOST = 0, 1, 2
+"""Levels, as in heave_msgs/SensorHealth."""
+
+LEVEL_WORDS = ("ok", "suspect", "lost")
+
+BAD_IN_A_ROW = 3
+"""So many refused readings in a row make a sensor lost: alarm within 3 samples."""
+
+JUMP_SHOWN = 2.0
+"""A jump that was taken off is shown for so long [s]: diagnostics come once a second."""
+
+MOVING_SPEED = 0.05
+"""A drum commanded faster than this [m/s] must show in the encoder."""
+
+
+@dataclass(frozen=True)
+class SensorTiming:
+    """What is known of a sensor's timing: period [s] and usual latency [s]."""
+
+    period: float
+    latency: float = 0.0
+
+
+class SensorGate:
+    """Gate of one sensor.
+
+    Parameters
+    ----------
+    sensor : name
+    timing : period and latency
+    parameters : counts and tolerances
+    checks_frozen : equal readings mean a frozen sensor (not so for a quantised one at rest)
+
+    Attributes
+    ----------
+    level, reason : how the sensor is seen now
+    """
+
+    def __init__(
+        self, sensor: str, timing: SensorTiming, parameters: HealthParameters, *, checks_frozen: bool = True
+    ) -> None:
+        self.sensor = sensor
+        self.level = OK
+        self.reason = ""
+        self._timing = timing
+        self._parameters = parameters
+        self._checks_frozen = checks_frozen
+        self._accepted = 0
+        self._refused = 0
+        self._bad_in_a_row = 0
+        self._good_in_a_row = 0
+        self._good_needed = parameters.recover_samples
+        self._same_in_a_row = 1
+        self._last_value: float | None = None
+        self._newest_stamp = -math.inf
+        self._newest_accepted: float | None = None
+        self._started: float | None = None
+
+    @property
+    def is_lost(self) -> bool:
+        """Tell whether the sensor is not to be relied on."""
+        return self.level == LOST
+
+    def state(self, now: float) -> SensorState:
+        """Return how the sensor is seen at `now` [s]."""
+        age = math.inf if self._newest_accepted is None else now - self._newest_accepted
+        return SensorState(self.sensor, self.level, self.reason, age, self._accepted, self._refused)
+
+    def judge(self, now: float, time: float, values: Sequence[float], status: str = "") -> bool:
+        """Take one reading in and tell whether it may be used.
+
+        Parameters
+        ----------
+        now, time : present time and stamp of the reading [s]
+        values : all numbers of the reading; the first one is watched for freezing
+        status : what the sensor itself says is wrong; empty when nothing
+        """
+        reason = self._fault(now, time, values, status)
+        self._newest_stamp = max(self._newest_stamp, time if math.isfinite(time) else -math.inf)
+        if reason:
+            self._refuse(reason)
+            return False
+        self._accepted += 1
+        self._newest_accepted = max(time, self._newest_accepted or time)
+        self._accept()
+        return True
+
+    def note_innovation(self, accepted: bool) -> None:
+        """Take back what the estimator said of the newest reading: inside or outside its gate."""
+        if not accepted:
+            self._accepted -= 1
+            self._refuse("spike" if self._bad_in_a_row < BAD_IN_A_ROW else "jump")
+
+    def show_for(self, samples: int) -> None:
+        """Let what was just refused be seen until so many good readings have come."""
+        self._good_needed = samples
+
+    def tick(self, now: float) -> None:
+        """Notice what did not come; once per tick, after the readings."""
+        if self._started is None:
+            self._started = now
+        newest = self._started if self._newest_accepted is None else self._newest_accepted
+        allowed = self._timing.latency + self._parameters.stale_samples * self._timing.period + 1e-6
+        if now - newest > allowed and self._bad_in_a_row == 0:
+            self.level, self.reason = LOST, "stale"
+            self._good_in_a_row = 0
+
+    def _fault(self, now: float, time: float, values: Sequence[float], status: str) -> str:
+        if not all(math.isfinite(value) for value in values):
+            return "nan"
+        if not math.isfinite(time) or time > now + self._parameters.stamp_tolerance or time <= self._newest_stamp:
+            return "wrong stamp"
+        if status:
+            return status
+        same = self._last_value is not None and values[0] == self._last_value
+        self._same_in_a_row = self._same_in_a_row + 1 if same else 1
+        self._last_value = values[0]
+        if self._checks_frozen and self._same_in_a_row >= self._parameters.frozen_samples:
+            return "frozen"
+        return ""
+
+    def _refuse(self, reason: str) -> None:
+        self._refused += 1
+        self._bad_in_a_row += 1
+        self._good_in_a_row = 0
+        self._good_needed = self._parameters.recover_samples
+        self.reason = reason
+        is_grave = reason == "frozen" or self._bad_in_a_row >= BAD_IN_A_ROW
+        self.level = LOST if is_grave or self.level == LOST else SUSPECT
+
+    def _accept(self) -> None:
+        self._bad_in_a_row = 0
+        self._good_in_a_row += 1
+        if self.level != OK and self._good_in_a_row >= self._good_needed:
+            self.level, self.reason = OK, ""
+
+
+def judge_mru(gate: SensorGate, now: float, reading: MruReading) -> bool:
+    """Gate a reading of the MRU, its status word included."""
+    status = (
+        "" if reading.status == MRU_OK else "status invalid" if reading.status == MRU_INVALID else "status settling"
+    )
+    values = (reading.heave, reading.heave_rate, reading.roll, reading.pitch)
+    return gate.judge(now, reading.time, values, status)
+
+
+def judge_scalar(gate: SensorGate, now: float, reading: ScalarReading) -> bool:
+    """Gate a scalar reading."""
+    return gate.judge(now, reading.time, (reading.value,))
+
+
+class EncoderGate:
+    """Gate of the drum encoder: finds jumps against the rate the drum is known to have, and takes them off.
+
+    Parameters
+    ----------
+    timing, parameters : as for SensorGate
+    tick_period : [s]
+
+    Attributes
+    ----------
+    offset : sum of the jumps found so far [m]; a reading less the offset is the payout
+    jump : the last one [m]
+    """
+
+    def __init__(self, timing: SensorTiming, parameters: HealthParameters, *, tick_period: float) -> None:
+        self.gate = SensorGate("encoder", timing, parameters, checks_frozen=False)
+        self.offset = 0.0
+        self.jump = 0.0
+        self._parameters = parameters
+        self._dt = tick_period
+        self._last: tuple[float, float] | None = None
+        self._still = 0
+
+    def judge(
+        self, now: float, reading: ScalarReading, expected_rate: float, *, is_driven: bool = True
+    ) -> float | None:
+        """Return the payout [m] without jumps, or None where the reading may not be used.
+
+        Parameters
+        ----------
+        now : present time [s]
+        reading : the encoder's
+        expected_rate : payout rate the drum should have had since the last reading [m/s]
+        is_driven : the winch follows its commands; a braked drum stands still and is not frozen
+        """
+        status = self._status(reading, expected_rate, is_driven)
+        if not self.gate.judge(now, reading.time, (reading.value,), status):
+            if status == "jump":
+                self.gate.show_for(round(JUMP_SHOWN / self._dt))
+            return None
+        return reading.value - self.offset
+
+    def _status(self, reading: ScalarReading, expected_rate: float, is_driven: bool) -> str:
+        """Look for jumps and for a drum that turns unseen."""
+        if not math.isfinite(reading.value) or not math.isfinite(reading.time):
+            return ""
+        last, self._last = self._last, (reading.time, reading.value)
+        if last is None:
+            return ""
+        elapsed = max(reading.time - last[0], self._dt)
+        step = reading.value - last[1]
+        error = step - expected_rate * elapsed
+        if abs(error) > self._parameters.encoder_step:
+            self.offset += error
+            self.jump = error
+            return "jump"
+        is_still = is_driven and step == 0.0 and abs(expected_rate) > MOVING_SPEED
+        self._still = self._still + 1 if is_still else 0
+        return "frozen" if self._still >= self._parameters.frozen_samples else ""

@@ -1,0 +1,1 @@
+"""What the controller is given and gives, as plain data and as messages."""

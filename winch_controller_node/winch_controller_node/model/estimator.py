@@ -1,0 +1,290 @@
+"""The Kalman filter: several rates, late readings put where they belong in time, missing samples, gates, covariance.
+
+A reading is used at the tick it was measured: the filter keeps its recent past, goes back to that tick, takes the
+reading in, and runs forward again with everything it knew. The estimate is then what it would have been had the
+reading come at once. The filter of one step is filterpy's, compiled.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from winch_controller_node.model.estimator_kernel import CompiledKalmanFilter
+from winch_controller_node.model.linear_model import Array, LinearModel
+
+
+@dataclass(frozen=True)
+class MeasurementModel:
+    """One scalar measurement of the state: value = (1 + scale) row x + noise.
+
+    Attributes
+    ----------
+    name : of the measurement (row of the innovation arrays); sensor : it belongs to
+    row : shape (n,)
+    sigma : standard deviation of its noise
+    scale_state : index of the state that is its relative scale error; None: no such state
+    is_gated : False: never refused for being far off its prediction. It is for a sensor that is right where the model
+        is not (an encoder against a winch of unknown lags) and that has a gate of its own
+    """
+
+    name: str
+    sensor: str
+    row: Array
+    sigma: float
+    scale_state: int | None = None
+    is_gated: bool = True
+
+
+@dataclass(frozen=True)
+class Measurement:
+    """One reading for the filter.
+
+    Attributes
+    ----------
+    name : of a MeasurementModel
+    value : in its unit, about the same mean as the state
+    tick : at which it was measured (its stamp over the tick period, to the nearest tick)
+    sigma : stated standard deviation; None: that of the model
+    regressors : further weights of states for this reading, by state name (lever arm: pitch and roll)
+    """
+
+    name: str
+    value: float
+    tick: int
+    sigma: float | None = None
+    regressors: Mapping[str, float] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Innovation:
+    """What a reading said against the prediction.
+
+    Attributes
+    ----------
+    value : measurement minus prediction; sigma : predicted standard deviation of it
+    nis : normalised innovation squared (value/sigma)^2
+    accepted : it was used; refused readings lie outside the gate, or were too old
+    """
+
+    value: float
+    sigma: float
+    nis: float
+    accepted: bool
+
+
+@dataclass
+class _Tick:
+    """What the filter keeps of one tick: the prediction for it, the readings used, the command that followed."""
+
+    tick: int
+    x: Array
+    P: Array
+    readings: list[Measurement]
+    command: float = 0.0
+
+
+class KalmanEstimator:
+    """Estimates the state of a sampled model at every tick.
+
+    Parameters
+    ----------
+    model : sampled model with one input; its noise covariance is that of a tick
+    measurements : what can be measured
+    initial_covariance : shape (n, n)
+    gate : normalised innovation squared above which a reading of a gated measurement is refused
+    gate_limit : refusals in a row after which the next reading is believed, and the initial covariance
+        added
+    largest_age : ticks; older readings are refused
+
+    Attributes
+    ----------
+    estimate : shape (n,); covariance : shape (n, n): after the last step
+    innovations : of the readings given to the last step, by name (the newest of each)
+    """
+
+    def __init__(
+        self,
+        model: LinearModel,
+        measurements: Sequence[MeasurementModel],
+        initial_covariance: Array,
+        *,
+        gate: float = 25.0,
+        gate_limit: int = 100,
+        largest_age: int = 20,
+    ) -> None:
+        self.model = model
+        self.measurements = {measurement.name: measurement for measurement in measurements}
+        self._initial_covariance = initial_covariance
+        self._gate = gate
+        self._gate_limit = gate_limit
+        self._past: deque[_Tick] = deque(maxlen=largest_age + 1)
+        self._filter = CompiledKalmanFilter(model.order)
+        self.innovations: dict[str, Innovation] = {}
+        self.refusals: dict[str, int] = dict.fromkeys(self.measurements, 0)
+        self.set_model(model)
+        self.reset()
+
+    @property
+    def estimate(self) -> Array:
+        """State estimate, shape (n,)."""
+        return np.asarray(self._filter.x[:, 0])
+
+    @property
+    def covariance(self) -> Array:
+        """Covariance of the estimate, shape (n, n)."""
+        return np.asarray(self._filter.P)
+
+    def value(self, output: str) -> float:
+        """Return the estimate of an output of the model."""
+        return float(self.model.row(output) @ self.estimate)
+
+    def set_model(
+        self,
+        model: LinearModel,
+        measurements: Sequence[MeasurementModel] | None = None,
+        factors: Array | None = None,
+    ) -> None:
+        """Go on with another model of the same states (gain schedule, adapted sea); the estimate stays.
+
+        `factors`, shape (n,), multiply each state first where the new model counts it in another unit.
+
+        Raises ValueError for a model with other states.
+        """
+        if model.state_names != self.model.state_names:
+            raise ValueError("a model with other states needs a new estimator")
+        self.model = model
+        if measurements is not None:
+            self.measurements = {measurement.name: measurement for measurement in measurements}
+        self._filter.set_matrices(model.A, model.B, model.noise_covariance)
+        if factors is not None:
+            both = np.outer(factors, factors)
+            self._filter.x, self._filter.P = factors[:, None] * self._filter.x, both * self._filter.P
+            for entry in self._past:
+                entry.x, entry.P = factors[:, None] * entry.x, both * entry.P
+
+    def set_process_noise(self, covariance: Array) -> None:
+        """Use another covariance of the process noise of a tick, shape (n, n), until the next model."""
+        self._filter.set_matrices(self.model.A, self.model.B, covariance)
+
+    def reset(self, estimate: Array | None = None, covariance: Array | None = None) -> None:
+        """Begin anew at `estimate` (default: zero) with `covariance` (default: the initial one)."""
+        n = self.model.order
+        self._filter.x = np.zeros((n, 1)) if estimate is None else np.array(estimate, dtype=float).reshape(n, 1)
+        self._filter.P = np.array(self._initial_covariance if covariance is None else covariance, dtype=float)
+        self._past.clear()
+        self.innovations = {}
+        self.refusals = dict.fromkeys(self.measurements, 0)
+
+    def step(self, tick: int, command: float, readings: Sequence[Measurement]) -> Array:
+        """Advance to `tick` and take in the readings delivered at it; return the estimate, shape (n,).
+
+        Parameters
+        ----------
+        tick : of the estimate; ticks left out are predicted over
+        command : given at the tick before (and held, should ticks be left out)
+        readings : delivered at this tick, of this tick or an earlier one; a value that is not finite is refused
+
+        Raises
+        ------
+        ValueError : `tick` is not after the last one.
+        KeyError : a reading of an unknown name.
+        """
+        self._advance(tick, command)
+        self.innovations = {}
+        by_tick: dict[int, list[Measurement]] = {}
+        for reading in readings:
+            by_tick.setdefault(min(reading.tick, tick), []).append(reading)
+        for measured in sorted(by_tick):
+            self._take(measured, by_tick[measured])
+        return self.estimate
+
+    def _advance(self, tick: int, command: float) -> None:
+        if self._past:
+            last = self._past[-1]
+            if tick <= last.tick:
+                raise ValueError(f"estimator: tick {tick} is not after the last one, {last.tick}")
+            for between in range(last.tick + 1, tick + 1):
+                self._past[-1].command = command
+                self._predict(command)
+                self._past.append(_Tick(between, self._filter.x.copy(), self._filter.P.copy(), []))
+            return
+        self._past.append(_Tick(tick, self._filter.x.copy(), self._filter.P.copy(), []))
+
+    def _predict(self, command: float) -> None:
+        self._filter.step_ahead(command)
+
+    def _take(self, tick: int, readings: Sequence[Measurement]) -> None:
+        """Take in the readings measured at `tick`, and run forward again to the present."""
+        age = self._past[-1].tick - tick
+        if age >= len(self._past) or age < 0:
+            for reading in readings:
+                self.innovations[reading.name] = Innovation(math.nan, math.nan, math.nan, False)
+            return
+        index = len(self._past) - 1 - age
+        entry = self._past[index]
+        if age > 0:
+            self._filter.x, self._filter.P = entry.x.copy(), entry.P.copy()
+            self._update(entry.readings)
+        accepted = [reading for reading in readings if self._passes(reading)]
+        self._update(accepted)
+        entry.readings.extend(accepted)
+        for i in range(index + 1, len(self._past)):
+            self._predict(self._past[i - 1].command)
+            self._past[i].x, self._past[i].P = self._filter.x.copy(), self._filter.P.copy()
+            self._update(self._past[i].readings)
+
+    def _passes(self, reading: Measurement) -> bool:
+        """Compare a reading with the prediction for its tick, note the innovation, and say whether it may be used."""
+        measurement = self.measurements[reading.name]
+        row, predicted = self._linearise(measurement, reading)
+        variance = float(row @ self._filter.P @ row) + (reading.sigma or measurement.sigma) ** 2
+        innovation = reading.value - predicted
+        nis = innovation**2 / variance
+        accepted = bool(nis <= self._gate) or (not measurement.is_gated and math.isfinite(nis))
+        self.innovations[reading.name] = Innovation(innovation, math.sqrt(variance), nis, accepted)
+        self.refusals[reading.name] = 0 if accepted else self.refusals[reading.name] + 1
+        if self.refusals[reading.name] > self._gate_limit and math.isfinite(nis):
+            # so many in a row: it is the filter that is wrong, and it must doubt itself enough to come back
+            self._filter.P = self._filter.P + self._initial_covariance
+            self.refusals[reading.name] = 0
+            return True
+        return accepted
+
+    def _linearise(self, measurement: MeasurementModel, reading: Measurement) -> tuple[Array, float]:
+        """Return the row of the reading at the present estimate, and its prediction."""
+        x = self._filter.x[:, 0]
+        row = measurement.row
+        if measurement.scale_state is None and not reading.regressors:
+            return row, float(row @ x)
+        row = row.copy()
+        for name, weight in reading.regressors.items():
+            if self.model.has_state(name):
+                row[self.model.state(name)] += weight
+        plain = float(row @ x)
+        if measurement.scale_state is None:
+            return row, plain
+        scale = 1.0 + float(x[measurement.scale_state])
+        row *= scale
+        row[measurement.scale_state] += plain
+        return row, scale * plain
+
+    def _update(self, readings: Sequence[Measurement]) -> None:
+        """Take in readings of one tick together."""
+        if not readings:
+            return
+        kalman = self._filter
+        H = np.empty((len(readings), self.model.order))
+        z = np.empty(len(readings))
+        variances = np.empty(len(readings))
+        for i, reading in enumerate(readings):
+            measurement = self.measurements[reading.name]
+            H[i], predicted = self._linearise(measurement, reading)
+            # filterpy predicts H x; a bilinear measurement predicts something else
+            z[i] = reading.value - predicted + float(H[i] @ kalman.x[:, 0])
+            variances[i] = (reading.sigma or measurement.sigma) ** 2
+        kalman.correct(z, H, variances)

@@ -1,0 +1,41 @@
+"""Where the motions of unit, winch and boom tip are found in a state of the design's model."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from winch_controller_node.model.linear_model import Array, LinearModel
+
+
+@dataclass(frozen=True)
+class LoopRows:
+    """Rows and indices of a model.
+
+    Attributes
+    ----------
+    unit, payout, payout_rate : rows of unit heave [m], payout [m] and its rate [m/s], shape (n,)
+    winch : payout and its rate, shape (2, n); tip : heave of the boom tip [m] and its rate [m/s], shape (2, n)
+    unit_states : indices of unit heave and rate in the state
+    """
+
+    unit: Array
+    payout: Array
+    payout_rate: Array
+    winch: Array
+    tip: Array
+    unit_states: list[int]
+
+
+def loop_rows(model: LinearModel) -> LoopRows:
+    """Return the rows of a design's model."""
+    payout, rate = model.row("payout"), model.row("payout_rate")
+    return LoopRows(
+        unit=model.row("unit_heave"),
+        payout=payout,
+        payout_rate=rate,
+        winch=np.array([payout, rate]),
+        tip=np.array([model.row("boom_tip_heave"), model.row("boom_tip_heave_rate")]),
+        unit_states=[model.state("unit_heave"), model.state("unit_heave_rate")],
+    )

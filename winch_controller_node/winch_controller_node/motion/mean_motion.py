@@ -1,0 +1,65 @@
+"""The mean payout and the loop's own answer to it: what the winch does on purpose, superposed on compensation.
+
+By linearity the loop's motion under the mean payout's share of the command is known exactly; estimator and laws deal
+with the rest. A payout left over from before a stop is a mean as well, and returns slowly.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from winch_controller_node.model.linear_model import Array, LinearModel
+from winch_controller_node.motion.trajectory import MeanPayout
+from winch_controller_node.parameters.laws import MoveParameters
+from winch_controller_node.parameters.model import WinchModelParameters
+
+RETURN_SPEED = 0.05
+"""Speed at which a payout left over from before a stop returns to the mean [m/s]."""
+
+
+class MeanMotion:
+    """Mean payout, what is left over of an earlier one, and the state of the loop that both alone would bring about.
+
+    Parameters
+    ----------
+    parameters : of moves
+    order : number of states of the design's model
+    tick_period : [s]
+
+    Attributes
+    ----------
+    mean, left_over : payouts in motion
+    state : the mean payout's own motion in the states of the design's model, shape (n,)
+    """
+
+    def __init__(self, parameters: MoveParameters, order: int, *, tick_period: float) -> None:
+        self.mean = MeanPayout(parameters, tick_period=tick_period)
+        self.left_over = MeanPayout(parameters, tick_period=tick_period)
+        self.state: Array = np.zeros(order)
+
+    @property
+    def set_point(self) -> float:
+        """Payout about which the winch works now [m]."""
+        return self.mean.point.payout + self.left_over.point.payout
+
+    def reference_command(self, winch: WinchModelParameters) -> float:
+        """Return the share of the command that moves the mean payout: its rate, and the servo's lag ahead."""
+        point = self.mean.point
+        if winch.law == "first_order":
+            return point.payout + point.rate / winch.position_rate
+        return point.rate + winch.time_constant * point.acceleration + winch.position_gain * point.payout
+
+    def return_from(self, payout: float) -> None:
+        """Count `payout` [m] off the mean as left over from now on; it goes away slowly."""
+        self.left_over.jump_to(payout)
+        self.left_over.move_to(0.0, RETURN_SPEED)
+
+    def advance(self, model: LinearModel, command: float, *, is_braked: bool) -> None:
+        """Advance by a tick in which `command` was the mean payout's share of the command; a brake holds the payouts.
+
+        `model` is the design's.
+        """
+        self.state = model.A @ self.state + model.B[:, 0] * command
+        if not is_braked:
+            self.mean.advance()
+            self.left_over.advance()

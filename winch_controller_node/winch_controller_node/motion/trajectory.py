@@ -1,0 +1,104 @@
+"""The mean payout: where compensation works about, and how it goes to another depth.
+
+A move is bounded in speed and acceleration and ends without overshoot; its target may change or be taken back at any
+time, and the motion goes on smoothly from where it is.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from winch_controller_node.parameters.laws import MoveParameters
+
+ARRIVED_DISTANCE = 0.005
+"""A move has arrived within this distance [m] ..."""
+ARRIVED_SPEED = 0.002
+"""... and below this speed [m/s]."""
+
+
+@dataclass(frozen=True)
+class MovePoint:
+    """The mean payout at a tick: payout [m], rate [m/s], acceleration [m/s^2]."""
+
+    payout: float
+    rate: float
+    acceleration: float
+
+
+class MeanPayout:
+    """Generator of the mean payout, one point per tick.
+
+    Parameters
+    ----------
+    parameters : default speed, acceleration, time over which acceleration builds up
+    tick_period : [s]
+    """
+
+    def __init__(self, parameters: MoveParameters, *, tick_period: float) -> None:
+        self._parameters = parameters
+        self._dt = tick_period
+        self._lag = max(parameters.jerk_time, 2.0 * tick_period)
+        self.point = MovePoint(0.0, 0.0, 0.0)
+        self.target = 0.0
+        self._speed = parameters.speed
+        self._is_stopping = False
+
+    @property
+    def is_moving(self) -> bool:
+        """Tell whether a move is under way."""
+        if self._is_stopping:
+            return abs(self.point.rate) > ARRIVED_SPEED
+        return abs(self.target - self.point.payout) > ARRIVED_DISTANCE or abs(self.point.rate) > ARRIVED_SPEED
+
+    @property
+    def time_to_go(self) -> float:
+        """Time to the target, estimated [s]."""
+        if not self.is_moving or self._is_stopping:
+            return 0.0
+        distance = abs(self.target - self.point.payout)
+        return distance / self._speed + self._speed / self._parameters.acceleration
+
+    def move_to(self, payout: float, speed: float = 0.0) -> None:
+        """Go to the mean payout [m] at no more than `speed` [m/s]; 0 takes the default."""
+        if not math.isfinite(payout) or not math.isfinite(speed) or speed < 0.0:
+            raise ValueError(f"a move needs a finite payout and a speed of at least 0; got {payout} m, {speed} m/s")
+        self.target = payout
+        self._speed = speed if speed > 0.0 else self._parameters.speed
+        self._is_stopping = False
+
+    def stop(self) -> None:
+        """Come to rest smoothly, wherever that is."""
+        self._is_stopping = True
+
+    def jump_to(self, payout: float) -> None:
+        """Take the mean payout to be here, at rest: for when the winch stands there."""
+        self.point = MovePoint(payout, 0.0, 0.0)
+        self.target = payout
+        self._is_stopping = False
+
+    def advance(self) -> MovePoint:
+        """Return the point of the next tick."""
+        limit = self._parameters.acceleration
+        wanted = 0.0 if self._is_stopping else self._wanted_rate()
+        acceleration = (wanted - self.point.rate) / self._lag
+        acceleration = min(max(acceleration, -limit), limit)
+        step = limit * self._dt / max(self._parameters.jerk_time, self._dt)
+        before = self.point.acceleration
+        acceleration = min(max(acceleration, before - step), before + step)
+        rate = self.point.rate + acceleration * self._dt
+        payout = self.point.payout + 0.5 * (self.point.rate + rate) * self._dt
+        if not self.is_moving and abs(rate) < ARRIVED_SPEED:
+            # the last fraction of a millimetre is not worth a motion
+            rate, acceleration, payout = 0.0, 0.0, self.point.payout
+            if self._is_stopping:
+                self.target, self._is_stopping = payout, False
+        self.point = MovePoint(payout, rate, acceleration)
+        return self.point
+
+    def _wanted_rate(self) -> float:
+        """Return the rate from which half the acceleration is enough to stop at the target."""
+        distance = self.target - self.point.payout
+        braking = math.sqrt(self._parameters.acceleration * abs(distance))
+        near = abs(distance) / (4.0 * self._lag)
+        return math.copysign(min(self._speed, braking, near), distance)

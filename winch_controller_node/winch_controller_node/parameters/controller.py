@@ -1,0 +1,90 @@
+"""The parameter set of the winch controller."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from cable_sim_node.parameters import CableParameters, UnitParameters
+from heave_node.constants import SEAWATER_DENSITY, STANDARD_GRAVITY
+from heave_node.parameters import ParameterError, group, parameter
+
+from winch_controller_node.parameters.laws import (
+    LAWS,
+    FeedforwardParameters,
+    GuardParameters,
+    HealthParameters,
+    LagParameters,
+    LimitParameters,
+    ModeParameters,
+    MoveParameters,
+    MpcParameters,
+    ProgrammeParameters,
+    TensionLawParameters,
+)
+from winch_controller_node.parameters.model import (
+    KNOWN_SENSORS,
+    CableModelParameters,
+    EstimatorParameters,
+    ScheduleParameters,
+    SeaModelParameters,
+    SensorsModelParameters,
+    VesselModelParameters,
+    WeightParameters,
+    WinchModelParameters,
+)
+
+
+@dataclass(frozen=True)
+class WinchControllerParameters:
+    """What the controller believes of the world it is to hold the unit still in, and how it does it."""
+
+    law: str = parameter(
+        "mpc",
+        unit="",
+        choices=LAWS,
+        description="off, lqr (unit feedback), lqg (all states), feedforward (MRU), mpc (constrained).",
+    )
+    factor: float = parameter(
+        1.0, unit="", minimum=0.0, maximum=1.0, description="Share of the compensation that is asked for; 1 is all."
+    )
+    length: float = parameter(
+        300.0, unit="m", minimum=0.01, maximum=20_000.0, description="Unstretched cable length at payout 0."
+    )
+    water_density: float = parameter(
+        SEAWATER_DENSITY, unit="kg/m^3", minimum=0.0, maximum=2000.0, description="Density of the water."
+    )
+    gravity: float = parameter(
+        STANDARD_GRAVITY, unit="m/s^2", minimum=0.1, maximum=100.0, description="Acceleration of gravity."
+    )
+    cable: CableParameters = group(CableParameters)
+    unit: UnitParameters = group(UnitParameters)
+    cable_model: CableModelParameters = group(CableModelParameters)
+    winch: WinchModelParameters = group(WinchModelParameters)
+    sea: SeaModelParameters = group(SeaModelParameters)
+    vessel: VesselModelParameters = group(VesselModelParameters)
+    sensors: SensorsModelParameters = group(SensorsModelParameters)
+    weights: WeightParameters = group(WeightParameters)
+    estimator: EstimatorParameters = group(EstimatorParameters)
+    schedule: ScheduleParameters = group(ScheduleParameters)
+    limits: LimitParameters = group(LimitParameters)
+    mpc: MpcParameters = group(MpcParameters)
+    feedforward: FeedforwardParameters = group(FeedforwardParameters)
+    guard: GuardParameters = group(GuardParameters)
+    lag: LagParameters = group(LagParameters)
+    modes: ModeParameters = group(ModeParameters)
+    tension: TensionLawParameters = group(TensionLawParameters)
+    move: MoveParameters = group(MoveParameters)
+    programme: ProgrammeParameters = group(ProgrammeParameters)
+    health: HealthParameters = group(HealthParameters)
+    kpi_window: float = parameter(
+        60.0, unit="s", minimum=1.0, maximum=3600.0, description="Length of the rolling window of controller/kpi."
+    )
+
+    def __post_init__(self) -> None:
+        if self.sea.filter_states % 2:
+            raise ParameterError(f"sea.filter_states must be even, got {self.sea.filter_states}")
+        unknown = set(self.sensors.use) - set(KNOWN_SENSORS)
+        if unknown:
+            raise ParameterError(
+                f"sensors.use names {', '.join(sorted(unknown))}: known are {', '.join(KNOWN_SENSORS)}"
+            )

@@ -1,0 +1,1 @@
+"""Supervision: modes, the guard, landing, and whether the winch is the one believed in."""

@@ -1,0 +1,72 @@
+"""Figures of merit over a rolling window, from sensors and estimates alone, by the formulas of `heave_node.kpi`."""
+
+from __future__ import annotations
+
+import numpy as np
+from heave_node import kpi
+
+from winch_controller_node.interface.readings import RollingKpi
+from winch_controller_node.model.linear_model import Array
+from winch_controller_node.parameters.model import WinchModelParameters
+
+COLUMNS = ("unit", "uncompensated", "tip", "payout", "rate", "acceleration", "tension", "at_limit")
+
+
+class KpiWindow:
+    """Ring of the last samples.
+
+    Parameters
+    ----------
+    window : [s]; tick_period : [s]
+    winch : whose limits count
+    """
+
+    def __init__(self, window: float, winch: WinchModelParameters, *, tick_period: float) -> None:
+        self._dt = tick_period
+        self._winch = winch
+        self._ring: Array = np.full((max(2, round(window / tick_period)), len(COLUMNS)), np.nan)
+        self._count = 0
+
+    def add(
+        self,
+        *,
+        unit: float,
+        uncompensated: float,
+        tip: float,
+        payout: float,
+        rate: float,
+        acceleration: float,
+        tension: float,
+    ) -> None:
+        """Take one tick in: heaves and payout [m], rate [m/s], acceleration [m/s^2], tension [N]."""
+        row = self._ring[self._count % len(self._ring)]
+        row[0], row[1], row[2], row[3] = unit, uncompensated, tip, payout
+        row[4], row[5], row[6] = rate, acceleration, tension
+        speed_limit, acceleration_limit = self._winch.speed_limit, self._winch.acceleration_limit
+        row[7] = abs(rate) >= kpi.AT_LIMIT * speed_limit or abs(acceleration) >= kpi.AT_LIMIT * acceleration_limit
+        self._count += 1
+
+    def figures(self) -> RollingKpi:
+        """Return the figures over what the window holds."""
+        rows = self._ring[: min(self._count, len(self._ring))]
+        unit, uncompensated, tip, payout, rate, acceleration, tension, limited = rows.T
+        felt = np.isfinite(tension)
+        power = kpi.winch_power(tension[felt], rate[felt])
+        unit_sigma, uncompensated_sigma, tip_sigma = kpi.sigma(unit), kpi.sigma(uncompensated), kpi.sigma(tip)
+        return RollingKpi(
+            window=len(rows) * self._dt,
+            unit_sigma=unit_sigma,
+            uncompensated_sigma=uncompensated_sigma,
+            boom_tip_sigma=tip_sigma,
+            unit_efficiency=kpi.efficiency(unit_sigma, uncompensated_sigma),
+            outlet_efficiency=kpi.efficiency(kpi.sigma(tip - payout), tip_sigma),
+            significant_residual=kpi.significant(unit_sigma),
+            max_abs_heave=kpi.max_abs(unit),
+            winch_speed_max=float(np.max(np.abs(rate), initial=0.0)),
+            winch_acceleration_max=float(np.max(np.abs(acceleration), initial=0.0)),
+            power_peak=power.peak,
+            power_mean=power.mean_abs,
+            tension_min=float(np.min(tension[felt])) if np.any(felt) else np.nan,
+            tension_max=float(np.max(tension[felt])) if np.any(felt) else np.nan,
+            time_at_limit=float(np.mean(limited)) if len(rows) else 0.0,
+        )
