@@ -15,6 +15,7 @@ from cable_sim_node.node_parameters import CableSimNodeParameters
 from cable_sim_node.sensors.suite import SensorReadings
 from cable_sim_node.winch.component import VirtualWinch, WinchCommand, WinchState
 from cable_sim_node.winch.parameters import WinchParameters
+from heave_node.arrays import Array
 from heave_node.constants import STANDARD_GRAVITY
 from heave_node.parameters import build_parameters
 from heave_node.scenario import NodeValues, values_of_node
@@ -23,7 +24,6 @@ from wave_vessel_node.mru.mru import MruReading as SeaMruReading
 from wave_vessel_node.parameters import WaveVesselParameters
 from winch_controller_node.component import WinchController
 from winch_controller_node.interface.readings import Measurements, MruReading, Outputs, ScalarReading, WinchReading
-from winch_controller_node.model.linear_model import Array
 from winch_controller_node.parameters.controller import WinchControllerParameters
 
 COLUMNS = (

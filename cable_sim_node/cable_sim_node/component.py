@@ -10,8 +10,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from heave_node.arrays import Array
 from heave_node.kinematics import PointMotion
-from numpy.typing import NDArray
 
 from cable_sim_node.errors import BadMotionError, PlantError
 from cable_sim_node.inputs import BridgedInput
@@ -22,7 +22,6 @@ from cable_sim_node.sensors.suite import SensorReadings, SensorSuite, SensorTrut
 from cable_sim_node.shadow import ShadowPayout
 from cable_sim_node.vertical.linear_plant import LinearPlant
 
-Array = NDArray[np.float64]
 Motion = tuple[Array, Array, Array]
 """Position, velocity and acceleration."""
 Dynamics = CableDynamics | LinearPlant

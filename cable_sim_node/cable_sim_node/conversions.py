@@ -12,11 +12,11 @@ from heave_msgs.msg import CableState, LoadCell
 from heave_msgs.msg import PointMotion as PointMotionMessage
 from heave_msgs.msg import WinchCommand as WinchCommandMessage
 from heave_msgs.msg import WinchState as WinchStateMessage
+from heave_node.arrays import Array
 from heave_node.constants import ATMOSPHERIC_PRESSURE
 from heave_node.kinematics import PointMotion
 from heave_node.tick.tick import seconds_of, stamp_of_seconds
 from nav_msgs.msg import Odometry
-from numpy.typing import NDArray
 from sensor_msgs.msg import FluidPressure, Imu
 from std_msgs.msg import Header
 
@@ -26,7 +26,6 @@ from cable_sim_node.winch.component import WinchCommand, WinchState
 if TYPE_CHECKING:  # the winch converts without the plant and its solver
     from cable_sim_node.component import PlantState
 
-Array = NDArray[np.float64]
 
 WORLD = "world"
 UNIT = "unit"

@@ -12,10 +12,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from heave_node.arrays import Array
 from heave_node.kinematics import PointMotion
-from numpy.typing import NDArray
-
-Array = NDArray[np.float64]
 
 CLOSING_TIME = 2.0
 """Time constant of coasting to rest, and of the critically damped closing of the gap afterwards [s]."""

@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-import numpy as np
 from builtin_interfaces.msg import Duration, Time
 from geometry_msgs.msg import Point, Vector3
-from numpy.typing import NDArray
+from heave_node.arrays import Array
 from std_msgs.msg import ColorRGBA
 from visualization_msgs.msg import Marker, MarkerArray
 
 from cable_sim_node.component import PlantState
 from cable_sim_node.conversions import WORLD, header, point_message
 from cable_sim_node.parameters import SeabedParameters
-
-Array = NDArray[np.float64]
 
 NAMESPACE = "plant"
 TAUT = ColorRGBA(r=1.0, g=0.8, b=0.1, a=1.0)

@@ -5,10 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
+
+from heave_node.arrays import Array
 
 
-def _zeros() -> NDArray[np.float64]:
+def _zeros() -> Array:
     return np.zeros(3)
 
 
@@ -23,6 +24,6 @@ class PointMotion:
     """
 
     time: float = 0.0
-    position: NDArray[np.float64] = field(default_factory=_zeros)
-    velocity: NDArray[np.float64] = field(default_factory=_zeros)
-    acceleration: NDArray[np.float64] = field(default_factory=_zeros)
+    position: Array = field(default_factory=_zeros)
+    velocity: Array = field(default_factory=_zeros)
+    acceleration: Array = field(default_factory=_zeros)

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-Array = NDArray[np.float64]
+from heave_node.arrays import Array
 
 AT_LIMIT = 0.999
 """A rate is at its limit from this fraction of the limit on."""

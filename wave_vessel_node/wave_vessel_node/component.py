@@ -6,9 +6,9 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from heave_node.arrays import Array
 from heave_node.kinematics import PointMotion
 from heave_node.randomness import random_stream
-from numpy.typing import NDArray
 
 from wave_vessel_node.motion_sources import (
     CourseSource,
@@ -34,8 +34,6 @@ from wave_vessel_node.vessel.rao_files import read_rao
 from wave_vessel_node.vessel.rao_source import RaoSource
 from wave_vessel_node.vessel.recording import RecordedSource, read_recording
 from wave_vessel_node.vessel.second_order import SecondOrderVessel
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

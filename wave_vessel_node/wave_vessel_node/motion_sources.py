@@ -7,7 +7,6 @@ from typing import Protocol
 
 import numpy as np
 from heave_node.randomness import random_stream
-from numpy.typing import NDArray
 
 from wave_vessel_node.parameters import DriftParameters, WaveVesselParameters
 from wave_vessel_node.ramp import apply_ramp
@@ -17,8 +16,6 @@ from wave_vessel_node.sea.state_space import StateSpace, covariance_factor, disc
 from wave_vessel_node.vessel.course import Course
 from wave_vessel_node.vessel.motion import HEAVE, PITCH, VesselMotion
 from wave_vessel_node.vessel.second_order import SecondOrderVessel, wave_slope_response
-
-Array = NDArray[np.float64]
 
 _DRIFT_COMPONENTS = 120
 

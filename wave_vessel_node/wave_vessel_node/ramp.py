@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
-
-Array = NDArray[np.float64]
+from heave_node.arrays import Array
 
 
 def smooth_ramp(time: float, duration: float) -> tuple[float, float, float]:

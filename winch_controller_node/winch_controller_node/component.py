@@ -10,6 +10,8 @@ from __future__ import annotations
 
 import math
 
+from heave_node.arrays import Array
+
 from winch_controller_node.design.design import ControllerDesign
 from winch_controller_node.design.prediction import predict_loop
 from winch_controller_node.design_in_force import DesignInForce
@@ -19,7 +21,6 @@ from winch_controller_node.interface.readings import Measurements, Outputs, Roll
 from winch_controller_node.laws.build import effort_of, limits_of
 from winch_controller_node.loop_command import LoopCommand
 from winch_controller_node.model.estimator import KalmanEstimator
-from winch_controller_node.model.linear_model import Array
 from winch_controller_node.motion.mean_motion import MeanMotion
 from winch_controller_node.motion.programme import Programme, ProgrammeStep
 from winch_controller_node.motion.trajectory import MeanPayout

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 
+from heave_node.arrays import Array
+
 from winch_controller_node.design.design import ControllerDesign
 from winch_controller_node.estimation.observation import Observer
 from winch_controller_node.interface.readings import WinchOrder
@@ -13,7 +15,6 @@ from winch_controller_node.laws.feedforward import SpeedFeedforward
 from winch_controller_node.laws.governor import GovernedCommand
 from winch_controller_node.laws.loop_state import AuthorityShift, LoopState, Reference
 from winch_controller_node.laws.tension import ConstantTension
-from winch_controller_node.model.linear_model import Array
 from winch_controller_node.model.loop_rows import loop_rows
 from winch_controller_node.motion.mean_motion import MeanMotion
 from winch_controller_node.supervision.guard import HarmGuard

@@ -5,13 +5,13 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from heave_node.arrays import Array
 
 from winch_controller_node.design.design import ControllerDesign
 from winch_controller_node.estimation.loop_estimation import LoopEstimation
 from winch_controller_node.interface.readings import Report, WinchOrder
 from winch_controller_node.laws.feedback import LawCommand
 from winch_controller_node.laws.governor import GovernedCommand
-from winch_controller_node.model.linear_model import Array
 from winch_controller_node.supervision.modes import ModeOutput
 
 

@@ -11,9 +11,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 from heave_node import kpi
-from numpy.typing import NDArray
-
-Array = NDArray[np.float64]
+from heave_node.arrays import Array
 
 TIME_ROUNDING = 1e-9
 """Stamps are whole nanoseconds: windows include their ends to this [s]."""

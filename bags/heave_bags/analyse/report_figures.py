@@ -12,13 +12,11 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from heave_node.arrays import Array
 
 from heave_bags.analyse.kpi_set import Signal
 from heave_bags.analyse.run_record import Innovation, Interval, RunRecord
 from heave_bags.analyse.spectra import Spectrum, spectrum, transmissibility
-
-Array = NDArray[np.float64]
 
 BOOM_TIP = "#0072b2"
 PAYOUT = "#e69f00"

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 import yaml
+from heave_node.arrays import Array
 from heave_node.constants import SEAWATER_DENSITY, STANDARD_GRAVITY
 from numpy.typing import NDArray
 
@@ -21,8 +22,6 @@ from heave_bags.errors import BagError
 from heave_bags.mcap.reader import TIME, Bag, Progress, no_progress
 from heave_bags.mcap.scan import Loss
 from heave_bags.record.provenance import PARAMETERS_ATTACHMENT, SCENARIO_ATTACHMENT
-
-Array = NDArray[np.float64]
 
 NIS_BAND = (0.000982069, 5.02388619)
 """Central 95 % of the chi-square distribution with one degree of freedom."""

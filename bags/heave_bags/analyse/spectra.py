@@ -5,12 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+from heave_node.arrays import Array
 from scipy.signal import welch
 
 from heave_bags.analyse.kpi_set import Signal
-
-Array = NDArray[np.float64]
 
 MINIMUM_SAMPLES = 64
 SEGMENT_TIME = 200.0

@@ -16,14 +16,12 @@ from typing import Any
 
 import numpy as np
 import yaml
-from numpy.typing import NDArray
+from heave_node.arrays import Array
 from scipy.interpolate import CubicSpline
 
 from heave_bags.analyse.kpi_set import Signal
 from heave_bags.errors import BagError
 from heave_bags.mcap.reader import TIME, Bag
-
-Array = NDArray[np.float64]
 
 MOTIONS = ("surge", "sway", "heave", "roll", "pitch")
 EULER_PARTS = ("roll", "pitch", "yaw")

@@ -9,11 +9,10 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+from heave_node.arrays import Array
 from numpy.typing import NDArray
 
 from cable_sim_node.line import layout as at
-
-Array = NDArray[np.float64]
 
 
 class LineArrays(NamedTuple):

@@ -9,9 +9,8 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
+from heave_node.arrays import Array
 from heave_node.compiled import inner_kernel
-from numpy.typing import NDArray
 
 from cable_sim_node.line.layout import (
     ACCELERATION,
@@ -91,7 +90,6 @@ from cable_sim_node.line.layout import (
     Z,
 )
 
-Array = NDArray[np.float64]
 Vector = tuple[float, float, float]
 Block = tuple[float, float, float, float, float, float]
 

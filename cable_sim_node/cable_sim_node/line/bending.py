@@ -9,9 +9,8 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
+from heave_node.arrays import Array
 from heave_node.compiled import inner_kernel
-from numpy.typing import NDArray
 
 from cable_sim_node.line.layout import (
     BENDING,
@@ -26,8 +25,6 @@ from cable_sim_node.line.layout import (
     Y,
     Z,
 )
-
-Array = NDArray[np.float64]
 
 
 @inner_kernel

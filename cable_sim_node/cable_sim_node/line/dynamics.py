@@ -12,6 +12,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from heave_node.arrays import Array
 from heave_node.kinematics import PointMotion
 from heave_node.parameters import ParameterError
 from numpy.typing import ArrayLike, NDArray
@@ -33,8 +34,6 @@ from cable_sim_node.line.grid import build_line, settings_row
 from cable_sim_node.line.step import advance, evaluate
 from cable_sim_node.parameters import CableSimParameters
 
-Array = NDArray[np.float64]
-
 _MOVING_ARRAYS = ("now", "parts", "unit", "top", "settings", "counters")
 
 
@@ -42,7 +41,7 @@ _MOVING_ARRAYS = ("now", "parts", "unit", "top", "settings", "counters")
 class SavedState:
     """The whole state of a `CableDynamics` at one time, to be given back to `restore`."""
 
-    arrays: dict[str, NDArray[np.float64] | NDArray[np.int64]]
+    arrays: dict[str, Array | NDArray[np.int64]]
 
 
 class CableDynamics:

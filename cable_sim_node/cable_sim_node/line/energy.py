@@ -6,12 +6,9 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cable_sim_node.line import layout as at
 from cable_sim_node.line.arrays import LineArrays
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -9,8 +9,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from heave_node.arrays import Array
 from heave_node.compiled import inner_kernel, kernel
-from numpy.typing import NDArray
 
 from cable_sim_node.errors import NoEquilibriumError
 from cable_sim_node.line.arrays import LineArrays
@@ -46,8 +46,6 @@ from cable_sim_node.line.layout import (
     Z,
 )
 from cable_sim_node.line.step import assemble
-
-Array = NDArray[np.float64]
 
 _PASSES = 200
 

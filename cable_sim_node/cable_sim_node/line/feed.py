@@ -11,9 +11,8 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
+from heave_node.arrays import Array
 from heave_node.compiled import inner_kernel, kernel
-from numpy.typing import NDArray
 
 from cable_sim_node.line.arrays import LineArrays
 from cable_sim_node.line.assembly import assemble_nodes, assemble_segments
@@ -52,8 +51,6 @@ from cable_sim_node.line.layout import (
     Y,
     Z,
 )
-
-Array = NDArray[np.float64]
 
 
 @kernel

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
+from heave_node.arrays import Array
 from heave_node.compiled import inner_kernel
-from numpy.typing import NDArray
 
 from cable_sim_node.line.layout import (
     FLOW_AX,
@@ -24,8 +23,6 @@ from cable_sim_node.line.layout import (
     Y,
     Z,
 )
-
-Array = NDArray[np.float64]
 
 
 @inner_kernel

@@ -5,13 +5,11 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
+from heave_node.arrays import Array
 
 from cable_sim_node.line import layout as at
 from cable_sim_node.line.arrays import LineArrays, allocate
 from cable_sim_node.parameters import CableParameters, CableSimParameters
-
-Array = NDArray[np.float64]
 
 _SPARE_SEGMENTS = 8
 """Grid segments beyond the longest line, so that the kernels may look ahead."""

@@ -11,7 +11,8 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from heave_node.arrays import Array, ComplexArray
+from numpy.typing import ArrayLike
 from scipy.linalg import eigh
 
 from cable_sim_node.line import layout as at
@@ -23,9 +24,6 @@ from cable_sim_node.statics.drag import current_at, segment_drag
 from cable_sim_node.statics.report import current_of
 from cable_sim_node.statics.system import Current
 from cable_sim_node.vertical.linear import HARMONIC_DRAG, LinearisationError
-
-Array = NDArray[np.float64]
-ComplexArray = NDArray[np.complex128]
 
 
 @dataclass(frozen=True)

@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from heave_node.arrays import Array
 from heave_node.compiled import inner_kernel, kernel
 from numpy.typing import NDArray
 
@@ -61,7 +62,6 @@ from cable_sim_node.line.layout import (
     Z,
 )
 
-Array = NDArray[np.float64]
 Counters = NDArray[np.int64]
 
 _SMALLEST_SHARE = 2.0**-16

@@ -9,13 +9,11 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from heave_node.arrays import Array
 from heave_node.kinematics import PointMotion
-from numpy.typing import NDArray
 
 from cable_sim_node.line.dynamics import CableDynamics
 from cable_sim_node.parameters import CableSimParameters
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -18,13 +18,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from heave_node.arrays import Array
 from heave_node.kinematics import PointMotion
-from numpy.typing import NDArray
 
 from cable_sim_node.line.dynamics import CableDynamics
 from cable_sim_node.parameters import CableSimParameters
-
-Array = NDArray[np.float64]
 
 _SUBMERGENCE = 50.0
 """How far everything is lowered [m], so that the moving top stays in the water as the plant's does."""

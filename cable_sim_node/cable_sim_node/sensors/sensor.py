@@ -12,14 +12,12 @@ from collections import deque
 from dataclasses import dataclass
 
 import numpy as np
+from heave_node.arrays import Array
 from heave_node.randomness import random_stream
-from numpy.typing import NDArray
 
 from cable_sim_node.sensors.fault_parameters import SENSOR_FAULT_KINDS
 from cable_sim_node.sensors.faults import TIME_TOLERANCE, FaultSchedule
 from cable_sim_node.sensors.parameters import SensorParameters
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -6,13 +6,11 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from heave_node.arrays import Array
 from heave_node.constants import STANDARD_GRAVITY
-from numpy.typing import NDArray
 
 from cable_sim_node.sensors.parameters import SensorsParameters
 from cable_sim_node.sensors.sensor import Reading, Sensor
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

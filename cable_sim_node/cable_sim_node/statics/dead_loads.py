@@ -10,13 +10,12 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from heave_node.arrays import Array
 from numba import njit
 from numpy.typing import NDArray
 
 from cable_sim_node.statics.march import march, solve3
 from cable_sim_node.statics.system import Current, StaticCable
-
-Array = NDArray[np.float64]
 
 RELATIVE_TOLERANCE = 1e-11
 """Miss of the end position, over the cable's length and its span, at which the search ends."""

@@ -4,11 +4,8 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
+from heave_node.arrays import Array
 from numba import njit
-from numpy.typing import NDArray
-
-Array = NDArray[np.float64]
 
 
 @njit(cache=True, error_model="numpy")

@@ -11,6 +11,7 @@ import itertools
 from dataclasses import dataclass
 
 import numpy as np
+from heave_node.arrays import Array
 from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import brentq
 
@@ -19,8 +20,6 @@ from cable_sim_node.statics.errors import StaticsError
 from cable_sim_node.statics.problems import STILL_WATER
 from cable_sim_node.statics.shape import cut_at_height, shape_from
 from cable_sim_node.statics.system import Current, StaticCable
-
-Array = NDArray[np.float64]
 
 PULL_LEVELS = 10
 THRUST_LEVELS = (1.0, 0.9, 0.8, 0.7, 0.6, 0.5, 0.4, 0.3, 0.2, 0.1, 0.0)

@@ -13,7 +13,8 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from heave_node.arrays import Array
+from numpy.typing import ArrayLike
 
 from cable_sim_node.errors import NoEquilibriumError
 from cable_sim_node.statics.drag import segment_drag
@@ -21,8 +22,6 @@ from cable_sim_node.statics.errors import StaticsError
 from cable_sim_node.statics.problems import STILL_WATER
 from cable_sim_node.statics.shape import cut_at_height, shape_from
 from cable_sim_node.statics.system import Current, StaticSection, static_cable
-
-Array = NDArray[np.float64]
 
 DIRECTION_ITERATIONS = 2000
 

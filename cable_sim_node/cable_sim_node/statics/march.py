@@ -10,13 +10,11 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from heave_node.arrays import Array
 from numba import njit
-from numpy.typing import NDArray
 
 from cable_sim_node.statics.drag import current_at, segment_drag
 from cable_sim_node.statics.segment import segment_span
-
-Array = NDArray[np.float64]
 
 # columns of the segment table: unstretched length [m], EA [N], weight in water [N/m], drag factors [N s2/m3]
 LENGTH, STIFFNESS, WEIGHT, NORMAL, TANGENTIAL = range(5)

@@ -10,13 +10,11 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+from heave_node.arrays import Array
 
 from cable_sim_node.errors import NoEquilibriumError
 from cable_sim_node.statics.dead_loads import ACCEPTABLE, RELATIVE_TOLERANCE
 from cable_sim_node.statics.shape import StaticShape
-
-Array = NDArray[np.float64]
 
 NEWTON_LIMIT = 40
 SMALLEST_STEP = 2.0**-8

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from heave_node.arrays import Array
+from numpy.typing import ArrayLike
 
 from cable_sim_node.errors import NoEquilibriumError
 from cable_sim_node.statics.dead_loads import solve_dead_loads
@@ -17,8 +18,6 @@ from cable_sim_node.statics.newton import (
 )
 from cable_sim_node.statics.shape import StaticShape, shape_from
 from cable_sim_node.statics.system import Current, StaticCable
-
-Array = NDArray[np.float64]
 
 STILL_WATER = Current()
 

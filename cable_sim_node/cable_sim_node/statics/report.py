@@ -8,7 +8,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from heave_node.arrays import Array
+from numpy.typing import ArrayLike
 
 from cable_sim_node.errors import NoEquilibriumError
 from cable_sim_node.line import layout as at
@@ -23,7 +24,6 @@ from cable_sim_node.statics.system import Current, PointLoad, StaticCable, Stati
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-Array = NDArray[np.float64]
 
 STIFFNESS_ITERATIONS = 50
 

@@ -14,11 +14,8 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
+from heave_node.arrays import Array
 from numba import njit
-from numpy.typing import NDArray
-
-Array = NDArray[np.float64]
 
 SERIES_BELOW = 0.2
 """Below this `a` the power series in a^2 replace the closed forms, which would cancel."""

@@ -5,14 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+from heave_node.arrays import Array
 from scipy.optimize import brentq
 
 from cable_sim_node.statics.march import LENGTH, STIFFNESS, march
 from cable_sim_node.statics.segment import segment_span
 from cable_sim_node.statics.system import Current, StaticCable
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

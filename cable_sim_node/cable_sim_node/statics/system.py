@@ -7,7 +7,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from heave_node.arrays import Array
+from numpy.typing import ArrayLike
 
 from cable_sim_node.statics.errors import StaticsError
 from cable_sim_node.statics.march import (
@@ -22,8 +23,6 @@ from cable_sim_node.statics.march import (
     TANGENTIAL,
     WEIGHT,
 )
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -11,14 +11,13 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from heave_node.arrays import Array
+from numpy.typing import ArrayLike
 from scipy.interpolate import CubicSpline
 
 from cable_sim_node.errors import PlantError
 from cable_sim_node.vertical.axial_kernel import integrate
 from cable_sim_node.vertical.axial_line import AxialLine
-
-Array = NDArray[np.float64]
 
 LARGEST_STEP = 0.01
 """Integration step [s] unless a caller asks for another: 0.005 % amplitude error at 1.26 rad/s (BDF2, (w h)^2 / 3)."""

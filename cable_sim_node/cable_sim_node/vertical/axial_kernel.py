@@ -15,10 +15,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from heave_node.arrays import Array
 from numba import njit
-from numpy.typing import NDArray
-
-Array = NDArray[np.float64]
 
 NEWTON_LIMIT = 60
 NEWTON_TOLERANCE = 1e-10

@@ -7,15 +7,13 @@ import math
 from dataclasses import dataclass, fields, replace
 
 import numpy as np
-from numpy.typing import NDArray
+from heave_node.arrays import Array
 
 from cable_sim_node.errors import NoEquilibriumError
 from cable_sim_node.line import layout as at
 from cable_sim_node.line.equilibrium import strain_at
 from cable_sim_node.line.grid import segment_row, unit_row
 from cable_sim_node.parameters import CableSimParameters
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

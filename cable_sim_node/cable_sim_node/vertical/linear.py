@@ -11,14 +11,12 @@ import math
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from heave_node.arrays import Array, ComplexArray
+from numpy.typing import ArrayLike
 from scipy.optimize import brentq, least_squares
 
 from cable_sim_node.errors import PlantError
 from cable_sim_node.vertical.axial_line import AxialLine, AxialPiece
-
-Array = NDArray[np.float64]
-ComplexArray = NDArray[np.complex128]
 
 HARMONIC_DRAG = 8.0 / (3.0 * math.pi)
 """First harmonic of abs(sin) sin: makes quadratic drag linear at equal energy per cycle."""

@@ -9,14 +9,13 @@ where that is negative).
 from __future__ import annotations
 
 import numpy as np
+from heave_node.arrays import Array
 from heave_node.kinematics import PointMotion
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.linalg import expm
 
 from cable_sim_node.errors import BadMotionError, refuse_jump
 from cable_sim_node.parameters import CableSimParameters
-
-Array = NDArray[np.float64]
 
 
 class LinearPlant:

@@ -16,6 +16,7 @@ from collections import deque
 from dataclasses import dataclass
 
 import numpy as np
+from heave_node.arrays import Array
 from heave_node.randomness import random_stream
 from numpy.typing import NDArray
 
@@ -23,8 +24,6 @@ from wave_vessel_node.mru.faults import BIAS, DELAY, FREEZE, GAP, LONGEST_DELAY,
 from wave_vessel_node.mru.oscillator import DrivenOscillator
 from wave_vessel_node.parameters import MruParameters
 from wave_vessel_node.vessel.motion import PITCH, ROLL, VesselMotion
-
-Array = NDArray[np.float64]
 
 STATUS_OK, STATUS_SETTLING, STATUS_INVALID = 0, 1, 2
 _TURNING = 1e-4  # rad/s: above this rate of turn the unit is disturbed

@@ -15,13 +15,11 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+from heave_node.arrays import Array
 from scipy.special import chdtri
 
 from wave_vessel_node.mru.mru import STATUS_OK, MruReading
 from wave_vessel_node.parameters import SeaStateEstimateParameters
-
-Array = NDArray[np.float64]
 
 _MINIMUM_SEGMENTS = 3
 _LEAST_RESPONSE = 0.03  # of |H|^2: below, the motion says nothing of the sea

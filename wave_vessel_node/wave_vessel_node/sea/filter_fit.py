@@ -13,14 +13,12 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from heave_node.arrays import Array
 from scipy.optimize import least_squares
 
 from wave_vessel_node.sea.shaping_filter import FilterForm, FilterQuality, filter_quality, low_band_edge, sections_of
 from wave_vessel_node.sea.spectra import SpectrumError, WaveSpectrum
 from wave_vessel_node.sea.state_space import StateSpace
-
-Array = NDArray[np.float64]
 
 _POINTS = 400
 _LEAK_WEIGHT = 0.05  # of a leak that is twice its bound, against the relative error

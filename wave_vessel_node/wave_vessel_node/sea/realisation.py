@@ -12,14 +12,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from heave_node.arrays import Array, ComplexArray
 from heave_node.constants import STANDARD_GRAVITY
 from numba import njit
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from wave_vessel_node.sea.spectra import SpectrumError, WaveSpectrum, cell_integrals
-
-Array = NDArray[np.float64]
-ComplexArray = NDArray[np.complex128]
 
 _TAIL_ENERGY = 1e-4  # of m_0, above the highest frequency drawn; it is carried by the topmost component
 _BLOCK = 64  # ticks between two exact evaluations of the phases

@@ -9,11 +9,9 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+from heave_node.arrays import Array
 
 from wave_vessel_node.sea.spectra import SpectrumError, WaveSpectrum, cell_integrals
-
-Array = NDArray[np.float64]
 
 _NORMAL_95 = 1.959964
 

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
+from heave_node.arrays import Array
 
 from wave_vessel_node.parameters import WaveVesselParameters
 from wave_vessel_node.sea.spectra import (
@@ -18,8 +18,6 @@ from wave_vessel_node.sea.spectra import (
     pierson_moskowitz,
 )
 from wave_vessel_node.sea.spectrum_files import read_spectra
-
-Array = NDArray[np.float64]
 
 
 def build_spectrum(parameters: WaveVesselParameters, warnings: list[str] | None = None) -> WaveSpectrum:

@@ -14,12 +14,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from heave_node.arrays import Array
+from numpy.typing import ArrayLike
 
 from wave_vessel_node.sea.spectra import Bretschneider, SpectrumError, WaveSpectrum, cell_integrals
 from wave_vessel_node.sea.state_space import StateSpace
-
-Array = NDArray[np.float64]
 
 LEAK_QUANTILE = 1e-4
 """The leak of a filter is its energy below the frequency under which the spectrum has this fraction of its own

@@ -15,11 +15,10 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
+from heave_node.arrays import Array
 from heave_node.constants import STANDARD_GRAVITY
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.special import gamma as gamma_function
-
-Array = NDArray[np.float64]
 
 _GAUSS_NODES, _GAUSS_WEIGHTS = np.polynomial.legendre.leggauss(5)
 _PIERSON_MOSKOWITZ_ALPHA = 0.0081

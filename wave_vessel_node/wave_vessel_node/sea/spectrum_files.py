@@ -16,11 +16,9 @@ from datetime import datetime, timedelta, timezone
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
+from heave_node.arrays import Array
 
 from wave_vessel_node.sea.spectra import SpectrumError, TabulatedSpectrum
-
-Array = NDArray[np.float64]
 
 _FILL_VALUES = (99.0, 999.0, 9999.0)
 _PAIR = re.compile(r"(\S+)\s*\(\s*(\S+?)\s*\)")

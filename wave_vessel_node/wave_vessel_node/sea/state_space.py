@@ -13,10 +13,9 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from heave_node.arrays import Array
 from numpy.typing import ArrayLike, NDArray
 from scipy.linalg import expm, solve_continuous_lyapunov
-
-Array = NDArray[np.float64]
 
 NOISE_INTENSITY = math.pi
 """Intensity of white noise whose one-sided spectral density in rad/s is 1."""

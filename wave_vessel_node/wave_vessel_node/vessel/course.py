@@ -9,12 +9,10 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
+from heave_node.arrays import Array
 
 from wave_vessel_node.parameters import CourseParameters
 from wave_vessel_node.ramp import smooth_ramp
-
-Array = NDArray[np.float64]
 
 _PEAK_OF_RAMP = 1.875  # largest rate of the quintic ramp over its mean rate
 _CELL = 0.5  # s, of the table of positions within manoeuvres

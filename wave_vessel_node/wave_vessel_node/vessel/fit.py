@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from heave_node.arrays import Array
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
@@ -16,8 +17,6 @@ from wave_vessel_node.sea.spectra import WaveSpectrum
 from wave_vessel_node.vessel.motion import lever_arm_matrix
 from wave_vessel_node.vessel.rao import RaoError, ResponseTable
 from wave_vessel_node.vessel.second_order import SecondOrderVessel
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

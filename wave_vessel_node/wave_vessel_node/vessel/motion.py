@@ -10,10 +10,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
+from heave_node.arrays import Array
 from heave_node.kinematics import PointMotion
-from numpy.typing import NDArray
-
-Array = NDArray[np.float64]
 
 SURGE, SWAY, HEAVE, ROLL, PITCH, YAW = range(6)
 DEGREES_OF_FREEDOM = ("surge", "sway", "heave", "roll", "pitch", "yaw")

@@ -11,12 +11,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from heave_node.arrays import Array, ComplexArray
 from heave_node.constants import STANDARD_GRAVITY
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.interpolate import CubicSpline
-
-Array = NDArray[np.float64]
-ComplexArray = NDArray[np.complex128]
 
 _MIRROR = np.array([1.0, -1.0, 1.0, -1.0, 1.0, -1.0])  # motions of a ship with waves from the other side
 

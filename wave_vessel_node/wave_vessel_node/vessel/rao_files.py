@@ -17,14 +17,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from heave_node.arrays import Array, ComplexArray
 from scipy.interpolate import CubicSpline
 
 from wave_vessel_node.vessel.motion import DEGREES_OF_FREEDOM
 from wave_vessel_node.vessel.rao import RaoError, ResponseTable, encounter_frequency
-
-Array = NDArray[np.float64]
-ComplexArray = NDArray[np.complex128]
 
 SHIPPED_TABLE = "wigley_90m.csv"
 _GRID = ("speed_mps", "heading_rad", "omega_radps")

@@ -3,17 +3,14 @@
 from __future__ import annotations
 
 import numpy as np
+from heave_node.arrays import Array, ComplexArray
 from heave_node.constants import STANDARD_GRAVITY
 from numba import njit
-from numpy.typing import NDArray
 
 from wave_vessel_node.sea.realisation import HarmonicSum, WaveComponents
 from wave_vessel_node.vessel.course import Course, Leg
 from wave_vessel_node.vessel.motion import VesselMotion
 from wave_vessel_node.vessel.rao import ResponseTable
-
-Array = NDArray[np.float64]
-ComplexArray = NDArray[np.complex128]
 
 _DIFFERENCE = 0.02  # s, step of the central differences that give rates within manoeuvres
 

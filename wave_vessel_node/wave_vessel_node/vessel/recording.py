@@ -15,16 +15,14 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from heave_node.arrays import Array
 from mcap.exceptions import McapError
 from mcap.reader import make_reader
-from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
 from wave_vessel_node.mru.oscillator import DrivenOscillator
 from wave_vessel_node.vessel.motion import HEAVE, VesselMotion
 from wave_vessel_node.vessel.second_order import SecondOrderVessel
-
-Array = NDArray[np.float64]
 
 _LONGEST_GAP = 2.0  # s between samples; more is no record to interpolate
 _COLUMNS = {"x_m": 0, "y_m": 1, "z_m": 2, "heave_m": 2, "elevation_m": 2}

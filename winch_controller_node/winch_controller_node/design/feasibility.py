@@ -8,9 +8,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from cable_sim_node.vertical.linear import heave_transfer_function
+from heave_node.arrays import Array
 from wave_vessel_node.vessel.second_order import SecondOrderVessel
 
-from winch_controller_node.model.linear_model import Array
 from winch_controller_node.model.models import PlantBelief, sea_spectrum
 from winch_controller_node.parameters.controller import WinchControllerParameters
 

@@ -6,14 +6,11 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+from heave_node.arrays import Array, ComplexArray
 
 from winch_controller_node.design.design import ControllerDesign
 from winch_controller_node.design.prediction import equivalent_filter
-from winch_controller_node.model.linear_model import Array
 from winch_controller_node.model.lqr import DesignError
-
-ComplexArray = NDArray[np.complex128]
 
 FREQUENCIES = 2000
 

@@ -13,10 +13,11 @@ from dataclasses import dataclass
 
 import numpy as np
 import scipy.linalg
+from heave_node.arrays import Array
 
 from winch_controller_node.design.design import ControllerDesign, full_gain, is_sensor_state
 from winch_controller_node.model.estimator import MeasurementModel
-from winch_controller_node.model.linear_model import Array, LinearModel, with_feedback
+from winch_controller_node.model.linear_model import LinearModel, with_feedback
 from winch_controller_node.model.lqr import DesignError, output_cost
 
 LONGEST_PATTERN = 240

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
 
 import numpy as np
+from heave_node.arrays import Array, ComplexArray
 from heave_node.kpi import kappa
 
 from winch_controller_node.design.bounds import BOUND_STEP, WinchLimits, actuator_bound, boom_tip_realisation
@@ -18,7 +19,6 @@ from winch_controller_node.design.feasibility import (
     uncompensated_sigma,
 )
 from winch_controller_node.design.margins import (
-    ComplexArray,
     Margins,
     frequencies,
     margins,
@@ -32,7 +32,7 @@ from winch_controller_node.design.prediction import (
     estimation_bound,
     predict_loop,
 )
-from winch_controller_node.model.linear_model import Array, with_feedback
+from winch_controller_node.model.linear_model import with_feedback
 from winch_controller_node.model.lqr import DesignError
 from winch_controller_node.parameters.controller import WinchControllerParameters
 

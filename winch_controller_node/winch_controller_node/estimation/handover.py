@@ -10,8 +10,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from heave_node.arrays import Array
 
-from winch_controller_node.model.linear_model import Array, LinearModel
+from winch_controller_node.model.linear_model import LinearModel
 from winch_controller_node.model.models import DEPTH_BIAS
 
 PULL_SIGMA = 0.1

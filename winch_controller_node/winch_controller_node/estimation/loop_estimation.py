@@ -8,13 +8,13 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from heave_node.arrays import Array
 
 from winch_controller_node.design.design import ControllerDesign
 from winch_controller_node.estimation.handover import hand_over, hand_over_standing
 from winch_controller_node.estimation.observation import Observer
 from winch_controller_node.estimation.sea_adaptation import SeaTracker
 from winch_controller_node.interface.readings import Measurements
-from winch_controller_node.model.linear_model import Array
 from winch_controller_node.model.loop_rows import loop_rows
 from winch_controller_node.model.models import DEPTH_BIAS, shadow_model
 from winch_controller_node.motion.mean_motion import MeanMotion

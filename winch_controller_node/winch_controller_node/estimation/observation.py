@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from collections import deque
 
+from heave_node.arrays import Array
+
 from winch_controller_node.design.design import ControllerDesign
 from winch_controller_node.estimation.sensor_health import (
     LEVEL_WORDS,
@@ -18,7 +20,6 @@ from winch_controller_node.estimation.sensor_health import (
 from winch_controller_node.estimation.touchdown import StandingWatch
 from winch_controller_node.interface.readings import Measurements, MruReading, ScalarReading, SensorState
 from winch_controller_node.model.estimator import KalmanEstimator, Measurement
-from winch_controller_node.model.linear_model import Array
 from winch_controller_node.model.models import LEVER_ARM_X, LEVER_ARM_Y
 from winch_controller_node.parameters.laws import HealthParameters
 

@@ -10,9 +10,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from heave_node.arrays import Array
 
 from winch_controller_node.design.design import ControllerDesign
-from winch_controller_node.model.linear_model import Array
 
 MEMORY = 600.0
 """Time constant of the running variances [s]: about 60 waves, a height good to 10 %."""

@@ -10,11 +10,11 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from heave_node.arrays import Array
 from numpy.typing import ArrayLike
 from scipy.interpolate import CubicSpline
 
 from winch_controller_node.identification.cable_kernel import respond
-from winch_controller_node.model.linear_model import Array
 
 ITERATIONS = 60
 STEP_HALVINGS = 12

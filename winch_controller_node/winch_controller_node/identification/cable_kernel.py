@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
+from heave_node.arrays import Array
 from numba import njit
-
-from winch_controller_node.model.linear_model import Array
 
 PAIRS = 5
 """Pairs (value, rate): x, and its derivatives by a, b, start heave, start rate."""

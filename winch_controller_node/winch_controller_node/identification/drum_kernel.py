@@ -5,9 +5,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from heave_node.arrays import Array
 from numba import njit
-
-from winch_controller_node.model.linear_model import Array
 
 POSITION_STEP = 0.005
 """Step of the position loop [s]; without one each piece of a tick is exact."""

@@ -12,10 +12,10 @@ from collections import deque
 from dataclasses import dataclass, replace
 
 import numpy as np
+from heave_node.arrays import Array
 
 from winch_controller_node.design.design import ControllerDesign
 from winch_controller_node.identification.drum_kernel import drum_record
-from winch_controller_node.model.linear_model import Array
 from winch_controller_node.parameters.controller import WinchControllerParameters
 from winch_controller_node.parameters.laws import LagParameters
 from winch_controller_node.parameters.model import WinchModelParameters

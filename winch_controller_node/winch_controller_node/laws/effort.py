@@ -5,8 +5,10 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from heave_node.arrays import Array
+
 from winch_controller_node.design.design import ControllerDesign, is_sensor_state
-from winch_controller_node.model.linear_model import Array, state_covariance, with_feedback
+from winch_controller_node.model.linear_model import state_covariance, with_feedback
 
 
 @dataclass(frozen=True)

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from heave_node.arrays import Array
+
 from winch_controller_node.laws.loop_state import LoopState
-from winch_controller_node.model.linear_model import Array
 
 
 @dataclass(frozen=True)

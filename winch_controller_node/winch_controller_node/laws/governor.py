@@ -11,8 +11,9 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from heave_node.arrays import Array
 
-from winch_controller_node.model.linear_model import Array, LinearModel, discretise
+from winch_controller_node.model.linear_model import LinearModel, discretise
 from winch_controller_node.model.models import winch_block
 from winch_controller_node.parameters.laws import LimitParameters
 from winch_controller_node.parameters.model import WinchModelParameters

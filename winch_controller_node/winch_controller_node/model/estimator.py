@@ -13,9 +13,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
+from heave_node.arrays import Array
 
 from winch_controller_node.model.estimator_kernel import CompiledKalmanFilter
-from winch_controller_node.model.linear_model import Array, LinearModel
+from winch_controller_node.model.linear_model import LinearModel
 
 
 @dataclass(frozen=True)

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 from filterpy.kalman import KalmanFilter
+from heave_node.arrays import Array
 from numba import njit
-
-from winch_controller_node.model.linear_model import Array
 
 
 @njit(cache=True)

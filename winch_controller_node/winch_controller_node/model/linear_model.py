@@ -12,10 +12,9 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 import scipy.linalg
-from numpy.typing import ArrayLike, NDArray
+from heave_node.arrays import Array
+from numpy.typing import ArrayLike
 from wave_vessel_node.sea.state_space import covariance_factor
-
-Array = NDArray[np.float64]
 
 
 class ModelError(ValueError):

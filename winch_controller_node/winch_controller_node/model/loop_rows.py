@@ -5,8 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from heave_node.arrays import Array
 
-from winch_controller_node.model.linear_model import Array, LinearModel
+from winch_controller_node.model.linear_model import LinearModel
 
 
 @dataclass(frozen=True)

@@ -15,6 +15,7 @@ import numpy as np
 from cable_sim_node.parameters import CableParameters, CableSimParameters, UnitParameters
 from cable_sim_node.vertical.axial_line import AxialLine, axial_line
 from cable_sim_node.vertical.linear import fit_two_state, heave_transfer_function
+from heave_node.arrays import Array
 from heave_node.constants import SEAWATER_DENSITY, STANDARD_GRAVITY
 from wave_vessel_node.sea.shaping_filter import shaping_filter
 from wave_vessel_node.sea.spectra import (
@@ -29,7 +30,6 @@ from wave_vessel_node.sea.state_space import NOISE_INTENSITY, StateSpace
 from wave_vessel_node.vessel.second_order import vessel_filter
 
 from winch_controller_node.model.linear_model import (
-    Array,
     LinearModel,
     ModelError,
     delay_command,

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 
-from winch_controller_node.model.linear_model import Array
+from heave_node.arrays import Array
+
 from winch_controller_node.model.loop_rows import LoopRows
 from winch_controller_node.parameters.laws import ModeParameters
 from winch_controller_node.supervision.guard import Seen

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 from heave_node import kpi
+from heave_node.arrays import Array
 
 from winch_controller_node.interface.readings import RollingKpi
-from winch_controller_node.model.linear_model import Array
 from winch_controller_node.parameters.model import WinchModelParameters
 
 COLUMNS = ("unit", "uncompensated", "tip", "payout", "rate", "acceleration", "tension", "at_limit")

@@ -1,0 +1,41 @@
+"""Numbers that messages carry in place of words. Pure; a test holds them against the constants of heave_msgs."""
+
+from __future__ import annotations
+
+import enum
+
+
+class WinchFault(enum.IntEnum):
+    """Why the winch stopped by itself: heave_msgs/WinchState FAULT_."""
+
+    NONE = 0
+    COMMAND_TIMEOUT = 1
+    INVALID_COMMAND = 2
+    DRIVE = 3
+    EMERGENCY_STOP = 4
+
+
+class WinchLimit(enum.IntFlag):
+    """Limits of the winch that acted: heave_msgs/WinchState LIMIT_."""
+
+    NONE = 0
+    SPEED = 1
+    ACCELERATION = 2
+    PAYOUT = 4
+    POWER = 8
+
+
+class MruStatus(enum.IntEnum):
+    """What the motion reference unit says of its own sample: heave_msgs/MruSample STATUS_."""
+
+    OK = 0
+    SETTLING = 1
+    INVALID = 2
+
+
+class SensorLevel(enum.IntEnum):
+    """How the controller sees a sensor: heave_msgs/SensorHealth."""
+
+    OK = 0
+    SUSPECT = 1
+    LOST = 2

@@ -1,0 +1,28 @@
+"""The numbers of `heave_node.codes` are those of the messages, which are the contract."""
+
+import enum
+
+import pytest
+from heave_msgs.msg import MruSample, SensorHealth, WinchState
+from heave_node.codes import MruStatus, SensorLevel, WinchFault, WinchLimit
+
+
+@pytest.mark.parametrize(
+    ("codes", "message", "prefix"),
+    [
+        (WinchFault, WinchState, "FAULT_"),
+        (WinchLimit, WinchState, "LIMIT_"),
+        (MruStatus, MruSample, "STATUS_"),
+        (SensorLevel, SensorHealth, ""),
+    ],
+)
+def test_codes_and_message_constants_have_the_same_names_and_numbers(
+    codes: type[enum.IntEnum], message: type, prefix: str
+) -> None:
+    constants = {
+        name.removeprefix(prefix): getattr(message, name)
+        for name in dir(message)
+        if name.isupper() and name.startswith(prefix) and name != "SLOT_TYPES"
+    }
+    named = {code.name: code.value for code in codes}
+    assert constants == named
