@@ -8,14 +8,14 @@ from heave_bringup.run.launcher import Launcher, NodeProcess
 
 STUCK = """
 import time
-from heave_node import process
+from heave_node.ros import process
 
 class Node:
     def destroy_node(self):
         time.sleep(60.0)
 
-process.LEAVING = 1
-process.leave_ros(Node())
+process.SHUTDOWN_TIMEOUT = 1
+process.shut_down(Node())
 """
 
 

@@ -73,16 +73,16 @@ class CableSimNode(ClockMasterNode):
         """Publish what the sensors deliver; the controller waits for it."""
         for name, (output, to_message) in self.sensor_outputs.items():
             for reading in getattr(readings, name):
-                output.publish_later(partial(to_message, reading))
+                output.publish_deferred(partial(to_message, reading))
 
     def _promise_state(self, state: PlantState, tick: Tick) -> None:
         """Publish the truth, which nobody but the winch's power limit waits for."""
         stamp = tick.stamp
-        self.cable_state.publish_later(lambda: conversions.cable_state_message(state, stamp))
-        self.unit_odometry.publish_later(lambda: conversions.unit_odometry_message(state.unit, stamp))
-        self.uncompensated.publish_later(lambda: conversions.point_motion_message(state.uncompensated, stamp))
+        self.cable_state.publish_deferred(lambda: conversions.cable_state_message(state, stamp))
+        self.unit_odometry.publish_deferred(lambda: conversions.unit_odometry_message(state.unit, stamp))
+        self.uncompensated.publish_deferred(lambda: conversions.point_motion_message(state.uncompensated, stamp))
         if self._are_markers_due(tick):
-            self.markers.publish_later(lambda: plant_markers(state, self.parameters.seabed, stamp))
+            self.markers.publish_deferred(lambda: plant_markers(state, self.parameters.seabed, stamp))
 
     def on_advance(self, tick: Tick) -> None:
         """Integrate to t_{k+1} with what is here of then; what is missing is bridged and counted."""

@@ -72,9 +72,9 @@ class WaveVesselNode(ParticipantNode):
             self.mru.publish(messages.mru_message(reading, stamp, (mru.noise, mru.rate_noise)))
             self._last_reading_time, self._last_status = tick.time, reading.status
         end = tick.end_stamp
-        self.boom_tip.publish_later(lambda: messages.boom_tip_message(outputs.boom_tip, end))
-        self.odometry.publish_later(lambda: messages.odometry_message(outputs.vessel, end))
-        self.elevation.publish_later(lambda: messages.elevation_message(outputs.wave_elevation, end))
+        self.boom_tip.publish_deferred(lambda: messages.boom_tip_message(outputs.boom_tip, end))
+        self.odometry.publish_deferred(lambda: messages.odometry_message(outputs.vessel, end))
+        self.elevation.publish_deferred(lambda: messages.elevation_message(outputs.wave_elevation, end))
         if outputs.estimate is not None:
             stamp = stamp_of_seconds(outputs.estimate.time)
             self.estimate.publish(messages.estimate_message(outputs.estimate, stamp))

@@ -80,10 +80,10 @@ class WinchControllerNode(ParticipantNode):
         outputs = self.controller.step(tick.number, measurements)
         self.outputs_of_tick = outputs
         self.command.publish(conversions.command_message(outputs.order, tick.stamp))
-        self.state.publish_later(lambda: conversions.state_message(outputs.report, tick.stamp))
+        self.state.publish_deferred(lambda: conversions.state_message(outputs.report, tick.stamp))
         kpi = outputs.kpi
         if kpi is not None:
-            self.kpi.publish_later(lambda: conversions.kpi_message(kpi, tick.stamp))
+            self.kpi.publish_deferred(lambda: conversions.kpi_message(kpi, tick.stamp))
         for words in outputs.alarms:
             self.get_logger().warning(f"t = {tick.time:.2f} s: {words}")
         self.move.on_tick(tick.time)

@@ -73,7 +73,7 @@ class RecorderNode(ParticipantNode):
                 self.session.start(Path(self.parameters.directory))
             except BagError as error:
                 raise NodeError(str(error)) from error
-        self.listen(topics.TICK_JOIN, self._on_join)
+        self.create_protocol_subscription(topics.TICK_JOIN, self._on_join)
         self._looked_at = 0.0
         self._look()
         self.create_timer(LOOK_PERIOD, self._look, clock=steady_clock())
@@ -115,7 +115,7 @@ class RecorderNode(ParticipantNode):
     def _on_join(self, message: TickJoin) -> None:
         self._joined[message.node] = tuple(message.outputs)
 
-    def rest(self) -> float:
+    def service_pause(self) -> float:
         """See HeaveNode. In real time a message is written at the time of its arrival."""
         return REST if self.has_started and self.run.is_lockstep else 0.0
 
@@ -266,7 +266,7 @@ class RecorderNode(ParticipantNode):
 
     # End -----------------------------------------------------------------------------------------------------------
 
-    def on_end(self, status: TickStatus) -> None:
+    def on_run_ended(self, status: TickStatus) -> None:
         """Note how the run went, and how many messages the nodes say they published."""
         self._outcome = {
             "ended": "complete" if status.state == TickStatus.ENDED else status.reason or "failed",
@@ -280,7 +280,7 @@ class RecorderNode(ParticipantNode):
         }
         self._expected = dict(zip(status.topics, status.published, strict=True))
 
-    def on_leave(self) -> None:
+    def on_exit(self) -> None:
         """Write what is left and close the bag, however the run ended."""
         session: RecordingSession | None = getattr(self, "session", None)
         if session is None:

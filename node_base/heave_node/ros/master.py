@@ -29,9 +29,9 @@ STATUS_PERIOD = 0.25
 """Wall time between two TickStatus messages [s]."""
 RECENT_TICKS = 1000
 """Ticks whose loop age a status during the run tells of; the last status tells of all."""
-COMPLAINT_PERIOD = 1.0
+WARNING_PERIOD = 1.0
 """Wall time between two complaints about a missing node [s]."""
-FAREWELL = Duration(seconds=2)
+LAST_STATUS_TIMEOUT = Duration(seconds=2)
 """Wall time that the last status may take to reach everybody."""
 
 
@@ -60,15 +60,15 @@ class ClockMasterNode(HeaveNode):
         self._reset_wanted = False
         self._clock_started_at = 0.0
         now = time.monotonic()
-        self._created_at = self._sent_at = self._complained_at = self._status_at = now
+        self._created_at = self._sent_at = self._warned_at = self._status_at = now
         self._start_message = TickStart()
         self._clock_output = self.add_output(topics.CLOCK)
-        self._roster_publisher = self.speak(topics.TICK_ROSTER)
-        self._start_publisher = self.speak(topics.TICK_START)
-        self._status_publisher = self.speak(topics.TICK_STATUS)
-        self.listen(topics.TICK_JOIN, self._on_join)
+        self._roster_publisher = self.create_protocol_publisher(topics.TICK_ROSTER)
+        self._start_publisher = self.create_protocol_publisher(topics.TICK_START)
+        self._status_publisher = self.create_protocol_publisher(topics.TICK_STATUS)
+        self.create_protocol_subscription(topics.TICK_JOIN, self._on_join)
         for node in peers:
-            self.listen(topics.tick_done_topic(node), self._answer_listener(node))
+            self.create_protocol_subscription(topics.tick_done_topic(node), self._done_callback(node))
         self.create_service(SetBool, "simulation/pause", self._serve_pause)
         self.create_service(StepSimulation, "simulation/step", self._serve_step)
         self.create_service(Trigger, "simulation/reset", self._serve_reset)
@@ -133,32 +133,32 @@ class ClockMasterNode(HeaveNode):
         self.tick, self._stepped = tick, False
         self.timing.tick_began()
         self.begin_outputs()
-        self._clock_output.publish_later(lambda: Clock(clock=tick.stamp))
-        self.guard(lambda: self._publish_readings(tick))
+        self._clock_output.publish_deferred(lambda: Clock(clock=tick.stamp))
+        self.fail_on_error(lambda: self._publish_readings(tick))
         if not self.failure:
             self._send_start(tick, flush=False)
-            self.keep_promises()
+            self.flush_deferred()
 
     def _publish_readings(self, tick: Tick) -> None:
         self.on_readings(tick)
         self.publish_diagnostics(tick)
 
     def _send_start(self, tick: Tick, *, flush: bool) -> None:
-        self.roster.answer(self.name, tick.number, self.published())
+        self.roster.answer(self.name, tick.number, self.published_counts())
         counters = self.roster.counters
         self.gate.begin(self.epoch, tick.number, counters)
         self._start_message = TickStart(
             epoch=self.epoch, tick=tick.number, stamp=tick.stamp, flush=flush, published=counters
         )
         self._start_publisher.publish(self._start_message)
-        self._sent_at = self._complained_at = time.monotonic()
-        self._patience = self.run.resend_period
+        self._sent_at = self._warned_at = time.monotonic()
+        self._resend_wait = self.run.resend_period
 
     @property
     def _is_flushing(self) -> bool:
         return bool(self._start_message.flush)
 
-    def _answer_listener(self, node: str) -> Callable[[TickDone], None]:
+    def _done_callback(self, node: str) -> Callable[[TickDone], None]:
         def on_done(message: TickDone) -> None:
             if message.epoch == self.epoch and self.has_started:
                 self.roster.answer(node, message.tick, message.published)
@@ -172,7 +172,7 @@ class ClockMasterNode(HeaveNode):
         tick = self.tick
         if self._stepped or tick is None or self.failure:
             return
-        if self.roster.behind(tick.number, flush=self._is_flushing) or not self.gate.is_complete():
+        if self.roster.unanswered(tick.number, flush=self._is_flushing) or not self.gate.is_complete():
             return
         self._stepped = True
         if self._is_flushing:
@@ -180,7 +180,7 @@ class ClockMasterNode(HeaveNode):
             return
         self.timing.tick_answered()
         if self.run.is_lockstep:
-            self.guard(lambda: self.on_advance(tick))
+            self.fail_on_error(lambda: self.on_advance(tick))
             self._begin_what_follows()
 
     def _begin_what_follows(self) -> None:
@@ -210,7 +210,7 @@ class ClockMasterNode(HeaveNode):
         if not self._stepped:
             self.timing.missed_deadlines += 1
         self._stepped = True
-        self.guard(lambda: self.on_advance(tick))
+        self.fail_on_error(lambda: self.on_advance(tick))
 
     # Pause, step, reset --------------------------------------------------------------------------------------------
 
@@ -270,7 +270,7 @@ class ClockMasterNode(HeaveNode):
         self.roster.restart()
         self.tick = None
         self._start_message = TickStart()
-        self.forget_run()
+        self.reset_run()
         self._clock_started_at = time.monotonic()
         self._begin_run()
 
@@ -280,12 +280,12 @@ class ClockMasterNode(HeaveNode):
             self.fail(reason)
         self.finish()
 
-    def on_leave(self) -> None:
+    def on_exit(self) -> None:
         """Tell the others how the run ended, whatever the reason for leaving, and give them the time to hear it."""
         if self.run_state != TickStatus.ENDED:
             self.run_state, self._reason = TickStatus.FAILED, self.failure
         self._publish_status()
-        self._status_publisher.wait_for_all_acked(FAREWELL)
+        self._status_publisher.wait_for_all_acked(LAST_STATUS_TIMEOUT)
 
     # Supervision in wall time --------------------------------------------------------------------------------------
 
@@ -299,19 +299,19 @@ class ClockMasterNode(HeaveNode):
             self._publish_status()
         if self.run_state == TickStatus.WAITING:
             self._try_to_start()
-            self._complain(now - self._created_at, self.run.start_timeout, self._reason)
+            self._warn_or_give_up(now - self._created_at, self.run.start_timeout, self._reason)
         elif not self._stepped:
             self._look_for_missing(now)
 
     def _look_for_missing(self, now: float) -> None:
         """Ask again, and name who has not answered."""
-        if now - self._sent_at > self._patience and (self.run.is_lockstep or self._is_flushing):
+        if now - self._sent_at > self._resend_wait and (self.run.is_lockstep or self._is_flushing):
             self._sent_at = now
-            self._patience *= 2.0  # a machine that is merely slow must not be given more to do each time
+            self._resend_wait *= 2.0  # a machine that is merely slow must not be given more to do each time
             self.timing.resends += 1
-            self.send_outputs_again()
+            self.resend_outputs()
             self._start_publisher.publish(self._start_message)
-        behind = self.roster.behind(self.tick_number, flush=self._is_flushing)
+        behind = self.roster.unanswered(self.tick_number, flush=self._is_flushing)
         text = "; ".join(
             f"{p.name} did not finish tick {p.answered + 1}"
             + (f" (waiting for {p.waiting_for})" if p.waiting_for else "")
@@ -320,20 +320,20 @@ class ClockMasterNode(HeaveNode):
         waited = self.timing.age_of_tick
         if not self.run.is_lockstep and behind:
             waited += (self.tick_number - 1 - min(p.answered for p in behind)) * self.run.tick_period
-        self._complain(waited, self.run.participant_timeout, text or self.gate.missing())
+        self._warn_or_give_up(waited, self.run.participant_timeout, text or self.gate.missing())
 
-    def _complain(self, waited: float, limit: float, text: str) -> None:
+    def _warn_or_give_up(self, waited: float, limit: float, text: str) -> None:
         """Name what is missing each second; end the run when it lasts too long."""
-        if not text or waited < COMPLAINT_PERIOD:
+        if not text or waited < WARNING_PERIOD:
             return
         now = time.monotonic()
         if waited > limit:
             self._end(TickStatus.FAILED, f"{text}: gave up after {limit:g} s")
-        elif now - self._complained_at > COMPLAINT_PERIOD:
-            self._complained_at = now
+        elif now - self._warned_at > WARNING_PERIOD:
+            self._warned_at = now
             complaint = f"waiting for {waited:.0f} s: {text}"
             self.get_logger().warning(complaint)
-            self.publish_complaint(complaint)
+            self.publish_protocol_error(complaint)
 
     def _publish_status(self) -> None:
         is_over = self.run_state in (TickStatus.ENDED, TickStatus.FAILED)

@@ -90,10 +90,10 @@ class HeaveNode(LifecycleNode):
         """
         return []
 
-    def on_end(self, status: TickStatus) -> None:
+    def on_run_ended(self, status: TickStatus) -> None:
         """Hear that the run is over, and how."""
 
-    def on_leave(self) -> None:
+    def on_exit(self) -> None:
         """Release what the node holds (files); called once, however the node ends."""
 
     # Ports ---------------------------------------------------------------------------------------------------------
@@ -130,11 +130,11 @@ class HeaveNode(LifecycleNode):
         assert self.tick is not None
         return port.take(self.tick.end_nanoseconds)
 
-    def listen(self, topic: Topic, callback: Callable[[Any], None]) -> None:
+    def create_protocol_subscription(self, topic: Topic, callback: Callable[[Any], None]) -> None:
         """Hear a topic of the tick protocol."""
         self.create_subscription(message_type(topic.type), topic.name, message_callback(callback), qos_of(topic.role))
 
-    def speak(self, topic: Topic) -> Publisher[Any]:
+    def create_protocol_publisher(self, topic: Topic) -> Publisher[Any]:
         """Publish a topic of the tick protocol."""
         return self.create_publisher(message_type(topic.type), topic.name, qos_of(topic.role))
 
@@ -149,8 +149,8 @@ class HeaveNode(LifecycleNode):
         except Exception as error:  # rclpy would swallow it and say only that the transition failed
             self.fail(one_line(error), error)
             return TransitionCallbackReturn.ERROR
-        self._join = self.speak(topics.TICK_JOIN)
-        self._join_timer = self.create_timer(JOIN_PERIOD, self._announce_until_started, clock=steady_clock())
+        self._join = self.create_protocol_publisher(topics.TICK_JOIN)
+        self._join_timer = self.create_timer(JOIN_PERIOD, self._publish_join_until_started, clock=steady_clock())
         return super().on_configure(state)
 
     def on_activate(self, state: LifecycleState) -> TransitionCallbackReturn:
@@ -175,13 +175,13 @@ class HeaveNode(LifecycleNode):
         """Tell whether this node could begin tick 1."""
         return self.is_active
 
-    def _announce_until_started(self) -> None:
+    def _publish_join_until_started(self) -> None:
         if self.has_started:
             self._join_timer.cancel()
         else:
-            self.announce()
+            self.publish_join()
 
-    def announce(self, waiting_for: str = "") -> None:
+    def publish_join(self, waiting_for: str = "") -> None:
         """Tell the master what this node sends, hears and waits for."""
         self._join.publish(
             TickJoin(
@@ -202,35 +202,35 @@ class HeaveNode(LifecycleNode):
         for output in self._outputs:
             output.begin_tick()
 
-    def keep_promises(self) -> None:
+    def flush_deferred(self) -> None:
         """Send what was promised in this tick; what its making raises ends this node."""
         for output in self._outputs:
-            self.guard(output.keep_promises)
+            self.fail_on_error(output.flush_deferred)
 
-    def send_outputs_again(self) -> None:
+    def resend_outputs(self) -> None:
         """Repeat every message of this tick."""
         for output in self._outputs:
-            output.send_again()
+            output.resend()
 
-    def published(self) -> list[int]:
+    def published_counts(self) -> list[int]:
         """Return the number of messages published so far on each output."""
         return [output.published for output in self._outputs]
 
-    def forget_run(self) -> None:
+    def reset_run(self) -> None:
         """Drop what was received of the run before, and start the component anew."""
         self.gate.clear()
         for port in self._inputs:
             port.reset()
-        self.guard(self.on_reset)
+        self.fail_on_error(self.on_reset)
 
     def publish_diagnostics(self, tick: Tick) -> None:
         """Publish the health of this node, once per simulated second."""
         every = max(1, round(DIAGNOSTICS_PERIOD / self.run.tick_period))
         if tick.number % every == 1 % every:
             parts = [*self.diagnose(), *self._diagnose_inputs()] or [Health("node")]
-            self._diagnostics.publish_later(lambda: diagnostic_array(self.name, tick.stamp, parts))
+            self._diagnostics.publish_deferred(lambda: diagnostic_array(self.name, tick.stamp, parts))
 
-    def publish_complaint(self, text: str) -> None:
+    def publish_protocol_error(self, text: str) -> None:
         """Say on /diagnostics what is wrong outside of simulated time; stamp 0 keeps it out of counts and
         recordings.
         """
@@ -246,7 +246,7 @@ class HeaveNode(LifecycleNode):
 
     # Ends ----------------------------------------------------------------------------------------------------------
 
-    def guard(self, work: Callable[[], None]) -> None:
+    def fail_on_error(self, work: Callable[[], None]) -> None:
         """Run a part of the component; whatever it raises ends this node with one line."""
         try:
             work()
@@ -268,7 +268,7 @@ class HeaveNode(LifecycleNode):
         if not self.finished.done():
             self.finished.set_result(None)
 
-    def rest(self) -> float:
+    def service_pause(self) -> float:
         """Return for how long this node may now leave what comes unserved [s of wall time]; see `spin`."""
         return 0.0
 

@@ -29,19 +29,19 @@ class ParticipantNode(HeaveNode):
         self._starts: deque[TickStart] = deque()
         self._answered: TickStart | None = None
         self._roster_epoch = 0
-        self._heard_at = time.monotonic()
-        self._done = self.speak(topics.tick_done_topic(self.name))
-        self.listen(topics.TICK_ROSTER, self._on_roster)
-        self.listen(topics.TICK_START, self._on_start)
-        self.listen(topics.TICK_STATUS, self._on_status)
+        self._master_heard_at = time.monotonic()
+        self._done = self.create_protocol_publisher(topics.tick_done_topic(self.name))
+        self.create_protocol_subscription(topics.TICK_ROSTER, self._on_roster)
+        self.create_protocol_subscription(topics.TICK_START, self._on_start)
+        self.create_protocol_subscription(topics.TICK_STATUS, self._on_status)
         for node in self.gate.after:
-            self.listen(topics.tick_done_topic(node), self._peer_listener(node))
+            self.create_protocol_subscription(topics.tick_done_topic(node), self._done_callback(node))
         if not self.run.is_lockstep:
             wait = self.run.in_tick_wait * self.run.tick_period
             self._deadline = self.create_timer(wait, self._on_deadline, clock=steady_clock())
             self._deadline.cancel()
 
-    def _peer_listener(self, node: str) -> Callable[[TickDone], None]:
+    def _done_callback(self, node: str) -> Callable[[TickDone], None]:
         def on_done(message: TickDone) -> None:
             self.gate.peer_done(node, message.epoch, message.tick, message.published)
             self._advance()
@@ -49,7 +49,7 @@ class ParticipantNode(HeaveNode):
         return on_done
 
     def _on_roster(self, message: TickRoster) -> None:
-        self._heard_at = time.monotonic()
+        self._master_heard_at = time.monotonic()
         self.gate.set_roster(message.nodes, message.topics)
         self._roster_epoch = message.epoch
         self.has_started = True
@@ -62,7 +62,7 @@ class ParticipantNode(HeaveNode):
 
     def _on_start(self, message: TickStart) -> None:
         """Queue a tick; one that was heard before is a question that got no answer."""
-        self._heard_at = time.monotonic()
+        self._master_heard_at = time.monotonic()
         newest = self._starts[-1] if self._starts else self._answered
         if newest is None and self.run.is_lockstep and message.tick > 1 + self.lag:
             self.fail(f"came too late: a run is under way in this ROS domain, at tick {message.tick}")
@@ -82,7 +82,7 @@ class ParticipantNode(HeaveNode):
         start = self._starts[0]
         if start.epoch > self.epoch:
             if self.epoch > 0:
-                self.forget_run()
+                self.reset_run()
             self.epoch = start.epoch
         self.tick = Tick(start.tick, start.epoch, self.run.tick_nanoseconds)
         self.gate.begin(start.epoch, start.tick, start.published)
@@ -111,16 +111,16 @@ class ParticipantNode(HeaveNode):
         tick = self.tick
         assert tick is not None
         if start.flush:
-            self.guard(lambda: self.on_flush(tick))
+            self.fail_on_error(lambda: self.on_flush(tick))
             self.gate.end_run()
         else:
-            self.guard(lambda: self._do_tick(tick))
+            self.fail_on_error(lambda: self._do_tick(tick))
         if self.failure:
             return
         self._answered = start
         if self._is_answer_due(start):
             self._answer()
-        self.keep_promises()
+        self.flush_deferred()
         self._begin_next()
 
     def _do_tick(self, tick: Tick) -> None:
@@ -136,26 +136,28 @@ class ParticipantNode(HeaveNode):
 
     def _answer(self) -> None:
         assert self._answered is not None
-        self._done.publish(TickDone(epoch=self._answered.epoch, tick=self._answered.tick, published=self.published()))
+        self._done.publish(
+            TickDone(epoch=self._answered.epoch, tick=self._answered.tick, published=self.published_counts())
+        )
 
     def _answer_again(self) -> None:
         """Say again what was said, or what is lacking."""
         if self._starts:
-            self.announce(self.gate.missing())
+            self.publish_join(self.gate.missing())
         else:
-            self.send_outputs_again()
+            self.resend_outputs()
             self._answer()
 
     def _on_status(self, message: TickStatus) -> None:
-        self._heard_at = time.monotonic()
+        self._master_heard_at = time.monotonic()
         if message.state in (TickStatus.ENDED, TickStatus.FAILED) and self.has_started and not self.finished.done():
-            self.guard(lambda: self.on_end(message))
+            self.fail_on_error(lambda: self.on_run_ended(message))
             self.finish()
 
     def on_idle(self) -> None:
         """End the node when the clock master has been silent for too long."""
         limit = self.run.participant_timeout if self.has_started else self.run.start_timeout
-        silence = time.monotonic() - self._heard_at
+        silence = time.monotonic() - self._master_heard_at
         if self.is_active and silence > limit:
             self.fail(f"the clock master has been silent for {silence:.1f} s")
 

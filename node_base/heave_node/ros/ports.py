@@ -28,7 +28,7 @@ class Output:
     """A topic that a node publishes within ticks. Counts its messages and keeps those of this tick, to send them
     again.
 
-    What the next node waits for is sent at once by `publish`. The rest is promised by `publish_later`: it counts at
+    What the next node waits for is sent at once by `publish`. The rest is promised by `publish_deferred`: it counts at
     once, but is made and sent when this node has told the others that its part of the tick is done, so that they work
     meanwhile.
     """
@@ -37,38 +37,38 @@ class Output:
         self.publisher: Publisher[Any] = node.create_publisher(message_type(topic.type), topic.name, qos_of(topic.role))
         self.topic = self.publisher.topic_name
         self.published = 0
-        self._of_this_tick: list[bytes] = []
-        self._promised: list[Callable[[], object]] = []
+        self._sent_this_tick: list[bytes] = []
+        self._deferred: list[Callable[[], object]] = []
 
     def publish(self, message: object) -> None:
         """Send a message, or one that is serialised already, as part of this tick."""
         self.published += 1
         self._send(message)
 
-    def publish_later(self, make: Callable[[], object]) -> None:
+    def publish_deferred(self, make: Callable[[], object]) -> None:
         """Promise a message of this tick; `make` is called before anything else happens in this node."""
         self.published += 1
-        self._promised.append(make)
+        self._deferred.append(make)
 
-    def keep_promises(self) -> None:
+    def flush_deferred(self) -> None:
         """Make and send what was promised."""
-        promised, self._promised = self._promised, []
-        for make in promised:
+        deferred, self._deferred = self._deferred, []
+        for make in deferred:
             self._send(make())
 
     def _send(self, message: object) -> None:
         # Serialised once: padding is whatever the memory held, and a repeated message is known by its bytes.
         data = message if isinstance(message, bytes) else serialize_message(message)
-        self._of_this_tick.append(data)
+        self._sent_this_tick.append(data)
         self.publisher.publish(data)
 
     def begin_tick(self) -> None:
         """Forget the messages of the tick before."""
-        self._of_this_tick.clear()
+        self._sent_this_tick.clear()
 
-    def send_again(self) -> None:
+    def resend(self) -> None:
         """Repeat the messages of this tick, uncounted: receivers know them by their bytes."""
-        for data in self._of_this_tick:
+        for data in self._sent_this_tick:
             self.publisher.publish(data)
 
 

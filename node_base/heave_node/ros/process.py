@@ -26,7 +26,7 @@ EXIT_REFUSED = 2
 EXIT_STUCK = -signal.SIGALRM
 """What a parent sees of a node that had done its work, but that the middleware did not let go."""
 
-LEAVING = 3
+SHUTDOWN_TIMEOUT = 3
 """Wall time that the middleware has to let a node go [s]."""
 
 
@@ -42,31 +42,31 @@ def run_node(node_type: type[HeaveNode], args: list[str] | None = None) -> int:
     try:
         node = node_type()
     except ParameterError as error:
-        return _last_word(str(error), EXIT_REFUSED)
+        return _exit_with_message(str(error), EXIT_REFUSED)
     _end_on_signals(node)
     try:
         if node.run.autostart and node.trigger_configure() == TransitionCallbackReturn.SUCCESS:
             node.trigger_activate()
-        spin(node, node.finished, lambda: _on_idle(node), node.rest)
+        spin(node, node.finished, lambda: _on_idle(node), node.service_pause)
     except Exception as error:  # nothing may pass in silence
         node.fail(one_line(error), error)
     try:
-        node.on_leave()
+        node.on_exit()
     except Exception as error:  # closing a bag on a full disk must still be told
         node.fail(one_line(error), error)
-    status = _last_word(f"{node.name}: {node.failure}", EXIT_FAILED) if node.failure else EXIT_OK
-    leave_ros(node)
+    status = _exit_with_message(f"{node.name}: {node.failure}", EXIT_FAILED) if node.failure else EXIT_OK
+    shut_down(node)
     return status
 
 
-def leave_ros(node: Node) -> None:
+def shut_down(node: Node) -> None:
     """Destroy a node whose work is done.
 
     Fast DDS can lock up for ever where an endpoint goes while a timer of discovery runs out. The kernel then ends the
     process: by that time everything is closed and said.
     """
     signal.signal(signal.SIGALRM, signal.SIG_DFL)
-    signal.alarm(LEAVING)
+    signal.alarm(SHUTDOWN_TIMEOUT)
     node.destroy_node()
     rclpy.try_shutdown()
     signal.alarm(0)
@@ -88,6 +88,6 @@ def _end_on_signals(node: HeaveNode) -> None:
         signal.signal(number, on_signal)
 
 
-def _last_word(text: str, status: int) -> int:
+def _exit_with_message(text: str, status: int) -> int:
     sys.stderr.write(text + "\n")
     return status

@@ -18,7 +18,7 @@ from rclpy.task import Future
 
 IDLE_PERIOD = 0.2
 """Wall time between two calls of `on_idle` [s]."""
-SERVING = 0.006
+SERVICE_SLICE = 0.006
 """Wall time for which a node that rests serves callbacks [s]."""
 
 
@@ -50,18 +50,20 @@ class Spinner:
         self._executor.shutdown()
 
 
-def spin(node: Node, finished: Future, on_idle: Callable[[], None], rest: Callable[[], float] = lambda: 0.0) -> None:
+def spin(
+    node: Node, finished: Future, on_idle: Callable[[], None], service_pause: Callable[[], float] = lambda: 0.0
+) -> None:
     """Serve the callbacks of `node` until `finished` completes or the context is shut down.
 
-    A node that nobody waits for can ask for a `rest` [s] after each SERVING: what came meanwhile is then served in one
-    go, where a waking for each message would take the processor from the nodes that are waited for.
+    A node that nobody waits for can ask for a pause [s] after each SERVICE_SLICE: what came meanwhile is then served in
+    one go. To wake up for every message would take the processor from the nodes that the others wait for.
     """
     spinner = Spinner(node)
     try:
         looked_at = time.monotonic()
         while rclpy.ok() and not finished.done():
-            pause = rest()
-            spinner.spin_for(SERVING if pause else IDLE_PERIOD, until=finished)
+            pause = service_pause()
+            spinner.spin_for(SERVICE_SLICE if pause else IDLE_PERIOD, until=finished)
             if finished.done():
                 break
             time.sleep(pause)

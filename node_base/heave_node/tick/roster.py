@@ -109,7 +109,7 @@ class Roster:
             participant.answered = tick
             participant.published = published
 
-    def behind(self, tick: int, *, flush: bool = False) -> list[Participant]:
+    def unanswered(self, tick: int, *, flush: bool = False) -> list[Participant]:
         """Return the participants that `tick` still waits for; in a flush nobody may lag."""
         return [p for p in self._present() if p.answered < tick - (0 if flush else p.lag)]
 
