@@ -12,9 +12,9 @@ import numpy as np
 import pytest
 from cable_sim_node.peers.reference_systems import DEEP_900
 from heave_node.arrays import Array
+from heave_node.linear_model import LinearModel, interconnect, output_sigma, with_feedback
 from heave_node.parameters import build_parameters
 from winch_controller_node.identification.cable_response import identify_simulated
-from winch_controller_node.model.linear_model import LinearModel, interconnect, output_sigma, with_feedback
 from winch_controller_node.model.lqr import QuadraticCost, lqr_gain
 from winch_controller_node.model.models import (
     PAYOUT_COMMAND,

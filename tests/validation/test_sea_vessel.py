@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from heave_node.linear_model import output_spectrum
 from heave_node.parameters import build_parameters
 from scipy.integrate import solve_ivp
 from wave_vessel_node.component import WaveVessel
@@ -231,10 +232,10 @@ def test_shaping_filters_against_their_spectra(gallery):
         left, right = figure.subplots(1, 2)
         omega = np.linspace(0.02, 3.0, 500)
         for form in qualities:
-            left.semilogy(omega, shaping_filter(SEA, form).spectrum(omega), label=form)
-        left.semilogy(omega, eight.system.spectrum(omega), label="fit, 8 states")
+            left.semilogy(omega, output_spectrum(shaping_filter(SEA, form), "wave_elevation", omega), label=form)
+        left.semilogy(omega, output_spectrum(eight.system, "wave_elevation", omega), label="fit, 8 states")
         left.semilogy(omega, np.maximum(SEA.density(omega), 1e-9), "k--", label="Bretschneider")
-        right.semilogy(omega, other.system.spectrum(omega), label="fit, 8 states")
+        right.semilogy(omega, output_spectrum(other.system, "wave_elevation", omega), label="fit, 8 states")
         right.semilogy(omega, np.maximum(jonswap.density(omega), 1e-9), "k--", label="JONSWAP")
         for axes in (left, right):
             axes.set(xlabel="omega [rad/s]", ylabel="S [m^2 s/rad]", ylim=(1e-6, 3.0))

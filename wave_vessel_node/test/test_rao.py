@@ -7,7 +7,6 @@ from heave_node.constants import STANDARD_GRAVITY
 from wave_vessel_node.parameters import CourseParameters
 from wave_vessel_node.sea.realisation import WaveComponents
 from wave_vessel_node.sea.spectra import Bretschneider
-from wave_vessel_node.vessel import rao_files
 from wave_vessel_node.vessel.course import Course
 from wave_vessel_node.vessel.fit import boom_tip_heave_response, fit_vessel
 from wave_vessel_node.vessel.motion import VesselMotion, lever_arm_matrix, point_motion
@@ -22,6 +21,8 @@ from wave_vessel_node.vessel.rao_files import (
 )
 from wave_vessel_node.vessel.rao_source import RaoSource
 from wave_vessel_node.vessel.second_order import SecondOrderVessel
+
+import wave_vessel_node
 
 HEAVE, ROLL, PITCH = 2, 3, 4
 OMEGA = np.linspace(0.2, 2.0, 10)
@@ -279,7 +280,7 @@ def test_a_fit_without_energy_is_refused():
 
 
 def test_the_shipped_table_says_where_it_comes_from():
-    path = Path(rao_files.__file__).parent / "data" / "wigley_90m.csv"
+    path = Path(wave_vessel_node.__file__).parent / "data" / "wigley_90m.csv"
     comments = [line for line in path.read_text().splitlines() if line.startswith("#")]
     assert any("Capytaine" in line for line in comments)
     assert any("compute_hull_rao.py" in line for line in comments)

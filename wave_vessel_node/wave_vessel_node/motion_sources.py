@@ -6,16 +6,17 @@ import math
 from typing import Protocol
 
 import numpy as np
+from heave_node.linear_model import LinearModel, covariance_factor, state_covariance
+from heave_node.linear_sampling import sampled_matrices
 from heave_node.randomness import random_stream
 
 from wave_vessel_node.parameters import DriftParameters, WaveVesselParameters
 from wave_vessel_node.ramp import apply_ramp
 from wave_vessel_node.sea.realisation import HarmonicSum, WaveComponents, draw_components
 from wave_vessel_node.sea.spectra import TabulatedSpectrum
-from wave_vessel_node.sea.state_space import StateSpace, covariance_factor, discretise
 from wave_vessel_node.vessel.course import Course
 from wave_vessel_node.vessel.motion import HEAVE, PITCH, VesselMotion
-from wave_vessel_node.vessel.second_order import SecondOrderVessel, wave_slope_response
+from wave_vessel_node.vessel.second_order import SecondOrderVessel, boom_tip_model, wave_slope_response
 
 _DRIFT_COMPONENTS = 120
 
@@ -86,15 +87,16 @@ class FilterSource:
     part.
     """
 
-    def __init__(self, wave: StateSpace, vessel: SecondOrderVessel | None, seed: int, tick_period: float) -> None:
-        system = boom_tip_system(wave, vessel)
-        self._transition, noise = discretise(system, tick_period)
+    def __init__(self, wave: LinearModel, vessel: SecondOrderVessel | None, seed: int, tick_period: float) -> None:
+        system = boom_tip_model(wave, vessel)
+        self._transition, _, noise = sampled_matrices(system, tick_period)
         self._noise_factor = covariance_factor(noise)
         self._generator = random_stream(seed, "wave_vessel/shaping_filter")
-        start = covariance_factor(system.stationary_covariance())
+        start = covariance_factor(state_covariance(system))
         self._state = start @ self._generator.standard_normal(system.order)
         self._tick = 0
-        self._outputs = system.C
+        rate = system.row("boom_tip_heave_rate")
+        self._outputs = np.array([system.row("wave_elevation"), system.row("boom_tip_heave"), rate, rate @ system.A])
         self._tick_period = tick_period
 
     def motion(self, tick: int) -> VesselMotion:
@@ -107,21 +109,6 @@ class FilterSource:
         motion = VesselMotion(tick * self._tick_period, elevation=float(elevation))
         motion.displacement[HEAVE], motion.velocity[HEAVE], motion.acceleration[HEAVE] = heave, rate, acceleration
         return motion
-
-
-def boom_tip_system(wave: StateSpace, vessel: SecondOrderVessel | None) -> StateSpace:
-    """Return the system from white noise to elevation, heave, heave rate and heave acceleration."""
-    if vessel is None:
-        rows = np.vstack((wave.C, wave.C, wave.C @ wave.A, wave.C @ wave.A @ wave.A))
-        return StateSpace(wave.A, wave.B, rows, wave.names)
-    boom = vessel.state_space()
-    n, m = boom.order, wave.order
-    A = np.block([[boom.A, boom.B @ wave.C], [np.zeros((m, n)), wave.A]])
-    B = np.vstack((np.zeros((n, 1)), wave.B))
-    heave = np.hstack((boom.C[:1], np.zeros((1, m))))
-    elevation = np.hstack((np.zeros((1, n)), wave.C))
-    rows = np.vstack((elevation, heave, heave @ A, heave @ A @ A))
-    return StateSpace(A, B, rows, boom.names + wave.names)
 
 
 class RampedSource:

@@ -4,8 +4,9 @@ import math
 
 import numpy as np
 import pytest
+from heave_node.linear_model import linear_model, state_covariance
+from heave_node.linear_sampling import discretise
 from winch_controller_node.model.estimator import KalmanEstimator, Measurement, MeasurementModel
-from winch_controller_node.model.linear_model import discretise, linear_model, state_covariance
 
 DT = 0.1
 

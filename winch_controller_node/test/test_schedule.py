@@ -5,13 +5,13 @@ import math
 import numpy as np
 import pytest
 from cable_sim_node.peers.reference_systems import DEEP_900
+from heave_node.linear_model import state_covariance
 from heave_node.parameters import build_parameters
 from winch_controller_node.design.design import at_cable, carry_over, design_controller
 from winch_controller_node.design.feasibility import boom_tip_moments, feasibility_table, uncompensated_sigma
 from winch_controller_node.design.prediction import predict_loop
 from winch_controller_node.design.schedule import closed_loop_radius, design_schedule
 from winch_controller_node.estimation.sea_adaptation import PATIENCE, SeaTracker
-from winch_controller_node.model.linear_model import state_covariance
 from winch_controller_node.model.lqr import DesignError
 from winch_controller_node.model.models import CableModel, boom_tip_block
 from winch_controller_node.parameters.controller import WinchControllerParameters

@@ -6,8 +6,9 @@ from dataclasses import replace
 import control
 import numpy as np
 import pytest
+from heave_node.linear_model import interconnect, output_sigma, with_feedback
+from heave_node.linear_sampling import discretise
 from scipy.integrate import trapezoid
-from winch_controller_node.model.linear_model import discretise, interconnect, output_sigma, with_feedback
 from winch_controller_node.model.lqr import QuadraticCost, lqr_gain
 from winch_controller_node.model.models import (
     PAYOUT_COMMAND,

@@ -8,6 +8,7 @@ import sys
 
 from heave_msgs.srv import Redesign, SetMode
 from heave_node import topics
+from heave_node.linear_model import ModelError
 from heave_node.ros.diagnostics import Health, Level
 from heave_node.ros.node import NodeError
 from heave_node.ros.participant import ParticipantNode
@@ -17,7 +18,6 @@ from heave_node.tick.tick import Tick
 from winch_controller_node.component import WinchController
 from winch_controller_node.interface import conversions
 from winch_controller_node.interface.readings import Measurements, Outputs
-from winch_controller_node.model.linear_model import ModelError
 from winch_controller_node.model.lqr import DesignError
 from winch_controller_node.move_action import MoveAction
 from winch_controller_node.parameters.controller import WinchControllerParameters

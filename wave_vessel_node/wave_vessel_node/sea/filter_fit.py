@@ -14,11 +14,11 @@ from typing import Any
 
 import numpy as np
 from heave_node.arrays import Array
+from heave_node.linear_model import LinearModel
 from scipy.optimize import least_squares
 
 from wave_vessel_node.sea.shaping_filter import FilterForm, FilterQuality, filter_quality, low_band_edge, sections_of
 from wave_vessel_node.sea.spectra import SpectrumError, WaveSpectrum
-from wave_vessel_node.sea.state_space import StateSpace
 
 _POINTS = 400
 _LEAK_WEIGHT = 0.05  # of a leak that is twice its bound, against the relative error
@@ -31,7 +31,7 @@ class FilterFit:
     """A fitted filter: its normalised form, its state space at scale, and how good it is."""
 
     form: FilterForm
-    system: StateSpace
+    system: LinearModel
     quality: FilterQuality
 
 
@@ -164,5 +164,5 @@ def fit_filter(
             best, best_cost = result.x, result.cost
     assert best is not None
     form = problem.form(best)
-    system = form.state_space(spectrum.peak_frequency, spectrum.significant_wave_height)
+    system = form.model(spectrum.peak_frequency, spectrum.significant_wave_height)
     return FilterFit(form, system, filter_quality(system, spectrum))

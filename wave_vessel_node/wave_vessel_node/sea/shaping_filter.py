@@ -1,10 +1,8 @@
 """Shaping filters: white noise in, wave elevation out, as state space (thesis 6.3.1).
 
-Noise convention: see `state_space` (one-sided spectrum in rad/s, white noise of unit density has intensity pi). A
-filter is a chain of
-second-order sections, each s^z / (s^2 + 2 zeta omega s + omega^2); zeros at the origin keep energy out of the low
-frequencies, where a
-long cable resonates.
+Noise convention: see `heave_node.linear_model` (one-sided spectra in rad/s, so white noise of unit density has
+intensity pi). A filter is a chain of second-order sections, each s^z / (s^2 + 2 zeta omega s + omega^2); zeros at the
+origin keep energy out of the low frequencies, where a long cable resonates.
 """
 
 from __future__ import annotations
@@ -15,10 +13,10 @@ from dataclasses import dataclass
 
 import numpy as np
 from heave_node.arrays import Array
+from heave_node.linear_model import NOISE_INTENSITY, LinearModel, linear_model, output_sigma, output_spectrum
 from numpy.typing import ArrayLike
 
 from wave_vessel_node.sea.spectra import Bretschneider, SpectrumError, WaveSpectrum, cell_integrals
-from wave_vessel_node.sea.state_space import StateSpace
 
 LEAK_QUANTILE = 1e-4
 """The leak of a filter is its energy below the frequency under which the spectrum has this fraction of its own
@@ -60,7 +58,7 @@ class FilterForm:
             response = response / (s**2 + 2.0 * pole.damping * pole.frequency * s + pole.frequency**2)
         return np.asarray(np.abs(response) ** 2)
 
-    def state_space(self, peak: float, significant_wave_height: float) -> StateSpace:
+    def model(self, peak: float, significant_wave_height: float) -> LinearModel:
         """Return the filter at physical scale: s divided by `peak` [rad/s], gain (Hs/4) / sqrt(peak)."""
         numerator = np.zeros(2 * len(self.sections))
         polynomial = np.array([self.gain])
@@ -74,12 +72,28 @@ class FilterForm:
         n = denominator.size - 1
         A = np.diag(np.ones(n - 1), 1)
         A[-1] = -denominator[:0:-1]
-        B = np.zeros((n, 1))
-        B[-1, 0] = 1.0
+        B = np.zeros(n)
+        B[-1] = 1.0
         # time in units of 1/peak: dx/dt = peak A x + peak B w', and white noise of unit density scales as sqrt(time)
         scale = 0.25 * significant_wave_height / math.sqrt(peak)
-        names = tuple(f"wave_{index}" for index in range(n))
-        return StateSpace(peak * A, peak * B, scale * numerator[None, :], names)
+        return wave_model(peak * A, peak * B, scale * numerator)
+
+
+def wave_model(A: Array, B: Array, C: Array) -> LinearModel:
+    """Return the model of a shaping filter: states wave_0, wave_1, ..., output wave_elevation [m], noise waves.
+
+    Parameters
+    ----------
+    A : shape (n, n)
+    B : shape (n,); the noise that drives it has unit one-sided density in rad/s
+    C : shape (n,)
+    """
+    return linear_model(
+        A,
+        states=tuple(f"wave_{index}" for index in range(len(A))),
+        outputs={"wave_elevation": C},
+        noises={"waves": math.sqrt(NOISE_INTENSITY) * B},
+    )
 
 
 def _quadratic(section: Section) -> Array:
@@ -97,7 +111,7 @@ SIX_STATE = FilterForm(0.9334, 4, _sections((1.0549, 0.3116), (1.6703, 0.5113), 
 """Six states, four zeros at the origin, fitted to Bretschneider's spectrum: relative L2 error 0.011."""
 
 
-def thesis_filter(spectrum: WaveSpectrum) -> StateSpace:
+def thesis_filter(spectrum: WaveSpectrum) -> LinearModel:
     """Return the thesis's filter, Eq. 6.22-6.23, with its constants (poor: 71 % relative L2 error; kept to reproduce
     its numbers).
 
@@ -113,14 +127,13 @@ def thesis_filter(spectrum: WaveSpectrum) -> StateSpace:
     for first in (0, 2, 4):
         A[first : first + 2, first : first + 2] = pair
     A[1, 3] = A[3, 5] = natural**2
-    B = np.zeros((6, 1))
-    B[5, 0] = 1.0
-    C = np.zeros((1, 6))
-    C[0, 0] = math.sqrt(density)
-    return StateSpace(A, B, C, tuple(f"wave_{index}" for index in range(6)))
+    B, C = np.zeros(6), np.zeros(6)
+    B[5] = 1.0
+    C[0] = math.sqrt(density)
+    return wave_model(A, B, C)
 
 
-def shaping_filter(spectrum: WaveSpectrum, form: str = "auto", states: int = 6) -> StateSpace:
+def shaping_filter(spectrum: WaveSpectrum, form: str = "auto", states: int = 6) -> LinearModel:
     """Return a filter whose output under unit white noise (intensity pi) has about the spectrum of `spectrum`.
 
     Parameters
@@ -140,7 +153,7 @@ def shaping_filter(spectrum: WaveSpectrum, form: str = "auto", states: int = 6) 
         return thesis_filter(spectrum)
     fixed = {"four_state": FOUR_STATE, "six_state": SIX_STATE}
     if form in fixed:
-        return fixed[form].state_space(spectrum.peak_frequency, spectrum.significant_wave_height)
+        return fixed[form].model(spectrum.peak_frequency, spectrum.significant_wave_height)
     if form != "fit":
         raise SpectrumError(f"there is no filter form {form!r}: use auto, thesis, four_state, six_state or fit")
     from wave_vessel_node.sea.filter_fit import fit_filter  # noqa: PLC0415
@@ -165,12 +178,15 @@ class FilterQuality:
     leak: float
 
 
-def filter_quality(system: StateSpace, spectrum: WaveSpectrum) -> FilterQuality:
+def filter_quality(system: LinearModel, spectrum: WaveSpectrum) -> FilterQuality:
     """Compare the spectrum of `system` with `spectrum`, by quadrature and (variance) the Lyapunov equation."""
     edges = spectrum.edges
 
+    def density(omega: Array) -> Array:
+        return output_spectrum(system, "wave_elevation", omega)
+
     def squared_error(omega: Array) -> Array:
-        return np.asarray((system.spectrum(omega) - spectrum.density(omega)) ** 2)
+        return np.asarray((density(omega) - spectrum.density(omega)) ** 2)
 
     error = cell_integrals(squared_error, edges).sum()
     norm = cell_integrals(lambda omega: spectrum.density(omega) ** 2, edges).sum()
@@ -178,8 +194,8 @@ def filter_quality(system: StateSpace, spectrum: WaveSpectrum) -> FilterQuality:
     m0 = spectrum.moment(0)
     return FilterQuality(
         relative_error=math.sqrt(error / norm),
-        variance_ratio=system.output_variance() / m0,
-        leak=float(cell_integrals(system.spectrum, low).sum()) / m0,
+        variance_ratio=output_sigma(system)["wave_elevation"] ** 2 / m0,
+        leak=float(cell_integrals(density, low).sum()) / m0,
     )
 
 

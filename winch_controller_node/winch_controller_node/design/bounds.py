@@ -13,10 +13,10 @@ import numpy as np
 import osqp
 import scipy.sparse as sp
 from heave_node.arrays import Array
+from heave_node.linear_model import covariance_factor, interconnect, linear_model, state_covariance
+from heave_node.linear_sampling import discretise
 from heave_node.randomness import random_stream
-from wave_vessel_node.sea.state_space import covariance_factor
 
-from winch_controller_node.model.linear_model import discretise, interconnect, linear_model, state_covariance
 from winch_controller_node.model.lqr import DesignError
 from winch_controller_node.model.models import CableModel, boom_tip_block, cable_block
 from winch_controller_node.parameters.model import SeaModelParameters, VesselModelParameters

@@ -11,10 +11,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from heave_node.arrays import Array
-from wave_vessel_node.sea.state_space import covariance_factor
+from heave_node.linear_model import LinearModel, covariance_factor, state_covariance
 
 from winch_controller_node.model.estimator import KalmanEstimator, MeasurementModel
-from winch_controller_node.model.linear_model import LinearModel, state_covariance
 from winch_controller_node.model.lqr import DesignError, QuadraticCost, check_detectable, lqr_gain, output_cost
 from winch_controller_node.model.models import (
     DEPTH_BIAS,

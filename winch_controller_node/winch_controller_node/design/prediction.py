@@ -14,10 +14,10 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.linalg
 from heave_node.arrays import Array
+from heave_node.linear_model import LinearModel, with_feedback
 
 from winch_controller_node.design.design import ControllerDesign, full_gain, is_sensor_state
 from winch_controller_node.model.estimator import MeasurementModel
-from winch_controller_node.model.linear_model import LinearModel, with_feedback
 from winch_controller_node.model.lqr import DesignError, output_cost
 
 LONGEST_PATTERN = 240

@@ -9,6 +9,7 @@ from dataclasses import asdict, dataclass, replace
 import numpy as np
 from heave_node.arrays import Array, ComplexArray
 from heave_node.kpi import kappa
+from heave_node.linear_model import with_feedback
 
 from winch_controller_node.design.bounds import BOUND_STEP, WinchLimits, actuator_bound, boom_tip_realisation
 from winch_controller_node.design.design import ControllerDesign, design_controller, design_cost, full_gain
@@ -32,7 +33,6 @@ from winch_controller_node.design.prediction import (
     estimation_bound,
     predict_loop,
 )
-from winch_controller_node.model.linear_model import with_feedback
 from winch_controller_node.model.lqr import DesignError
 from winch_controller_node.parameters.controller import WinchControllerParameters
 

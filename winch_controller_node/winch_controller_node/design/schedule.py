@@ -11,9 +11,9 @@ from dataclasses import dataclass
 
 import numpy as np
 from heave_node.arrays import Array
+from heave_node.linear_model import spectral_abscissa, with_feedback
 
 from winch_controller_node.design.design import ControllerDesign, at_cable, design_controller, is_sensor_state
-from winch_controller_node.model.linear_model import spectral_abscissa, with_feedback
 from winch_controller_node.model.lqr import DesignError
 from winch_controller_node.model.models import CableModel, PlantBelief
 from winch_controller_node.parameters.controller import WinchControllerParameters

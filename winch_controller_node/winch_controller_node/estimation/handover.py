@@ -11,8 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 from heave_node.arrays import Array
+from heave_node.linear_model import LinearModel
 
-from winch_controller_node.model.linear_model import LinearModel
 from winch_controller_node.model.models import DEPTH_BIAS
 
 PULL_SIGMA = 0.1

@@ -6,6 +6,7 @@ from typing import Protocol
 
 import numpy as np
 from heave_node.arrays import Array
+from heave_node.linear_model import LinearModel
 
 from winch_controller_node.design.design import ControllerDesign, is_sensor_state, regulator_gain
 from winch_controller_node.laws.constrained import ConstrainedLaw
@@ -14,7 +15,6 @@ from winch_controller_node.laws.feedback import LawCommand, StateFeedback
 from winch_controller_node.laws.feedforward import OutletHold, SpeedFeedforward
 from winch_controller_node.laws.governor import CommandGovernor, WinchLimits, winch_limits
 from winch_controller_node.laws.loop_state import LoopState
-from winch_controller_node.model.linear_model import LinearModel
 from winch_controller_node.model.lqr import lqr_gain, output_cost
 from winch_controller_node.parameters.laws import MpcParameters
 

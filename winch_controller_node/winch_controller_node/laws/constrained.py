@@ -16,6 +16,7 @@ from dataclasses import dataclass
 import daqp
 import numpy as np
 from heave_node.arrays import Array
+from heave_node.linear_model import LinearModel
 
 from winch_controller_node.laws.feedback import LawCommand
 from winch_controller_node.laws.governor import (
@@ -29,7 +30,6 @@ from winch_controller_node.laws.governor import (
     drum_ahead,
 )
 from winch_controller_node.laws.loop_state import LoopState
-from winch_controller_node.model.linear_model import LinearModel
 from winch_controller_node.model.lqr import DesignError
 from winch_controller_node.parameters.laws import MpcParameters
 from winch_controller_node.parameters.model import WinchModelParameters

@@ -6,9 +6,9 @@ import math
 from dataclasses import dataclass
 
 from heave_node.arrays import Array
+from heave_node.linear_model import state_covariance, with_feedback
 
 from winch_controller_node.design.design import ControllerDesign, is_sensor_state
-from winch_controller_node.model.linear_model import state_covariance, with_feedback
 
 
 @dataclass(frozen=True)

@@ -12,8 +12,9 @@ from dataclasses import dataclass
 
 import numpy as np
 from heave_node.arrays import Array
+from heave_node.linear_model import LinearModel
+from heave_node.linear_sampling import discretise
 
-from winch_controller_node.model.linear_model import LinearModel, discretise
 from winch_controller_node.model.models import winch_block
 from winch_controller_node.parameters.laws import LimitParameters
 from winch_controller_node.parameters.model import WinchModelParameters

@@ -6,11 +6,11 @@ import math
 
 import numpy as np
 from heave_node.arrays import Array
+from heave_node.linear_model import LinearModel
 
 from winch_controller_node.laws.feedback import LawCommand
 from winch_controller_node.laws.governor import standing_command
 from winch_controller_node.laws.loop_state import LoopState
-from winch_controller_node.model.linear_model import LinearModel
 from winch_controller_node.model.models import CableModel
 from winch_controller_node.parameters.laws import TensionLawParameters
 from winch_controller_node.parameters.model import WinchModelParameters

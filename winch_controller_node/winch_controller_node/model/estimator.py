@@ -14,9 +14,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 from heave_node.arrays import Array
+from heave_node.linear_model import LinearModel
 
 from winch_controller_node.model.estimator_kernel import CompiledKalmanFilter
-from winch_controller_node.model.linear_model import LinearModel
 
 
 @dataclass(frozen=True)

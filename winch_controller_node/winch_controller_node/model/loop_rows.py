@@ -6,8 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from heave_node.arrays import Array
-
-from winch_controller_node.model.linear_model import LinearModel
+from heave_node.linear_model import LinearModel
 
 
 @dataclass(frozen=True)

@@ -8,8 +8,7 @@ from dataclasses import dataclass
 import control
 import numpy as np
 from heave_node.arrays import Array
-
-from winch_controller_node.model.linear_model import LinearModel, is_stable, with_feedback
+from heave_node.linear_model import LinearModel, is_stable, with_feedback
 
 PBH_TOLERANCE = 1e-9
 """Relative size below which a singular value of a rank test counts as zero."""

@@ -17,6 +17,8 @@ from cable_sim_node.vertical.axial_line import AxialLine, axial_line
 from cable_sim_node.vertical.linear import fit_two_state, heave_transfer_function
 from heave_node.arrays import Array
 from heave_node.constants import SEAWATER_DENSITY, STANDARD_GRAVITY
+from heave_node.linear_model import LinearModel, ModelError, interconnect, linear_model
+from heave_node.linear_sampling import delay_command, discretise, sampled_matrices
 from wave_vessel_node.sea.shaping_filter import shaping_filter
 from wave_vessel_node.sea.spectra import (
     Bretschneider,
@@ -26,18 +28,8 @@ from wave_vessel_node.sea.spectra import (
     WaveSpectrum,
     pierson_moskowitz,
 )
-from wave_vessel_node.sea.state_space import NOISE_INTENSITY, StateSpace
-from wave_vessel_node.vessel.second_order import vessel_filter
+from wave_vessel_node.vessel.second_order import SecondOrderVessel, boom_tip_model
 
-from winch_controller_node.model.linear_model import (
-    LinearModel,
-    ModelError,
-    delay_command,
-    discretise,
-    interconnect,
-    linear_model,
-    sampled_matrices,
-)
 from winch_controller_node.parameters.model import (
     CableModelParameters,
     MruModelParameters,
@@ -211,43 +203,9 @@ def boom_tip_block(sea: SeaModelParameters, vessel: VesselModelParameters) -> Li
     spectra.
     """
     waves = shaping_filter(sea_spectrum(sea), form=sea.filter_form, states=sea.filter_states)
-    sea_block = linear_model(
-        waves.A,
-        states=waves.names,
-        outputs={"wave_elevation": waves.C[0]},
-        noises={"waves": math.sqrt(NOISE_INTENSITY) * waves.B[:, 0]},
-    )
     if vessel.model == "direct":
-        if abs(float((waves.C @ waves.B)[0, 0])) > 1e-9 * float(np.linalg.norm(waves.C) * np.linalg.norm(waves.B)):
-            raise ModelError(
-                "vessel.model direct needs a shaping filter whose elevation has a rate: two poles more than zeros"
-            )
-        return interconnect(
-            [
-                linear_model(
-                    waves.A,
-                    states=waves.names,
-                    outputs={
-                        "wave_elevation": waves.C[0],
-                        "boom_tip_heave": waves.C[0],
-                        "boom_tip_heave_rate": (waves.C @ waves.A)[0],
-                    },
-                    noises={"waves": math.sqrt(NOISE_INTENSITY) * waves.B[:, 0]},
-                )
-            ]
-        )
-    return interconnect(
-        [_vessel_block(vessel_filter(vessel.natural_frequency, vessel.damping_ratio, vessel.gain)), sea_block]
-    )
-
-
-def _vessel_block(filter_: StateSpace) -> LinearModel:
-    return linear_model(
-        filter_.A,
-        states=filter_.names,
-        inputs={"wave_elevation": filter_.B[:, 0]},
-        outputs={"boom_tip_heave": filter_.C[0], "boom_tip_heave_rate": filter_.C[1]},
-    )
+        return boom_tip_model(waves, None)
+    return boom_tip_model(waves, SecondOrderVessel(vessel.natural_frequency, vessel.damping_ratio, vessel.gain))
 
 
 def mru_block(mru: MruModelParameters) -> LinearModel:

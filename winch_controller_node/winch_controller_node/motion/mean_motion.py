@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import numpy as np
 from heave_node.arrays import Array
+from heave_node.linear_model import LinearModel
 
-from winch_controller_node.model.linear_model import LinearModel
 from winch_controller_node.motion.trajectory import MeanPayout
 from winch_controller_node.parameters.laws import MoveParameters
 from winch_controller_node.parameters.model import WinchModelParameters

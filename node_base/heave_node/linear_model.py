@@ -1,28 +1,32 @@
-"""Linear state-space models with named states, inputs and outputs, and what is done with all of them.
+"""Linear state-space models with named states, inputs, outputs and noises: the one definition for sea, vessel and
+controller.
 
-Conventions: noise inputs are white with unit intensity (continuous, two-sided) or unit variance a step (discrete), so
-that `G @ G.T` is the intensity or the covariance of the process noise. A one-sided spectrum S(omega) of a shaping
-filter driven in rad/s asks for white noise of intensity pi: whoever makes such a filter puts sqrt(pi) into G.
+Noise convention: a noise input is white with unit intensity (continuous: autocovariance delta(t)) or unit variance a
+step (discrete), so that `G @ G.T` is the intensity or the covariance of the process noise. The one-sided spectrum in
+rad/s of such noise is 1/pi. A shaping filter whose spectrum |H(i omega)|^2 is one-sided in rad/s is therefore driven
+by noise of intensity pi (NOISE_INTENSITY): it has sqrt(pi) in G. Its stationary covariance P then obeys
+A P + P A' + pi B B' = 0, and the integral of its spectrum over omega > 0 is the variance. (Thesis Eq. 6.31 prints the
+Lyapunov equation without pi; the numbers printed beside it need it.)
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 import scipy.linalg
-from heave_node.arrays import Array
 from numpy.typing import ArrayLike
-from wave_vessel_node.sea.state_space import covariance_factor
+
+from heave_node.arrays import Array
+
+NOISE_INTENSITY = math.pi
+"""Intensity of white noise whose one-sided spectral density in rad/s is 1."""
 
 
 class ModelError(ValueError):
     """A model that cannot be built, connected or analysed; the message says which and why."""
-
-
-def _empty() -> Array:
-    return np.zeros((0, 0))
 
 
 @dataclass(frozen=True)
@@ -117,12 +121,20 @@ class LinearModel:
             dt=self.dt,
         )
 
-    def with_outputs(self, rows: Mapping[str, Mapping[str, float]]) -> LinearModel:
-        """Return the model with further outputs, each a weighted sum of states given by name."""
+    def with_outputs(self, rows: Mapping[str, Mapping[str, float] | Array]) -> LinearModel:
+        """Return the model with further outputs of the state.
+
+        Parameters
+        ----------
+        rows : by name of the output, a row of C, shape (n,), or the weights of states given by name
+        """
         C = np.zeros((len(rows), self.order))
-        for i, weights in enumerate(rows.values()):
-            for name, weight in weights.items():
-                C[i, self.state(name)] = weight
+        for i, row in enumerate(rows.values()):
+            if isinstance(row, Mapping):
+                for name, weight in row.items():
+                    C[i, self.state(name)] = weight
+            else:
+                C[i] = row
         return replace(
             self,
             C=np.vstack([self.C, C]),
@@ -141,9 +153,16 @@ def linear_model(
     noises: Mapping[str, ArrayLike] | None = None,
     dt: float | None = None,
 ) -> LinearModel:
-    """Build a model from columns and rows by name: `inputs` and `noises` are columns, `outputs` rows, all of length n.
+    """Build a model from columns and rows by name.
 
-    `feedthrough[(output, input)]` fills D.
+    Parameters
+    ----------
+    A : shape (n, n)
+    states : names of the n states
+    inputs, noises : columns of B and of G by name, each of length n
+    outputs : rows of C by name, each of length n
+    feedthrough : D by (output, input); what is not named is 0
+    dt : step of a discrete model [s]; None: continuous
     """
     inputs, outputs, noises = inputs or {}, outputs or {}, noises or {}
     n = len(states)
@@ -173,7 +192,11 @@ def _columns(columns: Mapping[str, ArrayLike], n: int) -> Array:
 def interconnect(blocks: Sequence[LinearModel]) -> LinearModel:
     """Connect blocks by name: an input that has the name of some block's output is fed by it, the others stay inputs.
 
-    All outputs stay outputs. Blocks are continuous, or discrete with one step.
+    All outputs stay outputs.
+
+    Parameters
+    ----------
+    blocks : continuous, or discrete with one step; names of states and outputs differ between blocks
 
     Raises
     ------
@@ -215,95 +238,14 @@ def interconnect(blocks: Sequence[LinearModel]) -> LinearModel:
     )
 
 
-def discretise(model: LinearModel, dt: float) -> LinearModel:
-    """Return the exact sampled model: inputs held over the step, process noise integrated by Van Loan's method.
-
-    The discrete noise has as many unit-variance inputs as there are states.
-    """
-    A, B, Q = sampled_matrices(model, dt)
-    factor = covariance_factor(Q)
-    names = tuple(f"noise_{i}" for i in range(factor.shape[1]))
-    return replace(model, A=A, B=B, G=factor, noise_names=names, dt=dt)
-
-
-def sampled_matrices(model: LinearModel, dt: float) -> tuple[Array, Array, Array]:
-    """Return exp(A dt), the integral of exp(A s) ds B, and the noise covariance over the step `dt` (Van Loan 1978)."""
-    if model.dt is not None:
-        raise ModelError(f"the model is already discrete with a step of {model.dt:g} s")
-    if dt < 0.0:
-        raise ModelError(f"a step must not be negative; got {dt:g} s")
-    n, m = model.B.shape
-    held = np.zeros((n + m, n + m))
-    held[:n, :n] = model.A
-    held[:n, n:] = model.B
-    transition = scipy.linalg.expm(held * dt)
-    van_loan = np.zeros((2 * n, 2 * n))
-    van_loan[:n, :n] = -model.A
-    van_loan[:n, n:] = model.noise_covariance
-    van_loan[n:, n:] = model.A.T
-    exponential = scipy.linalg.expm(van_loan * dt)
-    A = exponential[n:, n:].T
-    Q = A @ exponential[:n, n:]
-    return transition[:n, :n], transition[:n, n:], 0.5 * (Q + Q.T)
-
-
-def delay_command(model: LinearModel, dt: float, delay: float, inputs: Sequence[str]) -> LinearModel:
-    """Sample a continuous model whose inputs `inputs` take effect `delay` seconds after the tick they belong to: exact.
-
-    The state is extended by past commands, `<input>_1` (the newest) to `<input>_n`; n = ceil(delay/dt). Where the
-    delay is not a whole number of ticks, the older command acts on the first part of the tick and the newer one on the
-    rest. Outputs' feedthrough of a delayed input becomes that of the command acting at the start of the tick.
-    """
-    if delay < 0.0:
-        raise ModelError(f"a delay must not be negative; got {delay:g} s")
-    ticks = delay / dt
-    whole = round(ticks) if abs(ticks - round(ticks)) < 1e-6 else int(np.floor(ticks))
-    part = max(ticks - whole, 0.0) if abs(ticks - round(ticks)) >= 1e-6 else 0.0
-    sampled = discretise(model, dt)
-    B_new, B_old = sampled.B, np.zeros_like(sampled.B)
-    if part > 0.0:
-        rest, B_new, _ = sampled_matrices(model, (1.0 - part) * dt)
-        B_old = rest @ sampled_matrices(model, part * dt)[1]
-    for name in inputs:
-        column = model.input_names.index(name)
-        length = whole + (1 if part > 0.0 else 0)
-        sampled = _append_chain(sampled, name, length, (whole, B_new[:, column]), (whole + 1, B_old[:, column]), part)
-    return sampled
-
-
-def _append_chain(
-    model: LinearModel, name: str, length: int, new: tuple[int, Array], old: tuple[int, Array], part: float
-) -> LinearModel:
-    """Append past values of input `name`.
-
-    The command of `new[0]` ticks ago acts through column `new[1]`, likewise `old`.
-    """
-    if length == 0:
-        return model
-    n, column = model.order, model.input_names.index(name)
-    A = np.zeros((n + length, n + length))
-    A[:n, :n] = model.A
-    B = np.vstack([model.B, np.zeros((length, len(model.input_names)))])
-    B[:, column] = 0.0
-    B[n, column] = 1.0
-    for i in range(1, length):
-        A[n + i, n + i - 1] = 1.0
-    for age, effect in (new, old) if part > 0.0 else (new,):
-        if age == 0:
-            B[:n, column] += effect
-        else:
-            A[:n, n + age - 1] += effect
-    C = np.hstack([model.C, np.zeros((len(model.output_names), length))])
-    D = model.D.copy()
-    C[:, n + length - 1] += D[:, column]
-    D[:, column] = 0.0
-    states = model.state_names + tuple(f"{name}_{i + 1}" for i in range(length))
-    G = np.vstack([model.G, np.zeros((length, model.G.shape[1]))])
-    return replace(model, A=A, B=B, C=C, D=D, G=G, state_names=states)
-
-
 def with_feedback(model: LinearModel, gain: Array) -> LinearModel:
-    """Return the closed loop under u = -gain x; its inputs then add to the command. `gain` has shape (m, n)."""
+    """Return the closed loop under u = -gain x; what its inputs take is added to that command.
+
+    Parameters
+    ----------
+    model : the open loop
+    gain : shape (m, n)
+    """
     gain = np.atleast_2d(gain)
     return replace(model, A=model.A - model.B @ gain, C=model.C - model.D @ gain)
 
@@ -319,8 +261,28 @@ def is_stable(model: LinearModel) -> bool:
     return spectral_abscissa(model) < (1.0 if model.dt is not None else 0.0)
 
 
+def output_spectrum(model: LinearModel, output: str, omega: ArrayLike) -> Array:
+    """Return the one-sided spectrum of an output under the model's noise, |C (i omega I - A)^-1 G|^2 / pi.
+
+    Parameters
+    ----------
+    model : continuous and stable
+    output : name of the output [unit]
+    omega : [rad/s], any shape
+
+    Returns
+    -------
+    density : [unit^2 s/rad], the shape of `omega`; its integral over omega > 0 is the variance of the output
+    """
+    omega = np.asarray(omega, dtype=float)
+    resolvent = 1j * omega.reshape(-1, 1, 1) * np.eye(model.order) - model.A
+    states = np.linalg.solve(resolvent, np.broadcast_to(model.G, (omega.size, *model.G.shape)))
+    response = model.row(output) @ states
+    return np.asarray((np.abs(response) ** 2).sum(axis=1).reshape(omega.shape) / NOISE_INTENSITY)
+
+
 def state_covariance(model: LinearModel) -> Array:
-    """Return the stationary covariance of the state under the model's noise, by the Lyapunov equation.
+    """Return the stationary covariance of the state under the model's noise, shape (n, n), by the Lyapunov equation.
 
     Continuous: A P + P A' + G G' = 0 (thesis Eq. 6.31 with the noise intensity as this module defines it); discrete:
     P = A P A' + G G'.
@@ -338,7 +300,14 @@ def state_covariance(model: LinearModel) -> Array:
 
 
 def output_sigma(model: LinearModel) -> dict[str, float]:
-    """Return the stationary standard deviation of each output without feedthrough noise, by name."""
+    """Return the stationary standard deviation of each output under the model's noise, by name."""
     P = state_covariance(model)
     variance = np.einsum("ij,jk,ik->i", model.C, P, model.C)
     return {name: float(np.sqrt(max(value, 0.0))) for name, value in zip(model.output_names, variance, strict=True)}
+
+
+def covariance_factor(covariance: Array) -> Array:
+    """Return L with L L' = `covariance` (n, n), which may be singular: eigenvalues below rounding count as 0."""
+    scale = np.sqrt(np.maximum(np.diag(covariance), np.finfo(float).tiny))
+    values, vectors = np.linalg.eigh(covariance / np.outer(scale, scale))
+    return np.asarray(scale[:, None] * vectors * np.sqrt(np.maximum(values, 0.0)))
