@@ -96,7 +96,7 @@ def test_a_csv_log_is_the_sea_and_bad_cells_are_told(tmp_path):
 
 
 def test_the_result_is_read_by_the_node_that_plays_it(ship, tmp_path):
-    recording = pytest.importorskip("wave_vessel_node.vessel.recording")
+    recording = pytest.importorskip("wave_vessel_node.sources.recording")
     sea = import_sea(ship, "/mru/heave")
     sea_import.write_sea(sea, tmp_path / "sea.csv", ship)
     read = recording.read_recording(tmp_path / "sea.csv")

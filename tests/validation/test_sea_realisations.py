@@ -11,7 +11,6 @@ import pytest
 from heave_node.linear_model import output_spectrum
 from heave_node.randomness import random_stream
 from scipy.stats import binom, chi2
-from wave_vessel_node.motion_sources import FilterSource
 from wave_vessel_node.sea.realisation import HarmonicSum, draw_components
 from wave_vessel_node.sea.record_statistics import record_statistics, welch
 from wave_vessel_node.sea.shaping_filter import shaping_filter
@@ -20,10 +19,11 @@ from wave_vessel_node.sea.spectra import (
     Jonswap,
     OchiHubble,
     OchiHubbleSystem,
+    PiersonMoskowitz,
     WaveSpectrum,
-    pierson_moskowitz,
 )
 from wave_vessel_node.sea.spectrum_files import read_spectra
+from wave_vessel_node.sources.filtered import FilterSource
 
 ROOT = Path(__file__).parents[2]
 SAMPLE = ROOT / "wave_vessel_node" / "test" / "data" / "real_time.data_spec"
@@ -32,7 +32,7 @@ DURATION, DT, SEGMENT = 10800.0, 0.5, 180.0
 
 SEAS = {
     "bretschneider": Bretschneider(3.0, 10.0),
-    "pierson_moskowitz": pierson_moskowitz(3.0),
+    "pierson_moskowitz": PiersonMoskowitz.of_height(3.0),
     "jonswap": Jonswap(3.0, 10.0),
     "ochi_hubble": OchiHubble(OchiHubbleSystem(1.5, 8.0), OchiHubbleSystem(1.0, 16.5, 3.0)),
     "file": read_spectra(SAMPLE).select(0).spectrum,

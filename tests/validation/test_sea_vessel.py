@@ -11,7 +11,8 @@ from wave_vessel_node.component import WaveVessel
 from wave_vessel_node.mru.mru import STATUS_SETTLING, MotionReferenceUnit, high_pass_response
 from wave_vessel_node.parameters import MruParameters, WaveVesselParameters
 from wave_vessel_node.sea.filter_fit import fit_filter
-from wave_vessel_node.sea.shaping_filter import filter_quality, shaping_filter
+from wave_vessel_node.sea.filter_quality import filter_quality
+from wave_vessel_node.sea.shaping_filter import shaping_filter
 from wave_vessel_node.sea.spectra import Bretschneider, Jonswap
 from wave_vessel_node.vessel.course import Course
 from wave_vessel_node.vessel.fit import fit_vessel

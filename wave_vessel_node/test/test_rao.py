@@ -7,6 +7,7 @@ from heave_node.constants import STANDARD_GRAVITY
 from wave_vessel_node.parameters import CourseParameters
 from wave_vessel_node.sea.realisation import WaveComponents
 from wave_vessel_node.sea.spectra import Bretschneider
+from wave_vessel_node.sources.rao_components import RaoSource
 from wave_vessel_node.vessel.course import Course
 from wave_vessel_node.vessel.fit import boom_tip_heave_response, fit_vessel
 from wave_vessel_node.vessel.motion import VesselMotion, lever_arm_matrix, point_motion
@@ -19,7 +20,6 @@ from wave_vessel_node.vessel.rao_files import (
     shipped_rao,
     write_rao_csv,
 )
-from wave_vessel_node.vessel.rao_source import RaoSource
 from wave_vessel_node.vessel.second_order import SecondOrderVessel
 
 import wave_vessel_node

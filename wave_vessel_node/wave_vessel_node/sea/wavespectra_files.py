@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from wave_vessel_node.sea.spectra import SpectrumError
-from wave_vessel_node.sea.spectrum_files import SpectrumFile, SpectrumFileError, SpectrumRecord, tabulated_from_hertz
+from wave_vessel_node.sea.spectrum_record import SpectrumFile, SpectrumFileError, SpectrumRecord, tabulated_from_hertz
 
 _READERS = {
     ".swn": ("read_swan",),

@@ -19,15 +19,9 @@ from heave_node.arrays import Array
 from heave_node.constants import SEAWATER_DENSITY, STANDARD_GRAVITY
 from heave_node.linear_model import LinearModel, ModelError, interconnect, linear_model
 from heave_node.linear_sampling import delay_command, discretise, sampled_matrices
+from wave_vessel_node.sea.sea import named_spectrum
 from wave_vessel_node.sea.shaping_filter import shaping_filter
-from wave_vessel_node.sea.spectra import (
-    Bretschneider,
-    Jonswap,
-    OchiHubble,
-    OchiHubbleSystem,
-    WaveSpectrum,
-    pierson_moskowitz,
-)
+from wave_vessel_node.sea.spectra import WaveSpectrum
 from wave_vessel_node.vessel.second_order import SecondOrderVessel, boom_tip_model
 
 from winch_controller_node.parameters.model import (
@@ -182,17 +176,7 @@ def outlet_block() -> LinearModel:
 
 def sea_spectrum(sea: SeaModelParameters) -> WaveSpectrum:
     """Return the spectrum the controller is designed for."""
-    if sea.spectrum == "jonswap":
-        return Jonswap(sea.significant_wave_height, sea.peak_period, sea.peak_enhancement)
-    if sea.spectrum == "pierson_moskowitz":
-        return pierson_moskowitz(sea.significant_wave_height)
-    if sea.spectrum == "ochi_hubble":
-        swell = sea.swell
-        return OchiHubble(
-            wind_sea=OchiHubbleSystem(sea.significant_wave_height, sea.peak_period, sea.shape),
-            swell=OchiHubbleSystem(swell.significant_wave_height, swell.peak_period, swell.shape),
-        )
-    return Bretschneider(sea.significant_wave_height, sea.peak_period)
+    return named_spectrum(sea)
 
 
 @lru_cache(maxsize=64)

@@ -8,6 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from heave_node.parameters import ParameterError, group, parameter
+from wave_vessel_node.parameters import FILTER_CHOICES, SeaParameters
 
 KNOWN_SENSORS = ("mru", "depth", "encoder", "velocity", "imu", "load_cell")
 
@@ -98,26 +99,9 @@ class WinchModelParameters:
 
 
 @dataclass(frozen=True)
-class SwellModelParameters:
-    """The swell of an Ochi-Hubble sea."""
-
-    significant_wave_height: float = parameter(
-        1.0, unit="m", minimum=0.0, maximum=25.0, description="Significant wave height of the swell alone."
-    )
-    peak_period: float = parameter(16.0, unit="s", minimum=1.0, maximum=40.0, description="Peak period of the swell.")
-    shape: float = parameter(3.0, unit="", minimum=0.5, maximum=20.0, description="Ochi-Hubble shape of the swell.")
-
-
-@dataclass(frozen=True)
-class SeaModelParameters:
+class SeaModelParameters(SeaParameters):
     """The sea the controller is designed for."""
 
-    spectrum: str = parameter(
-        "bretschneider",
-        unit="",
-        choices=("bretschneider", "pierson_moskowitz", "jonswap", "ochi_hubble"),
-        description="Spectrum of the sea.",
-    )
     significant_wave_height: float = parameter(
         1.0,
         unit="m",
@@ -125,18 +109,10 @@ class SeaModelParameters:
         maximum=25.0,
         description="Significant wave height (of the wind sea in ochi_hubble).",
     )
-    peak_period: float = parameter(
-        8.0, unit="s", minimum=1.0, maximum=40.0, description="Peak period (of the wind sea in ochi_hubble)."
-    )
-    peak_enhancement: float = parameter(
-        3.3, unit="", minimum=1.0, maximum=10.0, description="gamma of the JONSWAP spectrum."
-    )
-    shape: float = parameter(1.0, unit="", minimum=0.5, maximum=20.0, description="Ochi-Hubble shape of the wind sea.")
-    swell: SwellModelParameters = group(SwellModelParameters)
     filter_form: str = parameter(
         "auto",
         unit="",
-        choices=("auto", "thesis", "four_state", "six_state", "fit"),
+        choices=FILTER_CHOICES,
         description="Shaping filter that stands for the sea; auto takes the best.",
     )
     filter_states: int = parameter(

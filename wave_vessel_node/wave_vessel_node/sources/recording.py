@@ -1,14 +1,12 @@
-"""Recorded elevation or boom-tip motion as the source of a run, from CSV or from a bag (MCAP).
+"""Recordings of boom-tip motion or of wave elevation, from CSV or from a bag (MCAP).
 
 CSV: comment lines begin with #, then a header and rows. Motion: columns time_s and z_m (or heave_m), x_m and y_m if
-there are; elevation: time_s
-and elevation_m. Between samples a cubic spline gives position, velocity and acceleration that fit one another.
+there are; elevation: time_s and elevation_m.
 """
 
 from __future__ import annotations
 
 import csv
-import math
 import struct
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -18,11 +16,6 @@ import numpy as np
 from heave_node.arrays import Array
 from mcap.exceptions import McapError
 from mcap.reader import make_reader
-from scipy.interpolate import CubicSpline
-
-from wave_vessel_node.mru.oscillator import DrivenOscillator
-from wave_vessel_node.vessel.motion import HEAVE, VesselMotion
-from wave_vessel_node.vessel.second_order import SecondOrderVessel
 
 _LONGEST_GAP = 2.0  # s between samples; more is no record to interpolate
 _COLUMNS = {"x_m": 0, "y_m": 1, "z_m": 2, "heave_m": 2, "elevation_m": 2}
@@ -38,6 +31,7 @@ class Recording:
 
     Attributes
     ----------
+    path : file or folder that it was read from
     time : [s] from the first sample, shape (n,)
     position : x, y, z of the motion, or 0, 0, elevation [m], shape (n, 3), about its mean
     warnings : what was left out
@@ -50,11 +44,16 @@ class Recording:
 
 
 def read_recording(path: str | Path, topic: str = "boom_tip") -> Recording:
-    """Read a recording: .csv, an .mcap file or a bag folder with one; `topic` is the last part of the bag's topic name.
+    """Read a recording.
+
+    Parameters
+    ----------
+    path : a .csv file, an .mcap file, or a bag folder with one
+    topic : last part of the topic's name in a bag
 
     The mean is taken out, time begins at 0. Samples that are not numbers or not later than the one before are left
-    out, with a warning. Raises
-    RecordingError when the file is missing, of another kind, has a gap of more than 2 s, or fewer than 10 samples.
+    out, with a warning. Raises RecordingError when the file is missing, of another kind, has a gap of more than 2 s, or
+    fewer than 10 samples.
     """
     path = Path(path)
     if not path.exists():
@@ -183,43 +182,3 @@ _DECODERS: dict[str, Callable[[_Cdr], tuple[float, float, float, float]]] = {
     "heave_msgs/msg/MruSample": _mru_sample,
     "heave_msgs/msg/WaveElevation": _wave_elevation,
 }
-
-
-class RecordedSource:
-    """A recording as MotionSource: motion of the boom tip as it is, or elevation through the vessel.
-
-    Parameters
-    ----------
-    vessel : second-order vessel that elevation goes through; None where the recording is the motion (or the boom tip
-    follows the surface)
-    """
-
-    def __init__(self, recording: Recording, vessel: SecondOrderVessel | None, tick_period: float) -> None:
-        self._recording = recording
-        self._spline = CubicSpline(recording.time, recording.position)
-        self._tick_period = tick_period
-        self._oscillator: DrivenOscillator | None = None
-        if vessel is not None:
-            gain = vessel.gain * vessel.natural_frequency**2
-            self._oscillator = DrivenOscillator(
-                vessel.natural_frequency, vessel.damping_ratio, value_gain=gain, rate_gain=0.0, period=tick_period
-            )
-        self._begun = False
-
-    def motion(self, tick: int) -> VesselMotion:
-        """See MotionSource. Raises RecordingError beyond the end of the recording."""
-        time = tick * self._tick_period
-        if time > self._recording.time[-1] + 1e-9:
-            end = math.floor(self._recording.time[-1] / self._tick_period) * self._tick_period
-            raise RecordingError(f"{self._recording.path}: ends after {end:g} s: give a shorter duration")
-        position, velocity, acceleration = (np.asarray(self._spline(time, order)) for order in range(3))
-        motion = VesselMotion(time, elevation=float(position[2]))
-        if self._oscillator is None:
-            motion.displacement[:3], motion.velocity[:3], motion.acceleration[:3] = position, velocity, acceleration
-            return motion
-        if not self._begun:
-            self._oscillator.start(position[2], velocity[2])
-            self._begun = True
-        values = self._oscillator.step(position[2], velocity[2])
-        motion.displacement[HEAVE], motion.velocity[HEAVE], motion.acceleration[HEAVE] = values
-        return motion

@@ -8,6 +8,7 @@ from heave_node.constants import STANDARD_GRAVITY
 from numba import njit
 
 from wave_vessel_node.sea.realisation import HarmonicSum, WaveComponents
+from wave_vessel_node.sources.motion_source import MotionSource
 from wave_vessel_node.vessel.course import Course, Leg
 from wave_vessel_node.vessel.motion import VesselMotion
 from wave_vessel_node.vessel.rao import ResponseTable
@@ -15,18 +16,20 @@ from wave_vessel_node.vessel.rao import ResponseTable
 _DIFFERENCE = 0.02  # s, step of the central differences that give rates within manoeuvres
 
 
-class RaoSource:
-    """Motion in six degrees of freedom; see MotionSource.
+class RaoSource(MotionSource):
+    """Motion in six degrees of freedom.
 
     On a leg (heading and speed hold) each component answers at its encounter frequency, exactly. Within a manoeuvre
-    the response is that of the
-    heading and speed of the moment, the phases stay continuous, and rates are differences of what was summed.
+    the response is that of the heading and speed of the moment, the phases stay continuous, and rates are differences
+    of what was summed.
 
     Parameters
     ----------
-    components : the sea, at the place of the vessel at time 0
-    table : RAOs
+    components : of the sea, at the place of the vessel at time 0
+    table : RAOs of the vessel
+    course : of the vessel
     arm : boom tip from the reference point [m], shape (3,): where the elevation is taken
+    tick_period : [s]
     """
 
     def __init__(
