@@ -11,6 +11,14 @@ class NoEquilibriumError(PlantError):
     """There is no hanging equilibrium to start from."""
 
 
+class StaticsError(PlantError, ValueError):
+    """A statics problem that is not well posed; the message says what is wrong."""
+
+
+class LinearisationError(PlantError, ValueError):
+    """A linear model that cannot be made; the message says why."""
+
+
 class CableTooShortError(PlantError):
     """More cable is hauled in than leaves a segment to compute with."""
 

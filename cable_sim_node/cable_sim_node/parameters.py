@@ -7,9 +7,9 @@ system of the thesis, section 5.7.
 from __future__ import annotations
 
 import itertools
-import math
 from dataclasses import dataclass
 
+from heave_node import hydrostatics
 from heave_node.constants import SEAWATER_DENSITY, STANDARD_GRAVITY
 from heave_node.parameters import group, parameter
 
@@ -52,12 +52,11 @@ class CableParameters:
     @property
     def displaced_area(self) -> float:
         """Cross-section of the displaced water [m^2]."""
-        diameter = self.displaced_diameter if self.displaced_diameter > 0.0 else self.diameter
-        return 0.25 * math.pi * diameter**2
+        return hydrostatics.displaced_area(self.diameter, self.displaced_diameter)
 
     def weight_in_fluid(self, density: float, gravity: float = STANDARD_GRAVITY) -> float:
         """Return weight minus buoyancy per unstretched metre [N/m] in a fluid of `density` [kg/m^3]."""
-        return (self.mass_per_length - density * self.displaced_area) * gravity
+        return hydrostatics.weight_in_fluid(self.mass_per_length, self.displaced_area, density, gravity)
 
 
 @dataclass(frozen=True)
@@ -137,7 +136,7 @@ class UnitParameters:
 
     def weight_in_fluid(self, density: float, gravity: float = STANDARD_GRAVITY) -> float:
         """Return weight minus buoyancy [N] in a fluid of `density` [kg/m^3]."""
-        return (self.mass - density * self.volume) * gravity
+        return hydrostatics.weight_in_fluid(self.mass, self.volume, density, gravity)
 
 
 @dataclass(frozen=True)

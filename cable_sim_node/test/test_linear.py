@@ -2,9 +2,9 @@ import math
 
 import numpy as np
 import pytest
+from cable_sim_node.errors import LinearisationError
 from cable_sim_node.vertical.axial_line import AxialClump, AxialLine, AxialSection, AxialUnit
 from cable_sim_node.vertical.linear import (
-    LinearisationError,
     TwoStateModel,
     fit_two_state,
     heave_transfer_function,

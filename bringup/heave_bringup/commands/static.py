@@ -6,8 +6,7 @@ import argparse
 from pathlib import Path
 
 from cable_sim_node.errors import PlantError
-from cable_sim_node.statics.errors import StaticsError
-from cable_sim_node.statics.report import PICTURE_ENDINGS, draw_static, static_report
+from cable_sim_node.reports.hanging import PICTURE_ENDINGS, draw_static, hanging_report
 
 from heave_bringup.errors import CommandError
 from heave_bringup.output import check_output, write_result
@@ -19,8 +18,8 @@ def execute(options: argparse.Namespace) -> None:
     check_output("--picture", options.picture, PICTURE_ENDINGS)
     scenario = load_scenario(options.scenario, settings=options.set)
     try:
-        report = static_report(scenario.parameters["cable_sim"])
-    except (PlantError, StaticsError) as error:
+        report = hanging_report(scenario.parameters["cable_sim"])
+    except PlantError as error:
         raise CommandError(f"{scenario.path}: {error}") from error
     picture = options.picture or Path(f"{scenario.name}_static.svg")
     draw_static(report, picture)

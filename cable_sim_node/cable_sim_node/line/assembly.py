@@ -89,8 +89,9 @@ from cable_sim_node.line.layout import (
     Y,
     Z,
 )
+from cable_sim_node.physics.drag import Vector, drag_force, resolve
+from cable_sim_node.physics.tension_law import stiffening, tangent_stiffness
 
-Vector = tuple[float, float, float]
 Block = tuple[float, float, float, float, float, float]
 
 
@@ -100,14 +101,13 @@ def tension_of(
 ) -> tuple[float, float, float]:
     """Return tension [N], its derivative to strain and to strain rate.
 
-    A slack segment carries none. Damping r T_e grows as r/sqrt(1 + r^2) and so stays below the elastic tension
-    T_e: it never pushes, and a line that comes
-    taut meets no step in force.
+    A slack segment carries none. Internal damping adds T_e r/sqrt(1 + r^2) to the elastic tension T_e, with r the
+    damping force over T_e: it stays below T_e and so never pushes, and a line that comes taut meets no step in force.
     """
     if strain <= 0.0:
         return 0.0, 0.0, 0.0
-    elastic = stiffness * strain * (1.0 + strain * (q + c * strain))
-    slope = stiffness * (1.0 + strain * (2.0 * q + 3.0 * c * strain))
+    elastic = stiffness * strain * stiffening(q, c, strain)
+    slope = tangent_stiffness(stiffness, q, c, strain)
     if damping == 0.0:
         return elastic, slope, 0.0
     ratio = damping * strain_rate / elastic
@@ -140,19 +140,15 @@ def drag_of(normal: float, tangential: float, e: Vector, ux: float, uy: float, u
     """Return half the drag [N] on a segment along `e` that moves with (ux, uy, uz) through the water, and
     d(drag)/d(velocity) / 4.
 
-    `normal` = (1/2) rho C_N d l, `tangential` = (pi/2) rho C_tau d l: normal abs(u_n) u_n across, tangential
-    abs(u_t) u_t along. The sign is that of the motion, the force on the segment the opposite.
+    `normal` and `tangential` are the factors of `physics.drag` times the segment's length. The sign is that of the
+    motion, the force on the segment the opposite.
     """
-    ut = ux * e[0] + uy * e[1] + uz * e[2]
-    nx, ny, nz = ux - ut * e[0], uy - ut * e[1], uz - ut * e[2]
-    speed = math.sqrt(nx * nx + ny * ny + nz * nz)
-    across = 0.5 * normal * speed
-    slip = 0.5 * tangential * abs(ut)
-    along = slip * ut
-    half = (across * nx + along * e[0], across * ny + along * e[1], across * nz + along * e[2])
+    slip, n, speed = resolve(e, ux, uy, uz)
+    half = drag_force(0.5 * normal, 0.5 * tangential, e, slip, n, speed)
+    across, along = 0.5 * normal * speed, 0.5 * tangential * abs(slip)
     slope = add_blocks(
-        rank_one(0.5 * across, slip - 0.5 * across, e[0], e[1], e[2]),
-        rank_one(0.0, 0.25 * normal / (speed + 1e-12), nx, ny, nz),
+        rank_one(0.5 * across, along - 0.5 * across, e[0], e[1], e[2]),
+        rank_one(0.0, 0.25 * normal / (speed + 1e-12), n[0], n[1], n[2]),
     )
     return half, slope
 

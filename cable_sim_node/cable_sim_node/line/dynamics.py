@@ -9,13 +9,12 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 from heave_node.arrays import Array
 from heave_node.kinematics import PointMotion
 from heave_node.parameters import ParameterError
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from cable_sim_node.errors import (
     BadMotionError,
@@ -27,21 +26,15 @@ from cable_sim_node.errors import (
 )
 from cable_sim_node.line import layout as at
 from cable_sim_node.line.assembly import add_contact
-from cable_sim_node.line.energy import Energy, PowerLost, energy_of, power_lost
 from cable_sim_node.line.equilibrium import hang
 from cable_sim_node.line.feed import set_top_segment
 from cable_sim_node.line.grid import build_line, settings_row
 from cable_sim_node.line.step import advance, evaluate
 from cable_sim_node.parameters import CableSimParameters
+from cable_sim_node.physics.properties import unit_properties
 
 _MOVING_ARRAYS = ("now", "parts", "unit", "top", "settings", "counters")
-
-
-@dataclass(frozen=True)
-class SavedState:
-    """The whole state of a `CableDynamics` at one time, to be given back to `restore`."""
-
-    arrays: dict[str, Array | NDArray[np.int64]]
+"""What changes in a run, and is kept where the line's arrays grow."""
 
 
 class CableDynamics:
@@ -53,7 +46,7 @@ class CableDynamics:
     The fluid surrounds all of it: there is no splash zone.
 
     Time: `advance` takes the motion at the start and at the end of an interval; all properties are those of the end of
-    the last interval. Two objects share nothing.
+    the last interval. Two objects share nothing; `copy.deepcopy` makes a second one in the same state.
 
     Raises ParameterError where the parameters contradict one another.
     """
@@ -64,7 +57,6 @@ class CableDynamics:
         self._line = build_line(parameters, 2.0 * parameters.length)
         self._ends = np.zeros((4, 4))
         self._fresh = False
-        self._least_strain = 0.0
 
     def start_at_equilibrium(self, boom_tip_position: ArrayLike, payout: float = 0.0, *, time: float = 0.0) -> None:
         """Hang the line at rest, exactly in equilibrium, in the current of `time` [s].
@@ -237,16 +229,6 @@ class CableDynamics:
         return float(-equations[0, at.RZ])
 
     @property
-    def grounded_length(self) -> float:
-        """Unstretched length of cable on the seabed [m]."""
-        bed, n = self.parameters.seabed, self.segments
-        if bed.depth == 0.0:
-            return 0.0
-        x = self._line.x[: n + 1]
-        below = x[:, 2] <= -bed.depth + bed.slope[0] * x[:, 0] + bed.slope[1] * x[:, 1]
-        return float(np.sum(self._line.parts[:n, at.LENGTH] * 0.5 * (below[1:].astype(float) + below[:-1])))
-
-    @property
     def compensator_stroke(self) -> float:
         """How far the passive compensator's sheave is below its mid-stroke at the boom tip [m].
 
@@ -254,67 +236,26 @@ class CableDynamics:
         """
         return float(self._line.top[at.NOW, at.Z] - self._line.x[self.segments, 2])
 
-    @property
-    def steps_taken(self) -> int:
-        """Inner steps since the start."""
-        return int(self._line.counters[at.SUBSTEPS])
-
-    @property
-    def steps_halved(self) -> int:
-        """How often a step had to be halved since the start."""
-        return int(self._line.counters[at.HALVINGS])
-
-    @property
-    def newton_solves(self) -> int:
-        """Linear solves since the start."""
-        return int(self._line.counters[at.SOLVES])
-
-    @property
-    def energy(self) -> Energy:
-        """Mechanical energy [J]."""
-        return energy_of(self._line)
-
-    @property
-    def power_lost(self) -> PowerLost:
-        """Power [W] taken by drag, internal damping and the seabed."""
-        self._evaluate()
-        return power_lost(self._line)
-
     def set_thrust(self, force: ArrayLike) -> None:
         """Set the thruster force on the unit [N], shape (3,), in place of `unit.thrust`, from now on."""
         thrust = np.array(force, dtype=float)
         if thrust.shape != (3,) or not np.all(np.isfinite(thrust)):
             raise BadMotionError(f"thrust must be three finite numbers [N]; got {thrust.tolist()}")
-        weight = self.parameters.unit.weight_in_fluid(self.parameters.water_density, self.parameters.gravity)
-        self._line.unit[at.UNIT_FORCE : at.UNIT_FORCE + 3] = thrust - np.array([0.0, 0.0, weight])
-        self._fresh = False
-
-    def save(self) -> SavedState:
-        """Return a copy of the state."""
-        return SavedState({name: getattr(self._line, name).copy() for name in _MOVING_ARRAYS})
-
-    def restore(self, state: SavedState) -> None:
-        """Go back to a state that `save` returned (of an object with the same parameters)."""
-        self._reserve_rows(len(state.arrays["parts"]))
-        for name, value in state.arrays.items():
-            getattr(self._line, name)[: len(value)] = value
+        rest = unit_properties(self.parameters).force - np.array(self.parameters.unit.thrust)
+        self._line.unit[at.UNIT_FORCE : at.UNIT_FORCE + 3] = thrust + rest
         self._fresh = False
 
     # --- inside
 
     def _evaluate(self) -> None:
         if not self._fresh:
-            self._least_strain = evaluate(self._line)
+            evaluate(self._line)
             self._fresh = True
 
     def _reserve(self, total: float) -> None:
         """Make sure that the grid reaches beyond `total` [m]; rare, and the only allocation."""
         if total > self._line.grid_s[-5]:
             self._grow(total)
-
-    def _reserve_rows(self, rows: int) -> None:
-        while len(self._line.parts) < rows:
-            self._grow(2.0 * float(self._line.grid_s[-1]))
 
     def _grow(self, total: float) -> None:
         old = self._line

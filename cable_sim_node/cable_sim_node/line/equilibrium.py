@@ -46,25 +46,10 @@ from cable_sim_node.line.layout import (
     Z,
 )
 from cable_sim_node.line.step import assemble
+from cable_sim_node.physics.drag import drag_force, resolve
+from cable_sim_node.physics.tension_law import strain_at
 
 _PASSES = 200
-
-
-@kernel
-def strain_at(row: Array, tension: float) -> float:
-    """Return the strain at which the tension law gives `tension` [N]; NaN where it does not reach it."""
-    strain = tension / row[STIFFNESS]
-    for _ in range(50):
-        q, c = row[QUADRATIC], row[CUBIC]
-        value = row[STIFFNESS] * strain * (1.0 + strain * (q + c * strain)) - tension
-        slope = row[STIFFNESS] * (1.0 + strain * (2.0 * q + 3.0 * c * strain))
-        if slope <= 0.0:
-            return math.nan
-        change = value / slope
-        strain -= change
-        if abs(change) < 1e-15 * (1e-12 + abs(strain)):
-            break
-    return strain
 
 
 @inner_kernel
@@ -111,16 +96,13 @@ def aim(force: Array, u: Array, normal: float, tangential: float, direction: Arr
     for k in range(3):
         sideways = drag[k] / across if across > 0.0 else 0.0
         direction[k] = math.cos(turn) * force[k] / pull - math.sin(turn) * sideways
-    ut = u[0] * direction[0] + u[1] * direction[1] + u[2] * direction[2]
-    speed = 0.0
-    for k in range(3):
-        drag[k] = u[k] - ut * direction[k]
-        speed += drag[k] ** 2
-    speed = math.sqrt(speed)
+    e = (direction[0], direction[1], direction[2])
+    slip, n, speed = resolve(e, u[0], u[1], u[2])
+    half = drag_force(normal, tangential, e, slip, n, speed)
     tension = 0.0
     for k in range(3):
-        drag[k] = normal * speed * drag[k] + tangential * abs(ut) * ut * direction[k]
-        tension += (force[k] - drag[k]) * direction[k]
+        drag[k] = half[k]
+        tension += (force[k] - half[k]) * e[k]
     return tension
 
 
@@ -144,7 +126,7 @@ def march(line: LineArrays, n: int) -> bool:
         tension = aim(force, water, part[NORMAL_DRAG] * half, part[TANGENTIAL_DRAG] * half, direction, drag)
         if not tension > 0.0:
             return False
-        stretched = length * (1.0 + strain_at(part, tension))
+        stretched = length * (1.0 + strain_at(part[STIFFNESS], part[QUADRATIC], part[CUBIC], tension))
         if not stretched > length:
             return False
         for k in range(3):
@@ -163,19 +145,16 @@ def march(line: LineArrays, n: int) -> bool:
 def add_drag_turning(n: int, nodes: Array, parts: Array, flow: Array, band: Array) -> None:
     """Add to `band` how the drag of each segment at rest changes as the segment turns.
 
-    With u the velocity through the water, u_t = u.e and u_n the rest, the drag N abs(u_n) u_n + T abs(u_t) u_t e
-    changes by
-    -N (u_t u_n (u_n.de)/abs(u_n) + abs(u_n) ((u_n.de) e + u_t de)) + T (2 abs(u_t) (u_n.de) e + abs(u_t) u_t de).
+    With u the velocity through the water, the drag of `physics.drag` changes by
+
+    -N (u_t u_n (u_n.de)/abs(u_n) + abs(u_n) ((u_n.de) e + u_t de)) + T (2 abs(u_t) (u_n.de) e + abs(u_t) u_t de)
     """
     for i in range(n):
         row, low, high, water = parts[i], nodes[i], nodes[i + 1], flow[i + 1]
         ex, ey, ez = high[X] - low[X], high[Y] - low[Y], high[Z] - low[Z]
         stretched = math.sqrt(ex * ex + ey * ey + ez * ez)
         e = (ex / stretched, ey / stretched, ez / stretched)
-        u = (-water[FLOW_X], -water[FLOW_Y], -water[FLOW_Z])
-        ut = u[0] * e[0] + u[1] * e[1] + u[2] * e[2]
-        un = (u[0] - ut * e[0], u[1] - ut * e[1], u[2] - ut * e[2])
-        speed = math.sqrt(un[0] ** 2 + un[1] ** 2 + un[2] ** 2)
+        ut, un, speed = resolve(e, -water[FLOW_X], -water[FLOW_Y], -water[FLOW_Z])
         if speed == 0.0:
             continue
         normal, tangential = row[NORMAL_DRAG] * row[LENGTH], row[TANGENTIAL_DRAG] * row[LENGTH]
@@ -199,9 +178,8 @@ def add_drag_turning(n: int, nodes: Array, parts: Array, flow: Array, band: Arra
 def bend(line: LineArrays, n: int, tolerance: float) -> bool:
     """Move the nodes from the flexible line's equilibrium to the stiff one's; False where that does not settle.
 
-    Newton; `tolerance` [m] is on the largest correction. What the tangent leaves out (the current's change with
-    depth, the
-    turning of the bending forces) is small, and only slows it.
+    Newton; `tolerance` [m] is on the largest correction. What the tangent leaves out (the current's change with depth,
+    the turning of the bending forces) is small, and only slows it.
     """
     equations = line.equations
     equations[n, CX] = equations[n, CY] = equations[n, CZ] = 0.0

@@ -94,9 +94,9 @@ BAND_COLUMNS = 18
 ) = range(31)
 SETTING_COLUMNS = 31
 
-# Counters that a kernel writes: segments in use, and what an advance did.
-SEGMENTS, SUBSTEPS, SOLVES, HALVINGS = range(4)
-COUNTER_COLUMNS = 4
+# Counters that a kernel writes: segments in use.
+SEGMENTS = 0
+COUNTER_COLUMNS = 1
 
 # Outcomes of an advance.
 DONE, NOT_CONVERGED, TOO_SHORT = range(3)

@@ -10,10 +10,8 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
 from heave_node.arrays import Array
 from heave_node.compiled import inner_kernel, kernel
-from numpy.typing import NDArray
 
 from cable_sim_node.line.arrays import LineArrays
 from cable_sim_node.line.assembly import add_compensator, assemble_nodes, assemble_segments, solve_blocks
@@ -35,7 +33,6 @@ from cable_sim_node.line.layout import (
     DONE,
     END,
     GAMMA,
-    HALVINGS,
     ITERATIONS,
     LENGTH,
     MERGE_AT,
@@ -44,11 +41,9 @@ from cable_sim_node.line.layout import (
     NOW,
     RATE,
     SEGMENTS,
-    SOLVES,
     SPRING_ON,
     START,
     STEP,
-    SUBSTEPS,
     TIME,
     TOLERANCE,
     TOO_SHORT,
@@ -61,8 +56,6 @@ from cable_sim_node.line.layout import (
     Y,
     Z,
 )
-
-Counters = NDArray[np.int64]
 
 _SMALLEST_SHARE = 2.0**-16
 """A step is halved at most so far before the advance is given up."""
@@ -194,7 +187,6 @@ def step(line: LineArrays, n: int, h: float) -> int:
     last, part = 1e300, 1.0
     for _ in range(int(settings[ITERATIONS])):
         least, near_kink = assemble(line, n, c_mass, c_velocity)
-        line.counters[SOLVES] += 1
         if settings[BENDING_ON] > 0.0:
             solve_with_bending(count, equations, line.band)
         else:
@@ -265,7 +257,6 @@ def advance(line: LineArrays, duration: float, ends: Array) -> int:
             if ended in (_TAUT, _SLACK):
                 done = at
                 size = min(2.0 * size, nominal)
-                line.counters[SUBSTEPS] += 1
                 n = feed(line, n)
                 if ended == _TAUT:
                     set_scheme(line.settings, alpha_m, alpha_f)
@@ -275,7 +266,6 @@ def advance(line: LineArrays, duration: float, ends: Array) -> int:
                     size *= 0.5
             else:
                 size *= 0.5
-                line.counters[HALVINGS] += 1
                 if size < nominal * _SMALLEST_SHARE:
                     outcome = NOT_CONVERGED
                     break

@@ -3,29 +3,24 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
-from heave_node.arrays import Array
-from numpy.typing import ArrayLike
-
-from cable_sim_node.errors import NoEquilibriumError
-from cable_sim_node.line import layout as at
-from cable_sim_node.line.grid import segment_row, unit_row
-from cable_sim_node.parameters import CableParameters, CableSimParameters
-from cable_sim_node.statics.errors import StaticsError
-from cable_sim_node.statics.march import LENGTH, STIFFNESS
+from cable_sim_node.errors import StaticsError
+from cable_sim_node.parameters import CableSimParameters
+from cable_sim_node.physics.current import current_of
 from cable_sim_node.statics.problems import towing_cable
 from cable_sim_node.statics.shape import StaticShape
-from cable_sim_node.statics.system import Current, PointLoad, StaticCable, StaticSection, static_cable
+from cable_sim_node.statics.suspended import suspended_cable, with_tension_law
+from cable_sim_node.statics.tables import LENGTH
+from heave_node.arrays import Array
+from numpy.typing import ArrayLike
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-
-STIFFNESS_ITERATIONS = 50
 
 PICTURE_ENDINGS = (".png", ".svg")
 """Kinds of picture of a static state."""
@@ -112,7 +107,7 @@ class StaticReport:
         return "\n".join(f"{name:40}{text}" for name, text in rows)
 
 
-def static_report(parameters: CableSimParameters, boom_tip: ArrayLike = (0.0, 0.0, 0.0)) -> StaticReport:
+def hanging_report(parameters: CableSimParameters, boom_tip: ArrayLike = (0.0, 0.0, 0.0)) -> StaticReport:
     """Return the static equilibrium of a cable system hanging from `boom_tip` [m] at payout 0.
 
     Bending stiffness, waves and the passive compensator have no part in it; a current that changes in time is taken
@@ -127,8 +122,7 @@ def static_report(parameters: CableSimParameters, boom_tip: ArrayLike = (0.0, 0.
     """
     tip = np.asarray(boom_tip, dtype=np.float64)
     current = current_of(parameters)
-    cable = cable_of(parameters)
-    shape = _with_tension_law(parameters.cable, cable, tip, current)
+    shape = with_tension_law(parameters, suspended_cable(parameters), lambda cable: towing_cable(cable, tip, current))
     unit = shape.positions[0]
     seabed = parameters.seabed
     depth = seabed.depth if seabed.depth > 0.0 else None
@@ -148,68 +142,6 @@ def static_report(parameters: CableSimParameters, boom_tip: ArrayLike = (0.0, 0.
         unit_pull=shape.lower[0],
         seabed_depth=depth,
     )
-
-
-def current_of(parameters: CableSimParameters) -> Current:
-    """Return the current of a parameter set at the start of the run."""
-    profile = parameters.current_profile
-    factor = profile.factor[0] if profile.factor else 1.0
-    if not profile.depth:
-        return Current(factor * np.array(parameters.current))
-    velocities = factor * np.column_stack((profile.velocity_x, profile.velocity_y))
-    return Current(velocities, profile.depth)
-
-
-def cable_of(parameters: CableSimParameters, *, segments: int | None = None) -> StaticCable:
-    """Return the cable with unit and clumps, s = 0 at the unit; `segments` as in the parameters but 100 at least."""
-    sections = []
-    start = 0.0
-    for size in (*parameters.sections.length, parameters.length):
-        if start >= parameters.length:
-            break
-        row = segment_row(parameters, start)
-        sections.append(
-            StaticSection(
-                length=min(size, parameters.length - start),
-                axial_stiffness=row[at.STIFFNESS],
-                weight=row[at.WEIGHT],
-                normal_drag=row[at.NORMAL_DRAG],
-                tangential_drag=row[at.TANGENTIAL_DRAG],
-            )
-        )
-        start += size
-    force, drag = np.split(unit_row(parameters), 4)[2], np.split(unit_row(parameters), 4)[1]
-    loads = [PointLoad(0.0, (force[0], force[1], force[2]), (drag[0], drag[1], drag[2]))]
-    density = parameters.water_density
-    clumps = parameters.clumps
-    for index, label in enumerate(clumps.position):
-        in_water = (clumps.mass[index] - density * clumps.volume[index]) * parameters.gravity
-        loads.append(PointLoad(label, (0.0, 0.0, -in_water), body_drag=0.5 * density * clumps.drag_area[index]))
-    count = max(parameters.segments, 100) if segments is None else segments
-    return static_cable(sections, loads, segments=count)
-
-
-def _with_tension_law(law: CableParameters, cable: StaticCable, tip: Array, current: Current) -> StaticShape:
-    """Solve; with a tension law that is not straight, again with each segment's secant stiffness until it settles."""
-    shape = towing_cable(cable, tip, current)
-    if law.stiffness_quadratic == 0.0 and law.stiffness_cubic == 0.0:
-        return shape
-    small_strain = cable.segments[:, STIFFNESS].copy()
-    for _ in range(STIFFNESS_ITERATIONS):
-        tension = 0.5 * (np.linalg.norm(shape.lower, axis=1) + np.linalg.norm(shape.upper, axis=1))
-        strain = tension / cable.segments[:, STIFFNESS]
-        shaped = 1.0 + law.stiffness_quadratic * strain + law.stiffness_cubic * strain**2
-        wanted = small_strain * shaped
-        if not np.all(wanted > 0.0):
-            raise NoEquilibriumError("the cable's tension law carries no load at the static strain")
-        segments = cable.segments.copy()
-        segments[:, STIFFNESS] = wanted
-        settled = float(np.max(np.abs(wanted / cable.segments[:, STIFFNESS] - 1.0))) < 1e-12
-        cable = replace(cable, segments=segments)
-        shape = towing_cable(cable, tip, current)
-        if settled:
-            return shape
-    raise NoEquilibriumError("the static strain did not settle under the cable's tension law")
 
 
 def draw_static(report: StaticReport, path: Path) -> None:

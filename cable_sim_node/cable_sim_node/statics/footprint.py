@@ -15,11 +15,11 @@ from heave_node.arrays import Array
 from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import brentq
 
-from cable_sim_node.errors import NoEquilibriumError
-from cable_sim_node.statics.errors import StaticsError
+from cable_sim_node.errors import NoEquilibriumError, StaticsError
+from cable_sim_node.physics.current import Current
 from cable_sim_node.statics.problems import STILL_WATER
 from cable_sim_node.statics.shape import cut_at_height, shape_from
-from cable_sim_node.statics.system import Current, StaticCable
+from cable_sim_node.statics.system import StaticCable
 
 PULL_LEVELS = 10
 THRUST_LEVELS = (1.0, 0.9, 0.8, 0.7, 0.6, 0.5, 0.4, 0.3, 0.2, 0.1, 0.0)

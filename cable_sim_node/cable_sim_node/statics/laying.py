@@ -16,12 +16,12 @@ import numpy as np
 from heave_node.arrays import Array
 from numpy.typing import ArrayLike
 
-from cable_sim_node.errors import NoEquilibriumError
-from cable_sim_node.statics.drag import segment_drag
-from cable_sim_node.statics.errors import StaticsError
+from cable_sim_node.errors import NoEquilibriumError, StaticsError
+from cable_sim_node.physics.current import Current
+from cable_sim_node.physics.drag import segment_drag
 from cable_sim_node.statics.problems import STILL_WATER
 from cable_sim_node.statics.shape import cut_at_height, shape_from
-from cable_sim_node.statics.system import Current, StaticSection, static_cable
+from cable_sim_node.statics.system import StaticSection, static_cable
 
 DIRECTION_ITERATIONS = 2000
 
@@ -121,9 +121,9 @@ def _properties(section: StaticSection) -> tuple[float, float, float, float]:
 def _landing_direction(section: StaticSection, water: Array, feed: float) -> tuple[Array, Array]:
     """Return the direction (upwards along the cable) without load across it, and the drag there [N/m]."""
     direction = np.array([0.0, 0.0, 1.0])
-    drag, scratch = np.empty(3), (np.empty((3, 3)), np.empty((3, 3)))
+    flow, scratch = (float(water[0]), float(water[1]), float(water[2])), (np.empty((3, 3)), np.empty((3, 3)))
     for _ in range(DIRECTION_ITERATIONS):
-        segment_drag(direction, water, feed, section.normal_drag, section.tangential_drag, drag, *scratch)
+        drag = np.array(segment_drag(direction, flow, feed, section.normal_drag, section.tangential_drag, *scratch))
         load = drag - np.array([0.0, 0.0, section.weight])
         across = load - (load @ direction) * direction
         size = float(np.linalg.norm(across)) / section.weight

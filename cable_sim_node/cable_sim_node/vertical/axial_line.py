@@ -10,10 +10,9 @@ import numpy as np
 from heave_node.arrays import Array
 
 from cable_sim_node.errors import NoEquilibriumError
-from cable_sim_node.line import layout as at
-from cable_sim_node.line.equilibrium import strain_at
-from cable_sim_node.line.grid import segment_row, unit_row
 from cable_sim_node.parameters import CableSimParameters
+from cable_sim_node.physics.properties import body_properties, cable_sections, unit_properties
+from cable_sim_node.physics.tension_law import strain_at, tangent_stiffness
 
 
 @dataclass(frozen=True)
@@ -144,35 +143,25 @@ def axial_line(parameters: CableSimParameters) -> AxialLine:
     NoEquilibriumError
         if the tension law does not reach the static tension, or falls there.
     """
-    sections = []
-    start = 0.0
-    for size in (*parameters.sections.length, math.inf):
-        row = segment_row(parameters, start)
-        sections.append(
-            AxialSection(
-                length=size,
-                axial_stiffness=float(row[at.STIFFNESS]),
-                mass=float(row[at.MASS]),
-                weight=float(row[at.WEIGHT]),
-                drag=float(row[at.TANGENTIAL_DRAG]),
-                damping_time=float(row[at.DAMPING] / row[at.STIFFNESS]),
-            )
+    sections = [
+        AxialSection(
+            length=section.length,
+            axial_stiffness=section.cable.axial_stiffness,
+            mass=section.cable.mass,
+            weight=section.cable.weight,
+            drag=section.cable.tangential_drag,
+            damping_time=section.cable.internal_damping / section.cable.axial_stiffness,
         )
-        start += size
-    unit = unit_row(parameters)
-    density, clumps = parameters.water_density, parameters.clumps
+        for section in cable_sections(parameters)
+    ]
+    unit = unit_properties(parameters)
     bodies = [
-        AxialClump(
-            label=label,
-            inertia=clumps.mass[i] + (clumps.added_mass[i] if density > 0.0 else 0.0),
-            weight=(clumps.mass[i] - density * clumps.volume[i]) * parameters.gravity,
-            drag=0.5 * density * clumps.drag_area[i],
-        )
-        for i, label in enumerate(clumps.position)
+        AxialClump(body.label, body.mass + body.added_mass, body.weight, body.drag)
+        for body in body_properties(parameters)
     ]
     line = AxialLine(
         tuple(sections),
-        AxialUnit(float(unit[at.UNIT_INERTIA + 2]), -float(unit[at.UNIT_FORCE + 2]), float(unit[at.UNIT_DRAG + 2])),
+        AxialUnit(float(unit.inertia[2]), -float(unit.force[2]), float(unit.drag[2])),
         tuple(sorted(bodies, key=lambda body: body.label)),
     )
     cable = parameters.cable
@@ -184,18 +173,16 @@ def axial_line(parameters: CableSimParameters) -> AxialLine:
 def _at_static_tension(parameters: CableSimParameters, line: AxialLine) -> AxialLine:
     """Return `line` with each section's EA replaced by the slope of its tension law at rest."""
     sections = []
-    start = 0.0
-    for section in line.sections:
+    for axial, section in zip(line.sections, cable_sections(parameters), strict=True):
+        start, cable = section.start, section.cable
         end = max(min(start + section.length, parameters.length), start + 1e-6 * parameters.length)
-        row = segment_row(parameters, start)
-        strain = strain_at(row, line.static_top_tension(0.5 * (start + end)))
-        slope = 1.0 + strain * (2.0 * row[at.QUADRATIC] + 3.0 * row[at.CUBIC] * strain)
-        if not (math.isfinite(strain) and slope > 0.0):
+        law = (cable.axial_stiffness, cable.quadratic, cable.cubic)
+        strain = strain_at(*law, line.static_top_tension(0.5 * (start + end)))
+        stiffness = tangent_stiffness(*law, strain)
+        if not (math.isfinite(strain) and stiffness > 0.0):
             raise NoEquilibriumError(
                 f"the cable's tension law does not carry the static tension {start:g} m above the unit"
             )
-        stiffness = float(row[at.STIFFNESS] * slope)
-        delay = section.damping_time * section.axial_stiffness / stiffness
-        sections.append(replace(section, axial_stiffness=stiffness, damping_time=delay))
-        start += section.length
+        delay = axial.damping_time * axial.axial_stiffness / stiffness
+        sections.append(replace(axial, axial_stiffness=stiffness, damping_time=delay))
     return replace(line, sections=tuple(sections))

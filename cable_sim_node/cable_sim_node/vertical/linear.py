@@ -15,20 +15,14 @@ from heave_node.arrays import Array, ComplexArray
 from numpy.typing import ArrayLike
 from scipy.optimize import brentq, least_squares
 
-from cable_sim_node.errors import PlantError
+from cable_sim_node.errors import LinearisationError
+from cable_sim_node.physics.drag import HARMONIC_DRAG
 from cable_sim_node.vertical.axial_line import AxialLine, AxialPiece
-
-HARMONIC_DRAG = 8.0 / (3.0 * math.pi)
-"""First harmonic of abs(sin) sin: makes quadratic drag linear at equal energy per cycle."""
 
 DRAG_PIECES = 12
 """Pieces along the cable in each of which the drag's linearisation amplitude is constant."""
 
 DRAG_ITERATIONS = 60
-
-
-class LinearisationError(PlantError, ValueError):
-    """A linearisation that cannot be made; the message says why."""
 
 
 @dataclass(frozen=True)
