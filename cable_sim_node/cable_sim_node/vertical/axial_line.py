@@ -13,6 +13,18 @@ from cable_sim_node.errors import NoEquilibriumError
 from cable_sim_node.parameters import CableSimParameters
 from cable_sim_node.physics.properties import body_properties, cable_sections, unit_properties
 from cable_sim_node.physics.tension_law import strain_at, tangent_stiffness
+from cable_sim_node.vertical.axial_layout import (
+    COMPLIANCE,
+    DELAY,
+    DENSITY,
+    DRAG,
+    MASS,
+    QUANTITIES,
+    SECTION_COLUMNS,
+    START,
+    TOTAL,
+    WEIGHT,
+)
 
 
 @dataclass(frozen=True)
@@ -83,20 +95,22 @@ class AxialLine:
         lengths = [section.length for section in self.sections[:-1]]
         return np.concatenate(([0.0], np.cumsum(lengths)))
 
-    def densities(self) -> Array:
-        """Return shape (5, sections): 1/EA, mass, weight, drag and damping time, per metre."""
-        rows = [(1.0 / s.axial_stiffness, s.mass, s.weight, s.drag, s.damping_time) for s in self.sections]
-        return np.ascontiguousarray(np.array(rows).T)
-
-    def totals(self) -> Array:
-        """Return shape (5, sections): the integrals of `densities` from the unit to each section's start."""
+    def section_table(self) -> Array:
+        """Return the rows of the sections as the axial kernel takes them; columns in `axial_layout`."""
+        table = np.zeros((len(self.sections), SECTION_COLUMNS))
+        table[:, START] = self.starts()
+        density, total = table[:, DENSITY : DENSITY + QUANTITIES], table[:, TOTAL : TOTAL + QUANTITIES]
+        for row, s in zip(density, self.sections, strict=True):
+            row[[COMPLIANCE, MASS, WEIGHT, DRAG, DELAY]] = (
+                1.0 / s.axial_stiffness,
+                s.mass,
+                s.weight,
+                s.drag,
+                s.damping_time,
+            )
         lengths = np.array([section.length for section in self.sections[:-1]])
-        sums = np.cumsum(self.densities()[:, :-1] * lengths, axis=1)
-        return np.concatenate((np.zeros((5, 1)), sums), axis=1)
-
-    def clump_table(self) -> Array:
-        """Return shape (clumps, 4): label, inertia, weight and drag of each."""
-        return np.array([(c.label, c.inertia, c.weight, c.drag) for c in self.clumps]).reshape(-1, 4)
+        total[1:] = np.cumsum(density[:-1] * lengths[:, np.newaxis], axis=0)
+        return table
 
     def section_at(self, label: float) -> AxialSection:
         """Return the section to which the point at `label` [m] belongs."""
