@@ -20,6 +20,11 @@ The way in from Python, which takes all arrays of a line apart, costs as much to
 """
 
 
+def is_compiled(function: Any) -> bool:
+    """Return whether a `kernel` stands compiled in numba's cache, so that its first call in a process is quick."""
+    return any(Path(function.stats.cache_path).glob(f"*.{function.__name__}-*.nbi"))
+
+
 def drop_stale_kernels(package_file: str, *used_files: str) -> None:
     """Delete the compiled kernels of a package folder that are older than any source that they are made of.
 

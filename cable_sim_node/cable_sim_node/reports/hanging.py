@@ -1,33 +1,30 @@
-"""The static state of a scenario: forces, positions, top tension and angle, as text and as a picture."""
+"""Unit and cable at rest below the boom tip: forces, positions, top tension and angle."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
+from heave_node.arrays import Array
+from numpy.typing import ArrayLike
+
 from cable_sim_node.errors import StaticsError
 from cable_sim_node.parameters import CableSimParameters
 from cable_sim_node.physics.current import current_of
+from cable_sim_node.reports.report import labelled_rows
 from cable_sim_node.statics.problems import towing_cable
 from cable_sim_node.statics.shape import StaticShape
 from cable_sim_node.statics.suspended import suspended_cable, with_tension_law
 from cable_sim_node.statics.tables import LENGTH
-from heave_node.arrays import Array
-from numpy.typing import ArrayLike
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-PICTURE_ENDINGS = (".png", ".svg")
-"""Kinds of picture of a static state."""
-
-
 @dataclass(frozen=True)
-class StaticReport:
+class HangingReport:
     """Static equilibrium of unit and cable under the boom tip, winch locked.
 
     Attributes
@@ -38,6 +35,7 @@ class StaticReport:
     unit_weight : weight of the unit in water [N]
     unit_pull : force of the cable on the unit [N]
     seabed_depth : [m] below the origin, None without a seabed
+    clearance : height of the unit above the seabed below it [m], None without a seabed
     """
 
     shape: StaticShape
@@ -47,6 +45,7 @@ class StaticReport:
     unit_weight: float
     unit_pull: Array
     seabed_depth: float | None
+    clearance: float | None
 
     @property
     def top_tension(self) -> float:
@@ -63,7 +62,7 @@ class StaticReport:
         """Direction in which the cable leaves the boom tip, from x towards y [rad]."""
         return math.atan2(-self.boom_tip_force[1], -self.boom_tip_force[0])
 
-    def values(self) -> dict[str, float | list[float]]:
+    def values(self) -> dict[str, object]:
         """Return the numbers with units in their names, for a machine."""
         return {
             "length_m": self.shape.cable.length,
@@ -78,6 +77,7 @@ class StaticReport:
             "top_azimuth_deg": math.degrees(self.top_azimuth),
             "least_tension_n": float(self.shape.tension.min()),
             "horizontal_offset_m": float(np.hypot(*(self.unit - self.boom_tip)[:2])),
+            "clearance_m": self.clearance,
         }
 
     def table(self) -> str:
@@ -102,12 +102,47 @@ class StaticReport:
             ("top angle from the vertical [deg]", f"{math.degrees(self.top_angle):12.3f}"),
             ("least tension [N]", f"{float(self.shape.tension.min()):12.1f}"),
         ]
-        if self.seabed_depth is not None:
-            rows.append(("unit above the seabed [m]", f"{self.unit[2] + self.seabed_depth:12.3f}"))
-        return "\n".join(f"{name:40}{text}" for name, text in rows)
+        if self.clearance is not None:
+            rows.append(("unit above the seabed [m]", f"{self.clearance:12.3f}"))
+        return labelled_rows(rows)
+
+    def draw(self, figure: Figure) -> None:
+        """Draw x-z, y-z and x-y views into `figure`, coloured by tension."""
+        from matplotlib.cm import ScalarMappable  # noqa: PLC0415 (slow to import, rarely needed)
+        from matplotlib.colors import Normalize  # noqa: PLC0415 (slow to import, rarely needed)
+
+        curve = self.shape.curve()
+        labels = np.interp(
+            np.linspace(0.0, len(self.shape.positions) - 1, len(curve)),
+            np.arange(len(self.shape.positions)),
+            self.shape.cable.labels,
+        )
+        tension = np.interp(labels, self.shape.cable.labels, self.shape.tension)
+        span = max(float(np.ptp(curve, axis=0).max()), self.shape.cable.segments[0, LENGTH])
+        axes = figure.subplots(1, 3)
+        colours = Normalize(float(tension.min()) / 1e3, float(tension.max()) / 1e3)
+        for axis, (across, up) in zip(axes, ((0, 2), (1, 2), (0, 1)), strict=True):
+            axis.plot(curve[:, across], curve[:, up], color="0.7", linewidth=1.0)
+            axis.scatter(curve[:, across], curve[:, up], c=tension / 1e3, s=6.0, cmap="viridis", norm=colours)
+            axis.plot(self.unit[across], self.unit[up], "ks", markersize=7.0, label="unit")
+            axis.plot(self.boom_tip[across], self.boom_tip[up], "r^", markersize=7.0, label="boom tip")
+            axis.set_xlabel(f"{'xyz'[across]} [m]")
+            axis.set_ylabel(f"{'xyz'[up]} [m]")
+            if float(np.ptp(curve[:, across])) < 0.02 * span:
+                middle = float(curve[:, across].mean())
+                axis.set_xlim(middle - 0.1 * span, middle + 0.1 * span)
+            if self.seabed_depth is not None and up == 2:
+                axis.axhline(-self.seabed_depth, color="saddlebrown", linewidth=2.0)
+            axis.grid(alpha=0.3)
+        axes[0].legend(loc="best", fontsize="small")
+        figure.colorbar(ScalarMappable(colours, "viridis"), ax=axes, label="tension [kN]")
+        figure.suptitle(
+            f"{self.shape.cable.length:g} m out: top tension {self.top_tension / 1e3:.2f} kN,"
+            f" top angle {math.degrees(self.top_angle):.2f} deg"
+        )
 
 
-def hanging_report(parameters: CableSimParameters, boom_tip: ArrayLike = (0.0, 0.0, 0.0)) -> StaticReport:
+def hanging_report(parameters: CableSimParameters, boom_tip: ArrayLike = (0.0, 0.0, 0.0)) -> HangingReport:
     """Return the static equilibrium of a cable system hanging from `boom_tip` [m] at payout 0.
 
     Bending stiffness, waves and the passive compensator have no part in it; a current that changes in time is taken
@@ -125,69 +160,21 @@ def hanging_report(parameters: CableSimParameters, boom_tip: ArrayLike = (0.0, 0
     shape = with_tension_law(parameters, suspended_cable(parameters), lambda cable: towing_cable(cable, tip, current))
     unit = shape.positions[0]
     seabed = parameters.seabed
-    depth = seabed.depth if seabed.depth > 0.0 else None
-    if depth is not None:
-        bottom = -depth + seabed.slope[0] * unit[0] + seabed.slope[1] * unit[1]
-        if unit[2] < bottom:
+    clearance = None
+    if seabed.depth > 0.0:
+        clearance = float(unit[2] + seabed.depth - np.dot(seabed.slope, unit[:2]))
+        if clearance < 0.0:
             raise StaticsError(
-                f"the unit would hang {bottom - unit[2]:.3g} m below the seabed: shorten length {parameters.length:g} m"
-                f" or deepen seabed.depth {depth:g} m"
+                f"the unit would hang {-clearance:.3g} m below the seabed: shorten length {parameters.length:g} m"
+                f" or deepen seabed.depth {seabed.depth:g} m"
             )
-    return StaticReport(
+    return HangingReport(
         shape=shape,
         boom_tip=tip,
         unit=unit,
         boom_tip_force=shape.end_force,
         unit_weight=parameters.unit.weight_in_fluid(parameters.water_density, parameters.gravity),
         unit_pull=shape.lower[0],
-        seabed_depth=depth,
-    )
-
-
-def draw_static(report: StaticReport, path: Path) -> None:
-    """Draw the shape in both vertical planes and from above, to a PNG or SVG file by the suffix of `path`."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg  # noqa: PLC0415 (slow to import, rarely needed)
-    from matplotlib.figure import Figure  # noqa: PLC0415 (slow to import, rarely needed)
-
-    if path.suffix.lower() not in PICTURE_ENDINGS:
-        raise StaticsError(f"{path}: a static picture is {' or '.join(PICTURE_ENDINGS)}")
-    figure = Figure(figsize=(11.0, 5.5), layout="constrained")
-    FigureCanvasAgg(figure)
-    draw_shape(figure, report)
-    figure.savefig(path, dpi=120)
-
-
-def draw_shape(figure: Figure, report: StaticReport) -> None:
-    """Draw x-z, y-z and x-y views into `figure`, coloured by tension."""
-    from matplotlib.cm import ScalarMappable  # noqa: PLC0415 (slow to import, rarely needed)
-    from matplotlib.colors import Normalize  # noqa: PLC0415 (slow to import, rarely needed)
-
-    curve = report.shape.curve()
-    labels = np.interp(
-        np.linspace(0.0, len(report.shape.positions) - 1, len(curve)),
-        np.arange(len(report.shape.positions)),
-        report.shape.cable.labels,
-    )
-    tension = np.interp(labels, report.shape.cable.labels, report.shape.tension)
-    span = max(float(np.ptp(curve, axis=0).max()), report.shape.cable.segments[0, LENGTH])
-    axes = figure.subplots(1, 3)
-    colours = Normalize(float(tension.min()) / 1e3, float(tension.max()) / 1e3)
-    for axis, (across, up) in zip(axes, ((0, 2), (1, 2), (0, 1)), strict=True):
-        axis.plot(curve[:, across], curve[:, up], color="0.7", linewidth=1.0)
-        axis.scatter(curve[:, across], curve[:, up], c=tension / 1e3, s=6.0, cmap="viridis", norm=colours)
-        axis.plot(report.unit[across], report.unit[up], "ks", markersize=7.0, label="unit")
-        axis.plot(report.boom_tip[across], report.boom_tip[up], "r^", markersize=7.0, label="boom tip")
-        axis.set_xlabel(f"{'xyz'[across]} [m]")
-        axis.set_ylabel(f"{'xyz'[up]} [m]")
-        if float(np.ptp(curve[:, across])) < 0.02 * span:
-            middle = float(curve[:, across].mean())
-            axis.set_xlim(middle - 0.1 * span, middle + 0.1 * span)
-        if report.seabed_depth is not None and up == 2:
-            axis.axhline(-report.seabed_depth, color="saddlebrown", linewidth=2.0)
-        axis.grid(alpha=0.3)
-    axes[0].legend(loc="best", fontsize="small")
-    figure.colorbar(ScalarMappable(colours, "viridis"), ax=axes, label="tension [kN]")
-    figure.suptitle(
-        f"{report.shape.cable.length:g} m out: top tension {report.top_tension / 1e3:.2f} kN,"
-        f" top angle {math.degrees(report.top_angle):.2f} deg"
+        seabed_depth=seabed.depth if seabed.depth > 0.0 else None,
+        clearance=clearance,
     )

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
+from heave_node.arrays import Array
 
 from cable_sim_node.errors import NoEquilibriumError
 from cable_sim_node.parameters import CableSimParameters
@@ -19,19 +20,30 @@ FEWEST_SEGMENTS = 100
 STIFFNESS_ITERATIONS = 50
 
 
-def suspended_cable(parameters: CableSimParameters) -> StaticCable:
-    """Return the cable with its bodies and the unit at s = 0, cut into `segments` but 100 at least.
+def suspended_cable(parameters: CableSimParameters, end_load: PointLoad | None = None) -> StaticCable:
+    """Return the cable with its bodies, cut into `segments` but 100 at least.
+
+    Parameters
+    ----------
+    parameters : of the plant
+    end_load : what is at s = 0; the unit with its weight, thrust and drag if None
 
     Raises
     ------
     StaticsError
         if sections or bodies do not fit on the cable.
     """
-    unit = unit_properties(parameters)
-    loads = [PointLoad(0.0, _triple(unit.force), _triple(unit.drag))]
+    loads = [unit_load(parameters) if end_load is None else end_load]
     loads += [PointLoad(b.label, (0.0, 0.0, -b.weight), body_drag=b.drag) for b in body_properties(parameters)]
     segments = max(parameters.segments, FEWEST_SEGMENTS)
     return static_cable(static_sections(parameters), loads, segments=segments)
+
+
+def unit_load(parameters: CableSimParameters, *, is_carried: bool = False) -> PointLoad:
+    """Return the unit as a load at s = 0; one that is carried by something else has its drag alone."""
+    unit = unit_properties(parameters)
+    force = np.zeros(3) if is_carried else unit.force
+    return PointLoad(0.0, _triple(force), _triple(unit.drag))
 
 
 def static_sections(parameters: CableSimParameters) -> list[StaticSection]:
@@ -83,5 +95,5 @@ def with_tension_law(
     raise NoEquilibriumError("the static strain did not settle under the cable's tension law")
 
 
-def _triple(values: np.ndarray) -> tuple[float, float, float]:
+def _triple(values: Array) -> tuple[float, float, float]:
     return float(values[0]), float(values[1]), float(values[2])

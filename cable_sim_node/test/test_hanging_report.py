@@ -13,7 +13,8 @@ from cable_sim_node.parameters import (
     SeabedParameters,
     SectionsParameters,
 )
-from cable_sim_node.reports.hanging import draw_static, hanging_report
+from cable_sim_node.reports.hanging import hanging_report
+from cable_sim_node.reports.report import save_picture
 
 PNG_HEAD = b"\x89PNG\r\n\x1a\n"
 
@@ -73,6 +74,7 @@ def test_the_table_says_every_number_with_its_unit():
     assert f"{report.top_tension:.1f}" in table
     values = report.values()
     assert values["top_tension_n"] == pytest.approx(report.top_tension)
+    assert values["clearance_m"] == pytest.approx(320.0 + report.unit[2])
     assert all(np.all(np.isfinite(value)) for value in values.values())
 
 
@@ -93,9 +95,9 @@ def test_a_clump_beyond_the_cable_is_refused():
 
 def test_the_picture_is_written_in_the_format_of_its_name(tmp_path):
     report = hanging_report(dataclasses.replace(RICH, seabed=SeabedParameters(depth=320.0)))
-    draw_static(report, tmp_path / "shape.png")
-    draw_static(report, tmp_path / "shape.svg")
+    save_picture(report, tmp_path / "shape.png")
+    save_picture(report, tmp_path / "shape.svg")
     assert (tmp_path / "shape.png").read_bytes()[:8] == PNG_HEAD
     assert "<svg" in (tmp_path / "shape.svg").read_text(encoding="utf-8")
-    with pytest.raises(StaticsError, match=r"\.png or \.svg"):
-        draw_static(report, tmp_path / "shape.gif")
+    with pytest.raises(PlantError, match=r"\.png or \.svg"):
+        save_picture(report, tmp_path / "shape.gif")
