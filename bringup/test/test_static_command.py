@@ -1,9 +1,19 @@
 """`heave static`: every problem prints a table, writes its picture and its JSON, and refuses what it cannot do."""
 
 import json
+import re
+import shlex
+from pathlib import Path
 
 import pytest
 from heave_bringup.cli import main
+from heave_bringup.commands import modes, static
+from heave_bringup.parser import make_parser
+
+PLANT_README = Path(__file__).parents[2] / "cable_sim_node" / "README.md"
+EXAMPLES = [line.strip() for line in (static.EXAMPLES + "\n" + modes.EXAMPLES).splitlines()]
+if PLANT_README.is_file():
+    EXAMPLES += re.findall(r"^(heave (?:static|modes) .*?)(?: +#.*)?$", PLANT_README.read_text("utf-8"), re.MULTILINE)
 
 PROBLEMS = {
     "hanging": ([], "top_tension_n"),
@@ -65,3 +75,10 @@ def test_what_statics_cannot_solve_is_one_line_and_status_1(tmp_path, capsys, mo
     said = capsys.readouterr().err.splitlines()[-1]
     assert "s300_driven.yaml: " in said
     assert "300 m of cable" in said
+
+
+@pytest.mark.parametrize("example", EXAMPLES)
+def test_an_example_of_help_and_readme_is_a_command_line(example):
+    options = make_parser().parse_args(shlex.split(example)[1:])
+    if options.command == "static":
+        static.check_options(options)

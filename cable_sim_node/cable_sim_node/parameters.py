@@ -55,7 +55,7 @@ class CableParameters:
         return hydrostatics.displaced_area(self.diameter, self.displaced_diameter)
 
     def weight_in_fluid(self, density: float, gravity: float = STANDARD_GRAVITY) -> float:
-        """Return weight minus buoyancy per unstretched metre [N/m] in a fluid of `density` [kg/m^3]."""
+        """Return weight minus buoyancy [N/m] in a fluid of `density` [kg/m^3] under `gravity` [m/s^2]."""
         return hydrostatics.weight_in_fluid(self.mass_per_length, self.displaced_area, density, gravity)
 
 
@@ -135,7 +135,7 @@ class UnitParameters:
     )
 
     def weight_in_fluid(self, density: float, gravity: float = STANDARD_GRAVITY) -> float:
-        """Return weight minus buoyancy [N] in a fluid of `density` [kg/m^3]."""
+        """Return weight minus buoyancy [N] in a fluid of `density` [kg/m^3] under `gravity` [m/s^2]."""
         return hydrostatics.weight_in_fluid(self.mass, self.volume, density, gravity)
 
 

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 EXAMPLES = """\
 heave static s300_driven --set 'cable_sim.current=[0.5, 0.0]' --picture shape.png
          heave static s300_driven --towing --speed 0.5 1 1.5 2
-         heave static s300_driven --mooring --depth 290 --offset 0 20 40 60
+         heave static s300_driven --mooring --depth 290 --offset 45 55 65 75
          heave static s300_driven --footprint --depth 280 --thrust 2000
          heave static s300_driven --laying --depth 280 --speed 0.5 1 2"""
 
@@ -85,7 +85,7 @@ def execute(options: argparse.Namespace) -> None:
     from heave_bringup.scenarios import load_scenario
 
     check_output("--picture", options.picture, PICTURE_ENDINGS)
-    _check_options(options)
+    check_options(options)
     scenario = load_scenario(options.scenario, settings=options.set)
     if not is_compiled(march):
         ProgressLine().tell("compiling the static solver: some seconds, once after an installation")
@@ -99,7 +99,7 @@ def execute(options: argparse.Namespace) -> None:
     write_result(options, f"{report.table()}\n\npicture   {picture.resolve()}", report.values())
 
 
-def _check_options(options: argparse.Namespace) -> None:
+def check_options(options: argparse.Namespace) -> None:
     """Refuse, naming it, an option that the problem does not have or whose value cannot be."""
     for name, problems in BELONGS.items():
         values = getattr(options, name)

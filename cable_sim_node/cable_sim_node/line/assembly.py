@@ -3,6 +3,11 @@
 Node 0 is the unit, node n the sheave (boom tip); segment i joins nodes i and i + 1. Blocks are symmetric 3 x 3, stored
 as xx, xy, xz, yy, yz, zz. The top segment changes its length L' at the sheave, where material passes: with q = (x_n -
 x_{n-1})/l, material at the sheave has velocity x_n' - L' q and acceleration x_n'' - L'' q - 2 L' q'.
+
+Arguments have the same names everywhere: `n` segments in use, `nodes`, `parts`, `unit`, `flow`, `settings` and
+`equations` the arrays of `LineArrays` (`nodes` now or at the middle of a step), `top` a row of its top. The Jacobian is
+that of the residual by a node's position if its velocity moves by `c_velocity` [1/s] and its acceleration by `c_mass`
+[1/s^2] times as much.
 """
 
 from __future__ import annotations
@@ -99,7 +104,13 @@ Block = tuple[float, float, float, float, float, float]
 def tension_of(
     stiffness: float, q: float, c: float, damping: float, strain: float, strain_rate: float
 ) -> tuple[float, float, float]:
-    """Return tension [N], its derivative to strain and to strain rate.
+    """Return tension [N], its derivative by strain and by strain rate.
+
+    Parameters
+    ----------
+    stiffness, q, c : of the tension law, see `physics.tension_law`
+    damping : internal damping [N s]
+    strain, strain_rate : [-], [1/s]
 
     A slack segment carries none. Internal damping adds T_e r/sqrt(1 + r^2) to the elastic tension T_e, with r the
     damping force over T_e: it stays below T_e and so never pushes, and a line that comes taut meets no step in force.
@@ -131,7 +142,7 @@ def add_blocks(p: Block, q: Block) -> Block:
 
 @inner_kernel
 def times(m: Block, x: float, y: float, z: float) -> Vector:
-    """Return the block times a vector."""
+    """Return the block `m` times the vector (x, y, z)."""
     return m[0] * x + m[1] * y + m[2] * z, m[1] * x + m[3] * y + m[4] * z, m[2] * x + m[4] * y + m[5] * z
 
 
@@ -157,7 +168,15 @@ def drag_of(normal: float, tangential: float, e: Vector, ux: float, uy: float, u
 def sheave_material(
     dx: float, v_top: float, a_top: float, v_low: float, length: float, rate: float, acceleration: float
 ) -> tuple[float, float]:
-    """Return velocity and acceleration of the material at the sheave along one axis (see the module's text)."""
+    """Return velocity and acceleration of the material at the sheave along one axis (see the text of the module).
+
+    Parameters
+    ----------
+    dx : from the top segment's lower end to the sheave [m]
+    v_top, a_top : of the sheave [m/s], [m/s^2]
+    v_low : velocity of the segment's lower end [m/s]
+    length, rate, acceleration : unstretched length of the segment and its changes [m], [m/s], [m/s^2]
+    """
     q = dx / length
     velocity = v_top - rate * q
     return velocity, a_top - acceleration * q - 2.0 * rate * (velocity - v_low) / length
@@ -175,12 +194,11 @@ def assemble_segments(
     c_velocity: float,
     equations: Array,
 ) -> float:
-    """Add all segments to residual R = M a - F and Jacobian c_mass M - c_velocity dF/dv - dF/dx; return the least
-    strain.
+    """Add all segments to the residual R = M a - F and its Jacobian; return the least strain.
 
     Rows 0..n of the diagonal blocks and the residual, rows 0..n-1 of the upper blocks and the tensions [N] are
-    overwritten. `top` is one row. What the drag and the added mass owe to the turning of a segment is left out of the
-    Jacobian (not of the residual): both are small beside inertia, and the blocks stay symmetric.
+    overwritten. What drag and added mass owe to the turning of a segment is left out of the Jacobian (not of the
+    residual): both are small beside inertia, and the blocks stay symmetric.
     """
     least, r0, r1, r2 = 1e300, 0.0, 0.0, 0.0
     below = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
@@ -367,10 +385,10 @@ def add_compensator(node: Array, top: Array, settings: Array, c_mass: float, c_v
 
 @inner_kernel
 def solve_blocks(count: int, equations: Array) -> None:
-    """Solve the symmetric block-tridiagonal system J correction = -residual for rows 0..count-1 (block Gauss, one pass
-    each way).
+    """Solve the symmetric block-tridiagonal system J correction = -residual for rows 0..count-1 by block elimination.
 
-    Diagonal blocks and residual are used up. The correction of row `count` must be what is prescribed there.
+    Diagonal blocks and residuals in `equations` are used up. The correction of row `count` must be what is prescribed
+    there.
     """
     for i in range(count):
         row, above = equations[i], equations[i + 1]

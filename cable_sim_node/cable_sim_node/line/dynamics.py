@@ -59,9 +59,22 @@ class CableDynamics:
         self._fresh = False
 
     def start_at_equilibrium(self, boom_tip_position: ArrayLike, payout: float = 0.0, *, time: float = 0.0) -> None:
-        """Hang the line at rest, exactly in equilibrium, in the current of `time` [s].
+        """Hang the line at rest, exactly in equilibrium.
 
-        Raises NoEquilibriumError where it does not hang, PlantError where it would reach the seabed.
+        Parameters
+        ----------
+        boom_tip_position : [m], shape (3,)
+        payout : cable let out beyond the parameters' length [m]
+        time : simulated time, whose current flows [s]
+
+        Raises
+        ------
+        NoEquilibriumError
+            where the line does not hang.
+        CableTooShortError
+            for less cable than a segment can shrink to.
+        PlantError
+            where the line would reach the seabed.
         """
         boom_tip = np.array(boom_tip_position, dtype=float)
         total = self.parameters.length + payout
@@ -106,11 +119,21 @@ class CableDynamics:
         payout_end: float,
         payout_rate_end: float,
     ) -> None:
-        """Integrate over `duration` [s]; boom tip and payout [m] run as cubics through values and rates at both ends.
+        """Integrate over an interval; boom tip and payout run as cubics through their values and rates at both ends.
 
-        Only position and velocity of `tip_start` and `tip_end` are used. Raises BadMotionError for numbers that are
-        not finite and for a payout at the start that is not the present one, CableTooShortError, NotConvergedError; the
-        state is then that of the last good step.
+        Parameters
+        ----------
+        duration : [s], above 0
+        tip_start, tip_end : motion of the boom tip; only positions and velocities are used
+        payout_start, payout_rate_start : at the start [m], [m/s]; the payout must be the present one
+        payout_end, payout_rate_end : at the end [m], [m/s]
+
+        Raises
+        ------
+        BadMotionError
+            for numbers that are not finite, and for a payout that jumps; nothing is changed.
+        CableTooShortError, NotConvergedError
+            where the line cannot follow; the state is that of the last good step.
         """
         ends, base = self._ends, self.parameters.length
         ends[0, :3], ends[1, :3] = tip_start.position, tip_start.velocity
@@ -174,7 +197,7 @@ class CableDynamics:
     def top_force(self) -> Array:
         """Force of the line on its top end [N], shape (3,).
 
-        The top segment's tension with half its weight, drag and inertia.
+        It is the top segment's tension with half its weight, drag and inertia.
         """
         self._evaluate()
         return -self._line.residual[self.segments]
@@ -230,10 +253,7 @@ class CableDynamics:
 
     @property
     def compensator_stroke(self) -> float:
-        """How far the passive compensator's sheave is below its mid-stroke at the boom tip [m].
-
-        0 without a compensator.
-        """
+        """How far the compensator's sheave is below its mid-stroke at the boom tip [m]; 0 without a compensator."""
         return float(self._line.top[at.NOW, at.Z] - self._line.x[self.segments, 2])
 
     def set_thrust(self, force: ArrayLike) -> None:

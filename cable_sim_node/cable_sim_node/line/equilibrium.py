@@ -108,8 +108,9 @@ def aim(force: Array, u: Array, normal: float, tangential: float, direction: Arr
 
 @kernel
 def march(line: LineArrays, n: int) -> bool:
-    """Place nodes 1..n above the unit by equilibrium in the current at the nodes' places until now; False where nothing
-    pulls.
+    """Place nodes 1..n above the unit by equilibrium in the current that flows where the nodes of `line` are until now.
+
+    Returns False where nothing pulls.
     """
     now, parts, unit = line.now, line.parts, line.unit
     set_flow(n, line.top[NOW, TIME], now, line.settings, line.current, line.schedule, line.flow)
@@ -147,7 +148,9 @@ def add_drag_turning(n: int, nodes: Array, parts: Array, flow: Array, band: Arra
 
     With u the velocity through the water, the drag of `physics.drag` changes by
 
-    -N (u_t u_n (u_n.de)/abs(u_n) + abs(u_n) ((u_n.de) e + u_t de)) + T (2 abs(u_t) (u_n.de) e + abs(u_t) u_t de)
+        -N (u_t u_n (u_n.de)/abs(u_n) + abs(u_n) ((u_n.de) e + u_t de)) + T (2 abs(u_t) (u_n.de) e + abs(u_t) u_t de)
+
+    Arguments as in `assembly`.
     """
     for i in range(n):
         row, low, high, water = parts[i], nodes[i], nodes[i + 1], flow[i + 1]
@@ -176,10 +179,16 @@ def add_drag_turning(n: int, nodes: Array, parts: Array, flow: Array, band: Arra
 
 @kernel
 def bend(line: LineArrays, n: int, tolerance: float) -> bool:
-    """Move the nodes from the flexible line's equilibrium to the stiff one's; False where that does not settle.
+    """Move the nodes from the flexible line's equilibrium to the stiff one's; return False where that does not settle.
 
-    Newton; `tolerance` [m] is on the largest correction. What the tangent leaves out (the current's change with depth,
-    the turning of the bending forces) is small, and only slows it.
+    Parameters
+    ----------
+    line : arrays, with the flexible line's equilibrium
+    n : segments in use
+    tolerance : largest last correction of Newton's method [m]
+
+    What the tangent leaves out (the current's change with depth, the turning of the bending forces) is small, and only
+    slows it.
     """
     equations = line.equations
     equations[n, CX] = equations[n, CY] = equations[n, CZ] = 0.0
@@ -203,10 +212,17 @@ def bend(line: LineArrays, n: int, tolerance: float) -> bool:
 
 
 def hang(line: LineArrays, boom_tip: Array) -> None:
-    """Put the line at rest under `boom_tip`, shape (3,) [m], in the current of the present time; a wave is taken to be
-    still.
+    """Put the line at rest under the boom tip, in the current of the present time; a wave is taken to be still.
 
-    Raises NoEquilibriumError where unit and cable do not hang (buoyant, or a tension law that yields).
+    Parameters
+    ----------
+    line : arrays, with its length, segments and time set
+    boom_tip : position [m], shape (3,)
+
+    Raises
+    ------
+    NoEquilibriumError
+        where unit and cable do not hang (buoyant, or a tension law that yields).
     """
     n = int(line.counters[SEGMENTS])
     total = float(np.sum(line.parts[:n, LENGTH]))

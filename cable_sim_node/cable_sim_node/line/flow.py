@@ -30,7 +30,12 @@ from cable_sim_node.physics.current import FLOW, between, locate
 def set_flow(n: int, time: float, nodes: Array, settings: Array, current: Array, schedule: Array, flow: Array) -> None:
     """Set the water's velocity [m/s] and acceleration [m/s^2]: row 0 at the unit, row i + 1 at the middle of segment i.
 
-    `current` is a profile of `physics.current`, `schedule` has rows (time, factor).
+    Parameters
+    ----------
+    n : segments in use
+    time : [s]
+    nodes, settings, flow : arrays of `LineArrays`
+    current, schedule : profile of `physics.current`, and rows of time and factor
     """
     low, high, share = locate(time, schedule)
     factor = between(schedule, low, high, share, 1)
@@ -48,8 +53,9 @@ def set_flow(n: int, time: float, nodes: Array, settings: Array, current: Array,
 
 @inner_kernel
 def add_wave(time: float, x: float, y: float, z: float, settings: Array, water: Array) -> None:
-    """Add the wave's velocity at (x, y, z) to a row of the flow, and set its acceleration; crests pass the origin at
-    time 0.
+    """Add the wave's velocity at (x, y, z) to a row of the flow, and set its acceleration.
+
+    Crests pass the origin at `time` 0 and travel in the direction of `settings`.
     """
     omega, number = settings[WAVE_FREQUENCY], settings[WAVE_NUMBER]
     dx, dy = settings[WAVE_X], settings[WAVE_Y]

@@ -18,7 +18,7 @@ _SPARE_SEGMENTS = 8
 
 
 def build_line(parameters: CableSimParameters, total: float) -> LineArrays:
-    """Return the arrays of a line whose grid reaches beyond `total` [m] of unstretched length."""
+    """Return the arrays of a line of these parameters whose grid reaches beyond `total` [m] of unstretched length."""
     points = grid_points(parameters, total)
     grid = np.zeros((len(points), at.GRID_COLUMNS))
     grid[:, at.START] = points
@@ -35,9 +35,10 @@ def build_line(parameters: CableSimParameters, total: float) -> LineArrays:
 
 
 def grid_points(parameters: CableSimParameters, total: float) -> Array:
-    """Return the material coordinates [m] of the grid, beyond `total`; section ends and clumps are grid points.
+    """Return the unstretched lengths [m] from the unit to the grid points, beyond `total`.
 
-    Between those, segments are equal and at most `length / segments` long.
+    Ends of sections and bodies are grid points. Between those, segments are equal and at most `length / segments` of
+    the parameters long.
     """
     size = parameters.length / parameters.segments
     goal = max(total, parameters.length) + _SPARE_SEGMENTS * size
@@ -73,7 +74,7 @@ def segment_row(cable: CableProperties) -> Array:
 
 
 def unit_row(parameters: CableSimParameters) -> Array:
-    """Return inertia, drag, steady force and moved fluid of the unit along each axis."""
+    """Return inertia, drag, steady force and moved fluid of the parameters' unit along each axis."""
     unit = unit_properties(parameters)
     row = np.zeros(at.UNIT_COLUMNS)
     row[at.UNIT_INERTIA : at.UNIT_INERTIA + 3] = unit.inertia
@@ -84,9 +85,9 @@ def unit_row(parameters: CableSimParameters) -> Array:
 
 
 def settings_row(parameters: CableSimParameters) -> Array:
-    """Return the settings of the kernels.
+    """Return the parameters' settings of the kernels.
 
-    Generalised-alpha coefficients from the spectral radius (Chung & Hulbert 1993).
+    The coefficients of generalised-alpha follow from the spectral radius (Chung & Hulbert 1993).
     """
     row = np.zeros(at.SETTING_COLUMNS)
     solver, bed, wave, spring = parameters.solver, parameters.seabed, parameters.wave, parameters.compensator

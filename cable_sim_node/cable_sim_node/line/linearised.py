@@ -95,7 +95,7 @@ class LinearLine:
         return np.linalg.eigvals(system).astype(np.complex128)
 
     def response(self, omegas: ArrayLike) -> LineResponse:
-        """Return unit motion and top tension for harmonic boom-tip motion."""
+        """Return unit motion and top tension for harmonic boom-tip motion at `omegas` [rad/s], shape (k,)."""
         frequencies = np.atleast_1d(np.asarray(omegas, dtype=np.float64))
         free = len(self.mass) - 3
         direction = self.positions[-1] - self.positions[-2]
@@ -117,10 +117,15 @@ def linearise(
     payout: float = 0.0,
     speed_amplitude: float = 0.0,
 ) -> LinearLine:
-    """Make the line linear about the equilibrium in which it hangs from `boom_tip` [m] with `payout` [m].
+    """Make the line linear about the equilibrium in which it hangs.
 
-    `speed_amplitude` [m/s] is the amplitude of the oscillating flow past cable and unit for which their quadratic drag
-    is made linear at equal energy; it adds to the steady current's drag as the root of the sum of squares.
+    Parameters
+    ----------
+    parameters : of the plant
+    boom_tip : position [m], shape (3,)
+    payout : cable let out beyond the parameters' length [m]
+    speed_amplitude : amplitude of the oscillating flow past cable and unit for which their quadratic drag is made
+        linear at equal energy [m/s]; it adds to the drag of the steady current as the root of the sum of squares
 
     Raises
     ------
@@ -165,7 +170,7 @@ class _Matrices:
         return np.array(flow), np.array(gradient)
 
     def add_segment(self, index: int, cable: CableProperties, length: float, ends: Array, tension: float) -> None:
-        """Add segment `index` of unstretched `length` between the positions `ends`, shape (2, 3)."""
+        """Add segment `index` of `length` [m] between positions `ends`, shape (2, 3), under `tension` [N]."""
         chord = ends[1] - ends[0]
         stretched = float(np.linalg.norm(chord))
         along = chord / stretched
@@ -201,7 +206,7 @@ class _Matrices:
                 self.drag_stiffness[node, other.start + 2] += 0.25 * length * by_depth  # depth = -z
 
     def add_unit(self, unit: UnitProperties, position: Array) -> None:
-        """Add the unit at node 0."""
+        """Add the unit at node 0, which is at `position` [m]."""
         flow, gradient = self._flow(float(position[2]))
         for axis in range(3):
             drag = unit.drag[axis]
@@ -210,7 +215,7 @@ class _Matrices:
             self.drag_stiffness[axis, 2] += 2.0 * drag * abs(flow[axis]) * gradient[axis]
 
     def add_body(self, node: int, body: BodyProperties, position: Array) -> None:
-        """Add a body that is clamped on the cable at `node`."""
+        """Add a body that is clamped on the cable at `node`, which is at `position` [m]."""
         flow, gradient = self._flow(float(position[2]))
         speed = math.hypot(float(np.linalg.norm(flow)), self._drag_speed)
         by_flow = body.drag * speed * np.eye(3)

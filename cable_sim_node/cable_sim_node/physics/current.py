@@ -64,7 +64,7 @@ class Current:
 
 
 def current_of(parameters: CableSimParameters) -> Current:
-    """Return the current of a parameter set at the start of the run."""
+    """Return the current of the parameters at the start of the run."""
     profile = parameters.current_profile
     factor = profile.factor[0] if profile.factor else 1.0
     if not profile.depth:
@@ -73,7 +73,7 @@ def current_of(parameters: CableSimParameters) -> Current:
 
 
 def profile_of(parameters: CableSimParameters) -> Array:
-    """Return the profile of a parameter set, to be multiplied by the factor of `schedule_of`."""
+    """Return the profile of the parameters, to be multiplied by the factor of `schedule_of`."""
     profile = parameters.current_profile
     if not profile.depth:
         return Current(parameters.current).profile
@@ -81,7 +81,7 @@ def profile_of(parameters: CableSimParameters) -> Array:
 
 
 def schedule_of(parameters: CableSimParameters) -> Array:
-    """Return what the current is multiplied by: rows of time [s] and factor, straight between them."""
+    """Return what the parameters multiply the current by: rows of time [s] and factor, straight between them."""
     profile = parameters.current_profile
     return np.array(list(zip(profile.time, profile.factor, strict=True)) or [(0.0, 1.0)])
 
@@ -108,7 +108,7 @@ def locate(at: float, table: Array) -> tuple[int, int, float]:
 
 @inner_kernel
 def between(table: Array, low: int, high: int, share: float, column: int) -> float:
-    """Return a column's value at the place that `locate` found."""
+    """Return a column's value in `table` where `locate` found it: between rows `low` and `high`, at `share`."""
     return table[low, column] + share * (table[high, column] - table[low, column])
 
 

@@ -20,7 +20,7 @@ HARMONIC_DRAG = 8.0 / (3.0 * math.pi)
 
 @inner_kernel
 def resolve(tangent: Vector, x: float, y: float, z: float) -> tuple[float, Vector, float]:
-    """Return the part of a velocity along a unit vector, the vector across it, and the size of that vector."""
+    """Return the part of a velocity (x, y, z) along the unit vector `tangent`, the vector across it, and its size."""
     along = x * tangent[0] + y * tangent[1] + z * tangent[2]
     across = (x - along * tangent[0], y - along * tangent[1], z - along * tangent[2])
     return along, across, math.sqrt(across[0] ** 2 + across[1] ** 2 + across[2] ** 2)
@@ -28,7 +28,16 @@ def resolve(tangent: Vector, x: float, y: float, z: float) -> tuple[float, Vecto
 
 @inner_kernel
 def drag_force(normal: float, tangential: float, tangent: Vector, slip: float, across: Vector, speed: float) -> Vector:
-    """Return the drag; `slip` is the flow along the cable, `across` the flow across it and `speed` the size of that."""
+    """Return the drag per metre.
+
+    Parameters
+    ----------
+    normal, tangential : N and T [N s2/m3]
+    tangent : unit vector along the cable
+    slip : flow along the cable [m/s]
+    across : flow across the cable [m/s]
+    speed : size of that [m/s]
+    """
     pull = normal * speed
     friction = tangential * abs(slip) * slip
     return (
@@ -49,7 +58,7 @@ def tangent_of(chord: Array) -> tuple[Vector, float]:
 def fill_slope(
     normal: float, tangential: float, tangent: Vector, slip: float, across: Vector, speed: float, by_flow: Array
 ) -> None:
-    """Fill the derivative of the drag by the flow, shape (3, 3); arguments as for `drag_force`."""
+    """Fill `by_flow`, shape (3, 3), with the derivative of the drag by the flow; the rest as for `drag_force`."""
     for i in range(3):
         for j in range(3):
             projector = (1.0 if i == j else 0.0) - tangent[i] * tangent[j]

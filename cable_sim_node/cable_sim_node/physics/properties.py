@@ -94,7 +94,7 @@ class BodyProperties:
 
 
 def cable_sections(parameters: CableSimParameters) -> list[CableSection]:
-    """Return the sections of cable from the unit upwards; the last one is the main cable."""
+    """Return the sections of the parameters' cable from the unit upwards; the last one is the main cable."""
     main, given = parameters.cable, parameters.sections
     sections = []
     start = 0.0
@@ -112,7 +112,7 @@ def cable_sections(parameters: CableSimParameters) -> list[CableSection]:
 
 
 def unit_properties(parameters: CableSimParameters) -> UnitProperties:
-    """Return the unit of a parameter set."""
+    """Return the unit of the parameters."""
     unit, density = parameters.unit, parameters.water_density
     added = np.array(unit.added_mass) if density > 0.0 else np.zeros(3)
     weight = unit.weight_in_fluid(density, parameters.gravity)
@@ -125,7 +125,7 @@ def unit_properties(parameters: CableSimParameters) -> UnitProperties:
 
 
 def body_properties(parameters: CableSimParameters) -> list[BodyProperties]:
-    """Return the bodies on the cable, in the order in which they were given."""
+    """Return the bodies on the parameters' cable, in the order in which they were given."""
     clumps, density = parameters.clumps, parameters.water_density
     return [
         BodyProperties(

@@ -123,7 +123,9 @@ class HangingReport:
         colours = Normalize(float(tension.min()) / 1e3, float(tension.max()) / 1e3)
         for axis, (across, up) in zip(axes, ((0, 2), (1, 2), (0, 1)), strict=True):
             axis.plot(curve[:, across], curve[:, up], color="0.7", linewidth=1.0)
-            axis.scatter(curve[:, across], curve[:, up], c=tension / 1e3, s=6.0, cmap="viridis", norm=colours)
+            axis.scatter(
+                curve[:, across], curve[:, up], c=tension / 1e3, s=6.0, cmap="viridis", norm=colours, rasterized=True
+            )
             axis.plot(self.unit[across], self.unit[up], "ks", markersize=7.0, label="unit")
             axis.plot(self.boom_tip[across], self.boom_tip[up], "r^", markersize=7.0, label="boom tip")
             axis.set_xlabel(f"{'xyz'[across]} [m]")
@@ -143,15 +145,20 @@ class HangingReport:
 
 
 def hanging_report(parameters: CableSimParameters, boom_tip: ArrayLike = (0.0, 0.0, 0.0)) -> HangingReport:
-    """Return the static equilibrium of a cable system hanging from `boom_tip` [m] at payout 0.
+    """Return the static equilibrium of a plant's cable and unit at payout 0.
 
-    Bending stiffness, waves and the passive compensator have no part in it; a current that changes in time is taken
-    at the start.
+    Bending stiffness, waves and the passive compensator have no part in it; a current that changes in time is taken at
+    the start.
+
+    Parameters
+    ----------
+    parameters : of the plant
+    boom_tip : position [m], z up
 
     Raises
     ------
     StaticsError
-        if sections or clumps do not fit on the cable, or the unit would lie below the seabed.
+        if sections or bodies do not fit on the cable, or the unit would lie below the seabed.
     NoEquilibriumError
         if the current's equilibrium cannot be reached.
     """

@@ -173,7 +173,9 @@ class ModesReport:
     def _draw_map(self, figure: Figure, axis: Axes) -> None:
         periods = 2.0 * math.pi / self.resonances.omegas
         answer = np.log10(np.maximum(self.resonances.unit_heave.T, 1e-3))
-        colours = axis.pcolormesh(self.resonances.lengths, periods, answer, vmin=-1.0, vmax=1.0, shading="nearest")
+        colours = axis.pcolormesh(
+            *(self.resonances.lengths, periods, answer), vmin=-1.0, vmax=1.0, shading="nearest", rasterized=True
+        )
         axis.plot(self.resonances.lengths, self.natural_periods, "w-", label="natural period")
         axis.axhline(self.sea_period, color="w", linestyle=":", label=f"{self.sea_period:.4g} s")
         axis.axvline(self.length, color="w", linestyle="--", label=f"{self.length:g} m")

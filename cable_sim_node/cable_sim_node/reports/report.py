@@ -41,6 +41,7 @@ def save_picture(report: Report, path: Path) -> None:
     OSError
         where the file cannot be written.
     """
+    from matplotlib import rc_context  # noqa: PLC0415 (slow to import, rarely needed)
     from matplotlib.backends.backend_agg import FigureCanvasAgg  # noqa: PLC0415 (slow to import, rarely needed)
     from matplotlib.figure import Figure  # noqa: PLC0415 (slow to import, rarely needed)
 
@@ -49,17 +50,20 @@ def save_picture(report: Report, path: Path) -> None:
     figure = Figure(figsize=PICTURE_SIZE, layout="constrained")
     FigureCanvasAgg(figure)
     report.draw(figure)
-    figure.savefig(path, dpi=120)
+    # text stays text, and equal pictures are equal files
+    metadata = {"Date": None} if path.suffix.lower() == ".svg" else {}
+    with rc_context({"svg.fonttype": "none", "svg.hashsalt": "heave"}):
+        figure.savefig(path, dpi=120, metadata=metadata)
 
 
 def labelled_rows(rows: Sequence[tuple[str, str]]) -> str:
-    """Return a text of names and values, the values in one column."""
+    """Return a text of `rows` (name, value), the values in one column."""
     width = max(len(name) for name, _ in rows) + 2
     return "\n".join(f"{name:{width}}{text}" for name, text in rows)
 
 
 def columns(headings: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    """Return a text of columns aligned to the right under their headings."""
+    """Return a text of columns: `headings`, and `rows` of cells aligned to the right under them."""
     cells = [list(headings), *map(list, rows)]
     widths = [max(len(row[column]) for row in cells) for column in range(len(headings))]
     return "\n".join("  ".join(cell.rjust(width) for cell, width in zip(row, widths, strict=True)) for row in cells)

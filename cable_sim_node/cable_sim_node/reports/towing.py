@@ -84,7 +84,7 @@ class TowingReport:
             "to port m",
             "top tension kN",
             "top angle deg",
-            "least kN",
+            "least tension kN",
         )
         rows = [
             (

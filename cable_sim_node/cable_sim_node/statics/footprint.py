@@ -96,9 +96,11 @@ def footprint(
     Parameters
     ----------
     cable : the whole cable on board, s = 0 at the unit; the unit's drag is a point load at label 0, its weight is not
-    boom_tip : [m]; unit_height : z of the unit [m]
-    limits : thrust, tension and vertical pull; the length's limit is that of `cable`
-    headings : evenly spaced, from 0
+    boom_tip : position [m], z up
+    unit_height : z of the unit [m]
+    limits : thrust, tension and vertical pull; the limit of the length is that of `cable`
+    current : steady current
+    headings : how many, evenly spaced from 0
     directions : of thrust that are swept
 
     Raises
@@ -132,6 +134,12 @@ def footprint(
 
 @dataclass(frozen=True)
 class _Sweep:
+    """The search along the boundary.
+
+    `level` is the thrust over its limit, `angle` its direction from x towards y [rad], `pull` the vertical pull of the
+    cable on the unit [N].
+    """
+
     cable: StaticCable
     tip: Array
     unit_height: float
@@ -155,6 +163,7 @@ class _Sweep:
         return self.place(level, angle, pull)[1]
 
     def place(self, level: float, angle: float, pull: float) -> tuple[FootprintPoint | None, float]:
+        """Return where the unit is, None out of the cable's reach, and by how much the worst limit is passed."""
         thrust = self.limits.thrust * level * np.array([np.cos(angle), np.sin(angle)])
         origin = np.array([0.0, 0.0, self.unit_height])
         # a trace of vertical pull gives a cable without any tension a direction

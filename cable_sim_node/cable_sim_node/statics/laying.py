@@ -47,9 +47,19 @@ class Laying:
 
 
 def critical_angle(section: StaticSection, speed: float) -> float:
-    """Return the angle from the horizontal at which a cable towed or laid at `speed` [m/s] sinks as a straight line.
+    """Return the angle from the horizontal [rad] at which a cable that is towed or laid sinks as a straight line.
 
     Weight across the cable equals normal drag: w cos a = D sin^2 a (Pinto's Eq. 21 for small angles, Zajac).
+
+    Parameters
+    ----------
+    section : the cable; its length and tangential drag have no part in it
+    speed : of the ship [m/s]
+
+    Raises
+    ------
+    StaticsError
+        for a speed, weight or normal drag that is not positive.
     """
     if not speed > 0.0 or section.weight <= 0.0 or section.normal_drag <= 0.0:
         raise StaticsError("a critical angle needs a positive speed, weight and normal drag")

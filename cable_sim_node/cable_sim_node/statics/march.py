@@ -61,7 +61,7 @@ class SegmentState(NamedTuple):
 
 @inner_kernel
 def solve3(matrix: Array, right: Array, answer: Array) -> bool:
-    """Solve a 3 x 3 system by Cramer's rule; return False if it is singular."""
+    """Solve a 3 x 3 system, `matrix` times `answer` = `right`, by Cramer's rule; return False if it is singular."""
     a, b, c = matrix[0, 0], matrix[0, 1], matrix[0, 2]
     d, e, f = matrix[1, 0], matrix[1, 1], matrix[1, 2]
     g, h, i = matrix[2, 0], matrix[2, 1], matrix[2, 2]

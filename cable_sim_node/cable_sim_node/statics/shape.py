@@ -99,7 +99,7 @@ class Crossing:
 
 
 def cut_at_height(shape: StaticShape, height: float) -> Crossing | None:
-    """Return where the cable first comes up to z = `height`, None if it does not."""
+    """Return where the cable of `shape`, from s = 0 on, first comes up to z = `height` [m]; None if it does not."""
     above = np.nonzero(shape.positions[1:, 2] >= height)[0]
     if len(above) == 0 or shape.positions[0, 2] >= height:
         return None
@@ -135,10 +135,17 @@ def shape_from(
     frozen_drag: Array | None = None,
     drag_guess: Array | None = None,
 ) -> StaticShape | None:
-    """March from s = 0 with the tension vector `start` below node 0; None where a segment has no solution.
+    """March from s = 0; return None where a segment has no solution.
 
-    `factor` multiplies the current; `frozen_drag` replaces the segments' drag by dead loads [N/m]; `drag_guess` is
-    where the search for each segment's drag begins, needed where tension is so small that drag decides its direction.
+    Parameters
+    ----------
+    cable, current : what is marched
+    origin : position of s = 0 [m]
+    start : tension vector there, below node 0 [N]
+    factor : multiplies the current
+    frozen_drag : dead loads in place of the segments' drag, shape (n, 3) [N/m]
+    drag_guess : where the search for each segment's drag begins, shape (n, 3) [N/m]; needed where tension is so small
+        that drag decides its direction
     """
     shape = allocate_shape(len(cable.segments))
     for given in (drag_guess, frozen_drag):

@@ -40,14 +40,17 @@ def suspended_cable(parameters: CableSimParameters, end_load: PointLoad | None =
 
 
 def unit_load(parameters: CableSimParameters, *, is_carried: bool = False) -> PointLoad:
-    """Return the unit as a load at s = 0; one that is carried by something else has its drag alone."""
+    """Return the unit of the parameters as a load at s = 0.
+
+    One that something else carries (`is_carried`) has its drag alone.
+    """
     unit = unit_properties(parameters)
     force = np.zeros(3) if is_carried else unit.force
     return PointLoad(0.0, _triple(force), _triple(unit.drag))
 
 
 def static_sections(parameters: CableSimParameters) -> list[StaticSection]:
-    """Return the sections of the cable that is out, from the unit upwards."""
+    """Return the sections of the parameters' cable that is out, from the unit upwards."""
     return [
         StaticSection(
             length=min(section.length, parameters.length - section.start),
@@ -64,10 +67,14 @@ def static_sections(parameters: CableSimParameters) -> list[StaticSection]:
 def with_tension_law(
     parameters: CableSimParameters, cable: StaticCable, solve: Callable[[StaticCable], StaticShape]
 ) -> StaticShape:
-    """Return the shape that `solve` finds under the tension law of the parameters.
+    """Return the shape that a solver finds under the tension law of the parameters.
 
-    `solve` takes each segment's tension law as linear. Where it is not, `solve` is called again and again with every
-    segment's secant stiffness at its mean tension, until that settles.
+    Parameters
+    ----------
+    parameters : of the plant
+    cable : with the stiffness of small strain
+    solve : solver, which takes each segment's tension law as linear; where it is not, it is called again and again with
+        every segment's secant stiffness at its mean tension, until that settles
 
     Raises
     ------

@@ -1,8 +1,8 @@
-"""Vertical motion of unit and cable of changing length (thesis chapter 3): small and fast, for identification and as
-an independent check of the three-dimensional solver.
+"""Vertical motion of unit and cable of changing length (thesis chapter 3).
 
-The cable hangs straight down in still water; the boom tip's heave and the paid-out length are given as samples; slack,
-quadratic drag and sections are in. `axial_kernel` has the method.
+Small and fast, for identification and as an independent check of the three-dimensional solver. The cable hangs straight
+down in still water; the boom tip's heave and the paid-out length are given as samples; slack, quadratic drag and
+sections are in. `axial_kernel` has the method.
 """
 
 from __future__ import annotations

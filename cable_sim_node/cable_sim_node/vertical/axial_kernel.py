@@ -8,6 +8,9 @@ so that the unit (y = 0) has no convective term and new cable enters at y = 1, w
 unknown is P = z - s, the elevation of a material point less its label: smooth, and equal to the unit's elevation where
 the cable is rigid. Space: N linear elements, lumped mass. Time: BDF2 as in thesis 3.2.6 (damps what the mesh cannot
 resolve), solved by Newton with a tridiagonal matrix, so that slack and quadratic drag are implicit.
+
+Arguments have the same names everywhere: `line` the arrays, `nodes` its nodes, `motion` the top's motion at the end of
+the step (a row of TOP to LENGTH_RATE), `h` the step [s].
 """
 
 from __future__ import annotations
@@ -72,7 +75,7 @@ Amounts = tuple[float, float, float, float, float]
 def amounts_below(label: float, sections: Array) -> Amounts:
     """Return the integrals of compliance, mass, weight, drag and delay from the unit to `label` [m].
 
-    They are constant in each section; the last section has no end.
+    They are constant in each of the `sections`; the last one has no end.
     """
     number = len(sections) - 1
     while number > 0 and label < sections[number, START]:
@@ -272,7 +275,10 @@ def solve_step(line: AxialArrays, motion: Array, h: float) -> bool:
 
 @inner_kernel
 def write_answer(line: AxialArrays, motion: Array, h: float, is_first: bool, answer: Array) -> None:
-    """Write a sample: motion of the unit, top and least tension."""
+    """Write a sample to `answer`: motion of the unit, top and least tension.
+
+    Nothing is known of the acceleration at the first one (`is_first`).
+    """
     top, speed = line.nodes[-1], line.nodes[-1, VELOCITY]
     top_tension = line.elements[-1, TENSION] + top[LUMP_WEIGHT] + top[LUMP_DRAG] * abs(speed) * speed
     if not is_first:

@@ -67,7 +67,15 @@ class AxialUnit:
 
 @dataclass(frozen=True)
 class AxialClump:
-    """A body clamped on the cable at `label`, unstretched length from the unit [m]; the rest as for `AxialUnit`."""
+    """A body clamped on the cable.
+
+    Attributes
+    ----------
+    label : unstretched length from the unit [m]
+    inertia : mass and added mass [kg]
+    weight : in water, positive down [N]
+    drag : over speed squared [N s2/m2]
+    """
 
     label: float
     inertia: float
@@ -84,7 +92,14 @@ class AxialPiece(AxialSection):
 
 @dataclass(frozen=True)
 class AxialLine:
-    """Cable (sections counted from the unit upwards), unit, and bodies on the cable in the order of their labels."""
+    """Cable and unit as the axial models know them.
+
+    Attributes
+    ----------
+    sections : of cable, from the unit upwards
+    unit : the unit
+    clumps : bodies on the cable, in the order of their labels
+    """
 
     sections: tuple[AxialSection, ...]
     unit: AxialUnit
@@ -117,7 +132,7 @@ class AxialLine:
         return self.sections[int(np.searchsorted(self.starts(), label, side="right")) - 1]
 
     def pieces(self, length: float) -> list[AxialPiece]:
-        """Return the cable that is out, cut at joints and clumps, from the unit upwards."""
+        """Return the `length` [m] of cable that is out, cut at joints and bodies, from the unit upwards."""
         marks = {0.0, length, *self.starts(), *(clump.label for clump in self.clumps)}
         cuts = sorted(float(mark) for mark in marks if mark <= length)
         pieces = []
@@ -129,7 +144,7 @@ class AxialLine:
         return pieces
 
     def static_stretch(self, length: float) -> float:
-        """Elongation under weight in still water [m]."""
+        """Return the elongation of `length` [m] of cable under weight in still water [m]."""
         stretch, load = 0.0, self.unit.weight
         for piece in self.pieces(length):
             load += sum(clump.weight for clump in piece.clumps)
@@ -138,7 +153,7 @@ class AxialLine:
         return stretch
 
     def static_top_tension(self, length: float) -> float:
-        """Tension at the top in still water [N]."""
+        """Return the tension at the top of `length` [m] of cable in still water [N]."""
         weight = self.unit.weight
         for piece in self.pieces(length):
             weight += piece.weight * piece.length + sum(clump.weight for clump in piece.clumps)
@@ -146,11 +161,11 @@ class AxialLine:
 
 
 def axial_line(parameters: CableSimParameters) -> AxialLine:
-    """Return the axial model's view of a cable system: vertical weight, stiffness, inertia and drag.
+    """Return the axial model's view of a plant: vertical weight, stiffness, inertia and drag.
 
-    The model is linear elastic. A tension law that is not straight is taken by its slope at the static tension half-way
-    along each section at payout 0, which is right for motion about rest. The vertical part of the unit's thrust counts
-    as weight.
+    The model is linear elastic. A tension law of the `parameters` that is not straight is taken by its slope at the
+    static tension half-way along each section at payout 0, which is right for motion about rest. The vertical part of
+    the unit's thrust counts as weight.
 
     Raises
     ------

@@ -74,7 +74,7 @@ class TwoStateModel:
     error: float
 
     def transfer(self, omegas: ArrayLike) -> ComplexArray:
-        """Return 1/(1 - a w^2 + i b w)."""
+        """Return 1/(1 - a w^2 + i b w) at the frequencies `omegas` [rad/s]."""
         omega = np.asarray(omegas, dtype=np.float64)
         return np.asarray(1.0 / (1.0 - self.a * omega**2 + 1j * self.b * omega))
 
@@ -163,6 +163,17 @@ def natural_frequencies(line: AxialLine, length: float, count: int) -> Array:
 
     Between two roots the top displacement per unit displacement changes sign, and there is one root for each half wave
     along the cable, so none is missed.
+
+    Parameters
+    ----------
+    line : cable and unit
+    length : unstretched length out [m]
+    count : how many
+
+    Raises
+    ------
+    LinearisationError
+        for a length or a count that is not positive.
     """
     if not (length > 0.0 and count >= 1):
         raise LinearisationError("length must be positive and count at least 1")
@@ -194,9 +205,14 @@ def _undamped(pieces: list[AxialPiece]) -> list[AxialPiece]:
 
 
 def mode_shape(line: AxialLine, length: float, omega: float, points: int = 50) -> tuple[Array, Array]:
-    """Return labels counted from the unit [m] and the heave there of the free vibration at `omega`, largest 1.
+    """Return a free vibration's labels counted from the unit [m], and the heave there, largest 1.
 
-    There are `points` labels, or some more where the cable has joints.
+    Parameters
+    ----------
+    line : cable and unit
+    length : unstretched length out [m]
+    omega : a natural frequency [rad/s]
+    points : labels; there are some more where the cable has joints
     """
     pieces = [part for piece in _undamped(line.pieces(length)) for part in _divide(piece, length / points)]
     labels = np.concatenate(([0.0], np.cumsum([piece.length for piece in pieces])))
@@ -208,7 +224,12 @@ def mode_shape(line: AxialLine, length: float, omega: float, points: int = 50) -
 def resonance_map(line: AxialLine, lengths: ArrayLike, omegas: ArrayLike, *, amplitude: float = 0.0) -> ResonanceMap:
     """Return how unit and top tension answer at every length and frequency: where a lowering meets its resonances.
 
-    Arguments as for `heave_transfer_function`, `lengths` in place of one length.
+    Parameters
+    ----------
+    line : cable and unit
+    lengths : unstretched lengths out [m]
+    omegas : [rad/s], positive
+    amplitude : of the boom tip [m], see `heave_transfer_function`
     """
     spans = np.atleast_1d(np.asarray(lengths, dtype=np.float64))
     answers = [heave_transfer_function(line, float(length), omegas, amplitude=amplitude) for length in spans]
@@ -221,9 +242,9 @@ def resonance_map(line: AxialLine, lengths: ArrayLike, omegas: ArrayLike, *, amp
 
 
 def resonant_length(line: AxialLine, omega: float) -> float:
-    """Return the rough length of cable [m] at which `omega` is in resonance: EA/(w^2 (M + Ma)) (thesis 3.3.5).
+    """Return the rough length of cable [m] at which `omega` [rad/s] is in resonance: EA/(w^2 (M + Ma)) (thesis 3.3.5).
 
-    Neglects the cable's own mass; of several sections it takes the uppermost.
+    Neglects the own mass of the cable of `line`; of several sections it takes the uppermost.
     """
     if not omega > 0.0:
         raise LinearisationError("omega must be positive")
