@@ -86,10 +86,10 @@ class SectionsParameters:
             count = len(getattr(self, name))
             if count != len(self.length):
                 raise ValueError(
-                    f"sections.{name} has {count} values, sections.length {len(self.length)}: give one each"
+                    f"sections.{name} has {count} values but sections.length {len(self.length)}: give one per section"
                 )
         if self.displaced_diameter and len(self.displaced_diameter) != len(self.length):
-            raise ValueError("sections.displaced_diameter must be empty or have one value for each section")
+            raise ValueError("sections.displaced_diameter must be empty or have one value per section")
 
 
 @dataclass(frozen=True)
@@ -111,7 +111,7 @@ class ClumpsParameters:
             count = len(getattr(self, name))
             if count != len(self.position):
                 raise ValueError(
-                    f"clumps.{name} has {count} values, clumps.position {len(self.position)}: give one each"
+                    f"clumps.{name} has {count} values but clumps.position {len(self.position)}: give one per body"
                 )
 
 
@@ -182,7 +182,7 @@ class CurrentProfileParameters:
         for name in ("depth", "time"):
             values = getattr(self, name)
             if any(later <= earlier for earlier, later in itertools.pairwise(values)):
-                raise ValueError(f"current_profile.{name} must increase from value to value")
+                raise ValueError(f"current_profile.{name} must be strictly increasing")
 
 
 @dataclass(frozen=True)

@@ -55,7 +55,7 @@ def test_the_current_of_parameters_is_that_of_the_start():
 @pytest.mark.parametrize(
     ("velocities", "depths", "words"),
     [
-        ([[0.0, 0.0], [1.0, 0.0]], [10.0, 10.0], "increase"),
+        ([[0.0, 0.0], [1.0, 0.0]], [10.0, 10.0], "increasing"),
         ([math.nan, 0.0], [0.0], "finite"),
         ([[0.0, 0.0]], [0.0, 10.0], "one velocity"),
     ],

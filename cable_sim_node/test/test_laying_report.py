@@ -69,7 +69,7 @@ def test_table_and_values_name_every_speed():
 
 
 def test_what_cannot_be_laid_is_refused():
-    with pytest.raises(StaticsError, match="speed above 0"):
+    with pytest.raises(StaticsError, match="above 0"):
         laying_report(PLANT, 280.0, [0.0])
     with pytest.raises(StaticsError, match="sinks"):
         laying_report(dataclasses.replace(PLANT, cable=CableParameters(mass_per_length=1.0)), 280.0, [1.0])

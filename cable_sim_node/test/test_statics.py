@@ -261,7 +261,7 @@ def test_a_bad_section_is_refused_by_name(section, message):
 def test_bad_loads_currents_and_points_are_refused():
     with pytest.raises(StaticsError, match="not on the cable"):
         static_cable([SECTION], [PointLoad(201.0)])
-    with pytest.raises(StaticsError, match="increase"):
+    with pytest.raises(StaticsError, match="increasing"):
         Current([[0.0, 0.0], [1.0, 0.0]], [10.0, 10.0])
     with pytest.raises(StaticsError, match="finite"):
         Current((math.nan, 0.0))

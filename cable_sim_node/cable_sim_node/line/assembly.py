@@ -224,8 +224,8 @@ def assemble_segments(
             part[STIFFNESS], part[QUADRATIC], part[CUBIC], part[DAMPING], strain, strain_rate
         )
         out[TENSION] = tension
-        # the segment moves through the water with the mean of its ends; half its drag, weight and mass goes to each
-        # of them
+        # the segment moves through the water at the mean velocity of its ends; each end takes half of its drag, weight
+        # and mass
         ux = 0.5 * (low[VX] + wx) - water[FLOW_X]
         uy = 0.5 * (low[VY] + wy) - water[FLOW_Y]
         uz = 0.5 * (low[VZ] + wz) - water[FLOW_Z]
@@ -299,7 +299,7 @@ def assemble_nodes(
         out[RX] += inertia * node[AX] + drag * ux - fluid * water[FLOW_AX]
         out[RY] += inertia * node[AY] + drag * uy - fluid * water[FLOW_AY]
         out[RZ] += inertia * node[AZ] + drag * uz - fluid * water[FLOW_AZ] + lump[LUMP_WEIGHT]
-        # the full derivative lies between drag and 2 drag: an upper bound keeps the correction short
+        # the derivative lies between drag and 2 drag in all directions: the upper bound keeps the correction short
         added = c_mass * inertia + 2.0 * c_velocity * drag
         out[DXX] += added
         out[DYY] += added
@@ -331,7 +331,7 @@ def add_contact(i: int, nodes: Array, parts: Array, settings: Array, c_velocity:
         stiffness, damping = settings[BED_STIFFNESS] * share, settings[BED_DAMPING] * share
     mx, my, mz = -sx * norm, -sy * norm, norm
     vn = node[VX] * mx + node[VY] * my + node[VZ] * mz
-    # damping grows in with the penetration over 1 cm: no jump in force at first touch
+    # damping sets in over the first centimetre of penetration: no jump in force at first touch
     grown = min(depth / 0.01, 1.0)
     push = stiffness * depth - damping * grown * vn
     if push <= 0.0:

@@ -80,13 +80,16 @@ class CableDynamics:
         total = self.parameters.length + payout
         if boom_tip.shape != (3,) or not np.all(np.isfinite(boom_tip)) or not math.isfinite(total):
             raise BadMotionError(
-                f"boom tip {boom_tip.tolist()} and payout {payout} must be finite, boom tip three numbers"
+                f"boom tip must be three finite numbers and payout one; got {boom_tip.tolist()} and {payout}"
             )
         self._reserve(total)
         line = self._line
         points = line.grid_s
         if total < at.MERGE_AT * points[1]:
-            raise CableTooShortError(f"{total:g} m of cable is less than a segment of {points[1]:g} m can shrink to")
+            raise CableTooShortError(
+                f"{total:g} m of cable is too short: a segment of {points[1]:g} m can shrink to "
+                f"{at.MERGE_AT * points[1]:g} m at least; use more segments"
+            )
         line.settings[:] = settings_row(self.parameters)
         line.settings[at.SPRING_ON] = 0.0
         line.parts[:-1] = line.grid[:, : at.PART_COLUMNS]
@@ -103,7 +106,7 @@ class CableDynamics:
         hang(line, boom_tip)
         if line.x[0, 2] > boom_tip[2]:
             raise NoEquilibriumError(
-                "the line does not hang: unit and cable must weigh more in water than what lifts them"
+                "the line does not hang: the weight of unit and cable in water must exceed what lifts them"
             )
         self._fresh = False
         self._start_compensator()
@@ -151,16 +154,16 @@ class CableDynamics:
         outcome = advance(self._line, duration, ends)
         if outcome == at.TOO_SHORT:
             raise CableTooShortError(
-                f"at t = {self.time:g} s: {self.unstretched_length:g} m of cable is left, no segment can be shorter "
-                f"than {at.MERGE_AT * self._line.grid_s[1]:g} m: haul in less or use more segments"
+                f"at t = {self.time:g} s: {self.unstretched_length:g} m of cable is left, and the last segment "
+                f"cannot be shorter than {at.MERGE_AT * self._line.grid_s[1]:g} m: haul in less or use more segments"
             )
         if outcome == at.NOT_CONVERGED:
             raise NotConvergedError(
-                f"at t = {self.time:g} s: no solution even with very small steps; top tension {self.top_tension:g} N, "
-                f"unit at {self.unit_position.round(3).tolist()} m"
+                f"at t = {self.time:g} s: no solution was found even with very small steps; top tension "
+                f"{self.top_tension:g} N, unit at {self.unit_position.round(3).tolist()} m"
             )
 
-    # --- what is known after the last interval
+    # --- the state at the end of the last interval
 
     @property
     def time(self) -> float:
@@ -283,7 +286,7 @@ class CableDynamics:
         for name in _MOVING_ARRAYS:
             rows = len(getattr(old, name))
             getattr(self._line, name)[:rows] = getattr(old, name)
-        # beyond the line in use the rows must be the grid's own
+        # rows above the segments in use must be those of the grid
         n = int(old.counters[at.SEGMENTS])
         parts, grid = self._line.parts, self._line.grid
         parts[n, : at.SEGMENT_COLUMNS] = grid[n, : at.SEGMENT_COLUMNS]  # its lump is the sheave's
@@ -297,12 +300,12 @@ class CableDynamics:
         if spring.preload == 0.0:
             self._line.settings[at.SPRING_PRELOAD] = -self.top_force[2]
             return
-        # the sheave rests where the spring balances the line; the line below hangs that much lower, as one
+        # the sheave rests where the spring balances the line; the whole line hangs lower by as much
         stroke = (-self.top_force[2] - spring.preload) / spring.stiffness
         if abs(stroke) > 0.5 * spring.stroke:
             raise PlantError(
-                f"compensator.preload = {spring.preload:g} N leaves it {stroke:.2f} m from mid-stroke at rest, beyond "
-                f"its {spring.stroke:g} m; the static top tension is {-self.top_force[2]:.0f} N"
+                f"compensator.preload = {spring.preload:g} N puts it {stroke:.2f} m from mid-stroke at rest, beyond "
+                f"half its stroke of {spring.stroke:g} m; the static top tension is {-self.top_force[2]:.0f} N"
             )
         self._line.x[: self.segments + 1, 2] -= stroke
         self._fresh = False
@@ -316,11 +319,11 @@ class CableDynamics:
         if clearance.min() < 0.0:
             raise PlantError(
                 f"at the start the line reaches {-clearance.min():.2f} m below the seabed (unit at {-x[0, 2]:.2f} m, "
-                f"seabed.depth {bed.depth:g} m): shorten `length` or give a deeper seabed"
+                f"seabed.depth {bed.depth:g} m): shorten `length` or make the seabed deeper"
             )
 
 
 def _check_seabed(parameters: CableSimParameters) -> None:
     depth = parameters.seabed.depth
     if 0.0 < depth < 0.5 * parameters.length / parameters.segments:
-        raise ParameterError(f"seabed.depth = {depth:g} m is less than half a segment: no room for the line")
+        raise ParameterError(f"seabed.depth = {depth:g} m is less than half a segment: there is no room for the line")

@@ -117,7 +117,7 @@ def march(line: LineArrays, n: int) -> bool:
     force, drag, direction = line.middle[0], line.middle[1], line.middle[2]  # free until the first step
     for k in range(3):
         u = line.flow[0, FLOW_X + k]
-        # what the rest of the line must hold: minus all steady forces below
+        # what the line above must hold: minus all steady forces below
         force[k] = -(unit[UNIT_FORCE + k] + unit[UNIT_DRAG + k] * abs(u) * u)
     for i in range(n):
         part, water = parts[i], line.flow[i + 1]
@@ -231,23 +231,23 @@ def hang(line: LineArrays, boom_tip: Array) -> None:
     line.flow[:, FLOW_AX:] = 0.0
     unit_position = boom_tip - np.array([0.0, 0.0, total])
     line.x[: n + 1] = np.linspace(unit_position, boom_tip, n + 1)
-    # where the line hangs depends on the current, and that on where it hangs: the shift of each pass is much smaller
-    # than the last
+    # the line's position depends on the current and the current on the position: each pass shifts it by much less than
+    # the one before
     for _ in range(_PASSES):
         if not march(calm, n):
             raise NoEquilibriumError(
-                "the line does not hang: unit and cable must weigh more in water than what lifts them"
+                "the line does not hang: the weight of unit and cable in water must exceed what lifts them"
             )
         miss = boom_tip - line.x[n]
         line.x[: n + 1] += miss
         if np.max(np.abs(miss)) < 1e-12 * total:
             break
     else:
-        raise NoEquilibriumError(
-            "the line's place in the current does not settle: the current changes too fast with depth"
-        )
+        raise NoEquilibriumError("the line finds no position in the current: the current changes too fast with depth")
     line.x[n] = boom_tip
     line.v[:] = 0.0
     line.a[:] = 0.0
     if line.settings[BENDING_ON] > 0.0 and not bend(line, n, 1e-10 * total):
-        raise NoEquilibriumError("the bent line does not settle: cable.bending_stiffness is too large for it")
+        raise NoEquilibriumError(
+            "the bent line has no equilibrium: cable.bending_stiffness is too large for its tension"
+        )

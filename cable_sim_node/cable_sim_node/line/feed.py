@@ -79,8 +79,7 @@ def set_top_segment(n: int, total: float, grid: Array, parts: Array) -> None:
         low, high = grid[j, START], min(grid[j + 1, START], total)
         part = (high - low) / length
         compliance += part / grid[j, STIFFNESS]
-        # a part's share in the lower end is one half in the mean of all; what a heavier end takes more goes through
-        # the lumps
+        # the lower end takes half of the mean of all parts; what a part adds to its nearer end goes into the lumps
         lean = 0.5 - (0.5 * (low + high) - start) / length
         leaning_mass += lean * part * length * grid[j, MASS]
         leaning_weight += lean * part * length * grid[j, WEIGHT]
@@ -155,7 +154,7 @@ def settle_node(line: LineArrays, k: int, n: int) -> None:
         s1 = scale * (c1 * r0 + (d[DXX] * d[DZZ] - d[DXZ] * d[DXZ]) * r1 + c4 * r2)
         s2 = scale * (c2 * r0 + c4 * r1 + (d[DXX] * d[DYY] - d[DXY] * d[DXY]) * r2)
         size = math.sqrt(s0 * s0 + s1 * s1 + s2 * s2)
-        # a step of more than a tenth of a segment says that there is no such place: leave the straight line
+        # a step of more than a tenth of a segment means that there is no such place: the node stays where it is
         if not size < 0.1 * min(line.parts[k - 1, LENGTH], line.parts[k, LENGTH]):
             return
         node[X] += s0

@@ -195,7 +195,7 @@ def step(line: LineArrays, n: int, h: float) -> int:
         size = largest_relative_correction(n, line.parts, equations)
         if not size < 10.0:
             return _FAILED
-        # a correction that does not shrink jumps to and fro over a kink (a segment that comes taut): go part of the way
+        # a correction that does not shrink oscillates across a kink (a segment that comes taut): take part of it
         part = 0.5 * part if size > 0.5 * last else min(2.0 * part, 1.0)
         last = size
         for i in range(count):
@@ -205,10 +205,10 @@ def step(line: LineArrays, n: int, h: float) -> int:
                 node[X + k] += c
                 node[VX + k] += c_velocity * c
                 node[AX + k] += c_mass * c
-        # where a segment is or may become slack, or the seabed is touched, the equations have a kink: ask for much more
+        # where a segment is or may become slack, or the seabed is touched, the equations have a kink: be stricter
         smooth = least > 4.0 * size and not near_kink
         if size < (tolerance if smooth else min(tolerance, 1e-2 * tolerance)):
-            # the margin is for rounding: a step that was shortened for slack is never refused again for its length
+            # the margin is for rounding: a step that was shortened because of slack is not refused again for its length
             if least <= 0.0 and (h > 1.001 * _LONGEST_SLACK_STEP or af > 0.0):
                 return _SLACK_REFUSED
             finish(line, n, count, h)

@@ -138,7 +138,7 @@ def run_moordyn(
     ImportError
         where moordyn is not installed.
     RuntimeError
-        where it gives up.
+        where it finds no solution.
     """
     import moordyn  # noqa: PLC0415 (a peer for tests and benchmarks, not a dependency of a run)
 
@@ -161,7 +161,7 @@ def run_moordyn(
             velocity = (end.position - start.position) / tick
             place = start.position + np.array(top)
             if moordyn.Step(system, list(place), list(velocity), k * tick, tick) is None:
-                raise RuntimeError("moordyn gave up")
+                raise RuntimeError(f"moordyn found no solution at {k * tick:g} s")
             positions[k] = moordyn.GetPointPos(unit)
         used = time.process_time() - started
         moordyn.Close(system)

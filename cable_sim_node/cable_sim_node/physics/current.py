@@ -40,9 +40,9 @@ class Current:
         if given.ndim != 2 or given.shape[1] not in {2, 3} or len(given) != len(levels):
             raise StaticsError(f"a current needs one velocity (x, y) for each depth; got shape {given.shape}")
         if not (np.all(np.isfinite(given)) and np.all(np.isfinite(levels))):
-            raise StaticsError("a current must be finite")
+            raise StaticsError("depths and velocities of a current must be finite")
         if np.any(np.diff(levels) <= 0.0):
-            raise StaticsError("the depths of a current must increase")
+            raise StaticsError("the depths of a current must be strictly increasing")
         self.profile: Array = np.zeros((len(given), PROFILE_COLUMNS))
         self.profile[:, DEPTH] = levels
         self.profile[:, FLOW : FLOW + given.shape[1]] = given

@@ -111,7 +111,10 @@ def footprint(
         if no place can be reached within the limits.
     """
     if not min(limits.thrust, limits.tension, limits.vertical_pull) > 0.0:
-        raise StaticsError(f"the limits of a footprint must be positive; got {limits}")
+        raise StaticsError(
+            f"thrust, tension and vertical pull must be positive; got {limits.thrust:g}, {limits.tension:g} and "
+            f"{limits.vertical_pull:g} N"
+        )
     tip = np.asarray(boom_tip, dtype=np.float64)
     sweep = _Sweep(cable, tip, unit_height, limits, current)
     angles = np.linspace(0.0, 2.0 * np.pi, directions, endpoint=False, dtype=np.float64)
@@ -121,10 +124,10 @@ def footprint(
         if outline:
             outlines.append(outline)
         if len(outline) == directions and not any(point.tension > 0.999 * limits.tension for point in outline):
-            break  # less thrust only pays where tension is what limits
+            break  # less thrust helps only where the tension is the limit
     if not outlines:
         raise NoEquilibriumError(
-            f"nothing {tip[2] - unit_height:g} m below the boom tip can be reached with {cable.length:g} m of cable,"
+            f"no place {tip[2] - unit_height:g} m below the boom tip can be reached with {cable.length:g} m of cable,"
             f" {limits.tension:g} N of tension and {limits.vertical_pull:g} N of vertical pull"
         )
     rays = np.linspace(0.0, 2.0 * np.pi, headings, endpoint=False, dtype=np.float64)

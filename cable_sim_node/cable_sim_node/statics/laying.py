@@ -100,7 +100,7 @@ def lay(
     """
     velocity = np.asarray(ship_velocity, dtype=np.float64)
     if not (section.weight > 0.0 and min(depth, depth + sheave_height) > 0.0 and bottom_tension >= 0.0):
-        raise StaticsError("laying needs a cable that sinks, a positive depth, and a bottom tension of 0 or more")
+        raise StaticsError("laying needs a cable that sinks, a positive depth and a bottom tension of 0 or more")
     if not np.all(np.isfinite(velocity)):
         raise StaticsError(f"the ship's velocity must be finite; got {velocity.tolist()}")
     speed = float(np.linalg.norm(velocity))
@@ -111,7 +111,7 @@ def lay(
     tension = max(bottom_tension, 1e-6 * section.weight * depth)
     if bottom_tension > 0.0:
         if speed == 0.0:
-            raise StaticsError("a cable lands with tension only behind a ship that moves")
+            raise StaticsError("a bottom tension needs a ship that moves")
         direction = np.array([*(velocity / speed), 0.0])
     origin = np.array([0.0, 0.0, -depth])
     for _ in range(8):

@@ -112,7 +112,7 @@ def follow_current(equations: Equations, still: Array, what: str) -> StaticShape
             step *= 0.5
             if step < SMALLEST_STEP:
                 raise NoEquilibriumError(
-                    f"{what}: no equilibrium was found beyond {100.0 * factor:.3g} % of the current"
+                    f"{what}: no equilibrium was found above {100.0 * factor:.3g} % of the current"
                 )
             continue
         previous = (factor, unknowns)

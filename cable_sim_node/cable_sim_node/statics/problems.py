@@ -138,7 +138,7 @@ def mooring_cable(
     force_scale = float(np.abs(cable.steady_loads[:, 2]) @ cable.segments[:, LENGTH])
     force_scale += float(np.linalg.norm(pull)) + float(np.abs(cable.nodes[:, FORCE : FORCE + 3]).sum())
     if force_scale == 0.0:
-        raise StaticsError("a weightless mooring cable without pull has no one shape: give it a load")
+        raise StaticsError("the shape of a weightless mooring cable without pull is undetermined: give it a load")
     length_scale = cable.length + abs(height - origin[2])
 
     def evaluate(unknowns: Array, factor: float, drag: Array | None) -> tuple[Array, Array, StaticShape] | None:
@@ -180,13 +180,15 @@ def _start_of_submerged(cable: StaticCable, current: Current, origin: Array, spa
     is_still = current.is_still and cable.feed == 0.0
     has_weightless_part = bool(np.any(cable.steady_loads[:, 2] == 0.0))
     if has_weightless_part and is_still and not _is_loaded(cable) and np.linalg.norm(span) <= cable.length:
-        raise StaticsError("a weightless cable longer than its span has no one shape in still water: give it a load")
+        raise StaticsError(
+            "the shape of a weightless cable longer than its span is undetermined in still water: give it a load"
+        )
     if has_weightless_part and not is_still:
         drag = _drag_on_chord(cable, current, origin, span)
     guess = _catenary_guess(cable, span, drag)
     tension = solve_dead_loads(cable, current, EndCondition(origin, span), guess, drag)
     if tension is None:
-        hint = ": a weightless part of it is slack, which has no one shape" if has_weightless_part else ""
+        hint = ": a weightless part of it is slack, and its shape is undetermined" if has_weightless_part else ""
         raise NoEquilibriumError(f"submerged cable: no equilibrium was found under dead loads{hint}")
     return tension, drag
 

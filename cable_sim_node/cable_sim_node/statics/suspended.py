@@ -99,7 +99,7 @@ def with_tension_law(
         shape = solve(cable)
         if settled:
             return shape
-    raise NoEquilibriumError("the static strain did not settle under the cable's tension law")
+    raise NoEquilibriumError("the static strain does not converge under the cable's tension law")
 
 
 def _triple(values: Array) -> tuple[float, float, float]:

@@ -92,7 +92,9 @@ def simulate_axial(
     heave = _samples(boom_tip_heave, "boom_tip_heave")
     paid = np.zeros_like(heave) if payout is None else _samples(payout, "payout")
     if len(paid) != len(heave):
-        raise AxialError(f"payout has {len(paid)} samples and boom_tip_heave {len(heave)}: they must be equally many")
+        raise AxialError(
+            f"payout has {len(paid)} samples and boom_tip_heave {len(heave)}: both must have the same number"
+        )
     if not (sample_period > 0.0 and largest_step > 0.0 and segments >= 1):
         raise AxialError(
             f"sample_period {sample_period}, largest_step {largest_step} and segments {segments} must be positive"
@@ -106,14 +108,14 @@ def simulate_axial(
     top, top_velocity = _interpolate(time, heave, fine)
     feed, feed_rate = _interpolate(time, paid, fine)
     if not float(np.min(length + feed)) > 0.0:
-        raise AxialError("the cable is hauled in to nothing between two samples: its length must stay positive")
+        raise AxialError("the cable is hauled in completely between two samples: its length must stay positive")
 
     motion = np.column_stack((top, top_velocity, length + feed, feed_rate))
     answer = np.empty((len(heave), ANSWER_COLUMNS))
     failed = integrate(_arrays(line, segments, allow_slack), motion, sample_period / substeps, substeps, answer)
     if failed >= 0:
         raise AxialError(
-            f"the axial cable has no solution at {fine[failed]:.3f} s: check the motion there, or use shorter steps"
+            f"the axial cable has no solution at {fine[failed]:.3f} s: check the motion there or use shorter steps"
         )
     datum = -length - line.static_stretch(length)
     return AxialResponse(

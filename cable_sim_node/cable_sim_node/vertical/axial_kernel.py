@@ -304,11 +304,12 @@ def integrate(line: AxialArrays, motion: Array, h: float, substeps: int, answer:
     answer : out, a row for every sample
     """
     start_steadily(line, motion[0], h)
-    write_answer(line, motion[0], h, True, answer[0])
-    for step in range(1, len(motion)):
-        begin_step(line, motion[step])
-        if not solve_step(line, motion[step], h):
-            return step
+    for step in range(len(motion)):
+        is_first = step == 0
+        if not is_first:
+            begin_step(line, motion[step])
+            if not solve_step(line, motion[step], h):
+                return step
         if step % substeps == 0:
-            write_answer(line, motion[step], h, False, answer[step // substeps])
+            write_answer(line, motion[step], h, is_first, answer[step // substeps])
     return -1

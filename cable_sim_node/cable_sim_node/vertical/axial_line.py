@@ -210,7 +210,7 @@ def _at_static_tension(parameters: CableSimParameters, line: AxialLine) -> Axial
         stiffness = tangent_stiffness(*law, strain)
         if not (math.isfinite(strain) and stiffness > 0.0):
             raise NoEquilibriumError(
-                f"the cable's tension law does not carry the static tension {start:g} m above the unit"
+                f"the cable's tension law does not reach the static tension {start:g} m above the unit"
             )
         delay = axial.damping_time * axial.axial_stiffness / stiffness
         sections.append(replace(axial, axial_stiffness=stiffness, damping_time=delay))

@@ -269,7 +269,9 @@ def fit_two_state(omegas: ArrayLike, unit_heave: ArrayLike, *, weights: ArrayLik
     exact = np.asarray(unit_heave, dtype=np.complex128)
     weight = np.ones_like(omega) if weights is None else np.asarray(weights, dtype=np.float64)
     if len(omega) < 2 or exact.shape != omega.shape or weight.shape != omega.shape:
-        raise LinearisationError("a two-state fit needs two or more frequencies, with one response and weight each")
+        raise LinearisationError(
+            "a two-state fit needs at least two frequencies, each with one response and one weight"
+        )
 
     def difference(guess: Array) -> Array:
         model = TwoStateModel(guess[0], guess[1], 0.0).transfer(omega)
