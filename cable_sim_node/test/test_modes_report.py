@@ -60,6 +60,19 @@ def test_the_ridge_of_the_map_is_the_natural_period(deep):
     assert ridge[inside] == pytest.approx(deep.natural_periods[inside], abs=abs(periods[1] - periods[0]))
 
 
+def test_the_line_answers_in_heave_as_the_bar_does(deep):
+    # two linear models: the lumped line with one linear drag, the exact bar with that of each period's own answer; away
+    # from the resonance drag hardly matters
+    periods = 2.0 * math.pi / deep.response.omegas
+    far = np.abs(periods - deep.heave[0].period) > 3.0
+    assert np.abs(deep.response.unit[far, 2, 2]) == pytest.approx(
+        deep.resonances.unit_heave[-1, far], rel=5e-3, abs=2e-3
+    )
+    assert np.abs(deep.response.unit[~far, 2, 2]).max() > 10.0
+    # far below its period of 252 s a pendulum hardly follows its upper end
+    assert np.all(np.abs(deep.response.unit[:, 0, 0]) < 0.2)
+
+
 def test_seabed_and_bending_have_no_part_in_it(deep):
     stiff = dataclasses.replace(
         s900(40),
@@ -74,6 +87,7 @@ def test_table_and_values_name_every_mode(deep):
     assert len(values["heave_periods_s"]) == 4
     assert len(values["line_modes"]) == 8
     assert values["is_stable"] is True
+    assert len(values["response"]) == len(deep.response.omegas)
     assert "dies out" in table
     assert f"{deep.critical_length:.1f} m" in table
 

@@ -12,7 +12,7 @@ from heave_node.arrays import Array
 from scipy.optimize import brentq
 
 from cable_sim_node.errors import LinearisationError
-from cable_sim_node.line.linearised import LinearLine, linearise
+from cable_sim_node.line.linearised import LinearLine, LineResponse, linearise
 from cable_sim_node.parameters import CableSimParameters, CompensatorParameters, SeabedParameters
 from cable_sim_node.reports.report import columns, labelled_rows
 from cable_sim_node.vertical.axial_line import AxialLine, axial_line
@@ -83,6 +83,7 @@ class ModesReport:
     line : modes of the line in space, in its current
     labels : unstretched length from the unit to the nodes of `line` [m]
     is_stable : whether all free motion of the line dies out in its current
+    response : of unit and top tension to motion of the boom tip, over frequency
     resonances : motion of the unit over that of the boom tip, over length and frequency
     natural_periods : of the first heave mode at the lengths of `resonances` [s]
     critical_length : length at which the first heave mode has `sea_period` [m]; None outside the map
@@ -96,6 +97,7 @@ class ModesReport:
     line: tuple[LineMode, ...]
     labels: Array
     is_stable: bool
+    response: LineResponse
     resonances: ResonanceMap
     natural_periods: Array
     critical_length: float | None
@@ -118,6 +120,14 @@ class ModesReport:
                 for mode in self.line
             ],
             "is_stable": self.is_stable,
+            "response": [
+                {
+                    "period_s": 2.0 * math.pi / float(omega),
+                    "heave": float(abs(unit[2, 2])),
+                    "sway": float(abs(unit[0, 0])),
+                }
+                for omega, unit in zip(self.response.omegas, self.response.unit, strict=True)
+            ],
             "resonance": [
                 {"length_m": float(length), "natural_period_s": float(period)}
                 for length, period in zip(self.resonances.lengths, self.natural_periods, strict=True)
@@ -155,8 +165,9 @@ class ModesReport:
         return f"{labelled_rows(rows)}\n\n{heave}\n\n{line}"
 
     def draw(self, figure: Figure) -> None:
-        """Draw the mode shapes, and the unit's answer over length and period."""
-        heave, sway, over_length = figure.subplots(1, 3, width_ratios=(1, 1, 2))
+        """Draw the mode shapes, and the unit's answer over period and over length."""
+        panels = figure.subplot_mosaic([["heave", "sway", "map"], ["answer", "answer", "map"]], width_ratios=(1, 1, 2))
+        heave, sway = panels["heave"], panels["sway"]
         for mode in self.heave:
             heave.plot(mode.shape, mode.labels, label=f"{mode.period:.3g} s")
         for swing in self.line:
@@ -168,7 +179,17 @@ class ModesReport:
             axis.grid(alpha=0.3)
             if axis.lines:
                 axis.legend(fontsize="x-small")
-        self._draw_map(figure, over_length)
+        self._draw_answer(panels["answer"])
+        self._draw_map(figure, panels["map"])
+
+    def _draw_answer(self, axis: Axes) -> None:
+        periods = 2.0 * math.pi / self.response.omegas
+        for column, name in ((2, "heave"), (0, "sway along x")):
+            axis.semilogy(periods, np.abs(self.response.unit[:, column, column]), label=name)
+        axis.axvline(self.sea_period, color="0.5", linestyle=":", label=f"{self.sea_period:.4g} s")
+        axis.set(xlabel="period [s]", title=f"unit over boom tip, {self.length:g} m out")
+        axis.grid(alpha=0.3)
+        axis.legend(fontsize="x-small")
 
     def _draw_map(self, figure: Figure, axis: Axes) -> None:
         periods = 2.0 * math.pi / self.resonances.omegas
@@ -236,6 +257,7 @@ def modes_report(
         line=_line_modes(line, min(2 * count, len(line.mass) - 3)),
         labels=line.labels,
         is_stable=bool(line.poles().real.max() <= 0.0),
+        response=line.response(omegas),
         resonances=resonance_map(axial, lengths, omegas, amplitude=amplitude),
         natural_periods=np.array([_natural_period(axial, float(length)) for length in lengths]),
         critical_length=_critical_length(axial, sea_period, float(lengths[0]), longest),
