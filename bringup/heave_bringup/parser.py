@@ -9,6 +9,7 @@ from typing import Any, NoReturn
 from heave_bags.play.player_options import add_arguments
 from heave_node.run_parameters import LOCKSTEP, REALTIME
 
+from heave_bringup.commands import modes, static
 from heave_bringup.run.node_table import NODE_BY_NAME
 
 
@@ -31,7 +32,7 @@ def make_parser() -> argparse.ArgumentParser:
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
     for add in (
         *(_add_run, _add_list, _add_report, _add_kpi, _add_record, _add_replay, _add_import, _add_repair),
-        *(_add_design, _add_identify, _add_static, _add_campaign, _add_bench),
+        *(_add_design, _add_identify, _add_static, _add_modes, _add_campaign, _add_bench),
     ):
         add(commands)
     return parser
@@ -128,11 +129,22 @@ def _add_static(commands: Any) -> None:
     parser = _add(
         commands,
         "static",
-        "Print and draw the static equilibrium of a scenario: end forces, positions, top tension and angle.",
-        "heave static s300_driven --set 'cable_sim.current=[0.5, 0.0]' --picture shape.png",
+        "Print and draw cable and unit at rest: hanging, towed, moored, at the end of their reach, or laid.",
+        static.EXAMPLES,
     )
     _add_scenario(parser)
-    parser.add_argument("--picture", type=Path, metavar="FILE", help="PNG or SVG (default: SCENARIO_static.svg)")
+    static.add_arguments(parser)
+
+
+def _add_modes(commands: Any) -> None:
+    parser = _add(
+        commands,
+        "modes",
+        "Print and draw natural periods and mode shapes of cable and unit, and the lengths that resonate with the sea.",
+        modes.EXAMPLES,
+    )
+    _add_scenario(parser)
+    modes.add_arguments(parser)
 
 
 def _add_design(commands: Any) -> None:

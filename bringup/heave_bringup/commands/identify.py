@@ -7,7 +7,9 @@ from pathlib import Path
 
 import numpy as np
 from cable_sim_node.errors import PlantError
+from cable_sim_node.vertical.axial_kernel import integrate
 from heave_bags.analyse.run_record import read_run
+from heave_node.compiled import is_compiled
 from winch_controller_node.identification.cable import Identification, IdentificationError, identify
 from winch_controller_node.identification.cable_response import (
     draw_identification,
@@ -20,6 +22,7 @@ from winch_controller_node.model.lqr import DesignError
 from heave_bringup.bag_paths import bag_folders
 from heave_bringup.errors import CommandError
 from heave_bringup.output import check_output, write_result
+from heave_bringup.progress import ProgressLine
 from heave_bringup.scenarios import check_lengths, load_scenario
 
 
@@ -27,6 +30,8 @@ def execute(options: argparse.Namespace) -> None:
     """Identify and print a and b with their uncertainty, and draw how well they explain the response."""
     check_output("--picture", options.picture, (".png", ".svg", ".pdf"), makes_folder=True)
     check_lengths("--lengths", options.lengths or ())
+    if not Path(options.source).is_dir() and not is_compiled(integrate):
+        ProgressLine().tell("compiling the axial model: some seconds, once after an installation")
     try:
         if Path(options.source).is_dir():
             found = _from_bag(Path(options.source), options.drag)

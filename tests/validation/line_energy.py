@@ -1,4 +1,7 @@
-"""Mechanical energy of a line, and the power of all that takes energy from it."""
+"""Mechanical energy of a plant's line, and the power of all that takes energy from it: an account of its own.
+
+It reads the arrays that the solver moves, but takes nothing from the solver's equations.
+"""
 
 from __future__ import annotations
 
@@ -6,16 +9,14 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-
 from cable_sim_node.line import layout as at
 from cable_sim_node.line.arrays import LineArrays
+from cable_sim_node.line.dynamics import CableDynamics
 
 
 @dataclass(frozen=True)
 class Energy:
-    """Energy [J] of the line and the unit with their added mass; potential energy in water, zero at the origin's
-    height.
-    """
+    """Energy [J] of line and unit with their added mass; potential energy in water, zero at the origin's height."""
 
     kinetic: float
     elastic: float
@@ -41,13 +42,13 @@ class PowerLost:
         return self.drag + self.internal_damping + self.seabed
 
 
-def energy_of(line: LineArrays) -> Energy:
+def energy_of(plant: CableDynamics) -> Energy:
     """Return the energy at the present state. Bending, contact and compensator springs are not in it.
 
-    Added mass works across each segment only; where segments turn, its energy is not conserved by the equations
-    of thesis 5.2.1,
-    which take M a, not d(M v)/dt.
+    Added mass works across each segment only; where segments turn, its energy is not conserved by the equations of
+    thesis 5.2.1, which take M a, not d(M v)/dt.
     """
+    line = plant._line
     n = int(line.counters[at.SEGMENTS])
     seg, x, v = line.parts[:n], line.x[: n + 1], line.v[: n + 1].copy()
     chord = np.diff(x, axis=0)
@@ -72,8 +73,9 @@ def energy_of(line: LineArrays) -> Energy:
     return Energy(kinetic, elastic, potential)
 
 
-def power_lost(line: LineArrays) -> PowerLost:
-    """Return the power lost at the present state; `line.flow` must be that of the present."""
+def power_lost(plant: CableDynamics) -> PowerLost:
+    """Return the power lost at the present state."""
+    tensions, line = plant.segment_tensions, plant._line
     n = int(line.counters[at.SEGMENTS])
     seg, x, v = line.parts[:n], line.x[: n + 1], line.v[: n + 1].copy()
     chord = np.diff(x, axis=0)
@@ -95,7 +97,7 @@ def power_lost(line: LineArrays) -> PowerLost:
     strain = stretched / length - 1.0
     elastic = seg[:, at.STIFFNESS] * strain * (1.0 + strain * (seg[:, at.QUADRATIC] + seg[:, at.CUBIC] * strain))
     rate = np.sum(e * np.diff(v, axis=0), axis=1)
-    damping = float(np.sum(np.where(strain > 0.0, (line.tensions[:n] - elastic) * rate, 0.0)))
+    damping = float(np.sum(np.where(strain > 0.0, (tensions - elastic) * rate, 0.0)))
     return PowerLost(drag, damping, _seabed_power(line, n))
 
 

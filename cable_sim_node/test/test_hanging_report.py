@@ -3,7 +3,7 @@ import math
 
 import numpy as np
 import pytest
-from cable_sim_node.errors import PlantError
+from cable_sim_node.errors import PlantError, StaticsError
 from cable_sim_node.line.dynamics import CableDynamics
 from cable_sim_node.parameters import (
     CableParameters,
@@ -13,8 +13,8 @@ from cable_sim_node.parameters import (
     SeabedParameters,
     SectionsParameters,
 )
-from cable_sim_node.statics.errors import StaticsError
-from cable_sim_node.statics.report import draw_static, static_report
+from cable_sim_node.reports.hanging import hanging_report
+from cable_sim_node.reports.report import save_picture
 
 PNG_HEAD = b"\x89PNG\r\n\x1a\n"
 
@@ -30,7 +30,7 @@ RICH = CableSimParameters(
 
 def test_in_still_water_the_report_is_weight_and_stretch():
     parameters = CableSimParameters()
-    report = static_report(parameters, (1.0, 2.0, 3.0))
+    report = hanging_report(parameters, (1.0, 2.0, 3.0))
     unit = parameters.unit.weight_in_fluid(1025.0)
     weight = parameters.cable.weight_in_fluid(1025.0)
     stretch = (unit * 300.0 + 0.5 * weight * 300.0**2) / parameters.cable.axial_stiffness
@@ -51,7 +51,7 @@ def test_in_still_water_the_report_is_weight_and_stretch():
 )
 def test_the_report_agrees_with_the_line_that_dynamics_starts_from(parameters):
     # two codes: the closed form of distributed weight and drag, and the lumped line
-    report = static_report(parameters)
+    report = hanging_report(parameters)
     line = CableDynamics(parameters)
     line.start_at_equilibrium(np.zeros(3))
     assert report.unit == pytest.approx(line.unit_position, abs=2e-3)
@@ -59,7 +59,7 @@ def test_the_report_agrees_with_the_line_that_dynamics_starts_from(parameters):
 
 
 def test_the_angle_is_that_of_the_force_and_the_azimuth_points_downstream():
-    report = static_report(CableSimParameters(current=(0.3, 0.4)))
+    report = hanging_report(CableSimParameters(current=(0.3, 0.4)))
     horizontal, vertical = math.hypot(*report.boom_tip_force[:2]), report.boom_tip_force[2]
     assert report.top_angle == pytest.approx(math.atan2(horizontal, vertical))
     # drag per axis on the unit is not along the current, so only nearly
@@ -67,36 +67,37 @@ def test_the_angle_is_that_of_the_force_and_the_azimuth_points_downstream():
 
 
 def test_the_table_says_every_number_with_its_unit():
-    report = static_report(dataclasses.replace(RICH, seabed=SeabedParameters(depth=320.0)))
+    report = hanging_report(dataclasses.replace(RICH, seabed=SeabedParameters(depth=320.0)))
     table = report.table()
     for words in ("top tension [N]", "top angle", "unit [m]", "force on the cable at the boom tip [N]", "seabed [m]"):
         assert words in table
     assert f"{report.top_tension:.1f}" in table
     values = report.values()
     assert values["top_tension_n"] == pytest.approx(report.top_tension)
+    assert values["clearance_m"] == pytest.approx(320.0 + report.unit[2])
     assert all(np.all(np.isfinite(value)) for value in values.values())
 
 
 def test_a_unit_below_the_seabed_is_refused():
     with pytest.raises(StaticsError, match="below the seabed"):
-        static_report(CableSimParameters(seabed=SeabedParameters(depth=290.0)))
+        hanging_report(CableSimParameters(seabed=SeabedParameters(depth=290.0)))
 
 
 def test_a_report_of_a_cable_shorter_than_its_sections_uses_what_is_out():
     short = dataclasses.replace(RICH, length=40.0, clumps=ClumpsParameters())
-    assert static_report(short).shape.cable.length == pytest.approx(40.0)
+    assert hanging_report(short).shape.cable.length == pytest.approx(40.0)
 
 
 def test_a_clump_beyond_the_cable_is_refused():
     with pytest.raises(PlantError, match="not on the cable"):
-        static_report(dataclasses.replace(RICH, length=100.0))
+        hanging_report(dataclasses.replace(RICH, length=100.0))
 
 
 def test_the_picture_is_written_in_the_format_of_its_name(tmp_path):
-    report = static_report(dataclasses.replace(RICH, seabed=SeabedParameters(depth=320.0)))
-    draw_static(report, tmp_path / "shape.png")
-    draw_static(report, tmp_path / "shape.svg")
+    report = hanging_report(dataclasses.replace(RICH, seabed=SeabedParameters(depth=320.0)))
+    save_picture(report, tmp_path / "shape.png")
+    save_picture(report, tmp_path / "shape.svg")
     assert (tmp_path / "shape.png").read_bytes()[:8] == PNG_HEAD
     assert "<svg" in (tmp_path / "shape.svg").read_text(encoding="utf-8")
-    with pytest.raises(StaticsError, match=r"\.png or \.svg"):
-        draw_static(report, tmp_path / "shape.gif")
+    with pytest.raises(PlantError, match=r"\.png or \.svg"):
+        save_picture(report, tmp_path / "shape.gif")
