@@ -39,7 +39,7 @@ class Processes:
 
     def record(self, folder: Path, *parameters: str) -> subprocess.Popen[str]:
         options = [part for name in (f"directory:={folder}", *parameters) for part in ("-p", name)]
-        return self.start("live_recorder", "--ros-args", *options)
+        return self.start("record.live_recorder", "--ros-args", *options)
 
     def end(self) -> None:
         for process in self._started:
@@ -81,7 +81,7 @@ def call(node: Node, kind, name: str, request):
 def test_a_bag_that_is_played_and_recorded_again_is_the_same(processes, made_up_bag, tmp_path):
     original = Bag(made_up_bag(run=MadeUpRun(duration=10.0)))
     recorder = processes.record(tmp_path / "again")
-    player = processes.start("player_node", str(original.path), "--rate", "5", "--delay", "2")
+    player = processes.start("play.player_node", str(original.path), "--rate", "5", "--delay", "2")
     assert player.wait(WAIT) == 0
     time.sleep(0.5)
     recorder.send_signal(signal.SIGINT)
@@ -97,7 +97,8 @@ def test_a_bag_that_is_played_and_recorded_again_is_the_same(processes, made_up_
 
 
 def test_the_player_pauses_and_steps_on_request(processes, made_up_bag):
-    player = processes.start("player_node", str(made_up_bag(run=MadeUpRun(duration=5.0))), "--paused", "--delay", "0")
+    bag = made_up_bag(run=MadeUpRun(duration=5.0))
+    player = processes.start("play.player_node", str(bag), "--paused", "--delay", "0")
     node = rclpy.create_node("asker")
     answer = call(node, PlaybackControl, "player/control", PlaybackControl.Request(paused=True, step=7))
     assert (answer.success, answer.message) == (True, "t = 0.050 s, rate 1, paused")

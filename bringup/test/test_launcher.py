@@ -8,7 +8,7 @@ from heave_bringup.run.launcher import Launcher, NodeProcess
 
 STUCK = """
 import time
-from heave_node import process
+from heave_node.ros import process
 
 class Node:
     def destroy_node(self):

@@ -19,8 +19,8 @@ from heave_bags.analyse.depth_programme import SPAN, take_out_programme
 from heave_bags.analyse.kpi_set import RunSignals, Signal
 from heave_bags.cdr.columns import Columns
 from heave_bags.errors import BagError
+from heave_bags.mcap.loss import Loss
 from heave_bags.mcap.reader import TIME, Bag, Progress, no_progress
-from heave_bags.mcap.scan import Loss
 from heave_bags.record.provenance import PARAMETERS_ATTACHMENT, SCENARIO_ATTACHMENT
 
 NIS_BAND = (0.000982069, 5.02388619)
