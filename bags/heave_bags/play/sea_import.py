@@ -19,7 +19,7 @@ import yaml
 from heave_node.arrays import Array
 from scipy.interpolate import CubicSpline
 
-from heave_bags.analyse.kpi_set import Signal
+from heave_bags.analyse.signals import Signal
 from heave_bags.errors import BagError
 from heave_bags.mcap.reader import TIME, Bag
 
