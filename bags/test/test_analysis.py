@@ -180,15 +180,22 @@ def test_a_bag_that_gives_no_figure_at_all_is_an_error(tmp_path):
         analysis.analyse([tmp_path / "bag"])
 
 
+KINDS = ("string", "float64[]", None, "string")
+
+
 def definitions_of_other_kinds():
     """Yield a topic and its definition with one field of another kind, or gone."""
+    selected = {re.split(r"[.\]]", path)[-1] for paths in run_record.SELECTION.values() for path in paths}
+    looked_at = {*selected, "sensor", "level", "sec", "nanosec"}
     for name in run_record.SELECTION:
         full = "/" + name.lstrip("/")
         if full not in TYPES:
             continue
         text = schema_text(TYPES[full])
         for field in re.findall(r"^(?:float64|uint32|uint8|int32|bool|string|byte)(?:\[\])? +(\w+)", text, re.M):
-            for kind in ("string", "float64[]", None):
+            if field not in looked_at:
+                continue
+            for kind in KINDS[len(field) % 3 :][:2]:
                 line = f"{kind} {field}" if kind else ""
                 yield full, field, re.sub(rf"^[a-z]+[0-9]*(\[\])? +{field}\b.*$", line, text, flags=re.M)
 
@@ -196,7 +203,7 @@ def definitions_of_other_kinds():
 def test_definitions_of_other_kinds_cost_figures_and_end_in_one_line_at_most(shared_bag, tmp_path):
     """Each field that is looked at is renamed by its absence, or holds what nobody expects there."""
     bag = Bag(shared_bag)
-    short = list(bag.messages(end=14_000_000_000))
+    short = list(bag.messages(end=12_000_000_000))
     seen = 0
     for number, (topic, _, text) in enumerate(definitions_of_other_kinds()):
         folder = tmp_path / str(number)
@@ -214,7 +221,7 @@ def test_definitions_of_other_kinds_cost_figures_and_end_in_one_line_at_most(sha
         except BagError as error:
             assert "\n" not in str(error)
         seen += 1
-    assert seen > 60
+    assert seen > 40
 
 
 def test_a_bag_of_others_is_refused_with_what_it_has(tmp_path):

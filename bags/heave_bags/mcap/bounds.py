@@ -78,29 +78,31 @@ def _read_while_it_goes(reader: zstandard.ZstdDecompressionReader) -> bytes:
     return b"".join(parts)
 
 
-class _BoundedLoader(yaml.SafeLoader):
-    """Plain values of bounded depth. Aliases, with which a short text stands for a huge one, are refused."""
-
-    _depth = 0
-
-    def compose_node(self, parent: Any, index: Any) -> Any:
-        """See yaml.SafeLoader."""
-        if self.check_event(yaml.AliasEvent):
-            raise BoundError("it uses aliases")
-        if self._depth >= DEEPEST_YAML:
-            raise BoundError(f"it is more than {DEEPEST_YAML} levels deep")
-        self._depth += 1
-        try:
-            return super().compose_node(parent, index)
-        finally:
-            self._depth -= 1
+_YAML_LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 
 
 def load_yaml(text: str | bytes) -> Any:
-    """Return the value of a YAML text that a file carries. Raises ValueError if it is none, or exceeds the bounds."""
+    """Return the value of a YAML text that a file carries: plain values of bounded depth.
+
+    Raises ValueError if it is none, exceeds the bounds, or uses aliases, with which a short text stands for a huge one.
+    """
     if len(text) > LARGEST_YAML:
         raise BoundError(f"it has {len(text)} characters, {LARGEST_YAML} are allowed")
     try:
-        return yaml.load(text, Loader=_BoundedLoader)
+        _check_depth(text)
+        return yaml.load(text, Loader=_YAML_LOADER)
     except (yaml.YAMLError, ArithmeticError, LookupError, TypeError, AttributeError) as error:
         raise ValueError(f"it is no YAML: {' '.join(str(error).split())}") from error
+
+
+def _check_depth(text: str | bytes) -> None:
+    depth = 0
+    for event in yaml.parse(text, Loader=_YAML_LOADER):
+        if isinstance(event, yaml.AliasEvent):
+            raise BoundError("it uses aliases")
+        if isinstance(event, yaml.CollectionStartEvent):
+            depth += 1
+        elif isinstance(event, yaml.CollectionEndEvent):
+            depth -= 1
+        if depth > DEEPEST_YAML:
+            raise BoundError(f"it is more than {DEEPEST_YAML} levels deep")
