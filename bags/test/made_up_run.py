@@ -138,7 +138,7 @@ def write_run(
     killed process would leave it.
     """
     run = run or MadeUpRun()
-    description = {"scenario": "made_up", "seed": "7", "transient_s": "10.0"}
+    description = {"scenario": "made_up", "seed": "7", "transient_s": "10.0", "pacing": "lockstep"}
     attachments = [Attachment("scenario.yaml", "application/yaml", SCENARIO)]
     writer = BagWriter(
         folder,

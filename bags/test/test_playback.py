@@ -4,7 +4,7 @@ import pytest
 from heave_bags.errors import BagError
 from heave_bags.mcap.reader import Bag, RawMessage
 from heave_bags.play.playback import Playback, PlaybackOptions, in_order_of_time, publisher_of, selected_topics
-from heave_bags.play.substitute_node import TickPlayer
+from heave_bags.play.tick_player import TickPlayer
 from made_up_run import MadeUpRun
 
 PERIOD = 50_000_000
