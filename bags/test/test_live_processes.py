@@ -13,6 +13,8 @@ from pathlib import Path
 import pytest
 import rclpy
 from domain_coordinator import domain_id
+from heave_bags.mcap.bag_writer import BagWriter
+from heave_bags.mcap.files import TopicSummary
 from heave_bags.mcap.reader import Bag
 from heave_msgs.srv import PlaybackControl, SaveSnapshot, StartRecording
 from heave_node.ros.environment import prepare_environment
@@ -94,6 +96,27 @@ def test_a_bag_that_is_played_and_recorded_again_is_the_same(processes, made_up_
         assert (recorded.type, recorded.schema) == (original.topics[topic].type, original.topics[topic].schema)
         assert recorded.qos[0].durability == original.topics[topic].qos[0].durability
     assert again.topics["/clock"].message_count > 10
+
+
+def test_topics_whose_types_are_not_installed_are_left_out_with_a_warning(processes, tmp_path):
+    writer = BagWriter(tmp_path / "bag")
+    writer.add_topic("/chatter", "std_msgs/msg/String")
+    writer.add_foreign_topic(TopicSummary("/events/write_split", "rosbag2_interfaces/msg/WriteSplitEvent"), "string a")
+    writer.add_foreign_topic(TopicSummary("/fly", "antigravity/msg/Fly"), "string a")
+    writer.add_foreign_topic(TopicSummary("/no name", "std_msgs/msg/String"), "string data")
+    for topic in ("/chatter", "/events/write_split", "/fly", "/no name"):
+        writer.write(topic, 1_000_000, b"\x00\x01\x00\x00\x02\x00\x00\x00a\x00")
+    writer.close()
+    player = processes.start("play.player_node", str(tmp_path / "bag"), "--delay", "0")
+    assert player.wait(WAIT) == 0
+    said = player.stderr.read()
+    assert "/events/write_split is left out: rosbag2_interfaces/msg/WriteSplitEvent is not installed here" in said
+    assert "/fly is left out: antigravity/msg/Fly is not installed here" in said
+    assert "'/no name' is not the name of a topic" in said
+    assert "Traceback" not in said
+    only = processes.start("play.player_node", str(tmp_path / "bag"), "--delay", "0", "--exclude", "/chatter")
+    assert only.wait(WAIT) == 1
+    assert only.stderr.read().strip().splitlines()[-1].startswith("player: ")
 
 
 def test_the_player_pauses_and_steps_on_request(processes, made_up_bag):

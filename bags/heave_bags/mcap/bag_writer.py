@@ -10,6 +10,7 @@ from pathlib import Path
 
 from heave_bags.cdr.canonical import Canonical
 from heave_bags.errors import BagError, StorageError
+from heave_bags.mcap.bounds import LARGEST_MESSAGE
 from heave_bags.mcap.definitions import DefinitionError, schema_text, type_hash
 from heave_bags.mcap.files import (
     METADATA_KEY,
@@ -169,6 +170,8 @@ class BagWriter:
             known = self._topics[topic]
         except KeyError:
             raise BagError(f"topic {topic} was not added to the bag {self.folder}") from None
+        if len(data) > LARGEST_MESSAGE:
+            raise BagError(f"a message of {len(data)} bytes on {topic} is larger than a bag takes ({LARGEST_MESSAGE})")
         if self._must_split(log_time):
             self.split()
         if not known.channel:

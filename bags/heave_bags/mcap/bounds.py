@@ -10,6 +10,8 @@ import zstandard
 
 LARGEST_RECORD = 64 << 20
 """Bytes of one record, packed and unpacked: a chunk, an attachment, a message."""
+LARGEST_MESSAGE = 62 << 20
+"""Bytes of one message, so that its chunk stays within LARGEST_RECORD with the definitions it needs."""
 LARGEST_SUMMARY = 64 << 20
 """Bytes of a file's summary: that of days of recording without a split."""
 LARGEST_YAML = 8 << 20

@@ -33,6 +33,7 @@ from mcap.records import (
     SummaryOffset,
 )
 
+from heave_bags.mcap.bounds import LARGEST_MESSAGE
 from heave_bags.mcap.summary import MAGIC
 
 COMPRESSIONS = ("zstd", "lz4", "")
@@ -170,7 +171,8 @@ class McapWriter:
     def write(self, channel: int, log_time: int, data: bytes, *, publish_time: int, sequence: int = 0) -> None:
         """Add a message; times in nanoseconds."""
         chunk = self._chunk
-        if chunk.index and log_time - chunk.start >= self._chunks.span:
+        is_due = log_time - chunk.start >= self._chunks.span or chunk.size + len(data) > LARGEST_MESSAGE
+        if chunk.index and is_due:
             self.close_chunk()
             chunk = self._chunk
         if not chunk.index:
