@@ -102,6 +102,14 @@ def _add_list(commands: Any) -> None:
     _add(commands, "list", "List the shipped scenarios.", "heave list")
 
 
+def _add_judgement(parser: argparse.ArgumentParser) -> None:
+    """Add what a bag of another recorder does not say of its run."""
+    parser.add_argument("--transient", type=float, metavar="S", help="time that no figure counts (default: the bag's)")
+    parser.add_argument(
+        "--scenario", metavar="SCENARIO", help="scenario of the run, for bags of other recorders, which carry none"
+    )
+
+
 def _add_report(commands: Any) -> None:
     parser = _add(
         commands,
@@ -110,6 +118,7 @@ def _add_report(commands: Any) -> None:
         "heave report runs/b2_calm_300-001/bag --output report.html",
     )
     parser.add_argument("bags", metavar="BAG", type=Path, nargs="+", help="bag folder, or the folder of a run")
+    _add_judgement(parser)
     parser.add_argument("--output", type=Path, metavar="FILE", help="default: report.html beside the first bag")
 
 
@@ -121,6 +130,7 @@ def _add_kpi(commands: Any) -> None:
         "heave kpi runs/b2_calm_300-001/bag --window 60 --table kpis.csv",
     )
     parser.add_argument("bags", metavar="BAG", type=Path, nargs="+", help="bag folder, or the folder of a run")
+    _add_judgement(parser)
     parser.add_argument("--window", type=float, metavar="S", help="figures of each S seconds of the run as well")
     parser.add_argument("--table", type=Path, metavar="FILE", help="write the figures to a .csv or .parquet file")
 

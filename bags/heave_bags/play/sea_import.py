@@ -15,12 +15,12 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import yaml
 from heave_node.arrays import Array
 from scipy.interpolate import CubicSpline
 
-from heave_bags.analyse.kpi_set import Signal
+from heave_bags.analyse.signals import Signal
 from heave_bags.errors import BagError
+from heave_bags.mcap.bounds import load_yaml
 from heave_bags.mcap.reader import TIME, Bag
 
 MOTIONS = ("surge", "sway", "heave", "roll", "pitch")
@@ -87,8 +87,8 @@ class ImportedSea:
 def read_mapping(path: Path) -> SeaMapping:
     """Read a mapping file (YAML). Raises BagError with the file and the entry that is wrong."""
     try:
-        content = yaml.safe_load(path.read_text(encoding="utf-8"))
-    except (OSError, yaml.YAMLError, UnicodeDecodeError) as error:
+        content = load_yaml(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError) as error:
         raise BagError(f"{path}: cannot be read as a mapping: {' '.join(str(error).split())}") from error
     if not isinstance(content, dict):
         raise BagError(f"{path}: a mapping names heave and where it is found")

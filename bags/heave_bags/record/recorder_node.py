@@ -1,8 +1,8 @@
 """The recorder of a run: every topic into one bag, complete in lockstep.
 
 It takes part in the tick protocol, a few ticks behind the others. In lockstep it knows by count that it has
-everything of a tick, and writes
-it in an order that depends on the run alone. In real time it writes what comes when it comes, and no disk holds it up.
+everything of a tick, and writes it in an order that depends on the run alone. In real time it writes what comes when
+it comes, and no disk holds it up.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ from heave_bags.record.parameters import RecorderParameters
 from heave_bags.record.provenance import PARAMETERS_ATTACHMENT, describe_run, scenario_attachment
 from heave_bags.record.recorder_services import RecorderServices
 from heave_bags.record.recording import TickOrder
-from heave_bags.record.session import RecordingSession, SnapshotRing
+from heave_bags.record.session import RecordingSession, SnapshotRing, missing_messages
 from heave_bags.record.topic_watch import TopicWatch
 
 LOOK_PERIOD = 0.1
@@ -316,14 +316,10 @@ class RecorderNode(ParticipantNode):
 
         Only of a bag that covers the whole run. The recorder's own /diagnostics are not in it.
         """
-        counts = self.session.counts()
-        lost = [
-            f"{topic} {published - counts[topic]} of {published}"
-            for topic, published in self._expected.items()
-            if topic in counts and counts[topic] < published and topic != self._diagnostics_topic
-        ]
-        is_whole = str(self.session.folder) == self.parameters.directory
-        return ", ".join(lost) if is_whole else ""
+        if str(self.session.folder) != self.parameters.directory:
+            return ""
+        published = {topic: count for topic, count in self._expected.items() if topic != self._diagnostics_topic}
+        return missing_messages(published, self.session.counts())
 
 
 def _open_at_once(path: Path) -> Storage:

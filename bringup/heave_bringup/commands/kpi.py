@@ -18,7 +18,7 @@ def execute(options: argparse.Namespace) -> None:
     check_output("--table", options.table, analysis.TABLE_ENDINGS)
     if options.window is not None and not 0.0 < options.window < math.inf:
         raise ParameterError(f"--window {options.window:g}: must be a number above 0 [s]")
-    records = read_records(bag_folders(options.bags))
+    records = read_records(bag_folders(options.bags), scenario=options.scenario, transient=options.transient)
     results = [analysis.to_json(record, options.window) for record in records]
     text = analysis.table(records)
     if options.window is not None:

@@ -17,7 +17,7 @@ def execute(options: argparse.Namespace) -> None:
     (bag,) = bag_folders([options.bag])
     progress = ProgressLine()
     try:
-        published = play(
+        played = play(
             bag,
             options_from(options),
             delay=options.delay,
@@ -25,4 +25,6 @@ def execute(options: argparse.Namespace) -> None:
         )
     finally:
         progress.close()
-    write_result(options, f"{bag}: {published} messages played", {"bag": str(bag), "messages": published})
+    text = [f"{bag}: {played.messages} messages played", *played.left_out.values()]
+    result = {"bag": str(bag), "messages": played.messages, "left_out": dict(played.left_out)}
+    write_result(options, "\n".join(text), result)

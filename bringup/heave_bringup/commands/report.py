@@ -16,7 +16,7 @@ def execute(options: argparse.Namespace) -> None:
     """Write the report and say where it is."""
     bags = bag_folders(options.bags)
     output = options.output or bags[0].parent / "report.html"
-    records = read_records(bags)
+    records = read_records(bags, scenario=options.scenario, transient=options.transient)
     save_report(records, output)
     text = "\n".join([analysis.table(records), "", f"report    {output.resolve()}"])
     write_result(options, text, {"report": str(output.resolve()), "runs": [analysis.to_json(r) for r in records]})

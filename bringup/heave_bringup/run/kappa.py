@@ -9,8 +9,8 @@ from pathlib import Path
 
 import numpy as np
 from heave_bags.analyse.run_record import RunRecord
+from heave_bags.mcap.bounds import load_yaml
 from heave_bags.mcap.reader import Bag
-from heave_node.parameters import ParameterError
 from winch_controller_node.design.bounds import BOUND_STEP, WinchLimits, actuator_bound
 from winch_controller_node.design.design import design_controller
 from winch_controller_node.design.prediction import estimation_bound
@@ -23,19 +23,20 @@ LONGEST = 400.0
 OFF = "off"
 
 
-def add_bounds(record: RunRecord, bag: Path) -> None:
-    """Put the bounds of the run in `bag` into its record; where they cannot be computed kappa stays unknown, and a
-    note says why.
+def add_bounds(record: RunRecord, bag: Path, given: Scenario | None = None) -> None:
+    """Put the bounds of the run in `bag` into its record; `given` is its scenario, where the bag carries none.
+
+    Where they cannot be computed kappa stays unknown, and a note says why.
     """
-    scenario = _scenario_of(bag)
+    scenario = _scenario_of(bag) or given
     if scenario is None or scenario.parameters["winch_controller"].law == OFF:
         return
     if record.end <= scenario.run.transient:
         return  # the start-up is no measure of the controller
     try:
         s_est, s_act = _bounds(record, scenario)
-    except DesignError as error:
-        record.notes.append(f"kappa is unknown: {error}")
+    except (DesignError, ArithmeticError, ValueError) as error:  # a bag may carry any scenario, and any motion
+        record.notes.append(f"kappa is unknown: {' '.join(str(error).split())}")
         return
     record.signals.sensor_bound, record.signals.actuator_bound = s_est, s_act
 
@@ -58,11 +59,17 @@ def _scenario_of(bag: Path) -> Scenario | None:
     """Return the scenario that the bag carries; None where it carries none that this version can read."""
     for name, content in Bag(bag).attachments.items():
         if name.endswith((".yaml", ".yml")):
-            with tempfile.TemporaryDirectory() as folder:
-                path = Path(folder) / "scenario.yaml"
-                path.write_bytes(content)
-                try:
-                    return load_scenario(str(path))
-                except ParameterError:
-                    return None
+            return _parsed(content)
     return None
+
+
+def _parsed(content: bytes) -> Scenario | None:
+    """Return a scenario from the bytes of its file; None if they are none that this version can read."""
+    try:
+        load_yaml(content)  # held to bounds, since it comes from a file that anyone may have written
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / "scenario.yaml"
+            path.write_bytes(content)
+            return load_scenario(str(path))
+    except ValueError:  # ParameterError among them
+        return None
