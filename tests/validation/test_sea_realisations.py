@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 from heave_node.linear_model import output_spectrum
 from heave_node.randomness import random_stream
+from heave_node.spectral_estimate import estimate_spectrum
 from scipy.stats import binom, chi2
 from wave_vessel_node.sea.realisation import HarmonicSum, draw_components
-from wave_vessel_node.sea.record_statistics import record_statistics, welch
 from wave_vessel_node.sea.shaping_filter import shaping_filter
 from wave_vessel_node.sea.spectra import (
     Bretschneider,
@@ -24,6 +24,8 @@ from wave_vessel_node.sea.spectra import (
 )
 from wave_vessel_node.sea.spectrum_files import read_spectra
 from wave_vessel_node.sources.filtered import FilterSource
+
+from tests.validation.record_statistics import record_statistics
 
 ROOT = Path(__file__).parents[2]
 SAMPLE = ROOT / "wave_vessel_node" / "test" / "data" / "real_time.data_spec"
@@ -46,7 +48,7 @@ def elevation(sea: WaveSpectrum, seed: int = 1, count: int = 800) -> np.ndarray:
 
 
 def through_window(density, omega: np.ndarray) -> np.ndarray:
-    """Return the expectation of `welch` at `omega` for a target `density`."""
+    """Return the expectation of Welch's estimate at `omega` for a target `density`."""
     size = round(SEGMENT / DT)
     window = np.hanning(size + 1)[:-1]
     offset = np.linspace(-0.15, 0.15, 301)
@@ -57,7 +59,8 @@ def through_window(density, omega: np.ndarray) -> np.ndarray:
 
 def assert_within_band(record, density, lowest, highest):
     """Most frequencies lie in their 95 % band, none beyond the 1e-6 one."""
-    omega, estimate, freedom = welch(record, DT, SEGMENT)
+    welch = estimate_spectrum(record, DT, segment=SEGMENT)
+    omega, estimate, freedom = welch.omega, welch.density, welch.degrees_of_freedom
     band = (omega > lowest) & (omega < highest)
     expected = through_window(density, omega[band])
     band[band], expected = expected > 1e-3 * expected.max(), expected[expected > 1e-3 * expected.max()]
@@ -70,7 +73,8 @@ def assert_within_band(record, density, lowest, highest):
 
 
 def draw_band(figure, record, density, highest, title):
-    omega, estimate, freedom = welch(record, DT, SEGMENT)
+    welch = estimate_spectrum(record, DT, segment=SEGMENT)
+    omega, estimate, freedom = welch.omega, welch.density, welch.degrees_of_freedom
     shown = (omega > 0.0) & (omega < highest)
     expected = through_window(density, omega[shown])
     axes = figure.subplots()

@@ -25,7 +25,6 @@ UNIT_INERTIA, UNIT_WEIGHT, UNIT_DRAG = range(3)
 
 # The moving top at one instant: elevation and its rate [m], [m/s]; length of the cable out and its rate [m], [m/s].
 TOP, TOP_VELOCITY, LENGTH, LENGTH_RATE = range(4)
-MOTION_COLUMNS = 4
 
 # A node: elevation less label P [m] now and one and two steps ago, velocity [m/s] likewise; mass [kg], weight [N] and
 # drag [N s2/m2] of its lump; its row of the tridiagonal system.

@@ -3,8 +3,9 @@ import math
 import numpy as np
 import pytest
 from wave_vessel_node.sea.realisation import draw_components
-from wave_vessel_node.sea.record_statistics import record_statistics, welch
-from wave_vessel_node.sea.spectra import Bretschneider, Jonswap, SpectrumError
+from wave_vessel_node.sea.spectra import Bretschneider, Jonswap
+
+from tests.validation.record_statistics import record_statistics
 
 DT = 0.5
 
@@ -48,16 +49,3 @@ def test_another_sea_lies_outside():
     statistics = record_statistics(gaussian_record(sea, 7200.0, 1), DT, Bretschneider(2.4, 9.0))
     assert not statistics.significant_wave_height.is_inside
     assert not statistics.zero_crossing_period.is_inside
-
-
-def test_welch_of_white_noise_is_flat_and_has_its_variance():
-    record = np.random.default_rng(0).standard_normal(200_000)
-    _, density, freedom = welch(record, DT, 100.0)
-    # white noise of variance 1 over 0 to pi / DT
-    assert density[1:-1].mean() == pytest.approx(DT / math.pi, rel=0.01)
-    assert density[1:-1].std() / density[1:-1].mean() == pytest.approx(math.sqrt(2.0 / freedom), rel=0.25)
-
-
-def test_a_record_too_short_is_refused():
-    with pytest.raises(SpectrumError, match="too short"):
-        welch(np.zeros(100), DT, 100.0)

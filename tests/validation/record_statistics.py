@@ -10,8 +10,8 @@ from dataclasses import dataclass
 
 import numpy as np
 from heave_node.arrays import Array
-
-from wave_vessel_node.sea.spectra import SpectrumError, WaveSpectrum, cell_integrals
+from heave_node.spectral_estimate import estimate_spectrum
+from wave_vessel_node.sea.spectra import WaveSpectrum, cell_integrals
 
 _NORMAL_95 = 1.959964
 
@@ -49,31 +49,17 @@ class RecordStatistics:
     peak_period: Estimate
 
 
-def welch(record: Array, period: float, segment: float) -> tuple[Array, Array, float]:
-    """Return omega [rad/s], the one-sided density [m^2 s/rad] and its degrees of freedom (Hann, half overlapping).
-
-    Parameters
-    ----------
-    record : samples `period` [s] apart; segment : length of a segment [s]
-
-    Raises SpectrumError for a record shorter than two segments.
-    """
-    size = 2 * round(0.5 * segment / period)
-    if record.size < 2 * size:
-        raise SpectrumError(f"a record of {record.size * period:g} s is too short for two segments of {segment:g} s")
-    window = np.hanning(size + 1)[:-1]
-    starts = range(0, record.size - size + 1, size // 2)
-    power = np.mean([np.abs(np.fft.rfft(record[i : i + size] * window)) ** 2 for i in starts], axis=0)
-    count = len(starts)
-    density = power * period / (math.pi * float((window**2).sum()))
-    omega = np.asarray(2.0 * math.pi * np.fft.rfftfreq(size, period), dtype=np.float64)
-    return omega, density, 36.0 * count**2 / (19.0 * count - 1.0)
-
-
 def record_statistics(
     record: Array, period: float, spectrum: WaveSpectrum, *, segment: float = 200.0
 ) -> RecordStatistics:
-    """Compare a record of elevation (samples `period` [s] apart) with the `spectrum` it should have.
+    """Compare a record of elevation with the spectrum it should have.
+
+    Parameters
+    ----------
+    record : elevation [m], shape (n,)
+    period : between samples [s]
+    spectrum : target
+    segment : length of a segment of Welch's spectrum, for the peak period [s]
 
     Frequencies above pi / (4 period) count for the second moment with less than they have: rates are central
     differences, and the target is taken through the same difference.
@@ -107,8 +93,8 @@ def record_statistics(
     relative = (scatter(0) / m0.target) ** 2 + (scatter(2) / m2.target) ** 2
     relative -= 2.0 * covariance / (m0.target * m2.target)
     crossing = 2.0 * math.pi * math.sqrt(m0.target / m2.target)
-    omega, density, freedom = welch(elevation, period, segment)
-    peak = 2.0 * math.pi / float(omega[np.argmax(density)])
+    estimate = estimate_spectrum(elevation, period, segment=segment)
+    peak = 2.0 * math.pi / float(estimate.omega[np.argmax(estimate.density)])
     return RecordStatistics(
         m0,
         m2,
@@ -118,7 +104,7 @@ def record_statistics(
             crossing,
             0.5 * _NORMAL_95 * crossing * math.sqrt(max(relative, 0.0)),
         ),
-        Estimate(peak, spectrum.peak_period, _peak_half_width(spectrum, freedom, segment)),
+        Estimate(peak, spectrum.peak_period, _peak_half_width(spectrum, estimate.degrees_of_freedom, segment)),
     )
 
 
