@@ -55,4 +55,9 @@ def test_the_figures_of_a_run_are_the_same_to_every_digit_whoever_recorded_it(ba
 def test_the_sea_that_heave_record_has_recorded_leads_to_the_same_run(bags, tmp_path):
     options = ["--from-bag", f"wave_vessel={bags['live']}", "--set", "all.transient=8"]
     again = run_scenario(tmp_path / "again", duration=DURATION, options=options)
-    assert recorded_messages(again) == recorded_messages(bags["suite"])
+    assert of_the_run(again) == of_the_run(bags["suite"])
+
+
+def of_the_run(bag: Path) -> list[tuple[str, int, int]]:
+    """Return the messages of a bag without /diagnostics, where the other recorder speaks as well."""
+    return [message for message in recorded_messages(bag) if message[0] != "/diagnostics"]

@@ -106,7 +106,9 @@ def kill_one(number: int, folder: Path) -> Kill:
             answered = witness.tick
             run.wait(90.0)
         finally:
-            run.kill()
+            if run.poll() is None:
+                run.send_signal(signal.SIGINT)  # it ends its nodes in order
+                run.wait(60.0)
             witness.close()
     return _judge(node, pacing, answered, folder / "bag")
 
@@ -182,6 +184,7 @@ def main() -> int:
     parser.add_argument("--count", type=int, default=100, help="runs (default 100)")
     parser.add_argument("--first", type=int, default=0, help="number of the first (default 0)")
     options = parser.parse_args()
+    signal.signal(signal.SIGTERM, signal.default_int_handler)  # no run is left behind
     progress = ProgressLine()
     kills = []
     for number in range(options.first, options.first + options.count):
