@@ -1,4 +1,4 @@
 """Recorder, replay, analysis and report of heave-compensation runs.
 
-Importing this package does not import rclpy; only `recorder_node` and `player_node` do. `kpi` needs numpy alone.
+Importing this package does not import rclpy; recording, playing and substitution do. Reading and analysing need no ROS.
 """

@@ -18,7 +18,7 @@ from heave_bags.analyse.depth_programme import SPAN, take_out_programme
 from heave_bags.analyse.events import Interval
 from heave_bags.analyse.fields import Fields, on_one_clock
 from heave_bags.analyse.signals import RunSignals, Signal
-from heave_bags.errors import BagError
+from heave_bags.errors import BagError, one_line
 from heave_bags.mcap.bounds import load_yaml
 from heave_bags.mcap.loss import Loss
 from heave_bags.mcap.reader import Bag, Progress, no_progress
@@ -118,7 +118,7 @@ class RunRecord:
 
     def remarks(self) -> list[str]:
         """Return what a reader of the figures must know: the notes, and what of the bag could not be read."""
-        return [*self.notes, *(f"not all of the bag could be read: {loss}" for loss in self.losses)]
+        return [*map(one_line, self.notes), *(f"not all of the bag could be read: {loss}" for loss in self.losses)]
 
     def kpis(self, start: float | None = None, end: float | None = None) -> dict[str, float]:
         """Return every KPI over the evaluation window, or over start..end [s]."""

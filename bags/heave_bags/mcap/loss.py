@@ -10,6 +10,8 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from heave_bags.errors import one_line
+
 NO_FOOTER = "the file has no index (its writer was stopped)"
 MISSING = "messages are missing"
 
@@ -40,7 +42,7 @@ class Loss:
             span = f"{(self.end - self.start) * 1e-9:.3f} s (from {self.start * 1e-9:.3f} s to {self.end * 1e-9:.3f} s)"
         count = "an unknown number of" if self.messages is None else str(self.messages)
         place = "" if self.position is None else f" at byte {self.position}"
-        return f"{self.file.name}: {self.reason}{place}: {span} with {count} messages lost"
+        return one_line(f"{self.file.name}: {self.reason}{place}: {span} with {count} messages lost")
 
 
 class LossAccount:

@@ -234,6 +234,7 @@ class Bag:
         ----------
         topics : names, full or their ends; all if None
         start, end : log times [ns]
+        progress : called with the share of the bag that is read
 
         After the pass, `losses` holds what could not be read.
         """
@@ -329,7 +330,7 @@ class Bag:
         for message in self.messages(list(readers), start=start, end=end, progress=progress):
             left -= len(message.data)
             if left < 0:
-                raise BagError(f"{self.path}: it holds more than {most_bytes} bytes of messages to analyse")
+                raise BagError(f"{self.path}: its messages exceed the limit of {most_bytes} bytes for an analysis")
             readers[message.topic][1].add(message)
         found = {name: reader.finish() for name, reader in readers.values()}
         self._note_misfits({topic: reader.misfits for topic, (_, reader) in readers.items()})

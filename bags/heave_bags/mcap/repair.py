@@ -67,6 +67,6 @@ def reindex(folder: str | Path) -> Bag:
     if bag.losses:
         raise BagError(f"{bag.losses[0]}; repair the bag instead")
     if any(name == METADATA_RECORD and METADATA_ROOT in values.get(METADATA_KEY, "") for name, values in bag.metadata):
-        raise BagError(f"{bag.path}: its files carry what ros2 bag play stumbles over; repair the bag instead")
+        raise BagError(f"{bag.path}: ros2 bag cannot play what an earlier version wrote; repair the bag instead")
     write_metadata(bag.path, summary)
     return bag

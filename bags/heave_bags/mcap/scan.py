@@ -160,7 +160,7 @@ class McapScan:
         self._settle_lost_chunk()
         record = file.record_of_stated_length(position)
         following = file.next_chunk(position + 1) if record is None else record.end
-        self._lose(position, "records that make no sense", None)
+        self._lose(position, "corrupt records", None)
         return following
 
     def _record(self, file: RecordFile, record: Record) -> Iterator[Message]:
@@ -169,7 +169,7 @@ class McapScan:
             return
         self._settle_lost_chunk()
         if record.length > 2 * LARGEST_RECORD:
-            self._lose(record.position, f"a record of {record.length} bytes, more than is read", None)
+            self._lose(record.position, f"a record of {record.length} bytes, which exceeds the limit,", None)
         elif record.opcode == Opcode.CHUNK:
             yield from self._chunk(file.body(record), record.position)
         elif record.opcode == Opcode.HEADER:
@@ -196,7 +196,7 @@ class McapScan:
         elif self._summary is None and not has_interim_ending(file, record.end):
             self._lose(record.position, "a damaged summary", 0)
         elif self._is_whole and self._account.is_empty and checksum not in (0, _checksum(file, record.position)):
-            self._lose(0, "something that is no message was changed: the file's checksum is wrong", 0)
+            self._lose(0, "data other than messages was altered (the checksum of the file does not match)", 0)
 
     def _journalled(self, file: RecordFile, position: int) -> Iterator[Message]:
         """Read the journal of what was to follow at `position`, or at the end of a damaged file."""
@@ -254,7 +254,7 @@ class McapScan:
         offset, size = 0, len(records)
         unwanted, known, counts = self._unwanted, self.contents.channels, self.counts
         unpack_head, unpack_message = HEAD.unpack_from, MESSAGE_HEAD.unpack_from
-        strangers = repeated = 0
+        undefined = repeated = 0
         while offset + HEAD.size <= size:
             opcode, length = unpack_head(records, offset)
             body = offset + HEAD.size
@@ -265,11 +265,11 @@ class McapScan:
                 self._take(opcode, records[body:offset], position)
                 continue
             if length < MESSAGE_HEAD.size:
-                strangers += 1
+                undefined += 1
                 continue
             channel, sequence, log_time, publish_time = unpack_message(records, body)
             if channel not in known or log_time > LATEST_TIME:
-                strangers += 1
+                undefined += 1
                 continue
             if self._is_numbered and self._is_repeated(channel, sequence):
                 repeated += 1
@@ -281,11 +281,11 @@ class McapScan:
             if channel not in unwanted and self._start <= log_time <= self._end:
                 yield Message(channel, log_time, publish_time, sequence, records[body + MESSAGE_HEAD.size : offset])
         if offset != size and not may_be_cut:
-            self._lose(position, "records that make no sense in a chunk", None)
+            self._lose(position, "corrupt records in a chunk", None)
         if repeated:
-            self._lose(position, f"{repeated} messages that were read before", 0)
-        if strangers:
-            self._lose(position, "messages without a channel, or of an impossible time", strangers)
+            self._lose(position, f"{repeated} duplicate messages", 0)
+        if undefined:
+            self._lose(position, "messages of an undefined channel or with an impossible time", undefined)
 
     def _is_repeated(self, channel: int, sequence: int) -> bool:
         """Tell whether a message was read before, and count those that are missing before it."""

@@ -125,7 +125,7 @@ class Playback:
         self._options = options
         self.topics = selected_topics(bag, options)
         if bag.end_time > LAST_TIME:
-            raise BagError(f"{bag.path}: its times go beyond the year 2038, which messages of ROS cannot tell")
+            raise BagError(f"{bag.path}: its times lie beyond the year 2038, which ROS messages cannot represent")
         self._first = bag.start_time + round(options.start * _SECOND)
         if self._first > bag.end_time:
             raise BagError(f"{bag.path}: start {options.start:g} s lies behind its end, {bag.duration:.3f} s")

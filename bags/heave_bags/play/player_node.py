@@ -26,7 +26,7 @@ from rclpy.task import Future
 from rclpy.utilities import remove_ros_args
 from rosgraph_msgs.msg import Clock
 
-from heave_bags.errors import BagError
+from heave_bags.errors import BagError, one_line
 from heave_bags.mcap.definitions import is_installed
 from heave_bags.mcap.reader import Bag, BagTopic, RawMessage
 from heave_bags.mcap.ros_qos import offer_like
@@ -93,7 +93,7 @@ class Player(Node):
             self._leave_out(topic.name, f"{outlet!r} is not the name of a topic")
 
     def _leave_out(self, name: str, reason: str) -> None:
-        self.left_out[name] = f"{name} is left out: {reason}"
+        self.left_out[name] = one_line(f"{name} is left out: {reason}")
         self.get_logger().warning(self.left_out[name])
 
     def _play(self) -> None:

@@ -1,8 +1,8 @@
 """A ship's own records become a sea for the loop: bags with any topics, or CSV logs, to boom-tip motion.
 
 A mapping says where heave, and if known surge, sway, roll and pitch, are found, and where the boom tip lies from
-the sensor. The result is a
-CSV file with columns time_s, x_m, y_m, z_m, which `wave_vessel` plays with `boom_tip_source: file`.
+the sensor. The result is a CSV file with columns time_s, x_m, y_m, z_m, which `wave_vessel` plays with
+`boom_tip_source: file`.
 """
 
 from __future__ import annotations

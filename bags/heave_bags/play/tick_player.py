@@ -74,7 +74,7 @@ class TickPlayer:
             self._tick_of: TickOf = lambda message: message.log_time // period
             last = bag.end_time // period
         else:
-            arrivals = _Arrivals(bag, self._wanted, self._stamped, period)
+            arrivals = _Arrivals(bag, self.topics, self._stamped, period)
             self._tick_of, last = arrivals.tick_of, arrivals.last_tick
         self.last_tick = last - shift // period
         self.restart()
@@ -98,7 +98,8 @@ class TickPlayer:
     def restart(self) -> None:
         """Begin again at tick 1."""
         first = self._shift // self._period
-        ticks = ((self._tick_of(message) - first, message) for message in self._bag.messages(self._wanted))
+        own = filter(self._is_own, self._bag.messages(self._wanted))
+        ticks = ((self._tick_of(message) - first, message) for message in own)
         self._messages = in_order_of((tick, message) for tick, message in ticks if tick >= 0)
         self._next = next(self._messages, None)
 
@@ -111,7 +112,7 @@ class TickPlayer:
         found: list[tuple[str, bytes]] = []
         while self._next is not None and self._next[0] <= tick:
             (_, message), self._next = self._next, next(self._messages, None)
-            if self._is_own(message) and (message.topic not in self._stamped or has_stamp(message)):
+            if message.topic not in self._stamped or has_stamp(message):
                 found.append((message.topic, self._moved(message)))
         return found
 
@@ -144,11 +145,11 @@ class _Arrivals:
     def __init__(self, bag: Bag, wanted: list[str], stamped: set[str], period: int) -> None:
         self._period = period
         self._stamped = stamped
-        self._ahead = {name: int(_relative(name) in STAMPED_AT_THE_END) for name in wanted}
-        self._delay = dict.fromkeys(wanted, 0)
+        self._ahead = {name: int(_relative(name) in STAMPED_AT_THE_END) for name in bag.topics}
+        self._delay = dict.fromkeys(bag.topics, 0)
         times = self._read(bag, wanted)
         if not times:
-            raise BagError(f"{bag.path}: no message in it carries a stamp, so that nobody knows its ticks")
+            raise BagError(f"{bag.path}: none of its messages has a time stamp, so their ticks cannot be determined")
         self.last_tick = max(int(ticks[-1]) for _, ticks in times.values())
         known = [name for name in wanted if _relative(name) in UNDELAYED and name in times]
         reference = max(known or times, key=lambda name: times[name][1].size)
@@ -165,7 +166,7 @@ class _Arrivals:
                 arrival, ticks = found.setdefault(message.topic, ([], []))
                 tick = self._undelayed(message)
                 if ticks and tick < ticks[-1] - _SECOND // self._period:
-                    raise BagError(f"{bag.path}: it holds several runs: the clock of {message.topic} goes back")
+                    raise BagError(f"{bag.path}: it holds several runs: stamps on {message.topic} go backwards")
                 arrival.append(message.log_time)
                 ticks.append(tick)
         return {name: _sorted(np.asarray(a, dtype=float), np.asarray(t, dtype=float)) for name, (a, t) in found.items()}

@@ -69,7 +69,7 @@ def _check_complete(bag: Path, status: TickStatus) -> None:
     """Refuse a lockstep bag that lacks a message which a node says it published."""
     recorded = {name: topic.message_count for name, topic in Bag(bag).topics.items()}
     for topic, published in zip(status.topics, status.published, strict=True):
-        if recorded.get(topic, 0) != published:
+        if recorded.get(topic, 0) < published:  # another recorder beside the run speaks on /diagnostics, too
             raise CommandError(f"{bag}: holds {recorded.get(topic, 0)} of {published} messages of {topic}")
 
 
