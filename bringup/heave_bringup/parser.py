@@ -94,7 +94,9 @@ def _add_run(commands: Any) -> None:
         metavar="NODE=BAG",
         help="play what NODE published in BAG in its place; the other nodes run live",
     )
-    parser.add_argument("--network", action="store_true", help="discover nodes on other hosts of the subnet, too")
+    parser.add_argument(
+        "--network", action="store_true", help="let nodes on other hosts join; without it nothing leaves this machine"
+    )
     parser.add_argument("--no-report", action="store_true", help="leave out the HTML report")
 
 
@@ -259,4 +261,6 @@ def _add_record(commands: Any) -> None:
     parser.add_argument(
         "--set", action="append", default=[], metavar="PARAM=VALUE", help="change a parameter of the recorder"
     )
-    parser.add_argument("--network", action="store_true", help="discover nodes on other hosts of the subnet, too")
+    parser.add_argument(
+        "--network", action="store_true", help="let nodes on other hosts join; without it nothing leaves this machine"
+    )

@@ -3,20 +3,19 @@
 from __future__ import annotations
 
 import argparse
-import os
 
 from heave_bags.mcap.reader import Bag
 from heave_bags.record.live_recorder import record
 from heave_node.parameters import ParameterError
 
 from heave_bringup.errors import CommandError
+from heave_bringup.network import set_up_transport
 from heave_bringup.output import write_result
 
 
 def execute(options: argparse.Namespace) -> None:
     """Record until Ctrl-C and say what the bag holds."""
-    if options.network:
-        os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "SUBNET"
+    set_up_transport(network=options.network)
     arguments = ["heave", "--ros-args", "-p", f"directory:={options.directory}"]
     for setting in options.set:
         name, separator, value = setting.partition("=")

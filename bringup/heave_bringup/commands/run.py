@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import importlib
-import os
 import threading
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -15,6 +14,7 @@ from heave_node.parameters import ParameterError
 
 from heave_bringup.bag_paths import bag_folders
 from heave_bringup.errors import CommandError
+from heave_bringup.network import set_up_transport
 from heave_bringup.output import write_result
 from heave_bringup.run.node_table import NODE_BY_NAME
 from heave_bringup.run.run import RunFolder, new_run_folder, run_scenario
@@ -25,8 +25,7 @@ AFTERMATH = "heave_bringup.run.aftermath"
 
 def execute(options: argparse.Namespace) -> None:
     """Run, check, analyse, report."""
-    if options.network:
-        os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "SUBNET"
+    set_up_transport(network=options.network)
     scenario = load_scenario(options.scenario, settings=options.set, common=_common_values(options))
     folder = new_run_folder(scenario.name, options.bag)
     # What judges the run takes seconds to load: time that the nodes need to find each other.

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from heave_msgs.msg import TickStatus
 from heave_node.ros.environment import prepare_environment
+from heave_node.ros.shared_memory import remove_dead_segments
 from heave_node.scenario import NodeValues, write_scenario
 
 from heave_bringup.errors import CommandError
@@ -92,6 +93,7 @@ def run_scenario(
     place a bag is played; `on_look` is called a few times per second while the run lasts.
     """
     prepare_environment()
+    remove_dead_segments()
     monitor = Monitor()
     launcher = Launcher()
     progress = ProgressLine()

@@ -13,7 +13,8 @@ from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
 from heave_node.parameters import ParameterError
-from heave_node.ros.environment import prepare_environment
+from heave_node.ros.environment import is_bound_to_loopback, prepare_environment
+from heave_node.ros.exposure import exposed_ports
 from heave_node.ros.node import HeaveNode, one_line
 from heave_node.ros.spin import spin
 
@@ -36,13 +37,19 @@ def run_node(node_type: type[HeaveNode], args: list[str] | None = None) -> int:
 
     Whatever goes wrong is one line on standard error: `<node>: <what>`.
     """
-    prepare_environment()
+    notice = prepare_environment()
     # Signals end the node, not the context: its last words must still reach the others.
     rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
     try:
         node = node_type()
     except ParameterError as error:
         return _exit_with_message(str(error), EXIT_REFUSED)
+    exposure = _exposure(node)
+    if exposure:
+        leave_ros(node)
+        return _exit_with_message(f"{node.name}: {exposure}", EXIT_FAILED)
+    if notice:
+        node.get_logger().warning(notice)
     _end_on_signals(node)
     try:
         if node.run.autostart and node.trigger_configure() == TransitionCallbackReturn.SUCCESS:
@@ -70,6 +77,17 @@ def shut_down(node: Node) -> None:
     node.destroy_node()
     rclpy.try_shutdown()
     signal.alarm(0)
+
+
+def _exposure(node: HeaveNode) -> str:
+    """Say in one line that the transport reaches further than was asked for; "" where it does not."""
+    ports = exposed_ports(node.context.get_domain_id()) if is_bound_to_loopback() else []
+    if not ports:
+        return ""
+    return (
+        f"other hosts reach {', '.join(ports)}: Fast DDS did not take this suite's profile, its own errors say why; "
+        "to allow it, --network or ROS_AUTOMATIC_DISCOVERY_RANGE=SUBNET"
+    )
 
 
 def _on_idle(node: HeaveNode) -> None:
