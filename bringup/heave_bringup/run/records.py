@@ -14,12 +14,9 @@ from heave_bringup.run.kappa import add_bounds
 
 def read_records(bags: Sequence[Path]) -> list[RunRecord]:
     """Read bags, showing progress; raises BagError for the first that cannot be read."""
-    progress = ProgressLine()
-    try:
-        records = analysis.analyse(bags, progress=lambda share: progress.show(f"reading {share:4.0%}"))
+    with ProgressLine() as progress:
+        records = analysis.analyse(bags, progress=lambda share: progress.show("reading", share))
         for record, bag in zip(records, bags, strict=True):
             progress.show("bounds of kappa")
             add_bounds(record, bag)
-    finally:
-        progress.close()
     return records
