@@ -134,12 +134,16 @@ def take_system(node: str, own_names: Collection[str], given: Mapping[str, Given
             continue
         if name in names:
             own.setdefault(names[name], replace(value, reader=node))
-        elif _is_unknown(node, name):
+        elif _is_unknown(name, to=node if names else ""):
             raise unknown_parameter(value, {*names, *(SYSTEM + shared.word for shared in SHARED)})
     return own
 
 
-def _is_unknown(node: str, name: str) -> bool:
-    """Tell whether a shared name that a node has no parameter for is a mistake, or another node's business."""
+def _is_unknown(name: str, *, to: str) -> bool:
+    """Tell whether a shared name that a node has no parameter for is a mistake, or another node's business.
+
+    A node that takes no shared name at all owns none, whatever it is called: a bag that is played in the place of
+    `wave_vessel`, for one.
+    """
     owners = {shared.owner for shared in SHARED if shared.covers(name.removeprefix(SYSTEM))}
-    return not owners or node in owners
+    return not owners or to in owners

@@ -57,6 +57,10 @@ def test_a_name_that_only_its_owner_knows_is_no_business_of_the_others():
     assert take_system("winch_controller", CONTROLLER, values) == {}
 
 
+def test_a_node_without_any_shared_parameter_owns_none_whatever_it_is_called():
+    assert take_system("wave_vessel", ("bag",), given(system__vessel__pitch_gain=1.0)) == {}
+
+
 def test_a_wrong_shared_value_is_told_by_the_name_that_was_given_and_by_the_node_that_cannot_take_it():
     @dataclass(frozen=True)
     class Sea:
