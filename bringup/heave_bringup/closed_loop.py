@@ -45,7 +45,14 @@ COLUMNS = (
 
 @dataclass(frozen=True)
 class LoopParameters:
-    """Parameters of all components, and of the run: tick period and duration [s], seed."""
+    """Parameters of the loop in one process.
+
+    Attributes
+    ----------
+    sea, plant, winch, controller : of the components
+    tick_period, duration : [s]
+    seed : of every random number
+    """
 
     sea: WaveVesselParameters
     plant: CableSimNodeParameters
@@ -71,7 +78,13 @@ class LoopRecord:
     alarms: list[tuple[float, str]] = field(default_factory=list)
 
     def column(self, name: str, *, after: float = 0.0) -> Array:
-        """Return a column from time `after` [s] on."""
+        """Return a column of the record.
+
+        Parameters
+        ----------
+        name : one of COLUMNS
+        after : time from which on it is wanted [s]
+        """
         return self.rows[self.rows[:, 0] >= after, COLUMNS.index(name)]
 
     def unit_sigma(self, after: float) -> float:

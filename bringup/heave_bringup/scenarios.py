@@ -108,7 +108,13 @@ def make_scenario(values: Mapping[str, Mapping[str, object]], *, settings: Itera
 
 
 def check_lengths(option: str, lengths: Iterable[float]) -> None:
-    """Refuse deployed lengths [m] given by an option that a scenario could not have; raises ParameterError."""
+    """Refuse deployed lengths that a scenario could not have; raises ParameterError for the first.
+
+    Parameters
+    ----------
+    option : of the command line, named in the message
+    lengths : [m]
+    """
     parameters = describe(NODE_BY_NAME["winch_controller"].parameters_type())
     (allowed,) = (info for info in parameters if info.name == "length")
     for length in lengths:

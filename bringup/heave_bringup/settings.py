@@ -36,9 +36,15 @@ class Setting:
 
 
 def make_setting(place: str, value: object, source: str) -> Setting:
-    """Return a change of the parameter at a place like `wave_vessel.peak_period`, `system.sea.peak_period`, `all.seed`.
+    """Return a change of a parameter.
 
-    Raises ParameterError, in one line that `source` opens, for a place that names no node and no parameter.
+    Parameters
+    ----------
+    place : of the parameter: `wave_vessel.peak_period`, `system.sea.peak_period`, `wanted.kappa`, `all.seed`
+    value : not yet checked
+    source : what the user wrote; it opens error messages
+
+    Raises ParameterError, in one line, for a place that names no node or no parameter.
     """
     first, _, rest = place.partition(".")
     if not rest:

@@ -52,11 +52,23 @@ class Given:
 
 @dataclass(frozen=True)
 class ParameterInfo:
-    """What is known of one parameter: enough for a ROS descriptor, a table in a README, and a check."""
+    """What is known of one parameter: enough for a ROS descriptor, a table in a README, and a check.
+
+    Attributes
+    ----------
+    name : dotted name
+    type : bool, int, float or str; of the elements of a list
+    is_array : whether it is a list
+    default : value where none is given
+    unit : SI unit, "" for a pure number or a string
+    description : what it is, in one sentence
+    minimum, maximum : inclusive bounds, of each element of a list
+    choices : the strings that are allowed; () allows any
+    length : number of elements of a list; None allows any
+    """
 
     name: str
     type: type
-    """bool, int, float or str; of the elements where `is_array`."""
     is_array: bool
     default: Value
     unit: str
@@ -84,9 +96,14 @@ class ParameterInfo:
         return kind
 
     def check(self, value: object, *, where: str) -> Value:
-        """Return `value` as this parameter's type, or raise ParameterError.
+        """Return a value as this parameter's type, or raise ParameterError.
 
         A whole number is taken for a float; nothing else is converted. NaN and infinity are never legal.
+
+        Parameters
+        ----------
+        value : to be checked
+        where : opens the error message
         """
         return self.check_given(Given(value, self.name, where))
 
@@ -189,7 +206,13 @@ def _infos(parameters_type: type, prefix: str, defaults: object) -> Iterator[Par
 
 
 def flatten(parameters: object, prefix: str = "") -> dict[str, Value]:
-    """Return the dotted names and values of a parameter set; the inverse of `build_parameters`."""
+    """Return the dotted names and values of a parameter set; the inverse of `build_parameters`.
+
+    Parameters
+    ----------
+    parameters : the parameter set
+    prefix : put before every name
+    """
     values: dict[str, Value] = {}
     for field in dataclasses.fields(parameters):  # type: ignore[arg-type]
         value = getattr(parameters, field.name)
@@ -245,7 +268,13 @@ LONGEST_LIST = 20
 
 
 def unknown_parameter(given: Given, known: Iterable[str]) -> ParameterError:
-    """Return the error for a name that is none of `known`, with the nearest one where there is one."""
+    """Return the error for an unknown name, with the nearest known one where there is one.
+
+    Parameters
+    ----------
+    given : what the user gave
+    known : all names that are allowed
+    """
     names = sorted(known)
     near = difflib.get_close_matches(given.name, names, n=1)
     if len(names) > LONGEST_LIST:

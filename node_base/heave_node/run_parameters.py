@@ -88,7 +88,14 @@ class RunParameters:
 
 @dataclass(frozen=True)
 class NodeParameters:
-    """Everything that one node was given, checked: the run's parameters, the node's own, and the criteria."""
+    """Everything that one node was given, checked.
+
+    Attributes
+    ----------
+    run : parameters that all nodes share
+    own : the node's own parameter set
+    wanted : criteria of the run
+    """
 
     run: RunParameters
     own: Any

@@ -32,7 +32,13 @@ class _RosLoader(yaml.SafeLoader):
     """
 
     def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Any, Any]:
-        """Return a mapping; raise yaml.YAMLError for a key that stands twice."""
+        """Return a mapping; raise yaml.YAMLError for a key that stands twice.
+
+        Parameters
+        ----------
+        node : of the YAML document
+        deep : whether nested values are made at once
+        """
         seen: set[str] = set()
         for key, _ in node.value:
             if not isinstance(key, yaml.ScalarNode):

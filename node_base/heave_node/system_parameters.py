@@ -105,7 +105,13 @@ def system_names(node: str, own_names: Collection[str]) -> dict[str, str]:
 
 
 def owned_names(node: str, own_names: Collection[str]) -> dict[str, str]:
-    """Return the shared names that a node owns, each with the node's own name for it; arguments as `system_names`."""
+    """Return the shared names that a node owns, each with the node's own name for it.
+
+    Parameters
+    ----------
+    node : name of the node
+    own_names : dotted names of its parameters
+    """
     owned = [shared for shared in SHARED if shared.owner == node]
     names = system_names(node, own_names)
     return {

@@ -21,7 +21,13 @@ COLUMNS = (
 
 
 def to_json(campaign: Campaign, results: Sequence[CaseResult]) -> dict[str, object]:
-    """Return everything that a campaign gave, for a machine."""
+    """Return everything that a campaign gave, for a machine.
+
+    Parameters
+    ----------
+    campaign : that was run
+    results : of its cases, in their order
+    """
     return {
         "campaign": str(campaign.path),
         "scenario": campaign.scenario,

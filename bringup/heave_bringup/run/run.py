@@ -136,7 +136,13 @@ def nodes_to_start(scenario: Scenario) -> list[str]:
 
 
 def store_scenario(scenario: Scenario, folder: RunFolder) -> None:
-    """Write the parameter file that the nodes get and the bag carries: all values in force, with the folder's paths."""
+    """Write the parameter file that the nodes get and the bag carries: all values in force.
+
+    Parameters
+    ----------
+    scenario : checked
+    folder : of the run; the recorder is told to write into it
+    """
     recorder = replace(
         scenario.parameters["recorder"],
         directory=str(folder.bag),

@@ -22,9 +22,13 @@ _OF_ROS = ("use_sim_time", "start_type_description_service")
 def read_parameters(node: Node, parameters_type: type[Any]) -> tuple[RunParameters, Any]:
     """Return the run's and the node's own parameter sets, and declare every parameter with its descriptor.
 
-    The node must have been made with `automatically_declare_parameters_from_overrides`. Shared names (`system.`) are
-    put in the place of the node's own and, like the criteria of the run (`wanted.`), are no parameters of the node
-    afterwards.
+    Shared names (`system.`) are put in the place of the node's own and, like the criteria of the run (`wanted.`), are
+    no parameters of the node afterwards.
+
+    Parameters
+    ----------
+    node : made with `automatically_declare_parameters_from_overrides`
+    parameters_type : its own parameter set
 
     Raises
     ------
