@@ -12,6 +12,7 @@ from pathlib import Path
 from heave_node.parameters import ParameterError
 from rich import box
 from rich.console import Console
+from rich.measure import Measurement
 from rich.table import Table
 from rich.text import Text
 
@@ -45,14 +46,17 @@ def write_result(options: argparse.Namespace, parts: str | Table | Sequence[str 
 
 
 def print_parts(parts: Iterable[str | Table]) -> None:
-    """Print text as it is and tables as wide as the terminal, an empty line between them."""
+    """Print text as it is and tables fitted to the terminal, an empty line between them; no number is shortened."""
     console = Console(file=sys.stdout, width=None if sys.stdout.isatty() else FILE_WIDTH)
+    terminal = console.width
     for number, part in enumerate(parts):
         if number:
             sys.stdout.write("\n")
         if isinstance(part, str):
             sys.stdout.write(part if part.endswith("\n") else part + "\n")
             continue
+        unlimited = console.options.update(max_width=FILE_WIDTH)
+        console.width = max(terminal, Measurement.get(console, unlimited, part).minimum)
         with console.capture() as capture:
             console.print(part)
         sys.stdout.write("".join(f"{line.rstrip()}\n" for line in capture.get().splitlines()))
@@ -68,10 +72,15 @@ def make_table(columns: Sequence[str], rows: Iterable[Sequence[str]], *, texts: 
     texts : columns that hold text, as the first one does; the others hold numbers and align to the right
     """
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False, show_edge=False)
-    for heading in columns:
-        table.add_column(Text(heading), justify="left" if heading in (columns[0], *texts) else "right")
-    for row in rows:
-        table.add_row(*(Text(cell) for cell in row))
+    cells = [[Text(cell) for cell in row] for row in rows]
+    for number, heading in enumerate(columns):
+        is_text = heading in (columns[0], *texts)
+        needed = max(map(len, heading.split()))
+        if not is_text:
+            needed = max([needed, *(row[number].cell_len for row in cells)])
+        table.add_column(Text(heading), justify="left" if is_text else "right", min_width=needed)
+    for row in cells:
+        table.add_row(*row)
     return table
 
 

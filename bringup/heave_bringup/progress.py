@@ -49,7 +49,7 @@ class ProgressLine:
             TaskProgressColumn(),
             _TimeToGo(),
             console=self._console,
-            auto_refresh=False,  # no thread of its own: it shows what it is told, when it is told
+            auto_refresh=False,  # no thread of its own: it changes when `show` is called
             transient=True,
             disable=not self._console.is_terminal,
         )
@@ -78,9 +78,9 @@ class ProgressLine:
             self._display.update(self._task, description=text, completed=share or 0.0, total=total, refresh=True)
         elif time.monotonic() - self._written_at >= QUIET_PERIOD:
             self._written_at = time.monotonic()
-            self.tell(text if share is None else f"{text} ({share:.0%})")
+            self.print_line(text if share is None else f"{text} ({share:.0%})")
 
-    def tell(self, text: str) -> None:
+    def print_line(self, text: str) -> None:
         """Print a line that stays."""
         if self._console.is_terminal:
             self._console.print(Text(text), soft_wrap=True)

@@ -19,7 +19,7 @@ def stored_sections(scenario: Scenario) -> Sections:
     `/**` holds the run, the system and what is wanted; a node's section holds its own parameters, and of the shared
     ones those in which it differs from the system.
 
-    Raises ParameterError for an empty list in the place of a default that is none: ROS 2 cannot be told of it.
+    Raises ParameterError for an empty list where the default is not empty: a ROS 2 parameter file cannot hold one.
     """
     own = {node.name: flatten(scenario.parameters[node.name]) for node in NODES}
     system: dict[str, Value] = {}

@@ -4,6 +4,7 @@ import argparse
 import io
 import json
 import math
+import sys
 
 import pytest
 from heave_bringup.errors import CommandError
@@ -42,12 +43,26 @@ def test_a_table_that_goes_to_a_file_is_never_wrapped_and_its_cells_are_taken_li
     assert first.index("1.5") + 3 == second.index("10.25") + 5 == heading.index("unit cm") + 7, "numbers align right"
 
 
+@pytest.mark.parametrize("columns", [20, 40, 80])
+def test_no_number_is_shortened_however_narrow_the_terminal(monkeypatch, columns):
+    stream = Terminal()
+    monkeypatch.setattr(sys, "stdout", stream)
+    monkeypatch.setenv("COLUMNS", str(columns))
+    monkeypatch.setenv("TERM", "xterm")
+    rows = [[f"seed={n}", f"{n / 7:.4f}", f"{n * 1e4:.6f}", "words that may be wrapped"] for n in range(1, 4)]
+    write_result(
+        argparse.Namespace(json=None), make_table(["case", "unit cm", "off cm", "remark"], rows, texts=["remark"]), {}
+    )
+    for row in rows:
+        assert all(cell in stream.getvalue() for cell in row[:3])
+
+
 def test_progress_in_a_file_is_a_line_now_and_then_and_what_was_told_stays():
     stream = io.StringIO()
     with ProgressLine(stream) as progress:
         progress.show("reading", 0.25)
         progress.show("reading", 0.5)
-        progress.tell("an alarm [of a node]")
+        progress.print_line("an alarm [of a node]")
     assert stream.getvalue() == "reading (25%)\nan alarm [of a node]\n"
 
 
@@ -57,7 +72,7 @@ def test_progress_in_a_terminal_shows_text_and_share_and_leaves_only_what_was_to
     with ProgressLine(stream) as progress:
         progress.show("waiting for [the] nodes")
         progress.show("running", 0.25)
-        progress.tell("an alarm [of a node]")
+        progress.print_line("an alarm [of a node]")
     said = stream.getvalue()
     assert "waiting for [the] nodes" in said
     assert "25%" in said

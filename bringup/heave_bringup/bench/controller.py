@@ -26,7 +26,7 @@ def measure_controller(
     Parameters
     ----------
     duration : simulated time of each measurement [s]
-    say : told what is being measured
+    say : called with what is being measured
     laws : names of the laws
 
     Returns `law`, `step_p50_s`, `step_p99_s`, `step_max_s` and `steps` for each law.

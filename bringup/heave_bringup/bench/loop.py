@@ -22,7 +22,7 @@ def measure_loop(duration: float, say: Callable[[str], None]) -> dict[str, objec
     Parameters
     ----------
     duration : simulated time [s]
-    say : told what is being measured
+    say : called with what is being measured
 
     Returns `ticks_per_s`, `real_time_factor`, `loop_age_p50_s`, `loop_age_p99_s`, `resends`, `processes` (their
     number), and `cpu_ms_per_tick` by node. The sum of the latter over the number of processors is the least time that

@@ -35,7 +35,7 @@ def measure_recorder(seconds: float, say: Callable[[str], None]) -> dict[str, fl
     Parameters
     ----------
     seconds : wall time of the load
-    say : told what is being measured
+    say : called with what is being measured
     """
     say(f"recorder: {RATE} messages of 1 kB a second for {seconds:g} s")
     environment = {**os.environ, "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"}

@@ -1,4 +1,4 @@
-"""What the `heave` command hears of a run: the master's status and the controller's live figures."""
+"""What the `heave` command learns of a run: the master's status and the controller's live figures."""
 
 from __future__ import annotations
 
