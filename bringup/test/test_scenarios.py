@@ -12,7 +12,7 @@ from heave_node.criteria import Criterion
 from heave_node.parameters import ParameterError, flatten
 from heave_node.scenario import read_sections, write_sections
 from heave_node.system_parameters import system_names
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 OLD_FORM = """
@@ -179,6 +179,7 @@ def test_the_stored_scenario_has_every_value_in_force_once_and_runs_again(name, 
     assert changed.parameters["cable_sim"].length == changed.parameters["winch_controller"].length == 123.0
 
 
+@settings(max_examples=20)
 @given(
     st.fixed_dictionaries(
         {},
@@ -194,8 +195,8 @@ def test_the_stored_scenario_has_every_value_in_force_once_and_runs_again(name, 
     )
 )
 def test_any_scenario_survives_being_stored(tmp_path_factory, changes) -> None:
-    settings = [make_setting(place, value, place) for place, value in changes.items()]
-    scenario = load_scenario("b2_calm_300", settings=settings)
+    made = [make_setting(place, value, place) for place, value in changes.items()]
+    scenario = load_scenario("b2_calm_300", settings=made)
     path = tmp_path_factory.mktemp("stored") / "scenario.yaml"
     write_sections(stored_sections(scenario), path)
     again = load_scenario(str(path))

@@ -15,6 +15,7 @@ from typing import Any
 import yaml
 
 from heave_node.parameters import ParameterError
+from heave_node.system_parameters import SYSTEM, own_name
 
 WILDCARD = "/**"
 PARAMETERS_KEY = "ros__parameters"
@@ -78,35 +79,49 @@ def read_sections(path: Path) -> Sections:
     file, or has a section without a parameter.
     """
     try:
-        content = parse_yaml(path.read_text(encoding="utf-8"))
+        return parse_sections(path.read_bytes(), str(path))
     except OSError as error:
         raise ParameterError(f"{path}: cannot be read: {error.strerror}") from error
+
+
+def parse_sections(content: bytes, where: str) -> Sections:
+    """Return the sections of a parameter file's content.
+
+    Parameters
+    ----------
+    content : UTF-8 text
+    where : opens error messages: the file
+
+    Raises ParameterError as `read_sections` does.
+    """
+    try:
+        nodes = parse_yaml(content.decode())
     except (yaml.YAMLError, UnicodeDecodeError) as error:
-        raise ParameterError(f"{path}: is not valid YAML: {' '.join(str(error).split())}") from error
-    if not isinstance(content, Mapping):
-        raise ParameterError(f"{path}: must be a mapping of node names to {PARAMETERS_KEY}")
+        raise ParameterError(f"{where}: is not valid YAML: {' '.join(str(error).split())}") from error
+    if not isinstance(nodes, Mapping):
+        raise ParameterError(f"{where}: must be a mapping of node names to {PARAMETERS_KEY}")
     sections: Sections = {}
-    _collect(content, "", path, sections)
+    _collect(nodes, "", where, sections)
     if not sections:
-        raise ParameterError(f"{path}: holds no parameters")
+        raise ParameterError(f"{where}: holds no parameters")
     return sections
 
 
-def _collect(content: Mapping[str, Any], namespace: str, path: Path, sections: Sections) -> None:
+def _collect(content: Mapping[str, Any], namespace: str, where: str, sections: Sections) -> None:
     """Put the sections of a file into `sections`; a mapping of mappings is a namespace of nodes, as for ROS 2."""
     for key, section in content.items():
         name = f"{namespace}/{str(key).strip('/')}"
         if _is_namespace(section):
-            _collect(section, name, path, sections)
+            _collect(section, name, where, sections)
             continue
         if not isinstance(section, Mapping) or set(section) != {PARAMETERS_KEY}:
-            raise ParameterError(f"{path}: {key}: must hold {PARAMETERS_KEY} and nothing else")
-        values = flatten_names(section[PARAMETERS_KEY] or {}, f"{path}: {key}")
+            raise ParameterError(f"{where}: {key}: must hold {PARAMETERS_KEY} and nothing else")
+        values = flatten_names(section[PARAMETERS_KEY] or {}, f"{where}: {key}")
         if not values:
-            raise ParameterError(f"{path}: {key}: holds no parameters")
+            raise ParameterError(f"{where}: {key}: holds no parameters")
         repeated = sections.setdefault(name, {}).keys() & values.keys()
         if repeated:
-            raise ParameterError(f"{path}: {key}: {min(repeated)} stands twice, in two sections of this name")
+            raise ParameterError(f"{where}: {key}: {min(repeated)} stands twice, in two sections of this name")
         sections[name] |= values
 
 
@@ -171,6 +186,19 @@ def sections_of_node(sections: Sections, node: str) -> dict[str, str]:
     node : fully qualified name, for example `/ship/cable_sim`
     """
     return {name: section for section, values in sections.items() if holds_for(section, node) for name in values}
+
+
+def values_of_node(sections: Sections, node: str) -> dict[str, object]:
+    """Return what a parameter file says of a node, by the node's own names; not checked, for analysis.
+
+    Parameters
+    ----------
+    sections : of a parameter file
+    node : fully qualified name, for example `/ship/cable_sim`
+    """
+    given = {name: sections[section][name] for name, section in sections_of_node(sections, node).items()}
+    shared = {own: value for name, value in given.items() if (own := own_name(node.rpartition("/")[2], name))}
+    return {**shared, **{name: value for name, value in given.items() if not name.startswith(SYSTEM)}}
 
 
 def write_sections(sections: Mapping[str, Mapping[str, object]], path: Path, *, title: str = "") -> None:

@@ -104,6 +104,21 @@ def system_names(node: str, own_names: Collection[str]) -> dict[str, str]:
     return names
 
 
+def own_name(node: str, name: str) -> str:
+    """Return a node's own name for a shared one; "" where it takes none.
+
+    Parameters
+    ----------
+    node : name of the node
+    name : with `system.`
+    """
+    word = name.removeprefix(SYSTEM) if name.startswith(SYSTEM) else ""
+    for shared in SHARED:
+        if node in shared.own and shared.covers(word):
+            return shared.own[node] + word.removeprefix(shared.word)
+    return ""
+
+
 def owned_names(node: str, own_names: Collection[str]) -> dict[str, str]:
     """Return the shared names that a node owns, each with the node's own name for it.
 

@@ -12,6 +12,7 @@ from heave_node.scenario import (
     parse_yaml,
     read_sections,
     sections_of_node,
+    values_of_node,
     write_sections,
 )
 from hypothesis import given
@@ -92,6 +93,28 @@ def test_a_section_holds_for_the_nodes_that_ros_finds_it_to_hold_for(section, no
 def test_the_later_section_that_holds_for_a_node_wins():
     sections = {"/**/sea": {"a": 1, "b": 1}, "/**": {"a": 0}, "/other": {"b": 2}}
     assert sections_of_node(sections, "/sea") == {"a": "/**", "b": "/**/sea"}
+
+
+def test_what_a_file_says_of_a_node_is_by_the_node_s_own_names_whatever_the_form(path):
+    path.write_text(
+        "/**: {ros__parameters: {seed: 1, system: {winch: {speed_limit: 2.0, law: x}, vessel: {gain: 0.5}}}}\n"
+        "/**/winch_controller: {ros__parameters: {winch: {law: y}}}\n"
+        "virtual_winch: {ros__parameters: {encoder: {resolution: 0.0}}}\n"
+    )
+    sections = read_sections(path)
+    assert values_of_node(sections, "/virtual_winch") == {
+        "seed": 1,
+        "speed_limit": 2.0,
+        "law": "x",
+        "encoder.resolution": 0.0,
+    }
+    assert values_of_node(sections, "/winch_controller") == {
+        "seed": 1,
+        "winch.speed_limit": 2.0,
+        "winch.law": "y",
+        "vessel.gain": 0.5,
+    }
+    assert values_of_node(sections, "/recorder") == {"seed": 1}
 
 
 def test_ros_finds_the_same_sections_and_lets_the_later_one_win(path, monkeypatch):

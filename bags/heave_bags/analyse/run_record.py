@@ -9,9 +9,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import yaml
 from heave_node.arrays import Array
 from heave_node.constants import SEAWATER_DENSITY, STANDARD_GRAVITY
+from heave_node.parameters import ParameterError
+from heave_node.scenario import parse_sections, values_of_node
 from numpy.typing import NDArray
 
 from heave_bags.analyse import kpi_set
@@ -327,29 +328,20 @@ def _fill_outcome(record: RunRecord) -> None:
 
 
 def _parameters(bag: Bag) -> dict[str, dict[str, Any]]:
-    """Return the parameters of the run's nodes, as far as the bag carries them: node -> dotted name -> value."""
+    """Return the parameters of the run's nodes, as far as the bag carries them: node -> dotted name -> value.
+
+    A recorder that was killed had no time to add what the nodes said; the scenario is there from the start.
+    """
     attachments = bag.attachments
     nodes: dict[str, dict[str, Any]] = {}
     for name in (SCENARIO_ATTACHMENT, PARAMETERS_ATTACHMENT):
         try:
-            content = yaml.safe_load(attachments.get(name, b""))
-        except yaml.YAMLError:
+            sections = parse_sections(attachments.get(name, b""), name)
+        except ParameterError:
             continue
-        for node, entry in (content or {}).items() if isinstance(content, dict) else ():
-            parameters = entry.get("ros__parameters") if isinstance(entry, dict) else None
-            if isinstance(parameters, dict):
-                nodes.setdefault(str(node).strip("/"), {}).update(_flat(parameters))
+        for node in ("cable_sim", "wave_vessel", "virtual_winch", "winch_controller"):
+            nodes.setdefault(node, {}).update(values_of_node(sections, f"/{node}"))
     return nodes
-
-
-def _flat(values: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
-    flat: dict[str, Any] = {}
-    for name, value in values.items():
-        if isinstance(value, dict):
-            flat |= _flat(value, f"{prefix}{name}.")
-        else:
-            flat[f"{prefix}{name}"] = value
-    return flat
 
 
 def _number(parameters: Mapping[str, Any], name: str, default: float) -> float:
