@@ -43,7 +43,7 @@ def make_parser() -> argparse.ArgumentParser:
             command.name,
             help=command.summary[0].lower() + command.summary[1:].rstrip("."),
             description=command.summary,
-            epilog=f"example: {command.example}",
+            epilog="\n".join(f"example: {example}" for example in command.examples),
             formatter_class=argparse.RawDescriptionHelpFormatter,
         )
         subparser.set_defaults(execute=command.execute)

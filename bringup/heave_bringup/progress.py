@@ -78,9 +78,9 @@ class ProgressLine:
             self._display.update(self._task, description=text, completed=share or 0.0, total=total, refresh=True)
         elif time.monotonic() - self._written_at >= QUIET_PERIOD:
             self._written_at = time.monotonic()
-            self.print_line(text if share is None else f"{text} ({share:.0%})")
+            self.tell(text if share is None else f"{text} ({share:.0%})")
 
-    def print_line(self, text: str) -> None:
+    def tell(self, text: str) -> None:
         """Print a line that stays."""
         if self._console.is_terminal:
             self._console.print(Text(text), soft_wrap=True)

@@ -26,7 +26,7 @@ def command_lines(text: str) -> list[str]:
 DOCUMENTED = sorted({line for path in DOCUMENTS for line in command_lines(path.read_text(encoding="utf-8"))})
 
 
-@pytest.mark.parametrize("line", [*(command.example for command in COMMANDS), *DOCUMENTED])
+@pytest.mark.parametrize("line", [*(example for command in COMMANDS for example in command.examples), *DOCUMENTED])
 def test_a_documented_command_line_is_understood(line: str) -> None:
     arguments = shlex.split(line, comments=True)[1:]
     if len(arguments) == 1 and arguments[0] != "list":

@@ -62,7 +62,7 @@ def test_progress_in_a_file_is_a_line_now_and_then_and_what_was_told_stays():
     with ProgressLine(stream) as progress:
         progress.show("reading", 0.25)
         progress.show("reading", 0.5)
-        progress.print_line("an alarm [of a node]")
+        progress.tell("an alarm [of a node]")
     assert stream.getvalue() == "reading (25%)\nan alarm [of a node]\n"
 
 
@@ -72,7 +72,7 @@ def test_progress_in_a_terminal_shows_text_and_share_and_leaves_only_what_was_to
     with ProgressLine(stream) as progress:
         progress.show("waiting for [the] nodes")
         progress.show("running", 0.25)
-        progress.print_line("an alarm [of a node]")
+        progress.tell("an alarm [of a node]")
     said = stream.getvalue()
     assert "waiting for [the] nodes" in said
     assert "25%" in said

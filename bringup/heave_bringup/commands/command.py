@@ -15,13 +15,13 @@ class Command:
     ----------
     name : as given on the command line
     summary : what it does, in one sentence
-    example : a command line that a user may try
+    examples : command lines that a user may try
     execute : does it; raises CommandError, ParameterError or BagError, in one line, where it cannot
     add_arguments : adds its own arguments to its parser; those that every command has are there already
     """
 
     name: str
     summary: str
-    example: str
+    examples: tuple[str, ...]
     execute: Callable[[argparse.Namespace], None]
     add_arguments: Callable[[argparse.ArgumentParser], object] = lambda parser: None  # noqa: ARG005

@@ -189,7 +189,7 @@ def _watch(
 
 def _report_alarms(monitor: Monitor, progress: ProgressLine) -> None:
     for alarm in monitor.take_alarms():
-        progress.print_line(alarm)
+        progress.tell(alarm)
 
 
 def _where_to_look(folder: RunFolder) -> str:

@@ -48,7 +48,7 @@ def execute(options: argparse.Namespace) -> None:
 COMMAND = Command(
     name="import",
     summary="Make a sea of a ship's own record: a bag of any standard motion type, or a CSV log.",
-    example="heave import sea_trial/ --topic /imu/data --output sea.csv",
+    examples=("heave import sea_trial/ --topic /imu/data --output sea.csv",),
     add_arguments=add_arguments,
     execute=execute,
 )

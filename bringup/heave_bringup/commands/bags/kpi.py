@@ -43,7 +43,7 @@ def execute(options: argparse.Namespace) -> None:
 COMMAND = Command(
     name="kpi",
     summary="Print the figures of merit of one or several bags, side by side.",
-    example="heave kpi runs/b2_calm_300-001/bag --window 60 --table kpis.csv",
+    examples=("heave kpi runs/b2_calm_300-001/bag --window 60 --table kpis.csv",),
     add_arguments=add_arguments,
     execute=execute,
 )

@@ -48,7 +48,7 @@ def execute(options: argparse.Namespace) -> None:
 COMMAND = Command(
     name="record",
     summary="Record every topic that appears, of any type, on a ship or beside any other program, until Ctrl-C.",
-    example="heave record sea_trial --set split_duration=600.0",
+    examples=("heave record sea_trial --set split_duration=600.0",),
     add_arguments=add_arguments,
     execute=execute,
 )

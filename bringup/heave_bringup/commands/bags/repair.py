@@ -42,7 +42,7 @@ def execute(options: argparse.Namespace) -> None:
 COMMAND = Command(
     name="repair",
     summary="Save what can be read of a damaged bag into a sound one, or index a folder anew; say what is lost.",
-    example="heave repair damaged/bag --output saved",
+    examples=("heave repair damaged/bag --output saved",),
     add_arguments=add_arguments,
     execute=execute,
 )

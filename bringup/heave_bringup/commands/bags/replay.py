@@ -32,7 +32,7 @@ def execute(options: argparse.Namespace) -> None:
 COMMAND = Command(
     name="replay",
     summary="Publish a bag again, with the recorded types and quality of service, and /clock.",
-    example="heave replay runs/b2_calm_300-001/bag --rate 4 --nodes wave_vessel",
+    examples=("heave replay runs/b2_calm_300-001/bag --rate 4 --nodes wave_vessel",),
     add_arguments=add_arguments,
     execute=execute,
 )

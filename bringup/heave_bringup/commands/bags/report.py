@@ -35,7 +35,7 @@ def execute(options: argparse.Namespace) -> None:
 COMMAND = Command(
     name="report",
     summary="Write the HTML report of one or several bags: one file that opens offline.",
-    example="heave report runs/b2_calm_300-001/bag --output report.html",
+    examples=("heave report runs/b2_calm_300-001/bag --output report.html",),
     add_arguments=add_arguments,
     execute=execute,
 )

@@ -51,7 +51,7 @@ def execute(options: argparse.Namespace) -> None:
 COMMAND = Command(
     name="design",
     summary="Design a controller: gains, poles, margins, predicted motion, bounds, trade-offs, demand on the winch.",
-    example="heave design b3_deep_900 --set system.sea.peak_period=12",
+    examples=("heave design b3_deep_900 --set system.sea.peak_period=12",),
     add_arguments=add_arguments,
     execute=execute,
 )

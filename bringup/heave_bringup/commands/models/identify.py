@@ -101,7 +101,7 @@ def _print_lengths(options: argparse.Namespace) -> None:
 COMMAND = Command(
     name="identify",
     summary="Identify the two-state cable, a z'' + b z' + z = z0 - p, from a simulated or a recorded response.",
-    example="heave identify b3_deep_900 --drag quadratic",
+    examples=("heave identify b3_deep_900 --drag quadratic",),
     add_arguments=add_arguments,
     execute=execute,
 )

@@ -39,7 +39,7 @@ def execute(options: argparse.Namespace) -> None:
 COMMAND = Command(
     name="static",
     summary="Print and draw the static equilibrium of a scenario: end forces, positions, top tension and angle.",
-    example="heave static s300_driven --set 'cable_sim.current=[0.5, 0.0]' --picture shape.png",
+    examples=("heave static s300_driven --set 'cable_sim.current=[0.5, 0.0]' --picture shape.png",),
     add_arguments=add_arguments,
     execute=execute,
 )

@@ -107,7 +107,7 @@ def _alarm_lines(alarms: Sequence[str]) -> list[str]:
 COMMAND = Command(
     name="run",
     summary="Run a scenario: start its nodes, record every topic, print the figures of merit, write a report.",
-    example="heave run b2_calm_300 --duration 600 --set system.sea.peak_period=7",
+    examples=("heave run b2_calm_300 --duration 600 --set system.sea.peak_period=7",),
     add_arguments=add_arguments,
     execute=execute,
 )

@@ -19,6 +19,6 @@ def execute(options: argparse.Namespace) -> None:
 COMMAND = Command(
     name="list",
     summary="List the shipped scenarios.",
-    example="heave list",
+    examples=("heave list",),
     execute=execute,
 )

@@ -56,7 +56,7 @@ def execute(options: argparse.Namespace) -> None:
 COMMAND = Command(
     name="bench",
     summary="Measure the speed of plant (beside MoorDyn), loop over ROS, controller and recorder on this machine.",
-    example="heave bench --only loop controller --json bench.json",
+    examples=("heave bench --only loop controller --json bench.json",),
     add_arguments=add_arguments,
     execute=execute,
 )

@@ -48,7 +48,7 @@ def execute(options: argparse.Namespace) -> None:
 COMMAND = Command(
     name="campaign",
     summary="Run many cases of a scenario (seeds, a grid, random draws) without ROS, and print one table.",
-    example="heave campaign b9_model_error --json result.json",
+    examples=("heave campaign b9_model_error --json result.json",),
     add_arguments=add_arguments,
     execute=execute,
 )
