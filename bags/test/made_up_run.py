@@ -28,9 +28,9 @@ from rclpy.serialization import serialize_message
 from std_msgs.msg import Header
 
 SCENARIO = b"""
-/**: {ros__parameters: {transient: 10.0, seed: 7}}
-virtual_winch: {ros__parameters: {speed_limit: 2.0, acceleration_limit: 1.5}}
-wave_vessel: {ros__parameters: {boom_tip_source: regular, period: 8.0}}
+/**: {ros__parameters: {transient: 10.0, seed: 7, system: {winch: {speed_limit: 2.0, acceleration_limit: 1.2}}}}
+/**/virtual_winch: {ros__parameters: {acceleration_limit: 1.5}}
+/**/wave_vessel: {ros__parameters: {boom_tip_source: regular, period: 8.0}}
 """
 
 

@@ -56,6 +56,11 @@ def test_limits_modes_alarms_and_innovations_are_found(record):
     assert values["nis_in_band_percent"] == pytest.approx(100.0 * 2.0 / 3.0, abs=0.1)
 
 
+def test_limits_of_the_winch_come_from_the_scenario_where_the_nodes_could_say_nothing(record):
+    """The bag of a recorder that was killed: what ship and controller share stands under /**, the rest wins over it."""
+    assert (record.signals.speed_limit, record.signals.acceleration_limit) == (2.0, 1.5)
+
+
 def test_a_driven_run_gets_its_harmonics(record):
     values = record.kpis()
     assert values["unit_heave_amplitude_m"] == pytest.approx(RUN.unit)

@@ -17,14 +17,14 @@ from cable_sim_node.winch.component import VirtualWinch, WinchCommand, WinchStat
 from cable_sim_node.winch.parameters import WinchParameters
 from heave_node.arrays import Array
 from heave_node.constants import STANDARD_GRAVITY
-from heave_node.parameters import build_parameters
-from heave_node.scenario import NodeValues, values_of_node
 from wave_vessel_node.component import WaveVessel
 from wave_vessel_node.mru.mru import MruReading as SeaMruReading
 from wave_vessel_node.parameters import WaveVesselParameters
 from winch_controller_node.component import WinchController
 from winch_controller_node.interface.readings import Measurements, MruReading, Outputs, ScalarReading, WinchReading
 from winch_controller_node.parameters.controller import WinchControllerParameters
+
+from heave_bringup.scenarios import Scenario
 
 COLUMNS = (
     "time",
@@ -45,7 +45,14 @@ COLUMNS = (
 
 @dataclass(frozen=True)
 class LoopParameters:
-    """Parameters of all components, and of the run: tick period and duration [s], seed."""
+    """Parameters of the loop in one process.
+
+    Attributes
+    ----------
+    sea, plant, winch, controller : of the components
+    tick_period, duration : [s]
+    seed : of every random number
+    """
 
     sea: WaveVesselParameters
     plant: CableSimNodeParameters
@@ -71,7 +78,13 @@ class LoopRecord:
     alarms: list[tuple[float, str]] = field(default_factory=list)
 
     def column(self, name: str, *, after: float = 0.0) -> Array:
-        """Return a column from time `after` [s] on."""
+        """Return a column of the record.
+
+        Parameters
+        ----------
+        name : one of COLUMNS
+        after : time from which on it is wanted [s]
+        """
         return self.rows[self.rows[:, 0] >= after, COLUMNS.index(name)]
 
     def unit_sigma(self, after: float) -> float:
@@ -83,21 +96,16 @@ class LoopRecord:
         return float(np.std(self.column("uncompensated", after=after)))
 
 
-def loop_parameters(values: NodeValues, *, seed: int, duration: float, tick_period: float = 0.05) -> LoopParameters:
-    """Return the parameters of a scenario's nodes; raises ParameterError for what is not allowed."""
-
-    def own(node: str) -> dict[str, object]:
-        shared = values.get("/**", {})
-        return {name: value for name, value in values_of_node(values, node).items() if name not in shared}
-
+def loop_parameters(scenario: Scenario) -> LoopParameters:
+    """Return a scenario as parameters of the loop in one process."""
     return LoopParameters(
-        sea=build_parameters(WaveVesselParameters, own("wave_vessel"), where="wave_vessel"),
-        plant=build_parameters(CableSimNodeParameters, own("cable_sim"), where="cable_sim"),
-        winch=build_parameters(WinchParameters, own("virtual_winch"), where="virtual_winch"),
-        controller=build_parameters(WinchControllerParameters, own("winch_controller"), where="winch_controller"),
-        tick_period=tick_period,
-        duration=duration,
-        seed=seed,
+        sea=scenario.parameters["wave_vessel"],
+        plant=scenario.parameters["cable_sim"],
+        winch=scenario.parameters["virtual_winch"],
+        controller=scenario.parameters["winch_controller"],
+        tick_period=scenario.run.tick_period,
+        duration=scenario.run.duration,
+        seed=scenario.run.seed,
     )
 
 

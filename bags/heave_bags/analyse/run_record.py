@@ -12,6 +12,8 @@ import numpy as np
 from heave_node import topics
 from heave_node.arrays import Array
 from heave_node.constants import SEAWATER_DENSITY, STANDARD_GRAVITY
+from heave_node.parameters import ParameterError
+from heave_node.scenario import parse_sections, values_of_node
 
 from heave_bags.analyse import events, kpi_set
 from heave_bags.analyse.depth_programme import SPAN, take_out_programme
@@ -19,7 +21,6 @@ from heave_bags.analyse.events import Interval
 from heave_bags.analyse.fields import Fields, on_one_clock
 from heave_bags.analyse.signals import RunSignals, Signal
 from heave_bags.errors import BagError, one_line
-from heave_bags.mcap.bounds import load_yaml
 from heave_bags.mcap.loss import Loss
 from heave_bags.mcap.reader import Bag, Progress, no_progress
 from heave_bags.record.provenance import PARAMETERS_ATTACHMENT, SCENARIO_ATTACHMENT
@@ -306,29 +307,20 @@ def _as_number(value: Any, default: float = math.nan) -> float:
 
 
 def _parameters(bag: Bag) -> dict[str, dict[str, Any]]:
-    """Return the parameters of the run's nodes, as far as the bag carries them."""
+    """Return the parameters of the run's nodes, as far as the bag carries them: node -> dotted name -> value.
+
+    A recorder that was killed had no time to add what the nodes said; the scenario is there from the start.
+    """
     attachments = bag.attachments
     nodes: dict[str, dict[str, Any]] = {}
     for name in (SCENARIO_ATTACHMENT, PARAMETERS_ATTACHMENT):
         try:
-            content = load_yaml(attachments.get(name, b""))
-        except ValueError:
+            sections = parse_sections(attachments.get(name, b""), name)
+        except ParameterError:
             continue
-        for node, entry in content.items() if isinstance(content, dict) else ():
-            parameters = entry.get("ros__parameters") if isinstance(entry, dict) else None
-            if isinstance(parameters, dict):
-                nodes.setdefault(str(node).strip("/"), {}).update(_flat(parameters))
+        for node in ("cable_sim", "wave_vessel", "virtual_winch", "winch_controller"):
+            nodes.setdefault(node, {}).update(values_of_node(sections, f"/{node}"))
     return nodes
-
-
-def _flat(values: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
-    flat: dict[str, Any] = {}
-    for name, value in values.items():
-        if isinstance(value, dict):
-            flat |= _flat(value, f"{prefix}{name}.")
-        else:
-            flat[f"{prefix}{name}"] = value
-    return flat
 
 
 def _number(parameters: Mapping[str, Any], name: str, default: float) -> float:

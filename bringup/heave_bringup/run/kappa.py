@@ -1,6 +1,4 @@
-"""The bounds in kappa for a recorded run: what its sensors and delay, and what its winch, would have allowed at
-best.
-"""
+"""The bounds in kappa for a recorded run: the best that its sensors and delay, and its winch, would have allowed."""
 
 from __future__ import annotations
 
@@ -20,16 +18,19 @@ from heave_bringup.scenarios import Scenario, load_scenario
 
 LONGEST = 400.0
 """Part of the record that the clairvoyant plans over [s]: its standard deviation is known to a few per cent then."""
-OFF = "off"
 
 
 def add_bounds(record: RunRecord, bag: Path, given: Scenario | None = None) -> None:
-    """Put the bounds of the run in `bag` into its record; `given` is its scenario, where the bag carries none.
+    """Put the bounds of a run into its record; where they cannot be computed kappa stays unknown, and a note says why.
 
-    Where they cannot be computed kappa stays unknown, and a note says why.
+    Parameters
+    ----------
+    record : of the run
+    bag : folder that it was read from, with the scenario in it
+    given : scenario of the run, where the bag carries none
     """
     scenario = _scenario_of(bag) or given
-    if scenario is None or scenario.parameters["winch_controller"].law == OFF:
+    if scenario is None or not scenario.moves_winch:
         return
     if record.end <= scenario.run.transient:
         return  # the start-up is no measure of the controller

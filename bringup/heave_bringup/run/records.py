@@ -29,19 +29,16 @@ def read_records(
     """
     given = None if scenario is None else load_scenario(scenario)
     parameters = None if given is None else parameters_of(given)
-    progress = ProgressLine()
-    try:
+    with ProgressLine() as progress:
         records = analysis.analyse(
             bags,
             transient=transient,
             parameters=parameters,
-            progress=lambda share: progress.show(f"reading {share:4.0%}"),
+            progress=lambda share: progress.show("reading", share),
         )
         for record, bag in zip(records, bags, strict=True):
             progress.show("bounds of kappa")
             add_bounds(record, bag, given)
-    finally:
-        progress.close()
     return records
 
 

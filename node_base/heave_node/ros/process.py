@@ -46,7 +46,7 @@ def run_node(node_type: type[HeaveNode], args: list[str] | None = None) -> int:
         return _exit_with_message(str(error), EXIT_REFUSED)
     exposure = _exposure(node)
     if exposure:
-        leave_ros(node)
+        shut_down(node)
         return _exit_with_message(f"{node.name}: {exposure}", EXIT_FAILED)
     if notice:
         node.get_logger().warning(notice)

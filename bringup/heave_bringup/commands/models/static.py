@@ -10,19 +10,14 @@ from typing import TYPE_CHECKING, Any
 
 from heave_node.parameters import ParameterError
 
+from heave_bringup.commands.arguments import add_scenario
+from heave_bringup.commands.command import Command
 from heave_bringup.errors import CommandError
 
 if TYPE_CHECKING:
     from cable_sim_node.reports.report import Report
 
     from heave_bringup.scenarios import Scenario
-
-EXAMPLES = """\
-heave static s300_driven --set 'cable_sim.current=[0.5, 0.0]' --picture shape.png
-         heave static s300_driven --towing --speed 0.5 1 1.5 2
-         heave static s300_driven --mooring --depth 290 --offset 45 55 65 75
-         heave static s300_driven --footprint --depth 280 --thrust 2000
-         heave static s300_driven --laying --depth 280 --speed 0.5 1 2"""
 
 BELONGS = {
     "speed": ("towing", "laying"),
@@ -41,6 +36,7 @@ BELONGS = {
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the problems and their options to the parser of the command."""
+    add_scenario(parser)
     problems = parser.add_mutually_exclusive_group()
     problems.set_defaults(problem="hanging")
     for name, text in (
@@ -200,3 +196,18 @@ PROBLEMS: dict[str, Callable[[Any, argparse.Namespace], Report]] = {
     "footprint": _footprint,
     "laying": _laying,
 }
+
+
+COMMAND = Command(
+    name="static",
+    summary="Print and draw cable and unit at rest: hanging, towed, moored, at the end of their reach, or laid.",
+    examples=(
+        "heave static s300_driven --set 'cable_sim.current=[0.5, 0.0]' --picture shape.png",
+        "heave static s300_driven --towing --speed 0.5 1 1.5 2",
+        "heave static s300_driven --mooring --depth 290 --offset 45 55 65 75",
+        "heave static s300_driven --footprint --depth 280 --thrust 2000",
+        "heave static s300_driven --laying --depth 280 --speed 0.5 1 2",
+    ),
+    add_arguments=add_arguments,
+    execute=execute,
+)

@@ -11,7 +11,14 @@ MASTER = "cable_sim"
 
 @dataclass(frozen=True)
 class NodeEntry:
-    """A node: its name, the module that runs it (`python -m module`), and its parameter set ("module:class")."""
+    """A node of the suite.
+
+    Attributes
+    ----------
+    name : node name
+    module : that runs it (`python -m module`)
+    parameters : its parameter set, as "module:class"
+    """
 
     name: str
     module: str

@@ -4,30 +4,38 @@ from __future__ import annotations
 
 import argparse
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-import numpy as np
-from cable_sim_node.errors import PlantError
-from cable_sim_node.vertical.axial_kernel import integrate
-from heave_bags.analyse.run_record import read_run
-from heave_node.compiled import is_compiled
-from winch_controller_node.identification.cable import Identification, IdentificationError, identify
-from winch_controller_node.identification.cable_response import (
-    draw_identification,
-    format_lengths,
-    identify_against_length,
-    identify_simulated,
-)
-from winch_controller_node.model.lqr import DesignError
-
-from heave_bringup.bag_paths import bag_folders
+from heave_bringup.commands.arguments import add_settings
+from heave_bringup.commands.command import Command
 from heave_bringup.errors import CommandError
-from heave_bringup.output import check_output, write_result
-from heave_bringup.progress import ProgressLine
-from heave_bringup.scenarios import check_lengths, load_scenario
+
+if TYPE_CHECKING:
+    from winch_controller_node.identification.cable import Identification
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the command's own arguments."""
+    parser.add_argument("source", metavar="SCENARIO|BAG", help="a shipped scenario, a parameter file, or a bag folder")
+    add_settings(parser)
+    parser.add_argument("--drag", choices=("linear", "quadratic"), default="linear", help="thesis Eq. 6.2 or Eq. 6.3")
+    parser.add_argument("--lengths", type=float, nargs="+", metavar="M", help="identify at each of these lengths")
+    parser.add_argument("--picture", type=Path, metavar="FILE", help="default: NAME_identify.svg")
 
 
 def execute(options: argparse.Namespace) -> None:
     """Identify and print a and b with their uncertainty, and draw how well they explain the response."""
+    from cable_sim_node.errors import PlantError
+    from cable_sim_node.vertical.axial_kernel import integrate
+    from heave_node.compiled import is_compiled
+    from winch_controller_node.identification.cable import IdentificationError
+    from winch_controller_node.identification.cable_response import draw_identification, identify_simulated
+    from winch_controller_node.model.lqr import DesignError
+
+    from heave_bringup.output import check_output, write_result
+    from heave_bringup.progress import ProgressLine
+    from heave_bringup.scenarios import check_lengths, load_scenario
+
     check_output("--picture", options.picture, (".png", ".svg", ".pdf"), makes_folder=True)
     check_lengths("--lengths", options.lengths or ())
     if not Path(options.source).is_dir() and not is_compiled(integrate):
@@ -52,6 +60,12 @@ def execute(options: argparse.Namespace) -> None:
 
 def _from_bag(path: Path, drag: str) -> Identification:
     """Identify from the motions in a bag, after its transient, with what the winch paid out."""
+    import numpy as np
+    from heave_bags.analyse.run_record import read_run
+    from winch_controller_node.identification.cable import identify
+
+    from heave_bringup.bag_paths import bag_folders
+
     (folder,) = bag_folders([path])
     record = read_run(folder)
     unit = record.signals.unit_heave.window(record.start, record.end)
@@ -68,6 +82,11 @@ def _from_bag(path: Path, drag: str) -> Identification:
 
 
 def _print_lengths(options: argparse.Namespace) -> None:
+    from winch_controller_node.identification.cable_response import format_lengths, identify_against_length
+
+    from heave_bringup.output import write_result
+    from heave_bringup.scenarios import load_scenario
+
     scenario = load_scenario(options.source, settings=options.set)
     points = identify_against_length(
         scenario.parameters["winch_controller"], options.lengths, drag=options.drag, seed=scenario.run.seed
@@ -82,3 +101,12 @@ def _print_lengths(options: argparse.Namespace) -> None:
         for point in points
     ]
     write_result(options, format_lengths(points), {"lengths": values})
+
+
+COMMAND = Command(
+    name="identify",
+    summary="Identify the two-state cable, a z'' + b z' + z = z0 - p, from a simulated or a recorded response.",
+    examples=("heave identify b3_deep_900 --drag quadratic",),
+    add_arguments=add_arguments,
+    execute=execute,
+)

@@ -8,15 +8,14 @@ from pathlib import Path
 
 from heave_node.parameters import ParameterError
 
+from heave_bringup.commands.arguments import add_scenario
+from heave_bringup.commands.command import Command
 from heave_bringup.errors import CommandError
-
-EXAMPLES = """\
-heave modes b3_deep_900
-         heave modes b6_resonance_payout --period 10 --longest 900"""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the options to the parser of the command."""
+    """Add the command's own arguments."""
+    add_scenario(parser)
     for name, metavar, text in (
         ("--length", "M", "cable out (default: the scenario's)"),
         ("--longest", "M", "greatest length of the resonance map (default: the cable out)"),
@@ -73,3 +72,12 @@ def _check_options(options: argparse.Namespace) -> None:
         value = getattr(options, name)
         if value is not None and not 0.0 < value < float("inf"):
             raise ParameterError(f"--{name} {value:g}: must be a number above 0")
+
+
+COMMAND = Command(
+    name="modes",
+    summary="Print and draw natural periods and mode shapes of cable and unit, and the lengths at which they resonate.",
+    examples=("heave modes b3_deep_900", "heave modes b6_resonance_payout --period 10 --longest 900"),
+    add_arguments=add_arguments,
+    execute=execute,
+)
