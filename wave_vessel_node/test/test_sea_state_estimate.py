@@ -2,7 +2,9 @@ import math
 
 import numpy as np
 import pytest
-from wave_vessel_node.mru.mru import STATUS_OK, STATUS_SETTLING, MruReading, high_pass_response
+from heave_node.codes import MruStatus
+from heave_node.sensors import MruReading
+from wave_vessel_node.mru.mru import high_pass_response
 from wave_vessel_node.mru.sea_state_estimate import SeaStateEstimator, peak_frequency
 from wave_vessel_node.parameters import SeaStateEstimateParameters
 from wave_vessel_node.sea.realisation import draw_components
@@ -31,9 +33,9 @@ def estimator(noise=0.0, unit=np.ones_like, vessel=np.ones_like, **parameters):
     )
 
 
-def feed(target, time, heave, status=STATUS_OK):
+def feed(target, time, heave, status=MruStatus.OK):
     for number, (t, z) in enumerate(zip(time, heave, strict=True), 1):
-        target.add(MruReading(float(t), number, status, float(z), 0.0, 0.0, 0.0, 0.0))
+        target.add(MruReading(float(t), float(z), 0.0, status=status, sequence=number))
     return target.estimate()
 
 
@@ -90,7 +92,7 @@ def test_nothing_is_said_of_a_short_record():
 
 def test_settling_samples_are_left_out():
     target = estimator()
-    assert feed(target, *record(Bretschneider(2.0, 8.0), 900.0), status=STATUS_SETTLING) is None
+    assert feed(target, *record(Bretschneider(2.0, 8.0), 900.0), status=MruStatus.SETTLING) is None
 
 
 def test_a_short_gap_is_bridged_and_a_long_one_begins_a_new_segment():

@@ -9,6 +9,7 @@ import numpy as np
 from heave_node.arrays import Array
 from heave_node.kinematics import PointMotion
 from heave_node.randomness import random_stream
+from heave_node.sensors import MruReading
 
 from wave_vessel_node.motion_sources import (
     CourseSource,
@@ -19,7 +20,7 @@ from wave_vessel_node.motion_sources import (
     RegularSource,
     SecondOrderSource,
 )
-from wave_vessel_node.mru.mru import MotionReferenceUnit, MruReading, high_pass_response
+from wave_vessel_node.mru.mru import MotionReferenceUnit, high_pass_response
 from wave_vessel_node.mru.sea_state_estimate import SeaStateEstimate, SeaStateEstimator
 from wave_vessel_node.parameters import WaveVesselParameters
 from wave_vessel_node.sea.realisation import WaveComponents, draw_components

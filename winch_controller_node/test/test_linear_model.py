@@ -8,6 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
+from winch_controller_node.interface.sensors import MruModelParameters
 from winch_controller_node.model.linear_model import (
     ModelError,
     delay_command,
@@ -28,7 +29,7 @@ from winch_controller_node.model.models import (
     taylor_delay_block,
     winch_block,
 )
-from winch_controller_node.parameters.model import MruModelParameters, WinchModelParameters
+from winch_controller_node.parameters.model import WinchModelParameters
 
 
 def oscillator(noise=0.0):

@@ -1,10 +1,8 @@
 """The sea state from the MRU record alone: spectrum, Hs and Tp with confidence, running.
 
 Welch's method: periodograms of half-overlapping Hann segments, the newest of them averaged over the window. The known
-response of the
-unit's high-pass and of the vessel is taken out, and the unit's stated noise subtracted; where the vessel hardly
-answers (short waves) the
-spectrum is continued by its omega^-5 tail.
+response of the unit's high-pass and of the vessel is taken out, and the unit's stated noise subtracted; where the
+vessel hardly answers (short waves) the spectrum is continued by its omega^-5 tail.
 """
 
 from __future__ import annotations
@@ -16,9 +14,10 @@ from dataclasses import dataclass
 
 import numpy as np
 from heave_node.arrays import Array
+from heave_node.codes import MruStatus
+from heave_node.sensors import MruReading
 from scipy.special import chdtri
 
-from wave_vessel_node.mru.mru import STATUS_OK, MruReading
 from wave_vessel_node.parameters import SeaStateEstimateParameters
 
 _MINIMUM_SEGMENTS = 3
@@ -98,7 +97,7 @@ class SeaStateEstimator:
         """Take one reading; those that are not OK are left out, short gaps are bridged, a long one starts a new
         segment.
         """
-        if reading.status != STATUS_OK or not math.isfinite(reading.heave):
+        if reading.status != MruStatus.OK or not math.isfinite(reading.heave):
             return
         missing = round((reading.time - self._last_time) / self._period) - 1 if self._filled else 0
         if missing < 0:
