@@ -174,7 +174,9 @@ def _encode_depth(reading: Reading, water: Water) -> Numbers:
 
 
 def _decode_depth(numbers: Sequence[float], water: Water) -> Numbers:
-    return ((numbers[0] - ATMOSPHERIC_PRESSURE) / water.pressure_per_metre,)
+    # who believes in no water cannot read a depth
+    per_metre = water.pressure_per_metre or np.nan
+    return ((numbers[0] - ATMOSPHERIC_PRESSURE) / per_metre,)
 
 
 def _encode_load_cell(reading: Reading, _: Water) -> Numbers:

@@ -121,3 +121,15 @@ def test_the_peak_of_a_smooth_spectrum_is_found_to_a_few_percent():
     for sea in (Bretschneider(2.0, 9.0), Jonswap(2.0, 9.0)):
         found = peak_frequency(omega, sea.density(omega)[None])[0]
         assert found == pytest.approx(sea.peak_frequency, rel=0.04)
+
+
+@pytest.mark.parametrize("period", [12.0, 50.0, 1000.0, 1e9])
+def test_a_unit_too_slow_for_waves_gives_no_estimate(period):
+    slow = SeaStateEstimator(
+        SeaStateEstimateParameters(),
+        sample_period=period,
+        noise=0.0,
+        unit_response=np.ones_like,
+        vessel_response=np.ones_like,
+    )
+    assert feed(slow, period * np.arange(1, 400), np.sin(np.arange(1, 400))) is None

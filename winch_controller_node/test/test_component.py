@@ -157,7 +157,7 @@ def test_moves_out_of_reach_or_without_compensation_are_refused_in_words():
 def test_rubbish_from_every_sensor_never_becomes_a_rubbish_command():
     controller = WinchController(loop_parameters().controller, tick_period=DT)
     random = np.random.default_rng(1)
-    rubbish = [math.nan, math.inf, -math.inf, 1e30, 0.0, -5.0]
+    rubbish = [math.nan, math.inf, -math.inf, 1e30, -1e200, 0.0, -5.0]
     for tick in range(1, 400):
         a, b, c, d = (rubbish[i] for i in random.integers(0, len(rubbish), 4))
         outputs = controller.step(

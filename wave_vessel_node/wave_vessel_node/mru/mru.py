@@ -138,7 +138,7 @@ class MotionReferenceUnit:
 
     def _ticks_at(self, rate: float) -> int:
         """Return the ticks between two readings at `rate` [Hz]."""
-        return max(1, round(1.0 / (rate * self._period)))
+        return max(1, round(1.0 / max(rate * self._period, 1e-9)))
 
     def _reading(self, now: float, noise: Array) -> MruReading | None:
         late = self._late_ticks + round(self.faults.total("delay", now) / self._period)

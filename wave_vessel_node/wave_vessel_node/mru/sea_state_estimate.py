@@ -24,6 +24,7 @@ _MINIMUM_SEGMENTS = 3
 _LEAST_RESPONSE = 0.03  # of |H|^2: below, the motion says nothing of the sea
 _LOWEST_PERIOD = 40.0  # s: waves are shorter; below this frequency only drift and the unit's wander
 _LONGEST_GAP = 2.0  # s: a longer one breaks the record
+_FEWEST_LINES = 8  # of the spectrum between drift and ripples: with fewer, readings are too far apart for waves
 _BOOTSTRAP_DRAWS = 200
 _PEAK_BAND = 0.3  # of log frequency about the peak, in which its top is fitted
 
@@ -76,7 +77,7 @@ class SeaStateEstimator:
         vessel_response: Callable[[Array], Array],
     ) -> None:
         self._period = sample_period
-        count = 2 * round(parameters.segment / sample_period / 2.0)
+        count = max(2, 2 * round(parameters.segment / sample_period / 2.0))
         self._window = np.hanning(count + 1)[:-1]
         self._samples = np.zeros(count)
         self._filled = 0
@@ -88,6 +89,7 @@ class SeaStateEstimator:
             int(np.searchsorted(omega, 2.0 * math.pi / _LOWEST_PERIOD)), int(np.searchsorted(omega, 4.0))
         )
         self._omega = np.asarray(omega[self._band], dtype=np.float64)
+        self._sees_waves = self._omega.size >= _FEWEST_LINES
         self._unit = np.maximum(unit_response(self._omega), 1e-6)
         self._vessel = vessel_response(self._omega)
         self._noise_density = noise**2 * sample_period / math.pi
@@ -97,7 +99,7 @@ class SeaStateEstimator:
         """Take one reading; those that are not OK are left out, short gaps are bridged, a long one starts a new
         segment.
         """
-        if reading.status != MruStatus.OK or not math.isfinite(reading.heave):
+        if not self._sees_waves or reading.status != MruStatus.OK or not math.isfinite(reading.heave):
             return
         missing = round((reading.time - self._last_time) / self._period) - 1 if self._filled else 0
         if missing < 0:

@@ -56,7 +56,7 @@ def measurements(
     scalar = {
         name: tuple(_scalar(name, reading, water) for reading in delivered[name])
         for name in SCALAR_SENSORS
-        if name in delivered
+        if delivered.get(name)
     }
     return Measurements(mru, scalar, winch)
 
