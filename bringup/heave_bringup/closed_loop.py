@@ -40,6 +40,8 @@ COLUMNS = (
     "touchdown_force",
     "unit_rate",
     "uncompensated_tension",
+    "slack_segments",
+    "limits_hit",
 )
 
 
@@ -149,6 +151,8 @@ class ClosedLoop:
                 state.touchdown_force,
                 state.unit.velocity[2],
                 state.uncompensated_tension,
+                state.slack_segments,
+                self.winch.state.limits_hit,
             ]
         )
         order = outputs.order
