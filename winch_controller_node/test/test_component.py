@@ -111,6 +111,23 @@ def test_an_encoder_jump_raises_an_alarm_within_three_samples_and_does_not_move_
     assert record.unit_sigma(45.0) < 0.005
 
 
+@pytest.mark.parametrize("volume", [0.354, 0.0])
+def test_a_load_cell_in_use_is_heard_also_where_the_weight_of_the_unit_is_not_known(volume):
+    """Without its 0.354 m^3 the unit is believed to be 3.6 kN heavier than it is, 6 % of the static tension."""
+    use = {"sensors.use": ["mru", "depth", "encoder", "load_cell"], "unit.volume": volume}
+    heard = []
+
+    def watch(tick, outputs):
+        heard.append(outputs.report.nis[outputs.report.measurement_names.index("tension")])
+
+    record = ClosedLoop(loop_parameters(law="lqg", duration=70.0, **use)).run(watch)
+    assert np.count_nonzero(np.isfinite(heard)) > 0.95 * len(heard)
+    # chi square of one degree: its mean is 1; refused readings would raise it
+    assert np.nanmean(heard[600:]) < 1.5
+    assert not any("load_cell" in words for _, words in record.alarms)
+    assert record.unit_sigma(45.0) < 0.005
+
+
 def test_a_short_gap_of_the_mru_does_not_end_compensation():
     sea = mru_fault("gap", 50.0, 1.0)
     record = ClosedLoop(loop_parameters(sea=sea, duration=70.0)).run()

@@ -8,6 +8,7 @@ predictions follow from here.
 from __future__ import annotations
 
 import dataclasses
+import math
 from dataclasses import dataclass
 from enum import Enum
 from typing import ClassVar
@@ -273,6 +274,13 @@ class LoadCellModelParameters(SampledSensorParameters):
     noise: float = parameter(
         0.005, unit="", minimum=1e-6, maximum=1.0, description="White noise over the static tension, 1 sigma."
     )
+    model_error: float = parameter(
+        0.01,
+        unit="",
+        minimum=0.0,
+        maximum=1.0,
+        description="What the two-state cable does not know of the tension, over the static one, 1 sigma.",
+    )
     bias_sigma: float = parameter(
         0.05, unit="", minimum=0.0, maximum=1.0, description="Unknown of the static tension at the start, 1 sigma."
     )
@@ -286,7 +294,7 @@ class LoadCellModelParameters(SampledSensorParameters):
 
     def rows(self) -> tuple[MeasurementRow, ...]:
         """Tell the tension less the static one."""
-        return (MeasurementRow("tension", "tension", self.noise, state=LOAD_CELL_BIAS),)
+        return (MeasurementRow("tension", "tension", math.hypot(self.noise, self.model_error), state=LOAD_CELL_BIAS),)
 
     def slow_states(self) -> tuple[SlowState, ...]:
         """Follow the static tension."""
