@@ -9,7 +9,7 @@ from cable_sim_node.node_parameters import CableSimNodeParameters, LinearModelPa
 from cable_sim_node.parameters import UnitParameters
 from cable_sim_node.winch.parameters import WinchParameters
 from heave_bringup.closed_loop import ClosedLoop, LoopParameters
-from heave_node.codes import SensorLevel
+from heave_node.codes import SensorLevel, WinchFault
 from heave_node.faults import FaultParameters
 from heave_node.parameters import build_parameters
 from heave_node.sensors import MruReading
@@ -148,7 +148,7 @@ def test_an_emergency_stop_brakes_within_the_deceleration_of_the_winch():
     for _ in range(800):
         outputs, _ = loop.step()
     assert outputs.report.mode == "compensating"
-    assert loop.winch.state.fault == 0
+    assert loop.winch.state.fault is WinchFault.NONE
 
 
 def test_a_move_lowers_the_unit_while_it_is_compensated():

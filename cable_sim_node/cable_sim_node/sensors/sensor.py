@@ -38,7 +38,7 @@ class Sensor:
         self.name = name
         self.faults = FaultSchedule(parameters.faults, name=name, device="sensor")
         self._parameters = parameters
-        self._width = width
+        self._ones = np.ones(width)
         self._tick_period = tick_period
         self._random = random_stream(seed, f"cable_sim/{name}")
         self._next_sample = 1.0 / parameters.rate
@@ -49,7 +49,7 @@ class Sensor:
     def step(self, tick: int, truth: SensorTruth) -> tuple[Reading, ...]:
         """Look at the `truth` of t_k and return the readings delivered at `tick`, oldest delivery first."""
         time = tick * self._tick_period
-        noise = self._random.standard_normal(self._width)
+        noise = self._random.standard_normal(self._ones.size)
         if self._is_due(time) and not self.faults.is_active("gap", time):
             view = self._parameters.view(truth)
             if view.is_available:
@@ -70,7 +70,7 @@ class Sensor:
 
     def _measure(self, time: float, view: View, noise: Array) -> None:
         """Put what the sensor says at `time` on its way."""
-        sigma = np.broadcast_to(np.asarray(view.sigma, dtype=float), noise.shape)
+        sigma = view.sigma * self._ones
         right = view.value * (1.0 + self._parameters.scale_error) + view.bias + sigma * noise
         reading = Reading(time, self._faulty_values.apply(time, right), sigma)
         delay = self._parameters.latency + view.extra_latency + self.faults.total("delay", time)
