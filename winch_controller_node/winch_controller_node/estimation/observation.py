@@ -48,7 +48,7 @@ class Observer:
     tension : newest accepted top tension [N]; NaN before the first
     mru_rate : newest accepted heave rate of the MRU [m/s]
     stretch_per_payout : how much further than paid out the unit goes down at rest: stretch of the new cable [-]
-    uses_unit : False: readings from the unit are gated but not used
+    uses_unit : False: readings from unit and cable are gated but not used, since the unit stands on the seabed
     standing : what the depth readings alone say of the unit's speed
     """
 
@@ -66,6 +66,9 @@ class Observer:
         }
         self.encoder = EncoderGate(SensorTiming(self._dt, self._dt), health, tick_period=self._dt)
         self.gates["encoder"] = self.encoder.gate
+        rows = [(sensor, row) for sensor in self._use.values() for row in sensor.rows()]
+        self._of_boom_tip = {row.name for sensor, row in rows if sensor.sees == "boom_tip"}
+        self._heaves_of_unit = {row.name for _, row in rows if row.output == "unit_heave"}
         self._zeros: dict[str, float] = {}
         self.payout: float | None = None
         self.tension = math.nan
@@ -202,7 +205,7 @@ class Observer:
             if name == "depth":
                 self._unit_heave = value
                 self.standing.add(reading.time, -value)
-            if name in self._use and (self.uses_unit or sensor.sees != "unit"):
+            if name in self._use and self.uses_unit:
                 taken += [Measurement(row.name, value, self._tick_of(reading.time)) for row in sensor.rows()]
         return taken
 
@@ -214,12 +217,12 @@ class Observer:
 
     def _without_share(self, reading: Measurement, estimator: KalmanEstimator) -> Measurement:
         """Take the mean payout's share at the time of the reading off it."""
-        if not self._shares or reading.name.startswith("mru"):
+        if not self._shares or reading.name in self._of_boom_tip:
             return reading
         shares = [share for tick, share in self._shares if tick <= reading.tick]
         state = shares[-1] if shares else self._shares[0][1]
         row = estimator.measurements[reading.name].row
         share = float(row @ state)
-        if reading.name == "unit_heave":
+        if reading.name in self._heaves_of_unit:
             share -= self.stretch_per_payout * float(estimator.model.row("payout") @ state)
         return Measurement(reading.name, reading.value - share, reading.tick, reading.sigma, reading.regressors)
