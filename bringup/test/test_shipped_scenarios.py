@@ -117,10 +117,7 @@ def test_faults_of_b8_come_one_after_the_other_and_the_emergency_stop_last() -> 
     parameters = scenario("b8_faults").parameters
     mru, winch = parameters["wave_vessel"].mru, parameters["virtual_winch"]
     times = [
-        *mru.freeze_start,
-        *mru.dropout_start,
-        *mru.spike_time,
-        *mru.restart_time,
+        *mru.faults.start,
         *parameters["cable_sim"].sensors.depth.faults.start,
         *winch.encoder.faults.start,
         *winch.faults.start,
@@ -128,7 +125,7 @@ def test_faults_of_b8_come_one_after_the_other_and_the_emergency_stop_last() -> 
     assert len(times) == 9
     assert min(b - a for a, b in pairwise(times)) >= 100.0
     assert winch.faults.kind[-1] == "emergency_stop"
-    assert mru.dropout_duration == (5.0,)
+    assert mru.faults.duration[mru.faults.kind.index("gap")] == 5.0
     assert times[-1] < scenario("b8_faults").run.duration
 
 

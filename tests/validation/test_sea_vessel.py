@@ -4,11 +4,12 @@ import math
 
 import numpy as np
 import pytest
+from heave_node.codes import MruStatus
 from heave_node.linear_model import output_spectrum
 from heave_node.parameters import build_parameters
 from scipy.integrate import solve_ivp
 from wave_vessel_node.component import WaveVessel
-from wave_vessel_node.mru.mru import STATUS_SETTLING, MotionReferenceUnit, high_pass_response
+from wave_vessel_node.mru.mru import MotionReferenceUnit, high_pass_response
 from wave_vessel_node.parameters import MruParameters, WaveVesselParameters
 from wave_vessel_node.sea.filter_fit import fit_filter
 from wave_vessel_node.sea.filter_quality import filter_quality
@@ -202,7 +203,7 @@ def test_a_loop_turn_disturbs_the_mru_as_its_equation_says(gallery):
         return [e[1], -2 * damping * cut_off * e[1] - cut_off**2 * e[0] - 0.01 * 5.0 * course.turn_rate(t)]
 
     exact = solve_ivp(error, (0.0, time[-1]), [0.0, 0.0], t_eval=time, max_step=1.0, rtol=1e-8, atol=1e-10).y[0]
-    settling = np.array([reading.status == STATUS_SETTLING for reading in readings])
+    settling = np.array([reading.status == MruStatus.SETTLING for reading in readings])
 
     def draw(figure):
         axes = figure.subplots()

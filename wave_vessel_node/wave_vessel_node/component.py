@@ -8,8 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from heave_node.arrays import Array
 from heave_node.kinematics import PointMotion
+from heave_node.sensors import MruReading
 
-from wave_vessel_node.mru.mru import MotionReferenceUnit, MruReading, high_pass_response
+from wave_vessel_node.mru.mru import MotionReferenceUnit, high_pass_response
 from wave_vessel_node.mru.sea_state_estimate import SeaStateEstimate, SeaStateEstimator
 from wave_vessel_node.parameters import WaveVesselParameters
 from wave_vessel_node.sea.sea import SeaState, describe_sea

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from heave_node.faults import FaultParameters
 from heave_node.parameters import group, parameter
 from heave_node.registry import describe_choices
 
@@ -173,7 +174,7 @@ class DriftParameters:
 
 @dataclass(frozen=True)
 class MruParameters:
-    """The motion reference unit at the boom tip. Faults are lists of times; each list of one kind has one length."""
+    """The motion reference unit at the boom tip."""
 
     rate: float = parameter(
         0.0, unit="Hz", minimum=0.0, maximum=1000.0, description="Rate of readings; 0 is one in every tick."
@@ -232,36 +233,14 @@ class MruParameters:
         maximum=1.0,
         description="Error of vertical acceleration per centripetal acceleration in a turn (tilt of the vertical).",
     )
-    dropout_start: tuple[float, ...] = parameter(
-        (), unit="s", minimum=0.0, description="Times at which readings cease."
-    )
-    dropout_duration: tuple[float, ...] = parameter(
-        (), unit="s", minimum=0.0, description="How long each dropout lasts."
-    )
-    freeze_start: tuple[float, ...] = parameter(
-        (), unit="s", minimum=0.0, description="Times at which the reading freezes at its value, stamps going on."
-    )
-    freeze_duration: tuple[float, ...] = parameter((), unit="s", minimum=0.0, description="How long each freeze lasts.")
-    spike_time: tuple[float, ...] = parameter((), unit="s", minimum=0.0, description="Times of single wrong readings.")
-    spike_size: tuple[float, ...] = parameter((), unit="m", description="What each spike adds to heave.")
-    restart_time: tuple[float, ...] = parameter(
-        (), unit="s", minimum=0.0, description="Times at which the unit restarts and its high-pass begins anew."
-    )
     restart_duration: float = parameter(
         2.0, unit="s", minimum=0.0, maximum=600.0, description="Silence of the unit while it restarts."
     )
+    faults: FaultParameters = group(FaultParameters)
 
     def __post_init__(self) -> None:
-        for starts, ends in (
-            ("dropout_start", "dropout_duration"),
-            ("freeze_start", "freeze_duration"),
-            ("spike_time", "spike_size"),
-        ):
-            if len(getattr(self, starts)) != len(getattr(self, ends)):
-                raise ValueError(
-                    f"mru.{starts} has {len(getattr(self, starts))} values and mru.{ends} {len(getattr(self, ends))}: "
-                    "give as many of each"
-                )
+        """Refuse faults that the unit cannot have."""
+        self.faults.check("mru.faults", "mru")
 
 
 @dataclass(frozen=True)

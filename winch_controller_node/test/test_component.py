@@ -7,13 +7,15 @@ import numpy as np
 import pytest
 from cable_sim_node.node_parameters import CableSimNodeParameters, LinearModelParameters
 from cable_sim_node.parameters import UnitParameters
-from cable_sim_node.sensors.fault_parameters import FaultParameters
 from cable_sim_node.winch.parameters import WinchParameters
 from heave_bringup.closed_loop import ClosedLoop, LoopParameters
+from heave_node.codes import SensorLevel, WinchFault
+from heave_node.faults import FaultParameters
 from heave_node.parameters import build_parameters
+from heave_node.sensors import MruReading
 from wave_vessel_node.parameters import WaveVesselParameters
 from winch_controller_node.component import WinchController
-from winch_controller_node.interface.readings import Measurements, MruReading, ScalarReading, WinchReading
+from winch_controller_node.interface.readings import Measurements, ScalarReading, WinchReading
 from winch_controller_node.parameters.controller import WinchControllerParameters
 from winch_controller_node.supervision.modes import ModeError
 
@@ -46,6 +48,11 @@ def loop_parameters(*, height=1.5, period=10.0, duration=90.0, seed=1, sea=None,
     )
 
 
+def mru_fault(kind, start, duration):
+    columns = {"kind": kind, "start": start, "duration": duration, "magnitude": 0.0}
+    return {f"mru.faults.{name}": [value] for name, value in columns.items()}
+
+
 @pytest.mark.parametrize("law", ["mpc", "lqg"])
 def test_the_unit_is_held_still_with_real_sensors_and_delay(law):
     """World class for this sea is a sigma of 0.5 cm (benchmark B3); uncompensated it is some tens of centimetres."""
@@ -73,14 +80,16 @@ def test_two_loops_of_one_seed_are_equal_to_the_last_bit_and_another_seed_differ
 
 
 def test_a_frozen_mru_is_named_within_three_samples_and_the_winch_stops_without_a_jerk():
-    sea = {"mru.freeze_start": [40.0], "mru.freeze_duration": [100.0]}
+    sea = mru_fault("freeze", 40.0, 100.0)
     health = {}
 
     def watch(tick, outputs):
         health[tick] = {sensor.sensor: sensor for sensor in outputs.report.sensors}["mru"]
 
     record = ClosedLoop(loop_parameters(sea=sea, duration=70.0)).run(watch)
-    first = min(tick for tick, sensor in health.items() if sensor.level == 2 and sensor.reason == "frozen")
+    first = min(
+        tick for tick, sensor in health.items() if (sensor.level, sensor.reason) == (SensorLevel.LOST, "frozen")
+    )
     assert first * DT - 40.0 <= 3 * DT + 1e-9
     assert record.modes[-1] == "stopped"
     assert abs(record.column("payout_rate")[-1]) < 0.05
@@ -102,8 +111,25 @@ def test_an_encoder_jump_raises_an_alarm_within_three_samples_and_does_not_move_
     assert record.unit_sigma(45.0) < 0.005
 
 
+@pytest.mark.parametrize("volume", [0.354, 0.0])
+def test_a_load_cell_in_use_is_heard_also_where_the_weight_of_the_unit_is_not_known(volume):
+    """Without its 0.354 m^3 the unit is believed to be 3.6 kN heavier than it is, 6 % of the static tension."""
+    use = {"sensors.use": ["mru", "depth", "encoder", "load_cell"], "unit.volume": volume}
+    heard = []
+
+    def watch(tick, outputs):
+        heard.append(outputs.report.nis[outputs.report.measurement_names.index("tension")])
+
+    record = ClosedLoop(loop_parameters(law="lqg", duration=70.0, **use)).run(watch)
+    assert np.count_nonzero(np.isfinite(heard)) > 0.95 * len(heard)
+    # chi square of one degree: its mean is 1; refused readings would raise it
+    assert np.nanmean(heard[600:]) < 1.5
+    assert not any("load_cell" in words for _, words in record.alarms)
+    assert record.unit_sigma(45.0) < 0.005
+
+
 def test_a_short_gap_of_the_mru_does_not_end_compensation():
-    sea = {"mru.dropout_start": [50.0], "mru.dropout_duration": [1.0]}
+    sea = mru_fault("gap", 50.0, 1.0)
     record = ClosedLoop(loop_parameters(sea=sea, duration=70.0)).run()
     assert record.modes[-1] == "compensating"
     assert "fade_out" not in record.modes
@@ -122,7 +148,7 @@ def test_an_emergency_stop_brakes_within_the_deceleration_of_the_winch():
     for _ in range(800):
         outputs, _ = loop.step()
     assert outputs.report.mode == "compensating"
-    assert loop.winch.state.fault == 0
+    assert loop.winch.state.fault is WinchFault.NONE
 
 
 def test_a_move_lowers_the_unit_while_it_is_compensated():
@@ -148,15 +174,14 @@ def test_moves_out_of_reach_or_without_compensation_are_refused_in_words():
 def test_rubbish_from_every_sensor_never_becomes_a_rubbish_command():
     controller = WinchController(loop_parameters().controller, tick_period=DT)
     random = np.random.default_rng(1)
-    rubbish = [math.nan, math.inf, -math.inf, 1e30, 0.0, -5.0]
+    rubbish = [math.nan, math.inf, -math.inf, 1e30, -1e200, 0.0, -5.0]
     for tick in range(1, 400):
         a, b, c, d = (rubbish[i] for i in random.integers(0, len(rubbish), 4))
         outputs = controller.step(
             tick,
             Measurements(
                 mru=(MruReading(a, b, c, d, a),),
-                depth=(ScalarReading(b, c),),
-                load_cell=(ScalarReading(tick * DT, d),),
+                scalar={"depth": (ScalarReading(b, c),), "load_cell": (ScalarReading(tick * DT, d),)},
                 winch=WinchReading(c, d, a, brake=False),
             ),
         )

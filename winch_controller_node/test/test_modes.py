@@ -2,13 +2,14 @@ import math
 
 import numpy as np
 import pytest
+from heave_node.codes import WinchFault
 from winch_controller_node.laws.governor import WinchLimits
 from winch_controller_node.parameters.laws import GuardParameters, ModeParameters
 from winch_controller_node.supervision.guard import HarmGuard, Seen
 from winch_controller_node.supervision.modes import Mode, ModeError, ModeMachine, Situation
 
 DT = 0.05
-WELL = Situation(lost="", has_estimate=True, winch_fault=0, harm="", speed=0.0)
+WELL = Situation(lost="", has_estimate=True, winch_fault=WinchFault.NONE, harm="", speed=0.0)
 PARAMETERS = ModeParameters(settling_time=1.0, fade_in_time=2.0, fade_out_time=2.0, coast_time=1.5, resume_time=3.0)
 
 
@@ -76,11 +77,20 @@ def test_an_emergency_stop_brakes_at_once_and_waits_for_somebody():
     assert modes.mode is Mode.COMPENSATING
 
 
-def test_a_fault_of_the_winch_brakes_and_is_not_forgiven_by_itself():
+@pytest.mark.parametrize(
+    ("fault", "mode", "words"),
+    [
+        (WinchFault.DRIVE, Mode.STOPPED, "winch fault: drive"),
+        (WinchFault.EMERGENCY_STOP, Mode.EMERGENCY_STOP, "winch fault: emergency stop"),
+        (99, Mode.STOPPED, "winch fault: unknown fault 99"),
+    ],
+)
+def test_a_fault_of_the_winch_brakes_is_told_in_words_and_is_not_forgiven_by_itself(fault, mode, words):
     modes = machine()
     run(modes, 5.0)
-    assert run(modes, 0.1, situation(winch_fault=3))[-1].brake
-    assert run(modes, 60.0)[-1].mode is Mode.STOPPED
+    assert run(modes, 0.1, situation(winch_fault=fault))[-1].brake
+    after = run(modes, 60.0)[-1]
+    assert (after.mode, after.reason) == (mode, words)
 
 
 def test_harm_fades_out_to_standby_and_comes_back_when_it_is_over():

@@ -156,7 +156,7 @@ def test_sensor_rates_without_a_common_pattern_are_refused():
     odd = design(
         sensors__use=("mru", "depth", "encoder", "velocity"),
         sensors__depth__rate=20.0 / 17,
-        sensors__velocity_rate=20.0 / 19,
+        sensors__velocity__rate=20.0 / 19,
     )
     with pytest.raises(DesignError, match="pattern repeats only after"):
         predict_loop(odd)
@@ -183,7 +183,7 @@ def test_the_thesis_scenario_through_the_whole_design_gives_the_thesis_numbers()
         "sensors.depth.noise": 1e-5,
         "sensors.depth.rate": 20.0,
         "sensors.depth.latency": 0.0,
-        "sensors.encoder_noise": 1e-6,
+        "sensors.encoder.noise": 1e-6,
         "weights.unit_heave": 1.0 / math.sqrt(554.0),
         "weights.outlet_heave": 0.0,
         "weights.payout": 0.0,

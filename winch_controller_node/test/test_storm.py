@@ -22,7 +22,8 @@ def test_an_mru_lost_in_a_storm_fades_compensation_out_without_a_jerk_and_withou
                     "/**": {"seed": 2, "duration": 120.0},
                     "wave_vessel": SEA
                     | {"ramp": 20.0, "vessel.natural_frequency": 0.9, "vessel.damping_ratio": 0.4}
-                    | {"mru.dropout_start": [LOST], "mru.dropout_duration": [60.0]},
+                    | {"mru.faults.kind": ["gap"], "mru.faults.start": [LOST]}
+                    | {"mru.faults.duration": [60.0], "mru.faults.magnitude": [0.0]},
                     "cable_sim": {**DEEP_900} | {"segments": 12},
                     "virtual_winch": {},
                     "winch_controller": {**DEEP_900} | {f"sea.{name}": value for name, value in SEA.items()},

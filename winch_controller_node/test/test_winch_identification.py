@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from cable_sim_node.sensors.fault_parameters import FaultParameters
 from cable_sim_node.winch.component import VirtualWinch, WinchCommand
 from cable_sim_node.winch.parameters import WinchParameters
+from heave_node.faults import FaultParameters
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from winch_controller_node.design.design import design_controller

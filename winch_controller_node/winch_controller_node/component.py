@@ -223,7 +223,7 @@ class WinchController:
     def _estimate(self, tick: int, measurements: Measurements) -> Array:
         """Estimate the loop; tell the watches what the sensors say of it."""
         estimate = self._estimation.step(tick, measurements, self._command.compensating)
-        if measurements.load_cell and math.isfinite(self.observer.tension):
+        if measurements.of("load_cell") and math.isfinite(self.observer.tension):
             self._command.tension.observe(self.observer.tension)
         self._landing.note_depth(self.estimator)
         self._alarms += self.observer.new_faults()

@@ -121,6 +121,8 @@ def run_signals(record: LoopRecord, parameters: LoopParameters) -> RunSignals:
         payout_acceleration=signal("payout_acceleration"),
         tension=signal("top_tension"),
         uncompensated_tension=signal("uncompensated_tension"),
+        slack=Signal(time, (record.column("slack_segments") > 0.0).astype(float)),
+        winch_limited=Signal(time, (record.column("limits_hit") != 0.0).astype(float)),
         static_tension=Signal(time[:1], record.column("top_tension")[:1]),
         speed_limit=parameters.winch.speed_limit,
         acceleration_limit=parameters.winch.acceleration_limit,

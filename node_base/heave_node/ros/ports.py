@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 from collections.abc import Callable
 from typing import Any
 
@@ -10,18 +9,10 @@ from rclpy.node import Node
 from rclpy.publisher import Publisher
 from rclpy.serialization import serialize_message
 
+from heave_node.messages import message_type
 from heave_node.ros.qos import qos_of
 from heave_node.tick.gate import TickGate
-from heave_node.topics import Topic
-
-
-def message_type(name: str) -> type[Any]:
-    """Return the message class of a type named like "heave_msgs/msg/MruSample".
-
-    Raises ModuleNotFoundError or AttributeError where the package or the message is not installed.
-    """
-    package, kind, message = name.split("/")
-    return getattr(importlib.import_module(f"{package}.{kind}"), message)  # type: ignore[no-any-return]
+from heave_node.topic import Topic
 
 
 class Output:

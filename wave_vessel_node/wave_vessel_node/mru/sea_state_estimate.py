@@ -14,6 +14,8 @@ from dataclasses import dataclass
 
 import numpy as np
 from heave_node.arrays import Array
+from heave_node.codes import MruStatus
+from heave_node.sensors import MruReading
 from heave_node.spectral_estimate import (
     height_interval,
     peak_frequency,
@@ -24,13 +26,13 @@ from heave_node.spectral_estimate import (
     segment_size,
 )
 
-from wave_vessel_node.mru.mru import STATUS_OK, MruReading
 from wave_vessel_node.parameters import SeaStateEstimateParameters
 
 _MINIMUM_SEGMENTS = 3
 _LEAST_RESPONSE = 0.03  # of |H|^2: below, the motion says nothing of the sea
 _LOWEST_PERIOD = 40.0  # s: waves are shorter; below this frequency only drift and the unit's wander
 _LONGEST_GAP = 2.0  # s: a longer one breaks the record
+_FEWEST_LINES = 8  # of the spectrum between drift and ripples: with fewer, readings are too far apart for waves
 
 
 @dataclass(frozen=True)
@@ -92,6 +94,7 @@ class SeaStateEstimator:
             int(np.searchsorted(omega, 2.0 * math.pi / _LOWEST_PERIOD)), int(np.searchsorted(omega, 4.0))
         )
         self._omega = np.asarray(omega[self._band], dtype=np.float64)
+        self._sees_waves = self._omega.size >= _FEWEST_LINES
         self._unit = np.maximum(unit_response(self._omega), 1e-6)
         self._vessel = vessel_response(self._omega)
         self._noise_density = noise**2 * sample_period / math.pi
@@ -101,7 +104,7 @@ class SeaStateEstimator:
         """Take one reading; those that are not OK are left out, short gaps are bridged, a long one starts a new
         segment.
         """
-        if reading.status != STATUS_OK or not math.isfinite(reading.heave):
+        if not self._sees_waves or reading.status != MruStatus.OK or not math.isfinite(reading.heave):
             return
         missing = round((reading.time - self._last_time) / self._period) - 1 if self._filled else 0
         if missing < 0:

@@ -13,13 +13,18 @@ import numpy as np
 from heave_node.arrays import Array
 from heave_node.linear_model import LinearModel, covariance_factor, state_covariance
 
-from winch_controller_node.model.estimator import KalmanEstimator, MeasurementModel
-from winch_controller_node.model.lqr import DesignError, QuadraticCost, check_detectable, lqr_gain, output_cost
-from winch_controller_node.model.models import (
-    DEPTH_BIAS,
+from winch_controller_node.interface.sensors import (
+    KNOWN_SENSORS,
     LEVER_ARM_X,
     LEVER_ARM_Y,
     MRU_SCALE,
+    MeasurementRow,
+    SlowState,
+    those_that_see,
+)
+from winch_controller_node.model.estimator import KalmanEstimator, MeasurementModel
+from winch_controller_node.model.lqr import DesignError, QuadraticCost, check_detectable, lqr_gain, output_cost
+from winch_controller_node.model.models import (
     CableModel,
     ModelInputs,
     PlantBelief,
@@ -36,12 +41,6 @@ FIT_FREQUENCIES = 80
 
 LONGEST_DELAY = 5.0
 """Command delay [s] above which a design is refused: no boom-tip prediction reaches that far (17 % error at 2 s)."""
-
-SCALE_DRIFT = 1e-5
-"""Random walk of the MRU's scale [1/sqrt(s)]: 0.1 % in three hours; keeps the filter awake."""
-
-LEVER_ARM_DRIFT = 1e-5
-"""Random walk of the lever arm [m/sqrt(s)]."""
 
 
 @dataclass(frozen=True)
@@ -132,7 +131,7 @@ def design_controller(
     _check_observability(parameters, model, measurements)
     cost = design_cost(parameters, model)
     gain = full_gain(model, cost)
-    covariance, sigma = _locked_covariance(parameters, model)
+    covariance, sigma = _locked_covariance(parameters, model, cable)
     return ControllerDesign(
         parameters=parameters,
         tick_period=tick_period,
@@ -212,11 +211,10 @@ def _check_inputs(parameters: WinchControllerParameters, tick_period: float) -> 
         )
     use = parameters.sensors.use
     if "encoder" not in use:
-        raise DesignError("sensors.use must have the encoder: without it nobody knows the payout")
-    if not {"mru", "depth", "velocity", "imu"} & set(use):
-        raise DesignError(
-            "sensors.use must have one of mru, depth, velocity, imu: nothing measures the motion otherwise"
-        )
+        raise DesignError("sensors.use must have the encoder: nothing else measures the payout")
+    of_motion = those_that_see("boom_tip", "unit")
+    if not set(of_motion) & set(use):
+        raise DesignError(f"sensors.use must have one of {', '.join(of_motion)}: nothing measures the motion otherwise")
 
 
 def believed_cable(parameters: WinchControllerParameters, length: float) -> CableModel:
@@ -237,51 +235,51 @@ def believed_cable(parameters: WinchControllerParameters, length: float) -> Cabl
 def model_inputs(parameters: WinchControllerParameters, cable: CableModel) -> ModelInputs:
     """Return what the augmented model is made of under these parameters."""
     sensors = parameters.sensors
-    has_mru = "mru" in sensors.use
-    slow: list[tuple[str, float]] = []
-    if "depth" in sensors.use and sensors.depth.bias_sigma > 0.0:
-        slow.append((DEPTH_BIAS, sensors.depth.bias_drift))
-    if has_mru and sensors.mru.scale_sigma > 0.0:
-        slow.append((MRU_SCALE, SCALE_DRIFT))
-    if has_mru and sensors.mru.lever_arm_sigma > 0.0:
-        slow += [(LEVER_ARM_X, LEVER_ARM_DRIFT), (LEVER_ARM_Y, LEVER_ARM_DRIFT)]
     return ModelInputs(
         cable=cable,
         winch=parameters.winch,
         sea=parameters.sea,
         vessel=parameters.vessel,
         cable_disturbance=parameters.cable_model.disturbance,
-        mru=sensors.mru if has_mru else None,
-        slow=tuple(slow),
+        mru=sensors.mru if "mru" in sensors.use else None,
+        slow=tuple((state.name, state.drift) for state in slow_states(parameters, cable)),
     )
+
+
+def slow_states(parameters: WinchControllerParameters, cable: CableModel) -> list[SlowState]:
+    """Return the errors of the sensors in use that the estimator follows, in the units of the model."""
+    return [
+        SlowState(state.name, unit * state.drift, unit * state.sigma)
+        for sensor in parameters.sensors.in_use().values()
+        for unit in [sensor.unit(cable.static_tension)]
+        for state in sensor.slow_states()
+    ]
 
 
 def measurement_models(
     parameters: WinchControllerParameters, model: LinearModel, cable: CableModel
 ) -> tuple[MeasurementModel, ...]:
     """Return the measurements of the sensors in use."""
-    sensors = parameters.sensors
-    scale = model.state(MRU_SCALE) if model.has_state(MRU_SCALE) else None
-    depth = model.row("unit_heave").copy()
-    if model.has_state(DEPTH_BIAS):
-        depth[model.state(DEPTH_BIAS)] = 1.0
-    tension = cable.static_tension * sensors.load_cell_noise
-    known = (
-        MeasurementModel("mru_heave", "mru", _row(model, "mru_heave"), sensors.mru.noise, scale),
-        MeasurementModel("mru_heave_rate", "mru", _row(model, "mru_heave_rate"), sensors.mru.rate_noise, scale),
-        MeasurementModel("unit_heave", "depth", depth, sensors.depth.noise),
-        # a servo other than believed moves the drum otherwise, at the winch's limits by centimetres in a second:
-        # refusing the encoder would leave the loop blind when it is needed most; jumps are found by a gate of its own
-        MeasurementModel("payout", "encoder", model.row("payout"), sensors.encoder_noise, is_gated=False),
-        MeasurementModel("unit_velocity", "velocity", model.row("unit_heave_rate"), sensors.velocity_noise),
-        MeasurementModel("unit_acceleration", "imu", model.row("unit_heave_acceleration"), sensors.imu_noise),
-        MeasurementModel("tension", "load_cell", model.row("tension"), tension),
+    return tuple(
+        MeasurementModel(
+            row.name,
+            name,
+            _weights(model, row),
+            row.sigma * sensor.unit(cable.static_tension),
+            scale_state=model.state(row.scale_state) if model.has_state(row.scale_state) else None,
+            is_gated=row.is_gated,
+        )
+        for name, sensor in parameters.sensors.in_use().items()
+        for row in sensor.rows()
     )
-    return tuple(measurement for measurement in known if measurement.sensor in sensors.use)
 
 
-def _row(model: LinearModel, output: str) -> Array:
-    return model.row(output) if output in model.output_names else np.zeros(model.order)
+def _weights(model: LinearModel, row: MeasurementRow) -> Array:
+    """Return the weights of the states in a measurement, shape (n,)."""
+    weights = model.row(row.output).copy()
+    if model.has_state(row.state):
+        weights[model.state(row.state)] = 1.0
+    return np.asarray(weights)
 
 
 def _check_observability(
@@ -295,11 +293,11 @@ def _check_observability(
     use = parameters.sensors.use
     in_motion = (MRU_SCALE, LEVER_ARM_X, LEVER_ARM_Y)
     asked = [name for name in in_motion if model.has_state(name)]
-    if asked and not {"depth", "velocity", "imu", "load_cell"} & set(use):
+    *others, last = below = those_that_see("unit", "cable")
+    if asked and not set(below) & set(use):
         raise DesignError(
-            f"{' and '.join(asked)} cannot be seen with the sensors {', '.join(use)}: add depth, "
-            f"velocity, imu or load_cell, "
-            "or set its sigma to 0"
+            f"{' and '.join(asked)} cannot be seen with the sensors {', '.join(use)}: add {', '.join(others)} or "
+            f"{last}, or set its sigma to 0"
         )
     kept = [name for name in model.state_names if name not in in_motion]
     index = [model.state(name) for name in kept]
@@ -335,9 +333,13 @@ def regulator_gain(parameters: WinchControllerParameters, model: LinearModel) ->
     return np.where([_is_sea(name) for name in model.state_names], 0.0, gain)
 
 
+_SENSOR_STATES = (*(f"{sensor}_" for sensor in KNOWN_SENSORS), LEVER_ARM_X, LEVER_ARM_Y)
+"""How the names of sensors' own states begin."""
+
+
 def is_sensor_state(name: str) -> bool:
     """Tell whether a state belongs to a sensor alone, so that no control can or need act on it."""
-    return name.startswith("mru_") or name in (DEPTH_BIAS, LEVER_ARM_X, LEVER_ARM_Y)
+    return name.startswith(_SENSOR_STATES)
 
 
 def full_gain(model: LinearModel, cost: QuadraticCost) -> Array:
@@ -350,7 +352,9 @@ def full_gain(model: LinearModel, cost: QuadraticCost) -> Array:
     return gain
 
 
-def _locked_covariance(parameters: WinchControllerParameters, model: LinearModel) -> tuple[Array, dict[str, float]]:
+def _locked_covariance(
+    parameters: WinchControllerParameters, model: LinearModel, cable: CableModel
+) -> tuple[Array, dict[str, float]]:
     """Return the covariance at the start and the outputs' standard deviations, winch locked, from the stable part."""
     moving = [name for name in model.state_names if not is_sensor_state(name) and not name.startswith("payout")]
     free = _without_payout(model, moving)
@@ -358,14 +362,8 @@ def _locked_covariance(parameters: WinchControllerParameters, model: LinearModel
     covariance = np.zeros((model.order, model.order))
     index = [model.state(name) for name in moving]
     covariance[np.ix_(index, index)] = P
-    sensors = parameters.sensors
-    start = {
-        DEPTH_BIAS: sensors.depth.bias_sigma,
-        MRU_SCALE: sensors.mru.scale_sigma,
-        "payout": 1.0,
-        "payout_rate": 0.1,
-    }
-    start |= dict.fromkeys((LEVER_ARM_X, LEVER_ARM_Y), sensors.mru.lever_arm_sigma)
+    start = {"payout": 1.0, "payout_rate": 0.1}
+    start |= {state.name: state.sigma for state in slow_states(parameters, cable)}
     start |= dict.fromkeys(("mru_offset", "mru_offset_rate"), 0.1)
     for name, sigma in start.items():
         if model.has_state(name):

@@ -52,18 +52,10 @@ class LoopPrediction:
 
 def sensor_periods(design: ControllerDesign) -> dict[str, tuple[int, int]]:
     """Return the period and the age at arrival of each sensor's readings [ticks]."""
-    sensors, dt = design.parameters.sensors, design.tick_period
-
-    def ticks(rate: float) -> int:
-        return max(1, round(1.0 / (rate * dt)))
-
+    dt = design.tick_period
     return {
-        "mru": (ticks(sensors.mru.rate), 0),
-        "depth": (ticks(sensors.depth.rate), round(sensors.depth.latency / dt)),
-        "encoder": (1, 0),
-        "velocity": (ticks(sensors.velocity_rate), 0),
-        "imu": (1, 0),
-        "load_cell": (1, 0),
+        name: (max(1, round(sensor.period(dt) / dt)), round(sensor.age() / dt))
+        for name, sensor in design.parameters.sensors.by_name().items()
     }
 
 

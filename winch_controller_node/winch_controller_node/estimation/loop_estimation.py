@@ -15,8 +15,9 @@ from winch_controller_node.estimation.handover import hand_over, hand_over_stand
 from winch_controller_node.estimation.observation import Observer
 from winch_controller_node.estimation.sea_adaptation import SeaTracker
 from winch_controller_node.interface.readings import Measurements
+from winch_controller_node.interface.sensors import DEPTH_BIAS
 from winch_controller_node.model.loop_rows import loop_rows
-from winch_controller_node.model.models import DEPTH_BIAS, shadow_model
+from winch_controller_node.model.models import shadow_model
 from winch_controller_node.motion.mean_motion import MeanMotion
 
 
@@ -48,7 +49,7 @@ class LoopEstimation:
     def take_design(self, design: ControllerDesign) -> None:
         """Refer to a design from now on, whose model the estimator has already."""
         self._design = design
-        self.observer.stretch_per_payout = design.cable.static_tension / (design.cable.stiffness * design.length)
+        self.observer.take_design(design)
         self.rows = loop_rows(design.model)
         self._shadow = shadow_model(design.cable, design.tick_period)
         self._sea.refer_to(design)

@@ -245,7 +245,7 @@ class KalmanEstimator:
         row, predicted = self._linearise(measurement, reading)
         variance = float(row @ self._filter.P @ row) + (reading.sigma or measurement.sigma) ** 2
         innovation = reading.value - predicted
-        nis = innovation**2 / variance
+        nis = innovation * innovation / variance  # a power would raise OverflowError for a number that is absurd
         accepted = bool(nis <= self._gate) or (not measurement.is_gated and math.isfinite(nis))
         self.innovations[reading.name] = Innovation(innovation, math.sqrt(variance), nis, accepted)
         self.refusals[reading.name] = 0 if accepted else self.refusals[reading.name] + 1

@@ -24,9 +24,9 @@ from wave_vessel_node.sea.shaping_filter import shaping_filter
 from wave_vessel_node.sea.spectra import WaveSpectrum
 from wave_vessel_node.vessel.second_order import SecondOrderVessel, boom_tip_model
 
+from winch_controller_node.interface.sensors import MruModelParameters
 from winch_controller_node.parameters.model import (
     CableModelParameters,
-    MruModelParameters,
     SeaModelParameters,
     VesselModelParameters,
     WinchModelParameters,
@@ -34,9 +34,6 @@ from winch_controller_node.parameters.model import (
 
 RATE_COMMAND = "payout_rate_command"
 PAYOUT_COMMAND = "payout_command"
-MRU_SCALE = "mru_scale"
-DEPTH_BIAS = "depth_bias"
-LEVER_ARM_X, LEVER_ARM_Y = "lever_arm_x", "lever_arm_y"
 
 SMALLEST_DAMPING_RATIO = 0.002
 """A model is never less damped than this: drag vanishes with the motion, the resonance must stay finite."""

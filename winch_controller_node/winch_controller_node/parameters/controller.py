@@ -8,6 +8,7 @@ from cable_sim_node.parameters import CableParameters, UnitParameters
 from heave_node.constants import SEAWATER_DENSITY, STANDARD_GRAVITY
 from heave_node.parameters import ParameterError, group, parameter
 
+from winch_controller_node.interface.sensors import KNOWN_SENSORS, SensorsModelParameters
 from winch_controller_node.parameters.laws import (
     LAWS,
     FeedforwardParameters,
@@ -22,12 +23,10 @@ from winch_controller_node.parameters.laws import (
     TensionLawParameters,
 )
 from winch_controller_node.parameters.model import (
-    KNOWN_SENSORS,
     CableModelParameters,
     EstimatorParameters,
     ScheduleParameters,
     SeaModelParameters,
-    SensorsModelParameters,
     VesselModelParameters,
     WeightParameters,
     WinchModelParameters,

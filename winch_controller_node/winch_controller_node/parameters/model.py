@@ -1,4 +1,4 @@
-"""What the controller believes of plant, winch, sea and sensors.
+"""What the controller believes of plant, winch and sea; of the sensors: `interface.sensors`.
 
 Names are those of the plant's own parameters where both have one.
 """
@@ -7,10 +7,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from heave_node.parameters import ParameterError, group, parameter
+from heave_node.parameters import ParameterError, parameter
 from wave_vessel_node.parameters import FILTER_CHOICES, SeaParameters
-
-KNOWN_SENSORS = ("mru", "depth", "encoder", "velocity", "imu", "load_cell")
 
 
 @dataclass(frozen=True)
@@ -135,86 +133,6 @@ class VesselModelParameters:
     )
     damping_ratio: float = parameter(0.4, unit="", minimum=0.01, maximum=5.0, description="xi_v of the vessel.")
     gain: float = parameter(1.0, unit="", minimum=1e-3, maximum=10.0, description="K_v of the vessel.")
-
-
-@dataclass(frozen=True)
-class MruModelParameters:
-    """The motion reference unit as the controller believes it."""
-
-    noise: float = parameter(0.01, unit="m", minimum=1e-5, maximum=10.0, description="White noise of heave, 1 sigma.")
-    rate_noise: float = parameter(
-        0.01, unit="m/s", minimum=1e-5, maximum=10.0, description="White noise of heave rate, 1 sigma."
-    )
-    high_pass_period: float = parameter(
-        0.0, unit="s", minimum=0.0, maximum=300.0, description="Cut-off period of its high-pass; 0 is none."
-    )
-    high_pass_damping: float = parameter(
-        0.7071, unit="", minimum=0.2, maximum=2.0, description="Damping ratio of its high-pass."
-    )
-    scale_sigma: float = parameter(
-        0.0, unit="", minimum=0.0, maximum=0.5, description="Possible scale error, 1 sigma; 0 does not estimate it."
-    )
-    lever_arm_sigma: float = parameter(
-        0.0,
-        unit="m",
-        minimum=0.0,
-        maximum=10.0,
-        description="Possible lever-arm error, 1 sigma along x and y; 0 does not estimate it.",
-    )
-    rate: float = parameter(20.0, unit="Hz", minimum=0.01, maximum=1000.0, description="Readings per second.")
-
-
-@dataclass(frozen=True)
-class DepthModelParameters:
-    """The depth sensor as the controller believes it."""
-
-    noise: float = parameter(0.02, unit="m", minimum=1e-5, maximum=100.0, description="White noise, 1 sigma.")
-    rate: float = parameter(10.0, unit="Hz", minimum=0.01, maximum=1000.0, description="Readings per second.")
-    latency: float = parameter(
-        0.1,
-        unit="s",
-        minimum=0.0,
-        maximum=5.0,
-        description="Age of a reading when it arrives; used by predictions only.",
-    )
-    bias_sigma: float = parameter(
-        1.0, unit="m", minimum=0.0, maximum=100.0, description="Unknown of the mean depth at the start, 1 sigma."
-    )
-    bias_drift: float = parameter(
-        2e-4,
-        unit="m/sqrt(s)",
-        minimum=0.0,
-        maximum=1.0,
-        description="Random walk of the mean depth: tide, sensor drift, stretch.",
-    )
-
-
-@dataclass(frozen=True)
-class SensorsModelParameters:
-    """Which sensors the estimator uses, and what it believes of them."""
-
-    use: tuple[str, ...] = parameter(
-        ("mru", "depth", "encoder"), unit="", choices=KNOWN_SENSORS, description="Sensors the estimator takes."
-    )
-    mru: MruModelParameters = group(MruModelParameters)
-    depth: DepthModelParameters = group(DepthModelParameters)
-    encoder_noise: float = parameter(
-        3e-4, unit="m", minimum=1e-6, maximum=1.0, description="Noise of the encoder; 1 mm steps are 0.29 mm, 1 sigma."
-    )
-    velocity_noise: float = parameter(
-        0.01, unit="m/s", minimum=1e-5, maximum=10.0, description="Noise of the unit's velocity (DVL), 1 sigma."
-    )
-    velocity_rate: float = parameter(5.0, unit="Hz", minimum=0.01, maximum=1000.0, description="Readings per second.")
-    imu_noise: float = parameter(
-        0.02, unit="m/s^2", minimum=1e-5, maximum=10.0, description="Noise of the unit's acceleration, 1 sigma."
-    )
-    load_cell_noise: float = parameter(
-        0.005,
-        unit="",
-        minimum=1e-6,
-        maximum=1.0,
-        description="Noise of the load cell over the static tension, 1 sigma.",
-    )
 
 
 @dataclass(frozen=True)

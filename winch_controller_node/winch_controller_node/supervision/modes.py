@@ -11,6 +11,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import Enum
 
+from heave_node.codes import WinchFault, fault_words
+
 from winch_controller_node.parameters.laws import ModeParameters
 
 
@@ -56,7 +58,7 @@ class Situation:
     ----------
     lost : vital sensors that are lost, with the reason ("mru frozen"), empty when none
     has_estimate : the estimator has had the readings it needs
-    winch_fault : the winch's own fault, 0 without
+    winch_fault : number of the winch's own fault, see WinchFault
     harm : the guard's reason to fade out, empty when all is well
     speed : speed of the winch as commanded [m/s], absolute
     authority_limit : share of the sea that the winch can follow under this law
@@ -176,9 +178,11 @@ class ModeMachine:
         """The winch has stopped by itself: brake on, and wait for somebody unless it was a missed command."""
         if self.mode in (Mode.STANDBY, Mode.STOPPED):
             return
-        is_stop = situation.winch_fault == 4
+        is_stop = situation.winch_fault == WinchFault.EMERGENCY_STOP
         self._wants_compensation = False
-        self._enter(Mode.EMERGENCY_STOP if is_stop else Mode.STOPPED, f"winch fault {situation.winch_fault}")
+        self._enter(
+            Mode.EMERGENCY_STOP if is_stop else Mode.STOPPED, f"winch fault: {fault_words(situation.winch_fault)}"
+        )
 
     def _standby(self, situation: Situation) -> None:
         if situation.lost:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from cable_sim_node.winch.drive import LIMIT_PAYOUT, LIMIT_POWER
+from heave_node.codes import WinchLimit
 
 from winch_controller_node.design.design import ControllerDesign
 from winch_controller_node.design.schedule import is_scheduled
@@ -17,7 +17,7 @@ LEARNING_PERIOD, CHECKING_PERIOD = 2.0, 10.0
 BEARABLE_SHARE = 0.5
 """Further delay that is tried, over lag and delay believed in, where they are not learnt."""
 
-UNLEARNT_LIMITS = LIMIT_PAYOUT | LIMIT_POWER
+UNLEARNT_LIMITS = WinchLimit.PAYOUT | WinchLimit.POWER
 """Limits of a winch that its identification does not know."""
 
 

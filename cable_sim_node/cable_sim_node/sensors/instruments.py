@@ -1,12 +1,59 @@
-"""Parameters of the sensors on the unit and the cable."""
+"""The sensors on the unit and the cable: the parameters of each, and its view of the truth.
+
+To add one, write a class here and name it in `SensorsParameters`; its name is that of the table `heave_node.sensors`.
+"""
 
 from __future__ import annotations
 
+import dataclasses
+import math
 from dataclasses import dataclass
 
+import numpy as np
+from heave_node.arrays import Array
+from heave_node.faults import FaultParameters
 from heave_node.parameters import group, parameter
 
-from cable_sim_node.sensors.fault_parameters import SENSOR_FAULT_KINDS, FaultParameters
+
+@dataclass(frozen=True)
+class SensorTruth:
+    """What the sensors look at.
+
+    Attributes
+    ----------
+    position, velocity, acceleration : of the unit, shape (3,), frame `world` [m], [m/s], [m/s^2]
+    top_tension, static_top_tension : now, and at rest at the start [N]
+    height_above_seabed : of the unit [m]; infinite without a seabed
+    gravity : [m/s^2]
+    """
+
+    position: Array
+    velocity: Array
+    acceleration: Array
+    top_tension: float
+    static_top_tension: float
+    height_above_seabed: float
+    gravity: float
+
+
+@dataclass(frozen=True)
+class View:
+    """What a sensor without noise would say at one time, and how good it is then.
+
+    Attributes
+    ----------
+    value : shape (n,), SI units
+    sigma : standard deviation of the white noise of each value, or of all
+    bias : constant error of each value, or of all
+    extra_latency : of a sample taken now, beyond the sensor's own [s]
+    is_available : False: the sensor cannot measure now
+    """
+
+    value: Array
+    sigma: Array | float
+    bias: Array | float = 0.0
+    extra_latency: float = 0.0
+    is_available: bool = True
 
 
 @dataclass(frozen=True)
@@ -29,9 +76,9 @@ class SensorParameters:
     )
     faults: FaultParameters = group(FaultParameters)
 
-    def __post_init__(self) -> None:
-        """Refuse faults a sensor cannot have."""
-        self.faults.require_kinds(SENSOR_FAULT_KINDS, "sensor")
+    def view(self, truth: SensorTruth) -> View:
+        """Return what this sensor sees of the truth."""
+        raise NotImplementedError
 
 
 @dataclass(frozen=True)
@@ -45,6 +92,10 @@ class DepthSensorParameters(SensorParameters):
         0.02, unit="m", minimum=0.0, maximum=100.0, description="Standard deviation of white noise, in depth."
     )
     bias: float = parameter(0.0, unit="m", minimum=-1000.0, maximum=1000.0, description="Constant error, in depth.")
+
+    def view(self, truth: SensorTruth) -> View:
+        """See the depth, positive down from still water [m]."""
+        return View(-truth.position[2:], self.noise, self.bias)
 
 
 @dataclass(frozen=True)
@@ -67,6 +118,11 @@ class VelocitySensorParameters(SensorParameters):
         description="Largest height above the seabed at which there is bottom lock; 0 means lock everywhere.",
     )
 
+    def view(self, truth: SensorTruth) -> View:
+        """See the velocity over ground x, y, z [m/s], where there is bottom lock."""
+        has_lock = self.bottom_range == 0.0 or truth.height_above_seabed <= self.bottom_range
+        return View(truth.velocity, self.noise, self.bias, is_available=has_lock)
+
 
 @dataclass(frozen=True)
 class ImuParameters(SensorParameters):
@@ -82,6 +138,15 @@ class ImuParameters(SensorParameters):
     gyro_noise: float = parameter(
         0.0005, unit="rad/s", minimum=0.0, maximum=10.0, description="Standard deviation of the turn-rate noise."
     )
+
+    def view(self, truth: SensorTruth) -> View:
+        """See acceleration less gravity x, y, z [m/s^2] and the turn rate of a unit that does not turn [rad/s]."""
+        x, y, z = truth.acceleration
+        return View(
+            np.array([x, y, z + truth.gravity, 0.0, 0.0, 0.0]),
+            np.array([self.noise] * 3 + [self.gyro_noise] * 3),
+            np.array([self.bias] * 3 + [0.0] * 3),
+        )
 
 
 @dataclass(frozen=True)
@@ -108,6 +173,12 @@ class UsblParameters(SensorParameters):
     bias: float = parameter(0.0, unit="m", minimum=-1000.0, maximum=1000.0, description="Constant error on each axis.")
     sound_speed: float = parameter(1500.0, unit="m/s", minimum=100.0, maximum=10_000.0, description="Speed of sound.")
 
+    def view(self, truth: SensorTruth) -> View:
+        """See the position x, y, z [m], later by the way of the sound."""
+        slant_range = float(np.linalg.norm(truth.position))
+        sigma = math.hypot(self.noise, self.range_noise * slant_range)
+        return View(truth.position, sigma, self.bias, extra_latency=2.0 * slant_range / self.sound_speed)
+
 
 @dataclass(frozen=True)
 class LoadCellParameters(SensorParameters):
@@ -123,11 +194,15 @@ class LoadCellParameters(SensorParameters):
     )
     bias: float = parameter(0.0, unit="N", minimum=-1e9, maximum=1e9, description="Constant error.")
 
+    def view(self, truth: SensorTruth) -> View:
+        """See the top tension [N]."""
+        return View(np.array([truth.top_tension]), self.relative_noise * truth.static_top_tension, self.bias)
+
 
 @dataclass(frozen=True)
 class SensorsParameters:
-    """All sensors on the unit and the cable; their defaults are those of the benchmark scenarios, which have depth
-    sensor and load cell alone.
+    """All sensors on the unit and the cable, with the defaults of the benchmark scenarios; those fit the depth sensor
+    and the load cell alone.
     """
 
     depth: DepthSensorParameters = group(DepthSensorParameters)
@@ -135,3 +210,12 @@ class SensorsParameters:
     imu: ImuParameters = group(ImuParameters)
     usbl: UsblParameters = group(UsblParameters)
     load_cell: LoadCellParameters = group(LoadCellParameters)
+
+    def __post_init__(self) -> None:
+        """Refuse faults that a sensor cannot have."""
+        for name, parameters in self.by_name().items():
+            parameters.faults.check(f"sensors.{name}.faults", "sensor")
+
+    def by_name(self) -> dict[str, SensorParameters]:
+        """Return the parameters of each sensor, in the order of the table."""
+        return {field.name: getattr(self, field.name) for field in dataclasses.fields(self)}
