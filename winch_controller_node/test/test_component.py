@@ -186,7 +186,7 @@ def test_a_winch_other_than_believed_is_found_out_and_driven_to_its_limits_as_if
     record = loop.run()
     found = loop.controller.parameters.winch
     assert (found.time_constant, found.command_delay) == pytest.approx((0.08, 0.24), abs=0.01)
-    assert any("winch now believed" in words for _, words in record.alarms)
+    assert any("winch model updated" in words for _, words in record.alarms)
     belief = dataclasses.replace(parameters.controller.winch, time_constant=0.08, command_delay=0.24)
     known = dataclasses.replace(
         parameters, winch=quick, controller=dataclasses.replace(parameters.controller, winch=belief)
@@ -198,7 +198,7 @@ def test_a_winch_other_than_believed_is_found_out_and_driven_to_its_limits_as_if
 
 def test_a_winch_as_believed_is_left_alone():
     record = ClosedLoop(loop_parameters(duration=60.0)).run()
-    assert not any("winch now believed" in words for _, words in record.alarms)
+    assert not any("winch model updated" in words for _, words in record.alarms)
 
 
 @pytest.mark.parametrize(("time_constant", "delay"), [(0.15, 0.2), (0.08, 0.25), (0.08, 0.237)])
@@ -244,7 +244,7 @@ def test_a_transport_slower_than_any_loop_bears_is_known_before_the_winch_moves(
     """0.4 s late: the winch says with every state which command it has taken."""
     parameters = loop_parameters(duration=40.0, **{"lag.adaptation": False})
     record = ClosedLoop(dataclasses.replace(parameters, winch=WinchParameters(command_delay=0.6))).run()
-    assert any("0.40 s later than believed" in words for _, words in record.alarms)
+    assert any("0.40 s later than modelled" in words for _, words in record.alarms)
     assert set(record.modes) == {"standby"}
     assert np.all(record.column("payout") == 0.0)
 

@@ -8,6 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
+from winch_controller_node.model.blocks import RATE_COMMAND, CableModel, cable_block, mru_block, winch_block
 from winch_controller_node.model.linear_model import (
     ModelError,
     delay_command,
@@ -19,14 +20,7 @@ from winch_controller_node.model.linear_model import (
     state_covariance,
 )
 from winch_controller_node.model.models import (
-    RATE_COMMAND,
-    CableModel,
-    cable_block,
-    mru_block,
-    pade_delay_block,
     shadow_model,
-    taylor_delay_block,
-    winch_block,
 )
 from winch_controller_node.parameters.model import MruModelParameters, WinchModelParameters
 
@@ -101,24 +95,6 @@ def test_the_sampled_delay_is_exact_for_any_delay(delay, seed):
         )
         exact = solution.y[:, -1]
     assert x[:2] == pytest.approx(exact, abs=1e-8)
-
-
-def response(block, omega):
-    return (block.C @ np.linalg.solve(1j * omega * np.eye(block.order) - block.A, block.B) + block.D)[0, 0]
-
-
-@pytest.mark.parametrize(
-    ("block", "error"),
-    [
-        (taylor_delay_block(0.2, "u", "y"), 0.146),
-        (pade_delay_block(0.2, 1, "u", "y"), 0.073),
-        (pade_delay_block(0.2, 2, "u", "y"), 0.0013),
-    ],
-    ids=["taylor", "pade_1", "pade_2"],
-)
-def test_errors_of_the_continuous_delay_forms_at_5_rad_per_s(block, error):
-    # reference: |e^{-i w tau} - H| at tau = 0.2 s, w = 5 rad/s, known to the digits given
-    assert abs(response(block, 5.0) - np.exp(-1j)) == pytest.approx(error, rel=0.06)
 
 
 def test_the_mru_states_are_its_high_pass():

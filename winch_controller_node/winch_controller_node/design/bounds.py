@@ -16,9 +16,10 @@ from heave_node.arrays import Array
 from heave_node.randomness import random_stream
 from wave_vessel_node.sea.state_space import covariance_factor
 
+from winch_controller_node.model.blocks import CableModel, cable_block
 from winch_controller_node.model.linear_model import discretise, interconnect, linear_model, state_covariance
 from winch_controller_node.model.lqr import DesignError
-from winch_controller_node.model.models import CableModel, boom_tip_block, cable_block
+from winch_controller_node.model.models import boom_tip_block
 from winch_controller_node.parameters.model import SeaModelParameters, VesselModelParameters
 
 BOUND_STEP = 0.2
@@ -52,8 +53,7 @@ def boom_tip_realisation(
 
 
 def actuator_bound(cable: CableModel, limits: WinchLimits, boom_tip_heave: Array, step: float) -> float:
-    """Return s_act [m]: the least unit sigma within the winch's limits when the whole boom-tip record is known
-    beforehand.
+    """Return s_act [m]: the least unit sigma within the winch's limits for one who knows the boom tip beforehand.
 
     A quadratic programme over the whole record: payout acceleration constant over each step, outlet motion straight
     between samples, cable exact. The first and last tenth, where the plan starts and stops caring, are left out.

@@ -13,15 +13,15 @@ import numpy as np
 from heave_node.arrays import Array
 from wave_vessel_node.sea.state_space import covariance_factor
 
+from winch_controller_node.laws.governor import CommandGovernor
+from winch_controller_node.laws.law import ControlLaw, LawDesign
+from winch_controller_node.laws.registry import LAWS, make_law
+from winch_controller_node.laws.winch_limits import WinchLimits, winch_limits
+from winch_controller_node.model.blocks import DEPTH_BIAS, LEVER_ARM_X, LEVER_ARM_Y, MRU_SCALE, CableModel
 from winch_controller_node.model.estimator import KalmanEstimator, MeasurementModel
 from winch_controller_node.model.linear_model import LinearModel, state_covariance
-from winch_controller_node.model.lqr import DesignError, QuadraticCost, check_detectable, lqr_gain, output_cost
+from winch_controller_node.model.lqr import DesignError, QuadraticCost, check_detectable
 from winch_controller_node.model.models import (
-    DEPTH_BIAS,
-    LEVER_ARM_X,
-    LEVER_ARM_Y,
-    MRU_SCALE,
-    CableModel,
     ModelInputs,
     PlantBelief,
     augmented_model,
@@ -30,6 +30,7 @@ from winch_controller_node.model.models import (
     sea_noise_covariance,
     sea_spectrum,
 )
+from winch_controller_node.model.regulator import full_gain, is_sea_state, is_sensor_state, weighted_cost
 from winch_controller_node.parameters.controller import WinchControllerParameters
 
 FIT_FREQUENCIES = 80
@@ -52,7 +53,7 @@ class ControllerDesign:
     Attributes
     ----------
     parameters, tick_period, length : what it was designed for
-    cable : the two-state cable believed in
+    cable : its two-state cable
     model : sampled augmented model; one input, the command
     measurements : what the estimator may be given, by name: mru_heave, mru_heave_rate, unit_heave (from depth, positive
         up, about the expected mean), payout (encoder), unit_velocity, unit_acceleration, tension (about the static one)
@@ -88,11 +89,11 @@ class ControllerDesign:
     @property
     def sea_states(self) -> tuple[str, ...]:
         """Names of the states of waves and vessel: those that grow with the sea."""
-        return tuple(name for name in self.model.state_names if _is_sea(name))
+        return tuple(name for name in self.model.state_names if is_sea_state(name))
 
     @property
     def unit_weight(self) -> float:
-        """Submerged weight of the unit as believed [N]."""
+        """Submerged weight of the unit as modelled [N]."""
         unit = self.parameters.unit
         return (unit.mass - self.parameters.water_density * unit.volume) * self.parameters.gravity
 
@@ -106,7 +107,28 @@ class ControllerDesign:
             gate=estimator.gate,
             gate_limit=estimator.gate_limit,
             largest_age=round(estimator.largest_age / self.tick_period),
+            implementation=estimator.implementation,
         )
+
+    @property
+    def limits(self) -> WinchLimits:
+        """Limits of the winch in force."""
+        return winch_limits(self.parameters.winch, self.parameters.limits, self.cable.static_tension)
+
+    def make_law(self) -> ControlLaw:
+        """Return the law that the parameters name, at its initial state.
+
+        Raises DesignError where winch or sensors do not serve that law.
+        """
+        p = self.parameters
+        missing = [sensor for sensor in LAWS[p.law].required_sensors if sensor not in p.sensors.use]
+        if missing:
+            raise DesignError(f"law {p.law} needs the sensor {missing[0]}: add it to sensors.use, or take another law")
+        return make_law(p.law, LawDesign(self.model, p.winch, self.limits, p.weights, self.gain), p)
+
+    def make_governor(self) -> CommandGovernor:
+        """Return the governor that keeps the limits in force."""
+        return CommandGovernor(self.model, self.parameters.winch, self.limits)
 
 
 def design_controller(
@@ -122,8 +144,8 @@ def design_controller(
 
     Raises
     ------
-    DesignError : in words, for a wrong sensor set, a delay that no prediction bridges, singular weights, a model that
-        is not stabilisable or not detectable.
+    DesignError : for a wrong sensor set, a delay too long for any prediction, singular weights, a model that is not
+        stabilisable or not detectable; the message says which.
     """
     length = parameters.length if length is None else length
     _check_inputs(parameters, tick_period)
@@ -131,7 +153,7 @@ def design_controller(
     model = augmented_model(model_inputs(parameters, cable), tick_period)
     measurements = measurement_models(parameters, model, cable)
     _check_observability(parameters, model, measurements)
-    cost = design_cost(parameters, model)
+    cost = weighted_cost(parameters.weights, model)
     gain = full_gain(model, cost)
     covariance, sigma = _locked_covariance(parameters, model)
     return ControllerDesign(
@@ -163,7 +185,7 @@ def at_cable(design: ControllerDesign, cable: CableModel, length: float, gain: A
         model=model,
         measurements=measurement_models(parameters, model, cable),
         gain=gain,
-        cost=design_cost(parameters, model),
+        cost=weighted_cost(parameters.weights, model),
     )
 
 
@@ -213,15 +235,13 @@ def _check_inputs(parameters: WinchControllerParameters, tick_period: float) -> 
         )
     use = parameters.sensors.use
     if "encoder" not in use:
-        raise DesignError("sensors.use must have the encoder: without it nobody knows the payout")
+        raise DesignError("sensors.use must include the encoder: nothing else measures the payout")
     if not {"mru", "depth", "velocity", "imu"} & set(use):
-        raise DesignError(
-            "sensors.use must have one of mru, depth, velocity, imu: nothing measures the motion otherwise"
-        )
+        raise DesignError("sensors.use must include mru, depth, velocity or imu: nothing else measures the motion")
 
 
 def believed_cable(parameters: WinchControllerParameters, length: float) -> CableModel:
-    """Return the two-state cable at `length` [m] as believed, fitted where the boom tip has its energy."""
+    """Return the two-state cable at `length` [m] of the modelled plant, fitted where the boom tip has its energy."""
     plant = PlantBelief(parameters.cable, parameters.unit, parameters.water_density, parameters.gravity)
     tip = boom_tip_block(parameters.sea, parameters.vessel)
     P = state_covariance(tip)
@@ -298,57 +318,12 @@ def _check_observability(
     asked = [name for name in in_motion if model.has_state(name)]
     if asked and not {"depth", "velocity", "imu", "load_cell"} & set(use):
         raise DesignError(
-            f"{' and '.join(asked)} cannot be seen with the sensors {', '.join(use)}: add depth, "
-            f"velocity, imu or load_cell, "
-            "or set its sigma to 0"
+            f"{' and '.join(asked)} cannot be observed with the sensors {', '.join(use)}: add depth, velocity, imu or "
+            "load_cell, or set its sigma to 0"
         )
     kept = [name for name in model.state_names if name not in in_motion]
     index = [model.state(name) for name in kept]
     check_detectable(model.select_states(kept), np.array([m.row[index] for m in measurements]), use)
-
-
-def design_cost(parameters: WinchControllerParameters, model: LinearModel) -> QuadraticCost:
-    """Return the quadratic cost of `parameters.weights` on `model`."""
-    weights = parameters.weights
-    sizes = {
-        "unit_heave": weights.unit_heave,
-        "unit_heave_rate": weights.unit_heave_rate,
-        "outlet_heave": weights.outlet_heave,
-        "payout": weights.payout,
-        "payout_rate": weights.payout_rate,
-        "payout_acceleration": weights.payout_acceleration if "payout_acceleration" in model.output_names else 0.0,
-    }
-    return output_cost(model, sizes, weights.command)
-
-
-def _is_sea(name: str) -> bool:
-    return name.startswith(("vessel_", "wave_"))
-
-
-def regulator_gain(parameters: WinchControllerParameters, model: LinearModel) -> Array:
-    """Return the gain of the regulator of unit, winch and delay (thesis 6.2.4, 6.2.5), shape (n,).
-
-    The outlet has no weight in it: without a boom tip to follow, that would hold the payout where it is. Nothing but
-    the unit's own motion then asks for a command, so that it is weighed as in the thesis, by itself.
-    """
-    weights = replace(parameters.weights, outlet_heave=0.0)
-    gain = full_gain(model, design_cost(replace(parameters, weights=weights), model))
-    return np.where([_is_sea(name) for name in model.state_names], 0.0, gain)
-
-
-def is_sensor_state(name: str) -> bool:
-    """Tell whether a state belongs to a sensor alone, so that no control can or need act on it."""
-    return name.startswith("mru_") or name in (DEPTH_BIAS, LEVER_ARM_X, LEVER_ARM_Y)
-
-
-def full_gain(model: LinearModel, cost: QuadraticCost) -> Array:
-    """Return the LQR gain over all states; sensor states, which move nothing, have none."""
-    keep = [i for i, name in enumerate(model.state_names) if not is_sensor_state(name)]
-    plant = model.select_states([model.state_names[i] for i in keep])
-    reduced = QuadraticCost(cost.Q[np.ix_(keep, keep)], cost.N[keep], cost.R)
-    gain = np.zeros(model.order)
-    gain[keep] = lqr_gain(plant, reduced)[0]
-    return gain
 
 
 def _locked_covariance(parameters: WinchControllerParameters, model: LinearModel) -> tuple[Array, dict[str, float]]:

@@ -51,8 +51,7 @@ class WinchDemand:
 
 
 def boom_tip_density(parameters: WinchControllerParameters, omega: Array) -> Array:
-    """Return the one-sided spectrum of boom-tip heave in the design sea at `omega` [rad/s], shape of `omega` [m^2
-    s/rad].
+    """Return the one-sided spectrum of boom-tip heave in the design sea [m^2 s/rad] at `omega` [rad/s], of its shape.
 
     From the spectrum itself, not from the shaping filter that stands for it.
     """

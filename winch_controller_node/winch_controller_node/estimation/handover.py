@@ -12,8 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 from heave_node.arrays import Array
 
+from winch_controller_node.model.blocks import DEPTH_BIAS
 from winch_controller_node.model.linear_model import LinearModel
-from winch_controller_node.model.models import DEPTH_BIAS
 
 PULL_SIGMA = 0.1
 """Doubt in the pull of the cable [m] of a unit that has just been lifted off: 5 % of a weight on a long cable."""

@@ -17,14 +17,10 @@ from winch_controller_node.estimation.sensor_health import (
     judge_mru,
     judge_scalar,
 )
-from winch_controller_node.estimation.touchdown import StandingWatch
 from winch_controller_node.interface.readings import Measurements, MruReading, ScalarReading, SensorState
+from winch_controller_node.model.blocks import LEVER_ARM_X, LEVER_ARM_Y
 from winch_controller_node.model.estimator import KalmanEstimator, Measurement
-from winch_controller_node.model.models import LEVER_ARM_X, LEVER_ARM_Y
 from winch_controller_node.parameters.laws import HealthParameters
-
-ON_UNIT = ("depth", "velocity", "imu")
-"""Sensors that ride on the unit: they say nothing of the hanging cable when the unit stands on the seabed."""
 
 REMEMBERED = 64
 """Ticks for which the mean payout's share is kept, for readings that come late."""
@@ -45,9 +41,8 @@ class Observer:
     payout : encoder reading accepted in this tick, jumps taken off [m]; None: none
     tension : newest accepted top tension [N]; NaN before the first
     mru_rate : newest accepted heave rate of the MRU [m/s]
+    depths : stamp [s] and depth, positive down [m], of the depth readings accepted in this tick
     stretch_per_payout : how much further than paid out the unit goes down at rest: stretch of the new cable [-]
-    uses_unit : False: readings from the unit are gated but not used
-    standing : what the depth readings alone say of the unit's speed
     """
 
     def __init__(self, design: ControllerDesign, health: HealthParameters) -> None:
@@ -70,12 +65,15 @@ class Observer:
         self.tension = math.nan
         self.mru_rate = 0.0
         self.stretch_per_payout = 0.0
-        self.uses_unit = True
-        self.standing = StandingWatch()
+        self.depths: list[tuple[float, float]] = []
         self._unit_heave = 0.0
         self._levels: dict[str, int] = {}
         self._attitude: tuple[float, float, float] | None = None
         self._shares: deque[tuple[int, Array]] = deque(maxlen=REMEMBERED)
+
+    def take_stretch(self, stretch_per_payout: float) -> None:
+        """Use another stretch of new cable from now on [-]."""
+        self.stretch_per_payout = stretch_per_payout
 
     def remember_share(self, tick: int, mean_state: Array) -> None:
         """Note the state of the mean payout's own motion at `tick`, shape (n,)."""
@@ -86,7 +84,13 @@ class Observer:
         self._shares.clear()
 
     def observe(
-        self, tick: int, delivered: Measurements, estimator: KalmanEstimator, expected_rate: float
+        self,
+        tick: int,
+        delivered: Measurements,
+        estimator: KalmanEstimator,
+        expected_rate: float,
+        *,
+        unit_stands: bool = False,
     ) -> list[Measurement]:
         """Return the readings of a tick for the estimator.
 
@@ -96,8 +100,11 @@ class Observer:
         delivered : readings of this tick
         estimator : whose measurement rows say what share of a reading is the mean payout's
         expected_rate : of the drum since the last tick [m/s]
+        unit_stands : on the seabed: readings of what rides on the unit say nothing of the hanging cable, and are gated
+            but not used
         """
         now = tick * self._dt
+        self.depths.clear()
         taken: list[Measurement] = []
         for mru in delivered.mru:
             if "mru" in self._use and judge_mru(self.gates["mru"], now, mru):
@@ -112,7 +119,8 @@ class Observer:
             ("imu", "unit_acceleration", delivered.imu),
         ):
             if sensor in self._use:
-                taken += self._unit(now, sensor, name, readings)
+                of_unit = self._unit(now, sensor, name, readings)
+                taken += [] if unit_stands else of_unit
         for gate in self.gates.values():
             gate.tick(now)
         return [self._without_share(reading, estimator) for reading in taken]
@@ -128,12 +136,9 @@ class Observer:
         for sensor in sorted(refused - {"encoder"}):
             self.gates[sensor].note_innovation(accepted=False)
 
-    def lost(self, vital: tuple[str, ...]) -> str:
-        """Return which of the `vital` sensors are lost and why; empty when none."""
-        words = [
-            f"{name} {self.gates[name].reason}" for name in vital if name in self.gates and self.gates[name].is_lost
-        ]
-        return ", ".join(words)
+    def lost(self) -> dict[str, str]:
+        """Return why each lost sensor counts as lost, by name."""
+        return {name: gate.reason for name, gate in self.gates.items() if gate.is_lost}
 
     def new_faults(self) -> list[str]:
         """Return, in words, which sensors have become worse since the last call."""
@@ -195,9 +200,8 @@ class Observer:
                     self.depth_zero = value
                 value = self.depth_zero - value
                 self._unit_heave = value
-                self.standing.add(reading.time, -value)
-            if self.uses_unit:
-                taken.append(Measurement(name, value, self._tick_of(reading.time)))
+                self.depths.append((reading.time, -value))
+            taken.append(Measurement(name, value, self._tick_of(reading.time)))
         return taken
 
     def _without_share(self, reading: Measurement, estimator: KalmanEstimator) -> Measurement:

@@ -1,11 +1,10 @@
-"""Linear-quadratic regulators: cost by outputs, gains by python-control, and refusals in words before any number."""
+"""Linear-quadratic regulators: cost by outputs, gains by python-control, and what has no solution is refused first."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-import control
 import numpy as np
 from heave_node.arrays import Array
 
@@ -34,8 +33,9 @@ class QuadraticCost:
 
 
 def output_cost(model: LinearModel, sizes: Mapping[str, float], command_size: float) -> QuadraticCost:
-    """Return the cost sum (y_i / size_i)^2 + (u / command_size)^2 over the outputs in `sizes` [their unit]; 0 leaves
-    one out.
+    """Return the cost sum (y_i / size_i)^2 + (u / command_size)^2 over the outputs in `sizes` [their unit].
+
+    A size of 0 leaves an output out.
 
     Raises DesignError for a command size that is not positive, or when no output is weighed: the cost is singular then.
     """
@@ -59,6 +59,8 @@ def lqr_gain(model: LinearModel, cost: QuadraticCost) -> Array:
     ------
     DesignError : singular or indefinite weights, a model that no command can stabilise, a growing state without weight
     """
+    import control  # noqa: PLC0415  # heavy, and needed only where something is designed
+
     _check_weights(cost)
     check_stabilisable(model)
     check_seen_by_cost(model, cost)
@@ -89,8 +91,8 @@ def check_stabilisable(model: LinearModel) -> None:
     lost = unreachable_modes(model.A, model.B, discrete=model.dt is not None)
     if lost is not None:
         raise DesignError(
-            f"the model is not stabilisable: the command has no effect on {_names(model, lost)}, and it "
-            "does not decay by itself"
+            f"the model is not stabilisable: the command has no effect on {_names(model, lost)}, which does not decay "
+            "by itself"
         )
 
 
@@ -106,8 +108,7 @@ def check_detectable(model: LinearModel, rows: Array, sensors: Sequence[str]) ->
     if lost is not None:
         raise DesignError(
             f"the model is not detectable with the sensors {', '.join(sensors) or '(none)'}: "
-            f"{_names(model, lost)} cannot be seen, "
-            "and it does not decay by itself; add a sensor or leave the state out"
+            f"{_names(model, lost)} cannot be observed and does not decay by itself: add a sensor, or leave it out"
         )
 
 
@@ -116,8 +117,8 @@ def check_seen_by_cost(model: LinearModel, cost: QuadraticCost) -> None:
     lost = unreachable_modes(model.A.T, cost.Q, discrete=model.dt is not None)
     if lost is not None:
         raise DesignError(
-            f"the weights leave {_names(model, lost)} free, and it does not decay by itself: give it a "
-            f"weight (weights.payout)"
+            f"the weights leave {_names(model, lost)} free, which does not decay by itself: give it a weight "
+            "(weights.payout)"
         )
 
 

@@ -29,6 +29,15 @@ from wave_vessel_node.sea.spectra import (
 from wave_vessel_node.sea.state_space import NOISE_INTENSITY, StateSpace
 from wave_vessel_node.vessel.second_order import vessel_filter
 
+from winch_controller_node.model.blocks import (
+    CableModel,
+    cable_block,
+    command_name,
+    mru_block,
+    outlet_block,
+    slow_block,
+    winch_block,
+)
 from winch_controller_node.model.linear_model import (
     LinearModel,
     ModelError,
@@ -46,35 +55,8 @@ from winch_controller_node.parameters.model import (
     WinchModelParameters,
 )
 
-RATE_COMMAND = "payout_rate_command"
-PAYOUT_COMMAND = "payout_command"
-MRU_SCALE = "mru_scale"
-DEPTH_BIAS = "depth_bias"
-LEVER_ARM_X, LEVER_ARM_Y = "lever_arm_x", "lever_arm_y"
-
 SMALLEST_DAMPING_RATIO = 0.002
 """A model is never less damped than this: drag vanishes with the motion, the resonance must stay finite."""
-
-
-@dataclass(frozen=True)
-class CableModel:
-    """a x'' + b x' + x = x0 - payout (thesis Eq. 6.2).
-
-    Attributes
-    ----------
-    a : [s^2]; b : [s]
-    stiffness : top tension per metre of boom tip over outlet and unit [N/m]
-    static_tension : mean tension at the top [N]
-    """
-
-    a: float
-    b: float
-    stiffness: float = 1.0
-    static_tension: float = 0.0
-
-    def __post_init__(self) -> None:
-        if not (self.a > 0.0 and self.b >= 0.0):
-            raise ModelError(f"a cable model needs a > 0 and b >= 0; got a = {self.a:g} s^2, b = {self.b:g} s")
 
 
 @dataclass(frozen=True)
@@ -118,73 +100,6 @@ def cable_model(
     stretch = sum(piece.length / piece.axial_stiffness for piece in line.pieces(length))
     return CableModel(
         a * parameters.inertia_factor, b * parameters.damping_factor, 1.0 / stretch, line.static_top_tension(length)
-    )
-
-
-def cable_block(cable: CableModel, disturbance: float = 0.0) -> LinearModel:
-    """Return the cable and unit: inputs boom_tip_heave and payout, thesis Eq. 6.6, outputs of the unit and the tension.
-
-    `disturbance` is the density of a white acceleration of the unit [m/s^2/sqrt(Hz)], two-sided.
-    """
-    a, b, k = cable.a, cable.b, cable.stiffness
-    return linear_model(
-        [[0.0, 1.0], [-1.0 / a, -b / a]],
-        states=("unit_heave", "unit_heave_rate"),
-        inputs={"boom_tip_heave": [0.0, 1.0 / a], "payout": [0.0, -1.0 / a]},
-        outputs={
-            "unit_heave": [1.0, 0.0],
-            "unit_heave_rate": [0.0, 1.0],
-            "unit_heave_acceleration": [-1.0 / a, -b / a],
-            "tension": [-k, 0.0],
-        },
-        feedthrough={
-            ("unit_heave_acceleration", "boom_tip_heave"): 1.0 / a,
-            ("unit_heave_acceleration", "payout"): -1.0 / a,
-            ("tension", "boom_tip_heave"): k,
-            ("tension", "payout"): -k,
-        },
-        noises={"unit_disturbance": [0.0, disturbance]},
-    )
-
-
-def winch_block(winch: WinchModelParameters) -> LinearModel:
-    """Return the winch: first order (thesis Eq. 6.1, input payout_command) or speed servo (input payout_rate_command).
-
-    The servo's payout set-point is the mean payout, about which `payout` counts: v' = (v_set - k_p payout - v)/T.
-    """
-    if winch.law == "first_order":
-        K = winch.position_rate
-        return linear_model(
-            [[-K]],
-            states=("payout",),
-            inputs={PAYOUT_COMMAND: [K]},
-            outputs={"payout": [1.0], "payout_rate": [-K]},
-            feedthrough={("payout_rate", PAYOUT_COMMAND): K},
-            noises={"winch_disturbance": [winch.disturbance]},
-        )
-    T = winch.time_constant
-    return linear_model(
-        [[0.0, 1.0], [-winch.position_gain / T, -1.0 / T]],
-        states=("payout", "payout_rate"),
-        inputs={RATE_COMMAND: [0.0, 1.0 / T]},
-        outputs={
-            "payout": [1.0, 0.0],
-            "payout_rate": [0.0, 1.0],
-            "payout_acceleration": [-winch.position_gain / T, -1.0 / T],
-        },
-        feedthrough={("payout_acceleration", RATE_COMMAND): 1.0 / T},
-        noises={"winch_disturbance": [0.0, winch.disturbance]},
-    )
-
-
-def outlet_block() -> LinearModel:
-    """Return the outlet: boom-tip heave less payout, what is left of the heave where the cable leaves the vessel."""
-    return linear_model(
-        np.zeros((0, 0)),
-        states=(),
-        inputs={"boom_tip_heave": [], "payout": []},
-        outputs={"outlet_heave": []},
-        feedthrough={("outlet_heave", "boom_tip_heave"): 1.0, ("outlet_heave", "payout"): -1.0},
     )
 
 
@@ -250,37 +165,6 @@ def _vessel_block(filter_: StateSpace) -> LinearModel:
     )
 
 
-def mru_block(mru: MruModelParameters) -> LinearModel:
-    """Return what the motion reference unit makes of the boom tip: its high-pass as two states, or none.
-
-    reading = truth - e, e'' + 2 zeta w e' + w^2 e = 2 zeta w x0' + w^2 x0: the second-order high-pass, exactly.
-    """
-    inputs = ("boom_tip_heave", "boom_tip_heave_rate")
-    through = {("mru_heave", inputs[0]): 1.0, ("mru_heave_rate", inputs[1]): 1.0}
-    if mru.high_pass_period == 0.0:
-        return linear_model(
-            np.zeros((0, 0)),
-            states=(),
-            inputs={name: [] for name in inputs},
-            outputs={"mru_heave": [], "mru_heave_rate": []},
-            feedthrough=through,
-        )
-    cut_off = 2.0 * math.pi / mru.high_pass_period
-    damping = 2.0 * mru.high_pass_damping * cut_off
-    return linear_model(
-        [[0.0, 1.0], [-(cut_off**2), -damping]],
-        states=("mru_offset", "mru_offset_rate"),
-        inputs={inputs[0]: [0.0, cut_off**2], inputs[1]: [0.0, damping]},
-        outputs={"mru_heave": [-1.0, 0.0], "mru_heave_rate": [0.0, -1.0]},
-        feedthrough=through,
-    )
-
-
-def slow_block(name: str, drift: float) -> LinearModel:
-    """Return a slow state: a random walk of `drift` [unit/sqrt(s)] (depth bias, scale error)."""
-    return linear_model([[0.0]], states=(name,), outputs={name: [1.0]}, noises={f"{name}_drift": [drift]})
-
-
 @dataclass(frozen=True)
 class ModelInputs:
     """All that the augmented model is made of.
@@ -316,11 +200,6 @@ def continuous_model(inputs: ModelInputs) -> LinearModel:
     return interconnect(blocks)
 
 
-def command_name(winch: WinchModelParameters) -> str:
-    """Return the name of the command input: payout_rate_command, or payout_command for a first-order winch."""
-    return PAYOUT_COMMAND if winch.law == "first_order" else RATE_COMMAND
-
-
 def augmented_model(inputs: ModelInputs, tick_period: float) -> LinearModel:
     """Return the sampled model at ticks with the exact command delay; one input, the command of the tick.
 
@@ -338,35 +217,6 @@ def sea_noise_covariance(inputs: ModelInputs, tick_period: float, order: int) ->
     only_waves = replace(model, G=model.G[:, waves], noise_names=("waves",))
     covariance = sampled_matrices(only_waves, tick_period)[2]
     return np.pad(covariance, (0, order - model.order))
-
-
-def taylor_delay_block(delay: float, input_name: str, output_name: str) -> LinearModel:
-    """Return thesis Eq. 6.13: the delay by a second-order Taylor series of 1/e^(-s tau). For comparison only."""
-    if delay <= 0.0:
-        raise ModelError(f"a delay block needs a positive delay; got {delay:g} s")
-    return linear_model(
-        [[0.0, 1.0], [-2.0 / delay**2, -2.0 / delay]],
-        states=(f"{output_name}_0", f"{output_name}_1"),
-        inputs={input_name: [0.0, 2.0 / delay**2]},
-        outputs={output_name: [1.0, 0.0]},
-    )
-
-
-def pade_delay_block(delay: float, order: int, input_name: str, output_name: str) -> LinearModel:
-    """Return the Pade approximation order/order of the delay. For comparison only."""
-    import control  # noqa: PLC0415  # heavy, and only the design report compares delays
-
-    if delay <= 0.0 or order < 1:
-        raise ModelError(f"a Pade block needs a positive delay and order; got {delay:g} s, {order}")
-    numerator, denominator = control.pade(delay, order)
-    system = control.tf2ss(control.tf(numerator, denominator))
-    return linear_model(
-        system.A,
-        states=tuple(f"{output_name}_{i}" for i in range(order)),
-        inputs={input_name: system.B[:, 0]},
-        outputs={output_name: system.C[0]},
-        feedthrough={(output_name, input_name): float(system.D[0, 0])},
-    )
 
 
 def shadow_model(cable: CableModel, tick_period: float) -> LinearModel:

@@ -50,6 +50,20 @@ class MeanMotion:
             return point.payout + point.rate / winch.position_rate
         return point.rate + winch.time_constant * point.acceleration + winch.position_gain * point.payout
 
+    def carry(self, matrix: Array) -> None:
+        """Count the state in the terms of another model: `matrix` times the present one, shape (n_new, n)."""
+        self.state = matrix @ self.state
+
+    def continue_at(self, state: Array, lowered: float) -> None:
+        """Go on from `state`, shape (n,), about a mean that is `lowered` [m] below the present one, at rest there."""
+        self.mean.jump_to(self.mean.point.payout + lowered)
+        self.state = state
+        self.left_over.jump_to(0.0)
+
+    def stand(self) -> None:
+        """Take the mean payout to be where it is now, at rest: the winch stands."""
+        self.mean.jump_to(self.mean.point.payout)
+
     def return_from(self, payout: float) -> None:
         """Count `payout` [m] off the mean as left over from now on; it goes away slowly."""
         self.left_over.jump_to(payout)
