@@ -115,3 +115,28 @@ def test_a_law_is_named_by_its_own_file_and_nowhere_else():
                 words = {item.value for item in ast.walk(node) if isinstance(item, ast.Constant)}
                 named += [f"{path.name}:{node.lineno}" for law in LAWS if law in words]
     assert not named
+
+
+SHELL = ("node", "move_action", "interface", "model", "identification")
+"""ROS messages and the estimator's own records are filled in there."""
+
+LIBRARY = ("self._solver.settings",)
+"""daqp takes its settings so."""
+
+
+def written_attributes(path):
+    """Return the attributes of anything but `self` that a module assigns to."""
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Attribute) and isinstance(node.ctx, ast.Store):
+            words = ast.unparse(node)
+            if ast.unparse(node.value) != "self" and words not in LIBRARY:
+                yield f"{path.name}: {words}"
+
+
+def test_nobody_writes_into_the_attributes_of_another():
+    """Each helper owns its state; what others must know of it is passed down as a value."""
+    modules = [
+        path for path in PACKAGE.rglob("*.py") if path.relative_to(PACKAGE).with_suffix("").parts[0] not in SHELL
+    ]
+    assert len(modules) > 30
+    assert [write for path in modules for write in written_attributes(path)] == []

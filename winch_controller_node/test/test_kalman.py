@@ -2,6 +2,9 @@
 
 import numpy as np
 import pytest
+from heave_bringup.closed_loop import ClosedLoop, loop_parameters
+from heave_bringup.scenarios import find_scenario
+from heave_node.scenario import read_scenario
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from winch_controller_node.model.kalman import CompiledKalmanFilter, ReferenceKalmanFilter
@@ -50,6 +53,21 @@ def test_a_state_that_was_given_is_never_changed():
         kalman.correct(np.array([2.0]), np.array([[1.0, 0.0, 0.0]]), np.array([0.1]))
         for array, copy in zip((*kept, x, P), (*copies, np.ones(3), np.eye(3)), strict=True):
             np.testing.assert_array_equal(array, copy)
+
+
+def test_the_loop_of_the_thesis_runs_on_filterpy_as_on_the_compiled_filter():
+    """B1, the system of thesis 6.3.6: 60 s closed loop, commands equal within what rounding makes of them."""
+    orders = {}
+    for implementation in ("compiled", "filterpy"):
+        values = read_scenario(find_scenario("b1_thesis"))
+        values["winch_controller"]["estimator.implementation"] = implementation
+        given = []
+        ClosedLoop(loop_parameters(values, seed=3, duration=60.0)).run(
+            lambda tick, outputs, given=given: given.append(outputs.order.payout)
+        )
+        orders[implementation] = np.array(given)
+    assert np.std(orders["compiled"]) > 0.1
+    np.testing.assert_allclose(orders["filterpy"], orders["compiled"], atol=1e-6)
 
 
 @pytest.mark.parametrize("filter_type", [CompiledKalmanFilter, ReferenceKalmanFilter])

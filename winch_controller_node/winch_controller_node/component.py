@@ -119,8 +119,9 @@ class WinchController:
                 raise ModeError("constant tension needs the load cell: no reading has come yet")
             if not math.isfinite(tension) or tension < 0.0:
                 raise ModeError(f"a tension must be a number of at least 0; got {tension} N")
+            was = self.mode
             self.modes.request(name)
-            self._hold_tension(tension if tension > 0.0 else measured)
+            self._hold_tension(tension if tension > 0.0 else measured, was=was)
             return self.mode.value
         if name == Mode.COMPENSATING.value and self._supervisor.landing.unit_stands:
             self._lift_off()
@@ -172,27 +173,30 @@ class WinchController:
         except (ModeError, ValueError) as error:
             self._alarms.append(f"programme at {due.time:g} s: {error}")
 
-    def _hold_tension(self, tension: float) -> None:
-        """Hold a tension [N] from now on, about a mean payout that comes to rest."""
+    def _hold_tension(self, tension: float, *, was: Mode) -> None:
+        """Go to a tension [N] from the measured one, or from that held if the mode `was` constant tension already."""
         self.mean.stop()
-        self._command.hold_tension(tension, self._estimation.filtered_tension)
+        if was is not Mode.CONSTANT_TENSION:
+            self._command.begin_tension(self._estimation.filtered_tension)
+        self._command.hold_tension(tension)
 
     def _lift_off(self) -> None:
         """Raise the tension until the unit hangs."""
+        was = self.mode
+        self.modes.request(Mode.CONSTANT_TENSION.value)
         self._supervisor.landing.begin_lift_off()
-        surplus = LIFTING_SURPLUS * self.design.unit_weight
-        self._command.hold_tension(self.design.cable.static_tension + surplus, self._estimation.filtered_tension)
+        self._hold_tension(self.design.cable.static_tension + LIFTING_SURPLUS * self.design.unit_weight, was=was)
 
     # a tick
 
     def step(self, tick: int, measurements: Measurements) -> Outputs:
-        """Do tick k: take the readings delivered at t_k, return the order for [t_k, t_{k+1}] and what is known."""
+        """Do tick k: take the `measurements` of t_k, return the order for [t_k, t_{k+1}] and what is known."""
         self._alarms = []
         self._run_programme(tick * self._dt)
         self._follow_winch(tick)
         self._follow_length()
         loop = self._estimation.step(
-            tick, measurements, self._command.last.compensating, unit_stands=self._supervisor.landing.unit_stands
+            tick, measurements, self._command.last.shares, unit_stands=self._supervisor.landing.unit_stands
         )
         self._alarms += loop.sensed.faults
         decision = self._decide(loop, measurements.winch)
@@ -200,7 +204,7 @@ class WinchController:
         self._act_on(decision.landing, loop)
         loop = self._estimation.refreshed(loop)
         command = self._command.command(loop, decision)
-        self._estimation.advance_mean(command.mean_share, is_braked=self.modes.brake)
+        self._estimation.advance_mean(command.shares.mean, is_braked=self.modes.brake)
         order = self._command.order(command, decision.mode, self._estimation.motion.set_point)
         self._winch.give(order)
         self._note_kpi(loop)
@@ -229,9 +233,9 @@ class WinchController:
         motion, rows, estimate = self._estimation.motion, loop.rows, loop.estimate
         self._kpi.add(
             unit=float(rows.unit @ (estimate + motion.state) + rows.payout @ motion.state),
-            uncompensated=float(loop.uncompensated[0]),
+            uncompensated=loop.free_unit.heave,
             tip=loop.boom_tip.heave,
-            payout=float(rows.payout @ estimate),
+            payout=loop.payout,
             rate=float(rows.payout_rate @ (estimate + motion.state)),
             tension=loop.sensed.tension,
         )
@@ -258,9 +262,12 @@ class WinchController:
         """Hold the tension of a unit that has landed, compensate one that hangs again."""
         if landing is None:
             return
-        cable, weight, parameters = self.design.cable, self.design.unit_weight, self.parameters.tension
+        parameters = self.parameters.tension
         if landing is LandingEvent.TOUCHDOWN:
-            self.set_mode(Mode.CONSTANT_TENSION.value, cable.static_tension - (1.0 - parameters.landing_ratio) * weight)
+            was = self.mode
+            self.modes.touch_down()
+            relief = (1.0 - parameters.landing_ratio) * self.design.unit_weight
+            self._hold_tension(self.design.cable.static_tension - relief, was=was)
         else:
             self.modes.request(Mode.COMPENSATING.value)
             self.modes.acknowledge()

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from heave_node.arrays import Array
 
 from winch_controller_node.design.design import ControllerDesign
-from winch_controller_node.estimation.loop_tick import LoopTick
+from winch_controller_node.estimation.loop_tick import CommandShares, LoopTick
 from winch_controller_node.interface.readings import WinchOrder
 from winch_controller_node.laws.constant_tension import ConstantTension, TensionSetPoint
 from winch_controller_node.laws.governor import GovernedCommand
@@ -31,17 +31,16 @@ class TickCommand:
     asked : by the law, without the mean payout's share
     governed : what the governor lets through, the mean payout's share included
     standing : command under which the winch would stay where it is
-    compensating : share that compensates; mean_share : share that moves the mean payout
+    shares : of the governed command
     """
 
     asked: LawCommand
     governed: GovernedCommand
     standing: float
-    compensating: float
-    mean_share: float
+    shares: CommandShares
 
 
-NO_COMMAND = TickCommand(IDLE, GovernedCommand(0.0, (), 0.0), 0.0, 0.0, 0.0)
+NO_COMMAND = TickCommand(IDLE, GovernedCommand(0.0, (), 0.0), 0.0, CommandShares())
 """Before the first tick."""
 
 
@@ -65,7 +64,7 @@ class LoopCommand:
         self.take_design(design, law)
 
     def take_design(self, design: ControllerDesign, law: ControlLaw) -> None:
-        """Use the laws of a design from now on; the tension that is held stays."""
+        """Use a design and its `law` from now on; the tension that is held stays."""
         parameters, model = design.parameters, design.model
         self._winch = parameters.winch
         self._is_first_order = parameters.winch.law == "first_order"
@@ -89,9 +88,13 @@ class LoopCommand:
         """Swing of the unit at which a fade-out may end [m]; infinite where the law is not asked to damp it."""
         return math.inf if self._settling is None else self._settling.settled_swing
 
-    def hold_tension(self, tension: float, measured: float) -> None:
-        """Hold another tension [N] in constant tension; `measured` is the present one [N]."""
-        self._tension.hold(tension, measured)
+    def begin_tension(self, measured: float) -> None:
+        """Begin constant tension at the measured tension [N]."""
+        self._tension.begin(measured)
+
+    def hold_tension(self, tension: float) -> None:
+        """Go to another tension [N] from the one that is held."""
+        self._tension.hold(tension)
 
     def speed(self, tick: LoopTick) -> float:
         """Return the speed of the winch as last commanded [m/s], absolute."""
@@ -103,7 +106,7 @@ class LoopCommand:
         return self.last.governed.value - self.last.standing
 
     def command(self, tick: LoopTick, decision: Decision) -> TickCommand:
-        """Return the command of a tick: the law's through the governor, the mean payout's share included."""
+        """Return the command of a tick: the law's and the mean payout's share, governed, as the `decision` has it."""
         mode = decision.mode
         payout, rate = self.governor.predict(tick.total_state)
         standing = self._standing_command(tick.total_state, payout)
@@ -122,7 +125,8 @@ class LoopCommand:
             tension = tick.sensed.tension if math.isfinite(tick.sensed.tension) else state.static_tension
             governed = self.governor.govern(asked.value + tick.mean_command, payout, rate, tension)
         compensating = governed.value - tick.mean_command
-        self.last = TickCommand(asked, governed, standing, compensating, governed.value - compensating)
+        shares = CommandShares(compensating, governed.value - compensating)
+        self.last = TickCommand(asked, governed, standing, shares)
         return self.last
 
     def order(self, command: TickCommand, mode: ModeOutput, mean_payout: float) -> WinchOrder:

@@ -172,9 +172,9 @@ def design_controller(
 
 
 def at_cable(design: ControllerDesign, cable: CableModel, length: float, gain: Array) -> ControllerDesign:
-    """Return the design with another cable and gain, all else as it is.
+    """Return the design with another cable and gain at a `length` [m], all else as it is.
 
-    It is what a gain schedule gives between its points.
+    It is what a gain schedule gives between its points; `gain` has shape (n,).
     """
     parameters = design.parameters
     model = augmented_model(model_inputs(parameters, cable), design.tick_period)
@@ -256,7 +256,7 @@ def believed_cable(parameters: WinchControllerParameters, length: float) -> Cabl
 
 
 def model_inputs(parameters: WinchControllerParameters, cable: CableModel) -> ModelInputs:
-    """Return what the augmented model is made of under these parameters."""
+    """Return what the augmented model is made of: these parameters, and the two-state `cable` at a length."""
     sensors = parameters.sensors
     has_mru = "mru" in sensors.use
     slow: list[tuple[str, float]] = []
@@ -280,7 +280,7 @@ def model_inputs(parameters: WinchControllerParameters, cable: CableModel) -> Mo
 def measurement_models(
     parameters: WinchControllerParameters, model: LinearModel, cable: CableModel
 ) -> tuple[MeasurementModel, ...]:
-    """Return the measurements of the sensors in use."""
+    """Return the measurements of the sensors in use, rows of `model`; the tension's noise goes with the `cable`."""
     sensors = parameters.sensors
     scale = model.state(MRU_SCALE) if model.has_state(MRU_SCALE) else None
     depth = model.row("unit_heave").copy()

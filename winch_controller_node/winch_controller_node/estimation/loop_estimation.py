@@ -13,7 +13,7 @@ from heave_node.arrays import Array
 
 from winch_controller_node.design.design import ControllerDesign
 from winch_controller_node.estimation.handover import hand_over, hand_over_standing
-from winch_controller_node.estimation.loop_tick import LoopTick, Sensed
+from winch_controller_node.estimation.loop_tick import CommandShares, LoopTick, Sensed
 from winch_controller_node.estimation.observation import Observer
 from winch_controller_node.estimation.sea_adaptation import SeaTracker
 from winch_controller_node.estimation.tension_filter import TensionFilter
@@ -75,30 +75,32 @@ class LoopEstimation:
 
     # a tick
 
-    def step(self, number: int, measurements: Measurements, command: float, *, unit_stands: bool) -> LoopTick:
+    def step(self, number: int, measurements: Measurements, command: CommandShares, *, unit_stands: bool) -> LoopTick:
         """Gate, take the mean payout's share off, estimate.
 
         Parameters
         ----------
         number : of the tick
         measurements : delivered at it
-        command : share of the last command that compensated, in the terms of the model
+        command : of the last tick
         unit_stands : the unit stands on the seabed: what rides on it says nothing of a hanging one
         """
         mean_state, estimator = self.motion.state, self.estimator
         self.observer.remember_share(number, mean_state)
-        rate = float(self._rows.payout_rate @ (estimator.estimate + mean_state))
+        rows = self._rows
+        rate = float(rows.payout_rate @ (estimator.estimate + mean_state)) + rows.payout_rate_through * command.total
         readings = self.observer.observe(number, measurements, estimator, rate, unit_stands=unit_stands)
-        estimate = estimator.step(number, command, readings)
+        estimate = estimator.step(number, command.compensating, readings)
         self.observer.learn(estimator)
         self._follow_sea(estimate)
         if measurements.load_cell and math.isfinite(self.observer.tension):
             self._tension.add(self.observer.tension)
-        self._uncompensated = self._shadow.A @ self._uncompensated + self._shadow.B @ (self._rows.tip @ estimate)
+        self._uncompensated = self._shadow.A @ self._uncompensated + self._shadow.B @ (rows.tip @ estimate)
         return LoopTick(
             number=number,
             sensed=self._sensed(readings),
-            rows=self._rows,
+            rows=rows,
+            command=command,
             estimate=estimate,
             mean_state=mean_state,
             mean_command=self.motion.reference_command(self._design.parameters.winch),
@@ -119,6 +121,7 @@ class LoopEstimation:
             depth_heave=next((r.value for r in reversed(readings) if r.name == "unit_heave"), None),
             depth_innovation=depth.value / depth.sigma if depth is not None and is_compared else None,
             has_depth="unit_heave" in self.estimator.measurements and observer.gates["depth"].reason != "stale",
+            innovations=self.estimator.innovations,
             has_encoder=observer.gates["encoder"].state(0.0).accepted > 0,
             lost=observer.lost(),
             faults=tuple(observer.new_faults()),
@@ -133,7 +136,7 @@ class LoopEstimation:
             self.estimator.set_process_noise(noise)
 
     def advance_mean(self, command: float, *, is_braked: bool) -> None:
-        """Advance the mean payout by the tick in which `command` was its share of the command."""
+        """Advance the mean payout by a tick with `command` as its share of the command; a brake holds it."""
         self.motion.advance(self._design.model, command, is_braked=is_braked)
 
     # going on from another place
@@ -154,7 +157,10 @@ class LoopEstimation:
         self._uncompensated = estimate[rows.unit_states] + rows.winch @ estimate
 
     def hand_over(self, tick: LoopTick, *, unit_stood: bool) -> None:
-        """Make the present depth of the unit the mean and go on from there; see `handover`."""
+        """Make the present depth of the unit the mean and go on from there; `unit_stood` on the seabed until now.
+
+        See `handover`.
+        """
         now = (self._design.model, self.estimator.estimate, self.estimator.covariance, self.motion.state)
         if unit_stood:
             cable = self._design.cable

@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 from heave_node.arrays import Array
 
+from winch_controller_node.model.estimator import Innovation
 from winch_controller_node.model.loop_rows import LoopRows
 
 
@@ -32,6 +33,7 @@ class Sensed:
     depth_innovation : its innovation over the standard deviation of that [-]; None: there is none
     has_depth : there is a depth sensor, and its readings come
     has_encoder : a reading of the encoder has been accepted since the start
+    innovations : what each reading said against its prediction, by measurement
     lost : why each lost sensor counts as lost, by name
     faults : sensors that have become worse in this tick, in words
     """
@@ -45,8 +47,22 @@ class Sensed:
     depth_innovation: float | None
     has_depth: bool
     has_encoder: bool
+    innovations: Mapping[str, Innovation]
     lost: Mapping[str, str]
     faults: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class CommandShares:
+    """A command in the terms of the model, in two shares: what compensates, and what moves the mean payout."""
+
+    compensating: float = 0.0
+    mean: float = 0.0
+
+    @property
+    def total(self) -> float:
+        """The command."""
+        return self.compensating + self.mean
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,6 +77,7 @@ class LoopTick:
     number : of the tick
     sensed : after the gates
     rows : of the model whose states these are
+    command : in force until now
     estimate : state of the loop without the mean payout's own motion, shape (n,)
     mean_state : state that the mean payout alone brings about, shape (n,)
     mean_command : share of the next command that moves the mean payout, in the terms of the model
@@ -71,6 +88,7 @@ class LoopTick:
     number: int
     sensed: Sensed
     rows: LoopRows
+    command: CommandShares
     estimate: Array
     mean_state: Array
     mean_command: float
@@ -106,14 +124,19 @@ class LoopTick:
         return Motion(float(heave), float(rate))
 
     @property
+    def payout(self) -> float:
+        """Payout of the drum without that of the mean payout [m]."""
+        return float(self.rows.payout @ self.estimate)
+
+    @property
     def payout_rate(self) -> float:
         """Speed of the drum without that of the mean payout [m/s]."""
-        return float(self.rows.payout_rate @ self.estimate)
+        return float(self.rows.payout_rate @ self.estimate) + self.rows.payout_rate_through * self.command.compensating
 
     @property
     def total_payout_rate(self) -> float:
         """Speed of the drum [m/s]."""
-        return float(self.rows.payout_rate @ self.total_state)
+        return float(self.rows.payout_rate @ self.total_state) + self.rows.payout_rate_through * self.command.total
 
     @property
     def measured_unit_heave(self) -> float | None:

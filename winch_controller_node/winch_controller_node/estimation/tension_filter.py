@@ -26,7 +26,7 @@ class TensionFilter:
         self.value = math.nan
 
     def add(self, tension: float) -> None:
-        """Take one reading in [N]."""
+        """Take in one reading of the `tension` [N]."""
         if not math.isfinite(self.value):
             self.value = tension
         self.value += self._weight * (tension - self.value)

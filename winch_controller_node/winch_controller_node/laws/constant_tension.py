@@ -26,7 +26,7 @@ class TensionSetPoint:
 
     Attributes
     ----------
-    value : tension that is held now [N]; NaN before the first was asked for
+    value : tension that is held now [N]; NaN before the first
     """
 
     def __init__(self, parameters: TensionLawParameters, *, tick_period: float) -> None:
@@ -36,10 +36,13 @@ class TensionSetPoint:
         self._target = math.nan
         self._slope = 0.0
 
-    def hold(self, tension: float, measured: float) -> None:
-        """Ask for a tension [N]; the first time the set-point ramps there from the measured one, NaN where unknown."""
-        if not math.isfinite(self.value):
-            self.value = measured if math.isfinite(measured) else tension
+    def begin(self, measured: float) -> None:
+        """Start from the measured tension [N]: none was held until now."""
+        self.value = self._target = measured
+        self._slope = 0.0
+
+    def hold(self, tension: float) -> None:
+        """Go to a tension [N] from the one that is held."""
         self._target = tension
         self._slope = abs(tension - self.value) / self._ramp_time
 

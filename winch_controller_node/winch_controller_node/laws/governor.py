@@ -1,8 +1,8 @@
 """The command governor: no command leaves that would take the winch beyond its limits.
 
 The command of a tick acts after the delay; what counts is the winch's state then, which the model predicts from the
-commands already on their way. The governed command is what the estimator is told, so that it never believes in a
-motion that the winch cannot make: that is all the anti-windup a state-feedback law needs.
+commands already on their way. The governed command is what the estimator is given, so that it never predicts a motion
+that the winch cannot make: that is all the anti-windup a state-feedback law needs.
 """
 
 from __future__ import annotations
@@ -94,7 +94,7 @@ class CommandGovernor:
         self._ahead = drum_ahead(model, winch)
 
     def predict(self, x: Array) -> tuple[float, float]:
-        """Return payout [m] and rate [m/s] at the moment the next command takes effect, from the model's state."""
+        """Return payout [m] and rate [m/s] at the moment the next command takes effect, from the model's state `x`."""
         payout, rate = self._ahead @ x
         return float(payout), float(rate)
 
@@ -155,7 +155,8 @@ class CommandGovernor:
 def drum_ahead(model: LinearModel, winch: WinchModelParameters) -> Array:
     """Return rows that give payout and rate of the drum when the command of the tick takes effect, shape (2, n).
 
-    That may be within a tick: up to then the command before acts, which is the oldest of the model's chain.
+    `model` is the augmented one of the `winch`. The moment may be within a tick: up to then the command before acts,
+    which is the oldest of the model's chain.
     """
     assert model.dt is not None
     command = model.input_names[0]
@@ -175,7 +176,7 @@ def drum_ahead(model: LinearModel, winch: WinchModelParameters) -> Array:
 
 
 def standing_command(model: LinearModel, winch: WinchModelParameters) -> Array:
-    """Return the row that gives the rate command [m/s] under which a servo's drum would stand, shape (n,).
+    """Return the row that gives the rate command [m/s] under which the drum of a servo `winch` would stand, shape (n,).
 
     It is what its position loop takes off when the command of the tick takes effect; zero without a position loop. A
     law that asks for a speed adds it.

@@ -66,7 +66,14 @@ class AuthorityShift:
         self._sea = [model.state(name) for name in sea_states]
 
     def shift(self, estimate: Array, uncompensated: Array, authority: float) -> Array:
-        """Return the shifted state, shape (n,); `uncompensated` is its unit heave and rate, shape (2,)."""
+        """Return the shifted state, shape (n,), for a share `authority` of the sea.
+
+        Parameters
+        ----------
+        estimate : state of the loop, shape (n,)
+        uncompensated : heave [m] and rate [m/s] of the unit with the winch locked, shape (2,)
+        authority : 0 to 1
+        """
         x = np.array(estimate)
         x[self._unit] -= (1.0 - authority) * uncompensated
         x[self._sea] *= authority

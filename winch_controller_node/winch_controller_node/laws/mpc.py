@@ -78,7 +78,10 @@ def constrained_gain(model: LinearModel, parameters: MpcParameters) -> Array:
 
 
 def correction_knots(horizon: float, dt: float) -> list[int]:
-    """Return the ticks of the hat functions: dense where the next commands are made, sparse far ahead."""
+    """Return the ticks of the hat functions: dense where the next commands are made, sparse far ahead.
+
+    `horizon` [s], `dt` : tick period [s].
+    """
     knots, time = [0], 0.0
     while time < horizon - 1e-9:
         time += 0.1 if time < 0.5 else 0.25 if time < 3.0 else 0.35
@@ -89,7 +92,10 @@ def correction_knots(horizon: float, dt: float) -> list[int]:
 
 
 def constrained_ticks(first: int, horizon_ticks: int, dt: float) -> list[int]:
-    """Return the ticks at which limits are kept: each one soon, some later."""
+    """Return the ticks from `first` up to `horizon_ticks` at which limits are kept: each one soon, some later.
+
+    `dt` : tick period [s].
+    """
     ticks: list[int] = []
     tick = first
     while tick < horizon_ticks:

@@ -15,8 +15,10 @@ class WinchLimits:
 
     Attributes
     ----------
-    speed [m/s], acceleration [m/s^2], payout_minimum, payout_maximum [m]
-    power [W], infinite without a limit; minimum_tension [N]
+    speed, acceleration : largest [m/s], [m/s^2]
+    payout_minimum, payout_maximum : ends of the range that is used [m]
+    power : largest [W]; infinite without a limit
+    minimum_tension : least tension at the top that a plan may have [N]
     """
 
     speed: float
@@ -34,7 +36,7 @@ class WinchLimits:
 
 
 def winch_limits(winch: WinchModelParameters, limits: LimitParameters, static_tension: float) -> WinchLimits:
-    """Return the limits in force for a winch and a static top tension [N]."""
+    """Return the limits in force for a `winch`, of which `limits` are used, under a `static_tension` at the top [N]."""
     span = winch.payout_maximum - winch.payout_minimum
     margin = min(limits.payout_margin, 0.25 * span)
     return WinchLimits(

@@ -115,7 +115,7 @@ def outlet_block() -> LinearModel:
 
 
 def mru_block(mru: MruModelParameters) -> LinearModel:
-    """Return what the motion reference unit makes of the boom tip: its high-pass as two states, or none.
+    """Return what a motion reference unit `mru` makes of the boom tip: its high-pass as two states, or none.
 
     reading = truth - e, e'' + 2 zeta w e' + w^2 e = 2 zeta w x0' + w^2 x0: the second-order high-pass, exactly.
     """
@@ -141,5 +141,5 @@ def mru_block(mru: MruModelParameters) -> LinearModel:
 
 
 def slow_block(name: str, drift: float) -> LinearModel:
-    """Return a slow state: a random walk of `drift` [unit/sqrt(s)] (depth bias, scale error)."""
+    """Return the slow state `name`: a random walk of `drift` [unit/sqrt(s)] (depth bias, scale error)."""
     return linear_model([[0.0]], states=(name,), outputs={name: [1.0]}, noises={f"{name}_drift": [drift]})

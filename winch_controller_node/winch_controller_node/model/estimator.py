@@ -98,8 +98,7 @@ class KalmanEstimator:
     measurements : what can be measured
     initial_covariance : shape (n, n)
     gate : normalised innovation squared above which a reading of a gated measurement is refused
-    gate_limit : refusals in a row after which the next reading is believed, and the initial covariance
-        added
+    gate_limit : refusals in a row after which the next reading is taken, and the initial covariance added
     largest_age : ticks; older readings are refused
     implementation : of the filter of one step: "compiled", or "filterpy" for the reference
 
@@ -154,7 +153,8 @@ class KalmanEstimator:
     ) -> None:
         """Go on with another model of the same states (gain schedule, adapted sea); the estimate stays.
 
-        `factors`, shape (n,), multiply each state first where the new model counts it in another unit.
+        `measurements` of the new model; None: the present ones. `factors`, shape (n,), multiply each state first where
+        the new model counts it in another unit.
 
         Raises ValueError for a model with other states.
         """
@@ -251,7 +251,7 @@ class KalmanEstimator:
         self.innovations[reading.name] = Innovation(innovation, math.sqrt(variance), nis, accepted)
         self.refusals[reading.name] = 0 if accepted else self.refusals[reading.name] + 1
         if self.refusals[reading.name] > self._gate_limit and math.isfinite(nis):
-            # so many in a row: it is the filter that is wrong, and it must doubt itself enough to come back
+            # so many in a row: it is the filter that is wrong, and its covariance must be large enough to come back
             self._filter.set_state(self._filter.x, self._filter.P + self._initial_covariance)
             self.refusals[reading.name] = 0
             return True

@@ -15,7 +15,7 @@ def predicted_covariance(P: Array, F: Array, Q: Array) -> Array:
 
 @kernel
 def filter_gain(P: Array, H: Array, variances: Array) -> Array:
-    """Return the gain K = P H' (H P H' + R)^-1, shape (n, m), for readings of rows H (m, n) and noise R = diag."""
+    """Return the gain K = P H' (H P H' + R)^-1, shape (n, m), for readings of rows H (m, n), R = diag(variances)."""
     across = np.dot(H, P)
     S = np.dot(across, H.T)
     for i in range(len(variances)):
@@ -25,7 +25,7 @@ def filter_gain(P: Array, H: Array, variances: Array) -> Array:
 
 @kernel
 def corrected_covariance(P: Array, K: Array, H: Array, variances: Array) -> Array:
-    """Return the covariance after the readings, (I - K H) P (I - K H)' + K R K' (Joseph's form), shape (n, n)."""
+    """Return the covariance after readings, (I - K H) P (I - K H)' + K R K' (Joseph's form), R = diag(variances)."""
     rest = np.eye(len(P)) - np.dot(K, H)
     P = np.dot(np.dot(rest, P), rest.T) + np.dot(K * variances, K.T)
     return 0.5 * (P + P.T)
@@ -33,6 +33,6 @@ def corrected_covariance(P: Array, K: Array, H: Array, variances: Array) -> Arra
 
 @kernel
 def corrected(x: Array, P: Array, z: Array, H: Array, variances: Array) -> tuple[Array, Array]:
-    """Return state (n,) and covariance (n, n) after the readings z, shape (m,), of independent noise."""
+    """Return state x (n,) and covariance P (n, n) after readings z (m,) of rows H (m, n) and noise `variances` (m,)."""
     K = filter_gain(P, H, variances)
     return x + np.dot(K, z - np.dot(H, x)), corrected_covariance(P, K, H, variances)

@@ -113,7 +113,7 @@ def check_detectable(model: LinearModel, rows: Array, sensors: Sequence[str]) ->
 
 
 def check_seen_by_cost(model: LinearModel, cost: QuadraticCost) -> None:
-    """Raise DesignError where a mode that does not decay has no weight: the optimum would leave it alone."""
+    """Raise DesignError where `cost` gives a mode that does not decay no weight: the optimum would leave it alone."""
     lost = unreachable_modes(model.A.T, cost.Q, discrete=model.dt is not None)
     if lost is not None:
         raise DesignError(
@@ -125,7 +125,7 @@ def check_seen_by_cost(model: LinearModel, cost: QuadraticCost) -> None:
 def unreachable_modes(A: Array, B: Array, *, discrete: bool) -> Array | None:
     """Return the direction of a mode that does not decay and is out of reach of B, shape (n,), or None.
 
-    Popov-Belevitch-Hautus: w' [A - lambda I, B] = 0 with w not 0 for such a mode.
+    Popov-Belevitch-Hautus: w' [A - lambda I, B] = 0 with w not 0 for such a mode. `discrete` : A is that of a step.
     """
     columns = np.linalg.norm(B, axis=0)
     reach = B / np.where(columns > 0.0, columns, 1.0)

@@ -84,7 +84,7 @@ class PlantBelief:
 def cable_model(
     plant: PlantBelief, parameters: CableModelParameters, length: float, omegas: Array, weights: Array
 ) -> CableModel:
-    """Return the two-state cable at `length` [m]: as given in `parameters`, or fitted to the exact bar.
+    """Return the two-state cable of a `plant` at `length` [m]: as given in `parameters`, or fitted to the exact bar.
 
     The fit weighs the transfer function boom tip to unit at `omegas` [rad/s] with `weights`, for example the amplitude
     spectrum of the boom tip; drag is linearised about `parameters.drag_amplitude`.
@@ -120,7 +120,7 @@ def sea_spectrum(sea: SeaModelParameters) -> WaveSpectrum:
 
 @lru_cache(maxsize=64)
 def boom_tip_block(sea: SeaModelParameters, vessel: VesselModelParameters) -> LinearModel:
-    """Return white noise to boom tip: shaping filter and vessel (thesis Eq. 6.23, 6.26).
+    """Return white noise to boom tip: shaping filter of a `sea` and `vessel` (thesis Eq. 6.23, 6.26).
 
     Outputs wave_elevation, boom_tip_heave, boom_tip_heave_rate. The noise carries the intensity pi of one-sided
     spectra.
@@ -187,7 +187,7 @@ class ModelInputs:
 
 
 def continuous_model(inputs: ModelInputs) -> LinearModel:
-    """Return the connected continuous model without the command delay (thesis Eq. 6.28 and more)."""
+    """Return `inputs` connected to a continuous model, without the command delay (thesis Eq. 6.28 and more)."""
     blocks = [
         cable_block(inputs.cable, inputs.cable_disturbance),
         winch_block(inputs.winch),
@@ -201,7 +201,7 @@ def continuous_model(inputs: ModelInputs) -> LinearModel:
 
 
 def augmented_model(inputs: ModelInputs, tick_period: float) -> LinearModel:
-    """Return the sampled model at ticks with the exact command delay; one input, the command of the tick.
+    """Return `inputs` as a sampled model at ticks with the exact command delay; one input, the command of the tick.
 
     States: unit, payout, boom tip (vessel, waves), MRU high-pass, slow states, and past commands `<command>_1` (the
     newest) on.
@@ -211,7 +211,7 @@ def augmented_model(inputs: ModelInputs, tick_period: float) -> LinearModel:
 
 
 def sea_noise_covariance(inputs: ModelInputs, tick_period: float, order: int) -> Array:
-    """Return the waves' share of the process noise of a tick of `augmented_model`, which has `order` states."""
+    """Return the waves' share of the process noise of a tick of `augmented_model(inputs)`, which has `order` states."""
     model = continuous_model(inputs)
     waves = [i for i, name in enumerate(model.noise_names) if name == "waves"]
     only_waves = replace(model, G=model.G[:, waves], noise_names=("waves",))
@@ -220,7 +220,7 @@ def sea_noise_covariance(inputs: ModelInputs, tick_period: float, order: int) ->
 
 
 def shadow_model(cable: CableModel, tick_period: float) -> LinearModel:
-    """Return the sampled uncompensated unit: boom_tip_heave and its rate in, unit_uncompensated_heave out.
+    """Return the sampled uncompensated unit on a `cable`: boom_tip_heave and its rate in, its heave and rate out.
 
     The boom tip moves straight within a tick. It makes the guard's and the display's "what the unit would do".
     """

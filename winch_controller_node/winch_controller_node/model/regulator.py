@@ -18,12 +18,12 @@ from winch_controller_node.parameters.model import WeightParameters
 
 
 def is_sensor_state(name: str) -> bool:
-    """Tell whether a state belongs to a sensor alone, so that no control can or need act on it."""
+    """Tell whether the state `name` belongs to a sensor alone, so that no control can or need act on it."""
     return name.startswith("mru_") or name in (DEPTH_BIAS, LEVER_ARM_X, LEVER_ARM_Y)
 
 
 def is_sea_state(name: str) -> bool:
-    """Tell whether a state is one of waves and vessel, which grows with the sea."""
+    """Tell whether the state `name` is one of waves and vessel, which grow with the sea."""
     return name.startswith(("vessel_", "wave_"))
 
 
@@ -44,7 +44,7 @@ def weighted_cost(weights: WeightParameters, model: LinearModel) -> QuadraticCos
 
 
 def full_gain(model: LinearModel, cost: QuadraticCost) -> Array:
-    """Return the LQR gain over all states, shape (n,); those of sensors have none.
+    """Return the LQR gain over all states that minimises `cost`, shape (n,); those of sensors have none.
 
     Raises DesignError where there is no stabilising gain, see `lqr.lqr_gain`.
     """
@@ -57,7 +57,9 @@ def full_gain(model: LinearModel, cost: QuadraticCost) -> Array:
 
 
 def output_gain(model: LinearModel, sizes: Mapping[str, float], command_size: float) -> Array:
-    """Return the LQR gain over all states, shape (n,), for a cost of outputs by their sizes, see `lqr.output_cost`.
+    """Return the LQR gain over all states, shape (n,), for a cost of outputs by `sizes` and `command_size`.
+
+    See `lqr.output_cost`.
 
     Raises DesignError where there is no stabilising gain.
     """
@@ -69,7 +71,7 @@ def output_gain(model: LinearModel, sizes: Mapping[str, float], command_size: fl
 
 
 def unit_regulator_gain(weights: WeightParameters, model: LinearModel) -> Array:
-    """Return the gain of the regulator of unit, winch and delay (thesis 6.2.4, 6.2.5), shape (n,).
+    """Return the gain of the regulator of unit, winch and delay under `weights` (thesis 6.2.4, 6.2.5), shape (n,).
 
     The outlet has no weight in it: without a boom tip to follow, that would hold the payout where it is. Nothing but
     the unit's own motion then asks for a command, so that it is weighed as in the thesis, by itself.

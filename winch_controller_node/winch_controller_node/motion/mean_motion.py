@@ -44,7 +44,7 @@ class MeanMotion:
         return self.mean.point.payout + self.left_over.point.payout
 
     def reference_command(self, winch: WinchModelParameters) -> float:
-        """Return the share of the command that moves the mean payout: its rate, and the servo's lag ahead."""
+        """Return the share of the command that moves the mean payout: its rate, and the lag of the `winch` ahead."""
         point = self.mean.point
         if winch.law == "first_order":
             return point.payout + point.rate / winch.position_rate
@@ -70,9 +70,9 @@ class MeanMotion:
         self.left_over.move_to(0.0, RETURN_SPEED)
 
     def advance(self, model: LinearModel, command: float, *, is_braked: bool) -> None:
-        """Advance by a tick in which `command` was the mean payout's share of the command; a brake holds the payouts.
+        """Advance by a tick in which `command` was the mean payout's share of the command.
 
-        `model` is the design's.
+        `model` is the design's; `is_braked` : the payouts stay.
         """
         self.state = model.A @ self.state + model.B[:, 0] * command
         if not is_braked:

@@ -108,7 +108,7 @@ class AmplitudeCheck:
         self._mean_square = self._reference_now = self._reference_waves = 0.0
 
     def add(self, square: float, reference_square: float) -> None:
-        """Take in the squares of motion and reference at a tick."""
+        """Take in the `square` of the motion and the `reference_square` at a tick."""
         self._count += 1
         least = 1.0 / self._count
         short, long = max(self._short_weight, least), max(self._long_weight, least)

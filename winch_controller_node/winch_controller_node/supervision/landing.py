@@ -44,7 +44,7 @@ class FallRate:
         self._readings: deque[tuple[float, float]] = deque()
 
     def add(self, time: float, depth: float) -> None:
-        """Take a good reading in: its stamp [s] and depth, positive down [m]."""
+        """Take a good reading in: its stamp `time` [s] and `depth`, positive down [m]."""
         self._readings.append((time, depth))
         while time - self._readings[0][0] > WINDOW and len(self._readings) > 2:
             self._readings.popleft()
@@ -83,7 +83,7 @@ class Landing:
         self._depth_innovation = 0.0
 
     def observe(self, sensed: Sensed) -> None:
-        """Take in what the depth sensor said in a tick."""
+        """Take in what the depth sensor `sensed` in a tick."""
         for time, depth in sensed.depths:
             self._fall_rate.add(time, depth)
         if sensed.depth_innovation is not None:

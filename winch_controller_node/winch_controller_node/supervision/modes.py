@@ -171,8 +171,13 @@ class ModeMachine:
             self._enter(Mode.COMPENSATING, "requested")
             self.authority = self._factor
 
+    def touch_down(self) -> None:
+        """Go over to constant tension: the unit has landed, even if a sensor is lost for a moment."""
+        self._wants_compensation = False
+        self._enter(Mode.CONSTANT_TENSION, "touchdown")
+
     def step(self, situation: Situation) -> ModeOutput:
-        """Advance one tick and return what is to be done."""
+        """Advance one tick in a `situation` and return what is to be done."""
         self._time += self._dt
         self._lost_time = self._lost_time + self._dt if situation.lost else 0.0
         self._well_time = 0.0 if situation.lost or not situation.has_estimate else self._well_time + self._dt

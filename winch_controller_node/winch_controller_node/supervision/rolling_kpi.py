@@ -29,7 +29,14 @@ class KpiWindow:
         self._last_rate = 0.0
 
     def add(self, *, unit: float, uncompensated: float, tip: float, payout: float, rate: float, tension: float) -> None:
-        """Take one tick in: heaves and payout [m], payout rate [m/s], tension [N]."""
+        """Take one tick in.
+
+        Parameters
+        ----------
+        unit, uncompensated, tip : heave of the unit, of the uncompensated one, of the boom tip [m]
+        payout, rate : of the winch, about its mean [m], [m/s]
+        tension : at the top [N]; NaN: unknown
+        """
         acceleration = (rate - self._last_rate) / self._dt
         self._last_rate = rate
         is_limited = (

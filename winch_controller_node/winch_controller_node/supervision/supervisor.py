@@ -93,7 +93,7 @@ class Supervisor:
         self._keeps_limits = law.keeps_limits
 
     def decide(self, tick: LoopTick, winch: WinchSituation) -> Decision:
-        """Return what is to be done in a tick."""
+        """Return what is to be done in a tick with the `winch` in this situation."""
         self.landing.observe(tick.sensed)
         if winch.inhibition:
             self.guard.inhibit(winch.inhibition)

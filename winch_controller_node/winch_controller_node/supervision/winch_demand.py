@@ -44,7 +44,7 @@ class WinchDemand:
         self._last_rate = rate
 
     def significant(self, limits: WinchLimits) -> float:
-        """Return the significant amplitude of speed or acceleration over its limit, the larger of both [-]."""
+        """Return the significant amplitude over its limit in `limits`, the larger of speed and acceleration [-]."""
         speed = SIGNIFICANT * self._rate.sigma / limits.speed
         acceleration = SIGNIFICANT * self._acceleration.sigma / limits.acceleration
         return max(speed, acceleration)
