@@ -321,6 +321,50 @@ def test_a_first_order_winch_comes_to_rest_and_is_braked():
     assert modes[-1] == "stopped"
 
 
+def test_what_is_reported_of_a_tick_is_of_that_tick_while_the_mean_moves():
+    """The mean payout begins a move with the command of this tick: the unit does not know of it yet."""
+    loop = ClosedLoop(loop_parameters(duration=60.0))
+    for _ in range(400):
+        loop.step()
+    loop.controller.move_to_payout(3.0, 0.5)
+    for _ in range(60):
+        before = loop.controller._estimation.motion.state
+        report = loop.step()[0].report
+        model = loop.controller.design.model
+        expected = model.row("unit_heave") @ (np.array(report.estimate) + before) + model.row("payout") @ before
+        assert report.predicted_unit_heave == pytest.approx(float(expected), abs=1e-12)
+
+
+def test_a_change_from_constant_tension_to_compensation_makes_no_step_in_the_command():
+    """Speed servo and sea stay below the winch's 1.5 m/s^2; the estimate is counted from another mean in that tick."""
+    loop = ClosedLoop(loop_parameters(duration=60.0, law="lqg"))
+    for _ in range(600):
+        loop.step()
+    loop.controller.set_mode("constant_tension")
+    for _ in range(600):
+        before = loop.step()[0]
+    loop.controller.set_mode("compensating")
+    after = [loop.step()[0] for _ in range(4)]
+    reported = [np.array(outputs.report.estimate) for outputs in after]
+    payout = loop.controller.design.model.state("payout")
+    # what the report of the tick calls the payout goes on in the next one
+    assert abs(reported[1][payout] - reported[0][payout]) < 0.1
+    rates = [before.order.payout_rate, *(outputs.order.payout_rate for outputs in after)]
+    assert np.max(np.abs(np.diff(rates))) < 0.3
+
+
+@pytest.mark.parametrize("law", ["lqg", "mpc"])
+def test_compensation_begins_without_a_step_in_the_command(law):
+    """Authority is 0 in the first tick: the unit is to go on as it does, and that asks for no motion of the winch."""
+    loop = ClosedLoop(loop_parameters(duration=60.0, law=law))
+    rates = []
+    while len(rates) < 5:
+        outputs, _ = loop.step()
+        if outputs.report.mode == "compensating":
+            rates.append(outputs.order.payout_rate)
+    assert abs(rates[0]) < 1e-3
+
+
 def test_a_touchdown_while_the_mru_is_lost_for_a_moment_is_acted_upon(monkeypatch):
     controller = WinchController(loop_parameters().controller, tick_period=DT)
     loop = ClosedLoop(loop_parameters(duration=60.0))

@@ -230,13 +230,12 @@ class WinchController:
         return decision
 
     def _note_kpi(self, loop: LoopTick) -> None:
-        motion, rows, estimate = self._estimation.motion, loop.rows, loop.estimate
         self._kpi.add(
-            unit=float(rows.unit @ (estimate + motion.state) + rows.payout @ motion.state),
+            unit=loop.unit.heave,
             uncompensated=loop.free_unit.heave,
             tip=loop.boom_tip.heave,
             payout=loop.payout,
-            rate=float(rows.payout_rate @ (estimate + motion.state)),
+            rate=loop.total_payout_rate,
             tension=loop.sensed.tension,
         )
 

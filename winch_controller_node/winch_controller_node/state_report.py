@@ -30,8 +30,7 @@ def state_report(tick: ControllerTick, estimation: LoopEstimation, in_force: Des
     loop, mode, command, order = tick.loop, tick.decision.mode, tick.command, tick.order
     estimator = estimation.estimator
     names = tuple(estimator.measurements)
-    innovations = [estimator.innovations.get(name) for name in names]
-    mean_state = estimation.motion.state
+    innovations = [loop.sensed.innovations.get(name) for name in names]
     return Report(
         mode=mode.mode.value,
         law=in_force.parameters.law,
@@ -44,9 +43,9 @@ def state_report(tick: ControllerTick, estimation: LoopEstimation, in_force: Des
         innovation_sigma=tuple(math.nan if row is None else row.sigma for row in innovations),
         nis=tuple(math.nan if row is None else row.nis for row in innovations),
         gain=tuple(in_force.law.gain.tolist()),
-        predicted_unit_heave=float(loop.rows.unit @ (loop.estimate + mean_state) + loop.rows.payout @ mean_state),
+        predicted_unit_heave=loop.unit.heave,
         predicted_boom_tip_heave=loop.boom_tip.heave,
-        predicted_uncompensated_heave=float(estimation._uncompensated[0]),
+        predicted_uncompensated_heave=loop.free_unit.heave,
         payout_set_point=order.payout,
         payout_rate_set_point=order.payout_rate,
         depth_set_point=estimation.motion.set_point,

@@ -145,6 +145,8 @@ class LoopEstimation:
         """Return the tick after the loop has been told to go on from another place."""
         return replace(
             tick,
+            estimate=self.estimator.estimate,
+            uncompensated=self._uncompensated,
             mean_state=self.motion.state,
             mean_command=self.motion.reference_command(self._design.parameters.winch),
             left_over=self.motion.left_over.point.payout,
