@@ -17,6 +17,7 @@ from heave_node.scenario import read_scenario
 from wave_vessel_node.parameters import WaveVesselParameters
 from winch_controller_node.component import WinchController
 from winch_controller_node.interface.readings import Measurements, MruReading, ScalarReading, WinchReading
+from winch_controller_node.model.lqr import DesignError
 from winch_controller_node.parameters.controller import WinchControllerParameters
 from winch_controller_node.supervision.modes import ModeError
 
@@ -197,6 +198,18 @@ def test_a_winch_other_than_believed_is_found_out_and_driven_to_its_limits_as_if
     as_known = ClosedLoop(known).run()
     assert np.max(np.abs(as_known.column("payout_acceleration"))) > 0.99 * 1.5
     assert record.unit_sigma(45.0) < 1.1 * as_known.unit_sigma(45.0)
+
+
+def test_an_identified_winch_that_cannot_be_designed_for_is_an_alarm_and_the_loop_goes_on(monkeypatch):
+    loop = ClosedLoop(dataclasses.replace(loop_parameters(height=3.0), winch=WinchParameters(time_constant=0.08)))
+
+    def refuse(parameters):
+        raise DesignError("no gain for that winch")
+
+    monkeypatch.setattr(loop.controller._in_force, "take_winch", refuse)
+    outputs = [loop.step()[0] for _ in range(800)]
+    assert any("identified winch not used: no gain for that winch" in tick.alarms for tick in outputs)
+    assert outputs[-1].report.mode == "compensating"
 
 
 def test_a_winch_as_believed_is_left_alone():

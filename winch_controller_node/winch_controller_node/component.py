@@ -18,6 +18,7 @@ from winch_controller_node.estimation.observation import Observer
 from winch_controller_node.interface.readings import Measurements, Outputs, RollingKpi, WinchReading
 from winch_controller_node.loop_command import LoopCommand
 from winch_controller_node.model.estimator import KalmanEstimator
+from winch_controller_node.model.lqr import DesignError
 from winch_controller_node.motion.programme import Programme, ProgrammeStep
 from winch_controller_node.motion.trajectory import MeanPayout
 from winch_controller_node.parameters.controller import WinchControllerParameters
@@ -298,7 +299,11 @@ class WinchController:
         improved = self._winch.improved_parameters(tick, self.parameters)
         if improved is None:
             return
-        matrix = self._in_force.take_winch(improved)
+        try:
+            matrix = self._in_force.take_winch(improved)
+        except DesignError as error:
+            self._alarms.append(f"identified winch not used: {error}")
+            return
         self._estimation.carry(self.design, matrix, tick - 1)
         self._take_law()
         winch = improved.winch

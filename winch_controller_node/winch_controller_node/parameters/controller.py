@@ -1,8 +1,9 @@
-"""The parameter set of the winch controller. It stands above all wings: each law brings its own group."""
+"""The parameter set of the winch controller. It stands above the laws, of which each brings its own group."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, make_dataclass
+from typing import TYPE_CHECKING
 
 from cable_sim_node.parameters import CableParameters, UnitParameters
 from heave_node.constants import SEAWATER_DENSITY, STANDARD_GRAVITY
@@ -31,20 +32,25 @@ from winch_controller_node.parameters.model import (
     WinchModelParameters,
 )
 
-LawGroups = make_dataclass(
-    "LawGroups",
-    [
-        (law.name, law.parameters_type, group(law.parameters_type))
-        for law in LAWS.values()
-        if law.parameters_type is not None
-    ],
-    frozen=True,
-)
-"""One group for each law that has parameters of its own, by the name of the law."""
+if TYPE_CHECKING:
+
+    class LawGroups:
+        """One group for each law that has parameters of its own; only the law itself reads it."""
+
+else:
+    LawGroups = make_dataclass(
+        "LawGroups",
+        [
+            (law.name, law.parameters_type, group(law.parameters_type))
+            for law in LAWS.values()
+            if law.parameters_type is not None
+        ],
+        frozen=True,
+    )
 
 
 @dataclass(frozen=True)
-class WinchControllerParameters(LawGroups):  # type: ignore[misc,valid-type]  # made from the registry of laws
+class WinchControllerParameters(LawGroups):
     """What the controller believes of the world it is to hold the unit still in, and how it does it."""
 
     law: str = parameter(
