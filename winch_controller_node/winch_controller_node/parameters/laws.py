@@ -216,25 +216,8 @@ class HealthParameters:
     stale_samples: float = parameter(
         3.0, unit="", minimum=1.0, maximum=1000.0, description="A sensor is lost after so many missing readings."
     )
-    spike_sigmas: float = parameter(
-        8.0,
-        unit="",
-        minimum=3.0,
-        maximum=1000.0,
-        description="A reading so many standard deviations off its prediction is a spike.",
-    )
-    spike_floor: float = parameter(
-        0.3, unit="m", minimum=0.0, maximum=100.0, description="Heave or depth nearer than this is never a spike."
-    )
     recover_samples: int = parameter(
         10, unit="", minimum=1, maximum=10_000, description="Good readings in a row that make a lost sensor good again."
-    )
-    jump_samples: int = parameter(
-        20,
-        unit="",
-        minimum=2,
-        maximum=10_000,
-        description="So many refused readings that agree are a jump, not spikes.",
     )
     stamp_tolerance: float = parameter(
         0.001, unit="s", minimum=0.0, maximum=1.0, description="A reading may be stamped this much later than now."
