@@ -10,9 +10,9 @@ from winch_controller_node.design.bounds import WinchLimits, actuator_bound, boo
 from winch_controller_node.design.design import design_controller
 from winch_controller_node.design.margins import frequencies, margins, output_feedback_loop, state_feedback_loop
 from winch_controller_node.design.prediction import error_covariances, estimation_bound, predict_loop, sensor_periods
+from winch_controller_node.model.blocks import CableModel
 from winch_controller_node.model.estimator import Measurement
 from winch_controller_node.model.lqr import DesignError
-from winch_controller_node.model.models import CableModel
 from winch_controller_node.parameters.controller import WinchControllerParameters
 from winch_controller_node.parameters.model import SeaModelParameters, VesselModelParameters
 
@@ -158,7 +158,7 @@ def test_sensor_rates_without_a_common_pattern_are_refused():
         sensors__depth__rate=20.0 / 17,
         sensors__velocity__rate=20.0 / 19,
     )
-    with pytest.raises(DesignError, match="pattern repeats only after"):
+    with pytest.raises(DesignError, match="repeats only after 323 ticks"):
         predict_loop(odd)
 
 

@@ -14,7 +14,6 @@ from heave_node.arrays import Array
 from heave_node.linear_model import LinearModel, covariance_factor, state_covariance
 
 from winch_controller_node.interface.sensors import (
-    KNOWN_SENSORS,
     LEVER_ARM_X,
     LEVER_ARM_Y,
     MRU_SCALE,
@@ -22,10 +21,14 @@ from winch_controller_node.interface.sensors import (
     SlowState,
     those_that_see,
 )
+from winch_controller_node.laws.governor import CommandGovernor
+from winch_controller_node.laws.law import ControlLaw, LawDesign
+from winch_controller_node.laws.registry import LAWS, make_law
+from winch_controller_node.laws.winch_limits import WinchLimits, winch_limits
+from winch_controller_node.model.blocks import CableModel
 from winch_controller_node.model.estimator import KalmanEstimator, MeasurementModel
-from winch_controller_node.model.lqr import DesignError, QuadraticCost, check_detectable, lqr_gain, output_cost
+from winch_controller_node.model.lqr import DesignError, QuadraticCost, check_detectable
 from winch_controller_node.model.models import (
-    CableModel,
     ModelInputs,
     PlantBelief,
     augmented_model,
@@ -34,6 +37,7 @@ from winch_controller_node.model.models import (
     sea_noise_covariance,
     sea_spectrum,
 )
+from winch_controller_node.model.regulator import full_gain, is_sea_state, is_sensor_state, weighted_cost
 from winch_controller_node.parameters.controller import WinchControllerParameters
 
 FIT_FREQUENCIES = 80
@@ -50,7 +54,7 @@ class ControllerDesign:
     Attributes
     ----------
     parameters, tick_period, length : what it was designed for
-    cable : the two-state cable believed in
+    cable : its two-state cable
     model : sampled augmented model; one input, the command
     measurements : what the estimator may be given, by name: mru_heave, mru_heave_rate, unit_heave (from depth, positive
         up, about the expected mean), payout (encoder), unit_velocity, unit_acceleration, tension (about the static one)
@@ -86,11 +90,11 @@ class ControllerDesign:
     @property
     def sea_states(self) -> tuple[str, ...]:
         """Names of the states of waves and vessel: those that grow with the sea."""
-        return tuple(name for name in self.model.state_names if _is_sea(name))
+        return tuple(name for name in self.model.state_names if is_sea_state(name))
 
     @property
     def unit_weight(self) -> float:
-        """Submerged weight of the unit as believed [N]."""
+        """Submerged weight of the unit as modelled [N]."""
         unit = self.parameters.unit
         return (unit.mass - self.parameters.water_density * unit.volume) * self.parameters.gravity
 
@@ -104,7 +108,28 @@ class ControllerDesign:
             gate=estimator.gate,
             gate_limit=estimator.gate_limit,
             largest_age=round(estimator.largest_age / self.tick_period),
+            implementation=estimator.implementation,
         )
+
+    @property
+    def limits(self) -> WinchLimits:
+        """Limits of the winch in force."""
+        return winch_limits(self.parameters.winch, self.parameters.limits, self.cable.static_tension)
+
+    def make_law(self) -> ControlLaw:
+        """Return the law that the parameters name, at its initial state.
+
+        Raises DesignError where winch or sensors do not serve that law.
+        """
+        p = self.parameters
+        missing = [sensor for sensor in LAWS[p.law].required_sensors if sensor not in p.sensors.use]
+        if missing:
+            raise DesignError(f"law {p.law} needs the sensor {missing[0]}: add it to sensors.use, or take another law")
+        return make_law(p.law, LawDesign(self.model, p.winch, self.limits, p.weights, self.gain), p)
+
+    def make_governor(self) -> CommandGovernor:
+        """Return the governor that keeps the limits in force."""
+        return CommandGovernor(self.model, self.parameters.winch, self.limits)
 
 
 def design_controller(
@@ -120,8 +145,8 @@ def design_controller(
 
     Raises
     ------
-    DesignError : in words, for a wrong sensor set, a delay that no prediction bridges, singular weights, a model that
-        is not stabilisable or not detectable.
+    DesignError : for a wrong sensor set, a delay too long for any prediction, singular weights, a model that is not
+        stabilisable or not detectable; the message says which.
     """
     length = parameters.length if length is None else length
     _check_inputs(parameters, tick_period)
@@ -129,7 +154,7 @@ def design_controller(
     model = augmented_model(model_inputs(parameters, cable), tick_period)
     measurements = measurement_models(parameters, model, cable)
     _check_observability(parameters, model, measurements)
-    cost = design_cost(parameters, model)
+    cost = weighted_cost(parameters.weights, model)
     gain = full_gain(model, cost)
     covariance, sigma = _locked_covariance(parameters, model, cable)
     return ControllerDesign(
@@ -148,9 +173,9 @@ def design_controller(
 
 
 def at_cable(design: ControllerDesign, cable: CableModel, length: float, gain: Array) -> ControllerDesign:
-    """Return the design with another cable and gain, all else as it is.
+    """Return the design with another cable and gain at a `length` [m], all else as it is.
 
-    It is what a gain schedule gives between its points.
+    It is what a gain schedule gives between its points; `gain` has shape (n,).
     """
     parameters = design.parameters
     model = augmented_model(model_inputs(parameters, cable), design.tick_period)
@@ -161,7 +186,7 @@ def at_cable(design: ControllerDesign, cable: CableModel, length: float, gain: A
         model=model,
         measurements=measurement_models(parameters, model, cable),
         gain=gain,
-        cost=design_cost(parameters, model),
+        cost=weighted_cost(parameters.weights, model),
     )
 
 
@@ -211,14 +236,14 @@ def _check_inputs(parameters: WinchControllerParameters, tick_period: float) -> 
         )
     use = parameters.sensors.use
     if "encoder" not in use:
-        raise DesignError("sensors.use must have the encoder: nothing else measures the payout")
+        raise DesignError("sensors.use must include the encoder: nothing else measures the payout")
     of_motion = those_that_see("boom_tip", "unit")
     if not set(of_motion) & set(use):
-        raise DesignError(f"sensors.use must have one of {', '.join(of_motion)}: nothing measures the motion otherwise")
+        raise DesignError(f"sensors.use must include one of {', '.join(of_motion)}: nothing else measures the motion")
 
 
 def believed_cable(parameters: WinchControllerParameters, length: float) -> CableModel:
-    """Return the two-state cable at `length` [m] as believed, fitted where the boom tip has its energy."""
+    """Return the two-state cable at `length` [m] of the modelled plant, fitted where the boom tip has its energy."""
     plant = PlantBelief(parameters.cable, parameters.unit, parameters.water_density, parameters.gravity)
     tip = boom_tip_block(parameters.sea, parameters.vessel)
     P = state_covariance(tip)
@@ -233,7 +258,7 @@ def believed_cable(parameters: WinchControllerParameters, length: float) -> Cabl
 
 
 def model_inputs(parameters: WinchControllerParameters, cable: CableModel) -> ModelInputs:
-    """Return what the augmented model is made of under these parameters."""
+    """Return what the augmented model is made of: these parameters, and the two-state `cable` at a length."""
     sensors = parameters.sensors
     return ModelInputs(
         cable=cable,
@@ -259,7 +284,7 @@ def slow_states(parameters: WinchControllerParameters, cable: CableModel) -> lis
 def measurement_models(
     parameters: WinchControllerParameters, model: LinearModel, cable: CableModel
 ) -> tuple[MeasurementModel, ...]:
-    """Return the measurements of the sensors in use."""
+    """Return the measurements of the sensors in use, rows of `model`; the tension's noise goes with the `cable`."""
     return tuple(
         MeasurementModel(
             row.name,
@@ -296,60 +321,12 @@ def _check_observability(
     *others, last = below = those_that_see("unit", "cable")
     if asked and not set(below) & set(use):
         raise DesignError(
-            f"{' and '.join(asked)} cannot be seen with the sensors {', '.join(use)}: add {', '.join(others)} or "
+            f"{' and '.join(asked)} cannot be observed with the sensors {', '.join(use)}: add {', '.join(others)} or "
             f"{last}, or set its sigma to 0"
         )
     kept = [name for name in model.state_names if name not in in_motion]
     index = [model.state(name) for name in kept]
     check_detectable(model.select_states(kept), np.array([m.row[index] for m in measurements]), use)
-
-
-def design_cost(parameters: WinchControllerParameters, model: LinearModel) -> QuadraticCost:
-    """Return the quadratic cost of `parameters.weights` on `model`."""
-    weights = parameters.weights
-    sizes = {
-        "unit_heave": weights.unit_heave,
-        "unit_heave_rate": weights.unit_heave_rate,
-        "outlet_heave": weights.outlet_heave,
-        "payout": weights.payout,
-        "payout_rate": weights.payout_rate,
-        "payout_acceleration": weights.payout_acceleration if "payout_acceleration" in model.output_names else 0.0,
-    }
-    return output_cost(model, sizes, weights.command)
-
-
-def _is_sea(name: str) -> bool:
-    return name.startswith(("vessel_", "wave_"))
-
-
-def regulator_gain(parameters: WinchControllerParameters, model: LinearModel) -> Array:
-    """Return the gain of the regulator of unit, winch and delay (thesis 6.2.4, 6.2.5), shape (n,).
-
-    The outlet has no weight in it: without a boom tip to follow, that would hold the payout where it is. Nothing but
-    the unit's own motion then asks for a command, so that it is weighed as in the thesis, by itself.
-    """
-    weights = replace(parameters.weights, outlet_heave=0.0)
-    gain = full_gain(model, design_cost(replace(parameters, weights=weights), model))
-    return np.where([_is_sea(name) for name in model.state_names], 0.0, gain)
-
-
-_SENSOR_STATES = (*(f"{sensor}_" for sensor in KNOWN_SENSORS), LEVER_ARM_X, LEVER_ARM_Y)
-"""How the names of sensors' own states begin."""
-
-
-def is_sensor_state(name: str) -> bool:
-    """Tell whether a state belongs to a sensor alone, so that no control can or need act on it."""
-    return name.startswith(_SENSOR_STATES)
-
-
-def full_gain(model: LinearModel, cost: QuadraticCost) -> Array:
-    """Return the LQR gain over all states; sensor states, which move nothing, have none."""
-    keep = [i for i, name in enumerate(model.state_names) if not is_sensor_state(name)]
-    plant = model.select_states([model.state_names[i] for i in keep])
-    reduced = QuadraticCost(cost.Q[np.ix_(keep, keep)], cost.N[keep], cost.R)
-    gain = np.zeros(model.order)
-    gain[keep] = lqr_gain(plant, reduced)[0]
-    return gain
 
 
 def _locked_covariance(

@@ -17,7 +17,6 @@ from winch_controller_node.estimation.sensor_health import (
     judge_mru,
     judge_scalar,
 )
-from winch_controller_node.estimation.touchdown import StandingWatch
 from winch_controller_node.interface.readings import Measurements, ScalarReading, SensorState
 from winch_controller_node.interface.sensors import (
     LEVER_ARM_X,
@@ -47,9 +46,8 @@ class Observer:
     payout : encoder reading accepted in this tick, jumps taken off [m]; None: none
     tension : newest accepted top tension [N]; NaN before the first
     mru_rate : newest accepted heave rate of the MRU [m/s]
+    depths : stamp [s] and depth, positive down [m], of the depth readings accepted in this tick
     stretch_per_payout : how much further than paid out the unit goes down at rest: stretch of the new cable [-]
-    uses_unit : False: readings from unit and cable are gated but not used, since the unit stands on the seabed
-    standing : what the depth readings alone say of the unit's speed
     """
 
     def __init__(self, design: ControllerDesign, health: HealthParameters) -> None:
@@ -74,8 +72,7 @@ class Observer:
         self.tension = math.nan
         self.mru_rate = 0.0
         self.take_design(design)
-        self.uses_unit = True
-        self.standing = StandingWatch()
+        self.depths: list[tuple[float, float]] = []
         self._unit_heave = 0.0
         self._levels: dict[str, SensorLevel] = {}
         self._attitude: tuple[float, float, float] | None = None
@@ -101,7 +98,13 @@ class Observer:
         self._shares.clear()
 
     def observe(
-        self, tick: int, delivered: Measurements, estimator: KalmanEstimator, expected_rate: float
+        self,
+        tick: int,
+        delivered: Measurements,
+        estimator: KalmanEstimator,
+        expected_rate: float,
+        *,
+        unit_stands: bool = False,
     ) -> list[Measurement]:
         """Return the readings of a tick for the estimator.
 
@@ -111,8 +114,11 @@ class Observer:
         delivered : readings of this tick
         estimator : whose measurement rows say what share of a reading is the mean payout's
         expected_rate : of the drum since the last tick [m/s]
+        unit_stands : on the seabed: readings of what rides on the unit say nothing of the hanging cable, and are gated
+            but not used
         """
         now = tick * self._dt
+        self.depths.clear()
         taken: list[Measurement] = []
         for mru in delivered.mru:
             if "mru" in self._use and judge_mru(self.gates["mru"], now, mru):
@@ -120,7 +126,8 @@ class Observer:
         taken += self._encoder(now, delivered, expected_rate)
         for name in SCALAR_SENSORS:
             if name in self._watched:
-                taken += self._scalar(now, name, delivered.of(name))
+                of_unit = self._scalar(now, name, delivered.of(name))
+                taken += [] if unit_stands else of_unit
         for gate in self.gates.values():
             gate.tick(now)
         return [self._without_share(reading, estimator) for reading in taken]
@@ -136,12 +143,9 @@ class Observer:
         for sensor in sorted(refused - {"encoder"}):
             self.gates[sensor].note_innovation(accepted=False)
 
-    def lost(self, vital: tuple[str, ...]) -> str:
-        """Return which of the `vital` sensors are lost and why; empty when none."""
-        words = [
-            f"{name} {self.gates[name].reason}" for name in vital if name in self.gates and self.gates[name].is_lost
-        ]
-        return ", ".join(words)
+    def lost(self) -> dict[str, str]:
+        """Return why each lost sensor counts as lost, by name."""
+        return {name: gate.reason for name, gate in self.gates.items() if gate.is_lost}
 
     def new_faults(self) -> list[str]:
         """Return, in words, which sensors have become worse since the last call."""
@@ -204,8 +208,8 @@ class Observer:
             value = sensor.sign * (reading.value - self._zero(name, sensor, reading.value))
             if name == "depth":
                 self._unit_heave = value
-                self.standing.add(reading.time, -value)
-            if name in self._use and self.uses_unit:
+                self.depths.append((reading.time, -value))
+            if name in self._use:
                 taken += [Measurement(row.name, value, self._tick_of(reading.time)) for row in sensor.rows()]
         return taken
 

@@ -157,6 +157,12 @@ class WeightParameters:
 class EstimatorParameters:
     """The Kalman filter."""
 
+    implementation: str = parameter(
+        "compiled",
+        unit="",
+        choices=("compiled", "filterpy"),
+        description="Algebra of a step: compiled, or that of filterpy: the same estimate, ten times slower.",
+    )
     gate: float = parameter(
         25.0,
         unit="",

@@ -1,4 +1,4 @@
-"""The constrained law: model predictive control on the same estimate and gain as LQG.
+"""Law mpc: model predictive control with the limits of the winch in the plan, on the same estimate as law lqg.
 
 The command is u = -G x + c with a correction c over the horizon, zero after it. For the LQR gain G the cost of any c is
 J = J_LQR + W sum c^2 exactly, W = R + B' P B: the best correction is the smallest that keeps the limits, and where the
@@ -12,13 +12,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import ClassVar
 
 import daqp
 import numpy as np
 from heave_node.arrays import Array
 from heave_node.linear_model import LinearModel
+from heave_node.parameters import parameter
 
-from winch_controller_node.laws.feedback import LawCommand
 from winch_controller_node.laws.governor import (
     ACCELERATION,
     PAYOUT,
@@ -26,12 +27,12 @@ from winch_controller_node.laws.governor import (
     SPEED,
     TENSION,
     SpeedServo,
-    WinchLimits,
     drum_ahead,
 )
+from winch_controller_node.laws.law import ControlLaw, LawCommand, LawDesign
 from winch_controller_node.laws.loop_state import LoopState
 from winch_controller_node.model.lqr import DesignError
-from winch_controller_node.parameters.laws import MpcParameters
+from winch_controller_node.model.regulator import output_gain
 from winch_controller_node.parameters.model import WinchModelParameters
 
 SOFT = 8
@@ -41,8 +42,46 @@ ACTIVE_TOLERANCE = 1e-3
 """A limit shapes the plan when the plan comes this near to it, relative to the limit."""
 
 
+@dataclass(frozen=True)
+class MpcParameters:
+    """The constrained law."""
+
+    horizon: float = parameter(10.0, unit="s", minimum=1.0, maximum=60.0, description="Prediction horizon.")
+    solve_ticks: int = parameter(1, unit="", minimum=1, maximum=20, description="Ticks from one solution to the next.")
+    iteration_limit: int = parameter(
+        200, unit="", minimum=5, maximum=100_000, description="Iterations after which the last good plan is followed."
+    )
+    unit_heave: float = parameter(
+        0.01, unit="m", minimum=1e-4, maximum=10.0, description="Size of unit heave in this law's own quadratic cost."
+    )
+    payout_acceleration: float = parameter(
+        0.5, unit="m/s^2", minimum=0.0, maximum=1e3, description="Size of payout acceleration there; 0 leaves it out."
+    )
+    payout: float = parameter(50.0, unit="m", minimum=0.0, maximum=1e5, description="Size of payout there.")
+    command: float = parameter(0.3, unit="m/s", minimum=1e-3, maximum=1e3, description="Size of the command there.")
+    softness: float = parameter(
+        1e-7, unit="", minimum=1e-12, maximum=1.0, description="Reciprocal weight of a violated constraint."
+    )
+
+
+def constrained_gain(model: LinearModel, parameters: MpcParameters) -> Array:
+    """Return the LQR gain of the constrained law, shape (n,).
+
+    It can be sharper than that of a law whose command is clipped: the limits are in the plan.
+    """
+    sizes = {
+        "unit_heave": parameters.unit_heave,
+        "payout": parameters.payout,
+        "payout_acceleration": parameters.payout_acceleration,
+    }
+    return output_gain(model, sizes, parameters.command)
+
+
 def correction_knots(horizon: float, dt: float) -> list[int]:
-    """Return the ticks of the hat functions: dense where the next commands are made, sparse far ahead."""
+    """Return the ticks of the hat functions: dense where the next commands are made, sparse far ahead.
+
+    `horizon` [s], `dt` : tick period [s].
+    """
     knots, time = [0], 0.0
     while time < horizon - 1e-9:
         time += 0.1 if time < 0.5 else 0.25 if time < 3.0 else 0.35
@@ -53,7 +92,10 @@ def correction_knots(horizon: float, dt: float) -> list[int]:
 
 
 def constrained_ticks(first: int, horizon_ticks: int, dt: float) -> list[int]:
-    """Return the ticks at which limits are kept: each one soon, some later."""
+    """Return the ticks from `first` up to `horizon_ticks` at which limits are kept: each one soon, some later.
+
+    `dt` : tick period [s].
+    """
     ticks: list[int] = []
     tick = first
     while tick < horizon_ticks:
@@ -72,34 +114,36 @@ class _Rows:
     times: Array
 
 
-class ConstrainedLaw:
+class ConstrainedLaw(ControlLaw):
     """MPC with limits on winch speed, acceleration, power, payout and tension.
 
     Parameters
     ----------
-    model : the design's augmented model, speed servo
-    gain : LQR gain of that model, shape (n,)
-    winch : its servo
-    limits : to be kept
-    parameters : horizon, ticks between solutions, caps
+    design : what the law is made for; its winch is a speed servo
+    parameters : horizon, ticks between solutions, caps, cost
 
     Raises DesignError for a first-order winch and for a horizon that the delay fills.
+
+    Attributes
+    ----------
+    gain : LQR gain of the law's own cost, shape (n,)
+    limits : that are kept
     """
 
-    def __init__(
-        self,
-        model: LinearModel,
-        gain: Array,
-        winch: WinchModelParameters,
-        limits: WinchLimits,
-        parameters: MpcParameters,
-    ) -> None:
+    name: ClassVar[str] = "mpc"
+    summary: ClassVar[str] = "feedback of all states with the limits in the plan"
+    parameters_type: ClassVar[type | None] = MpcParameters
+    keeps_limits: ClassVar[bool] = True
+
+    def __init__(self, design: LawDesign, parameters: MpcParameters) -> None:
+        super().__init__(design, parameters)
+        model, winch = design.model, design.winch
         if "payout_acceleration" not in model.output_names:
-            raise DesignError("law mpc bounds the winch's acceleration: it needs winch.law speed_servo")
+            raise DesignError("law mpc bounds the winch's acceleration: set winch.law to speed_servo")
         assert model.dt is not None
-        self.gain = gain
-        self.limits = limits
-        self._acceleration = SpeedServo(winch.time_constant, limits.acceleration, model.dt).linear_acceleration
+        self.gain = constrained_gain(model, parameters)
+        self.limits = design.limits
+        self._acceleration = SpeedServo(winch.time_constant, self.limits.acceleration, model.dt).linear_acceleration
         self._parameters = parameters
         horizon_ticks = round(parameters.horizon / model.dt)
         command = model.input_names[0]
@@ -110,7 +154,7 @@ class ConstrainedLaw:
             )
         self._basis = _hat_functions(correction_knots(parameters.horizon, model.dt), horizon_ticks)
         self._build_rows(model, winch, delay, horizon_ticks)
-        self._setup_solver(model.dt)
+        self._setup_cost(model.dt)
         self.reset()
 
     def _build_rows(self, model: LinearModel, winch: WinchModelParameters, delay: int, horizon_ticks: int) -> None:
@@ -144,7 +188,7 @@ class ConstrainedLaw:
             np.array([feedback @ responses.forced[k] + through[k] for k in ticks]),
         )
 
-    def _setup_solver(self, dt: float) -> None:
+    def _setup_cost(self, dt: float) -> None:
         hessian = self._basis.T @ self._basis * dt
         scale = 1.0 / np.sqrt(np.diag(hessian))
         self._scale = scale
@@ -154,6 +198,14 @@ class ConstrainedLaw:
 
     def reset(self) -> None:
         """Forget the plan and the solver's warm start."""
+        self._start_solver()
+        self._plan = np.zeros(self._basis.shape[1])
+        self._plan_age = 0
+        self._since_solution = 0
+        self._last = LawCommand(0.0, "no solution yet")
+
+    def _start_solver(self) -> None:
+        """Start a solver without a warm start."""
         count = len(self._forced)
         self._solver = daqp.Model()
         self._solver.settings = {
@@ -168,10 +220,6 @@ class ConstrainedLaw:
             np.full(count, -1e30),
             self._sense,
         )
-        self._plan = np.zeros(self._basis.shape[1])
-        self._plan_age = 0
-        self._since_solution = 0
-        self._last = LawCommand(0.0, "no solution yet")
 
     def command(self, state: LoopState) -> LawCommand:
         """Return the command at `state`: solve when it is time, else follow the plan."""
@@ -207,12 +255,7 @@ class ConstrainedLaw:
             status = f"not solved in {iterations} iterations: plan of {self._plan_age} ticks ago followed"
             self._last = LawCommand(0.0, status, iterations, self._last.active)
             # a solver that stopped in mid-way starts afresh
-            self._restart_solver()
-
-    def _restart_solver(self) -> None:
-        plan, age, last, since = self._plan, self._plan_age, self._last, self._since_solution
-        self.reset()
-        self._plan, self._plan_age, self._last, self._since_solution = plan, age, last, since
+            self._start_solver()
 
     def _bounds(self, state: LoopState) -> tuple[Array, Array]:
         """Return lower and upper bounds of the constrained outputs, the mean payout's share taken off."""
