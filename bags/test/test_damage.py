@@ -222,9 +222,11 @@ def test_a_journal_that_belongs_to_another_state_of_the_file_is_not_read(tmp_pat
     chunks = chunk_positions(path.read_bytes())
     path.write_bytes(path.read_bytes()[: chunks[-1]] + interim_ending())  # as it was before its last chunk
     assert journal_path(path).read_bytes() == journal
-    got, _ = read_all(path)
+    got, losses = read_all(path)
     assert len(got) < len(with_journal) - 20, "the journal's records do not follow here"
     assert got == with_journal[: len(got)]
+    assert "the file ends before its journal begins" in str(losses[0])
+    assert losses[0].messages is None
 
 
 def test_a_time_window_is_right_where_the_head_of_a_chunk_lies_about_its_times(sound, tmp_path):
