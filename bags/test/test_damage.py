@@ -144,6 +144,18 @@ def test_a_killed_file_whose_first_chunk_is_damaged_keeps_all_others(sound, tmp_
     assert second, "the definitions stand in the second chunk, too"
 
 
+def test_a_piece_that_is_gone_from_a_killed_file_is_told_by_the_numbers_of_its_messages(sound, tmp_path):
+    data, messages = sound
+    _, _, third, fourth, *_ = chunk_positions(data)
+    end_of_data = data.rindex(b"\x0f\x04\x00\x00\x00\x00\x00\x00\x00")
+    closing_record = data.rindex(b"\x07\x00\x00\x00rosbag2", 0, end_of_data) - 9  # a killed writer has not come so far
+    path = tmp_path / "killed_0.mcap"
+    path.write_bytes(data[:third] + data[fourth:closing_record] + interim_ending())
+    got, losses = read_all(path)
+    assert stated_loss(losses) == len(messages) - len(got) > 0
+    assert "messages are missing" in str(losses[0])
+
+
 def test_no_single_byte_takes_the_definitions(sound, tmp_path):
     data, messages = sound
     first, second, third, *_ = chunk_positions(data)
@@ -210,9 +222,11 @@ def test_a_journal_that_belongs_to_another_state_of_the_file_is_not_read(tmp_pat
     chunks = chunk_positions(path.read_bytes())
     path.write_bytes(path.read_bytes()[: chunks[-1]] + interim_ending())  # as it was before its last chunk
     assert journal_path(path).read_bytes() == journal
-    got, _ = read_all(path)
+    got, losses = read_all(path)
     assert len(got) < len(with_journal) - 20, "the journal's records do not follow here"
     assert got == with_journal[: len(got)]
+    assert "the file ends before its journal begins" in str(losses[0])
+    assert losses[0].messages is None
 
 
 def test_a_time_window_is_right_where_the_head_of_a_chunk_lies_about_its_times(sound, tmp_path):

@@ -9,7 +9,7 @@ import pytest
 from heave_bags.analyse import analysis, kpi_set, report
 from heave_bags.analyse.events import Interval
 from heave_bags.analyse.report_figures import pack, run_figures, thin
-from heave_bags.analyse.signals import Signal
+from heave_bags.signals import Signal
 from made_up_run import MadeUpRun
 from numpy import arange, sin, zeros
 

@@ -15,9 +15,9 @@ from heave_node import kpi
 
 from heave_bags.analyse import kpi_set
 from heave_bags.analyse.run_record import NodeParameters, RunRecord, read_run
-from heave_bags.analyse.signals import Signal
 from heave_bags.errors import BagError
 from heave_bags.mcap.reader import Progress, no_progress
+from heave_bags.signals import Signal
 
 if TYPE_CHECKING:
     import pandas

@@ -7,7 +7,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.ndimage import uniform_filter1d
 
-from heave_bags.analyse.signals import RunSignals, Signal
+from heave_bags.signals import RunSignals, Signal
 
 MOVED = 0.1
 """A set-point that moves less than this is no programme [m]."""

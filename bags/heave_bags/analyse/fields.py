@@ -13,9 +13,9 @@ import numpy as np
 from heave_node.arrays import Array
 from numpy.typing import NDArray
 
-from heave_bags.analyse.signals import Signal
 from heave_bags.cdr.columns import Columns
 from heave_bags.mcap.reader import LOG_TIME, TIME
+from heave_bags.signals import Signal
 
 RESET = 1.0
 """Time that goes back by more than this was reset [s]; by less, messages have overtaken each other."""

@@ -16,7 +16,7 @@ from heave_node import kpi
 from heave_node.arrays import Array
 from numpy.typing import NDArray
 
-from heave_bags.analyse.signals import RunSignals, Signal
+from heave_bags.signals import RunSignals, Signal
 
 NOT_KNOWN = math.nan
 

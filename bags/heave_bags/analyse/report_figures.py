@@ -16,8 +16,8 @@ from heave_node.arrays import Array
 
 from heave_bags.analyse.events import Interval
 from heave_bags.analyse.run_record import Innovation, RunRecord
-from heave_bags.analyse.signals import Signal
 from heave_bags.analyse.spectra import Spectrum, spectrum, transmissibility
+from heave_bags.signals import Signal
 
 BOOM_TIP = "#0072b2"
 PAYOUT = "#e69f00"

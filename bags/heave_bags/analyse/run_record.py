@@ -19,11 +19,11 @@ from heave_bags.analyse import events, kpi_set
 from heave_bags.analyse.depth_programme import SPAN, take_out_programme
 from heave_bags.analyse.events import Interval
 from heave_bags.analyse.fields import Fields, on_one_clock
-from heave_bags.analyse.signals import RunSignals, Signal
 from heave_bags.errors import BagError, one_line
 from heave_bags.mcap.loss import Loss
 from heave_bags.mcap.reader import Bag, Progress, no_progress
 from heave_bags.record.provenance import PARAMETERS_ATTACHMENT, SCENARIO_ATTACHMENT
+from heave_bags.signals import RunSignals, Signal
 
 NIS_BAND = (0.000982069, 5.02388619)
 """Central 95 % of the chi-square distribution with one degree of freedom."""

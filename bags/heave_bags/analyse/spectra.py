@@ -8,7 +8,7 @@ import numpy as np
 from heave_node.arrays import Array
 from scipy.signal import welch
 
-from heave_bags.analyse.signals import Signal
+from heave_bags.signals import Signal
 
 MINIMUM_SAMPLES = 64
 SEGMENT_TIME = 200.0

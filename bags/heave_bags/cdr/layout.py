@@ -12,7 +12,9 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from heave_bags.errors import BagError
-from heave_bags.mcap.definitions import PRIMITIVES, SEPARATOR
+
+SEPARATOR = "=" * 80
+"""The line of a `ros2msg` schema behind which the next type stands."""
 
 NUMPY_TYPES = {
     "bool": "?",
@@ -29,6 +31,8 @@ NUMPY_TYPES = {
     "float32": "f4",
     "float64": "f8",
 }
+
+PRIMITIVES = frozenset((*NUMPY_TYPES, "string", "wstring"))
 
 _ENCAPSULATION = 4
 """Bytes before the message proper; alignment counts from behind them."""

@@ -201,15 +201,19 @@ class McapScan:
     def _journalled(self, file: RecordFile, position: int) -> Iterator[Message]:
         """Read the journal of what was to follow at `position`, or at the end of a damaged file."""
         self._settle_lost_chunk()
-        journal = read_journal(self.path, position) or read_journal(self.path, file.size)
-        yield from self._walk(journal, position, may_be_cut=True)
+        journal = read_journal(self.path)
+        if journal is not None and journal.position in (position, file.size):
+            yield from self._walk(journal.records, position, may_be_cut=True)
+        elif journal is not None and journal.position > file.size:
+            self._lose(position, "the file ends before its journal begins", None)
         if not self._account.is_open:
             self._lose(position, NO_FOOTER, 0)
 
     def _cut_off(self, file: RecordFile, record: Record) -> Iterator[Message]:
         """Read what is there of the last record; a compressed chunk gives the blocks that are whole."""
         self._settle_lost_chunk()
-        if read_journal(self.path, record.position):
+        journal = read_journal(self.path)
+        if journal is not None and journal.position == record.position:
             yield from self._journalled(file, record.position)
             return
         reason = "the file ends within a record"

@@ -15,6 +15,7 @@ import threading
 from collections import deque
 from collections.abc import Callable
 from contextlib import suppress
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Protocol
 
@@ -65,19 +66,25 @@ def journal_path(path: Path) -> Path:
     return path.with_name(path.name + JOURNAL_SUFFIX)
 
 
-def read_journal(path: Path, position: int) -> bytes:
-    """Return the records of the journal of `path` that belong behind byte `position` of the file; empty if there
-    are none.
-    """
+@dataclass(frozen=True)
+class Journal:
+    """What was acknowledged behind byte `position` of a file: records, which may end in the midst of one."""
+
+    position: int
+    records: bytes
+
+
+def read_journal(path: Path) -> Journal | None:
+    """Return the journal of `path`; None if there is none."""
     try:
         with journal_path(path).open("rb") as stream:
             data = stream.read(LARGEST_RECORD)
     except OSError:
-        return b""
+        return None
     if len(data) < _JOURNAL_HEAD.size:
-        return b""
-    magic, base = _JOURNAL_HEAD.unpack_from(data)
-    return data[_JOURNAL_HEAD.size :] if magic == _JOURNAL_MAGIC and base == position else b""
+        return None
+    magic, position = _JOURNAL_HEAD.unpack_from(data)
+    return Journal(position, data[_JOURNAL_HEAD.size :]) if magic == _JOURNAL_MAGIC else None
 
 
 def _write_all(descriptor: int, data: bytes, position: int | None = None) -> None:

@@ -18,10 +18,10 @@ import numpy as np
 from heave_node.arrays import Array
 from scipy.interpolate import CubicSpline
 
-from heave_bags.analyse.signals import Signal
 from heave_bags.errors import BagError
 from heave_bags.mcap.bounds import load_yaml
 from heave_bags.mcap.reader import TIME, Bag
+from heave_bags.signals import Signal
 
 MOTIONS = ("surge", "sway", "heave", "roll", "pitch")
 EULER_PARTS = ("roll", "pitch", "yaw")
