@@ -113,7 +113,7 @@ def run_scenario(
     """
     prepare_environment()
     remove_dead_segments()
-    monitor = Monitor()
+    monitor = _listen()
     launcher = Launcher()
     progress = ProgressLine()
     try:
@@ -129,6 +129,13 @@ def run_scenario(
         progress.close()
         launcher.stop()
         monitor.close()
+
+
+def _listen() -> Monitor:
+    try:
+        return Monitor()
+    except RuntimeError as error:  # of rclpy: no keys in the keystore, no such middleware
+        raise CommandError(f"ROS does not start: {' '.join(str(error).split())}") from None
 
 
 def nodes_to_start(scenario: Scenario) -> list[str]:

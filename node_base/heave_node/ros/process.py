@@ -8,6 +8,7 @@ import sys
 from types import FrameType
 
 import rclpy
+from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.lifecycle import TransitionCallbackReturn
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
@@ -17,6 +18,8 @@ from heave_node.ros.environment import is_bound_to_loopback, prepare_environment
 from heave_node.ros.exposure import exposed_ports
 from heave_node.ros.node import HeaveNode, one_line
 from heave_node.ros.spin import spin
+
+RCLError = rclpy_implementation.RCLError
 
 LAUNCHER_VARIABLE = "HEAVE_LAUNCHER"
 """Environment variable with the process id of the launcher that a node must not outlive."""
@@ -38,12 +41,14 @@ def run_node(node_type: type[HeaveNode], args: list[str] | None = None) -> int:
     Whatever goes wrong is one line on standard error: `<node>: <what>`.
     """
     notice = prepare_environment()
-    # Signals end the node, not the context: its last words must still reach the others.
-    rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
     try:
+        # Signals end the node, not the context: its last words must still reach the others.
+        rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
         node = node_type()
     except ParameterError as error:
         return _exit_with_message(str(error), EXIT_REFUSED)
+    except RCLError as error:  # a keystore without this node's keys, a middleware that is not there
+        return _exit_with_message(f"{node_type.name}: ROS does not start: {' '.join(str(error).split())}", EXIT_FAILED)
     exposure = _exposure(node)
     if exposure:
         shut_down(node)
