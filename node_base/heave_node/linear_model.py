@@ -1,12 +1,11 @@
-"""Linear state-space models with named states, inputs, outputs and noises: the one definition for sea, vessel and
-controller.
+"""Linear state-space models with named states, inputs, outputs and noises, for sea, vessel and controller alike.
 
 Noise convention: a noise input is white with unit intensity (continuous: autocovariance delta(t)) or unit variance a
 step (discrete), so that `G @ G.T` is the intensity or the covariance of the process noise. The one-sided spectrum in
 rad/s of such noise is 1/pi. A shaping filter whose spectrum |H(i omega)|^2 is one-sided in rad/s is therefore driven
-by noise of intensity pi (NOISE_INTENSITY): it has sqrt(pi) in G. Its stationary covariance P then obeys
-A P + P A' + pi B B' = 0, and the integral of its spectrum over omega > 0 is the variance. (Thesis Eq. 6.31 prints the
-Lyapunov equation without pi; the numbers printed beside it need it.)
+by noise of intensity pi (NOISE_INTENSITY): it has sqrt(pi) in G. Its stationary covariance P then obeys the Lyapunov
+equation A P + P A' + pi B B' = 0, and the integral of its spectrum over omega > 0 is the variance. (Thesis Eq. 6.31
+prints that equation without pi; the numbers printed beside it need it.)
 """
 
 from __future__ import annotations
@@ -251,13 +250,13 @@ def with_feedback(model: LinearModel, gain: Array) -> LinearModel:
 
 
 def spectral_abscissa(model: LinearModel) -> float:
-    """Return the largest real part (continuous) or magnitude (discrete) of the poles."""
+    """Return the largest real part (continuous) or magnitude (discrete) of the poles of a `model`."""
     poles = np.linalg.eigvals(model.A)
     return float(np.max(np.abs(poles) if model.dt is not None else poles.real, initial=-np.inf))
 
 
 def is_stable(model: LinearModel) -> bool:
-    """Tell whether all poles lie left of the imaginary axis (continuous) or inside the unit circle (discrete)."""
+    """Tell whether every mode of a `model` decays."""
     return spectral_abscissa(model) < (1.0 if model.dt is not None else 0.0)
 
 

@@ -33,5 +33,5 @@ class Entry:
 
 
 def describe_choices(registry: Mapping[str, Entry]) -> str:
-    """Return names and descriptions as one phrase: `regular (a sine), file (a recording)`."""
+    """Return names and descriptions of a `registry` as one phrase: `regular (a sine), file (a recording)`."""
     return ", ".join(f"{name} ({entry.description})" for name, entry in registry.items())

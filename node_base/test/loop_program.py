@@ -1,9 +1,9 @@
-"""A small loop of real processes to test the tick protocol with: sea -> controller -> winch -> plant, numbers instead
-of physics.
+"""A small loop of real processes to test the tick protocol with: sea -> controller -> winch -> plant, with numbers in
+place of physics.
 
 Run as `python loop_program.py NODE --ros-args ...`. The parameter `fault` makes the node misbehave at tick
-`fault_tick`. Every node checks that it
-has exactly the messages of its tick, and the plant prints what it saw at the end.
+`fault_tick`. Every node checks that it has exactly the messages of its tick, and the plant prints what it saw at the
+end.
 """
 
 import os

@@ -184,7 +184,7 @@ def rows_of(headings=(0.0, 1.6, 3.14159), omegas=(0.2, 0.5, 1.0, 2.0)):
         (csv_text(rows_of()).replace("3.14159,0.2,1.0", "3.14159,0.2,nan"), "not a finite number"),
         (csv_text(rows_of()).replace("3.14159,0.2,1.0", "3.14159,0.2,-1.0"), "amplitude is negative"),
         (csv_text(rows_of(headings=(0.0, 1.0))), "headings must reach"),
-        (csv_text(rows_of(omegas=(0.5, 1.0))), "at least 4"),
+        (csv_text(rows_of(omegas=(0.5, 1.0))), "wanted 4 frequencies or more"),
         ("", "found 0 lines"),
         (csv_text(rows_of())[:-20], "line 13: 11 values where the header has 15"),
     ],

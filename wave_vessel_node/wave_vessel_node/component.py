@@ -53,7 +53,6 @@ class WaveVessel:
 
     Attributes
     ----------
-    parameters : as given
     warnings : what was repaired in the files read
     mru : the motion reference unit, into which faults are injected
 

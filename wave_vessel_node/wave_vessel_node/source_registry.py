@@ -42,7 +42,6 @@ class SourceEntry(Entry):
 
     Attributes
     ----------
-    location, description : see Entry
     has_sea : a sea with a spectrum moves the vessel: it has a course, and a response to waves
     check : raises ValueError where the other parameters contradict this source
     """

@@ -1,4 +1,4 @@
-"""A node that takes part in each tick: waits for what it needs, steps its component, answers the master."""
+"""A node that takes part in each tick: it waits for its inputs, steps its component, answers the clock master."""
 
 from __future__ import annotations
 
@@ -17,15 +17,14 @@ class ParticipantNode(HeaveNode):
     """Base of every node but the clock master.
 
     A node sets `name`, `parameters_type` and `after`, makes its component, inputs and outputs in `on_build`, and does
-    its part of a tick in `on_tick`.
-    `lag` is the number of ticks that it may be behind the others (a recorder).
+    its part of a tick in `on_tick`. `lag` is the number of ticks that it may be behind the others (a recorder).
     """
 
     def on_tick(self, tick: Tick) -> None:
         """Do this node's part of `tick`: take the inputs, step the component, publish the outputs."""
 
     def join_protocol(self) -> None:
-        """Make the topics by which a participant hears and answers the master."""
+        """Make the publisher and the subscriptions by which a participant follows the clock master and answers it."""
         self._starts: deque[TickStart] = deque()
         self._answered: TickStart | None = None
         self._roster_epoch = 0
@@ -55,17 +54,20 @@ class ParticipantNode(HeaveNode):
         self.has_started = True
         if round(message.tick_period * 1e9) != self.run.tick_nanoseconds:
             self.fail(
-                f"tick_period is {self.run.tick_period} s here and {message.tick_period} s at the clock master; "
-                "set it under /** of the scenario"
+                f"tick_period is {self.run.tick_period} s here, but {message.tick_period} s at the clock master: "
+                "set it once, under /** of the scenario"
             )
         self._begin_next()
 
     def _on_start(self, message: TickStart) -> None:
-        """Queue a tick; one that was heard before is a question that got no answer."""
+        """Queue a tick. A tick that came before is the master asking again for an answer that it did not get."""
         self._master_heard_at = time.monotonic()
         newest = self._starts[-1] if self._starts else self._answered
         if newest is None and self.run.is_lockstep and message.tick > 1 + self.lag:
-            self.fail(f"came too late: a run is under way in this ROS domain, at tick {message.tick}")
+            self.fail(
+                f"started too late: a run is already at tick {message.tick} in this ROS domain; wait for its end, or "
+                "set another ROS_DOMAIN_ID"
+            )
         elif newest is None or _order(message) > _order(newest):
             self._starts.append(message)
             if len(self._starts) == 1:
@@ -100,13 +102,13 @@ class ParticipantNode(HeaveNode):
         return self.tick is not None and (self.tick.epoch, self.tick.number) == (start.epoch, start.tick)
 
     def _on_deadline(self) -> None:
-        """Step with what is here: in real time nobody waits."""
+        """Step with what has come: in real time a node does not wait any longer."""
         self._deadline.cancel()
         if self._starts and self._is_in_tick() and not self._starts[0].flush:
             self._step()
 
     def _step(self) -> None:
-        """Do the part of the tick, answer, and enter the next tick where one waits already."""
+        """Do this node's part of the tick, answer, and enter the next tick if one is queued."""
         start = self._starts.popleft()
         tick = self.tick
         assert tick is not None
@@ -128,10 +130,10 @@ class ParticipantNode(HeaveNode):
         self.publish_diagnostics(tick)
 
     def on_flush(self, tick: Tick) -> None:
-        """Take the last messages of a run; no step belongs to it."""
+        """Take the last messages of a run; `tick` follows the last one and has no step of its own."""
 
     def _is_answer_due(self, start: TickStart) -> bool:
-        """Tell whether the master waits for an answer: one that may lag hears of each tick, but answers for many."""
+        """Tell whether the master waits for an answer: a node that may lag answers for many ticks at a time."""
         return start.flush or start.tick % max(1, self.lag // 2) == 0
 
     def _answer(self) -> None:
@@ -141,7 +143,7 @@ class ParticipantNode(HeaveNode):
         )
 
     def _answer_again(self) -> None:
-        """Say again what was said, or what is lacking."""
+        """Send this tick's messages and answer again, or say what is missing."""
         if self._starts:
             self.publish_join(self.gate.missing())
         else:
@@ -159,7 +161,7 @@ class ParticipantNode(HeaveNode):
         limit = self.run.participant_timeout if self.has_started else self.run.start_timeout
         silence = time.monotonic() - self._master_heard_at
         if self.is_active and silence > limit:
-            self.fail(f"the clock master has been silent for {silence:.1f} s")
+            self.fail(f"no message from the clock master for {silence:.1f} s")
 
 
 def _order(message: TickStart) -> tuple[int, int]:

@@ -22,27 +22,34 @@ from heave_node.ros.spin import spin
 RCLError = rclpy_implementation.RCLError
 
 LAUNCHER_VARIABLE = "HEAVE_LAUNCHER"
-"""Environment variable with the process id of the launcher that a node must not outlive."""
+"""Environment variable with the process id of the launcher: a node ends when that process is gone."""
 
 EXIT_OK = 0
 EXIT_FAILED = 1
 EXIT_REFUSED = 2
 EXIT_STUCK = -signal.SIGALRM
-"""What a parent sees of a node that had done its work, but that the middleware did not let go."""
+"""Exit status, as a parent sees it, of a node that had done its work but was held up by the middleware."""
 
 SHUTDOWN_TIMEOUT = 3
-"""Wall time that the middleware has to let a node go [s]."""
+"""Wall time that the middleware has to shut a node down [s]."""
 
 
 def run_node(node_type: type[HeaveNode], args: list[str] | None = None) -> int:
-    """Run a node until the run ends or SIGINT or SIGTERM comes; return the exit status: 0 done, 1 failed, 2 parameters
-    refused.
+    """Run a node until the run ends or SIGINT or SIGTERM comes.
 
-    Whatever goes wrong is one line on standard error: `<node>: <what>`.
+    Parameters
+    ----------
+    node_type : class of the node
+    args : command line of ROS; None takes that of the process
+
+    Returns
+    -------
+    status : for the process to exit with: 0 done, 1 failed, 2 parameters refused. What went wrong is one line on
+        standard error, `<node>: <what>`
     """
     notice = prepare_environment()
     try:
-        # Signals end the node, not the context: its last words must still reach the others.
+        # A signal ends the node, not the context: its last messages must still reach the others.
         rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
         node = node_type()
     except ParameterError as error:
@@ -60,11 +67,11 @@ def run_node(node_type: type[HeaveNode], args: list[str] | None = None) -> int:
         if node.run.autostart and node.trigger_configure() == TransitionCallbackReturn.SUCCESS:
             node.trigger_activate()
         spin(node, node.finished, lambda: _on_idle(node), node.service_pause)
-    except Exception as error:  # nothing may pass in silence
+    except Exception as error:  # every error must end in a line and a status
         node.fail(one_line(error), error)
     try:
         node.on_exit()
-    except Exception as error:  # closing a bag on a full disk must still be told
+    except Exception as error:  # such as a bag that cannot be closed on a full disk
         node.fail(one_line(error), error)
     status = _exit_with_message(f"{node.name}: {node.failure}", EXIT_FAILED) if node.failure else EXIT_OK
     shut_down(node)
@@ -72,10 +79,10 @@ def run_node(node_type: type[HeaveNode], args: list[str] | None = None) -> int:
 
 
 def shut_down(node: Node) -> None:
-    """Destroy a node whose work is done.
+    """Destroy a `node` whose work is done, and shut ROS down.
 
-    Fast DDS can lock up for ever where an endpoint goes while a timer of discovery runs out. The kernel then ends the
-    process: by that time everything is closed and said.
+    Fast DDS can lock up for ever when an endpoint is removed while a timer of discovery expires. An alarm then ends the
+    process: by that time every file is closed and every message sent.
     """
     signal.signal(signal.SIGALRM, signal.SIG_DFL)
     signal.alarm(SHUTDOWN_TIMEOUT)
@@ -96,10 +103,10 @@ def _exposure(node: HeaveNode) -> str:
 
 
 def _on_idle(node: HeaveNode) -> None:
-    """Let the node look at the wall clock, and end it when the launcher that it belongs to is gone."""
+    """Let the node check the wall clock, and end it when its launcher is gone."""
     launcher = os.environ.get(LAUNCHER_VARIABLE)
     if launcher and os.getppid() != int(launcher):
-        node.fail("the command that started it is gone")
+        node.fail("the process that started it has ended")
     node.on_idle()
 
 

@@ -18,7 +18,13 @@ from heave_node.linear_model import NOISE_INTENSITY, LinearModel, linear_model
 
 @dataclass(frozen=True)
 class Section:
-    """One pair of poles: natural frequency [rad/s, or of the peak where normalised] and damping ratio."""
+    """One pair of poles.
+
+    Attributes
+    ----------
+    frequency : natural frequency over that of the peak
+    damping : damping ratio
+    """
 
     frequency: float
     damping: float
@@ -28,7 +34,12 @@ class Section:
 class FilterForm:
     """H(s) = gain s^zeros N(s) / product of (s^2 + 2 zeta omega s + omega^2), normalised to omega_m = 1 and m_0 = 1.
 
-    `numerator` are free zero pairs, written like poles; N(s) is their product (1 if none).
+    Attributes
+    ----------
+    gain : of the normalised filter
+    zeros_at_origin : number of zeros at s = 0
+    sections : pairs of poles
+    numerator : free pairs of zeros, written like poles; N(s) is their product, 1 if there are none
     """
 
     gain: float
@@ -41,7 +52,13 @@ class FilterForm:
             raise ValueError("a shaping filter needs fewer zeros than poles")
 
     def model(self, peak: float, significant_wave_height: float) -> LinearModel:
-        """Return the filter at physical scale: s divided by `peak` [rad/s], gain (Hs/4) / sqrt(peak)."""
+        """Return the filter at the scale of a sea: s divided by the peak, gain (Hs/4) / sqrt(peak).
+
+        Parameters
+        ----------
+        peak : peak frequency [rad/s]
+        significant_wave_height : Hs [m]
+        """
         numerator = np.zeros(2 * len(self.sections))
         polynomial = np.array([self.gain])
         for zero in self.numerator:
@@ -79,7 +96,7 @@ def wave_model(A: Array, B: Array, C: Array) -> LinearModel:
 
 
 def sections_of(values: Sequence[float] | Array) -> tuple[Section, ...]:
-    """Read sections from a flat list frequency, damping, frequency, damping, ..."""
+    """Return the sections of a flat list of `values`: frequency, damping, frequency, damping, ..."""
     return tuple(Section(float(values[i]), float(values[i + 1])) for i in range(0, len(values), 2))
 
 

@@ -31,7 +31,7 @@ _ROUNDING = 1e-3  # [m^2/Hz] a density this little below zero is rounding of the
 
 
 def read_ndbc(path: Path) -> SpectrumFile:
-    """Read a text file of NDBC, plain or compressed by gzip (.gz).
+    """Read NDBC's text file at `path`, plain or compressed by gzip (.gz).
 
     Raises SpectrumFileError where the file is of another format, truncated within its header, or holds no usable
     record.

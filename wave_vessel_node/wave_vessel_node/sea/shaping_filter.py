@@ -40,7 +40,9 @@ def shaping_filter(spectrum: WaveSpectrum, form: str = AUTO, states: int = 6) ->
 
 
 def thesis_filter(spectrum: WaveSpectrum, _states: int = 6) -> LinearModel:
-    """Return the filter of thesis Eq. 6.22-6.23 with its constants, kept to reproduce its numbers: 71 % in error.
+    """Return the filter of thesis Eq. 6.22-6.23 at the peak and height of `spectrum`, with the thesis's constants.
+
+    Its relative L2 error is 71 %; it is kept to reproduce the thesis's numbers.
 
     S_0 = 1.25 / (4 omega_m) Hs^2 1.8861, omega_0 = 0.9538 omega_m. The matrices are the printed ones; their transfer
     function is sqrt(S_0) (s/omega_0)^2 / (1 + 1.414 s/omega_0 + (s/omega_0)^2)^3.

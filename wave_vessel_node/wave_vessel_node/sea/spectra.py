@@ -225,8 +225,12 @@ class OchiHubbleSystem:
 class OchiHubble(WaveSpectrum):
     """Wind sea and swell together, Ochi and Hubble (1976): the sum of two three-parameter spectra.
 
-    S_j = (1/4) (((4 lambda + 1)/4) omega_p^4)^lambda / Gamma(lambda) Hs^2 / omega^(4 lambda + 1) exp(-((4 lambda +
-    1)/4) (omega_p/omega)^4).
+    S_j = (1/4) (l omega_p^4)^lambda / Gamma(lambda) Hs^2 / omega^(4 lambda + 1) exp(-l (omega_p/omega)^4) with
+    l = (4 lambda + 1)/4.
+
+    Attributes
+    ----------
+    wind_sea, swell : the two systems; which is which does not matter
     """
 
     wind_sea: OchiHubbleSystem
@@ -265,7 +269,13 @@ class OchiHubble(WaveSpectrum):
 class TabulatedSpectrum(WaveSpectrum):
     """A spectrum given at points, linear between them and zero outside; exact in its moments.
 
-    `frequency` [rad/s] rises strictly; `values` [m^2 s/rad] are not negative. Raises SpectrumError otherwise.
+    Attributes
+    ----------
+    frequency : [rad/s], above 0, rising strictly, shape (n,), 3 or more
+    values : [m^2 s/rad], not negative, shape (n,)
+    name : opens the message of an error
+
+    Raises SpectrumError for anything else.
     """
 
     frequency: Sequence[float] | Array

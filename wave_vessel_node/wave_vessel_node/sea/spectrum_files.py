@@ -10,7 +10,7 @@ from wave_vessel_node.sea.wavespectra_files import ENDINGS, read_with_wavespectr
 
 
 def read_spectra(path: str | Path) -> SpectrumFile:
-    """Read the spectra of a file: what `wavespectra` reads by its ending (.nc, .spec, .swn), everything else as NDBC's.
+    """Read the spectra of the file at `path`, by its ending: .nc, .spec and .swn by `wavespectra`, any other as NDBC's.
 
     Raises SpectrumFileError when the file is missing, of no known format, truncated within its header, or holds no
     usable record.

@@ -21,7 +21,7 @@ ENDINGS = tuple(_READERS)
 
 
 def read_with_wavespectra(path: Path) -> SpectrumFile:
-    """Read a file by `wavespectra`; directions are summed, and of several sites the first is taken (with a warning).
+    """Read the file at `path` by `wavespectra`; directions are summed, of several sites the first is taken and said.
 
     Raises SpectrumFileError when the library is not installed, cannot read the file, or finds no usable spectrum.
     """

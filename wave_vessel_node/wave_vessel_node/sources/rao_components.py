@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 from heave_node.arrays import Array, ComplexArray
+from heave_node.compiled import kernel
 from heave_node.constants import STANDARD_GRAVITY
-from numba import njit
 
 from wave_vessel_node.sea.realisation import HarmonicSum, WaveComponents
 from wave_vessel_node.sources.motion_source import MotionSource
@@ -95,7 +95,7 @@ class RaoSource(MotionSource):
         return out
 
 
-@njit(cache=True)
+@kernel
 def _sum(
     frequency: Array, amplitude: Array, phase: Array, direction: Array, knots: Array,
     coefficients: ComplexArray, weights: Array,
