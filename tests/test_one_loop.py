@@ -29,7 +29,7 @@ OTHER_WATER = {
 
 def compare(bag: Path) -> None:
     """Run the scenario that the run in `bag` stored again in one process, and compare."""
-    scenario = load_scenario(bag.parent / "scenario.yaml", settings={}, common={}, source="test")
+    scenario = load_scenario(str(bag.parent / "scenario.yaml"))
     parameters = loop_parameters(scenario)
     outputs = []
     record = ClosedLoop(parameters).run(lambda _, of_tick: outputs.append(of_tick))

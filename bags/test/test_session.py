@@ -115,7 +115,7 @@ def test_the_recorder_of_a_run_ends_in_an_error_that_names_what_is_missing(tmp_p
     recorder._lost = lambda: RecorderNode._lost(recorder)
     recorder._closing_words = lambda lost: RecorderNode._closing_words(recorder, lost)
     with pytest.raises(NodeError, match="messages were lost: /mru 3 of 10"):
-        RecorderNode.on_leave(recorder)
+        RecorderNode.on_exit(recorder)
     assert Bag(tmp_path / "bag").outcome["lost"] == "/mru 3 of 10"
 
 

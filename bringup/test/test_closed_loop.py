@@ -21,6 +21,7 @@ from cable_sim_node.winch.parameters import WinchParameters
 from heave_bags.analyse import kpi_set
 from heave_bringup.campaign.runs import run_signals
 from heave_bringup.closed_loop import ClosedLoop, LoopParameters, LoopRecord, loop_parameters
+from heave_bringup.scenarios import make_scenario
 from heave_msgs.msg import WinchState
 from heave_node.faults import FAULTS, LARGEST_DELAY, faults_of
 from heave_node.messages import SensorMessages
@@ -181,7 +182,8 @@ def parameters(drawn_values: dict[str, dict[str, object]], tick_period: float, s
         },
     }
     values = {node: base[node] | drawn_values.get(node, {}) for node in base}
-    return loop_parameters(values, seed=seed, duration=DURATION, tick_period=tick_period)
+    values["/**"] = {"seed": seed, "duration": DURATION, "tick_period": tick_period}
+    return loop_parameters(make_scenario(values))
 
 
 @settings(max_examples=8)

@@ -7,11 +7,11 @@ from pathlib import Path
 
 import pytest
 from heave_bringup.cli import main
-from heave_bringup.commands import modes, static
+from heave_bringup.commands.models import modes, static
 from heave_bringup.parser import make_parser
 
 PLANT_README = Path(__file__).parents[2] / "cable_sim_node" / "README.md"
-EXAMPLES = [line.strip() for line in (static.EXAMPLES + "\n" + modes.EXAMPLES).splitlines()]
+EXAMPLES = [*static.COMMAND.examples, *modes.COMMAND.examples]
 if PLANT_README.is_file():
     EXAMPLES += re.findall(r"^(heave (?:static|modes) .*?)(?: +#.*)?$", PLANT_README.read_text("utf-8"), re.MULTILINE)
 

@@ -171,5 +171,5 @@ def test_wrong_parameter_of_the_winch_is_refused_with_one_line(domain: int, tmp_
     ended = subprocess.run(command, capture_output=True, text=True, env=environment, timeout=60.0, check=False)
     assert ended.returncode == 2
     assert ended.stderr.strip() == (
-        "virtual_winch: speed_limit = -2.0 is not allowed: it must be a number from 0.001 to 100 [m/s]"
+        "virtual_winch: command line: speed_limit = -2.0 is not allowed: it must be a number from 0.001 to 100 [m/s]"
     )

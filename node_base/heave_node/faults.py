@@ -9,9 +9,12 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
-from heave_node.arrays import Array
 from heave_node.parameters import parameter
+
+if TYPE_CHECKING:  # parameters are read without numerics
+    from heave_node.arrays import Array
 
 TIME_TOLERANCE = 1e-9
 """Times nearer than this are the same time [s]: tick times are rounded sums."""

@@ -55,8 +55,8 @@ class SpectralEstimate:
 
 
 def segment_size(segment: float, period: float) -> int:
-    """Return the samples of a segment of about `segment` [s], an even number, `period` [s] apart."""
-    return 2 * round(0.5 * segment / period)
+    """Return the samples of a segment of about `segment` [s], an even number of at least 2, `period` [s] apart."""
+    return 2 * max(1, round(0.5 * segment / period))
 
 
 def segment_frequencies(size: int, period: float) -> Array:

@@ -12,6 +12,7 @@ import numpy as np
 from heave_node import topics
 from heave_node.arrays import Array
 from heave_node.constants import SEAWATER_DENSITY, STANDARD_GRAVITY
+from heave_node.hydrostatics import displaced_area, weight_in_fluid
 from heave_node.parameters import ParameterError
 from heave_node.scenario import parse_sections, values_of_node
 
@@ -20,6 +21,7 @@ from heave_bags.analyse.depth_programme import SPAN, take_out_programme
 from heave_bags.analyse.events import Interval
 from heave_bags.analyse.fields import Fields, on_one_clock
 from heave_bags.errors import BagError, one_line
+from heave_bags.mcap.bounds import load_yaml
 from heave_bags.mcap.loss import Loss
 from heave_bags.mcap.reader import Bag, Progress, no_progress
 from heave_bags.record.provenance import PARAMETERS_ATTACHMENT, SCENARIO_ATTACHMENT
@@ -315,8 +317,10 @@ def _parameters(bag: Bag) -> dict[str, dict[str, Any]]:
     nodes: dict[str, dict[str, Any]] = {}
     for name in (SCENARIO_ATTACHMENT, PARAMETERS_ATTACHMENT):
         try:
-            sections = parse_sections(attachments.get(name, b""), name)
-        except ParameterError:
+            content = attachments.get(name, b"")
+            load_yaml(content)  # held to bounds, since anyone may have written the bag
+            sections = parse_sections(content, name)
+        except (ParameterError, ValueError):
             continue
         for node in ("cable_sim", "wave_vessel", "virtual_winch", "winch_controller"):
             nodes.setdefault(node, {}).update(values_of_node(sections, f"/{node}"))
@@ -329,10 +333,14 @@ def _number(parameters: Mapping[str, Any], name: str, default: float) -> float:
 
 def _cable_weight(plant: Mapping[str, Any]) -> float:
     """Return weight minus buoyancy of the cable that is paid out [N/m]; 0 where the bag does not say."""
-    mass = _number(plant, "cable.mass_per_length", math.nan)
-    diameter = _number(plant, "cable.displaced_diameter", 0.0) or _number(plant, "cable.diameter", math.nan)
-    displaced = _number(plant, "water_density", SEAWATER_DENSITY) * 0.25 * math.pi * diameter**2
-    weight = (mass - displaced) * _number(plant, "gravity", STANDARD_GRAVITY)
+    diameter = _number(plant, "cable.diameter", math.nan)
+    displaced = displaced_area(diameter, _number(plant, "cable.displaced_diameter", 0.0))
+    weight = weight_in_fluid(
+        _number(plant, "cable.mass_per_length", math.nan),
+        displaced,
+        _number(plant, "water_density", SEAWATER_DENSITY),
+        _number(plant, "gravity", STANDARD_GRAVITY),
+    )
     return weight if math.isfinite(weight) else 0.0
 
 
