@@ -22,7 +22,7 @@ from wave_vessel_node.parameters import WaveVesselParameters
 from winch_controller_node.component import WinchController
 from winch_controller_node.interface.conversions import measurements, winch_reading
 from winch_controller_node.interface.readings import Measurements, Outputs
-from winch_controller_node.parameters.controller import WinchControllerParameters
+from winch_controller_node.node_parameters import WinchControllerParameters
 
 from heave_bringup.scenarios import Scenario
 

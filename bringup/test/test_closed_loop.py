@@ -38,7 +38,7 @@ from winch_controller_node.component import WinchController
 from winch_controller_node.interface.conversions import command_message, measurements, winch_reading
 from winch_controller_node.interface.readings import Measurements, Outputs
 from winch_controller_node.interface.sensors import INPUTS
-from winch_controller_node.parameters.controller import WinchControllerParameters
+from winch_controller_node.node_parameters import WinchControllerParameters
 
 DURATION = 3.0
 

@@ -22,7 +22,7 @@ from winch_controller_node.model.models import (
     boom_tip_block,
     continuous_model,
 )
-from winch_controller_node.parameters.controller import WinchControllerParameters
+from winch_controller_node.node_parameters import WinchControllerParameters
 from winch_controller_node.parameters.model import SeaModelParameters, VesselModelParameters, WinchModelParameters
 
 THESIS_SEA = SeaModelParameters(

@@ -7,26 +7,47 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import Protocol
 
 from heave_node.registry import Entry
 
-if TYPE_CHECKING:
-    from wave_vessel_node.parameters import WaveVesselParameters
+
+class _Vessel(Protocol):
+    @property
+    def model(self) -> str: ...
+
+    @property
+    def pitch_gain(self) -> float: ...
 
 
-def _check_nothing(_: WaveVesselParameters) -> None:
+class SourceParameters(Protocol):
+    """What a source looks at among the parameters of the node."""
+
+    @property
+    def vessel(self) -> _Vessel:
+        """Model of the vessel."""
+
+    @property
+    def recording_file(self) -> str:
+        """See `WaveVesselParameters`."""
+
+    @property
+    def recording_kind(self) -> str:
+        """See `WaveVesselParameters`."""
+
+
+def _check_nothing(_: SourceParameters) -> None:
     """Take any parameters."""
 
 
-def _check_filter(parameters: WaveVesselParameters) -> None:
+def _check_filter(parameters: SourceParameters) -> None:
     if parameters.vessel.model == "rao":
         raise ValueError("boom_tip_source = filter goes with vessel.model second_order, fitted or direct, not with rao")
     if parameters.vessel.pitch_gain > 0.0:
         raise ValueError("vessel.pitch_gain goes with boom_tip_source = spectrum: filtered noise has no wave slope")
 
 
-def _check_recording(parameters: WaveVesselParameters) -> None:
+def _check_recording(parameters: SourceParameters) -> None:
     if not parameters.recording_file:
         raise ValueError("boom_tip_source = file needs recording_file: name the CSV file or the bag")
     if parameters.recording_kind == "elevation" and parameters.vessel.model not in ("second_order", "direct"):
@@ -47,7 +68,7 @@ class SourceEntry(Entry):
     """
 
     has_sea: bool
-    check: Callable[[WaveVesselParameters], None] = _check_nothing
+    check: Callable[[SourceParameters], None] = _check_nothing
 
 
 SOURCES: dict[str, SourceEntry] = {

@@ -19,7 +19,7 @@ from wave_vessel_node.parameters import WaveVesselParameters
 from winch_controller_node.component import WinchController
 from winch_controller_node.interface.readings import Measurements, ScalarReading, WinchReading
 from winch_controller_node.model.lqr import DesignError
-from winch_controller_node.parameters.controller import WinchControllerParameters
+from winch_controller_node.node_parameters import WinchControllerParameters
 from winch_controller_node.supervision.modes import ModeError
 
 DT = 0.05

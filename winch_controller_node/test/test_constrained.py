@@ -10,7 +10,7 @@ from winch_controller_node.laws.law import LawDesign
 from winch_controller_node.laws.loop_state import AuthorityShift, LoopState, Reference
 from winch_controller_node.laws.mpc import ConstrainedLaw, MpcParameters
 from winch_controller_node.model.lqr import DesignError
-from winch_controller_node.parameters.controller import WinchControllerParameters
+from winch_controller_node.node_parameters import WinchControllerParameters
 from winch_controller_node.parameters.model import SeaModelParameters, WinchModelParameters
 
 DT = 0.05

@@ -7,7 +7,7 @@ from heave_node.parameters import ParameterError, build_parameters
 from winch_controller_node.design.design import design_controller
 from winch_controller_node.model.lqr import DesignError, QuadraticCost, check_stabilisable, lqr_gain
 from winch_controller_node.model.regulator import unit_regulator_gain
-from winch_controller_node.parameters.controller import WinchControllerParameters
+from winch_controller_node.node_parameters import WinchControllerParameters
 
 
 def parameters(**values):

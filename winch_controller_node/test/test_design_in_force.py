@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from winch_controller_node.design_in_force import DesignInForce
 from winch_controller_node.model.lqr import DesignError
-from winch_controller_node.parameters.controller import WinchControllerParameters
+from winch_controller_node.node_parameters import WinchControllerParameters
 
 DT = 0.05
 

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from winch_controller_node.design.design import design_controller
 from winch_controller_node.laws.governor import SpeedServo
 from winch_controller_node.laws.winch_limits import WinchLimits
-from winch_controller_node.parameters.controller import WinchControllerParameters
+from winch_controller_node.node_parameters import WinchControllerParameters
 from winch_controller_node.parameters.model import WinchModelParameters
 
 DT = 0.05

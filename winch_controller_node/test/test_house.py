@@ -39,7 +39,7 @@ sys.meta_path.insert(0, Refusal())
 import {{module}}
 from winch_controller_node.component import WinchController
 from winch_controller_node.interface.readings import Measurements
-from winch_controller_node.parameters.controller import WinchControllerParameters
+from winch_controller_node.node_parameters import WinchControllerParameters
 controller = WinchController(WinchControllerParameters(), tick_period=0.05)
 print(controller.step(1, Measurements()).report.mode)
 """
@@ -57,11 +57,11 @@ def test_the_controller_runs_without_simulators_sensors_and_recorder(module):
 
 
 WINGS = (
-    ("parameters.laws", "parameters.model", "interface"),
+    ("parameters", "interface"),
     ("model",),
     ("motion",),
     ("laws",),
-    ("parameters.controller",),
+    ("node_parameters",),
     ("design",),
     ("estimation",),
     ("identification",),

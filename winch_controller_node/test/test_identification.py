@@ -11,7 +11,7 @@ from winch_controller_node.design.design import believed_cable
 from winch_controller_node.identification.cable import IdentificationError, identify
 from winch_controller_node.identification.cable_kernel import respond
 from winch_controller_node.identification.cable_response import identify_against_length, identify_simulated
-from winch_controller_node.parameters.controller import WinchControllerParameters
+from winch_controller_node.node_parameters import WinchControllerParameters
 
 S900 = {**DEEP_900, "sea.significant_wave_height": 1.5, "sea.peak_period": 10.0}
 

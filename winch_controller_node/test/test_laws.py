@@ -13,7 +13,7 @@ from winch_controller_node.laws.law import ControlLaw, LawCommand
 from winch_controller_node.laws.loop_state import LoopState, Reference
 from winch_controller_node.laws.registry import LAWS
 from winch_controller_node.model.lqr import DesignError
-from winch_controller_node.parameters.controller import WinchControllerParameters
+from winch_controller_node.node_parameters import WinchControllerParameters
 
 DT = 0.05
 

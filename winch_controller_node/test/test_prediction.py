@@ -13,7 +13,7 @@ from winch_controller_node.design.prediction import error_covariances, estimatio
 from winch_controller_node.model.blocks import CableModel
 from winch_controller_node.model.estimator import Measurement
 from winch_controller_node.model.lqr import DesignError
-from winch_controller_node.parameters.controller import WinchControllerParameters
+from winch_controller_node.node_parameters import WinchControllerParameters
 from winch_controller_node.parameters.model import SeaModelParameters, VesselModelParameters
 
 DT = 0.05

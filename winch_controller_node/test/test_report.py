@@ -9,7 +9,7 @@ from heave_node.parameters import build_parameters
 from winch_controller_node.design.report import PRESCRIBED, design_report, knee
 from winch_controller_node.design.report_figures import draw_report
 from winch_controller_node.model.lqr import DesignError
-from winch_controller_node.parameters.controller import WinchControllerParameters
+from winch_controller_node.node_parameters import WinchControllerParameters
 
 
 def parameters(**values):

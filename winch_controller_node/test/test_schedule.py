@@ -15,7 +15,7 @@ from winch_controller_node.estimation.sea_adaptation import PATIENCE, SeaTracker
 from winch_controller_node.model.blocks import CableModel
 from winch_controller_node.model.lqr import DesignError
 from winch_controller_node.model.models import boom_tip_block
-from winch_controller_node.parameters.controller import WinchControllerParameters
+from winch_controller_node.node_parameters import WinchControllerParameters
 
 DT = 0.05
 

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from winch_controller_node.design.design import design_controller
 from winch_controller_node.identification.drum_kernel import Drum, drum_record
 from winch_controller_node.identification.winch import LateCommands, WinchIdentifier
-from winch_controller_node.parameters.controller import WinchControllerParameters
+from winch_controller_node.node_parameters import WinchControllerParameters
 
 DT = 0.05
 

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from winch_controller_node.component import WinchController
     from winch_controller_node.design.design import design_controller
     from winch_controller_node.model.lqr import DesignError
-    from winch_controller_node.parameters.controller import WinchControllerParameters
+    from winch_controller_node.node_parameters import WinchControllerParameters
 
 __all__ = ["DesignError", "WinchController", "WinchControllerParameters", "design_controller"]
 __getattr__ = lazy_face(

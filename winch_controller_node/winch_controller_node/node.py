@@ -24,7 +24,7 @@ from winch_controller_node.interface.readings import Measurements, Outputs
 from winch_controller_node.interface.sensors import INPUTS
 from winch_controller_node.model.lqr import DesignError
 from winch_controller_node.move_action import MoveAction
-from winch_controller_node.parameters.controller import WinchControllerParameters
+from winch_controller_node.node_parameters import WinchControllerParameters
 from winch_controller_node.supervision.modes import ModeError
 
 LEVELS = {SensorLevel.OK: Level.OK, SensorLevel.SUSPECT: Level.WARN, SensorLevel.LOST: Level.ERROR}

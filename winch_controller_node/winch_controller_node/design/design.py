@@ -38,7 +38,7 @@ from winch_controller_node.model.models import (
     sea_spectrum,
 )
 from winch_controller_node.model.regulator import full_gain, is_sea_state, is_sensor_state, weighted_cost
-from winch_controller_node.parameters.controller import WinchControllerParameters
+from winch_controller_node.node_parameters import WinchControllerParameters
 
 FIT_FREQUENCIES = 80
 """Frequencies of the fit of the two-state cable, from 0.3 to 2.5 times the boom tip's mean frequency."""

@@ -35,7 +35,7 @@ from winch_controller_node.design.prediction import (
 )
 from winch_controller_node.model.lqr import DesignError
 from winch_controller_node.model.regulator import full_gain, weighted_cost
-from winch_controller_node.parameters.controller import WinchControllerParameters
+from winch_controller_node.node_parameters import WinchControllerParameters
 
 COMMAND_SIZES = (0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 20.0, 100.0)
 """Sizes of the command weight along the trade-off curve; a smaller size is a larger weight."""

@@ -18,7 +18,7 @@ from winch_controller_node.model.blocks import CableModel
 from winch_controller_node.model.lqr import DesignError
 from winch_controller_node.model.models import PlantBelief
 from winch_controller_node.model.regulator import is_sensor_state
-from winch_controller_node.parameters.controller import WinchControllerParameters
+from winch_controller_node.node_parameters import WinchControllerParameters
 
 CHECKED_BETWEEN = 1
 """Lengths between two neighbouring points at which stability is checked."""

@@ -16,7 +16,7 @@ from winch_controller_node.design.bounds import boom_tip_realisation
 from winch_controller_node.design.design import believed_cable
 from winch_controller_node.identification.cable import Identification, identify
 from winch_controller_node.model.models import PlantBelief
-from winch_controller_node.parameters.controller import WinchControllerParameters
+from winch_controller_node.node_parameters import WinchControllerParameters
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -16,7 +16,7 @@ from heave_node.arrays import Array
 
 from winch_controller_node.design.design import ControllerDesign
 from winch_controller_node.identification.drum_kernel import Drum, drum_record
-from winch_controller_node.parameters.controller import WinchControllerParameters
+from winch_controller_node.node_parameters import WinchControllerParameters
 from winch_controller_node.parameters.laws import LagParameters
 from winch_controller_node.parameters.model import WinchModelParameters
 
