@@ -29,14 +29,6 @@ PACKAGES = {
     "bringup": "heave_bringup",
 }
 NOT_YET = (
-    "heave_node.kpi",
-    "heave_node.parameters",
-    "heave_node.ros.node_parameters",
-    "heave_node.ros.ports",
-    "heave_node.scenario",
-    "heave_node.topics",
-    "wave_vessel_node.conversions",
-    "wave_vessel_node.mru",
     "cable_sim_node",
     "winch_controller_node",
     "heave_bags",

@@ -87,7 +87,8 @@ class LoopRecord:
         name : one of COLUMNS
         after : time from which on it is wanted [s]
         """
-        return self.rows[self.rows[:, 0] >= after, COLUMNS.index(name)]
+        column: Array = self.rows[self.rows[:, 0] >= after, COLUMNS.index(name)]
+        return column
 
     def unit_sigma(self, after: float) -> float:
         """Standard deviation of the unit's heave [m], a moving mean depth taken off."""

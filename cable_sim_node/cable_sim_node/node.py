@@ -147,7 +147,7 @@ class CableSimNode(ClockMasterNode):
         rate = self.parameters.markers_rate
         if rate == 0.0:
             return False
-        ticks = max(1, round(1.0 / (rate * self.run.tick_period)))
+        ticks: int = max(1, round(1.0 / (rate * self.run.tick_period)))
         return tick.number % ticks == 0
 
 

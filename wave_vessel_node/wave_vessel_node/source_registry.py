@@ -7,26 +7,23 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import Any
 
 from heave_node.registry import Entry
 
-if TYPE_CHECKING:
-    from wave_vessel_node.parameters import WaveVesselParameters
 
-
-def _check_nothing(_: WaveVesselParameters) -> None:
+def _check_nothing(_: Any) -> None:
     """Take any parameters."""
 
 
-def _check_filter(parameters: WaveVesselParameters) -> None:
+def _check_filter(parameters: Any) -> None:
     if parameters.vessel.model == "rao":
         raise ValueError("boom_tip_source = filter goes with vessel.model second_order, fitted or direct, not with rao")
     if parameters.vessel.pitch_gain > 0.0:
         raise ValueError("vessel.pitch_gain goes with boom_tip_source = spectrum: filtered noise has no wave slope")
 
 
-def _check_recording(parameters: WaveVesselParameters) -> None:
+def _check_recording(parameters: Any) -> None:
     if not parameters.recording_file:
         raise ValueError("boom_tip_source = file needs recording_file: name the CSV file or the bag")
     if parameters.recording_kind == "elevation" and parameters.vessel.model not in ("second_order", "direct"):
@@ -43,11 +40,12 @@ class SourceEntry(Entry):
     Attributes
     ----------
     has_sea : a sea with a spectrum moves the vessel: it has a course, and a response to waves
-    check : raises ValueError where the other parameters contradict this source
+    check : takes the WaveVesselParameters, which are made of this registry; raises ValueError where they contradict
+        this source
     """
 
     has_sea: bool
-    check: Callable[[WaveVesselParameters], None] = _check_nothing
+    check: Callable[[Any], None] = _check_nothing
 
 
 SOURCES: dict[str, SourceEntry] = {

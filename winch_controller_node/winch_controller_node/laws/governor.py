@@ -182,4 +182,5 @@ def standing_command(model: LinearModel, winch: WinchModelParameters) -> Array:
     It is what its position loop takes off when the command of the tick takes effect; zero without a position loop. A
     law that asks for a speed adds it.
     """
-    return winch.position_gain * drum_ahead(model, winch)[0]
+    row: Array = winch.position_gain * drum_ahead(model, winch)[0]
+    return row
