@@ -3,8 +3,8 @@
 A public function, method or class names each of its arguments: in a list under `Parameters` (or `Attributes`), or,
 where there is no such list, in its text. A list names every argument and nothing else. The fields of a dataclass are
 arguments too, unless a string below the field says what it is, or it is a node parameter with its own description. A
-module's docstring may say, after the word `Arguments`, what its functions have in common, or `as in` a module beside it.
-A docstring that begins with `See` hands over to another one.
+module's docstring may say, after the word `Arguments`, what its functions have in common, or that they are `as in` a
+module beside it. A docstring that begins with `See` hands over to another one.
 """
 
 from __future__ import annotations
@@ -29,11 +29,7 @@ PACKAGES = {
     "bags": "heave_bags",
     "bringup": "heave_bringup",
 }
-NOT_YET = (
-    "winch_controller_node",
-    "heave_bags",
-    "heave_bringup",
-)
+NOT_YET = ("heave_bags",)
 """Packages and modules whose docstrings are not complete yet."""
 
 
