@@ -3,7 +3,8 @@
 A public function, method or class names each of its arguments: in a list under `Parameters` (or `Attributes`), or,
 where there is no such list, in its text. A list names every argument and nothing else. The fields of a dataclass are
 arguments too, unless a string below the field says what it is, or it is a node parameter with its own description. A
-docstring that begins with `See` hands over to another one.
+module's docstring may say, after the word `Arguments`, what its functions have in common, or that they are `as in` a
+module beside it. A docstring that begins with `See` hands over to another one.
 """
 
 from __future__ import annotations
@@ -13,7 +14,7 @@ import doctest
 import importlib
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import zip_longest
 from pathlib import Path
 
@@ -28,20 +29,7 @@ PACKAGES = {
     "bags": "heave_bags",
     "bringup": "heave_bringup",
 }
-NOT_YET = (
-    "heave_node.kpi",
-    "heave_node.parameters",
-    "heave_node.ros.node_parameters",
-    "heave_node.ros.ports",
-    "heave_node.scenario",
-    "heave_node.topics",
-    "wave_vessel_node.conversions",
-    "wave_vessel_node.mru",
-    "cable_sim_node",
-    "winch_controller_node",
-    "heave_bags",
-    "heave_bringup",
-)
+NOT_YET = ("heave_bags",)
 """Packages and modules whose docstrings are not complete yet."""
 
 
@@ -73,12 +61,24 @@ class Documented:
     arguments: tuple[str, ...]
     others: tuple[str, ...] = ()
     """Names that a list may hold besides: attributes that are no arguments."""
+    common: str = ""
+    """What the module says of the arguments that its functions have in common."""
 
 
 def documented(path: Path) -> Iterator[Documented]:
     """Yield the public functions and classes of a module that have a docstring."""
     tree = ast.parse(path.read_text(encoding="utf-8"))
-    yield from _of_body(tree.body, "")
+    common = common_arguments(path)
+    for item in _of_body(tree.body, ""):
+        yield replace(item, common=common)
+
+
+def common_arguments(path: Path) -> str:
+    """Return what a module says of the arguments that its functions have in common."""
+    text = ast.get_docstring(ast.parse(path.read_text(encoding="utf-8"))) or ""
+    common = "\n".join(re.findall(r"\bArguments\b.*?(?=\n\n|\Z)", text, re.DOTALL))
+    beside = re.search(r"\bas in `(\w+)`", common)
+    return common + (common_arguments(path.with_name(f"{beside[1]}.py")) if beside else "")
 
 
 def _of_body(body: list[ast.stmt], prefix: str) -> Iterator[Documented]:
@@ -172,9 +172,11 @@ def faults_of(item: Documented) -> list[str]:
     names = listed(item.text)
     if names is None:
         return [
-            f"{item.name}: {name} is not named" for name in item.arguments if not re.search(rf"\b{name}\b", item.text)
+            f"{item.name}: {name} is not named"
+            for name in item.arguments
+            if not re.search(rf"\b{name}\b", item.text) and f"`{name}`" not in item.common
         ]
-    missing = [name for name in item.arguments if name not in names]
+    missing = [name for name in item.arguments if name not in names and f"`{name}`" not in item.common]
     foreign = [name for name in names if name not in (*item.arguments, *item.others)]
     twice = sorted({name for name in names if names.count(name) > 1})
     return (

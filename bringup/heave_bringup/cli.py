@@ -19,7 +19,12 @@ EXIT_USAGE = 2
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the `heave` command; return its exit status: 0 only when it did what it says."""
+    """Run the `heave` command; return its exit status: 0 only when it did what it says.
+
+    Parameters
+    ----------
+    arguments : of the command line, without the program's name; None: those of this process
+    """
     for number in (signal.SIGINT, signal.SIGTERM):  # a shell may have set SIGINT to be ignored in the background
         signal.signal(number, signal.default_int_handler)  # nodes are ended in order
     options = make_parser().parse_args(arguments)

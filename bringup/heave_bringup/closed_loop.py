@@ -87,14 +87,15 @@ class LoopRecord:
         name : one of COLUMNS
         after : time from which on it is wanted [s]
         """
-        return self.rows[self.rows[:, 0] >= after, COLUMNS.index(name)]
+        column: Array = self.rows[self.rows[:, 0] >= after, COLUMNS.index(name)]
+        return column
 
     def unit_sigma(self, after: float) -> float:
-        """Standard deviation of the unit's heave [m], a moving mean depth taken off."""
+        """Standard deviation of the unit's heave from the time `after` [s] on [m], a moving mean depth taken off."""
         return float(np.std(self.column("unit", after=after) + self.column("depth_set_point", after=after)))
 
     def uncompensated_sigma(self, after: float) -> float:
-        """Standard deviation of the uncompensated unit's heave [m]."""
+        """Standard deviation of the uncompensated unit's heave from the time `after` [s] on [m]."""
         return float(np.std(self.column("uncompensated", after=after)))
 
 

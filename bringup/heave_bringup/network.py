@@ -8,7 +8,12 @@ from heave_node.ros.environment import open_to_network, prepare_environment
 
 
 def set_up_transport(*, network: bool) -> None:
-    """Set up the transport of this command and of the nodes it starts; say on the terminal where it is not loopback."""
+    """Set up the transport of this command and of the nodes it starts; say on the terminal where it is not loopback.
+
+    Parameters
+    ----------
+    network : open it to other hosts
+    """
     if network:
         open_to_network()
     notice = prepare_environment()

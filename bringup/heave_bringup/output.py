@@ -46,7 +46,7 @@ def write_result(options: argparse.Namespace, parts: str | Table | Sequence[str 
 
 
 def print_parts(parts: Iterable[str | Table]) -> None:
-    """Print text as it is and tables fitted to the terminal, an empty line between them; no number is shortened."""
+    """Print `parts`, an empty line between them: text as it is, tables fitted to the terminal, no number shortened."""
     console = Console(file=sys.stdout, width=None if sys.stdout.isatty() else FILE_WIDTH)
     terminal = console.width
     for number, part in enumerate(parts):

@@ -81,7 +81,7 @@ class ProgressLine:
             self.tell(text if share is None else f"{text} ({share:.0%})")
 
     def tell(self, text: str) -> None:
-        """Print a line that stays."""
+        """Print `text` as a line that stays."""
         if self._console.is_terminal:
             self._console.print(Text(text), soft_wrap=True)
         else:

@@ -58,13 +58,13 @@ def shipped_scenarios() -> dict[str, Path]:
 
 
 def description_of(path: Path) -> str:
-    """Return the first comment line of a scenario file: what it is, in one line."""
+    """Return the first comment line of the scenario file `path`: what it is, in one line."""
     first = path.read_text(encoding="utf-8").split("\n", 1)[0]
     return first.lstrip("# ").strip() if first.startswith("#") else ""
 
 
 def find_scenario(name: str) -> Path:
-    """Return the file of a shipped scenario or the file itself; raise ParameterError where there is neither."""
+    """Return the file of the shipped scenario `name`, or the file `name`; raise ParameterError where neither is."""
     shipped = shipped_scenarios()
     if name in shipped:
         return shipped[name]

@@ -64,7 +64,10 @@ def make_setting(place: str, value: object, source: str) -> Setting:
 
 
 def parse_setting(text: str) -> Setting:
-    """Return the change that a `--set` option asks for: PLACE=VALUE, the value in YAML; raises ParameterError."""
+    """Return the change that the `text` of a `--set` option asks for: PLACE=VALUE, the value in YAML.
+
+    Raises ParameterError for another form.
+    """
     place, separator, value = text.partition("=")
     source = f"--set {text}"
     if not separator:

@@ -30,7 +30,7 @@ UPRIGHT = (0.0, 0.0, 0.0, 1.0)
 
 
 def header(stamp: Time, frame: str) -> Header:
-    """Return a header."""
+    """Return the header of a message of `stamp` in `frame`."""
     return Header(stamp=stamp, frame_id=frame)
 
 
@@ -39,7 +39,7 @@ def _vector(values: Array) -> Vector3:
 
 
 def point_message(values: Array) -> Point:
-    """Return a position, shape (3,), as a message."""
+    """Return the position `values`, shape (3,) [m], as a message."""
     return Point(x=float(values[0]), y=float(values[1]), z=float(values[2]))
 
 
@@ -49,7 +49,7 @@ def _upright() -> Quaternion:
 
 
 def cable_state_message(state: PlantState, stamp: Time) -> CableState:
-    """Return the state of the cable."""
+    """Return the `state` of the cable at `stamp`."""
     return CableState(
         header=header(stamp, WORLD),
         nodes=[point_message(position) for position in state.node_positions],
@@ -65,7 +65,7 @@ def cable_state_message(state: PlantState, stamp: Time) -> CableState:
 
 
 def point_motion_message(motion: PointMotion, stamp: Time) -> PointMotionMessage:
-    """Return the motion of a point in frame `world`."""
+    """Return the `motion` of a point at `stamp`, frame `world`."""
     return PointMotionMessage(
         header=header(stamp, WORLD),
         position=point_message(motion.position),
@@ -86,7 +86,7 @@ def point_motion_of(message: PointMotionMessage) -> PointMotion:
 
 
 def unit_odometry_message(motion: PointMotion, stamp: Time) -> Odometry:
-    """Return the true motion of the unit, which does not turn: child frame `unit` has the axes of `world`."""
+    """Return the true `motion` of the unit at `stamp`. It does not turn: child frame `unit` has the axes of `world`."""
     message = Odometry(header=header(stamp, WORLD), child_frame_id=UNIT)
     message.pose.pose.position = point_message(motion.position)
     message.pose.pose.orientation = _upright()
@@ -95,7 +95,7 @@ def unit_odometry_message(motion: PointMotion, stamp: Time) -> Odometry:
 
 
 def winch_state_message(state: WinchState, stamp: Time) -> WinchStateMessage:
-    """Return the state of the winch."""
+    """Return the `state` of the winch at `stamp`."""
     return WinchStateMessage(
         header=header(stamp, ""),
         command_sequence=state.command_sequence,
@@ -118,7 +118,7 @@ def winch_command_of(message: WinchCommandMessage) -> WinchCommand:
 
 
 def drum_motion_of(message: WinchStateMessage) -> PointMotion:
-    """Return payout, rate and acceleration as a motion with one coordinate, payout [m].
+    """Return payout, rate and acceleration of a `message` as a motion with one coordinate, payout [m].
 
     They are the drum's truth, or the encoder's reading of hardware that knows no better (without acceleration).
     """

@@ -55,12 +55,12 @@ class BridgedInput:
     Parameters
     ----------
     name : for messages
-    position : shape (n,), where the signal rests at the start
+    position : shape (n,), where the signal rests at the start; then, as `velocity` and `acceleration`, as last advanced
     tick_period : [s]
 
     Attributes
     ----------
-    position, velocity, acceleration : shape (n,), the signal as last advanced
+    velocity, acceleration : shape (n,), as last advanced
     has_started : whether a value has come yet
     missing_in_a_row, missing : values that were missing just now and in all
     """

@@ -63,7 +63,7 @@ class CableSimNode(ClockMasterNode):
         self.newest_tip, self.newest_payout = NewestMotion(), NewestMotion()
 
     def on_readings(self, tick: Tick) -> None:
-        """Publish the state of t_k and the sensor readings delivered at t_k."""
+        """Publish the state of t_k, the time of `tick`, and the sensor readings delivered at t_k."""
         try:
             self.state, readings = self.plant.readings(tick.number)
         except PlantError as error:
@@ -88,7 +88,7 @@ class CableSimNode(ClockMasterNode):
             self.markers.publish_deferred(lambda: plant_markers(state, self.parameters.seabed, stamp))
 
     def on_advance(self, tick: Tick) -> None:
-        """Integrate to t_{k+1} with what is here of then; what is missing is bridged and counted."""
+        """Integrate from `tick` k to t_{k+1} with what is here of then; what is missing is bridged and counted."""
         for message in self.take(self.boom_tip):
             self.newest_tip.put(self._in_simulated_time(topics.BOOM_TIP, conversions.point_motion_of(message), tick))
         for message in self.take(self.winch_state):
@@ -147,7 +147,7 @@ class CableSimNode(ClockMasterNode):
         rate = self.parameters.markers_rate
         if rate == 0.0:
             return False
-        ticks = max(1, round(1.0 / (rate * self.run.tick_period)))
+        ticks: int = max(1, round(1.0 / (rate * self.run.tick_period)))
         return tick.number % ticks == 0
 
 

@@ -11,6 +11,10 @@ FOLLOWING_TIME = 1.0
 class ShadowPayout:
     """Payout that follows a programme smoothly, or stays where it is.
 
+    Parameters
+    ----------
+    tick_period : [s]
+
     Attributes
     ----------
     payout, rate : [m], [m/s]

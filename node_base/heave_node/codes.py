@@ -42,7 +42,7 @@ class SensorLevel(enum.IntEnum):
 
 
 def fault_words(code: int) -> str:
-    """Return the fault of a winch in words; a number that hardware made up is told as such."""
+    """Return the fault `code` of a winch in words; a number that is not in the table is given as it is."""
     try:
         return WinchFault(code).name.lower().replace("_", " ")
     except ValueError:

@@ -21,7 +21,7 @@ The way in from Python, which takes all arrays of a line apart, costs as much to
 
 
 def is_compiled(function: Any) -> bool:
-    """Return whether the `kernel` stands compiled in numba's cache, so that its first call in a process is quick."""
+    """Return whether the kernel `function` stands in numba's cache: its first call in a process is then quick."""
     return any(Path(function.stats.cache_path).glob(f"*.{function.__name__}-*.nbi"))
 
 
@@ -34,7 +34,7 @@ def drop_stale_kernels(package_file: str, *used_files: str) -> None:
     Parameters
     ----------
     package_file : `__file__` of the folder's `__init__`, which runs before any of its kernels is loaded
-    *used_files : the same of other folders whose kernels are called from this one
+    used_files : the same of other folders whose kernels are called from this one
     """
     folder = Path(package_file).parent
     sources = (path for file in (package_file, *used_files) for path in Path(file).parent.glob("*.py"))

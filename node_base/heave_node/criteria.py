@@ -43,7 +43,7 @@ class Criterion:
     bound: float
 
     def is_met(self, value: float) -> bool:
-        """Tell whether a figure keeps the bound; one that could not be computed (NaN) does not."""
+        """Tell whether the `value` of the figure keeps the bound; one that could not be computed (NaN) does not."""
         return not math.isnan(value) and _RELATIONS[self.relation](value, self.bound)
 
     @property
@@ -53,7 +53,7 @@ class Criterion:
 
 
 def parse_criterion(given: Given) -> Criterion:
-    """Return the criterion that a scenario or the command line gives.
+    """Return the criterion `given` by a scenario or the command line.
 
     Raises ParameterError for what is no relation and number, or no name of a figure. Whether there is such a figure
     is known where figures are computed.

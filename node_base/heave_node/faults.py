@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING
 
 from heave_node.parameters import parameter
 
-if TYPE_CHECKING:  # parameters are read without numerics
-    from heave_node.arrays import Array
+if TYPE_CHECKING:
+    from heave_node.arrays import Array  # numpy, which parameters need not load
 
 TIME_TOLERANCE = 1e-9
 """Times nearer than this are the same time [s]: tick times are rounded sums."""
@@ -200,16 +200,16 @@ class FaultSchedule:
         return any(fault.is_active(time) for fault in self._faults)
 
     def total(self, kind: str, time: float) -> float:
-        """Return the sum of the magnitudes of the active faults of `kind`; 0 without one."""
+        """Return the sum of the magnitudes of the faults of `kind` that are active at `time` [s]; 0 without one."""
         return sum(fault.magnitude for fault in self._faults if fault.kind == kind and fault.is_active(time))
 
     def newest(self, kind: str, time: float) -> float | None:
-        """Return the magnitude of the active fault of `kind` that was added last, or None."""
+        """Return the magnitude of the fault of `kind` that is active at `time` [s] and was added last, or None."""
         active = [fault.magnitude for fault in self._faults if fault.kind == kind and fault.is_active(time)]
         return active[-1] if active else None
 
     def take_once(self, kind: str, time: float) -> float:
-        """Return the summed magnitudes of the active faults of `kind` not taken before, and mark them as taken."""
+        """Return the sum of the new faults of `kind` active at `time` [s], by magnitude; mark them as taken."""
         total = 0.0
         for fault in self._faults:
             if fault.kind == kind and not fault.is_taken and fault.is_active(time):

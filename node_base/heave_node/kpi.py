@@ -30,7 +30,7 @@ seconds.
 
 
 def sigma(values: ArrayLike) -> float:
-    """Return the standard deviation about the mean; NaN for fewer than two samples."""
+    """Return the standard deviation of `values` about their mean; NaN for fewer than two samples."""
     array = np.asarray(values, dtype=float)
     return float(array.std()) if array.size > 1 else math.nan
 
@@ -50,42 +50,49 @@ def significant(standard_deviation: float) -> float:
 
 
 def kappa(unit_sigma: float, sensor_bound: float, actuator_bound: float) -> float:
-    """Return the distance from the possible, `s(z) / sqrt(s_est^2 + s_act^2)`.
+    """Return the distance from the possible, `s(z) / sqrt(s_est^2 + s_act^2)`; 1 is the best that can be.
 
-    `sensor_bound` is the LQG optimum of the linear system with these sensors and delay and no limits,
-    `actuator_bound` the optimum of a clairvoyant controller with these limits, both standard deviations of the
-    unit's heave [m].
+    Parameters
+    ----------
+    unit_sigma : s(z), standard deviation of the unit's heave [m]
+    sensor_bound : s_est, the LQG optimum of the linear system with these sensors and delay and no limits [m]
+    actuator_bound : s_act, the optimum of a clairvoyant controller with these limits [m]
     """
     bound = math.hypot(sensor_bound, actuator_bound)
     return unit_sigma / bound if bound > 0.0 else math.nan
 
 
 def worse(unit_sigmas: ArrayLike, uncompensated_sigmas: ArrayLike) -> float:
-    """Return the largest `s(z) / s(z_off)` over seeds; above 1 the compensator did harm."""
+    """Return the largest `s(z) / s(z_off)` over seeds; above 1 the compensator did harm.
+
+    Parameters
+    ----------
+    unit_sigmas, uncompensated_sigmas : s(z) and s(z_off) of each seed, shape (n,) [m]
+    """
     ratios = np.asarray(unit_sigmas, dtype=float) / np.asarray(uncompensated_sigmas, dtype=float)
     return float(ratios.max()) if ratios.size else math.nan
 
 
 def max_abs(values: ArrayLike) -> float:
-    """Return the largest deviation from the mean, `max |x - mean(x)|`."""
+    """Return the largest deviation of `values` from their mean, `max |x - mean(x)|`."""
     array = np.asarray(values, dtype=float)
     return float(np.abs(array - array.mean()).max()) if array.size else math.nan
 
 
 def percentile_abs(values: ArrayLike, percent: float = 99.9) -> float:
-    """Return the percentile of the deviation from the mean."""
+    """Return the percentile `percent` [%] of the deviation of `values` from their mean."""
     array = np.asarray(values, dtype=float)
     return float(np.percentile(np.abs(array - array.mean()), percent)) if array.size else math.nan
 
 
 def percent_true(flags: ArrayLike) -> float:
-    """Return the share of samples that are true [%]."""
+    """Return the share of `flags` that are true [%]."""
     array = np.asarray(flags, dtype=bool)
     return 100.0 * float(array.mean()) if array.size else math.nan
 
 
 def at_limit(rates: ArrayLike, limit: float) -> NDArray[np.bool_]:
-    """Tell at which samples a rate stands at its limit (same unit), to one part in a thousand."""
+    """Tell at which samples one of `rates` stands at its `limit` (same unit), to one part in a thousand."""
     return np.asarray(np.abs(np.asarray(rates, dtype=float)) >= AT_LIMIT * limit, dtype=bool)
 
 
@@ -105,7 +112,12 @@ def snap_times(time: ArrayLike, tension: ArrayLike, static_tension: ArrayLike) -
     """Return the times [s] at which the cable snapped taut.
 
     A snap is `T < 0.1 Tstatic` followed by `T > 1.3 Tstatic` within 2 s; one slack counts at most one snap.
-    `static_tension` is one number or one for each sample.
+
+    Parameters
+    ----------
+    time : of the samples, shape (n,) [s]
+    tension : T, shape (n,) [N]
+    static_tension : Tstatic, one number or one for each sample [N]
     """
     times = np.asarray(time, dtype=float)
     values, static = np.asarray(tension, dtype=float), np.asarray(static_tension, dtype=float)
@@ -142,7 +154,7 @@ class WinchPower:
 
 
 def winch_power(tension: ArrayLike, payout_rate: ArrayLike) -> WinchPower:
-    """Return the power figures of a winch from top tension [N] and payout rate [m/s, positive pays out]."""
+    """Return the power figures of a winch from `tension` at the top [N] and `payout_rate` [m/s, positive pays out]."""
     power = np.asarray(tension, dtype=float) * np.asarray(payout_rate, dtype=float)
     if not power.size:
         return WinchPower(math.nan, math.nan, math.nan, math.nan)
@@ -164,9 +176,9 @@ class Harmonic:
 
 
 def fit_harmonic(time: ArrayLike, values: ArrayLike, omega: float) -> Harmonic:
-    """Fit the first harmonic at `omega` [rad/s] by least squares; no whole number of periods is needed.
+    """Fit the first harmonic of `values` at `omega` [rad/s] by least squares; no whole number of periods is needed.
 
-    Raises ValueError if the samples cover less than one period.
+    Raises ValueError if the samples at `time` [s] cover less than one period.
     """
     times = np.asarray(time, dtype=float)
     if times.size < 3 or times[-1] - times[0] < 2.0 * math.pi / omega * (1.0 - 1e-6):
@@ -183,7 +195,15 @@ def phase_lead_degrees(output: Harmonic, driver: Harmonic) -> float:
 
 
 def settling_time(time: ArrayLike, speed: ArrayLike, fault_time: float, threshold: float = 0.05) -> float:
-    """Return the time [s] from a fault until |v| stays below `threshold` [m/s] to the end; NaN if it never does."""
+    """Return the time from a fault until the unit's speed stays low to the end [s]; NaN if it never does.
+
+    Parameters
+    ----------
+    time : of the samples, shape (n,) [s]
+    speed : of the unit, its sign does not matter, shape (n,) [m/s]
+    fault_time : when the fault began [s]
+    threshold : below which the speed counts as low [m/s]
+    """
     times = np.asarray(time, dtype=float)
     after = times >= fault_time
     times = times[after]
@@ -194,7 +214,7 @@ def settling_time(time: ArrayLike, speed: ArrayLike, fault_time: float, threshol
 
 
 def percentiles(values: ArrayLike, percents: Sequence[float] = (50.0, 99.0, 100.0)) -> list[float]:
-    """Return percentiles (100 is the maximum), NaN without samples: the timing figures p50, p99, max."""
+    """Return the percentiles `percents` [%] of `values`; 100 is the maximum. NaN without samples."""
     array = np.asarray(values, dtype=float)
     return [float(np.percentile(array, percent)) if array.size else math.nan for percent in percents]
 
@@ -213,7 +233,7 @@ class Moments:
         self._squares = 0.0
 
     def add(self, values: ArrayLike) -> None:
-        """Take one sample or an array of them."""
+        """Take one sample or an array of `values`."""
         batch = np.asarray(values, dtype=float).ravel()
         if not batch.size:
             return
@@ -254,7 +274,7 @@ class RollingMoments:
         self.count = 0
 
     def add(self, value: float) -> None:
-        """Take one sample; the oldest leaves when the window is full."""
+        """Take one `value`; the oldest leaves when the window is full."""
         if not math.isfinite(value):
             raise ValueError(f"a KPI sample must be finite, got {value}")
         if self.count == 0:

@@ -93,7 +93,8 @@ class LinearModel:
         """Return the row of C of `output`, shape (n,)."""
         if output not in self.output_names:
             raise ModelError(f"the model has no output {output}; it has {', '.join(self.output_names)}")
-        return self.C[self.output_names.index(output)]
+        row: Array = self.C[self.output_names.index(output)]
+        return row
 
     def select_states(self, names: Sequence[str]) -> LinearModel:
         """Return the subsystem of the states `names`, outputs that need other states left out.

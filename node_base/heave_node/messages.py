@@ -11,7 +11,7 @@ from heave_node.tick.tick import nanoseconds_of, stamp_of
 
 
 def message_type(name: str) -> type[Any]:
-    """Return the message class of a type named like "heave_msgs/msg/MruSample".
+    """Return the message class of the type `name`, such as "heave_msgs/msg/MruSample".
 
     Raises ModuleNotFoundError or AttributeError where the package or the message is not installed.
     """

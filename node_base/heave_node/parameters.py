@@ -181,7 +181,7 @@ def group(parameters_type: type[T], **overrides: Any) -> T:
 
 
 def describe(parameters_type: type) -> list[ParameterInfo]:
-    """List the parameters of a parameter set, groups flattened to dotted names, in the order of definition."""
+    """List the parameters of `parameters_type`, groups flattened to dotted names, in the order of definition."""
     return list(_described(parameters_type))
 
 

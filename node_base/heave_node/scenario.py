@@ -49,7 +49,8 @@ class _RosLoader(yaml.SafeLoader):
                 line = key.start_mark.line + 1
                 raise yaml.constructor.ConstructorError(None, None, f"{key.value} stands twice, again in line {line}")
             seen.add(key.value)
-        return super().construct_mapping(node, deep)
+        mapping: dict[Any, Any] = super().construct_mapping(node, deep)
+        return mapping
 
 
 class _RosDumper(yaml.SafeDumper):
@@ -73,7 +74,7 @@ def parse_yaml(text: str) -> Any:
 
 
 def read_sections(path: Path) -> Sections:
-    """Read a parameter file.
+    """Read the parameter file at `path`.
 
     Raises ParameterError, naming the file, where it is missing, is not YAML, has not the form of a ROS 2 parameter
     file, or has a section without a parameter.
@@ -152,7 +153,7 @@ def flatten_names(section: Mapping[str, Any], where: str, prefix: str = "") -> d
 
 
 def nest_names(values: Mapping[str, object]) -> dict[str, Any]:
-    """Turn dotted names into nested mappings; the inverse of `flatten_names`."""
+    """Turn the dotted names of `values` into nested mappings; the inverse of `flatten_names`."""
     nested: dict[str, Any] = {}
     for name, value in values.items():
         *groups, last = name.split(".")

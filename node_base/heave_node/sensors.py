@@ -8,8 +8,9 @@ the loop over ROS reads, to the last bit.
 
 >>> reading = Reading(0.05, np.array([300.0]), np.array([0.02]))
 >>> on_wire = DEPTH.to_wire(reading, Water(density=1030.0, gravity=9.80665))
->>> DEPTH.decode(on_wire.numbers, Water(density=1025.0, gravity=9.80665))[0]
-301.4634146341463
+>>> depth = DEPTH.decode(on_wire.numbers, Water(density=1025.0, gravity=9.80665))[0]
+>>> round(depth, 3)
+301.463
 """
 
 from __future__ import annotations
@@ -105,12 +106,12 @@ class WireReading:
 
 
 def values_and_variances(reading: Reading, _: Water) -> Numbers:
-    """Encode the values as they are, and the squares of their standard deviations."""
+    """Encode the values of a `reading` as they are, and the squares of their standard deviations."""
     return (*reading.value.tolist(), *(reading.sigma**2).tolist())
 
 
 def values_alone(numbers: Sequence[float], _: Water) -> Numbers:
-    """Decode values that travel as they are."""
+    """Decode `numbers` that travel as they are."""
     return tuple(numbers)
 
 
@@ -197,7 +198,7 @@ def _encode_mru(reading: MruReading, _: Water) -> Numbers:
 
 
 def mru_reading(reading: WireReading) -> MruReading:
-    """Return the sample of the motion reference unit that travelled."""
+    """Return the sample of the motion reference unit that a `reading` carried."""
     return MruReading(reading.time, *reading.numbers)  # type: ignore[arg-type]  # status and sequence are whole numbers
 
 
@@ -268,5 +269,5 @@ SENSORS: dict[str, Sensor] = {sensor.name: sensor for sensor in (MRU, DEPTH, VEL
 
 
 def all_to_wire(readings: Mapping[str, Iterable[Reading]], water: Water) -> dict[str, list[WireReading]]:
-    """Return the readings of each sensor, by its name, as they travel."""
+    """Return the readings of each sensor, by its name, taken in `water`, as they travel."""
     return {name: [SENSORS[name].to_wire(reading, water) for reading in taken] for name, taken in readings.items()}

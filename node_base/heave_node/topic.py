@@ -17,12 +17,19 @@ class Role(Enum):
 
 @dataclass(frozen=True)
 class Topic:
-    """A topic of the suite."""
+    """A topic of the suite.
+
+    Attributes
+    ----------
+    name : relative to the namespace of the suite
+    type : of its messages, such as "heave_msgs/msg/MruSample"
+    publisher : node that publishes it; "" for many
+    role : how it is carried
+    is_needed : the loop does not close without it: where its publisher is external, the start waits for it
+    """
 
     name: str
     type: str
     publisher: str
-    """Node that publishes it; "" for many."""
     role: Role = Role.STREAM
     is_needed: bool = False
-    """The loop does not close without it: where its publisher is external, the start waits for it."""

@@ -55,7 +55,7 @@ def odometry_message(motion: VesselMotion, stamp: Time) -> Odometry:
 
 
 def sea_state_message(state: sea.SeaState, stamp: Time) -> SeaState:
-    """Return the sea that the vessel is in, from `stamp` on."""
+    """Return `state`, the sea that the vessel is in, from `stamp` on."""
     message = SeaState()
     message.header.stamp, message.header.frame_id = stamp, WORLD
     message.spectrum = state.spectrum
@@ -71,7 +71,7 @@ def sea_state_message(state: sea.SeaState, stamp: Time) -> SeaState:
 
 
 def estimate_message(estimate: sea_state_estimate.SeaStateEstimate, stamp: Time) -> SeaStateEstimate:
-    """Return the sea state estimated from the MRU record that ends at `stamp`."""
+    """Return the `estimate` of the sea state from the MRU record that ends at `stamp`."""
     message = SeaStateEstimate()
     message.header.stamp, message.header.frame_id = stamp, WORLD
     message.valid = math.isfinite(estimate.peak_period) and estimate.significant_wave_height > 0.0

@@ -15,14 +15,14 @@ class DesignInForce:
 
     Parameters
     ----------
-    parameters : to design from
+    parameters : to design from; then those in force
     tick_period : [s]
 
     Raises DesignError where no controller can be designed from the parameters.
 
     Attributes
     ----------
-    parameters, design : in force
+    design : in force
     law : of the design, begun with it
     """
 
@@ -33,7 +33,7 @@ class DesignInForce:
         self.law = self.design.make_law()
 
     def redesign(self, parameters: WinchControllerParameters, payout: float) -> Array:
-        """Design again for a mean payout [m]; the states must stay the same.
+        """Design again from `parameters` for a mean `payout` [m]; the states must stay the same.
 
         Returns by what each state estimated so far is to be multiplied, shape (n,).
 
@@ -63,7 +63,7 @@ class DesignInForce:
         return True
 
     def take_winch(self, parameters: WinchControllerParameters) -> Array:
-        """Design for another winch.
+        """Design again for the winch of `parameters`.
 
         Returns the matrix that takes a present state to one of the new design, shape (n_new, n): every state keeps its
         meaning, the chain of commands its newest.

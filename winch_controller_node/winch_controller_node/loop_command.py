@@ -97,7 +97,7 @@ class LoopCommand:
         self._tension.hold(tension)
 
     def speed(self, tick: LoopTick) -> float:
-        """Return the speed of the winch as last commanded [m/s], absolute."""
+        """Return the speed of the winch as last commanded at `tick` [m/s], absolute."""
         return abs(tick.total_payout_rate) if self._is_first_order else abs(self._speed_asked)
 
     @property

@@ -42,7 +42,7 @@ class MoveAction:
         )
 
     def on_tick(self, time: float) -> None:
-        """Feed back, and end the move when it has arrived, was cancelled, or cannot go on."""
+        """Feed back at `time` [s], and end the move when it has arrived, was cancelled, or cannot go on."""
         goal = self._goal
         if goal is None:
             return
@@ -65,7 +65,7 @@ class MoveAction:
             goal.publish_feedback(feedback)
 
     def abort(self, reason: str) -> None:
-        """End the move that is under way, if any."""
+        """End the move that is under way, if any, for a `reason`."""
         if self._goal is not None:
             self._end("aborted", reason)
 

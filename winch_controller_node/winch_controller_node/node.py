@@ -68,7 +68,7 @@ class WinchControllerNode(ParticipantNode):
         self.move.abort("the run was reset")
 
     def on_tick(self, tick: Tick) -> None:
-        """Step the controller with what was delivered."""
+        """Step the controller with what was delivered by `tick`."""
         delivered = {
             name: [messages.reading(message) for message in self.take(port)]
             for name, (port, messages) in self.sensors.items()

@@ -17,7 +17,15 @@ from winch_controller_node.supervision.supervisor import Decision
 
 @dataclass(frozen=True, slots=True)
 class ControllerTick:
-    """One tick of the controller: what was known, what was decided, and what was ordered."""
+    """One tick of the controller.
+
+    Attributes
+    ----------
+    loop : what was known
+    decision : of the supervision
+    command : of the laws
+    order : to the winch
+    """
 
     loop: LoopTick
     decision: Decision
@@ -26,7 +34,7 @@ class ControllerTick:
 
 
 def state_report(tick: ControllerTick, estimation: LoopEstimation, in_force: DesignInForce) -> Report:
-    """Return the report of a tick, with the estimator and the design at its end."""
+    """Return the report of a `tick`, with the `estimation` and the design `in_force` at its end."""
     loop, mode, command, order = tick.loop, tick.decision.mode, tick.command, tick.order
     estimator = estimation.estimator
     names = tuple(estimator.measurements)

@@ -147,7 +147,8 @@ class RecordFile:
         if len(head) < HEAD.size:
             return False
         opcode, length = HEAD.unpack(head)
-        return self._length_by_parts(Record(opcode, position, length)) == length
+        by_parts = self._length_by_parts(Record(opcode, position, length))
+        return by_parts is not None and by_parts == int(length)
 
     def _length_by_parts(self, record: Record) -> int | None:
         """Return the length of a body as its parts add up to it; None where they do not make sense."""

@@ -102,7 +102,7 @@ class _OpenChunk:
 def _encode(record: McapRecord) -> bytes:
     builder = RecordBuilder()
     record.write(builder)
-    return builder.end()
+    return bytes(builder.end())  # type: ignore[no-untyped-call]
 
 
 class McapWriter:

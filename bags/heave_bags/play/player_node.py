@@ -15,9 +15,9 @@ from typing import Any
 import rclpy
 from builtin_interfaces.msg import Time
 from heave_msgs.srv import PlaybackControl
+from heave_node.messages import message_type
 from heave_node.ros.environment import prepare_environment
 from heave_node.ros.node import steady_clock
-from heave_node.ros.ports import message_type
 from heave_node.ros.spin import spin
 from rclpy.exceptions import InvalidNamespaceException, InvalidTopicNameException
 from rclpy.node import Node
@@ -67,7 +67,7 @@ class Player(Node):
         if not self._outlets:
             raise BagError(f"{bag.path}: none of its topics can be played: {'; '.join(self.left_out.values())}")
         self.playback = Playback(bag, replace(options, exclude=[*options.exclude, *map(escape, self.left_out)]))
-        self.finished: Future = Future()
+        self.finished: Future[None] = Future()
         self.published = 0
         self._clock_publisher: Publisher[Clock] | None = None
         if CLOCK not in bag.topics:

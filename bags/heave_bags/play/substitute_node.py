@@ -22,7 +22,7 @@ from heave_node.ros.participant import ParticipantNode
 from heave_node.ros.ports import Output
 from heave_node.ros.process import run_node
 from heave_node.tick.tick import Tick
-from heave_node.topics import Role, Topic
+from heave_node.topic import Role, Topic
 
 from heave_bags.errors import BagError
 from heave_bags.mcap.reader import Bag

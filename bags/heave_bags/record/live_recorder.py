@@ -15,12 +15,12 @@ from types import FrameType
 
 import rclpy
 from heave_node import topics
+from heave_node.messages import message_type
 from heave_node.parameters import ParameterError
 from heave_node.ros.diagnostics import Health, Level, diagnostic_array
 from heave_node.ros.environment import prepare_environment
 from heave_node.ros.node import steady_clock
 from heave_node.ros.node_parameters import read_parameters
-from heave_node.ros.ports import message_type
 from heave_node.ros.spin import spin
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
@@ -46,7 +46,7 @@ class LiveRecorder(Node):
     def __init__(self) -> None:
         super().__init__("recorder", automatically_declare_parameters_from_overrides=True)
         _, self.parameters = read_parameters(self, RecorderParameters)
-        self.finished: Future = Future()
+        self.finished: Future[None] = Future()
         self._sees_faults = self.parameters.snapshot_duration > 0.0
         self.session = RecordingSession(self._make_writer, self._make_ring(), survive=True)
         self.watch = TopicWatch(self, self.parameters.exclude)

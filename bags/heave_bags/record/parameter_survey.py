@@ -35,7 +35,7 @@ class ParameterSurvey:
                 client.list_parameters(callback=self._listener(name, client))
 
     def _listener(self, name: str, client: AsyncParameterClient) -> Any:
-        def on_list(future: Future) -> None:
+        def on_list(future: Future[Any]) -> None:
             answer: Any = future.result()
             names = list(answer.result.names)
             client.get_parameters(names, callback=lambda values: self._keep(name, names, values.result()))

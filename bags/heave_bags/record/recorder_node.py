@@ -20,7 +20,7 @@ from heave_node.ros.node import NodeError, steady_clock
 from heave_node.ros.participant import ParticipantNode
 from heave_node.ros.process import run_node
 from heave_node.tick.tick import Tick
-from heave_node.topics import Role, Topic
+from heave_node.topic import Role, Topic
 
 from heave_bags.cdr.canonical import Canonical
 from heave_bags.errors import BagError

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from fnmatch import fnmatch
 from typing import Any
 
-from heave_node.ros.ports import message_type
+from heave_node.messages import message_type
 from rclpy.node import Node
 from rclpy.subscription import Subscription
 

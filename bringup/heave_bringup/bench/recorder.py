@@ -62,7 +62,10 @@ def measure_recorder(seconds: float, say: Callable[[str], None]) -> dict[str, fl
 
 
 def publish(seconds: float) -> dict[str, float]:
-    """Publish the load once every topic has a subscriber; return how many messages went out, and in what time."""
+    """Publish the load for `seconds` once every topic has a subscriber.
+
+    Returns how many messages went out, and in what time.
+    """
     prepare_environment()
     rclpy.init()
     node = rclpy.create_node("load")

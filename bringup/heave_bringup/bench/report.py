@@ -21,7 +21,7 @@ def has_peer() -> bool:
 
 
 def tables(result: Mapping[str, Any]) -> list[Table | str]:
-    """Return what is to be printed for the parts that were measured."""
+    """Return what is to be printed for the parts of `result` that were measured."""
     return [line for part, make in _PARTS.items() if part in result for line in make(result[part])]
 
 

@@ -139,7 +139,7 @@ class Campaign:
 
 
 def find_campaign(name: str) -> Path:
-    """Return the file of a shipped campaign or the file itself; raise ParameterError where there is neither."""
+    """Return the file of the shipped campaign `name`, or the file `name`; raise ParameterError where neither is."""
     folder = Path(str(resources.files("heave_bringup"))) / "campaigns"
     shipped = {path.stem: path for path in sorted(folder.glob("*.yaml"))}
     path = shipped.get(name, Path(name))
@@ -149,7 +149,7 @@ def find_campaign(name: str) -> Path:
 
 
 def read_campaign(path: Path) -> Campaign:
-    """Read and check a campaign file; raise ParameterError, in one line, for what is wrong with it."""
+    """Read and check the campaign file `path`; raise ParameterError, in one line, for what is wrong with it."""
     try:
         content = parse_yaml(path.read_text(encoding="utf-8"))
     except OSError as error:

@@ -51,7 +51,7 @@ def _case_content(result: CaseResult) -> dict[str, object]:
 
 
 def summarise(results: Sequence[CaseResult]) -> dict[str, float]:
-    """Return what the cases come to together, nominal ones apart."""
+    """Return what the `results` of the cases come to together, nominal ones apart."""
     drawn = [result for result in results if not result.case.is_nominal]
     good = [result for result in drawn if not result.failure]
     counts = {"cases": float(len(drawn)), "failed": float(len(drawn) - len(good))}
@@ -83,12 +83,12 @@ def _against_nominal(results: Sequence[CaseResult], p90: float) -> dict[str, flo
 
 
 def case_table(results: Sequence[CaseResult]) -> Table:
-    """Return a row for each case: unit and uncompensated motion, tension, use of the winch."""
+    """Return a row for each case of `results`: unit and uncompensated motion, tension, use of the winch."""
     return make_table(COLUMNS, [_row(result) for result in results], texts=["remark"])
 
 
 def summary_table(results: Sequence[CaseResult]) -> Table:
-    """Return what the cases come to together."""
+    """Return what the `results` of the cases come to together."""
     return make_table(["all cases", "value"], [[name, f"{value:.6g}"] for name, value in summarise(results).items()])
 
 

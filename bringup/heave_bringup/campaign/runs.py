@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from heave_bags.analyse import kpi_set
 from heave_bags.analyse.depth_programme import take_out_programme
-from heave_bags.analyse.kpi_set import RunSignals, Signal
+from heave_bags.signals import RunSignals, Signal
 from heave_node.parameters import ParameterError
 
 from heave_bringup.campaign.plan import Campaign, Case

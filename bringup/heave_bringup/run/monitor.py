@@ -66,7 +66,7 @@ class Monitor:
         self.kpi = message
 
     def spin_until_over(self, seconds: float) -> None:
-        """Listen until the master says that the run is over, or for some wall time."""
+        """Listen until the master says that the run is over, or for `seconds` of wall time."""
         deadline = time.monotonic() + seconds
         while not self.is_over and time.monotonic() < deadline:
             self.spin(0.02)
@@ -101,7 +101,7 @@ class Monitor:
         return time.monotonic() - self._over_since if self.is_over else 0.0
 
     def spin(self, seconds: float) -> None:
-        """Listen for some wall time."""
+        """Listen for `seconds` of wall time."""
         self._spinner.spin_for(seconds)
 
     def another_run(self) -> bool:

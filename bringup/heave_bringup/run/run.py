@@ -139,7 +139,7 @@ def _listen() -> Monitor:
 
 
 def nodes_to_start(scenario: Scenario) -> list[str]:
-    """Return the nodes that are not replaced by hardware or left out of the run."""
+    """Return the nodes of a `scenario` that are not replaced by hardware or left out of the run."""
     wanted = {MASTER, *scenario.run.participants} - set(scenario.run.external)
     return [node.name for node in NODES if node.name in wanted]
 

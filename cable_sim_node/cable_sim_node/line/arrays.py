@@ -37,6 +37,7 @@ class LineArrays(NamedTuple):
     schedule: Array
     """Factor of the current, rows (time, factor)."""
     settings: Array
+    """Numbers of the whole line: step, scheme, tension law, seabed, compensator, wave."""
     flow: Array
     """Motion of the water along the line."""
     equations: Array
@@ -44,6 +45,7 @@ class LineArrays(NamedTuple):
     band: Array
     """The wide system of a line with bending; three rows more are scratch for a hinge. One row without bending."""
     counters: NDArray[np.int64]
+    """Segments in use, and what has been counted."""
 
     @property
     def x(self) -> Array:

@@ -150,7 +150,7 @@ def add_drag_turning(n: int, nodes: Array, parts: Array, flow: Array, band: Arra
 
         -N (u_t u_n (u_n.de)/abs(u_n) + abs(u_n) ((u_n.de) e + u_t de)) + T (2 abs(u_t) (u_n.de) e + abs(u_t) u_t de)
 
-    Arguments as in `assembly`.
+    `n` segments are in use; `nodes`, `parts` and `flow` are arrays of `LineArrays`.
     """
     for i in range(n):
         row, low, high, water = parts[i], nodes[i], nodes[i + 1], flow[i + 1]

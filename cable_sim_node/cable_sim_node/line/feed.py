@@ -3,8 +3,8 @@
 The grid of material points is counted from the unit and never moves; node i < n sits on grid point i for good. Only the
 top segment, from grid point n - 1 to the length L, changes. It is divided and merged with the mass of the line, its
 stretch and (when it is divided) its momentum kept, and a new node is put where its own forces give it the acceleration
-of its surroundings, so that tension does not jump. Arguments as in `assembly`; `now` and `grid` are those of
-`LineArrays`.
+of its surroundings, so that tension does not jump. Arguments as in `assembly`; `line` is the `LineArrays`, `now`
+and `grid` are two of them.
 """
 
 from __future__ import annotations

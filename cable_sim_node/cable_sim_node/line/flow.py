@@ -53,7 +53,7 @@ def set_flow(n: int, time: float, nodes: Array, settings: Array, current: Array,
 
 @inner_kernel
 def add_wave(time: float, x: float, y: float, z: float, settings: Array, water: Array) -> None:
-    """Add the wave's velocity at (x, y, z) to a row of the flow, and set its acceleration.
+    """Add the wave's velocity at (x, y, z) to `water`, a row of the flow, and set its acceleration.
 
     Crests pass the origin at `time` 0 and travel in the direction of `settings`.
     """

@@ -279,7 +279,10 @@ def advance(line: LineArrays, duration: float, ends: Array) -> int:
 
 @inner_kernel
 def load_end(share: float, duration: float, start_time: float, ends: Array, end: Array) -> None:
-    """Write time, length and boom tip at `share` of the interval of `advance` to the row `end`."""
+    """Write time, length and boom tip at `share` of the interval of `advance` to the row `end`.
+
+    The interval begins at `start_time` and lasts `duration` [s]; `ends` as in `advance`.
+    """
     end[TIME] = start_time + share * duration
     for k in range(3):
         end[X + k], end[VX + k], end[AX + k] = hermite(share, duration, ends[0, k], ends[1, k], ends[2, k], ends[3, k])

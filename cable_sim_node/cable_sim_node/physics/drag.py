@@ -58,7 +58,10 @@ def tangent_of(chord: Array) -> tuple[Vector, float]:
 def fill_slope(
     normal: float, tangential: float, tangent: Vector, slip: float, across: Vector, speed: float, by_flow: Array
 ) -> None:
-    """Fill `by_flow`, shape (3, 3), with the derivative of the drag by the flow; the rest as for `drag_force`."""
+    """Fill `by_flow`, shape (3, 3), with the derivative of the drag by the flow [N s/m2].
+
+    The drag is `drag_force(normal, tangential, tangent, slip, across, speed)`.
+    """
     for i in range(3):
         for j in range(3):
             projector = (1.0 if i == j else 0.0) - tangent[i] * tangent[j]

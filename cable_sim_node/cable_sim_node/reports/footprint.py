@@ -81,7 +81,7 @@ class FootprintReport:
         return f"{labelled_rows(rows)}\n\n{columns(('heading deg', 'reach m'), reach)}"
 
     def draw(self, figure: Figure) -> None:
-        """Draw the area from above."""
+        """Draw the area from above into `figure`."""
         axis = figure.subplots()
         corners = np.array([point.offset for point in self.area.points])
         axis.fill(*corners.T, alpha=0.2)

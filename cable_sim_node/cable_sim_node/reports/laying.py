@@ -96,7 +96,7 @@ class LayingReport:
         return columns(headings, rows)
 
     def draw(self, figure: Figure) -> None:
-        """Draw the cable from the side at every speed, and the touchdown from above."""
+        """Draw the cable from the side at every speed, and the touchdown from above, into `figure`."""
         side, top = figure.subplots(1, 2)
         along = np.array([math.cos(self.course), math.sin(self.course)])
         across = np.array([-along[1], along[0]])

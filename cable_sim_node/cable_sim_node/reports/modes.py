@@ -165,7 +165,7 @@ class ModesReport:
         return f"{labelled_rows(rows)}\n\n{heave}\n\n{line}"
 
     def draw(self, figure: Figure) -> None:
-        """Draw the mode shapes, and the unit's answer over period and over length."""
+        """Draw the mode shapes, and the unit's answer over period and over length, into `figure`."""
         panels = figure.subplot_mosaic([["heave", "sway", "map"], ["answer", "answer", "map"]], width_ratios=(1, 1, 2))
         heave, sway = panels["heave"], panels["sway"]
         for mode in self.heave:

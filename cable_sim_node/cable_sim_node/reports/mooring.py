@@ -104,7 +104,7 @@ class MooringReport:
         return "\n".join([columns(headings, rows), *notes])
 
     def draw(self, figure: Figure) -> None:
-        """Draw the cable from the side at every place, and the tensions over the offset."""
+        """Draw the cable from the side at every place, and the tensions over the offset, into `figure`."""
         side, curves = figure.subplots(1, 2)
         along = np.array([math.cos(self.direction), math.sin(self.direction)])
         for cable in self.cables:

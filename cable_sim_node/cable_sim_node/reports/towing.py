@@ -101,7 +101,7 @@ class TowingReport:
         return columns(headings, rows)
 
     def draw(self, figure: Figure) -> None:
-        """Draw the cable from the side at every speed, and depth and layback over the speed."""
+        """Draw the cable from the side at every speed, and depth and layback over the speed, into `figure`."""
         side, curves = figure.subplots(1, 2)
         along = np.array([math.cos(self.course), math.sin(self.course)])
         for tow in self.tows:

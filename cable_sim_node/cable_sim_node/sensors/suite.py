@@ -32,5 +32,5 @@ class SensorSuite:
         }
 
     def step(self, tick: int, truth: SensorTruth) -> SensorReadings:
-        """Let every sensor look at the `truth` of t_k, and return what is delivered at t_k."""
+        """Let every sensor look at the `truth` of t_k, `tick` k, and return what is delivered at t_k."""
         return {name: sensor.step(tick, truth) for name, sensor in self.by_name.items()}

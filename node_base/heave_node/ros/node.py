@@ -20,15 +20,16 @@ from rclpy.subscription import Subscription
 from rclpy.task import Future
 
 from heave_node import topics
+from heave_node.messages import message_type
 from heave_node.ros.diagnostics import Health, Level, diagnostic_array
 from heave_node.ros.node_parameters import read_parameters
-from heave_node.ros.ports import Input, Output, message_type
+from heave_node.ros.ports import Input, Output
 from heave_node.ros.qos import qos_of
 from heave_node.ros.spin import message_callback
 from heave_node.run_parameters import RunParameters
 from heave_node.tick.gate import TickGate
 from heave_node.tick.tick import Tick
-from heave_node.topics import Topic
+from heave_node.topic import Topic
 
 JOIN_PERIOD = 0.05
 """Wall time between two TickJoin messages while the run has not started [s]."""
@@ -71,7 +72,7 @@ class HeaveNode(LifecycleNode):
         self.run, self.parameters = read_parameters(self, self.parameters_type)
         in_protocol = set(self.run.participants) - set(self.run.external)
         self.gate = TickGate((), [node for node in self.after if node in in_protocol], lockstep=self.run.is_lockstep)
-        self.finished: Future = Future()
+        self.finished: Future[None] = Future()
         self.failure = ""
         self.tick: Tick | None = None
         self.epoch = 0

@@ -134,7 +134,7 @@ class ParticipantNode(HeaveNode):
 
     def _is_answer_due(self, start: TickStart) -> bool:
         """Tell whether the master waits for an answer: a node that may lag answers for many ticks at a time."""
-        return start.flush or start.tick % max(1, self.lag // 2) == 0
+        return bool(start.flush) or start.tick % max(1, self.lag // 2) == 0
 
     def _answer(self) -> None:
         assert self._answered is not None

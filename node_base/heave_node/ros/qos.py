@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 
-from heave_node.topics import Role
+from heave_node.topic import Role
 
 STREAM_DEPTH = 200
 """Messages kept for a subscriber that is slower than its publisher: ten seconds at 20 Hz."""

@@ -28,7 +28,8 @@ _LOCK = re.compile(r"(?P<guarded>fastdds_(?:[0-9a-f]{16}|port[0-9]{1,5}))_[es]l"
 def remove_dead_segments(folder: Path = SHARED_MEMORY, minimum_age: float = MINIMUM_AGE) -> list[str]:
     """Remove what processes of this user that are dead left in shared memory; return the names, sorted.
 
-    Nothing of a living process or of another user is touched. Does nothing on systems without `folder`.
+    Nothing of a living process or of another user is touched, and nothing that is younger than `minimum_age` [s]. Does
+    nothing on systems without `folder`.
     """
     removed = []
     for lock in sorted(folder.glob("fastdds_*")) if folder.is_dir() else []:

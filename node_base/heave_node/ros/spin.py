@@ -43,7 +43,7 @@ class Spinner:
         self._executor = EventsExecutor()
         self._executor.add_node(node)
 
-    def spin_for(self, seconds: float, until: Future | None = None) -> None:
+    def spin_for(self, seconds: float, until: Future[Any] | None = None) -> None:
         """Serve callbacks for `seconds` of wall time, or `until` a future completes."""
         self._executor.spin_until_future_complete(Future() if until is None else until, seconds)
 
@@ -54,7 +54,7 @@ class Spinner:
 
 
 def spin(
-    node: Node, finished: Future, on_idle: Callable[[], None], service_pause: Callable[[], float] = lambda: 0.0
+    node: Node, finished: Future[Any], on_idle: Callable[[], None], service_pause: Callable[[], float] = lambda: 0.0
 ) -> None:
     """Serve the callbacks of `node` until `finished` completes or the context is shut down.
 

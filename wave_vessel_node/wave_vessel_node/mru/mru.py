@@ -30,10 +30,16 @@ _IN_HEAVE = np.array([1.0, 0.0, 0.0, 0.0, 0.0])
 
 
 class HighPass:
-    """y = s^2 / (s^2 + 2 zeta omega s + omega^2) x, exact for x a cubic between steps and d held; see the module."""
+    """y = s^2 / (s^2 + 2 zeta omega s + omega^2) x, exact for x a cubic between steps and d held; see the module.
+
+    Parameters
+    ----------
+    cut_off : omega [rad/s]; 0 lets everything pass
+    damping : zeta
+    period : length of a step [s]
+    """
 
     def __init__(self, cut_off: float, damping: float, period: float) -> None:
-        """Make the filter with cut-off omega = `cut_off` [rad/s]; 0 lets everything pass."""
         self._cut_off, self._damping = cut_off, damping
         self._taken = DrivenOscillator(
             cut_off, damping, value_gain=cut_off**2, rate_gain=2.0 * damping * cut_off, period=period
@@ -44,11 +50,11 @@ class HighPass:
         self._taken.start(value, rate, state=(value, rate))
 
     def settle(self, value: float, rate: float) -> None:
-        """Begin with nothing taken away: right for a motion about zero that has been at rest."""
+        """Begin with nothing taken away: right for a motion `value`, `rate` about zero that has been at rest."""
         self._taken.start(value, rate)
 
     def step(self, value: float, rate: float, acceleration_error: float = 0.0) -> tuple[float, float, float]:
-        """Advance one period to the motion `value`, `rate`.
+        """Advance one period to the motion `value`, `rate`, with d = `acceleration_error` held.
 
         Returns what to subtract from value, rate and acceleration.
         """

@@ -12,6 +12,7 @@ class DrivenOscillator:
     Parameters
     ----------
     frequency : omega [rad/s]; damping : zeta
+    value_gain, rate_gain : of the motion u and of its rate
     period : length of a step [s]
     """
 
@@ -35,7 +36,7 @@ class DrivenOscillator:
         self._last = (value, rate)
 
     def step(self, value: float, rate: float, force: float = 0.0) -> tuple[float, float, float]:
-        """Advance one period to u = `value`, u' = `rate`; return y, y', y''."""
+        """Advance one period to u = `value`, u' = `rate`, with f = `force` held; return y, y', y''."""
         h = self._period
         u, u1 = self._last
         slope = (value - u) / h

@@ -78,7 +78,8 @@ class Course:
         if time <= self._knots[0] or len(self.legs) == 1:
             return self.velocity(min(time, self._knots[0])) * time
         if time >= self._knots[-1]:
-            return self._places[-1] + self.velocity(time) * (time - self._knots[-1])
+            beyond: Array = self._places[-1] + self.velocity(time) * (time - self._knots[-1])
+            return beyond
         cell = int(np.searchsorted(self._knots, time, side="right")) - 1
         start, end = self._knots[cell], self._knots[cell + 1]
         return _hermite(

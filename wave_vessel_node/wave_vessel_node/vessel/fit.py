@@ -73,7 +73,7 @@ def fit_vessel(omega: Array, response: NDArray[Any], spectrum: WaveSpectrum) -> 
         return SecondOrderVessel(natural, damping, gain)
 
     def residual(parameters: Array) -> Array:
-        return weight * (np.abs(vessel(parameters).response(omega)) - amplitude) / norm
+        return np.asarray(weight * (np.abs(vessel(parameters).response(omega)) - amplitude) / norm)
 
     bounds = (np.log([0.05, 0.02, 1e-3]), np.log([10.0, 5.0, 20.0]))
     starts = [

@@ -69,7 +69,8 @@ def actuator_bound(cable: CableModel, limits: WinchLimits, boom_tip_heave: Array
     ----------
     cable : two-state
     limits : of the winch
-    boom_tip_heave : the record [m], a sample each `step` [s]
+    boom_tip_heave : the record [m]
+    step : between its samples [s]
 
     Raises DesignError where the programme is not solved.
     """

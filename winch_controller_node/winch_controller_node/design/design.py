@@ -139,7 +139,7 @@ def design_controller(
     length: float | None = None,
     cable: CableModel | None = None,
 ) -> ControllerDesign:
-    """Design estimator and gains for `length` [m] (default: parameters.length).
+    """Design estimator and gains for `length` [m] (default: parameters.length), sampled at `tick_period` [s].
 
     `cable` is the two-state cable there, where it is known already (most of the work is its fit).
 
@@ -243,7 +243,7 @@ def _check_inputs(parameters: WinchControllerParameters, tick_period: float) -> 
 
 
 def believed_cable(parameters: WinchControllerParameters, length: float) -> CableModel:
-    """Return the two-state cable at `length` [m] of the modelled plant, fitted where the boom tip has its energy."""
+    """Return the two-state cable at `length` [m] of the plant of `parameters`, fitted where the boom tip has energy."""
     plant = PlantBelief(parameters.cable, parameters.unit, parameters.water_density, parameters.gravity)
     tip = boom_tip_block(parameters.sea, parameters.vessel)
     P = state_covariance(tip)
@@ -272,7 +272,13 @@ def model_inputs(parameters: WinchControllerParameters, cable: CableModel) -> Mo
 
 
 def slow_states(parameters: WinchControllerParameters, cable: CableModel) -> list[SlowState]:
-    """Return the errors of the sensors in use that the estimator follows, in the units of the model."""
+    """Return the errors of the sensors in use that the estimator follows, in the units of the model.
+
+    Parameters
+    ----------
+    parameters : of the sensors
+    cable : whose static tension is the unit of a load cell
+    """
     return [
         SlowState(state.name, unit * state.drift, unit * state.sigma)
         for sensor in parameters.sensors.in_use().values()
@@ -284,7 +290,10 @@ def slow_states(parameters: WinchControllerParameters, cable: CableModel) -> lis
 def measurement_models(
     parameters: WinchControllerParameters, model: LinearModel, cable: CableModel
 ) -> tuple[MeasurementModel, ...]:
-    """Return the measurements of the sensors in use, rows of `model`; the tension's noise goes with the `cable`."""
+    """Return the measurements of the sensors that `parameters` use, rows of `model`.
+
+    The tension's noise goes with the `cable`.
+    """
     return tuple(
         MeasurementModel(
             row.name,

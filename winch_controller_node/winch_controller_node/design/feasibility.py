@@ -51,9 +51,9 @@ class WinchDemand:
 
 
 def boom_tip_density(parameters: WinchControllerParameters, omega: Array) -> Array:
-    """Return the one-sided spectrum of boom-tip heave in the design sea [m^2 s/rad] at `omega` [rad/s], of its shape.
+    """Return the one-sided spectrum of boom-tip heave in the sea of `parameters`, of the shape of `omega`.
 
-    From the spectrum itself, not from the shaping filter that stands for it.
+    From the spectrum itself, not from the shaping filter that stands for it; [m^2 s/rad] at `omega` [rad/s].
     """
     density = sea_spectrum(parameters.sea).density(omega)
     vessel = parameters.vessel
@@ -64,7 +64,10 @@ def boom_tip_density(parameters: WinchControllerParameters, omega: Array) -> Arr
 
 
 def boom_tip_moments(parameters: WinchControllerParameters) -> tuple[float, float, float]:
-    """Return the variances of boom-tip heave [m^2], rate and acceleration, by quadrature up to 5 rad/s."""
+    """Return the variances of boom-tip heave [m^2], rate and acceleration, by quadrature up to 5 rad/s.
+
+    The sea is that of `parameters`.
+    """
     omega = np.linspace(1e-3, BAND, POINTS)
     density = boom_tip_density(parameters, omega)
     m0, m2, m4 = (float(np.sum(density * omega**power) * (omega[1] - omega[0])) for power in (0, 2, 4))
@@ -72,12 +75,11 @@ def boom_tip_moments(parameters: WinchControllerParameters) -> tuple[float, floa
 
 
 def uncompensated_sigma(parameters: WinchControllerParameters, length: float) -> float:
-    """Return the standard deviation of unit heave with the winch locked in the design sea [m], at a `length` [m].
+    """Return the standard deviation of unit heave with the winch locked [m], at a `length` [m].
 
-    The cable is exact.
-
-    Drag is linearised at the harmonic amplitude that dissipates as much as the Gaussian sea, sqrt(8/pi) / (8/(3 pi))
-    sigma. The compensated loop's own model is not fit for this: it is linearised about the small motion it leaves.
+    The sea is that of `parameters`, the cable exact. Drag is linearised at the harmonic amplitude that dissipates as
+    much as the Gaussian sea, sqrt(8/pi) / (8/(3 pi)) sigma. The compensated loop's own model is not fit for this: it is
+    linearised about the small motion it leaves.
     """
     plant = PlantBelief(parameters.cable, parameters.unit, parameters.water_density, parameters.gravity)
     omega = np.linspace(0.05, BAND, 400)
@@ -89,7 +91,7 @@ def uncompensated_sigma(parameters: WinchControllerParameters, length: float) ->
 
 
 def winch_demand(parameters: WinchControllerParameters, *, tension: float, drum_radius: float) -> WinchDemand:
-    """Return what full compensation of the design sea asks of the winch.
+    """Return what full compensation of the sea of `parameters` asks of the winch.
 
     `tension` is the static one at the top [N]: compensated, the unit hangs still and the cable in the water hardly
     moves. `drum_radius` [m] gives the torque.
@@ -127,7 +129,7 @@ def feasibility_table(
 ) -> list[WinchDemand]:
     """Return the demand for each significant wave height of `heights` [m] and peak period of `periods` [s].
 
-    The rest of the sea is as designed for; `drum_radius` [m] gives the torque.
+    The rest of the sea is that of `parameters`; `drum_radius` [m] gives the torque.
     """
     plant = PlantBelief(parameters.cable, parameters.unit, parameters.water_density, parameters.gravity)
     tension = plant.line(parameters.length).static_top_tension(parameters.length)

@@ -35,19 +35,22 @@ class Margins:
 
 
 def frequencies(tick_period: float) -> Array:
-    """Return angular frequencies up to half the tick rate [rad/s]."""
+    """Return angular frequencies up to half the tick rate [rad/s], for a `tick_period` [s]."""
     return np.geomspace(1e-3, math.pi / tick_period, FREQUENCIES)
 
 
 def state_feedback_loop(design: ControllerDesign, gain: Array, omegas: Array) -> ComplexArray:
-    """Return L = G (zI - A)^-1 B at `omegas` [rad/s] when all states are known (LQR); G is `gain`, shape (n,)."""
+    """Return L = G (zI - A)^-1 B at `omegas` [rad/s] when all states are known (LQR).
+
+    G is `gain`, shape (n,); A and B are those of `design`.
+    """
     return _transfer(design.model.A, design.model.B[:, 0], gain, design.tick_period, omegas)
 
 
 def output_feedback_loop(design: ControllerDesign, gain: Array, omegas: Array) -> ComplexArray:
-    """Return L at `omegas` [rad/s] with the stationary Kalman filter in the loop (LQG); `gain` has shape (n,).
+    """Return L at `omegas` [rad/s] with the stationary Kalman filter in the loop of `design` (LQG).
 
-    A sensor slower than the tick stands as one at the tick with the same information per second.
+    `gain` has shape (n,). A sensor slower than the tick stands as one at the tick with the same information per second.
     """
     filter_ = equivalent_filter(design)
     n = len(filter_.A)

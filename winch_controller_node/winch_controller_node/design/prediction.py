@@ -53,7 +53,7 @@ class LoopPrediction:
 
 
 def sensor_periods(design: ControllerDesign) -> dict[str, tuple[int, int]]:
-    """Return the period and the age at arrival of each sensor's readings [ticks]."""
+    """Return the period and the age at arrival of the readings of each sensor of `design` [ticks]."""
     dt = design.tick_period
     return {
         name: (max(1, round(sensor.period(dt) / dt)), round(sensor.age() / dt))
@@ -172,7 +172,10 @@ class EquivalentFilter:
 
 
 def equivalent_filter(design: ControllerDesign) -> EquivalentFilter:
-    """Return the stationary filter with slow sensors replaced by ones at the tick that tell as much per second."""
+    """Return the stationary filter of `design` with slow sensors replaced by ones at the tick.
+
+    They tell as much per second.
+    """
     periods = sensor_periods(design)
     model = _filter_model(design, every_tick=True)
     n = design.model.order

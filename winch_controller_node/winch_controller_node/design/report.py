@@ -243,7 +243,8 @@ def winch_curve(
 ) -> tuple[TradeOff, ...]:
     """Return what a prescribed `unit_sigma` [m] costs with a slower and slower winch (thesis fig 6.25, 6.3.5).
 
-    For each lag the command weight is found that gives the prescribed sigma; lags at which none does are left out.
+    For each lag [s] of `lags` the command weight is found with which `design` gives the prescribed sigma; lags at which
+    none does are left out.
     """
     points = []
     for lag in lags:

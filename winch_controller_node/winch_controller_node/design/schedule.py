@@ -88,7 +88,10 @@ class GainSchedule:
 
 
 def closed_loop_radius(design: ControllerDesign) -> float:
-    """Return the largest magnitude of the closed loop's poles, sensor states (which no command moves) left out."""
+    """Return the largest magnitude of the closed loop's poles, sensor states (which no command moves) left out.
+
+    The loop is that of `design`.
+    """
     keep = [name for name in design.model.state_names if not is_sensor_state(name)]
     closed = with_feedback(design.model, design.gain).select_states(keep)
     return spectral_abscissa(closed)
@@ -104,7 +107,7 @@ FOLLOW = 0.03
 
 
 def design_schedule(parameters: WinchControllerParameters, *, tick_period: float) -> GainSchedule:
-    """Design the schedule of `parameters.schedule` and check it.
+    """Design the schedule of `parameters.schedule` for a `tick_period` [s], and check it.
 
     Raises DesignError where a point cannot be designed, or the loop is not stable between two of them.
     """

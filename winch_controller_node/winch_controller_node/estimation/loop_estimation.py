@@ -136,7 +136,7 @@ class LoopEstimation:
             self.estimator.set_process_noise(noise)
 
     def advance_mean(self, command: float, *, is_braked: bool) -> None:
-        """Advance the mean payout by a tick with `command` as its share of the command; a brake holds it."""
+        """Advance the mean payout by a tick with `command` as its share; a brake (`is_braked`) holds it."""
         self.motion.advance(self._design.model, command, is_braked=is_braked)
 
     # going on from another place
@@ -153,13 +153,16 @@ class LoopEstimation:
         )
 
     def return_to_mean(self, tick: LoopTick) -> None:
-        """Count the payout that is out as left over: it goes away slowly, and with the winch locked it would stay."""
+        """Count the payout that is out at `tick` as left over: it goes away slowly.
+
+        With the winch locked it would stay.
+        """
         rows, estimate = tick.rows, tick.estimate
         self.motion.return_from(float(rows.payout @ estimate))
         self._uncompensated = estimate[rows.unit_states] + rows.winch @ estimate
 
     def hand_over(self, tick: LoopTick, *, unit_stood: bool) -> None:
-        """Make the present depth of the unit the mean and go on from there; `unit_stood` on the seabed until now.
+        """Make the present depth of the unit the mean and go on from `tick`; `unit_stood` on the seabed until now.
 
         See `handover`.
         """

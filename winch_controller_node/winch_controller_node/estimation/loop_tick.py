@@ -54,7 +54,7 @@ class Sensed:
 
 @dataclass(frozen=True, slots=True)
 class CommandShares:
-    """A command in the terms of the model, in two shares: what compensates, and what moves the mean payout."""
+    """A command in the terms of the model, in two shares: what is `compensating`, and what moves the `mean` payout."""
 
     compensating: float = 0.0
     mean: float = 0.0

@@ -90,7 +90,7 @@ class Observer:
         return self._zeros.get("depth")
 
     def remember_share(self, tick: int, mean_state: Array) -> None:
-        """Note the state of the mean payout's own motion at `tick`, shape (n,)."""
+        """Note the state of the mean payout's own motion at `tick`, `mean_state`, shape (n,)."""
         self._shares.append((tick, mean_state))
 
     def forget_shares(self) -> None:
@@ -159,11 +159,17 @@ class Observer:
         return words
 
     def states(self, tick: int) -> tuple[SensorState, ...]:
-        """Return how each sensor is seen."""
+        """Return how each sensor is seen at `tick`."""
         return tuple(gate.state(tick * self._dt) for gate in self.gates.values())
 
     def unit_heave_reading(self, mean_state: Array, unit: int) -> float:
-        """Return the newest depth as heave [m] about the mean payout's; `unit` is the index of unit_heave."""
+        """Return the newest depth as heave about that of the mean payout [m].
+
+        Parameters
+        ----------
+        mean_state : state of the mean payout's own motion, shape (n,)
+        unit : index of unit_heave in it
+        """
         return self._unit_heave - float(mean_state[unit]) * (1.0 + self.stretch_per_payout)
 
     def _tick_of(self, time: float) -> int:

@@ -99,17 +99,17 @@ class SensorGate:
         return True
 
     def note_innovation(self, accepted: bool) -> None:
-        """Take back what the estimator said of the newest reading: inside or outside its gate."""
+        """Take back what the estimator said of the newest reading: `accepted`, inside its gate, or outside."""
         if not accepted:
             self._accepted -= 1
             self._refuse("spike" if self._bad_in_a_row < BAD_IN_A_ROW else "jump")
 
     def show_for(self, samples: int) -> None:
-        """Let what was just refused be seen until so many good readings have come."""
+        """Let what was just refused be seen until `samples` good readings have come."""
         self._good_needed = samples
 
     def tick(self, now: float) -> None:
-        """Notice what did not come; once per tick, after the readings."""
+        """Notice what did not come by `now` [s]; once per tick, after the readings."""
         if self._started is None:
             self._started = now
         newest = self._started if self._newest_accepted is None else self._newest_accepted
@@ -157,14 +157,14 @@ _MRU_WORDS: dict[int, str] = {
 
 
 def judge_mru(gate: SensorGate, now: float, reading: MruReading) -> bool:
-    """Gate a reading of the MRU, its status word included."""
+    """Tell whether `gate` lets a `reading` of the MRU pass at `now` [s], its status word included."""
     status = _MRU_WORDS.get(reading.status, f"status {reading.status}")
     values = (reading.heave, reading.heave_rate, reading.roll, reading.pitch)
     return gate.judge(now, reading.time, values, status)
 
 
 def judge_scalar(gate: SensorGate, now: float, reading: ScalarReading) -> bool:
-    """Gate a scalar reading."""
+    """Tell whether `gate` lets a scalar `reading` pass at `now` [s]."""
     return gate.judge(now, reading.time, (reading.value,))
 
 

@@ -29,7 +29,14 @@ SHOWN = 200.0
 
 @dataclass(frozen=True)
 class LengthPoint:
-    """a and b at one deployed length: identified from the simulated response, and of the linearised plant."""
+    """a [1/s] and b [1/s^2] at one deployed length.
+
+    Attributes
+    ----------
+    length : deployed [m]
+    identified : from the simulated response
+    linearised_a, linearised_b : of the linearised plant
+    """
 
     length: float
     identified: Identification
@@ -73,7 +80,10 @@ def identify_simulated(
 def identify_against_length(
     parameters: WinchControllerParameters, lengths: Sequence[float], *, drag: str = "linear", seed: int = 1
 ) -> list[LengthPoint]:
-    """Return a and b at each of `lengths` [m]; `drag` and `seed` as for `identify_simulated`."""
+    """Return a and b of the plant in `parameters` at each of `lengths` [m].
+
+    `drag` and `seed` as for `identify_simulated`.
+    """
     points = []
     for length in lengths:
         cable = believed_cable(parameters, length)

@@ -26,7 +26,7 @@ _KNOWN = KnownSensors().by_name()
 
 
 def winch_reading(state: Any, nanoseconds: int) -> WinchReading:
-    """Return what the winch measures of itself at a time [ns]; the truth in the state is not looked at.
+    """Return what the winch measures of itself at a time, `nanoseconds` [ns]; the truth in the state is not looked at.
 
     `state` is a heave_msgs/WinchState or the virtual winch's own, which has the same names.
     """
@@ -68,7 +68,7 @@ def _scalar(name: str, reading: WireReading, water: Water) -> ScalarReading:
 
 
 def command_message(order: WinchOrder, stamp: Time) -> WinchCommand:
-    """Return the order to the winch."""
+    """Return the `order` to the winch as a message of `stamp`."""
     return WinchCommand(
         header=Header(stamp=stamp),
         sequence=order.sequence,
@@ -79,7 +79,7 @@ def command_message(order: WinchOrder, stamp: Time) -> WinchCommand:
 
 
 def state_message(report: Report, stamp: Time) -> ControllerState:
-    """Return what the controller believes and does."""
+    """Return the `report` of what the controller believes and does as a message of `stamp`."""
     return ControllerState(
         header=Header(stamp=stamp),
         mode=report.mode,
@@ -119,7 +119,7 @@ def _health_message(sensor: SensorState) -> SensorHealth:
 
 
 def kpi_message(kpi: RollingKpi, stamp: Time) -> CompensationKpi:
-    """Return the rolling figures of merit."""
+    """Return the rolling figures of merit `kpi` as a message of `stamp`."""
     return CompensationKpi(
         header=Header(stamp=stamp),
         window=kpi.window,

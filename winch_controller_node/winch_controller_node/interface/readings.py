@@ -63,7 +63,14 @@ class Measurements:
 
 @dataclass(frozen=True)
 class WinchOrder:
-    """The command of a tick: set-points of payout [m] and rate [m/s], brake, and the number of the command."""
+    """The command of a tick.
+
+    Attributes
+    ----------
+    sequence : number of the command
+    payout, payout_rate : set-points [m], [m/s]
+    brake : True: on
+    """
 
     sequence: int
     payout: float
@@ -94,7 +101,7 @@ class SensorState:
 
 @dataclass(frozen=True)
 class Report:
-    """What the controller believes and does, as published in heave_msgs/ControllerState; names as there."""
+    """See heave_msgs/ControllerState, whose names these are: what the controller believes and does."""
 
     mode: str
     law: str
@@ -122,7 +129,7 @@ class Report:
 
 @dataclass(frozen=True)
 class RollingKpi:
-    """Figures of merit over the last window, from sensors and estimates alone; names of heave_msgs/CompensationKpi."""
+    """See heave_msgs/CompensationKpi, whose names these are: figures of merit from sensors and estimates alone."""
 
     window: float
     unit_sigma: float
@@ -143,7 +150,15 @@ class RollingKpi:
 
 @dataclass(frozen=True)
 class Outputs:
-    """What a tick gives: the order to the winch, the report, and once a second the KPI."""
+    """What a tick gives.
+
+    Attributes
+    ----------
+    order : to the winch
+    report : of what is believed and done
+    kpi : once a second; None else
+    alarms : one line each
+    """
 
     order: WinchOrder
     report: Report

@@ -99,7 +99,7 @@ class SensorModelParameters:
     is_always_watched: ClassVar[bool] = False
 
     def period(self, tick_period: float) -> float:
-        """Return the time between readings [s]: one comes in each tick."""
+        """Return the time between readings [s]: one comes in each tick of `tick_period` [s]."""
         return tick_period
 
     def age(self) -> float:
@@ -115,7 +115,7 @@ class SensorModelParameters:
         return ()
 
     def unit(self, static_tension: float) -> float:
-        """Return the size of the sensor's unit in that of the model, for a cable of this static tension [N]."""
+        """Return the size of the sensor's unit in that of the model, for a cable of `static_tension` [N]."""
         return static_tension if self.zero is Zero.STATIC_TENSION else 1.0
 
 
@@ -129,7 +129,7 @@ class SampledSensorParameters(SensorModelParameters):
     )
 
     def period(self, tick_period: float) -> float:
-        """Return the time between readings [s]."""
+        """Return the time between readings [s], whatever the `tick_period`."""
         return max(1.0 / self.rate, tick_period)
 
     def age(self) -> float:
@@ -327,7 +327,7 @@ SCALAR_SENSORS = tuple(name for name in INPUTS if name != MRU.name)
 
 
 def those_that_see(*seen: str) -> list[str]:
-    """Return the names of the sensors that tell of the boom_tip, the unit, the cable or the drum."""
+    """Return the names of the sensors that tell of one of `seen`: boom_tip, unit, cable, drum."""
     return [name for name, sensor in KnownSensors().by_name().items() if sensor.sees in seen]
 
 

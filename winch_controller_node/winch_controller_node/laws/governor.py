@@ -180,6 +180,7 @@ def standing_command(model: LinearModel, winch: WinchModelParameters) -> Array:
     """Return the row that gives the rate command [m/s] under which the drum of a servo `winch` would stand, shape (n,).
 
     It is what its position loop takes off when the command of the tick takes effect; zero without a position loop. A
-    law that asks for a speed adds it.
+    law that asks for a speed adds it. The row is for the states of `model`.
     """
-    return winch.position_gain * drum_ahead(model, winch)[0]
+    row: Array = winch.position_gain * drum_ahead(model, winch)[0]
+    return row

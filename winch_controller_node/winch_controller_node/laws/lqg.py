@@ -25,7 +25,7 @@ class LqgParameters:
 
 
 class FullStateFeedback(StateFeedback):
-    """Feedback of all states with the gain of the design."""
+    """Feedback of all states with the gain of the `design`; `parameters` bound what the unit's error may ask for."""
 
     name: ClassVar[str] = "lqg"
     summary: ClassVar[str] = "feedback of all states"

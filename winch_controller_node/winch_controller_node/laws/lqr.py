@@ -11,7 +11,10 @@ from winch_controller_node.model.regulator import unit_regulator_gain
 
 
 class UnitRegulator(StateFeedback):
-    """Feedback of the unit's motion. All that it does comes from the unit's error, which may ask for the full speed."""
+    """Feedback of the unit's motion. All that it does comes from the unit's error, which may ask for the full speed.
+
+    It is made for a `design`, and has no `parameters`.
+    """
 
     name: ClassVar[str] = "lqr"
     summary: ClassVar[str] = "feedback of the unit alone"

@@ -65,9 +65,9 @@ class MpcParameters:
 
 
 def constrained_gain(model: LinearModel, parameters: MpcParameters) -> Array:
-    """Return the LQR gain of the constrained law, shape (n,).
+    """Return the LQR gain of the constrained law, shape (n,), for the weights of its `parameters`.
 
-    It can be sharper than that of a law whose command is clipped: the limits are in the plan.
+    It can be sharper than that of a law whose command is clipped: the limits are in the plan. `model` is sampled.
     """
     sizes = {
         "unit_heave": parameters.unit_heave,

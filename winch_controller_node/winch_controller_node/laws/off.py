@@ -9,7 +9,10 @@ from winch_controller_node.laws.loop_state import LoopState
 
 
 class Off(ControlLaw):
-    """No command. Its gain is that of law lqg, so that the design can be looked at without moving the winch."""
+    """No command. Its gain is that of the `design`, so that it can be looked at without moving the winch.
+
+    It has no `parameters`.
+    """
 
     name: ClassVar[str] = "off"
     summary: ClassVar[str] = "brake on"
@@ -20,6 +23,6 @@ class Off(ControlLaw):
         self.gain = design.gain
 
     def command(self, state: LoopState) -> LawCommand:
-        """Return no command."""
+        """Return no command, whatever the `state`."""
         del state
         return LawCommand(0.0)

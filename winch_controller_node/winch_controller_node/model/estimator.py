@@ -102,10 +102,8 @@ class KalmanEstimator:
     largest_age : ticks; older readings are refused
     implementation : of the filter of one step: "compiled", or "filterpy" for the reference
 
-    Attributes
-    ----------
-    estimate : shape (n,); covariance : shape (n, n): after the last step
-    innovations : of the readings given to the last step, by name (the newest of each)
+    `estimate`, shape (n,), and `covariance`, shape (n, n), are those after the last step; `innovations` those of the
+    readings given to it, by name (the newest of each).
     """
 
     def __init__(

@@ -16,13 +16,7 @@ from winch_controller_node.model.kalman_kernel import corrected, predicted_covar
 
 
 class StepFilter(Protocol):
-    """A Kalman filter of one input, a step at a time.
-
-    Attributes
-    ----------
-    x : estimate, shape (n,)
-    P : its covariance, shape (n, n)
-    """
+    """A Kalman filter of one input, a step at a time: estimate x, shape (n,), and its covariance P, shape (n, n)."""
 
     @property
     def x(self) -> Array: ...  # noqa: D102
@@ -31,11 +25,11 @@ class StepFilter(Protocol):
     def P(self) -> Array: ...  # noqa: D102
 
     def set_model(self, F: Array, B: Array, Q: Array) -> None:
-        """Use another model: transition (n, n), input (n, 1), covariance of the process noise of a step (n, n)."""
+        """Use another model: transition F (n, n), input B (n, 1), covariance Q of the process noise of a step."""
         ...
 
     def set_state(self, x: Array, P: Array) -> None:
-        """Go on from an estimate, shape (n,), and its covariance, shape (n, n)."""
+        """Go on from an estimate x, shape (n,), and its covariance P, shape (n, n)."""
         ...
 
     def predict(self, command: float) -> None:
@@ -64,21 +58,21 @@ class CompiledKalmanFilter:
         self.set_state(np.zeros(order), np.eye(order))
 
     def set_model(self, F: Array, B: Array, Q: Array) -> None:
-        """Use another model, see StepFilter."""
+        """See StepFilter."""
         self._F, self._Q = np.ascontiguousarray(F), np.ascontiguousarray(Q)
         self._B = np.ascontiguousarray(B[:, 0])
 
     def set_state(self, x: Array, P: Array) -> None:
-        """Go on from an estimate and its covariance; they are not copied, and never changed."""
+        """Go on from an estimate x and its covariance P; they are not copied, and never changed."""
         self.x, self.P = x, P
 
     def predict(self, command: float) -> None:
-        """Go a step ahead, see StepFilter."""
+        """See StepFilter."""
         self.x = self._F @ self.x + self._B * command
         self.P = predicted_covariance(self.P, self._F, self._Q)
 
     def correct(self, z: Array, H: Array, variances: Array) -> None:
-        """Take in the readings of a step together, see StepFilter."""
+        """See StepFilter; the readings are taken together."""
         self.x, self.P = corrected(self.x, self.P, z, H, variances)
 
 
@@ -106,19 +100,19 @@ class ReferenceKalmanFilter:
         return np.asarray(self._filter.P)
 
     def set_model(self, F: Array, B: Array, Q: Array) -> None:
-        """Use another model, see StepFilter."""
+        """See StepFilter."""
         self._filter.F, self._filter.B, self._filter.Q = F, B, Q
 
     def set_state(self, x: Array, P: Array) -> None:
-        """Go on from an estimate and its covariance."""
+        """See StepFilter."""
         self._filter.x, self._filter.P = np.array(x, dtype=float)[:, None], np.array(P, dtype=float)
 
     def predict(self, command: float) -> None:
-        """Go a step ahead, see StepFilter."""
+        """See StepFilter."""
         self._filter.predict(u=np.array([[command]]))
 
     def correct(self, z: Array, H: Array, variances: Array) -> None:
-        """Take in readings one after the other: their noise is independent, so that the order does not matter."""
+        """See StepFilter; readings are taken one by one: their noise is independent, so the order does not matter."""
         for value, row, variance in zip(z, H, variances, strict=True):
             self._filter.update(value, R=variance, H=row[None, :])
 

@@ -32,7 +32,7 @@ class QuadraticCost:
 
 
 def output_cost(model: LinearModel, sizes: Mapping[str, float], command_size: float) -> QuadraticCost:
-    """Return the cost sum (y_i / size_i)^2 + (u / command_size)^2 over the outputs in `sizes` [their unit].
+    """Return the cost sum (y_i / size_i)^2 + (u / command_size)^2 over the outputs of `model` in `sizes` [their unit].
 
     A size of 0 leaves an output out.
 
@@ -86,7 +86,10 @@ def _check_weights(cost: QuadraticCost) -> None:
 
 
 def check_stabilisable(model: LinearModel) -> None:
-    """Raise DesignError, naming the states, where the command does not reach a mode that does not decay (PBH test)."""
+    """Raise DesignError where the command does not reach a mode of `model` that does not decay (PBH test).
+
+    The message names its states.
+    """
     lost = unreachable_modes(model.A, model.B, discrete=model.dt is not None)
     if lost is not None:
         raise DesignError(
@@ -100,6 +103,7 @@ def check_detectable(model: LinearModel, rows: Array, sensors: Sequence[str]) ->
 
     Parameters
     ----------
+    model : whose modes they are
     rows : shape (p, n), what is measured
     sensors : names of the sensors in use, for the message
     """
@@ -112,7 +116,10 @@ def check_detectable(model: LinearModel, rows: Array, sensors: Sequence[str]) ->
 
 
 def check_seen_by_cost(model: LinearModel, cost: QuadraticCost) -> None:
-    """Raise DesignError where `cost` gives a mode that does not decay no weight: the optimum would leave it alone."""
+    """Raise DesignError where `cost` gives no weight to a mode of `model` that does not decay.
+
+    The optimum would leave it alone.
+    """
     lost = unreachable_modes(model.A.T, cost.Q, discrete=model.dt is not None)
     if lost is not None:
         raise DesignError(

@@ -47,7 +47,14 @@ SMALLEST_DAMPING_RATIO = 0.002
 
 @dataclass(frozen=True)
 class PlantBelief:
-    """What the controller knows of cable and unit: enough for a, b and the tension at any length."""
+    """What the controller knows of the plant: enough for a, b and the tension at any length.
+
+    Attributes
+    ----------
+    cable, unit : as in the plant
+    water_density : [kg/m^3]
+    gravity : [m/s^2]
+    """
 
     cable: CableParameters = field(default_factory=CableParameters)
     unit: UnitParameters = field(default_factory=UnitParameters)
@@ -90,7 +97,7 @@ def cable_model(
 
 
 def sea_spectrum(sea: SeaModelParameters) -> WaveSpectrum:
-    """Return the spectrum the controller is designed for."""
+    """Return the spectrum of the `sea` that the controller is designed for."""
     return named_spectrum(sea)
 
 
@@ -143,17 +150,20 @@ def continuous_model(inputs: ModelInputs) -> LinearModel:
 
 
 def augmented_model(inputs: ModelInputs, tick_period: float) -> LinearModel:
-    """Return `inputs` as a sampled model at ticks with the exact command delay; one input, the command of the tick.
+    """Return `inputs` as a model sampled at ticks of `tick_period` [s], with the exact command delay.
 
-    States: unit, payout, boom tip (vessel, waves), MRU high-pass, slow states, and past commands `<command>_1` (the
-    newest) on.
+    One input, the command of the tick. States: unit, payout, boom tip (vessel, waves), MRU high-pass, slow states, and
+    past commands `<command>_1` (the newest) on.
     """
     model = continuous_model(inputs)
     return delay_command(model, tick_period, inputs.winch.command_delay, [command_name(inputs.winch)])
 
 
 def sea_noise_covariance(inputs: ModelInputs, tick_period: float, order: int) -> Array:
-    """Return the waves' share of the process noise of a tick of `augmented_model(inputs)`, which has `order` states."""
+    """Return the waves' share of the process noise of a tick of `augmented_model(inputs, tick_period)`.
+
+    The model has `order` states; shape (order, order).
+    """
     model = continuous_model(inputs)
     waves = [i for i, name in enumerate(model.noise_names) if name == "waves"]
     only_waves = replace(model, G=model.G[:, waves], noise_names=("waves",))
@@ -162,9 +172,10 @@ def sea_noise_covariance(inputs: ModelInputs, tick_period: float, order: int) ->
 
 
 def shadow_model(cable: CableModel, tick_period: float) -> LinearModel:
-    """Return the sampled uncompensated unit on a `cable`: boom_tip_heave and its rate in, its heave and rate out.
+    """Return the uncompensated unit on a `cable`, sampled at `tick_period` [s].
 
-    The boom tip moves straight within a tick. It makes the guard's and the display's "what the unit would do".
+    boom_tip_heave and its rate in, the unit's heave and rate out. The boom tip moves straight within a tick. It makes
+    the guard's and the display's "what the unit would do".
     """
     ramp = linear_model(
         [[0.0, 1.0], [0.0, 0.0]],

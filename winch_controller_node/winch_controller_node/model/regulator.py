@@ -47,7 +47,7 @@ def weighted_cost(weights: WeightParameters, model: LinearModel) -> QuadraticCos
 
 
 def full_gain(model: LinearModel, cost: QuadraticCost) -> Array:
-    """Return the LQR gain over all states that minimises `cost`, shape (n,); those of sensors have none.
+    """Return the LQR gain over all states of `model` that minimises `cost`, shape (n,); those of sensors have none.
 
     Raises DesignError where there is no stabilising gain, see `lqr.lqr_gain`.
     """
@@ -60,7 +60,7 @@ def full_gain(model: LinearModel, cost: QuadraticCost) -> Array:
 
 
 def output_gain(model: LinearModel, sizes: Mapping[str, float], command_size: float) -> Array:
-    """Return the LQR gain over all states, shape (n,), for a cost of outputs by `sizes` and `command_size`.
+    """Return the LQR gain over all states of `model`, shape (n,), for a cost of outputs by `sizes` and `command_size`.
 
     See `lqr.output_cost`.
 
@@ -77,7 +77,8 @@ def unit_regulator_gain(weights: WeightParameters, model: LinearModel) -> Array:
     """Return the gain of the regulator of unit, winch and delay under `weights` (thesis 6.2.4, 6.2.5), shape (n,).
 
     The outlet has no weight in it: without a boom tip to follow, that would hold the payout where it is. Nothing but
-    the unit's own motion then asks for a command, so that it is weighed as in the thesis, by itself.
+    the unit's own motion then asks for a command, so that it is weighed as in the thesis, by itself. `model` is the
+    whole one, sampled.
 
     Raises DesignError where there is no stabilising gain.
     """

@@ -9,7 +9,10 @@ from winch_controller_node.parameters.laws import ProgrammeParameters
 
 @dataclass(frozen=True)
 class ProgrammeStep:
-    """One thing to be done at `time` [s]: a mode, or where that is empty a move of the mean payout [m], [m/s]."""
+    """One thing to be done at `time` [s]: a `mode`, or where that is empty a move of the mean payout.
+
+    It goes to `payout` [m] at `speed` [m/s].
+    """
 
     time: float
     mode: str = ""

@@ -23,7 +23,7 @@ UNMODELLED_LIMITS = WinchLimit.PAYOUT | WinchLimit.POWER
 
 
 def identifies_winch(parameters: WinchControllerParameters) -> bool:
-    """Tell whether the winch is identified while the loop runs: a speed servo, without a gain schedule."""
+    """Tell whether the winch is identified while the loop runs: a speed servo, no gain schedule in `parameters`."""
     return parameters.lag.adaptation and not is_scheduled(parameters) and parameters.winch.law != "first_order"
 
 
@@ -60,7 +60,13 @@ class WinchWatch:
         self._given = order
 
     def improved_parameters(self, tick: int, parameters: WinchControllerParameters) -> WinchControllerParameters | None:
-        """Return parameters with the winch as identified; None: the present ones are as good, or it is not the time."""
+        """Return parameters with the winch as identified; None: the present ones are as good, or it is not the time.
+
+        Parameters
+        ----------
+        tick : number of the present one
+        parameters : in force
+        """
         period = CHECKING_PERIOD if self._identifier.is_full else LEARNING_PERIOD
         if tick % max(1, round(period / self._dt)) != 0:
             return None

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the command's own arguments."""
+    """Add the command's own arguments to `parser`."""
     parser.add_argument("source", metavar="BAG|CSV", type=Path, help="bag folder, MCAP file or CSV log")
     chosen = parser.add_mutually_exclusive_group(required=True)
     chosen.add_argument("--topic", help="the one topic of a standard type that holds the motion")
@@ -23,7 +23,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def execute(options: argparse.Namespace) -> None:
-    """Write the boom-tip motion as CSV and say how to run with it."""
+    """Write the boom-tip motion as CSV and say how to run with it, as `options` say."""
     from heave_bags.play.sea_import import import_sea, read_mapping, write_sea
 
     from heave_bringup.bag_paths import bag_folders

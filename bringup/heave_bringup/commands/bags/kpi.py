@@ -13,14 +13,14 @@ from heave_bringup.commands.command import Command
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the command's own arguments."""
+    """Add the command's own arguments to `parser`."""
     add_bags(parser)
     parser.add_argument("--window", type=float, metavar="S", help="figures of each S seconds of the run as well")
     parser.add_argument("--table", type=Path, metavar="FILE", help="write the figures to a .csv or .parquet file")
 
 
 def execute(options: argparse.Namespace) -> None:
-    """Print the figures of one bag, or of several side by side, and of windows over time."""
+    """Print the figures of one bag, or of several side by side, and of windows over time, as `options` say."""
     from heave_bags.analyse import analysis
 
     from heave_bringup.bag_paths import bag_folders

@@ -13,7 +13,7 @@ from heave_bringup.errors import CommandError
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the command's own arguments."""
+    """Add the command's own arguments to `parser`."""
     parser.add_argument("directory", metavar="DIR", type=Path, help="folder of the bag; it must not exist yet")
     parser.add_argument(
         "--set", action="append", default=[], metavar="PARAM=VALUE", help="change a parameter of the recorder"
@@ -22,7 +22,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def execute(options: argparse.Namespace) -> None:
-    """Record until Ctrl-C and say what the bag holds."""
+    """Record until Ctrl-C and say what the bag holds, as `options` say."""
     from heave_bags.mcap.reader import Bag
     from heave_bags.record.live_recorder import record
 

@@ -10,7 +10,7 @@ from heave_bringup.errors import CommandError
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the command's own arguments."""
+    """Add the command's own arguments to `parser`."""
     parser.add_argument("bag", metavar="BAG", type=Path, help="bag folder, folder of a run, or MCAP file")
     chosen = parser.add_mutually_exclusive_group(required=True)
     chosen.add_argument("--output", type=Path, metavar="DIR", help="folder of the sound bag")
@@ -18,7 +18,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def execute(options: argparse.Namespace) -> None:
-    """Save or index, and name the loss."""
+    """Save or index, and name the loss, as `options` say."""
     from heave_bags.mcap.repair import reindex, repair
 
     from heave_bringup.bag_paths import bag_folders

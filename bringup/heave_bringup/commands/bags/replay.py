@@ -10,7 +10,7 @@ from heave_bringup.commands.command import Command
 
 
 def execute(options: argparse.Namespace) -> None:
-    """Play to the end and say how many messages went out."""
+    """Play to the end and say how many messages went out, as `options` say."""
     from heave_bags.play.player_node import play
     from heave_bags.play.player_options import options_from
 

@@ -10,13 +10,13 @@ from heave_bringup.commands.command import Command
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the command's own arguments."""
+    """Add the command's own arguments to `parser`."""
     add_bags(parser)
     parser.add_argument("--output", type=Path, metavar="FILE", help="default: report.html beside the first bag")
 
 
 def execute(options: argparse.Namespace) -> None:
-    """Write the report and say where it is."""
+    """Write the report and say where it is, as `options` say."""
     from heave_bags.analyse import analysis
     from heave_bags.analyse.report import save_report
 

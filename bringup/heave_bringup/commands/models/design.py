@@ -11,14 +11,14 @@ from heave_bringup.errors import CommandError
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the command's own arguments."""
+    """Add the command's own arguments to `parser`."""
     add_scenario(parser)
     parser.add_argument("--length", type=float, metavar="M", help="deployed length (default: the scenario's)")
     parser.add_argument("--pictures", type=Path, metavar="DIR", help="folder of the figures (default: SCENARIO_design)")
 
 
 def execute(options: argparse.Namespace) -> None:
-    """Print gains, poles, margins, predictions, bounds and curves; draw them."""
+    """Print gains, poles, margins, predictions, bounds and curves; draw them, as `options` say."""
     from cable_sim_node.errors import PlantError
     from winch_controller_node.design.report import design_report
     from winch_controller_node.design.report_figures import draw_report

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the command's own arguments."""
+    """Add the command's own arguments to `parser`."""
     parser.add_argument("source", metavar="SCENARIO|BAG", help="a shipped scenario, a parameter file, or a bag folder")
     add_settings(parser)
     parser.add_argument("--drag", choices=("linear", "quadratic"), default="linear", help="thesis Eq. 6.2 or Eq. 6.3")
@@ -24,7 +24,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def execute(options: argparse.Namespace) -> None:
-    """Identify and print a and b with their uncertainty, and draw how well they explain the response."""
+    """Identify and print a and b with their uncertainty, and draw the response by them, as `options` say."""
     from cable_sim_node.errors import PlantError
     from cable_sim_node.vertical.axial_kernel import integrate
     from heave_node.compiled import is_compiled

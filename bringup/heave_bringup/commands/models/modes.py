@@ -14,7 +14,7 @@ from heave_bringup.errors import CommandError
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the command's own arguments."""
+    """Add the command's own arguments to `parser`."""
     add_scenario(parser)
     for name, metavar, text in (
         ("--length", "M", "cable out (default: the scenario's)"),
@@ -28,7 +28,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def execute(options: argparse.Namespace) -> None:
-    """Print natural periods and resonant length; draw mode shapes and the resonance map."""
+    """Print natural periods and resonant length; draw mode shapes and the resonance map, as `options` say."""
     from cable_sim_node.errors import PlantError
     from cable_sim_node.line.step import evaluate
     from cable_sim_node.reports.modes import modes_report

@@ -70,7 +70,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def execute(options: argparse.Namespace) -> None:
-    """Print the equilibrium of the problem that was asked for, and draw it."""
+    """Print the equilibrium of the problem that was asked for, and draw it, as `options` say."""
     from cable_sim_node.errors import PlantError
     from cable_sim_node.reports.report import PICTURE_ENDINGS, save_picture
     from cable_sim_node.statics.march import march
@@ -96,7 +96,7 @@ def execute(options: argparse.Namespace) -> None:
 
 
 def check_options(options: argparse.Namespace) -> None:
-    """Refuse, naming it, an option that the problem does not have or whose value cannot be."""
+    """Refuse, naming it, one of `options` that the problem does not have or whose value cannot be."""
     for name, problems in BELONGS.items():
         values = getattr(options, name)
         if values is None:

@@ -21,7 +21,7 @@ EVALUATION = "heave_bringup.run.evaluation"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the command's own arguments."""
+    """Add the command's own arguments to `parser`."""
     add_scenario(parser)
     parser.add_argument("--pacing", choices=(LOCKSTEP, REALTIME), help="as fast as possible, or against the wall clock")
     parser.add_argument("--duration", type=float, metavar="S", help="simulated seconds")
@@ -49,7 +49,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def execute(options: argparse.Namespace) -> None:
-    """Run, check, analyse, report."""
+    """Run, check, analyse, report, as `options` say."""
     from heave_bringup.network import set_up_transport
     from heave_bringup.output import write_result
     from heave_bringup.run.run import new_run_folder, run_scenario

@@ -8,7 +8,7 @@ from heave_bringup.commands.command import Command
 
 
 def execute(options: argparse.Namespace) -> None:
-    """Print name and description of each scenario."""
+    """Print name and description of each scenario, as `options` say."""
     from heave_bringup.output import make_table, write_result
     from heave_bringup.scenarios import description_of, shipped_scenarios
 

@@ -18,13 +18,13 @@ LONGEST_RECORDING = 20.0
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the command's own arguments."""
+    """Add the command's own arguments to `parser`."""
     parser.add_argument("--only", nargs="+", choices=PARTS, default=PARTS, metavar="PART", help=", ".join(PARTS))
     parser.add_argument("--seconds", type=float, default=120.0, metavar="S", help="length of each measurement")
 
 
 def execute(options: argparse.Namespace) -> None:
-    """Measure what was asked for, one after the other, and print it."""
+    """Measure what was asked for, one after the other, and print it, as `options` say."""
     from heave_bringup.bench.report import has_peer, tables
     from heave_bringup.output import write_result
     from heave_bringup.progress import ProgressLine

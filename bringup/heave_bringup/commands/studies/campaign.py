@@ -10,7 +10,7 @@ from heave_bringup.commands.command import Command
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the command's own arguments."""
+    """Add the command's own arguments to `parser`."""
     parser.add_argument(
         "campaign",
         metavar="CAMPAIGN",
@@ -22,7 +22,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def execute(options: argparse.Namespace) -> None:
-    """Run every case and print unit sigma, uncompensated sigma, tension and winch use of each, then the summary."""
+    """Run every case as `options` say; print what the unit and the winch did in each, then the summary."""
     from heave_bringup.campaign.plan import find_campaign, read_campaign
     from heave_bringup.campaign.report import case_table, summary_table, to_json
     from heave_bringup.campaign.runs import run_cases
