@@ -20,9 +20,9 @@ from heave_node.sensors import MRU, STANDARD_WATER, MruReading, Water, all_to_wi
 from wave_vessel_node.component import WaveVessel
 from wave_vessel_node.parameters import WaveVesselParameters
 from winch_controller_node.component import WinchController
+from winch_controller_node.controller_parameters import WinchControllerParameters
 from winch_controller_node.interface.conversions import measurements, winch_reading
 from winch_controller_node.interface.readings import Measurements, Outputs
-from winch_controller_node.parameters.controller import WinchControllerParameters
 
 from heave_bringup.scenarios import Scenario
 

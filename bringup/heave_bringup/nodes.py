@@ -37,7 +37,7 @@ NODES: tuple[NodeEntry, ...] = (
     NodeEntry(
         "winch_controller",
         "winch_controller_node.node",
-        "winch_controller_node.parameters.controller:WinchControllerParameters",
+        "winch_controller_node.controller_parameters:WinchControllerParameters",
     ),
     NodeEntry("recorder", "heave_bags.record.recorder_node", "heave_bags.record.parameters:RecorderParameters"),
 )

@@ -34,10 +34,10 @@ from wave_vessel_node.component import WaveVessel
 from wave_vessel_node.conversions import boom_tip_message
 from wave_vessel_node.parameters import WaveVesselParameters
 from winch_controller_node.component import WinchController
+from winch_controller_node.controller_parameters import WinchControllerParameters
 from winch_controller_node.interface.conversions import command_message, measurements, winch_reading
 from winch_controller_node.interface.readings import Measurements, Outputs
 from winch_controller_node.interface.sensors import INPUTS
-from winch_controller_node.parameters.controller import WinchControllerParameters
 
 DURATION = 3.0
 

@@ -14,6 +14,7 @@ from cable_sim_node.peers.reference_systems import DEEP_900
 from heave_node.arrays import Array
 from heave_node.linear_model import LinearModel, interconnect, linear_model, output_sigma, with_feedback
 from heave_node.parameters import build_parameters
+from winch_controller_node.controller_parameters import WinchControllerParameters
 from winch_controller_node.identification.cable_response import identify_simulated
 from winch_controller_node.model.blocks import PAYOUT_COMMAND, CableModel, cable_block, winch_block
 from winch_controller_node.model.lqr import QuadraticCost, lqr_gain
@@ -22,7 +23,6 @@ from winch_controller_node.model.models import (
     boom_tip_block,
     continuous_model,
 )
-from winch_controller_node.parameters.controller import WinchControllerParameters
 from winch_controller_node.parameters.model import SeaModelParameters, VesselModelParameters, WinchModelParameters
 
 THESIS_SEA = SeaModelParameters(

@@ -17,9 +17,9 @@ from heave_node.parameters import build_parameters
 from heave_node.sensors import MruReading
 from wave_vessel_node.parameters import WaveVesselParameters
 from winch_controller_node.component import WinchController
+from winch_controller_node.controller_parameters import WinchControllerParameters
 from winch_controller_node.interface.readings import Measurements, ScalarReading, WinchReading
 from winch_controller_node.model.lqr import DesignError
-from winch_controller_node.parameters.controller import WinchControllerParameters
 from winch_controller_node.supervision.modes import ModeError
 
 DT = 0.05

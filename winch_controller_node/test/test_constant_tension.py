@@ -4,11 +4,11 @@ import math
 
 import numpy as np
 import pytest
+from winch_controller_node.controller_parameters import WinchControllerParameters
 from winch_controller_node.design.design import design_controller
 from winch_controller_node.estimation.tension_filter import FILTER_SHARE, TensionFilter
 from winch_controller_node.laws.constant_tension import ConstantTension, TensionSetPoint
 from winch_controller_node.laws.loop_state import LoopState, Reference
-from winch_controller_node.parameters.controller import WinchControllerParameters
 from winch_controller_node.parameters.laws import TensionLawParameters
 
 DT = 0.05

@@ -4,13 +4,13 @@ import numpy as np
 import osqp
 import pytest
 import scipy.sparse as sp
+from winch_controller_node.controller_parameters import WinchControllerParameters
 from winch_controller_node.design.design import design_controller
 from winch_controller_node.laws.governor import SpeedServo
 from winch_controller_node.laws.law import LawDesign
 from winch_controller_node.laws.loop_state import AuthorityShift, LoopState, Reference
 from winch_controller_node.laws.mpc import ConstrainedLaw, MpcParameters
 from winch_controller_node.model.lqr import DesignError
-from winch_controller_node.parameters.controller import WinchControllerParameters
 from winch_controller_node.parameters.model import SeaModelParameters, WinchModelParameters
 
 DT = 0.05

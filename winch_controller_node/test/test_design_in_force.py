@@ -4,9 +4,9 @@ import dataclasses
 
 import numpy as np
 import pytest
+from winch_controller_node.controller_parameters import WinchControllerParameters
 from winch_controller_node.design_in_force import DesignInForce
 from winch_controller_node.model.lqr import DesignError
-from winch_controller_node.parameters.controller import WinchControllerParameters
 
 DT = 0.05
 

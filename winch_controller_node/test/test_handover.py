@@ -5,9 +5,9 @@ import pytest
 from cable_sim_node.peers.reference_systems import DEEP_900
 from heave_bringup.closed_loop import ClosedLoop, loop_parameters
 from heave_bringup.scenarios import make_scenario
+from winch_controller_node.controller_parameters import WinchControllerParameters
 from winch_controller_node.design.design import design_controller
 from winch_controller_node.estimation.handover import hand_over, hand_over_standing
-from winch_controller_node.parameters.controller import WinchControllerParameters
 
 DT = 0.05
 CABLE = {**DEEP_900, "length": 570.0}

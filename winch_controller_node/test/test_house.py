@@ -39,7 +39,7 @@ sys.meta_path.insert(0, Refusal())
 import {{module}}
 from winch_controller_node.component import WinchController
 from winch_controller_node.interface.readings import Measurements
-from winch_controller_node.parameters.controller import WinchControllerParameters
+from winch_controller_node.controller_parameters import WinchControllerParameters
 controller = WinchController(WinchControllerParameters(), tick_period=0.05)
 print(controller.step(1, Measurements()).report.mode)
 """
@@ -61,7 +61,7 @@ WINGS = (
     ("model",),
     ("motion",),
     ("laws",),
-    ("parameters.controller",),
+    ("controller_parameters",),
     ("design",),
     ("estimation",),
     ("identification",),

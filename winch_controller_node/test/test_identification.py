@@ -7,11 +7,11 @@ import pytest
 from cable_sim_node.peers.reference_systems import DEEP_900
 from heave_node.parameters import build_parameters
 from scipy.integrate import solve_ivp
+from winch_controller_node.controller_parameters import WinchControllerParameters
 from winch_controller_node.design.design import believed_cable
 from winch_controller_node.identification.cable import IdentificationError, identify
 from winch_controller_node.identification.cable_kernel import respond
 from winch_controller_node.identification.cable_response import identify_against_length, identify_simulated
-from winch_controller_node.parameters.controller import WinchControllerParameters
 
 S900 = {**DEEP_900, "sea.significant_wave_height": 1.5, "sea.peak_period": 10.0}
 

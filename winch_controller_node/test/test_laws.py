@@ -7,13 +7,13 @@ import pytest
 from cable_sim_node.peers.reference_systems import DEEP_900
 from heave_node.parameters import ParameterError, build_parameters, describe
 from winch_controller_node.component import WinchController
+from winch_controller_node.controller_parameters import WinchControllerParameters
 from winch_controller_node.design.design import design_controller
 from winch_controller_node.interface.readings import Measurements
 from winch_controller_node.laws.law import ControlLaw, LawCommand
 from winch_controller_node.laws.loop_state import LoopState, Reference
 from winch_controller_node.laws.registry import LAWS
 from winch_controller_node.model.lqr import DesignError
-from winch_controller_node.parameters.controller import WinchControllerParameters
 
 DT = 0.05
 

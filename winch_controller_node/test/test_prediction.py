@@ -6,6 +6,7 @@ from functools import lru_cache
 import numpy as np
 import pytest
 from heave_node.parameters import build_parameters
+from winch_controller_node.controller_parameters import WinchControllerParameters
 from winch_controller_node.design.bounds import WinchLimits, actuator_bound, boom_tip_realisation
 from winch_controller_node.design.design import design_controller
 from winch_controller_node.design.margins import frequencies, margins, output_feedback_loop, state_feedback_loop
@@ -13,7 +14,6 @@ from winch_controller_node.design.prediction import error_covariances, estimatio
 from winch_controller_node.model.blocks import CableModel
 from winch_controller_node.model.estimator import Measurement
 from winch_controller_node.model.lqr import DesignError
-from winch_controller_node.parameters.controller import WinchControllerParameters
 from winch_controller_node.parameters.model import SeaModelParameters, VesselModelParameters
 
 DT = 0.05

@@ -6,10 +6,10 @@ import math
 import numpy as np
 import pytest
 from heave_node.parameters import build_parameters
+from winch_controller_node.controller_parameters import WinchControllerParameters
 from winch_controller_node.design.report import PRESCRIBED, design_report, knee
 from winch_controller_node.design.report_figures import draw_report
 from winch_controller_node.model.lqr import DesignError
-from winch_controller_node.parameters.controller import WinchControllerParameters
 
 
 def parameters(**values):

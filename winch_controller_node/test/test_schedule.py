@@ -7,6 +7,7 @@ import pytest
 from cable_sim_node.peers.reference_systems import DEEP_900
 from heave_node.linear_model import state_covariance
 from heave_node.parameters import build_parameters
+from winch_controller_node.controller_parameters import WinchControllerParameters
 from winch_controller_node.design.design import at_cable, carry_over, design_controller
 from winch_controller_node.design.feasibility import boom_tip_moments, feasibility_table, uncompensated_sigma
 from winch_controller_node.design.prediction import predict_loop
@@ -15,7 +16,6 @@ from winch_controller_node.estimation.sea_adaptation import PATIENCE, SeaTracker
 from winch_controller_node.model.blocks import CableModel
 from winch_controller_node.model.lqr import DesignError
 from winch_controller_node.model.models import boom_tip_block
-from winch_controller_node.parameters.controller import WinchControllerParameters
 
 DT = 0.05
 

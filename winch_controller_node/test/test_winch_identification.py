@@ -7,10 +7,10 @@ from cable_sim_node.winch.parameters import WinchParameters
 from heave_node.faults import FaultParameters
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from winch_controller_node.controller_parameters import WinchControllerParameters
 from winch_controller_node.design.design import design_controller
 from winch_controller_node.identification.drum_kernel import Drum, drum_record
 from winch_controller_node.identification.winch import LateCommands, WinchIdentifier
-from winch_controller_node.parameters.controller import WinchControllerParameters
 
 DT = 0.05
 

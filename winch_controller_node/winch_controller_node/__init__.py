@@ -11,9 +11,9 @@ from heave_node.faces import lazy_face
 
 if TYPE_CHECKING:
     from winch_controller_node.component import WinchController
+    from winch_controller_node.controller_parameters import WinchControllerParameters
     from winch_controller_node.design.design import design_controller
     from winch_controller_node.model.lqr import DesignError
-    from winch_controller_node.parameters.controller import WinchControllerParameters
 
 __all__ = ["DesignError", "WinchController", "WinchControllerParameters", "design_controller"]
 __getattr__ = lazy_face(

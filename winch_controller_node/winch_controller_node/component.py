@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 
+from winch_controller_node.controller_parameters import WinchControllerParameters
 from winch_controller_node.design.design import ControllerDesign
 from winch_controller_node.design.prediction import predict_loop
 from winch_controller_node.design_in_force import DesignInForce
@@ -21,7 +22,6 @@ from winch_controller_node.model.estimator import KalmanEstimator
 from winch_controller_node.model.lqr import DesignError
 from winch_controller_node.motion.programme import Programme, ProgrammeStep
 from winch_controller_node.motion.trajectory import MeanPayout
-from winch_controller_node.parameters.controller import WinchControllerParameters
 from winch_controller_node.state_report import ControllerTick, state_report
 from winch_controller_node.supervision.landing import LandingEvent
 from winch_controller_node.supervision.modes import BRAKED, Mode, ModeError, ModeMachine, ModeOutput

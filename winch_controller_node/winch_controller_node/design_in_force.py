@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from heave_node.arrays import Array
 
+from winch_controller_node.controller_parameters import WinchControllerParameters
 from winch_controller_node.design.design import ControllerDesign, carry_by_name, carry_over, design_controller
 from winch_controller_node.design.schedule import FOLLOW, GainSchedule, design_schedule, is_scheduled
 from winch_controller_node.model.lqr import DesignError
-from winch_controller_node.parameters.controller import WinchControllerParameters
 
 
 class DesignInForce:

@@ -19,12 +19,12 @@ from heave_node.sensors import SENSORS, Water
 from heave_node.tick.tick import Tick, nanoseconds_of
 
 from winch_controller_node.component import WinchController
+from winch_controller_node.controller_parameters import WinchControllerParameters
 from winch_controller_node.interface import conversions
 from winch_controller_node.interface.readings import Measurements, Outputs
 from winch_controller_node.interface.sensors import INPUTS
 from winch_controller_node.model.lqr import DesignError
 from winch_controller_node.move_action import MoveAction
-from winch_controller_node.parameters.controller import WinchControllerParameters
 from winch_controller_node.supervision.modes import ModeError
 
 LEVELS = {SensorLevel.OK: Level.OK, SensorLevel.SUSPECT: Level.WARN, SensorLevel.LOST: Level.ERROR}

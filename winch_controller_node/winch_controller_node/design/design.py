@@ -13,6 +13,7 @@ import numpy as np
 from heave_node.arrays import Array
 from heave_node.linear_model import LinearModel, covariance_factor, state_covariance
 
+from winch_controller_node.controller_parameters import WinchControllerParameters
 from winch_controller_node.interface.sensors import (
     LEVER_ARM_X,
     LEVER_ARM_Y,
@@ -38,7 +39,6 @@ from winch_controller_node.model.models import (
     sea_spectrum,
 )
 from winch_controller_node.model.regulator import full_gain, is_sea_state, is_sensor_state, weighted_cost
-from winch_controller_node.parameters.controller import WinchControllerParameters
 
 FIT_FREQUENCIES = 80
 """Frequencies of the fit of the two-state cable, from 0.3 to 2.5 times the boom tip's mean frequency."""

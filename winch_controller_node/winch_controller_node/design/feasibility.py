@@ -11,8 +11,8 @@ from cable_sim_node.vertical.linear import heave_transfer_function
 from heave_node.arrays import Array
 from wave_vessel_node.vessel.second_order import SecondOrderVessel
 
+from winch_controller_node.controller_parameters import WinchControllerParameters
 from winch_controller_node.model.models import PlantBelief, sea_spectrum
-from winch_controller_node.parameters.controller import WinchControllerParameters
 
 BAND = 5.0
 """Upper end of the band that counts [rad/s]; a spectrum's tail above it moves no vessel."""

@@ -11,6 +11,7 @@ from heave_node.arrays import Array, ComplexArray
 from heave_node.kpi import kappa
 from heave_node.linear_model import with_feedback
 
+from winch_controller_node.controller_parameters import WinchControllerParameters
 from winch_controller_node.design.bounds import BOUND_STEP, WinchLimits, actuator_bound, boom_tip_realisation
 from winch_controller_node.design.design import ControllerDesign, design_controller
 from winch_controller_node.design.feasibility import (
@@ -35,7 +36,6 @@ from winch_controller_node.design.prediction import (
 )
 from winch_controller_node.model.lqr import DesignError
 from winch_controller_node.model.regulator import full_gain, weighted_cost
-from winch_controller_node.parameters.controller import WinchControllerParameters
 
 COMMAND_SIZES = (0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 20.0, 100.0)
 """Sizes of the command weight along the trade-off curve; a smaller size is a larger weight."""

@@ -13,12 +13,12 @@ import numpy as np
 from heave_node.arrays import Array
 from heave_node.linear_model import spectral_abscissa, with_feedback
 
+from winch_controller_node.controller_parameters import WinchControllerParameters
 from winch_controller_node.design.design import ControllerDesign, at_cable, design_controller
 from winch_controller_node.model.blocks import CableModel
 from winch_controller_node.model.lqr import DesignError
 from winch_controller_node.model.models import PlantBelief
 from winch_controller_node.model.regulator import is_sensor_state
-from winch_controller_node.parameters.controller import WinchControllerParameters
 
 CHECKED_BETWEEN = 1
 """Lengths between two neighbouring points at which stability is checked."""

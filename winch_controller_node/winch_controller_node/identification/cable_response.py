@@ -12,11 +12,11 @@ from cable_sim_node.vertical.axial import simulate_axial
 from heave_node.arrays import Array
 from wave_vessel_node.ramp import smooth_ramp
 
+from winch_controller_node.controller_parameters import WinchControllerParameters
 from winch_controller_node.design.bounds import boom_tip_realisation
 from winch_controller_node.design.design import believed_cable
 from winch_controller_node.identification.cable import Identification, identify
 from winch_controller_node.model.models import PlantBelief
-from winch_controller_node.parameters.controller import WinchControllerParameters
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -14,9 +14,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from heave_node.arrays import Array
 
+from winch_controller_node.controller_parameters import WinchControllerParameters
 from winch_controller_node.design.design import ControllerDesign
 from winch_controller_node.identification.drum_kernel import Drum, drum_record
-from winch_controller_node.parameters.controller import WinchControllerParameters
 from winch_controller_node.parameters.laws import LagParameters
 from winch_controller_node.parameters.model import WinchModelParameters
 

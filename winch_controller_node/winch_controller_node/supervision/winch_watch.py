@@ -6,11 +6,11 @@ from dataclasses import dataclass
 
 from heave_node.codes import WinchLimit
 
+from winch_controller_node.controller_parameters import WinchControllerParameters
 from winch_controller_node.design.design import ControllerDesign
 from winch_controller_node.design.schedule import is_scheduled
 from winch_controller_node.identification.winch import LateCommands, WinchIdentifier
 from winch_controller_node.interface.readings import WinchOrder, WinchReading
-from winch_controller_node.parameters.controller import WinchControllerParameters
 
 LEARNING_PERIOD, CHECKING_PERIOD = 2.0, 10.0
 """Time from one identification of the winch to the next [s], while its record grows and when that is full."""

@@ -24,7 +24,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def execute(options: argparse.Namespace) -> None:
-    """Identify and print a and b with their uncertainty, and draw how well they explain the response, as `options` say."""
+    """Identify and print a and b with their uncertainty; draw how well they explain the response, as `options` say."""
     from cable_sim_node.errors import PlantError
     from cable_sim_node.vertical.axial_kernel import integrate
     from heave_node.compiled import is_compiled

@@ -22,7 +22,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def execute(options: argparse.Namespace) -> None:
-    """Run every case and print unit sigma, uncompensated sigma, tension and winch use of each, then the summary, as `options` say."""
+    """Run every case as `options` say; print unit sigma, uncompensated sigma, tension, winch use and the summary."""
     from heave_bringup.campaign.plan import find_campaign, read_campaign
     from heave_bringup.campaign.report import case_table, summary_table, to_json
     from heave_bringup.campaign.runs import run_cases
