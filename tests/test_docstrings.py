@@ -29,8 +29,6 @@ PACKAGES = {
     "bags": "heave_bags",
     "bringup": "heave_bringup",
 }
-NOT_YET = ("heave_bags",)
-"""Packages and modules whose docstrings are not complete yet."""
 
 
 def module_name(path: Path) -> str:
@@ -39,12 +37,7 @@ def module_name(path: Path) -> str:
     return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
 
 
-def is_checked(path: Path) -> bool:
-    return not any(f"{module_name(path)}.".startswith(f"{name}.") for name in NOT_YET)
-
-
 SOURCES = [path for folder, package in PACKAGES.items() for path in sorted((ROOT / folder / package).rglob("*.py"))]
-CHECKED = [path for path in SOURCES if is_checked(path)]
 WITH_EXAMPLES = [path for path in SOURCES if ">>> " in path.read_text(encoding="utf-8")]
 
 _HEADING = re.compile(r"^(\w[\w ]*)\n-{3,}$", re.MULTILINE)
@@ -186,7 +179,7 @@ def faults_of(item: Documented) -> list[str]:
     )
 
 
-@pytest.mark.parametrize("path", CHECKED, ids=module_name)
+@pytest.mark.parametrize("path", SOURCES, ids=module_name)
 def test_docstrings_name_every_argument_and_no_other(path):
     faults = [fault for item in documented(path) for fault in faults_of(item)]
     assert not faults, "\n".join(faults)

@@ -18,7 +18,7 @@ def _empty() -> Array:
 
 @dataclass
 class Signal:
-    """One sampled scalar: times [s], non-decreasing, and values, both of shape (n,)."""
+    """One sampled scalar: `time` [s], non-decreasing, and `value`, both of shape (n,)."""
 
     time: Array = field(default_factory=_empty)
     value: Array = field(default_factory=_empty)

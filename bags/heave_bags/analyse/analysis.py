@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Extreme:
-    """The largest or smallest value of something, and when it was: `time` [s], `value` in `unit`."""
+    """The largest or smallest value of something, its `name`, and when it was: `time` [s], `value` in `unit`."""
 
     name: str
     value: float
@@ -40,7 +40,10 @@ def analyse(
     parameters: NodeParameters | None = None,
     progress: Progress = no_progress,
 ) -> list[RunRecord]:
-    """Read the bags of several runs; arguments as of `read_run`. Raises BagError for the first that cannot be read."""
+    """Read the bags of several runs, `paths`, one after the other.
+
+    `transient`, `parameters` and `progress` as for `read_run`. Raises BagError for the first that cannot be read.
+    """
     records = []
     for number, path in enumerate(paths):
         part = _part(progress, number, len(paths))
@@ -57,7 +60,7 @@ def _part(progress: Progress, number: int, total: int) -> Progress:
 
 
 def extremes(record: RunRecord) -> list[Extreme]:
-    """Return the extremes within the evaluation window."""
+    """Return the extremes of the run `record` within its evaluation window."""
     signals = record.signals
     found: list[Extreme] = []
 
@@ -85,7 +88,7 @@ def extremes(record: RunRecord) -> list[Extreme]:
 
 
 def snaps(record: RunRecord) -> list[float]:
-    """Return the times [s] of snaps within the evaluation window."""
+    """Return the times [s] of snaps of the run `record` within its evaluation window."""
     tension = record.signals.tension.window(record.start, record.end)
     if not tension.size:
         return []
@@ -98,7 +101,7 @@ MOST_WINDOWS = 100_000
 
 @dataclass(frozen=True)
 class WindowKpis:
-    """KPIs of one window of a run, start to end [s]."""
+    """KPIs of one window of a run, `start` to `end` [s]: `values` by key."""
 
     start: float
     end: float
@@ -106,9 +109,10 @@ class WindowKpis:
 
 
 def windows(record: RunRecord, length: float, step: float | None = None) -> list[WindowKpis]:
-    """Return the KPIs of windows of `length` [s] that begin every `step` [s] (default: one behind the other),
-    over the whole run: from one sample before the first, which is where a run starts; an end that is shorter than a
-    window is left out.
+    """Return the KPIs of windows of `length` [s] that begin every `step` [s] (default: one behind the other).
+
+    They cover the whole run of `record`: from one sample before the first, which is where a run starts; an end that is
+    shorter than a window is left out.
 
     Raises BagError if `length` or `step` is not positive, or for more windows than anyone would look at.
     """
@@ -132,8 +136,10 @@ def _start_of_run(record: RunRecord) -> float:
 
 
 def to_json(record: RunRecord, window: float | None = None) -> dict[str, Any]:
-    """Return everything as plain data: KPIs by their keys, then `extremes`, `snap_times_s`, `run`, `outcome`,
-    `losses`, `notes`.
+    """Return everything of the run `record` as plain data.
+
+    KPIs by their keys, those of windows of `window` [s] if it is given, then `extremes`, `snap_times_s`, `run`,
+    `outcome`, `losses`, `notes`.
     """
     content: dict[str, Any] = dict(kpi_set.to_json(record.kpis()))
     content["bag"] = record.name
@@ -155,7 +161,7 @@ def to_json(record: RunRecord, window: float | None = None) -> dict[str, Any]:
 
 
 def table(records: Sequence[RunRecord]) -> str:
-    """Return the KPIs of runs side by side as text, and below them what a reader of them must know."""
+    """Return the KPIs of the runs `records` side by side as text, and below them what a reader of them must know."""
     lines = [kpi_set.table({record.name: record.kpis() for record in records})]
     for record in records:
         lines += [f"{record.name}: {text}" for text in record.remarks()]
@@ -163,7 +169,10 @@ def table(records: Sequence[RunRecord]) -> str:
 
 
 def window_table(record: RunRecord, length: float) -> str:
-    """Return the main KPIs of each window of a run as text, one line per window, and what time is in none of them."""
+    """Return the main KPIs of each window of the run `record`, of `length` [s], as text.
+
+    One line per window, and what time is in none of them.
+    """
     definitions = [definition for definition in kpi_set.KPI_DEFINITIONS if definition.heading]
     headings = [f"{definition.heading} {definition.unit}" for definition in definitions]
     rows = [("from s", "to s", *headings)]
@@ -180,8 +189,9 @@ def window_table(record: RunRecord, length: float) -> str:
 
 
 def kpi_frame(records: Sequence[RunRecord], window: float | None = None) -> pandas.DataFrame:
-    """Return KPIs as a DataFrame: one row per run, or per window of each run, with columns bag, start_s, end_s
-    and the KPI keys.
+    """Return the KPIs of the runs `records` as a DataFrame.
+
+    One row per run, or per window of `window` [s] of each run, with columns bag, start_s, end_s and the KPI keys.
     """
     import pandas  # noqa: PLC0415 - half a second to import, for those who want frames only
 

@@ -44,7 +44,10 @@ def _moved(heave: Signal) -> float:
 
 
 def running_mean(time: np.ndarray, values: np.ndarray) -> np.ndarray:
-    """Return the running mean over SPAN, taken twice, of evenly sampled values; at the ends the last values go on."""
+    """Return the running mean over SPAN, taken twice, of evenly sampled `values`, shape (n,), at `time` [s].
+
+    At the ends the last values go on.
+    """
     period = float(np.median(np.diff(time)))
     widest = 100 * values.size  # beyond which every mean is that of the ends
     width = max(1, round(SPAN / period)) if period * widest > SPAN else widest

@@ -19,7 +19,7 @@ REPEATED = 1.0
 
 @dataclass(frozen=True)
 class Interval:
-    """Something that held from `start` to `end` [s]: a mode, an alarm, a limit."""
+    """Something, its `name`, that held from `start` to `end` [s]: a mode, an alarm of a `level`, a limit."""
 
     start: float
     end: float
@@ -34,7 +34,7 @@ def words(code: WinchFault | WinchLimit | SensorLevel) -> str:
 
 
 def modes(state: Fields) -> list[Interval]:
-    """Return the modes of the controller."""
+    """Return the modes of the controller from the columns of its `state`."""
     names = state.texts("mode")
     return _unchanged(state.time, names) if names is not None and names.size else []
 
@@ -60,7 +60,7 @@ def winch_faults(winch: Fields) -> list[Interval]:
 
 
 def sensor_alarms(state: Fields) -> list[Interval]:
-    """Return when the controller held a sensor for suspect or lost."""
+    """Return when the controller held a sensor for suspect or lost, from the columns of its `state`."""
     found: list[Interval] = []
     for index in state.indices("sensors[].level"):
         levels, names = state.codes(f"sensors[{index}].level"), state.texts(f"sensors[{index}].sensor")

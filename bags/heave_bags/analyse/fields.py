@@ -24,6 +24,10 @@ RESET = 1.0
 class Fields:
     """The columns of one topic, in the order of time; empty if nobody recorded it.
 
+    Parameters
+    ----------
+    columns : as read from the bag; None: none
+
     Attributes
     ----------
     time : of each row, non-decreasing [s]
@@ -53,29 +57,29 @@ class Fields:
         return int(self.time.size)
 
     def numbers(self, name: str) -> Array | None:
-        """Return a column of numbers; None if there is none."""
+        """Return the column `name` of numbers; None if there is none."""
         values = self._columns.get(name)
         return values.astype(float) if values is not None and values.ndim == 1 and _is_numeric(values) else None
 
     def table(self, name: str) -> Array | None:
-        """Return a column of arrays of numbers, shape (rows, elements); None if there is none."""
+        """Return the column `name` of arrays of numbers, shape (rows, elements); None if there is none."""
         values = self._columns.get(name)
         return values.astype(float) if values is not None and values.ndim == 2 and _is_numeric(values) else None
 
     def texts(self, name: str) -> NDArray[Any] | None:
-        """Return a column of texts; None if there is none."""
+        """Return the column `name` of texts; None if there is none."""
         values = self._columns.get(name)
         return values if values is not None and values.ndim == 1 and values.dtype == object else None
 
     def codes(self, name: str) -> NDArray[np.int64]:
-        """Return a column of whole numbers, such as flags; zeros where there is none."""
+        """Return the column `name` of whole numbers, such as flags; zeros where there is none."""
         values = self.numbers(name)
         if values is None:
             return np.zeros(self.size, dtype=np.int64)
         return np.nan_to_num(np.clip(values, -(2.0**31), 2.0**31)).astype(np.int64)
 
     def signal(self, name: str) -> Signal:
-        """Return a column as a signal, without the samples that are not finite; empty if there is none."""
+        """Return the column `name` as a signal, without the samples that are not finite; empty if there is none."""
         values = self.numbers(name)
         if values is None:
             return Signal()
@@ -96,7 +100,7 @@ def _is_numeric(values: NDArray[Any]) -> bool:
 
 
 def on_one_clock(topics: Mapping[str, Columns]) -> None:
-    """Give messages without a stamp, in place, the time by the stamps of the others.
+    """Give messages of `topics` without a stamp, in place, the time by the stamps of the others.
 
     They have their log time, which a recorder may take from another clock than the stamps are from.
     """

@@ -146,9 +146,10 @@ class KpiDefinition:
     ----------
     key : its name in JSON, which ends in the SI unit
     title : its name for people
-    unit : in which a table shows it, value * `scale` with `digits` decimals
+    unit : in which a table shows it
     group : under which heading a report shows it
     formula : its value over a window of a run; NaN where it cannot be known
+    scale, digits : a table shows `scale` times the value, with `digits` decimals
     is_count : a whole number
     heading : its name in a table of windows; "" keeps it out of there
     """
@@ -409,15 +410,16 @@ DEFINITION_OF: Mapping[str, KpiDefinition] = {definition.key: definition for def
 
 
 def evaluate(run: RunSignals, start: float = -math.inf, end: float = math.inf) -> dict[str, float]:
-    """Return every KPI (keys of KPI_DEFINITIONS) over the window start..end [s], both ends included; NaN where it
-    cannot be known.
+    """Return every KPI (keys of KPI_DEFINITIONS) of a `run` over the window `start` to `end` [s], both ends included.
+
+    NaN where it cannot be known.
     """
     window = Window(run, start, end)
     return {definition.key: definition.formula(window) for definition in KPI_DEFINITIONS}
 
 
 def to_json(values: Mapping[str, float]) -> dict[str, float | int | None]:
-    """Return KPIs as JSON takes them: counts as whole numbers, None for what is not known."""
+    """Return the KPIs `values` as JSON takes them: counts as whole numbers, None for what is not known."""
     return {
         key: None if not math.isfinite(value) else int(value) if DEFINITION_OF[key].is_count else float(value)
         for key, value in values.items()
@@ -425,7 +427,7 @@ def to_json(values: Mapping[str, float]) -> dict[str, float | int | None]:
 
 
 def table(columns: Mapping[str, Mapping[str, float]]) -> str:
-    """Return KPIs of one or several runs (by name) as a text table; rows nobody knows are left out."""
+    """Return KPIs of one or several runs as a text table, `columns` by name; rows nobody knows are left out."""
     rows = [("", "", *columns)]
     for definition in KPI_DEFINITIONS:
         cells = [definition.text(values.get(definition.key, math.nan)) for values in columns.values()]

@@ -31,7 +31,7 @@ def write_report(
 ) -> list[RunRecord]:
     """Read the bags `paths` and write their report to `output`; return the runs read.
 
-    Raises BagError if a bag cannot be read or the file cannot be written.
+    `transient` and `progress` as for `read_run`. Raises BagError if a bag cannot be read or the file cannot be written.
     """
     records = analysis.analyse(paths, transient=transient, progress=progress)
     save_report(records, output)
@@ -39,7 +39,7 @@ def write_report(
 
 
 def save_report(records: Sequence[RunRecord], output: Path) -> None:
-    """Write the report of runs that were read to `output`. Raises BagError if the file cannot be written."""
+    """Write the report of the runs `records` to `output`. Raises BagError if the file cannot be written."""
     text = render(records)
     try:
         output.parent.mkdir(parents=True, exist_ok=True)

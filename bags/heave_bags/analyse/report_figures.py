@@ -45,7 +45,15 @@ _TIME_TITLE = "simulated time [s]"
 
 @dataclass
 class Figure:
-    """One figure: title, a line that explains it, plotly traces and layout. Figures over time zoom together."""
+    """One figure. Figures over time zoom together.
+
+    Attributes
+    ----------
+    title, caption : its name, and a line that explains it
+    traces, layout : of plotly
+    is_over_time : its x axis is the time of the run
+    height : on the page [pixels]
+    """
 
     title: str
     caption: str
@@ -60,7 +68,7 @@ class Figure:
 
 
 def without_nan(value: Any) -> Any:
-    """Return plain data with None for every number that is none: JSON knows neither NaN nor infinity."""
+    """Return the plain data `value` with None for every number that is none: JSON knows neither NaN nor infinity."""
     if isinstance(value, float):
         return value if math.isfinite(value) else None
     if isinstance(value, dict):
@@ -69,8 +77,9 @@ def without_nan(value: Any) -> Any:
 
 
 def pack(values: Array) -> dict[str, Any]:
-    """Return an array as the page's script unpacks it: even steps as three numbers, others as 32-bit floats about
-    an offset.
+    """Return `values`, shape (n,), as the page's script unpacks them.
+
+    Even steps are three numbers, others 32-bit floats about an offset.
     """
     if values.size > 2:
         step = (values[-1] - values[0]) / (values.size - 1)
@@ -83,7 +92,10 @@ def pack(values: Array) -> dict[str, Any]:
 
 
 def thin(signal: Signal, limit: int = MAXIMUM_SAMPLES) -> Signal:
-    """Return at most `limit` samples: of each stretch of time the smallest and the largest, so that no peak is lost."""
+    """Return at most `limit` samples of `signal`: of each stretch of time the smallest and the largest.
+
+    So no peak is lost.
+    """
     if signal.size <= limit:
         return signal
     bounds = np.linspace(0, signal.size, limit // 2 + 1).astype(int)
@@ -95,7 +107,7 @@ def thin(signal: Signal, limit: int = MAXIMUM_SAMPLES) -> Signal:
 
 
 def line(signal: Signal, name: str, colour: str, **style: Any) -> dict[str, Any]:
-    """Return a signal as a line; `style` may hold `axis` ("y2"), `dash`, `width`, `opacity`."""
+    """Return `signal` as a line with a `name` and `colour`; `style`: `axis` ("y2"), `dash`, `width`, `opacity`."""
     small = thin(signal)
     trace: dict[str, Any] = {
         "name": name,
@@ -186,7 +198,7 @@ def _ribbon(intervals: Sequence[Interval], row: str, colour: str, name: str) -> 
 
 
 def ribbon_traces(record: RunRecord) -> list[dict[str, Any]]:
-    """Return the mode and alarm ribbon: one row each for modes, active limits and alarms."""
+    """Return the mode and alarm ribbon of the run `record`: one row each for modes, active limits and alarms."""
     traces = []
     for mode in dict.fromkeys(interval.name for interval in record.modes):
         part = [interval for interval in record.modes if interval.name == mode]
@@ -201,7 +213,7 @@ def ribbon_traces(record: RunRecord) -> list[dict[str, Any]]:
 
 
 def motion_figure(record: RunRecord) -> Figure:
-    """Boom tip, minus payout and unit about their means, below the ribbon of modes, limits and alarms."""
+    """Boom tip, minus payout and unit about their means, below the ribbon of modes, limits and alarms of `record`."""
     signals = record.signals
     minus_payout = Signal(signals.payout.time, -signals.payout.value)
     ribbon = ribbon_traces(record)
@@ -233,7 +245,7 @@ def motion_figure(record: RunRecord) -> Figure:
 
 
 def unit_figure(record: RunRecord) -> Figure:
-    """Unit heave with and without compensation."""
+    """Unit heave with and without compensation, of the run `record`."""
     signals = record.signals
     figure = Figure(
         "Unit heave, compensated and uncompensated",
@@ -248,7 +260,10 @@ def unit_figure(record: RunRecord) -> Figure:
 
 
 def tension_figure(record: RunRecord) -> Figure:
-    """Top tension with its static value, slack and snap limits; static is a line where the deployed length changes."""
+    """Top tension of the run `record` with its static value, slack and snap limits.
+
+    The static value is a line where the deployed length changes.
+    """
     static = record.signals.static_tension
     tension = record.signals.tension
     is_steady = static.size == 1
@@ -272,7 +287,7 @@ def tension_figure(record: RunRecord) -> Figure:
 
 
 def winch_figure(record: RunRecord) -> Figure:
-    """Winch speed and acceleration with their limits."""
+    """Winch speed and acceleration of the run `record` with their limits."""
     signals = record.signals
     shapes = [shape for sign in (1, -1) for shape in _level(sign * signals.speed_limit, "speed limit")]
     for sign in (1, -1):
@@ -294,7 +309,10 @@ def winch_figure(record: RunRecord) -> Figure:
 
 
 def spectrum_lines(record: RunRecord) -> dict[str, Spectrum]:
-    """Return the spectra of the evaluation window by name; those that cannot be computed are left out."""
+    """Return the spectra of the evaluation window of the run `record` by name.
+
+    Those that cannot be computed are left out.
+    """
     signals = record.signals
     named = {
         "boom tip": signals.boom_tip_heave,
@@ -336,7 +354,7 @@ def _spectrum_layout(pairs: Sequence[tuple[Spectrum, Spectrum]]) -> dict[str, An
 
 
 def spectrum_figure(record: RunRecord) -> Figure:
-    """Spectra of boom tip and unit, and the transmissibility with and without compensation."""
+    """Spectra of boom tip and unit, and the transmissibility with and without compensation, of the run `record`."""
     spectra = spectrum_lines(record)
     compared = [name for name in ("uncompensated", "unit") if {name, "boom tip"} <= set(spectra)]
     figure = Figure(
@@ -359,8 +377,9 @@ def spectrum_figure(record: RunRecord) -> Figure:
 
 
 def innovation_figure(record: RunRecord) -> Figure | None:
-    """Innovations with the band of two predicted standard deviations, one row per measurement; None without an
-    estimator.
+    """Innovations of the run `record` with the band of two predicted standard deviations, one row per measurement.
+
+    None without an estimator.
     """
     rows = record.innovations
     if not rows:
@@ -402,7 +421,7 @@ def _settled_range(row: Innovation, record: RunRecord) -> list[float]:
 
 
 def run_figures(record: RunRecord) -> list[Figure]:
-    """Return the figures of one run; those nobody recorded the signals of are left out."""
+    """Return the figures of the run `record`; those nobody recorded the signals of are left out."""
     signals = record.signals
     figures: list[Figure | None] = [motion_figure(record)]
     figures.append(unit_figure(record) if signals.unit_heave.size else None)
@@ -414,7 +433,7 @@ def run_figures(record: RunRecord) -> list[Figure]:
 
 
 def comparison_figures(records: Sequence[RunRecord]) -> list[Figure]:
-    """Return the figures that show several runs together."""
+    """Return the figures that show the runs `records` together."""
     heave = Figure(
         "Unit heave of all runs",
         "About the mean of each run.",

@@ -82,7 +82,14 @@ START = 1.0
 
 @dataclass
 class Innovation:
-    """Innovations of one measurement: times [s], values and their predicted standard deviation, in its unit."""
+    """Innovations of one measurement, its `name`.
+
+    Attributes
+    ----------
+    name : of the measurement
+    time : shape (n,) [s]
+    value, sigma : innovation and its predicted standard deviation, shape (n,), in the unit of the measurement
+    """
 
     name: str
     time: Array

@@ -41,7 +41,10 @@ def spectrum(signal: Signal) -> Spectrum | None:
 
 
 def transmissibility(output: Spectrum, driver: Spectrum, floor: float = 1e-4) -> Spectrum:
-    """Return `sqrt(S_output / S_driver)` where the driver has at least `floor` of its peak density."""
+    """Return `sqrt(S_output / S_driver)` of the spectra `output` and `driver`.
+
+    Only where the driver has at least `floor` of its peak density.
+    """
     density = np.interp(driver.omega, output.omega, output.density)
     excited = driver.density > floor * driver.density.max()
     return Spectrum(driver.omega[excited], np.sqrt(density[excited] / driver.density[excited]))

@@ -53,7 +53,13 @@ def _picker(spans: list[tuple[int, int]]) -> struct.Struct:
 
 
 class Canonical:
-    """Makes equal messages of one type equal bytes; what does not fit the definition is left as it is."""
+    """Makes equal messages of one type equal bytes; what does not fit the definition is left as it is.
+
+    Parameters
+    ----------
+    name : of the type, `package/msg/Type`
+    text : its definition, `ros2msg`
+    """
 
     def __init__(self, name: str, text: str) -> None:
         self._layouts = MessageLayouts(name, text)

@@ -54,7 +54,7 @@ class ColumnDecoder:
         return self._types.has_header
 
     def fits(self, data: bytes) -> bool:
-        """Tell whether a message fits the definition."""
+        """Tell whether the message `data` fits the definition."""
         try:
             self._types.of(data)
         except BagError:

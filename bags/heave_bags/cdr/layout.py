@@ -52,8 +52,9 @@ _FIELD = re.compile(
 
 @dataclass(frozen=True)
 class Field:
-    """One field of a message definition. `count` is the length of a fixed array; -1 is a sequence, None a single
-    value.
+    """One field of a message definition: `name`, `type`, `count`.
+
+    The count is the length of a fixed array; -1 is a sequence, None a single value.
     """
 
     name: str
@@ -63,7 +64,15 @@ class Field:
 
 @dataclass(frozen=True)
 class Leaf:
-    """Where one primitive value, array or text lies in a message: byte offset, numpy type ("" for a text), elements."""
+    """Where one primitive value, array or text lies in a message.
+
+    Attributes
+    ----------
+    name : of the field, dotted
+    offset : in the message [bytes]
+    dtype : of numpy; "" for a text
+    count : of elements; None for a single value
+    """
 
     name: str
     offset: int
@@ -73,7 +82,7 @@ class Leaf:
 
 @dataclass
 class Layout:
-    """The layout of all messages whose length words agree with `lengths` (offset, value)."""
+    """The `leaves` of all messages whose length words agree with `lengths` (offset, value)."""
 
     leaves: list[Leaf] = field(default_factory=list)
     lengths: list[tuple[int, int]] = field(default_factory=list)
@@ -84,7 +93,7 @@ class Layout:
 
 
 def parse_schema(name: str, text: str) -> dict[str, list[Field]]:
-    """Return the fields of each type in a `ros2msg` schema, keyed `package/Type`; the first is that of `name`.
+    """Return the fields of each type in the `ros2msg` schema `text`, keyed `package/Type`; the first is that of `name`.
 
     Raises BagError for a definition of a length that none has.
     """
@@ -238,7 +247,7 @@ class MessageLayouts:
         return bool(fields) and fields[0] == Field("header", "std_msgs/Header", None)
 
     def of(self, data: bytes) -> Layout:
-        """Return the layout of one message. Raises BagError if it does not fit the definition."""
+        """Return the layout of the message `data`. Raises BagError if it does not fit the definition."""
         if data[:2] != b"\x00\x01":
             raise BagError(f"a message of {self.name} is not little-endian CDR (it begins with {data[:4].hex()})")
         try:

@@ -35,7 +35,7 @@ DESCRIPTION_PERIOD = 1.0
 
 @dataclass(frozen=True)
 class Attachment:
-    """A file carried inside a bag, such as the scenario."""
+    """A file carried inside a bag, such as the scenario: its `name`, `media_type` and `data`."""
 
     name: str
     media_type: str
@@ -143,10 +143,16 @@ class BagWriter:
         self._has_new_topics = False
 
     def add_topic(self, name: str, message_type: str, qos: Sequence[OfferedQos] = ()) -> str:
-        """Make a topic known, by the definition installed here. Its messages are written without what middleware
-        leaves in their padding.
+        """Make a topic known, by the definition installed here.
 
-        Returns "" or one line that says why its bag cannot be decoded elsewhere.
+        Its messages are written without what middleware leaves in their padding. Returns "" or one line that says why
+        its bag cannot be decoded elsewhere.
+
+        Parameters
+        ----------
+        name : of the topic
+        message_type : `package/msg/Type`
+        qos : offered by its publishers
         """
         if name in self._topics:
             return ""
@@ -160,12 +166,23 @@ class BagWriter:
         return problem
 
     def add_foreign_topic(self, summary: TopicSummary, schema: str) -> None:
-        """Make a topic known by the definition that another bag holds. Its messages are written as they are."""
+        """Make the topic of `summary` known by the definition that another bag holds, `schema`.
+
+        Its messages are written as they are.
+        """
         own = TopicSummary(summary.name, summary.type, summary.qos, summary.type_hash)
         self._topics.setdefault(summary.name, _Topic(own, schema))
 
     def write(self, topic: str, log_time: int, data: bytes, *, publish_time: int | None = None) -> None:
-        """Write one serialised message; times in nanoseconds."""
+        """Write one serialised message.
+
+        Parameters
+        ----------
+        topic : made known before
+        log_time : [ns]
+        data : the message
+        publish_time : [ns]; None: the log time
+        """
         try:
             known = self._topics[topic]
         except KeyError:

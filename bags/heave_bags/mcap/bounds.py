@@ -55,7 +55,7 @@ def _unpack_zstd(data: bytes | memoryview, size: int) -> bytes:
 
 
 def unpack_part(compression: str, data: bytes | memoryview) -> bytes:
-    """Unpack the beginning of a chunk that is cut off, as far as it goes."""
+    """Unpack the beginning `data` of a chunk that is cut off, as far as it goes, by its `compression`."""
     try:
         if compression == "zstd":
             reader = zstandard.ZstdDecompressor(max_window_size=LARGEST_RECORD).stream_reader(data)

@@ -45,7 +45,7 @@ def _split(message_type: str) -> tuple[str, str]:
 
 
 def is_installed(message_type: str) -> bool:
-    """Tell whether an installed interface package defines `package/msg/Type`.
+    """Tell whether an installed interface package defines `message_type`, `package/msg/Type`.
 
     To be asked before a type that a bag names is imported: a bag may name anything.
     """
@@ -69,7 +69,7 @@ def _find(message_type: str, suffix: str) -> Path:
 
 @cache
 def schema_text(message_type: str) -> str:
-    """Return the definition of `package/msg/Type` followed by those of all types it contains, each once.
+    """Return the definition of `message_type`, `package/msg/Type`, then those of all types it contains, each once.
 
     Raises DefinitionError if the type or one it contains is not installed.
     """
@@ -93,7 +93,7 @@ def schema_text(message_type: str) -> str:
 
 @cache
 def type_hash(message_type: str) -> str:
-    """Return the type's RIHS01 hash; empty if its package does not ship one."""
+    """Return the RIHS01 hash of `message_type`, `package/msg/Type`; empty if its package does not ship one."""
     package, name = _split(message_type)
     try:
         description = json.loads(_find(message_type, ".json").read_text(encoding="utf-8"))

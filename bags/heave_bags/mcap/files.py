@@ -35,7 +35,16 @@ OUTCOME_RECORD = "heave_outcome"
 
 @dataclass
 class TopicSummary:
-    """One topic of a bag."""
+    """One topic of a bag.
+
+    Attributes
+    ----------
+    name : of the topic
+    type : `package/msg/Type`
+    qos : offered by its publishers
+    type_hash : RIHS01; "" if not known
+    message_count : in the bag
+    """
 
     name: str
     type: str
@@ -46,7 +55,14 @@ class TopicSummary:
 
 @dataclass
 class FileSummary:
-    """One file of a bag; times in nanoseconds, start of the first message and end of the last."""
+    """One file of a bag.
+
+    Attributes
+    ----------
+    path : in the folder of the bag
+    start_time, end_time : of the first and the last message [ns]
+    message_count : in the file
+    """
 
     path: str
     start_time: int = 0
@@ -56,7 +72,14 @@ class FileSummary:
 
 @dataclass
 class BagSummary:
-    """What `metadata.yaml` says of a bag."""
+    """What `metadata.yaml` says of a bag.
+
+    Attributes
+    ----------
+    files, topics : in their order
+    custom_data : names and values of the recorder's own
+    ros_distro : it was recorded under
+    """
 
     files: list[FileSummary] = field(default_factory=list)
     topics: list[TopicSummary] = field(default_factory=list)
@@ -98,9 +121,9 @@ def _yaml(content: Mapping[str, Any]) -> str:
 
 
 def parse_information(text: str) -> dict[str, Any]:
-    """Return what a `metadata.yaml` or the record inside a file says of a bag; empty where it says nothing sensible.
+    """Return what the `text` of a `metadata.yaml` or of the record inside a file says of a bag.
 
-    Files of earlier versions of this project have METADATA_ROOT inside, too.
+    Empty where it says nothing sensible. Files of earlier versions of this project have METADATA_ROOT inside, too.
     """
     try:
         content = load_yaml(text)
@@ -120,13 +143,13 @@ def read_information(folder: Path) -> dict[str, Any]:
 
 
 def information_in_record(metadata: Sequence[Metadata]) -> dict[str, Any]:
-    """Return what the last of the records of rosbag2 in a file says; empty where there is none."""
+    """Return what the last of the records of rosbag2 in the `metadata` of a file says; empty where there is none."""
     texts = [record.metadata.get(METADATA_KEY, "") for record in metadata if record.name == METADATA_RECORD]
     return parse_information(texts[-1]) if texts else {}
 
 
 def file_counts(information: Mapping[str, Any]) -> dict[str, int]:
-    """Return the number of messages of each file of a completed bag, by name.
+    """Return the number of messages of each file of a completed bag, by name, from its `information`.
 
     Empty for a bag that was being written then, and where the numbers do not agree with each other.
     """
@@ -142,7 +165,7 @@ def file_counts(information: Mapping[str, Any]) -> dict[str, int]:
 
 
 def count_in_record(metadata: Sequence[Metadata]) -> int | None:
-    """Return the number of messages that a file itself says it has; None where it does not."""
+    """Return the number of messages that a file says in its `metadata` it has; None where it does not."""
     counts = file_counts(information_in_record(metadata))
     return list(counts.values())[-1] if counts else None
 
@@ -175,7 +198,7 @@ def file_name(bag: Path, number: int) -> str:
 
 
 def write_metadata(bag: Path, summary: BagSummary) -> None:
-    """Write `metadata.yaml` in one step: a crash leaves the old one or the new one."""
+    """Write the `summary` of `bag` to its `metadata.yaml` in one step: a crash leaves the old one or the new one."""
     replace_metadata(bag, summary.to_yaml().encode())
 
 
@@ -187,12 +210,12 @@ def replace_metadata(bag: Path, text: bytes) -> None:
 
 
 def is_first_file(path: Path) -> bool:
-    """Tell whether a file is the first of its bag, by its name."""
+    """Tell whether the file `path` is the first of its bag, by its name."""
     return path.stem.endswith("_0")
 
 
 def sorted_files(names: Sequence[Path]) -> list[Path]:
-    """Return bag files in the order of their number (file 10 after file 9), then by name."""
+    """Return the bag files `names` in the order of their number (file 10 after file 9), then by name."""
 
     def key(path: Path) -> tuple[int, str]:
         number = path.stem.rsplit("_", 1)[-1]

@@ -46,7 +46,7 @@ class Loss:
 
 
 class LossAccount:
-    """Collects the losses of one pass over a file and settles how many messages each of them cost."""
+    """Collects the losses of one pass over the file `path` and settles how many messages each of them cost."""
 
     def __init__(self, path: Path) -> None:
         self._path = path
@@ -60,7 +60,15 @@ class LossAccount:
     def add(
         self, position: int, reason: str, messages: int | None, start: int | None = None, end: int | None = None
     ) -> None:
-        """Note a loss; `messages` is None until something tells their number."""
+        """Note a loss.
+
+        Parameters
+        ----------
+        position : in the file [bytes]
+        reason : in words
+        messages : lost; None until something tells their number
+        start, end : of the time in which they lie, where it is known [ns]
+        """
         self._losses.append(Loss(self._path, position, reason, start, end, messages))
         self.is_open = self.is_open or messages != 0
 
@@ -70,7 +78,7 @@ class LossAccount:
         return not self._losses
 
     def end_at(self, time: int) -> None:
-        """Say when messages went on [ns]: what was lost before lies before that."""
+        """Say at what `time` messages went on [ns]: what was lost before lies before that."""
         for index in range(self._settled, len(self._losses)):
             loss = self._losses[index]
             if loss.messages != 0:

@@ -18,7 +18,10 @@ _SECOND = 1_000_000_000
 
 @dataclass(frozen=True)
 class OfferedQos:
-    """What a publisher offers. Durations in nanoseconds, INFINITE where none is asked for."""
+    """See rmw_qos_profile_t, whose names these are: what a publisher offers.
+
+    Durations in nanoseconds, INFINITE where none is asked for.
+    """
 
     history: str = "keep_last"
     depth: int = 10
@@ -63,7 +66,7 @@ _WORDS = {
 
 
 def from_mapping(values: Mapping[str, Any]) -> OfferedQos:
-    """Read one profile of a bag; a policy that is missing or not known takes the default."""
+    """Read the profile `values` of a bag; a policy that is missing or not known takes the default."""
     default = OfferedQos()
     words: dict[str, str] = {}
     for name, meanings in _WORDS.items():

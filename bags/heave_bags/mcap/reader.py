@@ -55,7 +55,7 @@ Progress = Callable[[float], None]
 
 
 class RawMessage(NamedTuple):
-    """One message as recorded; times in nanoseconds."""
+    """One message of `topic` as recorded: `data`, serialised, with `log_time` and `publish_time` [ns]."""
 
     topic: str
     log_time: int
@@ -65,7 +65,7 @@ class RawMessage(NamedTuple):
 
 @dataclass
 class BagTopic(TopicSummary):
-    """One topic of a bag, with the definition of its type."""
+    """One topic of a bag, with the definition of its type, `schema`."""
 
     schema: str = ""
 
@@ -262,7 +262,7 @@ class Bag:
         progress(1.0)
 
     def decoded(self, topics: Collection[str] | None = None, **selection: Any) -> Iterator[tuple[RawMessage, Any]]:
-        """Yield messages with their content as objects (by mcap-ros2-support); `selection` as in `messages`.
+        """Yield messages of `topics` with their content as objects, by mcap-ros2-support; `selection` as in `messages`.
 
         Messages that do not fit their definition are left out and counted in `losses`. Raises BagError for a topic
         whose definition is missing or cannot be.
@@ -350,10 +350,10 @@ class Bag:
         start: int = 0,
         end: int = LATEST_TIME,
     ) -> pandas.DataFrame:
-        """Return one topic as a pandas DataFrame with index `time` [s].
+        """Return one `topic` as a pandas DataFrame with index `time` [s].
 
         Array fields become columns `name[0]`, `name[1]` ...; those of more than `max_array` elements (covariances,
-        long cables) are left out unless named in `fields`.
+        long cables) are left out unless named in `fields`. Log times from `start` to `end` [ns].
         """
         import pandas  # noqa: PLC0415 - half a second to import, for those who want frames only
 

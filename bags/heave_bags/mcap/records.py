@@ -64,7 +64,10 @@ then a number of bytes again.
 
 
 def parse(opcode: int, body: bytes) -> ParsedRecord | None:
-    """Return the record of a body; None for kinds that are not parsed here. Raises one of UNPARSEABLE."""
+    """Return the record of kind `opcode` with a `body`; None for kinds that are not parsed here.
+
+    Raises one of UNPARSEABLE.
+    """
     kind = _TYPES.get(opcode)
     return None if kind is None else kind.read(ReadDataStream(BytesIO(body)))
 
@@ -88,7 +91,7 @@ class Record(NamedTuple):
 
 
 class RecordFile:
-    """An MCAP file to be read by position; to be used as a context. Raises BagError if it cannot be opened."""
+    """The MCAP file `path` to be read by position; to be used as a context. Raises BagError if it cannot be opened."""
 
     def __init__(self, path: Path) -> None:
         self.path = path
@@ -134,7 +137,7 @@ class RecordFile:
         return repaired if repaired.end < self.size and self._begins_record(repaired.end) else None
 
     def record_of_stated_length(self, position: int) -> Record | None:
-        """Return a record whose parts are damaged, if its length leads to another record; None if it does not."""
+        """Return a record at `position` whose parts are damaged, if its length leads to another record; None if not."""
         head = self.read(position, HEAD.size)
         if len(head) < HEAD.size:
             return None
@@ -188,7 +191,7 @@ class RecordFile:
 
 
 def split_chunk(body: bytes) -> tuple[int, int, int, int, str, memoryview]:
-    """Return first and last log time, unpacked size, checksum, compression and packed records of a chunk.
+    """Return first and last log time, unpacked size, checksum, compression and packed records of a chunk's `body`.
 
     The last may be cut off. Raises struct.error or ValueError where the head is damaged.
     """

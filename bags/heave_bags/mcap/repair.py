@@ -23,7 +23,7 @@ from heave_bags.mcap.reader import Bag, Progress, no_progress, summary_of
 
 @dataclass(frozen=True)
 class Repaired:
-    """What a repair has saved: the new bag, its messages, and what is lost."""
+    """What a repair has saved: the `folder` of the new bag, the number of its `messages`, and the `losses`."""
 
     folder: Path
     messages: int
@@ -37,7 +37,8 @@ class Repaired:
 def repair(source: str | Path, output: str | Path, *, progress: Progress = no_progress) -> Repaired:
     """Write everything of a bag that can be read to a new, sound and indexed one; the source stays as it is.
 
-    Messages keep their bytes, times and order. Raises BagError if there is no bag at `source` or `output` exists.
+    Messages keep their bytes, times and order. `progress` is told how far it is. Raises BagError if there is no bag at
+    `source` or `output` exists.
     """
     bag = Bag(source)
     attachments = [Attachment(name, found.media_type, found.data) for name, found in bag.attached.items()]

@@ -25,7 +25,7 @@ PLAYER_DEPTH = 100
 
 
 def offered_qos(profile: QoSProfile) -> OfferedQos:
-    """Return a publisher's offer as a bag stores it."""
+    """Return a publisher's offer, its `profile`, as a bag stores it."""
     latched = profile.durability == DurabilityPolicy.TRANSIENT_LOCAL
     best_effort = profile.reliability == ReliabilityPolicy.BEST_EFFORT
     manual = profile.liveliness == LivelinessPolicy.MANUAL_BY_TOPIC

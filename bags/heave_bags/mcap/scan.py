@@ -33,7 +33,15 @@ _CHECKED_AT_ONCE = 1 << 20
 
 
 class Message(NamedTuple):
-    """One serialised message; times in nanoseconds."""
+    """One serialised message.
+
+    Attributes
+    ----------
+    channel : id
+    log_time, publish_time : [ns]
+    sequence : number that its publisher gave it
+    data : serialised
+    """
 
     channel: int
     log_time: int
@@ -44,7 +52,14 @@ class Message(NamedTuple):
 
 @dataclass
 class FileContents:
-    """What a scan has found in a file beside its messages."""
+    """What a scan has found in a file beside its messages.
+
+    Attributes
+    ----------
+    schemas, channels : by id
+    metadata, attachments : in the order of the file
+    losses : what could not be read
+    """
 
     schemas: dict[int, Schema] = field(default_factory=dict)
     channels: dict[int, Channel] = field(default_factory=dict)
@@ -369,7 +384,7 @@ class McapScan:
 
 
 def attachment_problem(attachment: Attachment, body: bytes, before: Sequence[Attachment]) -> str:
-    """Return why an attachment is not taken; "" if it is."""
+    """Return why an `attachment` with a `body` is not taken after those `before`; "" if it is."""
     (checksum,) = struct.unpack_from("<I", body, len(body) - 4)
     if checksum and zlib.crc32(memoryview(body)[:-4]) != checksum:
         return f"the attachment {attachment.name} is damaged"

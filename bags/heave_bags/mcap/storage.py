@@ -36,14 +36,14 @@ class Storage(Protocol):
     """What a bag file is written to."""
 
     def write(self, data: bytes, /) -> object:
-        """Append to the file, which ends properly after each piece, so that every reader opens it at any time.
+        """Append `data` to the file, which ends properly after each piece, so that every reader opens it at any time.
 
         Raises StorageError where the disk refuses; the file then ends with the last whole piece.
         """
         ...
 
     def finish(self, data: bytes, /) -> object:
-        """Append the piece that holds the file's own ending. Raises StorageError as `write` does."""
+        """Append `data`, the piece that holds the file's own ending. Raises StorageError as `write` does."""
         ...
 
     def describe(self, text: bytes) -> object:
@@ -51,8 +51,9 @@ class Storage(Protocol):
         ...
 
     def acknowledge(self, pending: bytes) -> None:
-        """Append to the journal what the open chunk has gained; when it returns, a crash of this process does not
-        lose it.
+        """Append to the journal what the open chunk has gained, `pending`.
+
+        When it returns, a crash of this process does not lose it.
         """
         ...
 
@@ -62,7 +63,7 @@ class Storage(Protocol):
 
 
 def journal_path(path: Path) -> Path:
-    """Return the journal of an MCAP file."""
+    """Return the journal of the MCAP file `path`."""
     return path.with_name(path.name + JOURNAL_SUFFIX)
 
 
@@ -100,9 +101,9 @@ def _write_all(descriptor: int, data: bytes, position: int | None = None) -> Non
 
 
 class DirectStorage:
-    """Writes to the file and its journal at once, without buffers of its own.
+    """Writes to the file `path` and its journal at once, without buffers of its own.
 
-    Raises StorageError if the files cannot be made.
+    Raises StorageError if the files cannot be made. Without `journal` there is none.
     """
 
     def __init__(self, path: Path, *, journal: bool = True) -> None:
@@ -118,12 +119,12 @@ class DirectStorage:
             raise StorageError(f"{path}: cannot be made: {error.strerror}") from error
 
     def write(self, data: bytes, /) -> None:
-        """Append to the file, all or nothing; the journal begins anew."""
+        """See Storage: all or nothing; the journal begins anew."""
         self._append(data, self._ending)
         self._restart_journal()
 
     def finish(self, data: bytes, /) -> None:
-        """Append the last piece, all or nothing."""
+        """See Storage: all or nothing."""
         self._append(data, b"")
 
     def _append(self, data: bytes, ending: bytes) -> None:
@@ -145,7 +146,7 @@ class DirectStorage:
         os.ftruncate(self._file, self._size)
 
     def describe(self, text: bytes) -> None:
-        """Replace `metadata.yaml` in one step."""
+        """See Storage: in one step."""
         try:
             replace_metadata(self.path.parent, text)
         except OSError as error:
@@ -162,7 +163,7 @@ class DirectStorage:
             raise StorageError(_refusal(journal_path(self.path), error)) from error
 
     def acknowledge(self, pending: bytes) -> None:
-        """Append to the journal."""
+        """See Storage."""
         if self._journal is None or not pending:
             return
         try:
@@ -202,19 +203,19 @@ class BackgroundStorage:
         self._thread.start()
 
     def write(self, data: bytes, /) -> None:
-        """Append to the file, later."""
+        """See Storage: later."""
         self._put(self._storage.write, data)
 
     def finish(self, data: bytes, /) -> None:
-        """Append the last piece, later."""
+        """See Storage: later."""
         self._put(self._storage.finish, data)
 
     def describe(self, text: bytes) -> None:
-        """Replace `metadata.yaml`, later."""
+        """See Storage: later."""
         self._put(self._storage.describe, text)
 
     def acknowledge(self, pending: bytes) -> None:
-        """Append to the journal, later; a slow disk delays the acknowledgement, not the caller."""
+        """See Storage: later; a slow disk delays the acknowledgement, not the caller."""
         if pending:
             self._put(self._storage.acknowledge, pending)
 

@@ -54,9 +54,9 @@ def ends_properly(file: RecordFile) -> bool:
 
 
 def has_interim_ending(file: RecordFile, data_end: int) -> bool:
-    """Tell whether a file that ends properly has but a footer without a summary behind its data.
+    """Tell whether a `file` that ends properly has but a footer without a summary behind its data.
 
-    So end files that are being written, and those whose writer was stopped.
+    `data_end` is where they end [bytes]. So end files that are being written, and those whose writer was stopped.
     """
     return ends_properly(file) and file.size - data_end == _ENDING
 

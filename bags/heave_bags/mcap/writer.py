@@ -106,10 +106,11 @@ def _encode(record: McapRecord) -> bytes:
 
 
 class McapWriter:
-    """Writes one MCAP file to a sink; `finish` completes it. Not thread-safe.
+    """Writes one MCAP file to a `sink`; `finish` completes it. Not thread-safe.
 
     Schemas and channels stand in the chunk that needs them first and once more in the chunk behind it, so that no
-    single damage takes them from a file that has no summary yet.
+    single damage takes them from a file that has no summary yet. `profile` is written to the header; `chunks` says when
+    a chunk is full and how it is compressed.
     """
 
     def __init__(self, sink: Sink, *, profile: str = "ros2", chunks: ChunkPolicy | None = None) -> None:
@@ -148,14 +149,14 @@ class McapWriter:
         self._chunk.definitions.append(encoded)
 
     def add_schema(self, name: str, encoding: str, data: bytes) -> int:
-        """Register a schema and return its id."""
+        """Register the schema `data` of a type, its `name`, in an `encoding`, and return its id."""
         schema = Schema(id=len(self._schemas) + 1, name=name, encoding=encoding, data=data)
         self._schemas.append(schema)
         self._define(schema)
         return schema.id
 
     def add_channel(self, topic: str, schema_id: int, metadata: Mapping[str, str], *, encoding: str = "cdr") -> int:
-        """Register a channel and return its id."""
+        """Register a channel for `topic`, of `schema_id`, with `metadata`, messages in an `encoding`; return its id."""
         channel = Channel(
             id=len(self._channels) + 1,
             topic=topic,
@@ -169,7 +170,15 @@ class McapWriter:
         return channel.id
 
     def write(self, channel: int, log_time: int, data: bytes, *, publish_time: int, sequence: int = 0) -> None:
-        """Add a message; times in nanoseconds."""
+        """Add a message to a channel.
+
+        Parameters
+        ----------
+        channel : its id
+        log_time, publish_time : [ns]
+        data : the message
+        sequence : number that its publisher gave it; 0 where there is none
+        """
         chunk = self._chunk
         is_due = log_time - chunk.start >= self._chunks.span or chunk.size + len(data) > LARGEST_MESSAGE
         if chunk.index and is_due:
@@ -260,7 +269,7 @@ class McapWriter:
         return records
 
     def add_attachment(self, name: str, media_type: str, data: bytes, *, log_time: int, create_time: int = 0) -> None:
-        """Add a file of its own to the MCAP file."""
+        """Add a file of its own to the MCAP file: `name`, `media_type`, `data`; `log_time` and `create_time` [ns]."""
         self.close_chunk()
         attachment = Attachment(create_time=create_time, log_time=log_time, name=name, media_type=media_type, data=data)
         encoded = _encode(attachment)
@@ -278,7 +287,7 @@ class McapWriter:
         self._put(encoded)
 
     def add_metadata(self, name: str, values: Mapping[str, str]) -> None:
-        """Add a record of names and values."""
+        """Add a record `name` of names and `values`."""
         self.close_chunk()
         encoded = _encode(Metadata(name=name, metadata=dict(values)))
         self._metadata_indexes.append(MetadataIndex(offset=self.size, length=len(encoded), name=name))

@@ -71,7 +71,10 @@ def publisher_of(bag: Bag, topic: str) -> tuple[str, ...]:
 
 
 def selected_topics(bag: Bag, options: PlaybackOptions) -> list[str]:
-    """Return the topics that are to be played. Raises BagError if none is left, or a pattern or node fits nothing."""
+    """Return the topics of `bag` that are to be played by `options`.
+
+    Raises BagError if none is left, or a pattern or node fits nothing.
+    """
     for pattern in options.topics:
         if not any(_fits(topic, pattern) for topic in bag.topics):
             raise BagError(f"{bag.path}: no topic is like {pattern}; it has {', '.join(bag.topics)}")
@@ -95,8 +98,9 @@ def _fits(topic: str, pattern: str) -> bool:
 
 
 def in_order_of(keyed: Iterable[tuple[int, RawMessage]]) -> Iterator[tuple[int, RawMessage]]:
-    """Yield messages with their keys by key, where they are out of order by no more than a few hundred messages or
-    some megabytes; equal keys keep their order.
+    """Yield messages with their keys, `keyed`, by key, where they are out of order by no more than a little.
+
+    That is a few hundred messages or some megabytes. Equal keys keep their order.
     """
     heap: list[tuple[int, int, RawMessage]] = []
     size = 0
@@ -118,7 +122,10 @@ def in_order_of_time(messages: Iterable[RawMessage]) -> Iterator[RawMessage]:
 
 
 class Playback:
-    """Hands out the messages of a bag when they are due. Wall times come in as arguments [s], from any steady clock."""
+    """Hands out the messages of `bag` that `options` select when they are due.
+
+    Wall times come in as arguments [s], from any steady clock.
+    """
 
     def __init__(self, bag: Bag, options: PlaybackOptions) -> None:
         self._bag = bag

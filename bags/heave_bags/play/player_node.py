@@ -42,14 +42,14 @@ CLOCK = "/clock"
 
 @dataclass(frozen=True)
 class Played:
-    """What a player has done: the number of messages published, and the topics left out, with the reason."""
+    """What a player has done: the number of `messages` published, and the topics `left_out`, with the reason."""
 
     messages: int
     left_out: Mapping[str, str]
 
 
 class Player(Node):
-    """Plays one bag. `finished` completes at its end.
+    """Plays one `bag` as `options` say, after `delay` [s] for discovery. `finished` completes at its end.
 
     Topics whose type is not installed here are left out, with a warning. Raises BagError if no other is left.
 
@@ -154,9 +154,17 @@ def play(
     progress: Callable[[float], None] | None = None,
     args: list[str] | None = None,
 ) -> Played:
-    """Play a bag to its end, or until the context is shut down; return what was played.
+    """Play the bag `path` to its end, or until the context is shut down; return what was played.
 
-    `progress` is called a few times a second with the bag time reached [s]. Raises BagError for what cannot be played.
+    Parameters
+    ----------
+    path : of the bag
+    options : what is played, and how
+    delay : for discovery, before the first message [s]
+    progress : called a few times a second with the bag time reached [s]
+    args : of ROS; None: those of this process
+
+    Raises BagError for what cannot be played.
     """
     bag = Bag(path)
     prepare_environment()

@@ -17,7 +17,7 @@ DISCOVERY_TIME = 1.0
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the player's options to a command."""
+    """Add the player's options to the `parser` of a command."""
     parser.add_argument("bag", type=Path, help="folder of the bag, or one MCAP file")
     parser.add_argument("--rate", type=float, default=1.0, help="bag time per wall time (default 1)")
     parser.add_argument("--start", type=float, default=0.0, metavar="S", help="begin S seconds into the bag")

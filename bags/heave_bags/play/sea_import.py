@@ -42,8 +42,8 @@ class Channel:
     column : of a CSV log
     part : "roll", "pitch" or "yaw" of a quaternion [rad]
     scale, offset : motion = scale * value + offset, to metres or radians
-    acceleration : the value is an acceleration [m/s^2]; it is integrated twice, and what is slower than `cut_off`
-        [rad/s] is taken out
+    acceleration : the value is an acceleration [m/s^2]; it is integrated twice
+    cut_off : what is slower is then taken out [rad/s]
     """
 
     topic: str = ""
@@ -77,7 +77,7 @@ class SeaMapping:
 
 @dataclass
 class ImportedSea:
-    """Boom-tip motion about its mean: time [s] from 0, position (n, 3) [m], and what was left out."""
+    """Boom-tip motion about its mean: `time` from 0 [s], `position`, shape (n, 3) [m], `notes` of what is left out."""
 
     time: Array
     position: Array
@@ -85,7 +85,7 @@ class ImportedSea:
 
 
 def read_mapping(path: Path) -> SeaMapping:
-    """Read a mapping file (YAML). Raises BagError with the file and the entry that is wrong."""
+    """Read the mapping file `path` (YAML). Raises BagError with the file and the entry that is wrong."""
     try:
         content = load_yaml(path.read_text(encoding="utf-8"))
     except (OSError, ValueError) as error:
@@ -126,8 +126,9 @@ def _channel(path: Path, name: str, entry: Any) -> Channel:
 
 
 def mapping_for_topic(bag: Bag, topic: str) -> SeaMapping:
-    """Return the mapping that a standard type suggests: Odometry, Imu, Float64, Float32, and the suite's own.
-    Raises BagError for others.
+    """Return the mapping that the standard type of a `topic` of `bag` suggests.
+
+    That is Odometry, Imu, Float64, Float32, and the suite's own. Raises BagError for others.
     """
     name = bag.resolve(topic)
     kind = bag.topics[name].type
@@ -155,7 +156,7 @@ def mapping_for_topic(bag: Bag, topic: str) -> SeaMapping:
 
 
 def import_sea(source: Path, mapping: SeaMapping | str) -> ImportedSea:
-    """Read a bag or a CSV log as boom-tip motion; a text for `mapping` is the name of one topic of a bag.
+    """Read the bag or CSV log `source` as boom-tip motion; a text for `mapping` is the name of one topic of a bag.
 
     Raises BagError if something named is missing, if there is a gap of more than 2 s, or if there are fewer than
     10 samples.
@@ -181,7 +182,7 @@ def boom_tip_motion(motions: Mapping[str, Array], lever_arm: Sequence[float], co
     """Return the position of a point that is fixed to the vessel at `lever_arm` from the sensor, shape (count, 3) [m].
 
     Rotation by roll (starboard down positive, about x forward), then pitch (bow down positive, about y to port):
-    REP-103.
+    REP-103. `motions` has each degree of freedom by name, `count` samples [m], [rad].
     """
     none = np.zeros(count)
     roll, pitch = motions.get("roll", none), motions.get("pitch", none)
@@ -220,7 +221,7 @@ def _bag_signals(source: Path, mapping: SeaMapping, notes: list[str]) -> dict[st
 
 
 def euler_part(part: str, x: Array, y: Array, z: Array, w: Array) -> Array:
-    """Return roll, pitch or yaw [rad] (about x, y, z, in the order z-y-x) of quaternions."""
+    """Return `part`, roll, pitch or yaw [rad] (about x, y, z, in the order z-y-x), of the quaternions x, y, z, w."""
     if part == "roll":
         return np.arctan2(2.0 * (w * x + y * z), 1.0 - 2.0 * (x * x + y * y))
     if part == "pitch":
@@ -281,11 +282,10 @@ def _resampled(signal: Signal, channel: Channel, time: Array) -> Array:
 
 
 def integrated_twice(acceleration: Array, period: float, cut_off: float) -> Array:
-    """Return the motion whose second derivative is `acceleration`, about its mean, without what is slower than
-    `cut_off` [rad/s].
+    """Return the motion whose second derivative is `acceleration`, about its mean, samples `period` [s] apart.
 
-    In the frequency domain: X = -A/omega^2, faded in over the half octave below and above the cut-off. The ends
-    of the record ring; whole records of minutes are meant.
+    What is slower than `cut_off` [rad/s] is taken out. In the frequency domain: X = -A/omega^2, faded in over the half
+    octave below and above the cut-off. The ends of the record ring; whole records of minutes are meant.
     """
     transform = np.fft.rfft(acceleration - acceleration.mean())
     omega = 2.0 * math.pi * np.fft.rfftfreq(acceleration.size, period)
@@ -298,7 +298,10 @@ def integrated_twice(acceleration: Array, period: float, cut_off: float) -> Arra
 
 
 def write_sea(sea: ImportedSea, output: Path, source: Path) -> None:
-    """Write the motion as the CSV file that `wave_vessel` takes. Raises BagError if it cannot be written."""
+    """Write the motion `sea`, which was read from `source`, to `output` as the CSV file that `wave_vessel` takes.
+
+    Raises BagError if it cannot be written.
+    """
     lines = [f"# boom-tip motion about its mean, from {source.name}", "time_s,x_m,y_m,z_m"]
     lines += [f"{t:.4f},{x:.6f},{y:.6f},{z:.6f}" for t, (x, y, z) in zip(sea.time, sea.position, strict=True)]
     try:

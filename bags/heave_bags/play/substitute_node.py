@@ -81,7 +81,7 @@ class Substitute(HeaveNode):
             output.publish(data)
 
     def publish_diagnostics(self, tick: Tick) -> None:
-        """Say nothing: the diagnostics of the bag are the node's."""
+        """Say nothing of `tick`: the diagnostics of the bag are the node's."""
 
 
 class SubstituteParticipant(Substitute, ParticipantNode):
@@ -107,7 +107,10 @@ def substitute_type(node: str, after: Sequence[str] = ()) -> type[Any]:
 
 
 def command(node: str, bag: Path, start: float = 0.0) -> list[str]:
-    """Return the command that starts the substitute of a node; more ROS arguments may follow."""
+    """Return the command that starts the substitute of `node`; more ROS arguments may follow.
+
+    It plays `bag` from `start` on [s].
+    """
     return [
         *(sys.executable, "-m", "heave_bags.play.substitute_node", node, "--ros-args"),
         *("-r", f"__node:={node}_from_bag"),  # the parameters of the node itself do not concern its substitute

@@ -15,7 +15,7 @@ from rclpy.task import Future
 
 
 class ParameterSurvey:
-    """Collects the parameters of nodes; who does not answer is left out."""
+    """Collects the parameters of nodes, asking through `node`; who does not answer is left out."""
 
     def __init__(self, node: Node) -> None:
         self._node = node
@@ -23,7 +23,7 @@ class ParameterSurvey:
         self._values: dict[str, dict[str, Any]] = {}
 
     def ask(self, names: Iterable[str]) -> None:
-        """Ask nodes whose services are there and that have not been asked."""
+        """Ask the nodes `names` whose services are there and that have not been asked."""
         for name in names:
             if name in self._values:
                 continue

@@ -35,8 +35,9 @@ def _own_distributions() -> list[str]:
 
 
 def git_commit(folder: Path | None = None) -> str:
-    """Return the commit of the source tree that runs, with "+changes" behind it where files differ; "" outside of a
-    git tree.
+    """Return the commit of the source tree in `folder` (None: of what runs); "" outside of a git tree.
+
+    "+changes" stands behind it where files differ.
     """
     folder = folder or Path(__file__).resolve().parent
     try:
@@ -55,7 +56,15 @@ def _git(folder: Path, *arguments: str) -> str:
 
 
 def describe_run(*, scenario: str, seed: int, pacing: str, tick_period: float, transient: float) -> dict[str, str]:
-    """Return what the metadata of a bag says of the run it holds."""
+    """Return what the metadata of a bag says of the run it holds.
+
+    Parameters
+    ----------
+    scenario : file
+    seed : of the run
+    pacing : "lockstep" or "realtime"
+    tick_period, transient : [s]
+    """
     return {
         "scenario": scenario,
         "seed": str(seed),
@@ -71,7 +80,7 @@ def describe_run(*, scenario: str, seed: int, pacing: str, tick_period: float, t
 
 
 def scenario_attachment(path: Path) -> Attachment:
-    """Return the parameter file of a run as an attachment. Raises BagError if it cannot be read."""
+    """Return the parameter file `path` of a run as an attachment. Raises BagError if it cannot be read."""
     try:
         data = path.read_bytes()
     except OSError as error:

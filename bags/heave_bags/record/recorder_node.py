@@ -216,7 +216,7 @@ class RecorderNode(ParticipantNode):
         return Canonical(kind, schema_text(kind))
 
     def on_tick(self, tick: Tick) -> None:
-        """Write what has become complete, and make it survive a crash before it is answered for."""
+        """Write what has become complete by `tick`, and make it survive a crash before it is answered for."""
         self._tick_began = time.monotonic_ns()
         if self.run.is_lockstep:
             self._write_complete(tick)
@@ -249,7 +249,7 @@ class RecorderNode(ParticipantNode):
             self.session.split()
 
     def publish_diagnostics(self, tick: Tick) -> None:
-        """Say how recording goes, in real time only: in lockstep it would tell of the machine, not of the run."""
+        """Say how recording goes at `tick`, in real time only: lockstep would tell of the machine, not the run."""
         if not self.run.is_lockstep:
             super().publish_diagnostics(tick)
 
@@ -267,7 +267,7 @@ class RecorderNode(ParticipantNode):
     # End -----------------------------------------------------------------------------------------------------------
 
     def on_run_ended(self, status: TickStatus) -> None:
-        """Note how the run went, and how many messages the nodes say they published."""
+        """Note from `status` how the run went, and how many messages the nodes say they published."""
         self._outcome = {
             "ended": "complete" if status.state == TickStatus.ENDED else status.reason or "failed",
             "ticks": str(status.tick),

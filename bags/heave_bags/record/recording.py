@@ -17,7 +17,7 @@ class MessageWriter(Protocol):
     """What takes messages: a BagWriter or a RecordingSession."""
 
     def write(self, topic: str, log_time: int, data: bytes, /) -> None:
-        """Take a message at its log time [ns]."""
+        """Take a message `data` of `topic` at its `log_time` [ns]."""
         ...
 
 
@@ -26,7 +26,7 @@ _STAMP_OFFSET = 4
 
 
 def header_stamp(data: bytes) -> int:
-    """Return the header stamp of a serialised message that begins with a Header [ns]."""
+    """Return the header stamp of the serialised message `data`, which begins with a Header [ns]."""
     seconds, nanoseconds = _STAMP.unpack_from(data, _STAMP_OFFSET)
     return int(seconds) * 1_000_000_000 + int(nanoseconds)
 
@@ -60,8 +60,9 @@ class TickOrder:
     def write(
         self, writer: MessageWriter, take: Callable[[str], Sequence[bytes]], *, tick_start: int, tick_before: int
     ) -> None:
-        """Write what has become complete by the tick that starts at `tick_start` [ns]; `tick_before` is the start of
-        the one before it.
+        """Write to `writer` what has become complete by the tick that starts at `tick_start` [ns].
+
+        `tick_before` is the start of the one before it [ns]; `take` hands over the messages of a topic.
         """
         self._write_others(writer, take, tick_start, tick_before)
         for topic in self._of_master:
@@ -91,7 +92,7 @@ class TickOrder:
         )
 
     def write_rest(self, writer: MessageWriter, take: Callable[[str], Sequence[bytes]], *, tick_start: int) -> None:
-        """Write whatever is left when a run ends, complete or not."""
+        """Write to `writer` what is left when a run ends, complete or not; `take` and `tick_start` as in `write`."""
         for topic in self._shared:
             rest = self._held[topic] + [self._canonical(topic, data) for data in take(topic)]
             for data in sorted(rest, key=lambda data: (header_stamp(data), data)):

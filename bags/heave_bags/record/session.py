@@ -31,7 +31,10 @@ class SnapshotRing:
         self._size = 0
 
     def put(self, topic: str, log_time: int, data: bytes, *, latched: bool = False) -> None:
-        """Take a message; the oldest leave."""
+        """Take the message `data` of `topic` at `log_time` [ns]; the oldest leave.
+
+        Of a `latched` topic the newest is kept for good.
+        """
         if self.span <= 0:
             return
         if latched:
@@ -65,7 +68,7 @@ class _KnownTopic:
 
 @dataclass
 class SessionState:
-    """How recording goes; for diagnostics and the end of a run."""
+    """How recording goes: messages `written` and `unwritten`, and `problems` in words."""
 
     written: int = 0
     unwritten: int = 0
@@ -117,8 +120,9 @@ class RecordingSession:
                 self._writer.write(name, self.last_time, last[1])
 
     def stop(self, outcome: Mapping[str, str] | None = None) -> str:
-        """End the bag; return its folder. Raises BagError if there is none, StorageError if it could not be
-        completed.
+        """End the bag, with the `outcome` of the run in its metadata; return its folder.
+
+        Raises BagError if there is none, StorageError if it could not be completed.
         """
         if not self._writer:
             raise BagError("nothing is being recorded")
@@ -133,14 +137,18 @@ class RecordingSession:
         self._writer.split()
 
     def add_topic(self, name: str, message_type: str, qos: Sequence[OfferedQos]) -> str:
-        """Make a topic known; return "" or what a reader of the bag will lack."""
+        """Make the topic `name` of `message_type` known, as its publishers offer it (`qos`).
+
+        Returns "" or what a reader of the bag will lack.
+        """
         latched = bool(qos) and all(offer.durability == "transient_local" for offer in qos)
         self._topics[name] = _KnownTopic(message_type, tuple(qos), latched)
         return self._writer.add_topic(name, message_type, qos) if self._writer else ""
 
     def write(self, topic: str, log_time: int, data: bytes) -> None:
-        """Take a message; times in nanoseconds. Raises StorageError if the disk refuses and the session does not
-        survive it.
+        """Take the message `data` of `topic` at `log_time` [ns].
+
+        Raises StorageError if the disk refuses and the session does not survive it.
         """
         self.last_time = log_time
         known = self._topics[topic]
