@@ -109,6 +109,7 @@ def winch_state_message(state: WinchState, stamp: Time) -> WinchStateMessage:
         limits_hit=int(state.limits_hit),
         brake=state.brake,
         fault=int(state.fault),
+        release=int(state.release),
     )
 
 

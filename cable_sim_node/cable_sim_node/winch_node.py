@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 
 from heave_node import topics
-from heave_node.codes import WinchFault, fault_words
+from heave_node.codes import RELEASE_WORDS, WinchFault, fault_words
 from heave_node.ros.diagnostics import Health, Level
 from heave_node.ros.fault_service import FaultService
 from heave_node.ros.participant import ParticipantNode
@@ -58,7 +58,8 @@ class VirtualWinchNode(ParticipantNode):
         if state.fault is WinchFault.NONE:
             return [Health("drive", Level.OK, "ok", values)]
         reason = fault_words(state.fault)
-        return [Health("drive", Level.ERROR, f"stopped by itself: {reason}; release: brake on, then off", values)]
+        waits = RELEASE_WORDS[state.release]
+        return [Health("drive", Level.ERROR, f"stopped by itself: {reason}; {waits}", values)]
 
     def _make_winch(self) -> VirtualWinch:
         return VirtualWinch(self.parameters, tick_period=self.run.tick_period)

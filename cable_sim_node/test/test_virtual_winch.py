@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from cable_sim_node.winch.component import VirtualWinch, WinchCommand, WinchState
 from cable_sim_node.winch.parameters import EncoderParameters, WinchParameters
-from heave_node.codes import WinchFault, WinchLimit
+from heave_node.codes import WinchFault, WinchLimit, WinchRelease
 from heave_node.faults import FaultParameters
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -161,6 +161,20 @@ def test_watchdog_stops_brakes_and_latches_until_an_explicit_release() -> None:
     released = run(winch, 20, rate=1.0)[-1]
     assert released.fault is WinchFault.NONE
     assert released.payout_rate > 0.5
+
+
+def test_a_latched_fault_says_what_it_waits_for_until_it_is_released() -> None:
+    winch = VirtualWinch(WinchParameters(command_timeout=0.5, stop_deceleration=0.5), tick_period=TICK)
+    assert run(winch, 100, rate=1.0)[-1].release is WinchRelease.NONE
+    starve(winch, 15)
+    tripped = winch.state
+    assert (tripped.fault, tripped.release) == (WinchFault.COMMAND_TIMEOUT, WinchRelease.BRAKE_REQUEST)
+    assert run(winch, 20, rate=1.0)[-1].release is WinchRelease.BRAKE_REQUEST, "no set-point releases it"
+    stopping = run(winch, 6, brake=True)[-1]
+    assert abs(stopping.payout_rate) > 0.0
+    assert stopping.release is WinchRelease.STANDSTILL
+    assert run(winch, 60, brake=True)[-1].release is WinchRelease.COMMAND
+    assert run(winch, 10, rate=1.0)[-1].release is WinchRelease.NONE
 
 
 def test_command_at_the_very_deadline_is_in_time() -> None:

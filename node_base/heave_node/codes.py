@@ -15,6 +15,15 @@ class WinchFault(enum.IntEnum):
     EMERGENCY_STOP = 4
 
 
+class WinchRelease(enum.IntEnum):
+    """What a latched fault of the winch waits for: heave_msgs/WinchState RELEASE_."""
+
+    NONE = 0
+    BRAKE_REQUEST = 1
+    STANDSTILL = 2
+    COMMAND = 3
+
+
 class WinchLimit(enum.IntFlag):
     """Limits of the winch that acted: heave_msgs/WinchState LIMIT_."""
 
@@ -39,6 +48,15 @@ class SensorLevel(enum.IntEnum):
     OK = 0
     SUSPECT = 1
     LOST = 2
+
+
+RELEASE_WORDS = {
+    WinchRelease.NONE: "nothing is latched",
+    WinchRelease.BRAKE_REQUEST: "it waits for a command with brake on",
+    WinchRelease.STANDSTILL: "it waits for the drum to stand still, then for a command with brake off",
+    WinchRelease.COMMAND: "it waits for a command with brake off",
+}
+"""What a latched fault waits for, in words."""
 
 
 def fault_words(code: int) -> str:

@@ -4,7 +4,7 @@ import enum
 
 import pytest
 from heave_msgs.msg import MruSample, SensorHealth, WinchState
-from heave_node.codes import MruStatus, SensorLevel, WinchFault, WinchLimit, fault_words
+from heave_node.codes import MruStatus, SensorLevel, WinchFault, WinchLimit, WinchRelease, fault_words
 
 
 @pytest.mark.parametrize(
@@ -12,6 +12,7 @@ from heave_node.codes import MruStatus, SensorLevel, WinchFault, WinchLimit, fau
     [
         (WinchFault, WinchState, "FAULT_"),
         (WinchLimit, WinchState, "LIMIT_"),
+        (WinchRelease, WinchState, "RELEASE_"),
         (MruStatus, MruSample, "STATUS_"),
         (SensorLevel, SensorHealth, ""),
     ],

@@ -10,15 +10,20 @@ from __future__ import annotations
 import os
 import sys
 import time
+from collections import deque
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 from heave_msgs.msg import TickJoin, TickRoster, TickStatus
 from heave_node import topics
 from heave_node.ros.diagnostics import Health, Level
-from heave_node.ros.node import NodeError, steady_clock
-from heave_node.ros.participant import ParticipantNode
+from heave_node.ros.node import NodeError, expect_no, expect_sender, steady_clock
+from heave_node.ros.participant import HELD_MESSAGES, ParticipantNode
 from heave_node.ros.process import run_node
+from heave_node.ros.spin import sender_callback
+from heave_node.tick.malformed import fault_in_join
+from heave_node.tick.speakers import Speakers, Standing
 from heave_node.tick.tick import Tick
 from heave_node.topic import Role, Topic
 
@@ -60,6 +65,9 @@ class RecorderNode(ParticipantNode):
         self._joined: dict[str, tuple[str, ...]] = {}
         self._order: TickOrder | None = None
         self._taken: set[str] = set()
+        self._owned = {self.resolve_topic_name(t.name): t.publisher for t in topics.ALL_TOPICS if t.publisher}
+        self._speakers: dict[str, Speakers] = {}
+        self._before_roster: deque[Callable[[], None]] = deque(maxlen=HELD_MESSAGES)
         self._foreign: list[tuple[str, bytes]] = []
         self._tick_began = time.monotonic_ns()
         self._last_log_time = 0
@@ -112,8 +120,11 @@ class RecorderNode(ParticipantNode):
 
     # Topics --------------------------------------------------------------------------------------------------------
 
-    def _on_join(self, message: TickJoin) -> None:
-        self._joined[message.node] = tuple(message.outputs)
+    def _on_join(self, message: TickJoin, identity: str) -> None:
+        expect_no(fault_in_join(message))
+        expect_sender(identity, message.identity)
+        if message.node in (*self.run.participants, topics.CLOCK.publisher):
+            self._joined.setdefault(message.node, tuple(message.outputs))
 
     def service_pause(self) -> float:
         """See HeaveNode. In real time a message is written at the time of its arrival."""
@@ -162,7 +173,10 @@ class RecorderNode(ParticipantNode):
             self._input_subscriptions[topic] = self.watch.subscribe(topic, self._writer_of(topic))
             return
         latched = all(offer.durability == "transient_local" for offer in self.watch.offers[topic])
-        self.add_raw_input(Topic(topic, self.watch.types[topic], "", Role.LATCHED if latched else Role.STREAM))
+        role = Role.LATCHED if latched else Role.STREAM
+        keep = self._keeper_of(topic)
+        on_stranger = None if topic in self._owned else lambda _, data: keep(data)
+        self.add_raw_input(Topic(topic, self.watch.types[topic], "", role), on_stranger=on_stranger)
 
     def _subscribe_foreign(self, topic: str) -> None:
         self._take_topic(topic)
@@ -176,9 +190,28 @@ class RecorderNode(ParticipantNode):
 
         return keep
 
-    def _writer_of(self, topic: str) -> Callable[[bytes], None]:
-        """Return a callback that writes a message at once, at the simulated time of its arrival."""
+    def _writer_of(self, topic: str) -> Callable[..., None]:
+        """Return a callback that writes a message at once, at the simulated time of its arrival.
+
+        On a topic that one node owns, only what that node says: what others say there is named, and no part of the run.
+        """
         write = self.session.write
+        if topic in self._owned:
+            speakers = Speakers(is_external=self._owned[topic] in self.run.external)
+            self._speakers[topic] = speakers
+
+            def take_lawful(data: bytes, identity: str) -> None:
+                standing = speakers.standing(identity)
+                if standing is Standing.LAWFUL:
+                    write(topic, self._now(), data)
+                elif standing is Standing.UNKNOWN:
+                    self._before_roster.append(partial(take_lawful, data, identity))
+                else:
+                    self.strangers.refuse(topic, identity)
+                    if self.strangers.has_left(topic, speakers):
+                        speakers.release()
+
+            return sender_callback(take_lawful)
         may_tell_of_faults = topic == self._diagnostics_topic and self.parameters.snapshot_duration > 0.0
 
         def take(data: bytes) -> None:
@@ -198,18 +231,26 @@ class RecorderNode(ParticipantNode):
 
     # Ticks ---------------------------------------------------------------------------------------------------------
 
-    def _on_roster(self, message: TickRoster) -> None:
+    def on_roster(self, message: TickRoster) -> None:
+        """Learn which nodes publish what: it fixes the order of the bag."""
         publishers: dict[str, set[str]] = {}
         for node, topic in zip(message.nodes, message.topics, strict=True):
             if node != self.name:
                 publishers.setdefault(topic, set()).add(node)
+        identities = dict(zip(message.nodes, message.identities, strict=True))
+        for topic, speakers in self._speakers.items():
+            if not speakers.is_external:
+                speakers.appoint(identities[node] for node in publishers.get(topic, ()))
+        early, self._before_roster = self._before_roster, deque(maxlen=HELD_MESSAGES)
+        for take in early:
+            take()
         clock = self.resolve_topic_name(topics.CLOCK.name)
         (master,) = publishers[clock]
         self._topic_publishers = {f"publishers.{topic}": " ".join(sorted(nodes)) for topic, nodes in publishers.items()}
         recorded = {topic: nodes for topic, nodes in publishers.items() if topic in self.gate.inboxes}
         shared = {topic: self._canonical_form(topic) for topic, nodes in recorded.items() if len(nodes) > 1}
         self._order = TickOrder(recorded, master, lambda topic, data: shared[topic](data))
-        super()._on_roster(message)
+        super().on_roster(message)
 
     def _canonical_form(self, topic: str) -> Canonical:
         kind = self.watch.types[topic]

@@ -70,7 +70,7 @@ class TopicWatch:
         self.unreadable.pop(topic, None)
         return True
 
-    def subscribe(self, topic: str, callback: Callable[[bytes], None]) -> Subscription[Any]:
+    def subscribe(self, topic: str, callback: Callable[..., None]) -> Subscription[Any]:
         """Subscribe to a topic that `look` has found; call again when its offers change.
 
         Without a callback for the middleware's "message lost" event: under load it deadlocks with the events executor.

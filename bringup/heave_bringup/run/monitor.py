@@ -12,6 +12,7 @@ from heave_msgs.msg import CompensationKpi, TickStatus
 from heave_node import topics
 from heave_node.ros.qos import qos_of
 from heave_node.ros.spin import Spinner
+from heave_node.ros.strangers import PART as STRANGERS
 from heave_node.tick.tick import seconds_of
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
@@ -33,6 +34,7 @@ class Monitor:
     ----------
     status, kpi : the newest of each
     alarms : errors that the nodes reported on /diagnostics, in order, each once
+    strangers : what they said of processes that publish where only others may, in order
     """
 
     def __init__(self) -> None:
@@ -42,6 +44,7 @@ class Monitor:
         self.status: TickStatus | None = None
         self.kpi: CompensationKpi | None = None
         self.alarms: list[str] = []
+        self.strangers: dict[str, None] = {}
         self._errors: dict[str, str] = {}
         self._taken = 0
         self._over_since = 0.0
@@ -88,6 +91,8 @@ class Monitor:
                 self._errors.pop(part.name, None)
             elif self._errors.get(part.name) != _FIGURES.sub("", part.message):
                 self._errors[part.name] = _FIGURES.sub("", part.message)
+                if part.name.endswith(f": {STRANGERS}"):
+                    self.strangers |= dict.fromkeys(part.message.split("; "))
                 self.alarms.append(f"t = {seconds_of(message.header.stamp):.2f} s: {part.name}: {part.message}")
 
     def take_alarms(self) -> list[str]:

@@ -83,10 +83,12 @@ class Outcome:
     ----------
     status : last status of the clock master
     alarms : errors that the nodes reported, in order
+    strangers : processes that published where only others may; none of them was obeyed
     """
 
     status: TickStatus
     alarms: list[str]
+    strangers: list[str]
 
 
 OnLook = Callable[[Launcher, "TickStatus | None"], None]
@@ -122,7 +124,7 @@ def run_scenario(
         store_scenario(scenario, folder)
         launcher.start(nodes_to_start(scenario), folder.scenario, folder.logs, substitutes)
         status = _watch(scenario, folder, launcher, monitor, progress, on_look)
-        return Outcome(status, monitor.alarms)
+        return Outcome(status, monitor.alarms, list(monitor.strangers))
     except KeyboardInterrupt:
         raise CommandError(f"interrupted; {_where_to_look(folder)}") from None
     finally:

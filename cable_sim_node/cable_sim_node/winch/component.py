@@ -33,7 +33,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from heave_node.codes import WinchFault, WinchLimit
+from heave_node.codes import WinchFault, WinchLimit, WinchRelease
 from heave_node.faults import FaultSchedule, FaultyValues
 
 from cable_sim_node.winch import drive
@@ -80,6 +80,7 @@ class WinchState:
     limits_hit : limits that acted within the tick
     brake : the brake is engaged
     fault : why the winch stopped by itself
+    release : what a latched fault waits for
     """
 
     time: float
@@ -94,6 +95,7 @@ class WinchState:
     limits_hit: WinchLimit
     brake: bool
     fault: WinchFault
+    release: WinchRelease
 
 
 class Encoder:
@@ -296,7 +298,16 @@ class VirtualWinch:
             limits_hit=limits,
             brake=self._mode == drive.HOLD,
             fault=self._fault,
+            release=self._release(),
         )
+
+    def _release(self) -> WinchRelease:
+        """Return what a latched fault waits for."""
+        if self._fault is WinchFault.NONE:
+            return WinchRelease.NONE
+        if not self._is_acknowledged:
+            return WinchRelease.BRAKE_REQUEST
+        return WinchRelease.COMMAND if self._mode == drive.HOLD else WinchRelease.STANDSTILL
 
 
 def _round_to_tick(time: float) -> float:

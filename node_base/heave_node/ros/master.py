@@ -17,9 +17,12 @@ from rosgraph_msgs.msg import Clock
 from std_srvs.srv import SetBool, Trigger
 
 from heave_node import topics
-from heave_node.ros.node import HeaveNode, steady_clock
+from heave_node.ros.identity import identity_of_endpoint
+from heave_node.ros.node import HeaveNode, ProtocolError, expect_no, expect_sender, steady_clock
+from heave_node.tick import malformed
 from heave_node.tick.loop_timing import LoopTiming
 from heave_node.tick.roster import Participant, Roster
+from heave_node.tick.speakers import Speakers
 from heave_node.tick.tick import Tick
 
 SUPERVISION_PERIOD = 0.05
@@ -52,6 +55,7 @@ class ClockMasterNode(HeaveNode):
         peers = [name for name in self.run.participants if name not in self.run.external and name != self.name]
         self.roster = Roster([self.name, *peers])
         self.timing = LoopTiming()
+        self._speakers: dict[str, Speakers] = {}
         self.run_state = TickStatus.WAITING
         self._reason = ""
         self._stepped = True
@@ -73,11 +77,22 @@ class ClockMasterNode(HeaveNode):
         self.create_service(Trigger, "simulation/reset", self._serve_reset)
         self.create_timer(SUPERVISION_PERIOD, self._supervise, clock=steady_clock())
 
-    def _on_join(self, message: TickJoin) -> None:
-        if message.node in self.roster.expected:
+    def _on_join(self, message: TickJoin, identity: str) -> None:
+        expect_no(malformed.fault_in_join(message))
+        expect_sender(identity, message.identity)
+        if message.node not in self.roster.expected:
+            return
+        known = self.roster.participants.get(message.node)
+        if known is not None and known.identity != message.identity:
+            self._judge_second(known, message)
+        if known is not None and self.has_started:
+            known.waiting_for = message.waiting_for
+        else:
             self.roster.join(
                 Participant(
                     message.node,
+                    identity=message.identity,
+                    host=message.host,
                     ready=message.ready,
                     lag=message.lag,
                     outputs=dict(zip(message.outputs, message.matched_subscriptions, strict=True)),
@@ -85,6 +100,19 @@ class ClockMasterNode(HeaveNode):
                     waiting_for=message.waiting_for,
                 )
             )
+
+    def _judge_second(self, known: Participant, message: TickJoin) -> None:
+        """Let a second process of a node's name take its place where the first has left; refuse it where not."""
+        joined = self.resolve_topic_name(topics.TICK_JOIN.name)
+        present = {identity_of_endpoint(info) for info in self.get_publishers_info_by_topic(joined)}
+        if known.identity in present or (self.has_started and self.run.is_lockstep):
+            raise ProtocolError(
+                f"there is a node {known.name} on {known.host} already; this second one, on {message.host}, is not used"
+            )
+        known.identity, known.host = message.identity, message.host
+        if self.has_started:
+            self._publish_roster()
+            self._speakers = self._appoint_speakers()
 
     def _external_topics(self) -> dict[str, int]:
         """Return the number of publishers of each topic that external nodes must publish for the loop to close."""
@@ -104,21 +132,41 @@ class ClockMasterNode(HeaveNode):
     def _begin_run(self) -> None:
         """Begin a run (an epoch): publish the order of the counters, and begin tick 1."""
         self.epoch += 1
-        self._roster_publisher.publish(
-            TickRoster(
-                epoch=self.epoch,
-                nodes=self.roster.nodes,
-                topics=self.roster.topics,
-                tick_period=self.run.tick_period,
-                lockstep=self.run.is_lockstep,
-            )
-        )
-        self.gate.set_roster(self.roster.nodes, self.roster.topics)
+        self._publish_roster()
+        self._speakers = self._speakers or self._appoint_speakers()
         self.has_started = True
         self.run_state = TickStatus.RUNNING
         self.timing.run_began()
         if self.run.is_lockstep:
             self._begin_tick(1)
+
+    def _publish_roster(self) -> None:
+        self._roster_publisher.publish(
+            TickRoster(
+                epoch=self.epoch,
+                nodes=self.roster.nodes,
+                identities=self.roster.identities,
+                topics=self.roster.topics,
+                tick_period=self.run.tick_period,
+                lockstep=self.run.is_lockstep,
+            )
+        )
+        self.gate.set_roster(self.roster.nodes, self.roster.topics, self.roster.identities)
+
+    def _appoint_speakers(self) -> dict[str, Speakers]:
+        """Return who may publish on each topic that one node owns, by resolved name."""
+        of_master = (topics.TICK_ROSTER, topics.TICK_START, topics.TICK_STATUS)
+        lawful = {topic.name: [self.identity] for topic in of_master}
+        lawful |= {topics.tick_done_topic(p.name).name: [p.identity] for p in self.roster.participants.values()}
+        owned = {topic.name: topic for topic in topics.ALL_TOPICS if topic.publisher}
+        lawful |= {name: self.roster.identities_of(self.resolve_topic_name(name)) for name in owned}
+        speakers: dict[str, Speakers] = {}
+        for name, identities in lawful.items():
+            is_external = name in owned and owned[name].publisher in self.run.external
+            speakers[self.resolve_topic_name(name)] = Speakers(is_external=is_external)
+            if not is_external:
+                speakers[self.resolve_topic_name(name)].appoint(identities)
+        return speakers
 
     # Ticks ---------------------------------------------------------------------------------------------------------
 
@@ -157,9 +205,14 @@ class ClockMasterNode(HeaveNode):
     def _is_flushing(self) -> bool:
         return bool(self._start_message.flush)
 
-    def _done_callback(self, node: str) -> Callable[[TickDone], None]:
-        def on_done(message: TickDone) -> None:
-            if message.epoch == self.epoch and self.has_started:
+    def _done_callback(self, node: str) -> Callable[[TickDone, str], None]:
+        def on_done(message: TickDone, identity: str) -> None:
+            participant = self.roster.participants.get(node)
+            if participant is None or not self.has_started:
+                return
+            expect_sender(identity, participant.identity)
+            expect_no(malformed.fault_in_done(message, len(participant.outputs)))
+            if message.epoch == self.epoch:
                 self.roster.answer(node, message.tick, message.published)
                 self.gate.peer_done(node, message.epoch, message.tick, message.published)
                 self._advance()
@@ -296,6 +349,7 @@ class ClockMasterNode(HeaveNode):
         if now - self._status_at > STATUS_PERIOD:
             self._status_at = now
             self._publish_status()
+        self.strangers.look(self._speakers)
         if self.run_state == TickStatus.WAITING:
             self._try_to_start()
             self._warn_or_give_up(now - self._created_at, self.run.start_timeout, self._reason)

@@ -6,6 +6,7 @@ Nodes do not derive from `HeaveNode` but from `participant.ParticipantNode` or, 
 
 from __future__ import annotations
 
+import socket
 import traceback
 from collections.abc import Callable
 from typing import Any, ClassVar
@@ -22,12 +23,15 @@ from rclpy.task import Future
 from heave_node import topics
 from heave_node.messages import message_type
 from heave_node.ros.diagnostics import Health, Level, diagnostic_array
+from heave_node.ros.identity import own_identity
 from heave_node.ros.node_parameters import read_parameters
 from heave_node.ros.ports import Input, Output
 from heave_node.ros.qos import qos_of
-from heave_node.ros.spin import message_callback
+from heave_node.ros.spin import sender_callback
+from heave_node.ros.strangers import Strangers
 from heave_node.run_parameters import RunParameters
-from heave_node.tick.gate import TickGate
+from heave_node.tick.gate import Inbox, TickGate
+from heave_node.tick.speakers import ANYONE
 from heave_node.tick.tick import Tick
 from heave_node.topic import Topic
 
@@ -39,6 +43,22 @@ DIAGNOSTICS_PERIOD = 1.0
 
 class NodeError(Exception):
     """A node that cannot go on; the message is one line for the user."""
+
+
+class ProtocolError(Exception):
+    """A message of the tick protocol that is refused; says why, "" where its sender has no part in the run."""
+
+
+def expect_no(fault: str) -> None:
+    """Refuse a message of the protocol that has a `fault`; "" says that it has none."""
+    if fault:
+        raise ProtocolError(fault)
+
+
+def expect_sender(identity: str, lawful: str) -> None:
+    """Refuse a message of the protocol that comes from another process (`identity`) than the `lawful` one."""
+    if ANYONE not in (identity, lawful) and identity != lawful:
+        raise ProtocolError
 
 
 class HeaveNode(LifecycleNode):
@@ -58,6 +78,8 @@ class HeaveNode(LifecycleNode):
     gate : messages received, and whether those of the tick are complete
     tick, epoch : the tick and the run the node is in
     failure : why the node ended, "" while nothing went wrong
+    identity : of this node's process, as the others see it on each of its messages
+    strangers : who was noticed that has no part in the run
     """
 
     name: ClassVar[str]
@@ -72,6 +94,8 @@ class HeaveNode(LifecycleNode):
         self.run, self.parameters = read_parameters(self, self.parameters_type)
         in_protocol = set(self.run.participants) - set(self.run.external)
         self.gate = TickGate((), [node for node in self.after if node in in_protocol], lockstep=self.run.is_lockstep)
+        self.identity = own_identity(self)
+        self.strangers = Strangers(self, self.identity)
         self.finished: Future[None] = Future()
         self.failure = ""
         self.tick: Tick | None = None
@@ -121,17 +145,41 @@ class HeaveNode(LifecycleNode):
         self.add_raw_input(topic, lambda data: deserialize_message(data, kind))
         return port
 
-    def add_raw_input(self, topic: Topic, decode: Callable[[bytes], Any] = bytes) -> None:
-        """Let the gate wait for the messages of `topic`, and hold what `decode` makes of their bytes."""
-        name = self.resolve_topic_name(topic.name)
-        inbox = self.gate.add_input(name, decode)
+    def add_raw_input(
+        self,
+        topic: Topic,
+        decode: Callable[[bytes], Any] = bytes,
+        on_stranger: Callable[[str, bytes], None] | None = None,
+    ) -> None:
+        """Let the gate wait for the messages of a topic.
 
-        def on_data(data: bytes) -> None:
-            if inbox.put(data):
+        Parameters
+        ----------
+        topic : its name, type, publisher and role
+        decode : makes of the bytes of a message what the gate holds
+        on_stranger : gets identity and bytes of messages of processes that may not speak here; None names them
+        """
+        name = self.resolve_topic_name(topic.name)
+
+        def refuse(identity: str, _: bytes) -> None:
+            self.strangers.refuse(name, identity)
+            if self.strangers.has_left(name, inbox.speakers):
+                inbox.speakers.release()
+
+        is_external = topic.publisher in self.run.external
+        inbox = self.gate.add_inbox(Inbox(name, decode, is_external=is_external, on_stranger=on_stranger or refuse))
+
+        def on_data(data: bytes, identity: str) -> None:
+            try:
+                is_new = inbox.put(data, identity)
+            except (RuntimeError, ValueError):
+                self.strangers.refuse(name, identity, "it cannot be read")
+                return
+            if is_new:
                 self._advance()
 
         self._input_subscriptions[name] = self.create_subscription(
-            message_type(topic.type), name, message_callback(on_data), qos_of(topic.role), raw=True
+            message_type(topic.type), name, sender_callback(on_data), qos_of(topic.role), raw=True
         )
 
     def take(self, port: Input) -> list[Any]:
@@ -139,9 +187,29 @@ class HeaveNode(LifecycleNode):
         assert self.tick is not None
         return port.take(self.tick.end_nanoseconds)
 
-    def create_protocol_subscription(self, topic: Topic, callback: Callable[[Any], None]) -> None:
-        """Subscribe to a `topic` of the tick protocol; `callback` gets each message."""
-        self.create_subscription(message_type(topic.type), topic.name, message_callback(callback), qos_of(topic.role))
+    def create_protocol_subscription(self, topic: Topic, callback: Callable[[Any, str], None]) -> None:
+        """Subscribe to a topic of the tick protocol.
+
+        Parameters
+        ----------
+        topic : of the protocol
+        callback : gets each message and the identity of the process that sent it. It raises ProtocolError for one that
+            is refused
+        """
+        name, kind = self.resolve_topic_name(topic.name), message_type(topic.type)
+
+        def on_data(data: bytes, identity: str) -> None:
+            try:
+                message = deserialize_message(data, kind)
+            except (RuntimeError, ValueError):  # of the middleware, and of text that is none
+                self.strangers.refuse(name, identity, "it cannot be read")
+                return
+            try:
+                callback(message, identity)
+            except ProtocolError as error:
+                self.strangers.refuse(name, identity, str(error))
+
+        self.create_subscription(kind, name, sender_callback(on_data), qos_of(topic.role), raw=True)
 
     def create_protocol_publisher(self, topic: Topic) -> Publisher[Any]:
         """Return a publisher of a `topic` of the tick protocol."""
@@ -200,6 +268,8 @@ class HeaveNode(LifecycleNode):
         self._join.publish(
             TickJoin(
                 node=self.name,
+                identity=self.identity,
+                host=socket.gethostname(),
                 ready=self.is_ready(),
                 lag=self.lag,
                 after=list(self.gate.after),
@@ -238,10 +308,10 @@ class HeaveNode(LifecycleNode):
         self.fail_on_error(self.on_reset)
 
     def publish_diagnostics(self, tick: Tick) -> None:
-        """Publish the health of this node if it is due at `tick`: once per simulated second."""
+        """Publish the health of this node if it is due at `tick`: once per simulated second, strangers at once."""
         every = max(1, round(DIAGNOSTICS_PERIOD / self.run.tick_period))
-        if tick.number % every == 1 % every:
-            parts = [*self.diagnose(), *self._diagnose_inputs()] or [Health("node")]
+        if tick.number % every == 1 % every or self.strangers.has_news:
+            parts = [*self.diagnose(), *self._diagnose_inputs(), *self.strangers.health()] or [Health("node")]
             self._diagnostics.publish_deferred(lambda: diagnostic_array(self.name, tick.stamp, parts))
 
     def publish_protocol_error(self, text: str) -> None:

@@ -5,12 +5,18 @@ from __future__ import annotations
 import time
 from collections import deque
 from collections.abc import Callable
+from contextlib import suppress
 
 from heave_msgs.msg import TickDone, TickRoster, TickStart, TickStatus
 
 from heave_node import topics
-from heave_node.ros.node import HeaveNode, steady_clock
+from heave_node.ros.node import HeaveNode, ProtocolError, expect_no, expect_sender, steady_clock
+from heave_node.tick import malformed
+from heave_node.tick.speakers import ANYONE
 from heave_node.tick.tick import Tick
+
+HELD_MESSAGES = 1000
+"""Messages of the protocol that wait at most for the roster to say who may speak."""
 
 
 class ParticipantNode(HeaveNode):
@@ -28,6 +34,10 @@ class ParticipantNode(HeaveNode):
         self._starts: deque[TickStart] = deque()
         self._answered: TickStart | None = None
         self._roster_epoch = 0
+        self._identities: dict[str, str] = {}
+        self._output_counts: dict[str, int] = {}
+        self._master = self._other_master = ""
+        self._early: deque[Callable[[], None]] = deque(maxlen=HELD_MESSAGES)
         self._master_heard_at = time.monotonic()
         self._done = self.create_protocol_publisher(topics.tick_done_topic(self.name))
         self.create_protocol_subscription(topics.TICK_ROSTER, self._on_roster)
@@ -40,16 +50,40 @@ class ParticipantNode(HeaveNode):
             self._deadline = self.create_timer(wait, self._on_deadline, clock=steady_clock())
             self._deadline.cancel()
 
-    def _done_callback(self, node: str) -> Callable[[TickDone], None]:
-        def on_done(message: TickDone) -> None:
+    def _done_callback(self, node: str) -> Callable[[TickDone, str], None]:
+        def on_done(message: TickDone, identity: str) -> None:
+            if not self.has_started:
+                self._early.append(lambda: on_done(message, identity))
+                return
+            expect_sender(identity, self._identities.get(node, ANYONE))
+            expect_no(malformed.fault_in_done(message, self._output_counts.get(node, 0)))
             self.gate.peer_done(node, message.epoch, message.tick, message.published)
             self._advance()
 
         return on_done
 
-    def _on_roster(self, message: TickRoster) -> None:
+    def _on_roster(self, message: TickRoster, identity: str) -> None:
+        """Take the roster of the run that this very process takes part in, and the process that sent it as master."""
+        expect_no(malformed.fault_in_roster(message))
+        if self.has_started:
+            expect_sender(identity, self._master)
+        elif (self.name, self.identity) not in zip(message.nodes, message.identities, strict=True):
+            self._other_master = identity
+            return
+        self._master = identity
+        self._identities = dict(zip(message.nodes, message.identities, strict=True))
+        self._output_counts = {node: list(message.nodes).count(node) for node in self._identities}
+        self._entries = len(message.nodes)
+        self.on_roster(message)
+        early, self._early = self._early, deque(maxlen=HELD_MESSAGES)
+        for handle in early:
+            with suppress(ProtocolError):  # of strangers, before the run began
+                handle()
+
+    def on_roster(self, message: TickRoster) -> None:
+        """Begin a run: `message` says who takes part and how messages are counted."""
         self._master_heard_at = time.monotonic()
-        self.gate.set_roster(message.nodes, message.topics)
+        self.gate.set_roster(message.nodes, message.topics, message.identities)
         self._roster_epoch = message.epoch
         self.has_started = True
         if round(message.tick_period * 1e9) != self.run.tick_nanoseconds:
@@ -59,16 +93,17 @@ class ParticipantNode(HeaveNode):
             )
         self._begin_next()
 
-    def _on_start(self, message: TickStart) -> None:
+    def _on_start(self, message: TickStart, identity: str) -> None:
         """Queue a tick. A tick that came before is the master asking again for an answer that it did not get."""
+        if not self.has_started:
+            self._early.append(lambda: self._on_start(message, identity))
+            self._leave_the_run_of_others(message, identity)
+            return
+        expect_sender(identity, self._master)
+        expect_no(malformed.fault_in_start(message, self._entries))
         self._master_heard_at = time.monotonic()
         newest = self._starts[-1] if self._starts else self._answered
-        if newest is None and self.run.is_lockstep and message.tick > 1 + self.lag:
-            self.fail(
-                f"started too late: a run is already at tick {message.tick} in this ROS domain; wait for its end, or "
-                "set another ROS_DOMAIN_ID"
-            )
-        elif newest is None or _order(message) > _order(newest):
+        if newest is None or _order(message) > _order(newest):
             self._starts.append(message)
             if len(self._starts) == 1:
                 self._begin_next()
@@ -76,6 +111,14 @@ class ParticipantNode(HeaveNode):
                 self._step()
         elif _order(message) == _order(newest):
             self._answer_again()
+
+    def _leave_the_run_of_others(self, message: TickStart, identity: str) -> None:
+        """End this node where the run that is under way began without it."""
+        if self.run.is_lockstep and self._other_master == identity and message.tick > 1 + self.lag:
+            self.fail(
+                f"started too late: a run is already at tick {message.tick} in this ROS domain; wait for its end, or "
+                "set another ROS_DOMAIN_ID"
+            )
 
     def _begin_next(self) -> None:
         """Enter the oldest tick of the queue, once its roster is known."""
@@ -150,7 +193,10 @@ class ParticipantNode(HeaveNode):
             self.resend_outputs()
             self._answer()
 
-    def _on_status(self, message: TickStatus) -> None:
+    def _on_status(self, message: TickStatus, identity: str) -> None:
+        if self.has_started:
+            expect_sender(identity, self._master)
+        expect_no(malformed.fault_in_status(message))
         self._master_heard_at = time.monotonic()
         if message.state in (TickStatus.ENDED, TickStatus.FAILED) and self.has_started and not self.finished.done():
             self.fail_on_error(lambda: self.on_run_ended(message))

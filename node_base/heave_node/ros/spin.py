@@ -16,10 +16,18 @@ from rclpy.experimental import EventsExecutor
 from rclpy.node import Node
 from rclpy.task import Future
 
+from heave_node.ros.identity import identity_of_sender
+
 IDLE_PERIOD = 0.2
 """Wall time between two calls of `on_idle` [s]."""
 SERVICE_SLICE = 0.006
 """Wall time for which callbacks are served between two pauses [s]."""
+
+
+_WITH_INFORMATION = inspect.Signature(
+    [inspect.Parameter(name, inspect.Parameter.POSITIONAL_ONLY) for name in ("message", "information")]
+)
+"""By two arguments rclpy knows that a callback wants to know the sender."""
 
 
 def message_callback(handle: Callable[[Any], object]) -> Callable[[Any], None]:
@@ -32,6 +40,20 @@ def message_callback(handle: Callable[[Any], object]) -> Callable[[Any], None]:
         handle(message)
 
     on_message.__signature__ = inspect.signature(on_message)  # type: ignore[attr-defined]
+    return on_message
+
+
+def sender_callback(handle: Callable[[Any, str], object]) -> Callable[..., None]:
+    """Return `handle`, which takes a message and the identity of the process that sent it, as a callback.
+
+    The events executor of some releases gives message and information as one argument, others as two.
+    """
+
+    def on_message(*given: Any) -> None:
+        message, info = given if len(given) == 2 else given[0]
+        handle(message, identity_of_sender(info))
+
+    on_message.__signature__ = _WITH_INFORMATION  # type: ignore[attr-defined]
     return on_message
 
 

@@ -8,38 +8,79 @@ have sent.
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from typing import Any
+
+from heave_node.tick.speakers import ANYONE, Speakers, Standing
 
 _STAMP = slice(4, 12)
 """Where a message that begins with a Header (or is a Clock) carries its stamp, behind the 4 bytes of encapsulation."""
 _NO_STAMP = bytes(8)
 _REMEMBERED = 16
+_HELD = 1000
+"""Messages that wait at most for the roster to say who may speak."""
 
 
 class Inbox:
     """Messages of one topic in order of arrival, each once.
 
     A message that comes again byte for byte (its tick was sent again) is dropped. One with stamp 0 was sent before the
-    run began and is not counted.
+    run began and is not counted. One of a process that has no business here is not counted either.
 
     Parameters
     ----------
     topic : resolved name
     decode : makes of the bytes what `take` gives; called on arrival, while the node waits for the rest of its tick
+    is_external : the topic comes from outside the protocol, see Speakers
+    on_stranger : gets identity and bytes of a message of a process that may not speak here
     """
 
-    def __init__(self, topic: str, decode: Callable[[bytes], Any] = bytes) -> None:
+    def __init__(
+        self,
+        topic: str,
+        decode: Callable[[bytes], Any] = bytes,
+        *,
+        is_external: bool = False,
+        on_stranger: Callable[[str, bytes], None] | None = None,
+    ) -> None:
         self.topic = topic
+        self.speakers = Speakers(is_external=is_external)
+        self._on_stranger = on_stranger
+        self._held: deque[tuple[bytes, str]] = deque(maxlen=_HELD)
         self.received = 0
         self.duplicates = 0
         self._decode = decode
         self._waiting: deque[Any] = deque()
         self._recent: deque[bytes] = deque(maxlen=_REMEMBERED)
 
-    def put(self, data: bytes) -> bool:
-        """Take the bytes of a message, `data`; return False if it was dropped."""
+    def appoint(self, identities: Collection[str]) -> None:
+        """Let the processes of these identities speak; messages that came before this was known are judged now."""
+        self.speakers.appoint(identities)
+        held, self._held = self._held, deque(maxlen=_HELD)
+        for data, identity in held:
+            self.put(data, identity)
+
+    def put(self, data: bytes, identity: str = ANYONE) -> bool:
+        """Take the bytes of a message.
+
+        Parameters
+        ----------
+        data : the bytes
+        identity : of the process that sent them
+
+        Returns
+        -------
+        False where the message was dropped, or waits for the roster to say whether its sender may speak.
+        """
         if data[_STAMP] == _NO_STAMP:
+            return False
+        standing = self.speakers.standing(identity)
+        if standing is Standing.UNKNOWN:
+            self._held.append((data, identity))
+            return False
+        if standing is Standing.STRANGER:
+            if self._on_stranger is not None:
+                self._on_stranger(identity, data)
             return False
         if data in self._recent:
             self.duplicates += 1
@@ -79,12 +120,18 @@ class TickGate:
         self._done: dict[str, tuple[tuple[int, int], Sequence[int]]] = {}
         self._lacking: list[tuple[Inbox, int]] = []
 
-    def add_input(self, topic: str, decode: Callable[[bytes], Any] = bytes) -> Inbox:
-        """Wait for another `topic` too; return its inbox, which holds what `decode` makes of a message's bytes."""
-        return self.inboxes.setdefault(topic, Inbox(topic, decode))
+    def add_inbox(self, inbox: Inbox) -> Inbox:
+        """Wait for the messages of another `inbox` too; return the one of its topic."""
+        return self.inboxes.setdefault(inbox.topic, inbox)
 
-    def set_roster(self, nodes: Sequence[str], topics: Sequence[str]) -> None:
-        """Learn the order of the counters: entry i counts what `nodes[i]` published on `topics[i]`."""
+    def set_roster(self, nodes: Sequence[str], topics: Sequence[str], identities: Sequence[str] = ()) -> None:
+        """Learn the order of the counters and who may speak.
+
+        Parameters
+        ----------
+        nodes, topics : entry i counts what `nodes[i]` published on `topics[i]`
+        identities : of the process of each entry; empty: anybody may speak
+        """
         position_in_node: dict[str, int] = {}
         self._publishers = {topic: [] for topic in self.inboxes}
         for entry, (node, topic) in enumerate(zip(nodes, topics, strict=True)):
@@ -92,6 +139,10 @@ class TickGate:
             position_in_node[node] = position + 1
             if topic in self._publishers:
                 self._publishers[topic].append((node, entry, position))
+        for topic, inbox in self.inboxes.items():
+            entries = [entry for _, entry, _ in self._publishers[topic]]
+            if entries or not inbox.speakers.is_external:
+                inbox.appoint([identities[entry] for entry in entries] if identities else [ANYONE])
         self._find_lacking()
 
     def begin(self, epoch: int, tick: int, published: Sequence[int]) -> None:

@@ -19,6 +19,8 @@ class Participant:
     answered : last tick that it has answered
     published : messages that it has sent so far on each output
     waiting_for : what it lacks, in its own words
+    identity : of its process
+    host : name of its machine
     """
 
     name: str
@@ -29,6 +31,8 @@ class Participant:
     answered: int = 0
     published: Sequence[int] = ()
     waiting_for: str = ""
+    identity: str = ""
+    host: str = ""
 
 
 class Roster:
@@ -98,6 +102,15 @@ class Roster:
     def topics(self) -> list[str]:
         """Topic of each counter."""
         return [topic for _, topic in self._entries]
+
+    @property
+    def identities(self) -> list[str]:
+        """Process of each counter."""
+        return [self.participants[node].identity for node, _ in self._entries]
+
+    def identities_of(self, topic: str) -> list[str]:
+        """Return the processes that publish a `topic` within ticks."""
+        return sorted({p.identity for p in self._present() if topic in p.outputs})
 
     @property
     def counters(self) -> list[int]:

@@ -50,6 +50,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def execute(options: argparse.Namespace) -> None:
     """Run, check, analyse, report, as `options` say."""
+    from heave_bringup.errors import CommandError
     from heave_bringup.network import set_up_transport
     from heave_bringup.output import write_result
     from heave_bringup.run.run import new_run_folder, run_scenario
@@ -69,6 +70,8 @@ def execute(options: argparse.Namespace) -> None:
     places = [f"scenario  {scenario.path}", f"bag       {folder.bag}", *([f"report    {report}"] if report else [])]
     text = "\n".join([table, "", *_alarm_lines(outcome.alarms), *places])
     write_result(options, text, {**figures, "alarms": outcome.alarms, "folder": str(folder.path)})
+    if outcome.strangers:
+        raise CommandError("; ".join(outcome.strangers))
 
 
 def _own_settings(options: argparse.Namespace) -> list[Setting]:

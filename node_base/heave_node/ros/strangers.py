@@ -1,0 +1,133 @@
+"""Who publishes where only others may, and what was refused of them: noticed, named, and never obeyed."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from rclpy.node import Node
+
+from heave_node.ros.diagnostics import Health, Level
+from heave_node.ros.identity import UNKNOWN_SENDER, describe_sender, identity_of_endpoint
+from heave_node.tick.speakers import Speakers, Standing
+
+PART = "strangers"
+"""Part of a node's diagnostics that names them."""
+LOOK_PERIOD = 0.4
+"""Wall time between two looks at the publishers of the run's topics [s]: a stranger is named within a second."""
+_LOOK_AGAIN = 0.5
+_MOST = 20
+"""Strangers that are told apart; more of them are counted together."""
+
+
+@dataclass
+class Stranger:
+    """One process on one topic that is not its own.
+
+    Attributes
+    ----------
+    who : its nodes, process and machine in words
+    refused : messages of it that were refused
+    why : what was wrong with a message of the protocol; "" where the sender was
+    """
+
+    who: str
+    refused: int = 0
+    why: str = ""
+
+
+class Strangers:
+    """The strangers that one node has noticed.
+
+    Parameters
+    ----------
+    node : that listens
+    own : identity of its process
+
+    Attributes
+    ----------
+    has_news : somebody was noticed since the last `health`
+    """
+
+    def __init__(self, node: Node, own: str) -> None:
+        self._node = node
+        self._own = own
+        self._known: dict[tuple[str, str, str], Stranger] = {}
+        self._looked_at = 0.0
+        self._left_looked_at = 0.0
+        self.has_news = False
+
+    def refuse(self, topic: str, identity: str, why: str = "") -> None:
+        """Note that a message on a resolved `topic` was refused.
+
+        Parameters
+        ----------
+        topic : resolved name
+        identity : of the process that sent it
+        why : what is wrong with the message; "": its sender has no part in the run
+        """
+        stranger = self._notice(topic, identity, why)
+        stranger.refused += 1
+        if stranger.who.startswith(UNKNOWN_SENDER) and stranger.refused < _MOST:  # its name may come a little later
+            stranger.who = describe_sender(self._node, topic, identity, self._own)
+
+    def look(self, speakers: Mapping[str, Speakers]) -> None:
+        """Look at the publishers of topics, a few times per second of wall time.
+
+        Parameters
+        ----------
+        speakers : who may speak, by resolved name
+        """
+        now = time.monotonic()
+        if now - self._looked_at < LOOK_PERIOD:
+            return
+        self._looked_at = now
+        for topic, lawful in speakers.items():
+            expected = 0 if lawful.identities is None else len(lawful.identities)
+            if lawful.is_external or self._node.count_publishers(topic) > expected:
+                self._judge_publishers(topic, lawful)
+
+    def _judge_publishers(self, topic: str, lawful: Speakers) -> None:
+        present = self._present(topic)
+        if not present & (lawful.identities or frozenset()):
+            lawful.release()
+        for identity in sorted(present):
+            if lawful.standing(identity) is Standing.STRANGER:
+                self._notice(topic, identity, "")
+
+    def has_left(self, topic: str, speakers: Speakers) -> bool:
+        """Tell whether none of its `speakers` publishes on an external `topic` any more; looked at twice a second at most."""
+        now = time.monotonic()
+        if not speakers.is_external or now - self._left_looked_at < _LOOK_AGAIN:
+            return False
+        self._left_looked_at = now
+        return not self._present(topic) & (speakers.identities or frozenset())
+
+    def _present(self, topic: str) -> set[str]:
+        return {identity_of_endpoint(info) for info in self._node.get_publishers_info_by_topic(topic)}
+
+    def health(self) -> list[Health]:
+        """Return what was noticed so far, for diagnostics; empty where nothing was."""
+        self.has_news = False
+        if not self._known:
+            return []
+        words = "; ".join(_in_words(topic, stranger) for (topic, _, _), stranger in self._known.items())
+        values = {f"{topic} of {s.who}": f"{s.refused} refused" for (topic, _, _), s in self._known.items()}
+        return [Health(PART, Level.ERROR, words, values)]
+
+    def _notice(self, topic: str, identity: str, why: str) -> Stranger:
+        key = (topic, identity, why)
+        if key not in self._known and len(self._known) >= _MOST:
+            key = ("other topics", "", "")
+        if key not in self._known:
+            self._known[key] = Stranger(describe_sender(self._node, topic, identity, self._own), why=why)
+            self.has_news = True
+            self._node.get_logger().error(_in_words(topic, self._known[key]))
+        return self._known[key]
+
+
+def _in_words(topic: str, stranger: Stranger) -> str:
+    if stranger.why:
+        return f"a message of {stranger.who} on {topic} was refused: {stranger.why}"
+    return f"{stranger.who} publishes on {topic} but has no part in the run: it is not obeyed"

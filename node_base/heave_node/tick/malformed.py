@@ -1,0 +1,59 @@
+"""What is wrong with a message of the tick protocol, in words; "" where nothing is.
+
+Messages come from whoever publishes on the topic: their lists need not fit together, their numbers need not be numbers.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sized
+
+from heave_msgs.msg import TickDone, TickJoin, TickRoster, TickStart, TickStatus
+
+
+def fault_in_join(message: TickJoin) -> str:
+    """Check that the node of a `message` has a name, and each topic its count."""
+    if not message.node:
+        return "it names no node"
+    return _unequal(outputs=message.outputs, matched_subscriptions=message.matched_subscriptions) or _unequal(
+        inputs=message.inputs, matched_publishers=message.matched_publishers
+    )
+
+
+def fault_in_roster(message: TickRoster) -> str:
+    """Check that each counter of a `message` has its node, process and topic, and that the tick has a length."""
+    if message.epoch < 1:
+        return "its epoch is 0"
+    if not (math.isfinite(message.tick_period) and message.tick_period > 0.0):
+        return f"its tick_period is {message.tick_period} s"
+    return _unequal(nodes=message.nodes, identities=message.identities, topics=message.topics)
+
+
+def fault_in_start(message: TickStart, entries: int) -> str:
+    """Check the number of the tick of a `message`, and that it has a count for each of the `entries` of the roster."""
+    if message.epoch < 1 or message.tick < 1:
+        return f"its epoch is {message.epoch} and its tick {message.tick}; both count from 1"
+    return _wrong_number(message.published, entries)
+
+
+def fault_in_done(message: TickDone, outputs: int) -> str:
+    """Check that a `message` has a count for each of the `outputs` that the roster has for the node."""
+    return _wrong_number(message.published, outputs)
+
+
+def fault_in_status(message: TickStatus) -> str:
+    """Check that the state of a `message` is a known one, and that each topic has its count."""
+    if message.state > TickStatus.FAILED:
+        return f"its state is {message.state}"
+    return _unequal(topics=message.topics, published=message.published)
+
+
+def _unequal(**lists: Sized) -> str:
+    lengths = {name: len(entries) for name, entries in lists.items()}
+    if len(set(lengths.values())) == 1:
+        return ""
+    return "it has " + ", ".join(f"{length} {name}" for name, length in lengths.items())
+
+
+def _wrong_number(published: Sized, wanted: int) -> str:
+    return "" if len(published) == wanted else f"it has {len(published)} counts in place of {wanted}"

@@ -1,0 +1,60 @@
+"""Who may speak on a topic, without ROS."""
+
+from heave_node.tick.gate import Inbox, TickGate
+from heave_node.tick.speakers import ANYONE, Speakers, Standing
+from hypothesis import given
+from hypothesis import strategies as st
+
+
+def message(number: int) -> bytes:
+    """Return bytes like those of a message with a header: encapsulation, stamp, the rest."""
+    return b"\x00\x01\x00\x00" + number.to_bytes(8, "little") + b"data"
+
+
+def make_gate(strangers: list[str]) -> tuple[TickGate, Inbox]:
+    gate = TickGate((), ["sea"])
+    inbox = gate.add_inbox(Inbox("/mru", on_stranger=lambda identity, _: strangers.append(identity)))
+    return gate, inbox
+
+
+def test_the_first_process_heard_keeps_an_external_topic_until_it_has_left():
+    speakers = Speakers(is_external=True)
+    assert speakers.standing("winch") is Standing.LAWFUL
+    assert speakers.standing("rogue") is Standing.STRANGER
+    speakers.release()
+    assert speakers.standing("new winch") is Standing.LAWFUL
+    assert speakers.standing("winch") is Standing.STRANGER
+
+
+def test_where_the_middleware_tells_no_identity_everybody_is_heard():
+    speakers = Speakers()
+    speakers.appoint(["sea"])
+    assert speakers.standing(ANYONE) is Standing.LAWFUL
+    speakers.appoint([ANYONE])
+    assert speakers.standing("anybody") is Standing.LAWFUL
+
+
+def test_a_topic_whose_node_takes_no_part_is_nobodys():
+    speakers = Speakers()
+    assert speakers.standing("anybody") is Standing.UNKNOWN
+    speakers.appoint([])
+    assert speakers.standing("anybody") is Standing.STRANGER
+
+
+@given(st.lists(st.sampled_from(["sea", "rogue", "other"]), max_size=40), st.integers(0, 40))
+def test_only_the_lawful_publisher_counts_whenever_the_roster_comes(senders, roster_after):
+    strangers: list[str] = []
+    gate, inbox = make_gate(strangers)
+    lawful = []
+    for number, sender in enumerate(senders, start=1):
+        if number == roster_after + 1:
+            gate.set_roster(["sea"], ["/mru"], ["sea"])
+        inbox.put(message(number), sender)
+        if sender == "sea":
+            lawful.append(message(number))
+    gate.set_roster(["sea"], ["/mru"], ["sea"])
+    gate.begin(1, 1, [0])
+    gate.peer_done("sea", 1, 1, [len(lawful)])
+    assert gate.is_complete()
+    assert gate.take("/mru") == lawful
+    assert len(strangers) == len(senders) - len(lawful)

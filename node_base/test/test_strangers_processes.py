@@ -1,0 +1,86 @@
+"""A node that has no part in the run publishes on its topics: it is named, and neither counted nor obeyed."""
+
+import subprocess
+import sys
+
+from loop_processes import SUM_OF_40_TICKS, start_all
+
+ROGUE = """
+import sys, time
+import rclpy
+from diagnostic_msgs.msg import DiagnosticArray
+from heave_msgs.msg import MruSample, TickDone, TickJoin, TickRoster, TickStart, TickStatus, WinchCommand
+from heave_node import topics
+from heave_node.ros.environment import prepare_environment
+from heave_node.ros.qos import qos_of
+prepare_environment()
+rclpy.init()
+node = rclpy.create_node("rogue")
+errors = {}
+def on_diagnostics(message):
+    errors.update({part.name: part.message for part in message.status if part.level == b"\\x02"})
+node.create_subscription(DiagnosticArray, "/diagnostics", on_diagnostics, qos_of(topics.DIAGNOSTICS.role))
+def publisher(topic, kind):
+    return node.create_publisher(kind, topic.name, qos_of(topic.role))
+mru, command = publisher(topics.MRU, MruSample), publisher(topics.WINCH_COMMAND, WinchCommand)
+join, roster = publisher(topics.TICK_JOIN, TickJoin), publisher(topics.TICK_ROSTER, TickRoster)
+start, status = publisher(topics.TICK_START, TickStart), publisher(topics.TICK_STATUS, TickStatus)
+done = publisher(topics.tick_done_topic("wave_vessel"), TickDone)
+number = 0
+end = time.monotonic() + float(sys.argv[1])
+while time.monotonic() < end:
+    number += 1
+    sample = MruSample(sequence=1000 + number)
+    sample.header.stamp.nanosec = number
+    mru.publish(sample)
+    order = WinchCommand(sequence=10**9 + number, payout=1e6)
+    order.header.stamp.nanosec = number
+    command.publish(order)
+    join.publish(TickJoin(node="wave_vessel", outputs=["/mru"]))
+    join.publish(b"\\x00\\x01\\x00\\x00\\xff\\xff\\xff\\xff")
+    roster.publish(TickRoster(epoch=7, tick_period=float("nan"), nodes=["nobody"]))
+    start.publish(TickStart(epoch=7, tick=10**6, published=[1]))
+    status.publish(TickStatus(state=TickStatus.FAILED, topics=["/mru"]))
+    done.publish(TickDone(epoch=1, tick=10**6, published=[1] * 99))
+    rclpy.spin_once(node, timeout_sec=0.005)
+for name in sorted(errors):
+    print(name, "|", errors[name])
+"""
+
+
+def run_with_rogue(loop, **parameters: object) -> tuple[int, str, str, str]:
+    """Run the loop beside a node that publishes everywhere; return how the master ended, and what the rogue heard."""
+    rogue = subprocess.Popen(
+        [sys.executable, "-c", ROGUE, "14"], env=loop.environment, stdout=subprocess.PIPE, text=True
+    )
+    try:
+        start_all(loop, **parameters)
+        status, out, err = loop.end("cable_sim")
+        heard, _ = rogue.communicate(timeout=30.0)
+    finally:
+        rogue.kill()
+    return status, out, err, heard
+
+
+def test_in_lockstep_a_stranger_shifts_nothing_and_is_named(loop):
+    status, out, err, heard = run_with_rogue(loop)
+    assert status == 0, err
+    assert f"ended=True ticks=41 epoch=1 sum={SUM_OF_40_TICKS}" in out
+    assert "resends=0" in out
+    errors = dict(line.split(" | ", 1) for line in heard.splitlines())
+    assert "/rogue (process " in errors["cable_sim: strangers"]
+    assert "of this machine) publishes on /winch/command but has no part in the run" in errors["cable_sim: strangers"]
+    assert "on /_tick/join was refused: it has 1 outputs, 0 matched_subscriptions" in errors["cable_sim: strangers"]
+    assert "on /_tick/join was refused: it cannot be read" in errors["cable_sim: strangers"]
+    assert "publishes on /mru" in errors["winch_controller: strangers"]
+    assert "publishes on /_tick/start" in errors["winch_controller: strangers"]
+    assert "Traceback" not in err
+    assert [loop.end(name)[0] for name in ("wave_vessel", "winch_controller", "virtual_winch")] == [0, 0, 0]
+
+
+def test_in_real_time_a_stranger_moves_nothing(loop):
+    status, out, err, heard = run_with_rogue(loop, pacing="realtime", duration=3.0, strict=False)
+    assert status == 0, err
+    total = float(out.split("sum=")[1].split()[0])
+    assert 0.0 < total <= sum(range(1, 61)), "every payout of the stranger is a million"
+    assert "publishes on /winch/command" in heard
