@@ -53,6 +53,7 @@ class RunSignals:
     tension : top tension [N]
     slack : 1 where any part of the cable carries no tension
     winch_limited : 1 where the winch itself says that a limit acts
+    compensating : 1 where the controller compensates or holds a tension
     nis_in_band : 1 where the normalised innovation squared lies inside its 95 % band
     uncompensated_tension : top tension with the winch locked, or following the programme of depth only [N]
     static_tension : top tension at rest [N], one sample where the deployed length stays; empty takes the mean tension
@@ -75,6 +76,7 @@ class RunSignals:
     static_tension: Signal = field(default_factory=_signal)
     slack: Signal = field(default_factory=_signal)
     winch_limited: Signal = field(default_factory=_signal)
+    compensating: Signal = field(default_factory=_signal)
     nis_in_band: Signal = field(default_factory=_signal)
     speed_limit: float = math.inf
     acceleration_limit: float = math.inf

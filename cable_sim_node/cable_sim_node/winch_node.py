@@ -51,6 +51,10 @@ class VirtualWinchNode(ParticipantNode):
         )
         self.state.publish(winch_state_message(state, tick.end_stamp))
 
+    def on_inactive_tick(self, tick: Tick) -> None:
+        """Take no commands: the watchdog stops the drum."""
+        self.winch.step(tick.number, None)
+
     def diagnose(self) -> list[Health]:
         """Say why the winch stopped by itself, and what commands it refused."""
         state = self.winch.state

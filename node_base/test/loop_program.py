@@ -131,10 +131,11 @@ class Plant(ClockMasterNode):
         self.tip = self.add_input(topics.BOOM_TIP)
         self.winch = self.add_input(topics.WINCH_STATE)
         self.load = self.add_output(topics.LOAD_CELL)
-        self.sum = 0.0
+        self.on_reset()
 
     def on_reset(self) -> None:
         self.sum = 0.0
+        self.advanced = 0
 
     def on_readings(self, tick) -> None:
         if self.parameters.fault == "die" and tick.number == self.parameters.fault_tick:
@@ -144,6 +145,8 @@ class Plant(ClockMasterNode):
         self.load.publish(message)
 
     def on_advance(self, tick) -> None:
+        expect(tick.number == self.advanced + 1, f"tick {tick.number} after {self.advanced}")
+        self.advanced = tick.number
         tips, winches = self.take(self.tip), self.take(self.winch)
         if self.parameters.strict:
             counts = (len(tips), len(winches))

@@ -169,19 +169,14 @@ def test_an_external_node_that_never_comes_is_named(loop):
     assert "a publisher of winch/state (external)" in err.splitlines()[-1]
 
 
-def test_pause_step_reset_by_service(loop):
-    start_all(loop, duration=1e4)
-    client = subprocess.run(
-        [sys.executable, "-c", PAUSE_STEP_RESET],
-        env=loop.environment,
-        capture_output=True,
-        text=True,
-        timeout=40,
-        check=False,
-    )
-    assert client.returncode == 0, client.stderr
-    paused, stepped, epoch, after_reset = (int(word) for word in client.stdout.split())
+@pytest.mark.parametrize("pacing", ["lockstep", "realtime"])
+def test_pause_step_reset_by_service(loop, pacing):
+    start_all(loop, duration=1e4, pacing=pacing, strict=pacing == "lockstep")
+    words = ask(loop, PAUSE_STEP_RESET).split()
+    paused, still_paused, stepped, resumed, epoch, after_reset = (int(word) for word in words)
+    assert still_paused == paused, "time stands still"
     assert stepped == paused + 5
+    assert resumed > stepped
     assert epoch == 2
     assert after_reset > 0
     loop.processes["cable_sim"].send_signal(signal.SIGINT)
@@ -191,40 +186,126 @@ def test_pause_step_reset_by_service(loop):
     assert loop.end("virtual_winch")[0] == 0, "the others hear that the run is over"
 
 
-PAUSE_STEP_RESET = """
+def test_a_run_in_real_time_that_was_paused_and_reset_runs_to_its_end(loop):
+    start_all(loop, duration=6.0, pacing="realtime", strict=False)
+    ask(loop, PAUSE_AND_RESET)
+    status, out, err = loop.end("cable_sim")
+    assert status == 0, err
+    assert "ended=True ticks=121 epoch=2" in out
+
+
+@pytest.mark.parametrize("pacing", ["lockstep", "realtime"])
+def test_an_inactive_node_publishes_nothing_while_the_others_go_on(loop, pacing):
+    start_all(loop, duration=1e4, pacing=pacing, strict=False)
+    before, while_inactive, after = (int(word) for word in ask(loop, DEACTIVATE_AND_ACTIVATE).split())
+    assert before > 0
+    assert while_inactive == 0
+    assert after > 0
+
+
+def test_an_inactive_clock_master_pauses_the_run(loop):
+    start_all(loop, duration=1e4)
+    paused, still_paused, refused, again = ask(loop, DEACTIVATE_THE_CLOCK).split()
+    assert still_paused == paused
+    assert refused == "refused"
+    assert int(again) > int(paused)
+
+
+def ask(loop: Loop, script: str) -> str:
+    """Return what a client prints that talks to the loop."""
+    client = subprocess.run(
+        [sys.executable, "-c", CLIENT + script],
+        env=loop.environment,
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=False,
+    )
+    assert client.returncode == 0, client.stderr
+    return client.stdout
+
+
+CLIENT = """
 import time
 import rclpy
-from heave_msgs.msg import TickStatus
+from heave_msgs.msg import TickStatus, WinchCommand
 from heave_msgs.srv import StepSimulation
 from heave_node import topics
 from heave_node.ros.environment import prepare_environment
 from heave_node.ros.qos import qos_of
+from heave_node.ros.spin import Spinner
+from lifecycle_msgs.msg import Transition
+from lifecycle_msgs.srv import ChangeState
 from std_srvs.srv import SetBool, Trigger
 prepare_environment()
 rclpy.init()
 node = rclpy.create_node("client")
-seen = []
+seen, commands = [], []
 node.create_subscription(TickStatus, topics.TICK_STATUS.name, seen.append, qos_of(topics.TICK_STATUS.role))
+node.create_subscription(WinchCommand, topics.WINCH_COMMAND.name, commands.append, qos_of(topics.WINCH_COMMAND.role))
+spinner = Spinner(node)
+listen = spinner.spin_for
 def until(condition):
     end = time.monotonic() + 20
     while not (seen and condition(seen[-1])):
-        rclpy.spin_once(node, timeout_sec=0.1)
+        listen(0.05)
         assert time.monotonic() < end, seen[-1:]
     return seen[-1]
 def call(kind, name, request):
     client = node.create_client(kind, name)
     assert client.wait_for_service(10.0)
     future = client.call_async(request)
-    rclpy.spin_until_future_complete(node, future, timeout_sec=10.0)
-    assert future.result().success, future.result()
+    spinner.spin_for(10.0, until=future)
+    return future.result().success
+def change_state(name, transition):
+    assert call(ChangeState, f"{name}/change_state", ChangeState.Request(transition=Transition(id=transition)))
+def go_on():
+    tick = seen[-1].tick
+    until(lambda s: s.tick > tick + 20)
 until(lambda s: s.state == TickStatus.RUNNING and s.tick > 20)
-call(SetBool, "simulation/pause", SetBool.Request(data=True))
+"""
+
+PAUSE_STEP_RESET = """
+assert call(SetBool, "simulation/pause", SetBool.Request(data=True))
 paused = until(lambda s: s.state == TickStatus.PAUSED).tick
-call(StepSimulation, "simulation/step", StepSimulation.Request(ticks=5))
+listen(0.6)
+still = seen[-1].tick
+assert call(StepSimulation, "simulation/step", StepSimulation.Request(ticks=5))
 stepped = until(lambda s: s.state == TickStatus.PAUSED and s.tick > paused).tick
-call(Trigger, "simulation/reset", Trigger.Request())
+assert call(SetBool, "simulation/pause", SetBool.Request(data=False))
+resumed = until(lambda s: s.tick > stepped + 5).tick
+assert call(Trigger, "simulation/reset", Trigger.Request())
 again = until(lambda s: s.epoch == 2 and s.tick > 1)
-print(paused, stepped, again.epoch, again.tick)
+print(paused, still, stepped, resumed, again.epoch, again.tick)
+"""
+
+PAUSE_AND_RESET = """
+assert call(SetBool, "simulation/pause", SetBool.Request(data=True))
+until(lambda s: s.state == TickStatus.PAUSED)
+assert call(Trigger, "simulation/reset", Trigger.Request())
+"""
+
+DEACTIVATE_AND_ACTIVATE = """
+before = len(commands)
+change_state("winch_controller", Transition.TRANSITION_DEACTIVATE)
+listen(0.3)  # what was still on its way
+commands.clear()
+go_on()
+while_inactive = len(commands)
+change_state("winch_controller", Transition.TRANSITION_ACTIVATE)
+go_on()
+print(before, while_inactive, len(commands))
+"""
+
+DEACTIVATE_THE_CLOCK = """
+change_state("cable_sim", Transition.TRANSITION_DEACTIVATE)
+paused = until(lambda s: s.state == TickStatus.PAUSED).tick
+listen(0.6)
+still = seen[-1].tick
+refused = call(SetBool, "simulation/pause", SetBool.Request(data=False))
+change_state("cable_sim", Transition.TRANSITION_ACTIVATE)
+go_on()
+print(paused, still, "obeyed" if refused else "refused", seen[-1].tick)
 """
 
 

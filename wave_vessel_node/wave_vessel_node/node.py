@@ -68,6 +68,10 @@ class WaveVesselNode(ParticipantNode):
             stamp = stamp_of_seconds(outputs.estimate.time)
             self.estimate.publish(messages.estimate_message(outputs.estimate, stamp))
 
+    def on_inactive_tick(self, tick: Tick) -> None:
+        """See ParticipantNode. The sea goes on."""
+        self.component.step(tick.number)
+
     def diagnose(self) -> list[Health]:
         """Tell how the MRU is, and what was repaired in the files read."""
         assert self.tick is not None

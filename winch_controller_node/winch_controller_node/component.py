@@ -160,6 +160,10 @@ class WinchController:
         """Bring the mean payout to rest smoothly."""
         self.mean.stop()
 
+    def skip_programme(self, time: float) -> None:
+        """Leave out what the programme had due up to `time` [s]: this controller begins later."""
+        self._programme.due(time)
+
     def _run_programme(self, time: float) -> None:
         """Do what the programme has due; what cannot be done now raises an alarm and is dropped."""
         for due in self._programme.due(time):

@@ -28,6 +28,7 @@ class MoveAction:
     """
 
     def __init__(self, node: HeaveNode, controller: Callable[[], WinchController]) -> None:
+        self._node = node
         self._controller = controller
         self._goal: Any = None
         self._ended: Any = None
@@ -71,7 +72,8 @@ class MoveAction:
 
     def _consider(self, goal: MoveToDepth.Goal) -> GoalResponse:
         is_sound = math.isfinite(goal.depth) and math.isfinite(goal.speed) and goal.speed >= 0.0
-        return GoalResponse.ACCEPT if is_sound and self._goal is None else GoalResponse.REJECT
+        is_free = self._node.is_active and self._goal is None
+        return GoalResponse.ACCEPT if is_sound and is_free else GoalResponse.REJECT
 
     async def _execute(self, goal: Any) -> MoveToDepth.Result:
         result = MoveToDepth.Result()

@@ -17,6 +17,7 @@ from heave_node.ros.participant import ParticipantNode
 from heave_node.ros.process import run_node
 from heave_node.sensors import SENSORS, Water
 from heave_node.tick.tick import Tick, nanoseconds_of
+from rclpy.lifecycle import LifecycleState, TransitionCallbackReturn
 
 from winch_controller_node.component import WinchController
 from winch_controller_node.interface import conversions
@@ -27,6 +28,7 @@ from winch_controller_node.move_action import MoveAction
 from winch_controller_node.node_parameters import WinchControllerParameters
 from winch_controller_node.supervision.modes import ModeError
 
+INACTIVE = "the controller is inactive: activate it first"
 LEVELS = {SensorLevel.OK: Level.OK, SensorLevel.SUSPECT: Level.WARN, SensorLevel.LOST: Level.ERROR}
 
 
@@ -61,6 +63,23 @@ class WinchControllerNode(ParticipantNode):
         self.create_service(SetMode, "controller/set_mode", self._serve_set_mode)
         self.create_service(Redesign, "controller/redesign", self._serve_redesign)
         self.move = MoveAction(self, lambda: self.controller)
+
+    def on_activate(self, state: LifecycleState) -> TransitionCallbackReturn:
+        """Begin anew in a run that is under way; `state` is the lifecycle state before."""
+        if self.has_started:
+            try:
+                self.controller = self._make_controller()
+            except NodeError as error:
+                self.fail(str(error), error)
+                return TransitionCallbackReturn.FAILURE
+            if self.tick is not None:
+                self.controller.skip_programme(self.tick.time)
+        return super().on_activate(state)
+
+    def on_deactivate(self, state: LifecycleState) -> TransitionCallbackReturn:
+        """Give no command from now on: the winch stops by its watchdog. `state` is the lifecycle state before."""
+        self.move.abort("the controller was deactivated")
+        return super().on_deactivate(state)
 
     def on_reset(self) -> None:
         """Begin anew: at standby, without an estimate."""
@@ -112,6 +131,9 @@ class WinchControllerNode(ParticipantNode):
             raise NodeError(f"{self.name}: {error}") from error
 
     def _serve_set_mode(self, request: SetMode.Request, response: SetMode.Response) -> SetMode.Response:
+        if not self.is_active:
+            response.message = INACTIVE
+            return response
         try:
             response.message = self.controller.set_mode(request.mode, request.tension)
             response.success = True
@@ -120,6 +142,9 @@ class WinchControllerNode(ParticipantNode):
         return response
 
     def _serve_redesign(self, request: Redesign.Request, response: Redesign.Response) -> Redesign.Response:
+        if not self.is_active:
+            response.message = INACTIVE
+            return response
         old = self.controller.parameters
         asked = (request.significant_wave_height, request.peak_period, request.length)
         if not all(math.isfinite(value) and value >= 0.0 for value in asked):

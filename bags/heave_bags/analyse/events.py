@@ -17,6 +17,12 @@ REPEATED = 1.0
 """Time for which a message of /diagnostics holds, until the next [s]."""
 
 
+COMPENSATES = ("compensating", "constant_tension")
+"""Modes of the controller in which the winch does its work."""
+OFF = "off"
+"""Mode of a controller whose law never moves the winch."""
+
+
 @dataclass(frozen=True)
 class Interval:
     """Something, its `name`, that held from `start` to `end` [s]: a mode, an alarm of a `level`, a limit."""

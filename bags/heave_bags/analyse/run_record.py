@@ -111,6 +111,7 @@ class RunRecord:
     run, outcome : the bag's own words on the run
     losses : what of the bag could not be read
     notes : what a reader of the figures must know
+    is_past_transient : the run went on after its transient; False: the figures are of its start-up
     """
 
     name: str
@@ -125,6 +126,7 @@ class RunRecord:
     outcome: Mapping[str, str] = field(default_factory=dict)
     losses: list[Loss] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
+    is_past_transient: bool = True
 
     def remarks(self) -> list[str]:
         """Return what a reader of the figures must know: the notes, and what of the bag could not be read."""
@@ -221,7 +223,7 @@ def _set_window(record: RunRecord, transient: float) -> None:
     record.start = max(transient, first) if first < LONGEST_SIMULATION else first + transient
     if record.start > record.end - SHORTEST_WINDOW:
         record.notes.append(f"the run ended within its transient of {transient:g} s: figures are of the whole run")
-        record.start = first
+        record.start, record.is_past_transient = first, False
 
 
 def _refuse_nothing(record: RunRecord, bag: Bag) -> None:
@@ -267,6 +269,9 @@ def _fill_winch(record: RunRecord, winch: Fields) -> None:
 
 def _fill_controller(record: RunRecord, state: Fields) -> None:
     record.modes = events.modes(state)
+    names = state.texts("mode")
+    if names is not None and not all(mode.name == events.OFF for mode in record.modes):
+        record.signals.compensating = Signal(state.time, np.isin(names, events.COMPENSATES).astype(float))
     record.alarms += events.sensor_alarms(state)
     record.innovations = _innovations(state)
     nis = state.table("nis")

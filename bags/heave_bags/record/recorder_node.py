@@ -186,7 +186,8 @@ class RecorderNode(ParticipantNode):
         """Return a callback that keeps a message nobody counts for the tick in which it happens to come."""
 
         def keep(data: bytes) -> None:
-            self._foreign.append((topic, data))
+            if self.is_active:
+                self._foreign.append((topic, data))
 
         return keep
 
@@ -215,6 +216,8 @@ class RecorderNode(ParticipantNode):
         may_tell_of_faults = topic == self._diagnostics_topic and self.parameters.snapshot_duration > 0.0
 
         def take(data: bytes) -> None:
+            if not self.is_active:
+                return
             write(topic, self._now(), data)
             if may_tell_of_faults:
                 self.controls.watch_for_faults(data)

@@ -12,15 +12,14 @@ from dataclasses import dataclass, field
 import numpy as np
 from heave_bags.analyse import kpi_set
 from heave_bags.analyse.depth_programme import take_out_programme
+from heave_bags.analyse.events import COMPENSATES, OFF
 from heave_bags.signals import RunSignals, Signal
+from heave_node.arrays import Array
 from heave_node.parameters import ParameterError
 
 from heave_bringup.campaign.plan import Campaign, Case
 from heave_bringup.closed_loop import ClosedLoop, LoopParameters, LoopRecord, loop_parameters
 from heave_bringup.scenarios import Scenario, load_scenario
-
-WORKING = {"compensating", "constant_tension"}
-"""Modes in which the controller does what it was asked for."""
 
 
 @dataclass(frozen=True)
@@ -96,7 +95,13 @@ def _compensating(record: LoopRecord, scenario: Scenario) -> float:
     if not scenario.moves_winch:
         return math.nan
     after = record.column("time") >= scenario.run.transient
-    return float(np.mean([mode in WORKING for mode, counts in zip(record.modes, after, strict=True) if counts]))
+    return float(np.mean([mode in COMPENSATES for mode, counts in zip(record.modes, after, strict=True) if counts]))
+
+
+def _working(record: LoopRecord, time: Array) -> Signal:
+    """Return when the controller compensated or held a tension; empty under law off."""
+    modes = np.asarray(record.modes)
+    return Signal() if np.all(modes == OFF) else Signal(time, np.isin(modes, COMPENSATES).astype(float))
 
 
 def run_signals(record: LoopRecord, parameters: LoopParameters) -> RunSignals:
@@ -123,6 +128,7 @@ def run_signals(record: LoopRecord, parameters: LoopParameters) -> RunSignals:
         uncompensated_tension=signal("uncompensated_tension"),
         slack=Signal(time, (record.column("slack_segments") > 0.0).astype(float)),
         winch_limited=Signal(time, (record.column("limits_hit") != 0.0).astype(float)),
+        compensating=_working(record, time),
         static_tension=Signal(time[:1], record.column("top_tension")[:1]),
         speed_limit=parameters.winch.speed_limit,
         acceleration_limit=parameters.winch.acceleration_limit,

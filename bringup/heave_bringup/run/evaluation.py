@@ -5,15 +5,20 @@ Imported only then, since plots and models take seconds to load.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 from heave_bags.analyse import analysis
 from heave_bags.analyse.report import save_report
 from heave_bags.mcap.reader import Bag
 from heave_msgs.msg import TickStatus
+from heave_node.criteria import Criterion
 
 from heave_bringup.errors import CommandError
 from heave_bringup.run.records import read_records
+from heave_bringup.run.verdict import Verdict, judge
+from heave_bringup.scenarios import Scenario
 
 
 def check_complete(bag: Path, status: TickStatus) -> None:
@@ -32,15 +37,32 @@ def check_complete(bag: Path, status: TickStatus) -> None:
             raise CommandError(f"{bag}: holds {recorded.get(topic, 0)} of {published} messages of {topic}")
 
 
-def evaluate(bag: Path, report: Path | None) -> tuple[str, dict[str, object]]:
-    """Return the table of a run's figures of merit, and the same for a machine.
+@dataclass(frozen=True)
+class Evaluation:
+    """What a run gave: the table of its figures of merit, the same for a machine, and the verdict."""
+
+    table: str
+    figures: dict[str, object]
+    verdict: Verdict
+
+
+def evaluate(
+    scenario: Scenario, bag: Path, report: Path | None, *, required: Sequence[Criterion] = (), alarms: int = 0
+) -> Evaluation:
+    """Evaluate a run.
 
     Parameters
     ----------
+    scenario : of the run
     bag : folder of the bag
     report : file of the HTML report; None writes none
+    required : criteria of the command line
+    alarms : number of errors that the nodes reported
     """
     records = read_records([bag])
     if report is not None:
         save_report(records, report)
-    return analysis.table(records), dict(analysis.to_json(records[0]))
+    (record,) = records
+    verdict = judge(record, scenario.wanted, required=required, moves_winch=scenario.moves_winch, alarms=alarms)
+    figures = {**analysis.to_json(record), "verdict": verdict.to_json()}
+    return Evaluation(analysis.table(records), figures, verdict)

@@ -13,6 +13,7 @@ from collections.abc import Callable
 from heave_msgs.msg import TickDone, TickJoin, TickRoster, TickStart, TickStatus
 from heave_msgs.srv import StepSimulation
 from rclpy.duration import Duration
+from rclpy.lifecycle import LifecycleState, TransitionCallbackReturn
 from rosgraph_msgs.msg import Clock
 from std_srvs.srv import SetBool, Trigger
 
@@ -266,20 +267,38 @@ class ClockMasterNode(HeaveNode):
 
     # Pause, step, reset --------------------------------------------------------------------------------------------
 
-    def _serve_pause(self, request: SetBool.Request, response: SetBool.Response) -> SetBool.Response:
-        if request.data:
-            self._pause_at = self.tick_number
-        else:
+    def on_activate(self, state: LifecycleState) -> TransitionCallbackReturn:
+        """Go on with the run where it stands; `state` is the lifecycle state before."""
+        result = super().on_activate(state)
+        if self.has_started:
             self._resume(until=None)
-        response.success, response.message = True, f"tick {self.tick_number}"
+        return result
+
+    def on_deactivate(self, state: LifecycleState) -> TransitionCallbackReturn:
+        """Stop the clock after this tick: the run pauses. `state` is the lifecycle state before."""
+        self._pause_at = self.tick_number
+        return super().on_deactivate(state)
+
+    def _serve_pause(self, request: SetBool.Request, response: SetBool.Response) -> SetBool.Response:
+        response.success = self._may_be_controlled(response)
+        if response.success and request.data:
+            self._pause_at = self.tick_number
+        elif response.success:
+            self._resume(until=None)
         return response
+
+    def _may_be_controlled(self, response: SetBool.Response | StepSimulation.Response | Trigger.Response) -> bool:
+        """Say in the `response` where the run stands, and refuse what an inactive clock cannot do."""
+        response.message = f"tick {self.tick_number}" if self.is_active else f"{self.name} is inactive: activate it"
+        return self.is_active
 
     def _serve_step(
         self, request: StepSimulation.Request, response: StepSimulation.Response
     ) -> StepSimulation.Response:
-        response.success = self.run_state == TickStatus.PAUSED
-        response.message = f"from tick {self.tick_number}" if response.success else "not paused"
-        if response.success and request.ticks > 0:
+        response.success = self._may_be_controlled(response) and self.run_state == TickStatus.PAUSED
+        if self.is_active and not response.success:
+            response.message = "not paused"
+        elif response.success and request.ticks > 0:
             self._resume(until=self.tick_number + request.ticks)
         return response
 
@@ -288,14 +307,15 @@ class ClockMasterNode(HeaveNode):
         if self.run_state != TickStatus.PAUSED:
             return
         self.run_state = TickStatus.RUNNING
-        # The time of a pause does not count as delay.
-        self._clock_started_at = time.monotonic() - self.tick_number * self.run.tick_period
-        if self.run.is_lockstep:
-            self._begin_what_follows()
+        # The time of a pause does not count as delay: the tick that follows begins now.
+        self._clock_started_at = time.monotonic() - (self.tick_number + 1) * self.run.tick_period
+        self._begin_what_follows()
 
     def _serve_reset(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
-        response.success = self.run_state in (TickStatus.RUNNING, TickStatus.PAUSED)
-        response.message = "a new run begins" if response.success else "no run is under way"
+        is_under_way = self.run_state in (TickStatus.RUNNING, TickStatus.PAUSED)
+        response.success = self._may_be_controlled(response) and is_under_way
+        if self.is_active:
+            response.message = "a new run begins" if response.success else "no run is under way"
         if response.success:
             self._reset_wanted = True
             self._pause_at = None
@@ -343,7 +363,7 @@ class ClockMasterNode(HeaveNode):
 
     def _supervise(self) -> None:
         """Start the run when all are ready; name nodes that are missing, and end a run that waits too long."""
-        if self.finished.done() or not self.is_active:
+        if self.finished.done() or not (self.is_active or self.has_started):
             return
         now = time.monotonic()
         if now - self._status_at > STATUS_PERIOD:

@@ -231,12 +231,12 @@ class HeaveNode(LifecycleNode):
         return super().on_configure(state)
 
     def on_activate(self, state: LifecycleState) -> TransitionCallbackReturn:
-        """Take part in the run from now on; `state` is the lifecycle state before."""
+        """Take part in the run from now on, also in one that is under way; `state` is the lifecycle state before."""
         self.is_active = True
         return super().on_activate(state)
 
     def on_deactivate(self, state: LifecycleState) -> TransitionCallbackReturn:
-        """Stop taking part; a run under way ends without this node. `state` is the lifecycle state before."""
+        """Do and publish nothing from now on; a run under way goes on. `state` is the lifecycle state before."""
         self.is_active = False
         return super().on_deactivate(state)
 

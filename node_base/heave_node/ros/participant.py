@@ -29,6 +29,9 @@ class ParticipantNode(HeaveNode):
     def on_tick(self, tick: Tick) -> None:
         """Do this node's part of `tick`: take the inputs, step the component, publish the outputs."""
 
+    def on_inactive_tick(self, tick: Tick) -> None:
+        """Let time pass in a `tick` in which this node is inactive: it gets no inputs and must publish nothing."""
+
     def join_protocol(self) -> None:
         """Make the publisher and the subscriptions by which a participant follows the clock master and answers it."""
         self._starts: deque[TickStart] = deque()
@@ -169,8 +172,12 @@ class ParticipantNode(HeaveNode):
         self._begin_next()
 
     def _do_tick(self, tick: Tick) -> None:
-        self.on_tick(tick)
-        self.publish_diagnostics(tick)
+        if self.is_active:
+            self.on_tick(tick)
+            self.publish_diagnostics(tick)
+        else:
+            self.gate.clear()
+            self.on_inactive_tick(tick)
 
     def on_flush(self, tick: Tick) -> None:
         """Take the last messages of a run; `tick` follows the last one and has no step of its own."""
@@ -206,7 +213,7 @@ class ParticipantNode(HeaveNode):
         """End the node when the clock master has been silent for too long."""
         limit = self.run.participant_timeout if self.has_started else self.run.start_timeout
         silence = time.monotonic() - self._master_heard_at
-        if self.is_active and silence > limit:
+        if (self.is_active or self.has_started) and silence > limit:
             self.fail(f"no message from the clock master for {silence:.1f} s")
 
 

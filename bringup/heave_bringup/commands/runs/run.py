@@ -8,16 +8,20 @@ import threading
 from collections.abc import Sequence
 from pathlib import Path
 
+from heave_node.criteria import Criterion
 from heave_node.parameters import ParameterError
 from heave_node.run_parameters import LOCKSTEP, REALTIME
 from heave_node.scenario import WILDCARD
 
 from heave_bringup.commands.arguments import add_network, add_scenario
 from heave_bringup.commands.command import Command
+from heave_bringup.errors import CommandError
 from heave_bringup.nodes import NODE_BY_NAME
 from heave_bringup.settings import Setting
 
 EVALUATION = "heave_bringup.run.evaluation"
+WANTED = "wanted"
+"""Value of --require that stands for all that the scenario wants."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -45,6 +49,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="play what NODE published in BAG in its place; the other nodes run live",
     )
     add_network(parser)
+    parser.add_argument(
+        "--require",
+        action="append",
+        default=[],
+        metavar="KPI<VALUE",
+        help="exit with status 1 unless a figure of merit keeps the bound; wanted: unless all that the scenario wants, "
+        "and compensation itself, was got",
+    )
     parser.add_argument("--no-report", action="store_true", help="leave out the HTML report")
 
 
@@ -53,11 +65,15 @@ def execute(options: argparse.Namespace) -> None:
     from heave_bringup.errors import CommandError
     from heave_bringup.network import set_up_transport
     from heave_bringup.output import write_result
+    from heave_bringup.run.criteria import refuse_unknown
     from heave_bringup.run.run import new_run_folder, run_scenario
     from heave_bringup.scenarios import load_scenario
 
+    required = _required(options.require)
     set_up_transport(network=options.network)
     scenario = load_scenario(options.scenario, settings=[*options.set, *_own_settings(options)])
+    for criterion in scenario.wanted:
+        refuse_unknown(criterion, f"{scenario.path}: wanted")
     folder = new_run_folder(scenario.name, options.bag)
     # What judges the run takes seconds to load: time that the nodes need to find each other.
     threading.Thread(target=importlib.import_module, args=(EVALUATION,)).start()
@@ -66,12 +82,24 @@ def execute(options: argparse.Namespace) -> None:
     if scenario.run.is_lockstep:
         evaluation.check_complete(folder.bag, outcome.status)
     report = None if options.no_report else folder.report
-    table, figures = evaluation.evaluate(folder.bag, report)
+    result = evaluation.evaluate(scenario, folder.bag, report, required=required, alarms=len(outcome.alarms))
     places = [f"scenario  {scenario.path}", f"bag       {folder.bag}", *([f"report    {report}"] if report else [])]
-    text = "\n".join([table, "", *_alarm_lines(outcome.alarms), *places])
-    write_result(options, text, {**figures, "alarms": outcome.alarms, "folder": str(folder.path)})
+    text = "\n".join([result.table, "", *_alarm_lines(outcome.alarms), *places, "", *result.verdict.lines()])
+    write_result(options, text, {**result.figures, "alarms": outcome.alarms, "folder": str(folder.path)})
+    missed = result.verdict.failures if WANTED in options.require else result.verdict.missed_requirements
     if outcome.strangers:
         raise CommandError("; ".join(outcome.strangers))
+    if missed:
+        raise CommandError(f"the run is not what was required: {'; '.join(missed)}")
+
+
+def _required(texts: Sequence[str]) -> list[Criterion]:
+    """Return the criteria of the options --require."""
+    if not texts:
+        return []
+    from heave_bringup.run.criteria import parse_requirement
+
+    return [parse_requirement(text) for text in texts if text != WANTED]
 
 
 def _own_settings(options: argparse.Namespace) -> list[Setting]:
@@ -109,7 +137,10 @@ def _alarm_lines(alarms: Sequence[str]) -> list[str]:
 COMMAND = Command(
     name="run",
     summary="Run a scenario: start its nodes, record every topic, print the figures of merit, write a report.",
-    examples=("heave run b2_calm_300 --duration 600 --set system.sea.peak_period=7",),
+    examples=(
+        "heave run b2_calm_300 --duration 600 --set system.sea.peak_period=7",
+        "heave run b3_deep_900 --require 'unit_sigma_m<0.01' --require 'compensating_percent>=95'",
+    ),
     add_arguments=add_arguments,
     execute=execute,
 )

@@ -1,0 +1,31 @@
+"""Criteria on figures of merit, checked before a run begins: those of the scenario and of the command line."""
+
+from __future__ import annotations
+
+import re
+
+from heave_bags.analyse.kpi_set import DEFINITION_OF
+from heave_node.criteria import Criterion, parse_criterion
+from heave_node.parameters import Given, ParameterError
+
+_REQUIREMENT = re.compile(r"\s*(\w+)\s*([<>]=?.*)")
+
+
+def parse_requirement(text: str) -> Criterion:
+    """Return the criterion of an option `--require KPI<VALUE`.
+
+    Raises ParameterError for what is none, or names no figure of merit.
+    """
+    option = f"--require {text!r}"
+    found = _REQUIREMENT.fullmatch(text)
+    if found is None:
+        raise ParameterError(f"{option}: must be KPI<VALUE, KPI<=VALUE, KPI>VALUE or KPI>=VALUE")
+    criterion = parse_criterion(Given(found[2], found[1], option))
+    refuse_unknown(criterion, option)
+    return criterion
+
+
+def refuse_unknown(criterion: Criterion, where: str) -> None:
+    """Raise ParameterError, naming `where` it stands, for a criterion on what is no figure of merit."""
+    if criterion.kpi not in DEFINITION_OF:
+        raise ParameterError(f"{where}: {criterion.kpi} is no figure of merit; known: {', '.join(DEFINITION_OF)}")

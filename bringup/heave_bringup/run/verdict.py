@@ -1,0 +1,140 @@
+"""The verdict on a run: what was wanted of it, what was got, how long compensation was in force, which alarms came."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from heave_bags.analyse.run_record import RunRecord
+from heave_node.criteria import Criterion
+
+LEAST_SHARE = 0.9
+"""Compensation that was in force for a smaller share of the evaluation window is worth a line of its own."""
+
+
+@dataclass(frozen=True)
+class Judged:
+    """A criterion and the value that a run got; NaN where it is not known."""
+
+    criterion: Criterion
+    value: float
+
+    @property
+    def is_met(self) -> bool:
+        """Tell whether the value keeps the bound."""
+        return self.criterion.is_met(self.value)
+
+    def to_json(self) -> dict[str, object]:
+        """Return it as plain data."""
+        criterion = self.criterion
+        return {"kpi": criterion.kpi, "wanted": criterion.text, "got": self.value, "met": self.is_met}
+
+    def __str__(self) -> str:
+        got = f"{self.value:.4g}" if math.isfinite(self.value) else "not known"
+        return f"{'met' if self.is_met else 'MISSED'}: {self.criterion.kpi} {self.criterion.text}, got {got}"
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What became of a run.
+
+    Attributes
+    ----------
+    judged : the criteria of the scenario
+    required : those of the command line
+    time_in_modes : share of the evaluation window in each mode of the controller, 0 to 1; empty: none was recorded
+    share : of the evaluation window in which compensation was in force, 0 to 1; NaN: unknown, or not wanted
+    alarms : number of errors that came
+    is_judged : the run is longer than its transient
+    """
+
+    judged: tuple[Judged, ...]
+    required: tuple[Judged, ...]
+    time_in_modes: Mapping[str, float]
+    share: float
+    alarms: int = 0
+    is_judged: bool = True
+
+    @property
+    def is_good(self) -> bool:
+        """Tell whether everything that was wanted was got."""
+        return not self.failures
+
+    @property
+    def missed_requirements(self) -> list[str]:
+        """Return in words which criteria of the command line were missed."""
+        return [str(judged) for judged in self.required if not judged.is_met]
+
+    @property
+    def failures(self) -> list[str]:
+        """Return in words what was wanted and not got."""
+        missed = [str(judged) for judged in (*self.judged, *self.required) if not judged.is_met]
+        if self.share < LEAST_SHARE:
+            modes = ", ".join(f"{mode} {100.0 * share:.0f} %" for mode, share in self.time_in_modes.items())
+            when = "never" if self.share == 0.0 else f"only {100.0 * self.share:.0f} % of the time"
+            missed.insert(0, f"MISSED: compensation was {when} in force ({modes})")
+        return missed
+
+    def lines(self) -> list[str]:
+        """Return the verdict for people: one word, then each thing that was wanted."""
+        if self.failures:
+            head = "verdict: NOT what was wanted"
+        elif not self.is_judged:
+            head = "verdict: none, the run ended within its transient"
+        elif self.judged or self.required:
+            head = "verdict: as wanted"
+        else:
+            head = "verdict: nothing was wanted in figures"
+        if self.alarms:
+            head += f"; {self.alarms} {'error' if self.alarms == 1 else 'errors'} reported"
+        met = [str(judged) for judged in (*self.judged, *self.required) if judged.is_met]
+        return [head, *(f"  {line}" for line in (*self.failures, *met))]
+
+    def to_json(self) -> dict[str, object]:
+        """Return the verdict as plain data."""
+        return {
+            "good": self.is_good,
+            "criteria": [judged.to_json() for judged in (*self.judged, *self.required)],
+            "time_in_modes": dict(self.time_in_modes),
+            "failures": self.failures,
+        }
+
+
+def judge(
+    record: RunRecord,
+    wanted: Sequence[Criterion] = (),
+    *,
+    required: Sequence[Criterion] = (),
+    moves_winch: bool,
+    alarms: int = 0,
+) -> Verdict:
+    """Hold a run against what was wanted of it.
+
+    Parameters
+    ----------
+    record : of the run
+    wanted, required : criteria of the scenario and of the command line
+    moves_winch : the scenario has a law that moves the winch
+    alarms : number of errors that the nodes reported
+    """
+    values = record.kpis()
+
+    def held(criteria: Sequence[Criterion]) -> tuple[Judged, ...]:
+        return tuple(Judged(criterion, values.get(criterion.kpi, math.nan)) for criterion in criteria)
+
+    # the start-up is no measure of what the loop does
+    wanted = wanted if record.is_past_transient else ()
+    share = values["compensating_percent"] / 100.0 if moves_winch and record.is_past_transient else math.nan
+    return Verdict(held(wanted), held(required), time_in_modes(record), share, alarms, record.is_past_transient)
+
+
+def time_in_modes(record: RunRecord) -> dict[str, float]:
+    """Return the share of the evaluation window that the controller spent in each mode; empty where none is known."""
+    shares: dict[str, float] = {}
+    for mode in record.modes:
+        part = min(mode.end, record.end) - max(mode.start, record.start)
+        if part > 0.0:
+            shares[mode.name] = shares.get(mode.name, 0.0) + part
+    total = record.end - record.start
+    return {name: part / total for name, part in sorted(shares.items(), key=lambda item: -item[1])}

@@ -1,0 +1,85 @@
+"""The verdict on a run: what was wanted, what was got, and whether compensation was in force at all."""
+
+import numpy as np
+import pytest
+from heave_bags.analyse.events import Interval
+from heave_bags.analyse.run_record import RunRecord
+from heave_bags.signals import RunSignals, Signal
+from heave_bringup.cli import main
+from heave_bringup.run.criteria import parse_requirement
+from heave_bringup.run.verdict import judge
+from heave_node.criteria import Criterion
+from heave_node.parameters import ParameterError
+
+TIME = np.arange(0.0, 100.0, 0.05)
+SIGMA = 0.01
+"""Standard deviation of a sine of amplitude sqrt(2) SIGMA over whole periods [m]."""
+
+
+def record(compensates_until: float, *, is_past_transient: bool = True) -> RunRecord:
+    heave = np.sqrt(2.0) * SIGMA * np.sin(2.0 * np.pi * TIME / 10.0)
+    signals = RunSignals(unit_heave=Signal(TIME, heave), compensating=Signal(TIME, compensates_until > TIME))
+    modes = [Interval(0.0, compensates_until, "compensating"), Interval(compensates_until, 100.0, "stopped")]
+    return RunRecord("run", signals, 0.0, 100.0, modes=modes, is_past_transient=is_past_transient)
+
+
+def test_a_run_that_got_what_was_wanted_says_so_with_its_figures():
+    verdict = judge(record(100.0), [Criterion("unit_sigma_m", "<=", 0.02)], moves_winch=True)
+    assert verdict.is_good
+    assert verdict.lines() == ["verdict: as wanted", "  met: unit_sigma_m <= 0.02, got 0.01"]
+
+
+def test_a_missed_criterion_comes_first_and_shouts():
+    wanted = [Criterion("unit_sigma_m", "<=", 0.02), Criterion("unit_sigma_m", "<", 0.005)]
+    lines = judge(record(100.0), wanted, moves_winch=True, alarms=2).lines()
+    assert lines[0] == "verdict: NOT what was wanted; 2 errors reported"
+    assert lines[1] == "  MISSED: unit_sigma_m < 0.005, got 0.01"
+
+
+@pytest.mark.parametrize(("until", "words"), [(0.0, "never in force"), (40.0, "only 40 % of the time in force")])
+def test_compensation_that_was_not_in_force_is_no_success(until, words):
+    verdict = judge(record(until), moves_winch=True)
+    assert not verdict.is_good
+    assert words in verdict.lines()[1]
+    assert "stopped" in verdict.lines()[1], "it says what the controller did instead"
+
+
+def test_a_law_that_is_off_need_not_compensate():
+    assert judge(record(0.0), moves_winch=False).is_good
+
+
+def test_a_figure_that_is_not_known_is_missed():
+    verdict = judge(record(100.0), [Criterion("kappa", "<=", 2.0)], moves_winch=True)
+    assert verdict.failures == ["MISSED: kappa <= 2.0, got not known"]
+
+
+def test_a_run_that_ended_within_its_transient_is_not_judged_but_held_to_what_is_required():
+    short = record(0.0, is_past_transient=False)
+    verdict = judge(short, [Criterion("unit_sigma_m", "<", 0.001)], moves_winch=True)
+    assert verdict.is_good
+    assert "ended within its transient" in verdict.lines()[0]
+    required = judge(short, required=[Criterion("unit_sigma_m", "<", 0.001)], moves_winch=True)
+    assert required.missed_requirements == ["MISSED: unit_sigma_m < 0.001, got 0.01"]
+
+
+@pytest.mark.parametrize("text", ["unit_sigma_m<0.01", "unit_sigma_m <= 0.01", " kappa>1e-3"])
+def test_a_requirement_is_a_figure_a_relation_and_a_number(text):
+    assert f"{parse_requirement(text).kpi}" in text
+
+
+@pytest.mark.parametrize("text", ["unit_sigma_m", "unit_sigma_m=3", "unit_sigma_m<big", "no_such_figure<1", "<1"])
+def test_another_requirement_is_refused_with_the_option(text):
+    with pytest.raises(ParameterError, match="--require"):
+        parse_requirement(text)
+
+
+def test_a_wrong_requirement_is_refused_before_anything_starts(capsys):
+    assert main(["run", "b2_calm_300", "--require", "no_such_figure<1"]) == 2
+    assert "no_such_figure is no figure of merit; known: unit_sigma_m" in capsys.readouterr().err
+
+
+def test_a_scenario_that_wants_no_figure_of_merit_is_refused_before_anything_starts(tmp_path, capsys):
+    scenario = tmp_path / "own.yaml"
+    scenario.write_text("/**: {ros__parameters: {wanted: {no_such_figure: '< 1'}}}\n")
+    assert main(["run", str(scenario)]) == 2
+    assert f"{scenario}: wanted: no_such_figure is no figure of merit" in capsys.readouterr().err

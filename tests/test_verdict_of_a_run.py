@@ -1,0 +1,20 @@
+"""The verdict ends the table of a run, and sets its exit status where the user requires something."""
+
+import json
+
+from tests.loop_runs import heave
+
+
+def test_a_required_figure_that_is_missed_sets_the_exit_status(tmp_path):
+    options = ["--duration", "5", "--set", "all.transient=1.0", "--no-report", "--json", str(tmp_path / "kpi.json")]
+    require = ["--require", "unit_sigma_m<1e-9", "--require", "missed_deadlines<1"]
+    result = heave("run", "b2_calm_300", "--bag", str(tmp_path / "run"), *options, *require)
+    assert result.returncode == 1
+    assert "heave: the run is not what was required: MISSED: unit_sigma_m < 1e-09, got" in result.stderr
+    assert result.stdout.strip().splitlines()[-1].startswith("  met: "), "the table ends with the verdict"
+    assert "compensation was never in force (standby" in result.stdout
+    verdict = json.loads((tmp_path / "kpi.json").read_text())["verdict"]
+    assert verdict["good"] is False
+    met = {entry["kpi"]: entry["met"] for entry in verdict["criteria"]}
+    assert met["missed_deadlines"]
+    assert not met["unit_sigma_m"]
