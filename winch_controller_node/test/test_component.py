@@ -154,6 +154,24 @@ def test_an_emergency_stop_brakes_within_the_deceleration_of_the_winch():
     assert loop.winch.state.fault is WinchFault.NONE
 
 
+@pytest.mark.parametrize("mode", ["standby", "stopped"])
+def test_a_requested_stop_leaves_the_unit_no_more_than_its_uncompensated_swing(mode):
+    """A winch that stops within a second lets a heavy unit go at any phase: it then swings by up to twice as much."""
+    loop = ClosedLoop(loop_parameters(duration=60.0, **{"modes.fade_out_time": 10.0}))
+    for _ in range(1000):
+        loop.step()
+    loop.controller.set_mode(mode)
+    rows, modes = [], []
+    for _ in range(1200):
+        outputs, row = loop.step()
+        rows.append(row)
+        modes.append(outputs.report.mode)
+    assert list(dict.fromkeys(modes)) == ["fade_out", "stopping", mode]
+    unit, uncompensated = np.array(rows)[:, 2], np.array(rows)[:, 3]
+    # 10 % for the swing of its own that a fade within one wave leaves
+    assert np.std(unit) < 1.1 * np.std(uncompensated)
+
+
 def test_a_move_lowers_the_unit_while_it_is_compensated():
     loop = ClosedLoop(loop_parameters(duration=60.0))
     for _ in range(700):
@@ -328,7 +346,8 @@ def test_the_mean_moves_and_a_stopped_winch_stays_under_a_position_loop():
     # the line gives 1 % more than is paid out, at most
     assert np.mean(moved[-100:, 2]) - moved[0, 2] == pytest.approx(-2.0, abs=0.05)
     loop.controller.set_mode("stopped")
-    stopped = np.array([loop.step()[1] for _ in range(200)])
+    # compensation is faded out over 10 s first
+    stopped = np.array([loop.step()[1] for _ in range(300)])
     # 1.5 m/s^2 are the winch's limit
     assert np.max(np.abs(np.diff(stopped[:, 5]))) <= 1.5 * DT + 1e-9
     assert np.all(stopped[-50:, 5] == 0.0)
@@ -354,7 +373,8 @@ def test_a_first_order_winch_comes_to_rest_and_is_braked():
     for _ in range(1200):
         loop.step()
     loop.controller.set_mode("stopped")
-    modes = [loop.step()[0].report.mode for _ in range(100)]
+    modes = [loop.step()[0].report.mode for _ in range(400)]
+    assert modes[0] == "fade_out"
     assert modes[-1] == "stopped"
 
 

@@ -24,7 +24,8 @@ from winch_controller_node.motion.trajectory import MeanPayout
 from winch_controller_node.node_parameters import WinchControllerParameters
 from winch_controller_node.state_report import ControllerTick, state_report
 from winch_controller_node.supervision.landing import LandingEvent
-from winch_controller_node.supervision.modes import BRAKED, Mode, ModeError, ModeMachine, ModeOutput
+from winch_controller_node.supervision.mode_machine import ModeMachine
+from winch_controller_node.supervision.modes import BRAKED, Mode, ModeError, ModeOutput
 from winch_controller_node.supervision.rolling_kpi import KpiWindow
 from winch_controller_node.supervision.supervisor import Decision, Supervisor, WinchSituation
 from winch_controller_node.supervision.winch_watch import WinchWatch, identifies_winch
@@ -260,6 +261,8 @@ class WinchController:
             self._hand_over(loop, unit_stood=False)
         elif starts or (mode.mode is Mode.FADE_OUT and before is Mode.CONSTANT_TENSION):
             self._estimation.return_to_mean(loop)
+            # what follows the sea is no payout left over
+            self._estimation.motion.return_from(loop.payout - mode.authority * loop.boom_tip.heave)
             self._in_force.law.reset()
 
     def _act_on(self, landing: LandingEvent | None, loop: LoopTick) -> None:
@@ -273,8 +276,7 @@ class WinchController:
             relief = (1.0 - parameters.landing_ratio) * self.design.unit_weight
             self._hold_tension(self.design.cable.static_tension - relief, was=was)
         else:
-            self.modes.request(Mode.COMPENSATING.value)
-            self.modes.acknowledge()
+            self.modes.lift_off()
             self._hand_over(loop, unit_stood=True)
             self.mean.move_to(self.mean.point.payout - parameters.lift_height)
         self._alarms.append(landing.value)

@@ -140,10 +140,17 @@ class LoopCommand:
         """
         self._sequence += 1
         sent = command.governed.sent
+        if mode.brake and not self._is_first_order:
+            return WinchOrder(self._sequence, self._place_held(command, mean_payout), 0.0, True)
         if self._is_first_order:
             return WinchOrder(self._sequence, sent, 0.0, mode.brake)
         # the model's command counts what the winch's position loop makes of the payout set-point as well
         return WinchOrder(self._sequence, mean_payout, sent - self._winch.position_gain * mean_payout, mode.brake)
+
+    def _place_held(self, command: TickCommand, mean_payout: float) -> float:
+        """Return the payout set-point [m] under which a servo on its brake asks for no speed."""
+        gain = self._winch.position_gain
+        return command.governed.sent / gain if gain > 0.0 else mean_payout
 
     def _law_state(self, tick: LoopTick, mode: ModeOutput) -> Array:
         """Return the state that the law acts on; constant tension follows the whole sea and acts on the estimate."""
@@ -177,7 +184,7 @@ class LoopCommand:
             return self._slow_down(state, standing)
         if decision.is_inhibited and self._settling is not None:
             return self._settling.command(state)
-        if self._fade_out is not None:
+        if self._fade_out is not None and not decision.fades_by_law:
             # a sensor was lost: the estimated motion of the unit is not to be acted upon
             return self._fade_out.command(state)
         return self._law.command(state)

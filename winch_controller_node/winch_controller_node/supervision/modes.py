@@ -1,14 +1,19 @@
-"""The mode machine: what the controller does, why, and how it gets from one mode to another without a step.
+"""The modes of the controller, and the one table that says how it gets from one to another.
 
 off: law off, the brake stays on. standby: the brake is on, the estimator runs. compensating: authority rises to the
-share asked for. fade_out: authority falls to zero, then standby or stopping. constant_tension: tension is held.
-stopping: the winch comes to rest at a bounded deceleration, then stopped, with the brake on. emergency_stop: brake at
-once, and it stays until another mode is requested.
+share asked for. fade_out: authority falls to zero. constant_tension: tension is held. manual: the operator's speed
+alone. stopping: the winch comes to rest at a bounded deceleration, then standby or stopped, with the brake on.
+emergency_stop: brake at once, and it stays until another mode is requested.
+
+`TABLE` has a row for each (mode, event, guard). Requests are events that come from an operator; all others are looked
+for each tick, in the order of `TICK_EVENTS`. The first row whose guard holds is taken. A request without such a row is
+refused with the words of the guards that did not hold. `mode_picture` draws the table.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from enum import Enum
 
 from heave_node.codes import WinchFault, fault_words
@@ -23,20 +28,24 @@ class Mode(str, Enum):
     STANDBY = "standby"
     COMPENSATING = "compensating"
     CONSTANT_TENSION = "constant_tension"
+    MANUAL = "manual"
     FADE_OUT = "fade_out"
     STOPPING = "stopping"
     STOPPED = "stopped"
     EMERGENCY_STOP = "emergency_stop"
 
 
-REQUESTS = (Mode.STANDBY, Mode.COMPENSATING, Mode.CONSTANT_TENSION, Mode.STOPPED, Mode.EMERGENCY_STOP)
-"""Modes that may be requested."""
-
 BRAKED = (Mode.OFF, Mode.STANDBY, Mode.STOPPED, Mode.EMERGENCY_STOP)
 """Modes in which the brake is on."""
 
+MOVING = (Mode.COMPENSATING, Mode.CONSTANT_TENSION, Mode.MANUAL, Mode.FADE_OUT, Mode.STOPPING)
+"""Modes in which the winch may move."""
+
 RELEASE_TIME = 0.5
 """Time that the brake stays on before a braked winch is moved [s]: it acknowledges a latched fault."""
+
+RELEASED_TIME = 1.0
+"""A fault that was latched may still be told for so long after the brake was released [s]: commands take time."""
 
 BACK_TIME = 1.0
 """A lost sensor that has been back for so long [s] ends the fade-out that its loss has caused."""
@@ -44,9 +53,48 @@ BACK_TIME = 1.0
 SETTLING_LIMIT = 30.0
 """Longest time that a unit may take to settle after a fade-out [s]."""
 
+STOPPING_LIMIT = 20.0
+"""Longest time that the winch may take to come to rest [s]; then the brake goes on, and the winch stops by itself."""
+
+STANDSTILL = 1e-3
+"""Speed below which the winch is at rest [m/s]."""
+
 
 class ModeError(ValueError):
     """A mode that cannot be taken now; the message says why."""
+
+
+class Event(str, Enum):
+    """What can happen, in words."""
+
+    ASK_STANDBY = "standby requested"
+    ASK_COMPENSATING = "compensation requested"
+    ASK_CONSTANT_TENSION = "constant tension requested"
+    ASK_MANUAL = "manual requested"
+    ASK_STOPPED = "stop requested"
+    ASK_EMERGENCY_STOP = "emergency stop requested"
+    TOUCHDOWN = "touchdown"
+    LIFTED_OFF = "unit hangs"
+    WINCH_EMERGENCY_STOP = "emergency stop of the winch"
+    WINCH_FAULT = "winch fault"
+    ENCODER_LOST = "encoder lost"
+    SENSOR_LOST = "sensor lost"
+    HARM = "compensation does harm"
+    SENSORS_BACK = "sensors available again"
+    SETTLED = "estimate settled"
+    FADED = "faded out"
+    AT_REST = "winch at rest"
+
+
+REQUESTS = {
+    Mode.STANDBY: Event.ASK_STANDBY,
+    Mode.COMPENSATING: Event.ASK_COMPENSATING,
+    Mode.CONSTANT_TENSION: Event.ASK_CONSTANT_TENSION,
+    Mode.MANUAL: Event.ASK_MANUAL,
+    Mode.STOPPED: Event.ASK_STOPPED,
+    Mode.EMERGENCY_STOP: Event.ASK_EMERGENCY_STOP,
+}
+"""Modes that may be requested, and the event that the request is."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,13 +103,15 @@ class Situation:
 
     Attributes
     ----------
-    lost : required sensors that are lost, with the reason ("mru frozen"), empty when none
+    lost : sensors that the present mode requires and that are lost, with the reason ("mru frozen"), empty when none
     has_estimate : the estimator has had the readings it needs
     winch_fault : number of the winch's own fault, see WinchFault
     harm : the guard's reason to fade out, empty when there is none
     speed : speed of the winch as commanded [m/s], absolute
     authority_limit : share of the sea that the winch can follow under this law
     is_settled : the unit moves as it would with the winch locked: the winch may stop
+    closed_gates : why compensation may not begin now, with figures; empty when it may
+    tension_refusal : why constant tension may not begin now; empty when it may
     """
 
     lost: str
@@ -71,6 +121,278 @@ class Situation:
     speed: float
     authority_limit: float = 1.0
     is_settled: bool = True
+    closed_gates: str = ""
+    tension_refusal: str = ""
+
+
+NOTHING_KNOWN = Situation(lost="", has_estimate=False, winch_fault=WinchFault.NONE, harm="", speed=0.0)
+"""Before the first tick."""
+
+
+@dataclass(frozen=True, slots=True)
+class Memory:
+    """What the mode machine remembers beside its mode.
+
+    Attributes
+    ----------
+    wants_compensation : compensation is to begin, or to go on, by itself
+    may_resume : also after the winch was stopped for a lost sensor
+    rest : mode in which a fade-out or a stop ends, standby or stopped
+    authority : share of the sea that is compensated, 0 to 1
+    """
+
+    wants_compensation: bool
+    may_resume: bool = True
+    rest: Mode = Mode.STANDBY
+    authority: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class View:
+    """All that guards and events may look at.
+
+    Attributes
+    ----------
+    situation : of this tick, or of the last one for a request
+    memory : of the machine
+    parameters : times and rates
+    factor : largest authority
+    known_fault : fault of the winch that was there at the start, or when an operator last asked for a mode
+    time : in the present mode [s]
+    well_time, lost_time : for which all required sensors have been well, or one was lost [s]
+    """
+
+    situation: Situation
+    memory: Memory
+    parameters: ModeParameters
+    factor: float
+    known_fault: int
+    time: float
+    well_time: float
+    lost_time: float
+
+
+# events of a tick
+
+
+def _has_faded(view: View) -> bool:
+    situation, longest = view.situation, view.parameters.fade_out_time + SETTLING_LIMIT
+    is_over = situation.is_settled or bool(situation.lost) or view.time > longest
+    return view.memory.authority == 0.0 and is_over
+
+
+def _has_new_fault(view: View) -> bool:
+    fault, known = view.situation.winch_fault, view.known_fault
+    return fault != WinchFault.NONE and (fault != known or view.time > RELEASED_TIME)
+
+
+TICK_EVENTS: dict[Event, Callable[[View], bool]] = {
+    Event.WINCH_EMERGENCY_STOP: lambda view: (
+        view.situation.winch_fault == WinchFault.EMERGENCY_STOP and _has_new_fault(view)
+    ),
+    Event.WINCH_FAULT: _has_new_fault,
+    Event.ENCODER_LOST: lambda view: "encoder" in view.situation.lost,
+    Event.SENSOR_LOST: lambda view: view.lost_time > view.parameters.coast_time,
+    Event.HARM: lambda view: bool(view.situation.harm),
+    Event.SENSORS_BACK: lambda view: view.well_time > BACK_TIME,
+    Event.SETTLED: lambda view: view.well_time >= max(view.parameters.settling_time, RELEASE_TIME),
+    Event.FADED: _has_faded,
+    Event.AT_REST: lambda view: view.situation.speed < STANDSTILL or view.time > STOPPING_LIMIT,
+}
+"""What is looked for each tick, in this order."""
+
+
+# guards
+
+
+@dataclass(frozen=True, slots=True)
+class Guard:
+    """A condition on a row.
+
+    Attributes
+    ----------
+    name : what must hold, in words
+    holds : tells whether it does
+    why_not : says why it does not, with figures; None: the name says enough
+    """
+
+    name: str
+    holds: Callable[[View], bool]
+    why_not: Callable[[View], str] | None = None
+
+    def refusal(self, view: View) -> str:
+        """Return why the guard does not hold, in words."""
+        detail = "" if self.why_not is None else self.why_not(view)
+        return f"{self.name} ({detail})" if detail else self.name
+
+
+WANTED = Guard("compensation is wanted", lambda view: view.memory.wants_compensation)
+NO_HARM = Guard("no harm", lambda view: not view.situation.harm, lambda view: view.situation.harm)
+NO_FAULT = Guard(
+    "no winch fault",
+    lambda view: view.situation.winch_fault == WinchFault.NONE,
+    lambda view: fault_words(view.situation.winch_fault),
+)
+NEW_FAULT = Guard("a new fault", lambda view: view.situation.winch_fault != view.known_fault)
+SENSORS_WELL = Guard("sensors well", lambda view: view.lost_time == 0.0, lambda view: view.situation.lost)
+GATES_OPEN = Guard(
+    "entry gates open", lambda view: not view.situation.closed_gates, lambda view: view.situation.closed_gates
+)
+MAY_HOLD_TENSION = Guard(
+    "a load that stands or is held",
+    lambda view: not view.situation.tension_refusal,
+    lambda v: v.situation.tension_refusal,
+)
+BRAKE_HELD = Guard(f"brake on for {RELEASE_TIME:g} s", lambda view: view.time >= RELEASE_TIME)
+HAS_ENCODER = Guard("encoder well", lambda view: "encoder" not in view.situation.lost)
+SETTLED_ESTIMATE = Guard("estimate settled", TICK_EVENTS[Event.SETTLED])
+RESTS_IN_STANDBY = Guard("standby is to follow", lambda view: view.memory.rest is Mode.STANDBY)
+RESTS_STOPPED = Guard("stopped is to follow", lambda view: view.memory.rest is Mode.STOPPED)
+MAY_RESUME = Guard(
+    "may resume, and all sensors well for modes.resume_time",
+    lambda view: view.parameters.resume and view.memory.may_resume and view.well_time > view.parameters.resume_time,
+)
+
+# actions
+
+
+Action = Callable[[View], Memory]
+
+
+def want_compensation(view: View) -> Memory:
+    """Compensate as soon as that is possible."""
+    return replace(view.memory, wants_compensation=True, may_resume=True)
+
+
+def want_rest(view: View) -> Memory:
+    """Do not compensate until an operator asks for it."""
+    return replace(view.memory, wants_compensation=False, may_resume=True)
+
+
+def end_in_standby(view: View) -> Memory:
+    """Let the stop end in standby."""
+    return replace(view.memory, rest=Mode.STANDBY)
+
+
+def end_stopped(view: View) -> Memory:
+    """Let the stop end in stopped."""
+    return replace(view.memory, rest=Mode.STOPPED)
+
+
+def compensate_nothing(view: View) -> Memory:
+    """Begin with none of the sea."""
+    return replace(view.memory, authority=0.0)
+
+
+def compensate_all(view: View) -> Memory:
+    """Begin with all of the sea: the winch follows it already."""
+    return replace(view.memory, authority=view.factor)
+
+
+def wait_for_operator(view: View) -> Memory:
+    """Do nothing until an operator asks for it."""
+    return replace(view.memory, wants_compensation=False, may_resume=False)
+
+
+# the table
+
+
+@dataclass(frozen=True, slots=True)
+class Transition:
+    """A row of the table.
+
+    Attributes
+    ----------
+    sources : modes that it leaves
+    event : on which
+    target : mode that it enters; the same as the source: the mode stays, and only the actions are done
+    guards : that must all hold
+    actions : that are done, in order
+    """
+
+    sources: tuple[Mode, ...]
+    event: Event
+    target: Mode
+    guards: tuple[Guard, ...] = ()
+    actions: tuple[Action, ...] = ()
+
+
+def _staying(modes: tuple[Mode, ...], event: Event, *actions: Action) -> tuple[Transition, ...]:
+    """Return rows in which an event only does `actions`."""
+    return tuple(Transition((mode,), event, mode, (), actions) for mode in modes)
+
+
+_OFF, _STANDBY, _STOPPED, _EMERGENCY = BRAKED
+_COMPENSATING, _TENSION, _MANUAL, _FADE_OUT, _STOPPING = MOVING
+
+TABLE: tuple[Transition, ...] = (
+    # what an operator asks for
+    Transition((*BRAKED[1:], *MOVING), Event.ASK_EMERGENCY_STOP, _EMERGENCY, (), (wait_for_operator,)),
+    *_staying((_OFF,), Event.ASK_EMERGENCY_STOP),
+    Transition((_COMPENSATING,), Event.ASK_STOPPED, _FADE_OUT, (), (want_rest, end_stopped)),
+    Transition((_TENSION,), Event.ASK_STOPPED, _FADE_OUT, (), (want_rest, end_stopped, compensate_all)),
+    Transition((_MANUAL,), Event.ASK_STOPPED, _STOPPING, (), (want_rest, end_stopped)),
+    Transition((_STANDBY,), Event.ASK_STOPPED, _STOPPED, (), (want_rest,)),
+    *_staying((_FADE_OUT, _STOPPING), Event.ASK_STOPPED, want_rest, end_stopped),
+    *_staying((_STOPPED, _EMERGENCY), Event.ASK_STOPPED, wait_for_operator),
+    *_staying((_OFF,), Event.ASK_STOPPED),
+    Transition((_COMPENSATING,), Event.ASK_STANDBY, _FADE_OUT, (), (want_rest, end_in_standby)),
+    Transition((_TENSION,), Event.ASK_STANDBY, _FADE_OUT, (), (want_rest, end_in_standby, compensate_all)),
+    Transition((_MANUAL,), Event.ASK_STANDBY, _STOPPING, (), (want_rest, end_in_standby)),
+    Transition((_STOPPED, _EMERGENCY), Event.ASK_STANDBY, _STANDBY, (), (want_rest,)),
+    *_staying((_STANDBY,), Event.ASK_STANDBY, want_rest),
+    *_staying((_FADE_OUT, _STOPPING), Event.ASK_STANDBY, want_rest, end_in_standby),
+    Transition((_STOPPED, _EMERGENCY), Event.ASK_COMPENSATING, _STANDBY, (), (want_compensation,)),
+    Transition(
+        (_TENSION,), Event.ASK_COMPENSATING, _COMPENSATING, (SENSORS_WELL, NO_HARM), (want_compensation, compensate_all)
+    ),
+    Transition((_FADE_OUT,), Event.ASK_COMPENSATING, _COMPENSATING, (SENSORS_WELL, NO_HARM), (want_compensation,)),
+    Transition((_MANUAL,), Event.ASK_COMPENSATING, _STOPPING, (), (want_compensation, end_in_standby)),
+    *_staying((_STANDBY, _COMPENSATING), Event.ASK_COMPENSATING, want_compensation),
+    *_staying((_FADE_OUT, _STOPPING), Event.ASK_COMPENSATING, want_compensation, end_in_standby),
+    Transition(
+        (_STANDBY, _STOPPED),
+        Event.ASK_CONSTANT_TENSION,
+        _TENSION,
+        (SENSORS_WELL, BRAKE_HELD, MAY_HOLD_TENSION),
+        (want_rest, compensate_nothing),
+    ),
+    Transition(
+        (_COMPENSATING, _TENSION, _FADE_OUT),
+        Event.ASK_CONSTANT_TENSION,
+        _TENSION,
+        (SENSORS_WELL, MAY_HOLD_TENSION),
+        (want_rest, compensate_nothing),
+    ),
+    Transition((_STANDBY, _STOPPED), Event.ASK_MANUAL, _MANUAL, (HAS_ENCODER, BRAKE_HELD), (want_rest,)),
+    *_staying((_MANUAL,), Event.ASK_MANUAL),
+    # what happens to the unit
+    Transition((_COMPENSATING,), Event.TOUCHDOWN, _TENSION, (), (want_rest, compensate_nothing)),
+    Transition((_TENSION,), Event.LIFTED_OFF, _COMPENSATING, (), (want_compensation, compensate_all)),
+    # what happens to the winch
+    Transition(MOVING, Event.WINCH_EMERGENCY_STOP, _EMERGENCY, (), (want_rest,)),
+    Transition(MOVING, Event.WINCH_FAULT, _STOPPED, (), (want_rest,)),
+    Transition((_STANDBY,), Event.WINCH_FAULT, _STOPPED, (NEW_FAULT,), (want_rest,)),
+    # what happens to the sensors
+    Transition((_FADE_OUT,), Event.ENCODER_LOST, _STOPPING, (RESTS_STOPPED,)),
+    Transition((_COMPENSATING,), Event.SENSOR_LOST, _FADE_OUT, (), (end_stopped,)),
+    Transition((_TENSION, _MANUAL), Event.SENSOR_LOST, _STOPPING, (), (end_stopped,)),
+    Transition((_COMPENSATING,), Event.HARM, _FADE_OUT, (), (end_in_standby,)),
+    Transition((_FADE_OUT,), Event.SENSORS_BACK, _COMPENSATING, (WANTED, RESTS_STOPPED, NO_HARM)),
+    Transition(
+        (_STANDBY,),
+        Event.SETTLED,
+        _COMPENSATING,
+        (WANTED, NO_HARM, BRAKE_HELD, GATES_OPEN),
+        (compensate_nothing,),
+    ),
+    Transition((_STOPPED,), Event.SENSORS_BACK, _STANDBY, (WANTED, NO_FAULT, MAY_RESUME)),
+    # the end of a stop
+    Transition((_FADE_OUT,), Event.FADED, _STOPPING),
+    Transition((_STOPPING,), Event.AT_REST, _STANDBY, (RESTS_IN_STANDBY,)),
+    Transition((_STOPPING,), Event.AT_REST, _STOPPED, (RESTS_STOPPED,)),
+)
+"""Every way from one mode to another. Where several rows fit, the first one counts."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,189 +412,3 @@ class ModeOutput:
     authority: float
     brake: bool
     before: Mode | None = None
-
-
-class ModeMachine:
-    """Decides the mode each tick.
-
-    Parameters
-    ----------
-    parameters : times and rates
-    moves_winch : False: the law never moves the winch, and mode off is never left
-    factor : largest authority
-    tick_period : [s]
-
-    Attributes
-    ----------
-    mode, reason, authority : after the last step or request
-    target : authority that compensation goes to
-    """
-
-    def __init__(self, parameters: ModeParameters, *, moves_winch: bool, factor: float, tick_period: float) -> None:
-        self._parameters = parameters
-        self._dt = tick_period
-        self._factor = factor
-        self.mode = Mode.STANDBY if moves_winch else Mode.OFF
-        self.reason = "estimate settling" if moves_winch else "law off"
-        self._mode_before = self.mode
-        self.authority = 0.0
-        self.target = factor
-        self._time = 0.0
-        self._well_time = 0.0
-        self._lost_time = 0.0
-        self._wants_compensation = parameters.start == "compensating"
-        self._after_fade = Mode.STANDBY
-        self._may_resume = True
-
-    @property
-    def brake(self) -> bool:
-        """Tell whether the brake is to be on."""
-        return self.mode in BRAKED
-
-    def request(self, name: str) -> None:
-        """Request a mode by name.
-
-        Raises ModeError, saying why, where it cannot be taken.
-        """
-        known = [mode.value for mode in REQUESTS]
-        if name not in known:
-            raise ModeError(f"mode {name!r} cannot be requested; known: {', '.join(known)}")
-        mode = Mode(name)
-        if mode is Mode.EMERGENCY_STOP:
-            self._enter(Mode.EMERGENCY_STOP, "requested")
-            return
-        if self.mode is Mode.OFF:
-            raise ModeError("law off: the controller does not move the winch")
-        if mode is Mode.STOPPED:
-            self._wants_compensation = False
-            if not self.brake:
-                self._enter(Mode.STOPPING, "requested")
-            return
-        self._request_motion(mode)
-
-    def _request_motion(self, mode: Mode) -> None:
-        self._may_resume = True
-        if mode is Mode.CONSTANT_TENSION:
-            if self._lost_time > 0.0:
-                raise ModeError("constant tension needs MRU, load cell and encoder: one of them is lost")
-            self._wants_compensation = False
-            self._enter(Mode.CONSTANT_TENSION, "requested")
-            return
-        self._wants_compensation = mode is Mode.COMPENSATING
-        if mode is Mode.STANDBY:
-            if self.mode in (Mode.COMPENSATING, Mode.CONSTANT_TENSION):
-                self._fade(Mode.STANDBY, "standby requested")
-            elif self.mode in (Mode.STOPPED, Mode.EMERGENCY_STOP):
-                self._enter(Mode.STANDBY, "requested")
-            return
-        if self.mode in (Mode.STOPPED, Mode.EMERGENCY_STOP):
-            self._enter(Mode.STANDBY, "compensation requested")
-        elif self.mode is Mode.CONSTANT_TENSION:
-            self._enter(Mode.COMPENSATING, "requested")
-            self.authority = self._factor
-
-    def touch_down(self) -> None:
-        """Go over to constant tension: the unit has landed, even if a sensor is lost for a moment."""
-        self._wants_compensation = False
-        self._enter(Mode.CONSTANT_TENSION, "touchdown")
-
-    def step(self, situation: Situation) -> ModeOutput:
-        """Advance one tick in a `situation` and return what is to be done."""
-        self._time += self._dt
-        self._lost_time = self._lost_time + self._dt if situation.lost else 0.0
-        self._well_time = 0.0 if situation.lost or not situation.has_estimate else self._well_time + self._dt
-        if situation.winch_fault and self.mode not in (Mode.OFF, Mode.EMERGENCY_STOP):
-            self._trip(situation)
-        {
-            Mode.STANDBY: self._standby,
-            Mode.COMPENSATING: self._compensating,
-            Mode.CONSTANT_TENSION: self._constant_tension,
-            Mode.FADE_OUT: self._fade_out,
-            Mode.STOPPING: self._stopping,
-            Mode.STOPPED: self._stopped,
-        }.get(self.mode, self._stay)(situation)
-        before, self._mode_before = self._mode_before, self.mode
-        return ModeOutput(self.mode, self.reason, self.authority, self.brake, None if before is self.mode else before)
-
-    def acknowledge(self) -> None:
-        """Count a change of mode since the last step as seen: the next step does not tell of it."""
-        self._mode_before = self.mode
-
-    def _trip(self, situation: Situation) -> None:
-        """The winch has stopped by itself: brake on until an operator requests another mode."""
-        if self.mode in (Mode.STANDBY, Mode.STOPPED):
-            return
-        is_stop = situation.winch_fault == WinchFault.EMERGENCY_STOP
-        self._wants_compensation = False
-        words = f"winch fault: {fault_words(situation.winch_fault)}"
-        self._enter(Mode.EMERGENCY_STOP if is_stop else Mode.STOPPED, words)
-
-    def _standby(self, situation: Situation) -> None:
-        if situation.lost:
-            self.reason = situation.lost
-            return
-        if not self._wants_compensation:
-            return
-        settling = max(self._parameters.settling_time, RELEASE_TIME)
-        if self._well_time < settling:
-            self.reason = "estimate settling"
-        elif situation.harm:
-            self.reason = situation.harm
-        elif self._time >= RELEASE_TIME:
-            self._enter(Mode.COMPENSATING, "estimate settled")
-
-    def _compensating(self, situation: Situation) -> None:
-        if self._lost_time > self._parameters.coast_time:
-            self._fade(Mode.STOPPING, situation.lost)
-        elif situation.harm:
-            self._fade(Mode.STANDBY, situation.harm)
-        else:
-            self.reason = f"coasting on prediction: {situation.lost}" if situation.lost else ""
-            self.target = self._factor * situation.authority_limit
-            self._move_authority(self.target, self._parameters.fade_in_time)
-
-    def _constant_tension(self, situation: Situation) -> None:
-        if self._lost_time > self._parameters.coast_time:
-            self._enter(Mode.STOPPING, situation.lost)
-
-    def _fade_out(self, situation: Situation) -> None:
-        if self._after_fade is Mode.STOPPING and situation.lost and "encoder" in situation.lost:
-            self._enter(Mode.STOPPING, situation.lost)
-            return
-        if self._after_fade is Mode.STOPPING and self._well_time > BACK_TIME and self._wants_compensation:
-            self._enter(Mode.COMPENSATING, "sensors available again")
-            return
-        self._move_authority(0.0, self._parameters.fade_out_time)
-        longest = self._parameters.fade_out_time + SETTLING_LIMIT
-        if self.authority == 0.0 and (situation.is_settled or situation.lost or self._time > longest):
-            self._enter(Mode.STOPPING, self.reason)
-
-    def _stopping(self, situation: Situation) -> None:
-        if situation.speed < 1e-3:
-            self._enter(self._after_fade if self._after_fade is Mode.STANDBY else Mode.STOPPED, self.reason)
-
-    def _stopped(self, situation: Situation) -> None:
-        may = self._parameters.resume and self._may_resume and self._wants_compensation
-        if may and not situation.winch_fault and self._well_time > self._parameters.resume_time:
-            self._enter(Mode.STANDBY, "sensors available again")
-
-    def _stay(self, situation: Situation) -> None:
-        """Off and emergency stop wait for the operator."""
-
-    def _fade(self, after: Mode, reason: str) -> None:
-        self._after_fade = after
-        self._enter(Mode.FADE_OUT, reason)
-
-    def _enter(self, mode: Mode, reason: str) -> None:
-        if mode is not Mode.FADE_OUT and mode is not Mode.COMPENSATING:
-            self.authority = 0.0
-        if mode is Mode.EMERGENCY_STOP:
-            self._may_resume = False
-            self._wants_compensation = False
-        if mode in (Mode.COMPENSATING, Mode.CONSTANT_TENSION):
-            self._after_fade = Mode.STOPPED
-        self.mode, self.reason, self._time = mode, reason, 0.0
-
-    def _move_authority(self, target: float, time: float) -> None:
-        step = self._dt / time
-        self.authority += min(max(target - self.authority, -step), step)

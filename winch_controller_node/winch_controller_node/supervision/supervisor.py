@@ -10,7 +10,8 @@ from winch_controller_node.estimation.loop_tick import LoopTick
 from winch_controller_node.laws.law import ControlLaw
 from winch_controller_node.supervision.guard import GuardedLoop, GuardedMotions, HarmGuard
 from winch_controller_node.supervision.landing import Landing, LandingEvent
-from winch_controller_node.supervision.modes import Mode, ModeMachine, ModeOutput, Situation
+from winch_controller_node.supervision.mode_machine import ModeMachine
+from winch_controller_node.supervision.modes import Mode, ModeOutput, Situation
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,6 +43,7 @@ class Decision:
     mode : with authority and brake
     is_inhibited : the guard keeps compensation off
     trusts_estimate : the depth sensor agrees with the estimate
+    fades_by_law : an operator has asked for a fade-out, and all is well: the law itself lets the unit go
     landing : what has just happened to the unit; None: nothing
     alarms : in words
     """
@@ -49,6 +51,7 @@ class Decision:
     mode: ModeOutput
     is_inhibited: bool
     trusts_estimate: bool
+    fades_by_law: bool
     landing: LandingEvent | None
     alarms: tuple[str, ...]
 
@@ -80,6 +83,7 @@ class Supervisor:
         )
         self.landing = Landing(parameters.tension)
         self._reason_before = ""
+        self._fades_by_law = False
         self._refer_to(design, law)
 
     def take_design(self, design: ControllerDesign, law: ControlLaw) -> None:
@@ -98,9 +102,10 @@ class Supervisor:
         if winch.inhibition:
             self.guard.inhibit(winch.inhibition)
         alarms = self._judge(tick)
+        lost = self._lost(tick)
         mode = self.modes.step(
             Situation(
-                lost=self._lost(tick),
+                lost=lost,
                 has_estimate=tick.sensed.has_encoder,
                 winch_fault=winch.fault,
                 harm=self.guard.reason,
@@ -113,10 +118,15 @@ class Supervisor:
             alarms += (f"mode {mode.mode.value}: {mode.reason}",)
         if mode.mode is Mode.COMPENSATING and mode.before is Mode.FADE_OUT:
             self.guard.allow_catch_up()
+        if mode.mode is not Mode.FADE_OUT or lost:
+            self._fades_by_law = False
+        elif mode.before is Mode.COMPENSATING:
+            self._fades_by_law = not self.modes.wants_compensation
         return Decision(
             mode=mode,
             is_inhibited=self.guard.inhibits,
             trusts_estimate=self.guard.trusts_estimate,
+            fades_by_law=self._fades_by_law,
             landing=self._watch_landing(tick, mode, winch.lowering_rate),
             alarms=alarms,
         )

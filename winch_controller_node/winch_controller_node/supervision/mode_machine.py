@@ -1,0 +1,192 @@
+"""The mode machine: runs the table of modes, moves authority between its ends, and says why it is where it is."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from heave_node.codes import WinchFault, fault_words
+
+from winch_controller_node.parameters.laws import ModeParameters
+from winch_controller_node.supervision.modes import (
+    BRAKED,
+    NOTHING_KNOWN,
+    REQUESTS,
+    SETTLED_ESTIMATE,
+    TABLE,
+    TICK_EVENTS,
+    Event,
+    Memory,
+    Mode,
+    ModeError,
+    ModeOutput,
+    Situation,
+    Transition,
+    View,
+)
+
+ROWS: dict[tuple[Mode, Event], tuple[Transition, ...]] = {
+    (mode, event): tuple(row for row in TABLE if mode in row.sources and row.event is event)
+    for mode in Mode
+    for event in Event
+}
+"""The rows that each event can take in each mode."""
+
+
+class ModeMachine:
+    """Decides the mode each tick.
+
+    Parameters
+    ----------
+    parameters : times and rates
+    moves_winch : False: the law never moves the winch, and mode off is never left
+    factor : largest authority
+    tick_period : [s]
+
+    Attributes
+    ----------
+    mode, reason : after the last step or request
+    target : authority that compensation goes to
+    """
+
+    def __init__(self, parameters: ModeParameters, *, moves_winch: bool, factor: float, tick_period: float) -> None:
+        self._parameters = parameters
+        self._dt = tick_period
+        self._factor = factor
+        self.mode = Mode.STANDBY if moves_winch else Mode.OFF
+        self.reason = SETTLED_ESTIMATE.name if moves_winch else "law off"
+        self.target = factor
+        self._mode_before = self.mode
+        self._memory = Memory(wants_compensation=parameters.start == "compensating")
+        self._situation = NOTHING_KNOWN
+        self._known_fault: int | None = None
+        self._time = self._well_time = self._lost_time = 0.0
+
+    @property
+    def authority(self) -> float:
+        """Share of the sea that is compensated, 0 to 1."""
+        return self._memory.authority
+
+    @property
+    def wants_compensation(self) -> bool:
+        """Tell whether compensation is to begin, or to go on, by itself."""
+        return self._memory.wants_compensation
+
+    @property
+    def brake(self) -> bool:
+        """Tell whether the brake is to be on."""
+        return self.mode in BRAKED
+
+    def request(self, name: str) -> None:
+        """Request a mode by name.
+
+        Raises ModeError, saying why, where it cannot be taken.
+        """
+        events = {mode.value: event for mode, event in REQUESTS.items()}
+        if name not in events:
+            raise ModeError(f"mode {name!r} cannot be requested; known: {', '.join(events)}")
+        # an operator who asks for a mode knows of the fault that is there, and the brake acknowledges it
+        self._known_fault = self._situation.winch_fault
+        if not self._take(events[name]):
+            raise ModeError(self._refusal(name, events[name]))
+
+    def touch_down(self) -> None:
+        """Go over to constant tension: the unit has landed, even if a sensor is lost for a moment."""
+        self._take(Event.TOUCHDOWN)
+
+    def lift_off(self) -> None:
+        """Compensate where the unit hangs; the next step does not tell of the change."""
+        self._take(Event.LIFTED_OFF)
+        self._mode_before = self.mode
+
+    def step(self, situation: Situation) -> ModeOutput:
+        """Advance one tick in a `situation` and return what is to be done."""
+        self._situation = situation
+        if self._known_fault is None or situation.winch_fault == WinchFault.NONE:
+            self._known_fault = situation.winch_fault
+        self._time += self._dt
+        self._lost_time = self._lost_time + self._dt if situation.lost else 0.0
+        self._well_time = 0.0 if situation.lost or not situation.has_estimate else self._well_time + self._dt
+        if self.mode is Mode.FADE_OUT:
+            self._approach(0.0, self._parameters.fade_out_time)
+        changed = any(happens(self._view) and self._take(event) for event, happens in TICK_EVENTS.items())
+        if not changed:
+            self._go_on()
+        before, self._mode_before = self._mode_before, self.mode
+        return ModeOutput(self.mode, self.reason, self.authority, self.brake, None if before is self.mode else before)
+
+    @property
+    def _view(self) -> View:
+        return View(
+            situation=self._situation,
+            memory=self._memory,
+            parameters=self._parameters,
+            factor=self._factor,
+            known_fault=self._known_fault or WinchFault.NONE,
+            time=self._time,
+            well_time=self._well_time,
+            lost_time=self._lost_time,
+        )
+
+    def _take(self, event: Event) -> bool:
+        """Take the first row of an event whose guards hold; return whether there is one."""
+        view = self._view
+        row = next((row for row in ROWS[self.mode, event] if all(guard.holds(view) for guard in row.guards)), None)
+        if row is None:
+            return False
+        for action in row.actions:
+            self._memory = action(self._view)
+        if row.target is not self.mode:
+            self._enter(row.target, event)
+        return True
+
+    def _enter(self, mode: Mode, event: Event) -> None:
+        if mode not in (Mode.COMPENSATING, Mode.FADE_OUT):
+            self._memory = replace(self._memory, authority=0.0)
+        self.reason = self._words(event)
+        self.mode, self._time = mode, 0.0
+
+    def _words(self, event: Event) -> str:
+        """Return why an event changes the mode."""
+        situation = self._situation
+        if event in (Event.WINCH_FAULT, Event.WINCH_EMERGENCY_STOP):
+            return f"winch fault: {fault_words(situation.winch_fault)}"
+        if event in (Event.SENSOR_LOST, Event.ENCODER_LOST):
+            return situation.lost
+        if event is Event.HARM:
+            return situation.harm
+        # a stop that comes to its end goes on for the reason for which it began
+        return self.reason if event in (Event.FADED, Event.AT_REST) else event.value
+
+    def _refusal(self, name: str, event: Event) -> str:
+        """Return why no row of a request can be taken."""
+        if self.mode is Mode.OFF:
+            return "law off: the controller does not move the winch"
+        rows = ROWS[self.mode, event]
+        if not rows:
+            return f"mode {name} cannot be taken from mode {self.mode.value}: request standby first"
+        view = self._view
+        missing = [guard.refusal(view) for guard in rows[0].guards if not guard.holds(view)]
+        return f"mode {name} needs: {'; '.join(missing)}"
+
+    def _approach(self, target: float, time: float) -> None:
+        step = self._dt / time
+        change = min(max(target - self.authority, -step), step)
+        self._memory = replace(self._memory, authority=self.authority + change)
+
+    def _go_on(self) -> None:
+        """Move authority to what the winch can follow, and say why the mode stays what it is."""
+        situation = self._situation
+        if self.mode is Mode.COMPENSATING:
+            self.target = self._factor * situation.authority_limit
+            self._approach(self.target, self._parameters.fade_in_time)
+            self.reason = f"coasting on prediction: {situation.lost}" if situation.lost else ""
+        elif self.mode is Mode.STANDBY and situation.lost:
+            self.reason = situation.lost
+        elif self.mode is Mode.STANDBY and self.wants_compensation:
+            self.reason = self._why_waiting()
+
+    def _why_waiting(self) -> str:
+        """Return what compensation waits for."""
+        if not SETTLED_ESTIMATE.holds(self._view):
+            return "estimate settling"
+        return self._situation.harm or self._situation.closed_gates or self.reason
