@@ -17,7 +17,7 @@ from cable_sim_node.winch.drives.valve_controlled import (
     ValveDrive,
     ValveDriveParameters,
 )
-from scipy.integrate import quad
+from scipy.integrate import quad, solve_ivp
 
 FREE = ValveDriveParameters(
     motion=MotionParameters(speed_limit=50.0, overspeed=0.0, payout_minimum=-500.0, payout_maximum=500.0),
@@ -82,6 +82,45 @@ def test_accumulator_follows_the_gas_law_and_the_pump_fills_it_again() -> None:
     for _ in range(400):
         drive.step(DriveCommand(0.0), 0.05, 100e3)
     assert drive.instruments()["supply_pressure_pa"] == pytest.approx(24e6, rel=2e-3)
+
+
+def test_motion_is_that_of_the_equations_by_another_solver() -> None:
+    p, load = dataclasses.replace(ValveDriveParameters(), load_mass=24_000.0), 235e3
+    volume, air, oil, leakage = 6e-4, 0.005, 1.1e9, 1e-11
+    area, mass, w, flow = p.area, p.mass, 314.159, 800.0 / 6e4 / math.sqrt(35e5)
+
+    def stiffness(pressure: float) -> float:
+        share = air * (101_325.0 / (pressure + 101_325.0)) ** (1.0 / 1.4)
+        return (1.0 + share) / (1.0 / oil + share / (1.4 * (pressure + 101_325.0)))
+
+    def edge(opening: float, drop: float) -> float:
+        return flow * opening * drop / (drop**2 + 5e4**2) ** 0.25
+
+    def slope(_: float, x: np.ndarray, rate: float) -> list[float]:
+        v, a, b, spool, spool_rate, integral = x[1:]
+        asked = rate + 0.1 * (rate - v) + integral
+        if spool >= 0.0:
+            into_a, into_b = edge(min(spool, 1.0), 24e6 - a), -edge(min(spool, 1.0), b)
+        else:
+            into_a, into_b = -edge(min(-spool, 1.0), a), edge(min(-spool, 1.0), 24e6 - b)
+        return [
+            v,
+            (area * (a - b) + load - 0.15 * load * math.tanh(v / 0.008)) / mass,
+            stiffness(a) / volume * (into_a - area * v - leakage * (a - b)),
+            stiffness(b) / volume * (into_b + area * v + leakage * (a - b)),
+            spool_rate,
+            w * w * (min(max(asked, -1.0), 1.0) - spool) - 2.0 * w * spool_rate,
+            (0.1 * (rate - v) + min(max(asked, -1.0), 1.0) - asked) / 0.01,
+        ]
+
+    drive = ValveDrive(p, tension=load)
+    x = np.array([0.0, 0.0, 0.5 * (24e6 - load / area), 0.5 * (24e6 + load / area), 0.0, 0.0, 0.0])
+    for rate in (0.1, 0.4, 0.4, -0.2, -0.5, -0.5):
+        state = drive.step(DriveCommand(rate), 0.05, load)
+        x = solve_ivp(slope, (0.0, 0.05), x, args=(rate,), method="Radau", rtol=1e-9, atol=1e-9).y[:, -1]
+        assert state.payout == pytest.approx(x[0], abs=1e-7)
+        assert state.payout_rate == pytest.approx(x[1], abs=1e-6)
+        assert drive.instruments()["pressure_a_pa"] == pytest.approx(x[2], rel=1e-5)
 
 
 def test_set_point_is_followed_under_changing_load() -> None:

@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import dataclasses
 import math
+import re
 from collections.abc import Callable
+from pathlib import Path
 
 import pytest
+from cable_sim_node.winch import drives
 from cable_sim_node.winch.drives.electric import ElectricDrive, ElectricDriveParameters
 from cable_sim_node.winch.drives.interface import Drive, DriveCommand, DriveLimit
 from cable_sim_node.winch.drives.motion_parameters import MotionParameters
@@ -137,3 +140,10 @@ def test_parameters_are_described_checked_and_built_from_names(kind: type) -> No
     with pytest.raises(ParameterError, match=r"overspeed = 0.5 must be 0 or at least 1"):
         build_parameters(kind, {"motion.overspeed": 0.5}, where="test")
     assert dataclasses.is_dataclass(defaults)
+
+
+def test_example_of_the_readme_runs(capsys: pytest.CaptureFixture[str]) -> None:
+    text = (Path(drives.__file__).parent / "README.md").read_text(encoding="utf-8")
+    (example,) = re.findall(r"```python\n(.*?)```", text, flags=re.DOTALL)
+    exec(example, {})
+    assert capsys.readouterr().out.startswith("-0.49999")
