@@ -110,6 +110,7 @@ class BoomTip:
         sensors = facts.sensors
         sigmas = [sensors.mru_noise, sensors.mru_rate_noise, sensors.mru_acceleration_noise]
         self._gains = {n: _steady_gain(self._f, noise, np.maximum(sigmas[:n], QUIETEST)) for n in (2, 3)}
+        self._transitions: dict[float, Array] = {}
         self._x: Array = np.zeros(4)
         self._heard = -math.inf
         self._time = 0.0
@@ -127,7 +128,7 @@ class BoomTip:
         """Return heave, rate and acceleration `horizon` [s] from now; at rest where nothing has been heard of late."""
         if self._time - self._heard > COASTING:
             return float(self._x[0]), 0.0, 0.0
-        x = expm(self._a * horizon) @ self._x
+        x = self._transition(horizon) @ self._x
         return float(x[0]), float(x[1]), float(x[2])
 
     def _take(self, reading: MruReading) -> None:
@@ -138,7 +139,7 @@ class BoomTip:
         if not good:
             return
         age = max(self._time - reading.time, 0.0)
-        then = self._x if age == 0.0 else expm(-self._a * age) @ self._x
+        then = self._transition(-age) @ self._x
         if abs(said[0] - then[0]) > SPIKE and self._refused < INSISTENCE and math.isfinite(self._heard):
             self._refused += 1
             return
@@ -148,7 +149,14 @@ class BoomTip:
         values = [*said, reading.heave_acceleration] if math.isfinite(reading.heave_acceleration) else [*said]
         n = len(values)
         then = then + self._gains[n] @ (np.array(values) - then[:n])
-        self._x = then if age == 0.0 else expm(self._a * age) @ then
+        self._x = self._transition(age) @ then
+
+    def _transition(self, duration: float) -> Array:
+        """Return the transition matrix over `duration` [s], rounded to the microsecond, before or after now."""
+        key = round(duration, 6)
+        if key not in self._transitions:
+            self._transitions[key] = expm(self._a * key)
+        return self._transitions[key]
 
 
 class WinchModel:
