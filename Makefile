@@ -17,7 +17,7 @@ export PIP_DISABLE_PIP_VERSION_CHECK ?= 1
 # Trust the certificates that the machine trusts, as pip and git do.
 export UV_NATIVE_TLS ?= 1
 
-.PHONY: help run test lint check coverage install clean
+.PHONY: help run test validate lint check coverage install clean
 .DELETE_ON_ERROR:
 
 help:  ## what can be made
@@ -28,6 +28,10 @@ run: $(VENV)/.installed  ## set up, then the calm-sea scenario for ten simulated
 
 test: lint  ## set up, then every check: ruff, mypy, pytest on two cores
 	$(BIN)/python -m pytest --numprocesses 2 --dist loadfile $(PYTEST)
+
+validate: $(VENV)/.test-installed  ## campaigns of an hour or two: 1,000 damaged bags, 100 killed runs
+	$(BIN)/python -m tests.campaigns.damaged_bags
+	$(BIN)/python -m tests.campaigns.killed_processes
 
 lint: $(VENV)/.test-installed  ## set up, then ruff and mypy
 	$(BIN)/ruff check .

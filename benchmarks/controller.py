@@ -2,7 +2,7 @@
 
     python benchmarks/controller.py b3_deep_900 b4_limit_900_tp8 --seeds 8 --duration 2100 --transient 300
     python benchmarks/controller.py b9_model_error --draws 64 --duration 2100 --transient 300
-    python benchmarks/controller.py b6_resonance_payout --seeds 1 --transient 120 --set virtual_winch.speed_limit=1.0
+    python benchmarks/controller.py b6_resonance_payout --seeds 1 --transient 120 --set system.winch.speed_limit=1.0
 
 Components run in this process, as the nodes would in lockstep: the numbers are those of `heave run`. kappa divides by
 the bound of the sensors (LQG without limits) and that of the winch (clairvoyant, with the boom tip of each run).
@@ -11,11 +11,9 @@ the bound of the sensors (LQG without limits) and that of the winch (clairvoyant
 from __future__ import annotations
 
 import argparse
-import copy
 import json
 import math
 import time
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -24,9 +22,9 @@ from heave_bags.analyse import kpi_set
 from heave_bringup.campaign.runs import run_signals
 from heave_bringup.closed_loop import ClosedLoop, LoopRecord, loop_parameters
 from heave_bringup.run.kappa import LONGEST
-from heave_bringup.scenarios import apply_setting, find_scenario
+from heave_bringup.scenarios import Scenario, load_scenario
+from heave_bringup.settings import Setting, make_setting
 from heave_node.kpi import kappa
-from heave_node.scenario import NodeValues, read_scenario
 from winch_controller_node.design.bounds import BOUND_STEP, WinchLimits, actuator_bound
 from winch_controller_node.design.prediction import estimation_bound
 from winch_controller_node.interface.readings import Measurements, Outputs
@@ -56,37 +54,29 @@ class Figures:
     step_p99_ms: float
 
 
-def scenario_values(name: str, law: str, settings: Sequence[str] = ()) -> NodeValues:
-    """Return the values of a shipped scenario, or of a file, with another law and settings where they are given."""
-    values = read_scenario(find_scenario(name))
-    if law:
-        values["winch_controller"]["law"] = law
-    for setting in settings:
-        apply_setting(values, setting)
-    return values
-
-
-def model_error(values: NodeValues, draw: int) -> NodeValues:
+def model_error(nominal: Scenario, draw: int) -> list[Setting]:
     """Return one draw of B9: mass and drag of the plant, servo and delay of the winch are not what is believed.
 
     Effective mass (and so a) +-30 %, drag (and so b) from 30 % less to four times, servo +-50 %, delay +-0.1 s; draw 0
     is nominal.
     """
-    changed = copy.deepcopy(values)
-    plant, winch, belief = changed["cable_sim"], changed["virtual_winch"], changed["winch_controller"]
     share = np.zeros(4) if draw == 0 else np.random.default_rng([9, draw]).uniform(-1.0, 1.0, 4)
-    mass, added = float(belief["unit.mass"]), float(belief["unit.added_mass"][0])  # type: ignore[arg-type,index]
-    plant["unit.added_mass"] = [added + 0.3 * share[0] * (mass + added)] * 3
+    belief = nominal.parameters["winch_controller"].unit
+    added = belief.added_mass[0] + 0.3 * share[0] * (belief.mass + belief.added_mass[0])
     least, most = (1.0, 1.0) if draw == 0 else (0.7, 4.0)
-    plant["unit.drag_coefficient"] = [float(least * (most / least) ** (0.5 * (1.0 + share[1])))] * 3
-    winch["time_constant"] = 0.15 * (1.0 + 0.5 * share[2])
-    winch["command_delay"] = 0.2 + 0.1 * share[3]
-    return changed
+    drag = float(least * (most / least) ** (0.5 * (1.0 + share[1])))
+    changes: dict[str, object] = {
+        "cable_sim.unit.added_mass": [float(added)] * 3,
+        "cable_sim.unit.drag_coefficient": [drag] * 3,
+        "virtual_winch.time_constant": float(0.15 * (1.0 + 0.5 * share[2])),
+        "virtual_winch.command_delay": float(0.2 + 0.1 * share[3]),
+    }
+    return [make_setting(place, value, f"draw {draw}: {place}") for place, value in changes.items()]
 
 
-def run_once(name: str, values: NodeValues, seed: int, duration: float, transient: float) -> Figures:
-    """Run one scenario under one seed and return its figures over the time after `transient` [s]."""
-    parameters = loop_parameters(values, seed=seed, duration=duration)
+def run_once(scenario: Scenario) -> Figures:
+    """Run one scenario and return its figures over the time after its transient."""
+    parameters, transient = loop_parameters(scenario), scenario.run.transient
     loop = ClosedLoop(parameters)
     spent: list[float] = []
     step = loop.controller.step
@@ -102,9 +92,9 @@ def run_once(name: str, values: NodeValues, seed: int, duration: float, transien
     found = kpi_set.evaluate(run_signals(record, parameters), transient)
     bounds = estimation_bound(loop.controller.design), _actuator_bound(loop, record, transient)
     return Figures(
-        scenario=name,
+        scenario=scenario.name,
         law=parameters.controller.law,
-        seed=seed,
+        seed=scenario.run.seed,
         unit_sigma_m=found["unit_sigma_m"],
         uncompensated_sigma_m=found["uncompensated_sigma_m"],
         outlet_efficiency=found["outlet_efficiency"],
@@ -173,12 +163,15 @@ def main() -> None:
     parser.add_argument("--json", default="", help="file to write the figures to")
     options = parser.parse_args()
     everything: list[dict[str, object]] = []
+    law = [f"winch_controller.law={options.law}"] if options.law else []
+    run = [f"all.duration={options.duration}", f"all.transient={options.transient}"]
     for name in options.scenarios:
-        values, runs = scenario_values(name, options.law, options.set), []
+        runs = []
         for index in range(options.draws or options.seeds):
-            case = model_error(values, index) if options.draws else values
             seed = 1 + index % 4 if options.draws else 1 + index
-            runs.append(run_once(name, case, seed, options.duration, options.transient))
+            settings = [*law, *options.set, *run, f"all.seed={seed}"]
+            errors = model_error(load_scenario(name, settings=settings), index) if options.draws else []
+            runs.append(run_once(load_scenario(name, settings=[*errors, *settings])))
             print(show(runs[-1]), flush=True)
         print(summary(name, runs), flush=True)
         everything += [vars(run) for run in runs]

@@ -9,7 +9,7 @@ from xml.etree import ElementTree
 
 import pytest
 from ament_index_python.packages import get_package_prefix, get_package_share_path
-from heave_bringup.run.node_table import NODES
+from heave_bringup.nodes import NODES
 from heave_node.ros.environment import prepare_environment
 
 if sys.version_info >= (3, 11):
@@ -125,7 +125,7 @@ def test_a_manifest_names_each_package_of_the_suite_that_is_imported_and_no_othe
 @pytest.mark.parametrize("path", PYTHON_MANIFESTS, ids=folder_id)
 def test_every_distribution_that_is_imported_is_declared(path):
     extras = PYPROJECT["project"]["optional-dependencies"]
-    wanted = [*PYPROJECT["project"]["dependencies"], *extras["capytaine"], *extras["wavespectra"]]
+    wanted = [*PYPROJECT["project"]["dependencies"], *extras["bench"], *extras["capytaine"], *extras["wavespectra"]]
     declared = {canonical(re.split(r"[\[<>=~!; ]", requirement)[0]) for requirement in wanted}
     suite = {name_of(other) for other in MANIFESTS}
     providers = packages_distributions()

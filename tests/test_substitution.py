@@ -1,6 +1,55 @@
 """A bag in the place of a node: the recorded sea through the same scenario gives the same run, byte for byte."""
 
+import sys
+from pathlib import Path
+
+import pytest
+from heave_bags.errors import BagError
+from heave_bags.mcap.reader import Bag
+from heave_bags.play.tick_player import TickPlayer
+
 from tests.loop_runs import CALM_DURATION, recorded_messages, run_scenario
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "bags" / "test"))
+
+from foreign_bags import by_host_clock, by_simulated_clock, write_foreign
+
+TICK = 50_000_000
+NODES = ("wave_vessel", "cable_sim", "virtual_winch", "winch_controller")
+
+
+def in_ticks(bag: Path, node: str, topics: list[str]) -> list[tuple[int, str, bytes]]:
+    """Return what a node published, with the tick, sorted within each."""
+    player = TickPlayer(Bag(bag), node, TICK)
+    ticks = range(1, round(CALM_DURATION * 1e9) // TICK + 1)
+    return [(tick, *entry) for tick in ticks for entry in sorted(player.take(tick)) if entry[0] in topics]
+
+
+@pytest.mark.parametrize("clock", [by_host_clock, by_simulated_clock])
+@pytest.mark.parametrize("node", NODES)
+def test_a_bag_of_another_recorder_tells_in_which_tick_each_message_was_published(calm_bag, tmp_path, clock, node):
+    foreign = write_foreign(calm_bag, tmp_path / "foreign", clock)
+    stamped = [name for name in TickPlayer(Bag(calm_bag), node, TICK).topics if name != "/markers"]
+    own = in_ticks(calm_bag, node, stamped)
+    assert len(own) > 200
+    assert in_ticks(foreign, node, stamped) == own
+
+
+def test_the_sea_from_another_recorder_by_the_host_s_clock_gives_the_same_run(calm_bag, tmp_path):
+    foreign = write_foreign(calm_bag, tmp_path / "foreign", by_host_clock)
+    again = run_scenario(tmp_path / "again", duration=CALM_DURATION, options=["--from-bag", f"wave_vessel={foreign}"])
+    assert recorded_messages(again) == recorded_messages(calm_bag)
+
+
+def test_a_bag_of_several_runs_is_refused_as_a_substitute(calm_bag, tmp_path):
+    half = round(CALM_DURATION * 0.5e9)
+
+    def twice(message, _):
+        return message.log_time + (0 if message.log_time > half else 2 * half)
+
+    foreign = write_foreign(calm_bag, tmp_path / "foreign", twice)
+    with pytest.raises(BagError, match="several runs"):
+        TickPlayer(Bag(foreign), "wave_vessel", TICK)
 
 
 def test_the_recorded_sea_through_the_same_scenario_gives_the_same_run(calm_bag, tmp_path):

@@ -1,4 +1,28 @@
 """Recorder, replay, analysis and report of heave-compensation runs.
 
-Importing this package does not import rclpy; only `recorder_node` and `player_node` do. `kpi` needs numpy alone.
+Importing this package loads nothing else: a name of its face is loaded when it is asked for. Recording, playing and
+substitution import rclpy; reading and analysing need no ROS.
 """
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from heave_node.faces import lazy_face
+
+if TYPE_CHECKING:
+    from heave_bags.analyse.run_record import read_run
+    from heave_bags.errors import BagError
+    from heave_bags.mcap.bag_writer import BagWriter
+    from heave_bags.mcap.reader import Bag
+
+__all__ = ["Bag", "BagError", "BagWriter", "read_run"]
+__getattr__ = lazy_face(
+    __name__,
+    {
+        "Bag": "mcap.reader",
+        "BagError": "errors",
+        "BagWriter": "mcap.bag_writer",
+        "read_run": "analyse.run_record",
+    },
+)

@@ -28,9 +28,9 @@ from rclpy.serialization import serialize_message
 from std_msgs.msg import Header
 
 SCENARIO = b"""
-/**: {ros__parameters: {transient: 10.0, seed: 7}}
-virtual_winch: {ros__parameters: {speed_limit: 2.0, acceleration_limit: 1.5}}
-wave_vessel: {ros__parameters: {boom_tip_source: regular, period: 8.0}}
+/**: {ros__parameters: {transient: 10.0, seed: 7, system: {winch: {speed_limit: 2.0, acceleration_limit: 1.2}}}}
+/**/virtual_winch: {ros__parameters: {acceleration_limit: 1.5}}
+/**/wave_vessel: {ros__parameters: {boom_tip_source: regular, period: 8.0}}
 """
 
 
@@ -127,11 +127,18 @@ def tick_messages(run: MadeUpRun, nanoseconds: int) -> dict[str, object]:
 
 
 def write_run(
-    folder: Path, run: MadeUpRun | None = None, policy: BagPolicy | None = None, *, close: bool = True
+    folder: Path,
+    run: MadeUpRun | None = None,
+    policy: BagPolicy | None = None,
+    *,
+    close: bool = True,
+    offset: int = 0,
 ) -> BagWriter:
-    """Write a made-up run to a bag; without `close`, the writer is left as a killed process would leave it."""
+    """Write a made-up run to a bag, whose clock begins at `offset` [ns]; without `close`, the writer is left as a
+    killed process would leave it.
+    """
     run = run or MadeUpRun()
-    description = {"scenario": "made_up", "seed": "7", "transient_s": "10.0"}
+    description = {"scenario": "made_up", "seed": "7", "transient_s": "10.0", "pacing": "lockstep"}
     attachments = [Attachment("scenario.yaml", "application/yaml", SCENARIO)]
     writer = BagWriter(
         folder,
@@ -146,8 +153,8 @@ def write_run(
     period = round(run.tick * 1e9)
     writer.write("/sea_state", period, bytes(serialize_message(SeaState(header=header(period), spectrum="regular"))))
     for number in range(1, round(run.duration / run.tick) + 1):
-        for topic, message in tick_messages(run, number * period).items():
-            writer.write(topic, number * period, bytes(serialize_message(message)))
+        for topic, message in tick_messages(run, offset + number * period).items():
+            writer.write(topic, offset + number * period, bytes(serialize_message(message)))
     if close:
         outcome = {
             "ended": "complete",

@@ -2,13 +2,20 @@
 
 import json
 import math
+import re
 import sys
 
 import pandas
 import pytest
-from heave_bags.analyse import analysis
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from foreign_bags import HOST_TIME, by_host_clock, by_simulated_clock, write_foreign
+from heave_bags.analyse import analysis, kpi_set, report, run_record
 from heave_bags.errors import BagError
-from made_up_run import MadeUpRun
+from heave_bags.mcap.bag_writer import BagWriter
+from heave_bags.mcap.definitions import schema_text
+from heave_bags.mcap.reader import Bag
+from made_up_run import TYPES, MadeUpRun, tick_messages, write_run
+from rclpy.serialization import serialize_message
 
 RUN = MadeUpRun()
 ROOT = math.sqrt(2.0)
@@ -47,6 +54,11 @@ def test_limits_modes_alarms_and_innovations_are_found(record):
     assert alarms["cable_sim: cable: touches ground", 1] == (40.0, 43.0)
     assert {innovation.name for innovation in record.innovations} == {"mru", "depth"}
     assert values["nis_in_band_percent"] == pytest.approx(100.0 * 2.0 / 3.0, abs=0.1)
+
+
+def test_limits_of_the_winch_come_from_the_scenario_where_the_nodes_could_say_nothing(record):
+    """The bag of a recorder that was killed: what ship and controller share stands under /**, the rest wins over it."""
+    assert (record.signals.speed_limit, record.signals.acceleration_limit) == (2.0, 1.5)
 
 
 def test_a_driven_run_gets_its_harmonics(record):
@@ -118,9 +130,106 @@ def test_runs_are_compared_side_by_side(made_up_bag):
     ]
 
 
-def test_a_bag_of_others_is_refused_with_what_it_has(tmp_path):
-    from heave_bags.mcap.bag_writer import BagWriter  # noqa: PLC0415
+PARAMETERS = {
+    "virtual_winch": {"speed_limit": 2.0, "acceleration_limit": 1.5},
+    "wave_vessel": {"boom_tip_source": "regular", "period": 8.0},
+    "**": {"transient": 10.0},
+}
 
+
+@pytest.mark.parametrize("clock", [by_host_clock, by_simulated_clock])
+def test_a_run_has_the_same_figures_to_every_digit_whoever_recorded_it_by_whatever_clock(shared_bag, tmp_path, clock):
+    (own,) = analysis.analyse([shared_bag])
+    (foreign,) = analysis.analyse([write_foreign(shared_bag, tmp_path / "foreign", clock)], parameters=PARAMETERS)
+    assert (foreign.start, foreign.end) == (own.start, own.end)
+    for key, value in own.kpis().items():
+        if kpi_set.DEFINITION_OF[key].group != kpi_set.TIMING:  # of its timing only the suite's own recorder knows
+            assert foreign.kpis()[key] == value or math.isnan(value), key
+    assert analysis.kpi_frame([foreign], 20.0)["unit_sigma_m"].equals(analysis.kpi_frame([own], 20.0)["unit_sigma_m"])
+    assert [(alarm.name, alarm.start) for alarm in foreign.alarms] == [
+        (alarm.name, alarm.start) for alarm in own.alarms
+    ]
+
+
+def test_messages_without_a_stamp_are_put_on_the_clock_of_the_others(tmp_path):
+    writer = BagWriter(tmp_path / "bag")
+    writer.add_topic("/boom_tip", "heave_msgs/msg/PointMotion")
+    writer.add_topic("/diagnostics", "diagnostic_msgs/msg/DiagnosticArray")
+    for number in range(1, 401):
+        time, host = number * 50_000_000, HOST_TIME + number * 2_000_000
+        writer.write("/boom_tip", host, bytes(serialize_message(tick_messages(RUN, time)["/boom_tip"])))
+        if number == 200:
+            status = DiagnosticStatus(level=DiagnosticStatus.WARN, name="disk", message="nearly full")
+            writer.write("/diagnostics", host, bytes(serialize_message(DiagnosticArray(status=[status]))))
+    writer.close()
+    (record,) = analysis.analyse([tmp_path / "bag"])
+    (alarm,) = record.alarms
+    assert alarm.start == pytest.approx(10.0, abs=0.05)
+
+
+def test_the_window_of_a_host_s_clock_begins_a_transient_after_the_record(tmp_path):
+    write_run(tmp_path / "bag", offset=HOST_TIME // 50_000_000 * 50_000_000)
+    (record,) = analysis.analyse([tmp_path / "bag"])
+    assert record.end - record.start == pytest.approx(60.0 - 0.05 - 10.0)
+    assert record.kpis()["unit_sigma_m"] > 0.0
+
+
+def test_a_bag_that_gives_no_figure_at_all_is_an_error(tmp_path):
+    writer = BagWriter(tmp_path / "bag")
+    writer.add_topic("/controller/state", "heave_msgs/msg/ControllerState")
+    message = tick_messages(RUN, 50_000_000)["/controller/state"]
+    message.nis = [math.nan]
+    writer.write("/controller/state", 50_000_000, bytes(serialize_message(message)))
+    writer.close()
+    with pytest.raises(BagError, match="no figure can be computed"):
+        analysis.analyse([tmp_path / "bag"])
+
+
+KINDS = ("string", "float64[]", None, "string")
+
+
+def definitions_of_other_kinds():
+    """Yield a topic and its definition with one field of another kind, or gone."""
+    selected = {re.split(r"[.\]]", path)[-1] for paths in run_record.SELECTION.values() for path in paths}
+    looked_at = {*selected, "sensor", "level", "sec", "nanosec"}
+    for name in run_record.SELECTION:
+        full = "/" + name.lstrip("/")
+        if full not in TYPES:
+            continue
+        text = schema_text(TYPES[full])
+        for field in re.findall(r"^(?:float64|uint32|uint8|int32|bool|string|byte)(?:\[\])? +(\w+)", text, re.M):
+            if field not in looked_at:
+                continue
+            for kind in KINDS[len(field) % 3 :][:2]:
+                line = f"{kind} {field}" if kind else ""
+                yield full, field, re.sub(rf"^[a-z]+[0-9]*(\[\])? +{field}\b.*$", line, text, flags=re.M)
+
+
+def test_definitions_of_other_kinds_cost_figures_and_end_in_one_line_at_most(shared_bag, tmp_path):
+    """Each field that is looked at is renamed by its absence, or holds what nobody expects there."""
+    bag = Bag(shared_bag)
+    short = list(bag.messages(end=12_000_000_000))
+    seen = 0
+    for number, (topic, _, text) in enumerate(definitions_of_other_kinds()):
+        folder = tmp_path / str(number)
+        writer = BagWriter(folder, run=bag.run)
+        for name, known in bag.topics.items():
+            writer.add_foreign_topic(known, text if name == topic else known.schema)
+        for message in short:
+            writer.write(message.topic, message.log_time, message.data)
+        writer.close()
+        try:
+            records = analysis.analyse([folder])
+            json.dumps(analysis.to_json(records[0], 5.0), allow_nan=False)
+            report.render_body(records)
+            analysis.table(records)
+        except BagError as error:
+            assert "\n" not in str(error)
+        seen += 1
+    assert seen > 40
+
+
+def test_a_bag_of_others_is_refused_with_what_it_has(tmp_path):
     writer = BagWriter(tmp_path / "bag")
     writer.add_topic("/chatter", "std_msgs/msg/String")
     writer.write("/chatter", 1, b"\x00\x01\x00\x00\x02\x00\x00\x00a\x00")

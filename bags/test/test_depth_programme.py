@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from heave_bags.analyse import kpi_set
 from heave_bags.analyse.depth_programme import take_out_programme
-from heave_bags.analyse.kpi_set import RunSignals, Signal
+from heave_bags.signals import RunSignals, Signal
 
 TIME = np.arange(0.05, 900.0, 0.05)
 WAVE = np.sin(2.0 * np.pi / 10.0 * TIME)

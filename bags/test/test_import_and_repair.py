@@ -96,7 +96,7 @@ def test_a_csv_log_is_the_sea_and_bad_cells_are_told(tmp_path):
 
 
 def test_the_result_is_read_by_the_node_that_plays_it(ship, tmp_path):
-    recording = pytest.importorskip("wave_vessel_node.vessel.recording")
+    recording = pytest.importorskip("wave_vessel_node.sources.recording")
     sea = import_sea(ship, "/mru/heave")
     sea_import.write_sea(sea, tmp_path / "sea.csv", ship)
     read = recording.read_recording(tmp_path / "sea.csv")
@@ -183,8 +183,7 @@ def test_an_index_is_made_again(made_up_bag):
     before = (folder / "metadata.yaml").read_text()
     (folder / "metadata.yaml").unlink()
     repair.reindex(folder)
-    after = (folder / "metadata.yaml").read_text()
-    assert after.replace("ros_distro: ''", "ros_distro: kilted") == before
+    assert (folder / "metadata.yaml").read_text() == before
 
 
 def test_a_damaged_bag_is_repaired_not_reindexed(made_up_bag):

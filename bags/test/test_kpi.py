@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 from heave_bags.analyse import kpi_set
-from heave_bags.analyse.kpi_set import Signal
+from heave_bags.signals import Signal
 from heave_node import kpi
 from hypothesis import given
 from hypothesis import strategies as st

@@ -13,6 +13,8 @@ from pathlib import Path
 import pytest
 import rclpy
 from domain_coordinator import domain_id
+from heave_bags.mcap.bag_writer import BagWriter
+from heave_bags.mcap.files import TopicSummary
 from heave_bags.mcap.reader import Bag
 from heave_msgs.srv import PlaybackControl, SaveSnapshot, StartRecording
 from heave_node.ros.environment import prepare_environment
@@ -39,7 +41,7 @@ class Processes:
 
     def record(self, folder: Path, *parameters: str) -> subprocess.Popen[str]:
         options = [part for name in (f"directory:={folder}", *parameters) for part in ("-p", name)]
-        return self.start("live_recorder", "--ros-args", *options)
+        return self.start("record.live_recorder", "--ros-args", *options)
 
     def end(self) -> None:
         for process in self._started:
@@ -81,7 +83,7 @@ def call(node: Node, kind, name: str, request):
 def test_a_bag_that_is_played_and_recorded_again_is_the_same(processes, made_up_bag, tmp_path):
     original = Bag(made_up_bag(run=MadeUpRun(duration=10.0)))
     recorder = processes.record(tmp_path / "again")
-    player = processes.start("player_node", str(original.path), "--rate", "5", "--delay", "2")
+    player = processes.start("play.player_node", str(original.path), "--rate", "5", "--delay", "2")
     assert player.wait(WAIT) == 0
     time.sleep(0.5)
     recorder.send_signal(signal.SIGINT)
@@ -96,8 +98,30 @@ def test_a_bag_that_is_played_and_recorded_again_is_the_same(processes, made_up_
     assert again.topics["/clock"].message_count > 10
 
 
+def test_topics_whose_types_are_not_installed_are_left_out_with_a_warning(processes, tmp_path):
+    writer = BagWriter(tmp_path / "bag")
+    writer.add_topic("/chatter", "std_msgs/msg/String")
+    writer.add_foreign_topic(TopicSummary("/events/write_split", "rosbag2_interfaces/msg/WriteSplitEvent"), "string a")
+    writer.add_foreign_topic(TopicSummary("/fly", "antigravity/msg/Fly"), "string a")
+    writer.add_foreign_topic(TopicSummary("/no name", "std_msgs/msg/String"), "string data")
+    for topic in ("/chatter", "/events/write_split", "/fly", "/no name"):
+        writer.write(topic, 1_000_000, b"\x00\x01\x00\x00\x02\x00\x00\x00a\x00")
+    writer.close()
+    player = processes.start("play.player_node", str(tmp_path / "bag"), "--delay", "0")
+    assert player.wait(WAIT) == 0
+    said = player.stderr.read()
+    assert "/events/write_split is left out: rosbag2_interfaces/msg/WriteSplitEvent is not installed here" in said
+    assert "/fly is left out: antigravity/msg/Fly is not installed here" in said
+    assert "'/no name' is not the name of a topic" in said
+    assert "Traceback" not in said
+    only = processes.start("play.player_node", str(tmp_path / "bag"), "--delay", "0", "--exclude", "/chatter")
+    assert only.wait(WAIT) == 1
+    assert only.stderr.read().strip().splitlines()[-1].startswith("player: ")
+
+
 def test_the_player_pauses_and_steps_on_request(processes, made_up_bag):
-    player = processes.start("player_node", str(made_up_bag(run=MadeUpRun(duration=5.0))), "--paused", "--delay", "0")
+    bag = made_up_bag(run=MadeUpRun(duration=5.0))
+    player = processes.start("play.player_node", str(bag), "--paused", "--delay", "0")
     node = rclpy.create_node("asker")
     answer = call(node, PlaybackControl, "player/control", PlaybackControl.Request(paused=True, step=7))
     assert (answer.success, answer.message) == (True, "t = 0.050 s, rate 1, paused")

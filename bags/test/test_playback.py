@@ -2,10 +2,19 @@
 
 import pytest
 from heave_bags.errors import BagError
+from heave_bags.mcap.bag_writer import BagWriter
 from heave_bags.mcap.reader import Bag, RawMessage
-from heave_bags.play.playback import Playback, PlaybackOptions, in_order_of_time, publisher_of, selected_topics
-from heave_bags.play.substitute_node import TickPlayer
-from made_up_run import MadeUpRun
+from heave_bags.play.playback import (
+    AT_ONCE,
+    LAST_TIME,
+    Playback,
+    PlaybackOptions,
+    in_order_of_time,
+    publisher_of,
+    selected_topics,
+)
+from heave_bags.play.tick_player import TickPlayer
+from made_up_run import MadeUpRun, write_run
 
 PERIOD = 50_000_000
 
@@ -97,6 +106,38 @@ def test_a_selection_that_leaves_nothing_is_refused(bag, options, complaint):
 def test_options_out_of_range_are_refused(options):
     with pytest.raises(BagError):
         PlaybackOptions(**options)
+
+
+def test_what_is_due_at_once_is_handed_out_in_parts_that_memory_holds(made_up_bag):
+    folder = made_up_bag("burst", MadeUpRun(duration=5.0))
+    bag = Bag(folder)
+    playback = Playback(bag, PlaybackOptions(rate=1e9))
+    playback.due(0.0)
+    parts = []
+    while not playback.finished:
+        parts.append(len(playback.due(1.0)))
+    assert sum(parts) + 1 >= bag.message_count - 6
+    assert max(parts) <= AT_ONCE
+
+
+def test_large_messages_are_not_held_back_for_the_sake_of_order():
+    messages = [RawMessage("/a", time, time, bytes(10 << 20)) for time in range(12)]
+    held = 0
+    taken = in_order_of_time(iter([*messages]))
+    first = next(taken)
+    held = sum(1 for _ in taken)
+    assert (first.log_time, held) == (0, 11)
+
+
+def test_times_that_no_message_of_ros_can_tell_are_refused(tmp_path):
+    write_run(tmp_path / "bag", MadeUpRun(duration=1.0), offset=(1 << 31) * 1_000_000_000 - 500_000_000_000)
+    assert Playback(Bag(tmp_path / "bag"), PlaybackOptions()).topics
+    writer = BagWriter(tmp_path / "late")
+    writer.add_topic("/boom_tip", "heave_msgs/msg/PointMotion")
+    writer.write("/boom_tip", LAST_TIME + 1, b"")
+    writer.close()
+    with pytest.raises(BagError, match="beyond the year 2038"):
+        Playback(Bag(tmp_path / "late"), PlaybackOptions())
 
 
 def test_messages_that_are_a_little_out_of_order_are_sorted():

@@ -1,13 +1,15 @@
 """The report: one offline file that a real browser draws without a complaint."""
 
+import math
 import re
 import shutil
 import subprocess
 
 import pytest
-from heave_bags.analyse import analysis, report
-from heave_bags.analyse.kpi_set import Signal
+from heave_bags.analyse import analysis, kpi_set, report
+from heave_bags.analyse.events import Interval
 from heave_bags.analyse.report_figures import pack, run_figures, thin
+from heave_bags.signals import Signal
 from made_up_run import MadeUpRun
 from numpy import arange, sin, zeros
 
@@ -57,6 +59,33 @@ def test_the_page_says_what_was_lost_and_escapes_names(shared_bag):
     page = report.render([record, record])
     assert "&lt;killed&gt;" in page
     assert "<b>bag</b>" not in page[: page.index("<script>")]
+
+
+@pytest.mark.skipif(BROWSER is None, reason="no Chromium on this machine")
+def test_a_browser_runs_nothing_that_a_bag_brings_into_the_page(shared_bag, tmp_path):
+    (record,) = analysis.analyse([shared_bag])
+    evil = "</script><script>document.body.dataset.evil=1</script><img src=x onerror=document.body.dataset.evil=1>"
+    record.name, record.notes, record.run = evil, [evil], {"scenario": evil}
+    record.modes = [Interval(0.0, 60.0, evil)]
+    page = tmp_path / "report.html"
+    report.save_report([record], page)
+    drawn, console = browse(page, tmp_path)
+    assert console == [], "nothing even tries: it is all text"
+    page.write_text(page.read_text().replace("</footer>", "</footer><script>document.body.dataset.evil=1</script>"))
+    drawn, console = browse(page, tmp_path)
+    assert "data-evil" not in drawn.split("<footer")[0]
+    assert "Content Security Policy" in console[0]
+
+
+def test_the_figures_of_merit_stand_in_groups_and_those_nobody_knows_are_left_out(shared_bag):
+    (record,) = analysis.analyse([shared_bag])
+    page = report.render([record])
+    shown = re.findall(r'class="group"[^>]*>([^<]+)<', page)
+    assert shown == [group for group in kpi_set.GROUPS if group in shown]
+    assert {"Unit", "Tension", "Winch", "Energy"} <= set(shown)
+    rows = [definition for definition in kpi_set.KPI_DEFINITIONS if math.isfinite(record.kpis()[definition.key])]
+    table = page[page.index('id="kpis"') : page.index("</table>")]
+    assert table.count("<tr><td>") == len(rows)
 
 
 def test_a_run_with_little_in_it_still_gets_a_report(made_up_bag):
@@ -125,7 +154,10 @@ def test_figures_over_time_zoom_together_down_to_every_sample(made_up_bag, tmp_p
     report.write_report(
         [made_up_bag(run=MadeUpRun(duration=400.0))], page
     )  # 8,000 samples, of which a screen shows 3,000
-    page.write_text(page.read_text().replace("</body>", PROBE))
+    probe = report.security_policy([re.search("<script>(.*)</script>", PROBE, re.DOTALL).group(1)])
+    allowed = re.search("script-src ('sha256-[^']+')", probe).group(1)
+    text = page.read_text().replace("script-src ", f"script-src {allowed} ", 1)
+    page.write_text(text.replace("</body>", PROBE))
     drawn, console = browse(page, tmp_path)
     assert console == []
     assert re.search(r'data-zoom="20\.0 21\.0 (\d+)"', drawn).group(1) in ("20", "21")  # one second at 20 Hz

@@ -1,11 +1,15 @@
 """Start, stop, split and snapshots, without ROS."""
 
+from types import SimpleNamespace
+
 import pytest
 from heave_bags.errors import BagError
 from heave_bags.mcap.bag_writer import BagWriter
 from heave_bags.mcap.qos import OfferedQos
 from heave_bags.mcap.reader import Bag
-from heave_bags.record.session import RecordingSession, SnapshotRing
+from heave_bags.record.recorder_node import RecorderNode
+from heave_bags.record.session import RecordingSession, SnapshotRing, missing_messages
+from heave_node.ros.node import NodeError
 from made_up_run import MadeUpRun, tick_messages
 from rclpy.serialization import serialize_message
 
@@ -81,3 +85,46 @@ def test_the_past_takes_no_more_memory_than_allowed(tmp_path):
 def test_a_snapshot_without_memory_is_refused(tmp_path):
     with pytest.raises(BagError, match="snapshot_duration"):
         session().save_snapshot(tmp_path / "bag")
+
+
+def test_what_was_published_and_not_recorded_is_named_with_its_number():
+    published = {"/mru": 100, "/boom_tip": 100, "/clock": 100, "/never_seen": 5}
+    recorded = {"/mru": 100, "/boom_tip": 97, "/clock": 0}
+    assert missing_messages(published, recorded) == "/boom_tip 3 of 100, /clock 100 of 100"
+    assert missing_messages({"/mru": 100}, {"/mru": 101, "/other": 0}) == ""
+
+
+def test_the_recorder_of_a_run_ends_in_an_error_that_names_what_is_missing(tmp_path):
+    """The recorder's own shell around a session that lacks three messages, without a run."""
+    session = RecordingSession(BagWriter, SnapshotRing(0, 0), survive=False)
+    session.add_topic("/mru", "std_msgs/msg/Float64", ())
+    session.start(tmp_path / "bag")
+    for number in range(7):
+        session.write("/mru", number + 1, b"\x00\x01\x00\x00" + bytes(8))
+    recorder = SimpleNamespace(
+        session=session,
+        parameters=SimpleNamespace(directory=str(tmp_path / "bag")),
+        _order=None,
+        _expected={"/mru": 10, "/diagnostics": 9},
+        _diagnostics_topic="/diagnostics",
+        _outcome={"ended": "complete"},
+        _topic_publishers={},
+        _last_log_time=7,
+        failure="",
+    )
+    recorder._lost = lambda: RecorderNode._lost(recorder)
+    recorder._closing_words = lambda lost: RecorderNode._closing_words(recorder, lost)
+    with pytest.raises(NodeError, match="messages were lost: /mru 3 of 10"):
+        RecorderNode.on_leave(recorder)
+    assert Bag(tmp_path / "bag").outcome["lost"] == "/mru 3 of 10"
+
+
+def test_a_message_larger_than_a_bag_takes_is_counted_and_named_and_the_others_go_on(tmp_path, monkeypatch):
+    monkeypatch.setattr("heave_bags.mcap.bag_writer.LARGEST_MESSAGE", 500)
+    made = session()
+    made.start(tmp_path / "bag")
+    for size in (400, 600, 600, 400):
+        made.write("/boom_tip", SECOND, bytes(size))
+    assert (made.state.written, made.state.unwritten) == (2, 2)
+    assert len(made.state.problems) == 1
+    assert "600 bytes on /boom_tip is larger than a bag takes" in made.state.problems[0]

@@ -13,6 +13,7 @@ from heave_bags.errors import StorageError
 from heave_bags.mcap.bag_writer import BagPolicy, BagWriter
 from heave_bags.mcap.reader import Bag
 from heave_bags.mcap.storage import BackgroundStorage, DirectStorage, journal_path
+from heave_bags.mcap.summary import interim_ending
 from heave_bags.mcap.writer import ChunkPolicy
 from heave_bags.record.session import RecordingSession, SnapshotRing
 from made_up_run import MadeUpRun, tick_messages
@@ -148,3 +149,48 @@ def test_what_fails_in_the_background_is_raised_in_front(tmp_path):
         for _ in range(1000):
             storage.write(b"x")
             time.sleep(0.001)
+
+
+def test_a_piece_that_was_written_in_part_is_undone_and_the_file_stays_one_that_all_open(tmp_path, monkeypatch):
+    storage = DirectStorage(tmp_path / "file")
+    storage.write(b"first piece")
+    whole = (tmp_path / "file").read_bytes()
+    write, calls = os.pwrite, []
+
+    def full_after_ten_bytes(descriptor, data, position):
+        calls.append(len(data))
+        if len(calls) == 1:
+            return write(descriptor, data[:10], position)
+        if len(calls) == 2:
+            raise OSError(errno.ENOSPC, "full")
+        return write(descriptor, data, position)
+
+    monkeypatch.setattr(os, "pwrite", full_after_ten_bytes)
+    with pytest.raises(StorageError, match="the disk is full"):
+        storage.write(b"second piece " * 20)
+    assert (tmp_path / "file").read_bytes() == whole == b"first piece" + interim_ending()
+    storage.write(b", third")
+    assert (tmp_path / "file").read_bytes() == b"first piece, third" + interim_ending()
+
+
+def test_a_full_disk_leaves_a_bag_that_others_open(tmp_path):
+    writer = BagWriter(tmp_path / "bag", policy=POLICY, opener=FullDisk)
+    with pytest.raises(StorageError):
+        record(writer, 5000)
+    with pytest.raises(StorageError):
+        writer.close()
+    ours = sum(1 for _ in Bag(tmp_path / "bag").messages())
+    with AnyReader([tmp_path / "bag"]) as reader:
+        assert sum(1 for _ in reader.messages()) == ours > 0
+
+
+def test_a_description_that_the_disk_refuses_ends_the_recording_with_a_word(tmp_path, monkeypatch):
+    def refuse(folder, text):
+        raise OSError(errno.ENOSPC, "full")
+
+    writer = BagWriter(tmp_path / "bag", policy=POLICY)
+    monkeypatch.setattr("heave_bags.mcap.storage.replace_metadata", refuse)
+    writer.add_topic("/boom_tip", "heave_msgs/msg/PointMotion", ())
+    writer.write("/boom_tip", 1, DATA)
+    with pytest.raises(StorageError, match="the disk is full"):
+        writer.acknowledge()

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 import signal
 import sys
 from collections.abc import Sequence
@@ -21,14 +20,13 @@ EXIT_USAGE = 2
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the `heave` command; return its exit status: 0 only when it did what it says."""
-    for number in (signal.SIGINT, signal.SIGTERM):  # even where a shell in the background had SIGINT ignored
+    for number in (signal.SIGINT, signal.SIGTERM):  # a shell may have set SIGINT to be ignored in the background
         signal.signal(number, signal.default_int_handler)  # nodes are ended in order
     options = make_parser().parse_args(arguments)
     if options.json not in (None, "-") and not Path(options.json).resolve().parent.is_dir():
         return _complain(f"--json {options.json}: there is no folder {Path(options.json).parent}", EXIT_USAGE)
-    command = importlib.import_module(f"heave_bringup.commands.{options.module}")
     try:
-        command.execute(options)
+        options.execute(options)
     except ParameterError as error:
         return _complain(error, EXIT_USAGE)
     except (CommandError, BagError) as error:
@@ -46,9 +44,9 @@ def _complain(error: object, status: int) -> int:
 
 
 def _refused_by_the_system(error: OSError) -> int:
-    if isinstance(error, BrokenPipeError):  # whoever read our output has seen enough
+    if isinstance(error, BrokenPipeError):  # the reader of our output has closed it
         return EXIT_FAILED
-    if error.filename is None:  # nothing that a user named: a fault of ours, to be seen in full
+    if error.filename is None:  # no file that the user named: a defect of ours, to be shown in full
         raise error
     return _complain(f"{error.filename}: {error.strerror}", EXIT_FAILED)
 

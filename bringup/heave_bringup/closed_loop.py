@@ -1,11 +1,11 @@
 """The whole loop in one process, without ROS: sea and vessel, winch, cable and unit, sensors, controller.
 
-The same components as the nodes', in the order of the tick protocol, for campaigns, design studies and tests.
+The same components as the nodes', in the order of the tick protocol, for campaigns, design studies and tests. Readings
+are handed over as they travel, see `heave_node.sensors`: the loop over ROS gives the same numbers, to the last bit.
 """
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
@@ -13,18 +13,18 @@ import numpy as np
 from cable_sim_node.component import CableSim
 from cable_sim_node.node_parameters import CableSimNodeParameters
 from cable_sim_node.sensors.suite import SensorReadings
-from cable_sim_node.winch.component import VirtualWinch, WinchCommand, WinchState
+from cable_sim_node.winch.component import VirtualWinch, WinchCommand
 from cable_sim_node.winch.parameters import WinchParameters
 from heave_node.arrays import Array
-from heave_node.constants import STANDARD_GRAVITY
-from heave_node.parameters import build_parameters
-from heave_node.scenario import NodeValues, values_of_node
+from heave_node.sensors import MRU, STANDARD_WATER, MruReading, Water, all_to_wire
 from wave_vessel_node.component import WaveVessel
-from wave_vessel_node.mru.mru import MruReading as SeaMruReading
 from wave_vessel_node.parameters import WaveVesselParameters
 from winch_controller_node.component import WinchController
-from winch_controller_node.interface.readings import Measurements, MruReading, Outputs, ScalarReading, WinchReading
+from winch_controller_node.interface.conversions import measurements, winch_reading
+from winch_controller_node.interface.readings import Measurements, Outputs
 from winch_controller_node.parameters.controller import WinchControllerParameters
+
+from heave_bringup.scenarios import Scenario
 
 COLUMNS = (
     "time",
@@ -40,12 +40,21 @@ COLUMNS = (
     "touchdown_force",
     "unit_rate",
     "uncompensated_tension",
+    "slack_segments",
+    "limits_hit",
 )
 
 
 @dataclass(frozen=True)
 class LoopParameters:
-    """Parameters of all components, and of the run: tick period and duration [s], seed."""
+    """Parameters of the loop in one process.
+
+    Attributes
+    ----------
+    sea, plant, winch, controller : of the components
+    tick_period, duration : [s]
+    seed : of every random number
+    """
 
     sea: WaveVesselParameters
     plant: CableSimNodeParameters
@@ -71,7 +80,13 @@ class LoopRecord:
     alarms: list[tuple[float, str]] = field(default_factory=list)
 
     def column(self, name: str, *, after: float = 0.0) -> Array:
-        """Return a column from time `after` [s] on."""
+        """Return a column of the record.
+
+        Parameters
+        ----------
+        name : one of COLUMNS
+        after : time from which on it is wanted [s]
+        """
         return self.rows[self.rows[:, 0] >= after, COLUMNS.index(name)]
 
     def unit_sigma(self, after: float) -> float:
@@ -83,21 +98,16 @@ class LoopRecord:
         return float(np.std(self.column("uncompensated", after=after)))
 
 
-def loop_parameters(values: NodeValues, *, seed: int, duration: float, tick_period: float = 0.05) -> LoopParameters:
-    """Return the parameters of a scenario's nodes; raises ParameterError for what is not allowed."""
-
-    def own(node: str) -> dict[str, object]:
-        shared = values.get("/**", {})
-        return {name: value for name, value in values_of_node(values, node).items() if name not in shared}
-
+def loop_parameters(scenario: Scenario) -> LoopParameters:
+    """Return a scenario as parameters of the loop in one process."""
     return LoopParameters(
-        sea=build_parameters(WaveVesselParameters, own("wave_vessel"), where="wave_vessel"),
-        plant=build_parameters(CableSimNodeParameters, own("cable_sim"), where="cable_sim"),
-        winch=build_parameters(WinchParameters, own("virtual_winch"), where="virtual_winch"),
-        controller=build_parameters(WinchControllerParameters, own("winch_controller"), where="winch_controller"),
-        tick_period=tick_period,
-        duration=duration,
-        seed=seed,
+        sea=scenario.parameters["wave_vessel"],
+        plant=scenario.parameters["cable_sim"],
+        winch=scenario.parameters["virtual_winch"],
+        controller=scenario.parameters["winch_controller"],
+        tick_period=scenario.run.tick_period,
+        duration=scenario.run.duration,
+        seed=scenario.run.seed,
     )
 
 
@@ -121,8 +131,9 @@ class ClosedLoop:
         self.sea = WaveVessel(parameters.sea, seed=seed, tick_period=dt)
         self.plant = CableSim(parameters.plant, seed=seed, tick_period=dt)
         self.winch = VirtualWinch(parameters.winch, tick_period=dt)
-        self.winch.step(0, None)
         self.controller = WinchController(parameters.controller, tick_period=dt, seed=seed)
+        self._believed_water = Water(parameters.controller.water_density, parameters.controller.gravity)
+        self._tick_nanoseconds = round(dt * 1e9)
         self.tick = 1
         self._boom_tip = self.sea.initial_boom_tip()
         self._mean_tip = parameters.sea.boom_tip_height
@@ -132,8 +143,7 @@ class ClosedLoop:
         tick = self.tick
         state, readings = self.plant.readings(tick)
         vessel = self.sea.step(tick)
-        measurements = measurements_of(readings, vessel.mru, self.winch.state)
-        outputs = self.controller.step(tick, measurements)
+        outputs = self.controller.step(tick, self._deliver(readings, vessel.mru))
         row = np.array(
             [
                 state.time,
@@ -149,6 +159,8 @@ class ClosedLoop:
                 state.touchdown_force,
                 state.unit.velocity[2],
                 state.uncompensated_tension,
+                state.slack_segments,
+                self.winch.state.limits_hit,
             ]
         )
         order = outputs.order
@@ -159,9 +171,19 @@ class ClosedLoop:
         self.tick += 1
         return outputs, row
 
+    def _deliver(self, readings: SensorReadings, mru: MruReading | None) -> Measurements:
+        """Return what the controller makes of the readings of this tick, as they would have travelled."""
+        delivered = all_to_wire(readings, self.plant.water)
+        if mru is not None:
+            delivered[MRU.name] = [MRU.to_wire(mru, STANDARD_WATER)]
+        # the state at t_k is that of the tick before; before the first tick there was none
+        now = self.tick * self._tick_nanoseconds
+        winch = winch_reading(self.winch.state, now) if self.tick > 1 else None
+        return measurements(delivered, winch, self._believed_water)
+
     def run(self, on_tick: Callable[[int, Outputs], None] | None = None) -> LoopRecord:
         """Run to the end; `on_tick` sees each tick's number and outputs."""
-        ticks = math.floor(self._parameters.duration / self._dt + 1e-9)
+        ticks = round(self._parameters.duration / self._dt)
         record = LoopRecord(np.empty((ticks, len(COLUMNS))))
         for index in range(ticks):
             outputs, record.rows[index] = self.step()
@@ -170,26 +192,3 @@ class ClosedLoop:
             if on_tick is not None:
                 on_tick(self.tick - 1, outputs)
         return record
-
-
-def measurements_of(readings: SensorReadings, mru: SeaMruReading | None, winch: WinchState) -> Measurements:
-    """Return the controller's view of what the simulated sensors delivered."""
-    taken: tuple[MruReading, ...] = ()
-    if mru is not None:
-        taken = (MruReading(mru.time, mru.heave, mru.heave_rate, mru.roll, mru.pitch, mru.status, mru.sequence),)
-    return Measurements(
-        mru=taken,
-        depth=tuple(ScalarReading(r.stamp, float(r.value[0])) for r in readings.depth),
-        velocity=tuple(ScalarReading(r.stamp, float(r.value[2])) for r in readings.velocity),
-        imu=tuple(ScalarReading(r.stamp, float(r.value[2]) - STANDARD_GRAVITY) for r in readings.imu),
-        load_cell=tuple(ScalarReading(r.stamp, float(r.value[0])) for r in readings.load_cell),
-        winch=WinchReading(
-            winch.time,
-            winch.encoder_payout,
-            winch.encoder_payout_rate,
-            winch.brake,
-            int(winch.fault),
-            winch.command_sequence,
-            int(winch.limits),
-        ),
-    )

@@ -1,4 +1,4 @@
-"""What commands print: a text for people, or JSON and nothing else on standard output for machines."""
+"""What commands print: text and tables for people, or JSON and nothing else on standard output for machines."""
 
 from __future__ import annotations
 
@@ -6,23 +6,38 @@ import argparse
 import json
 import math
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from pathlib import Path
 
 from heave_node.parameters import ParameterError
+from rich import box
+from rich.console import Console
+from rich.measure import Measurement
+from rich.table import Table
+from rich.text import Text
 
 from heave_bringup.errors import CommandError
 
+FILE_WIDTH = 1000
+"""Columns of an output that is no terminal: nothing is wrapped there."""
 
-def write_result(options: argparse.Namespace, text: str, result: Mapping[str, object]) -> None:
-    """Print the text for people, unless standard output belongs to the JSON, and write the JSON where it was asked
-    for.
+
+def write_result(options: argparse.Namespace, parts: str | Table | Sequence[str | Table], result: object) -> None:
+    """Print the result of a command.
+
+    Parameters
+    ----------
+    options : of the command line; `json` says where JSON goes
+    parts : text and tables for people; left out where standard output belongs to the JSON
+    result : for machines: anything that JSON can hold; NaN and infinity become null
+
+    Raises CommandError where the JSON file cannot be written.
     """
     document = json.dumps(_finite(result), indent=2) + "\n" if options.json else ""
     if options.json == "-":
         sys.stdout.write(document)
         return
-    sys.stdout.write(text if text.endswith("\n") else text + "\n")
+    print_parts([parts] if isinstance(parts, str | Table) else parts)
     if options.json:
         try:
             Path(options.json).write_text(document, encoding="utf-8")
@@ -30,11 +45,56 @@ def write_result(options: argparse.Namespace, text: str, result: Mapping[str, ob
             raise CommandError(f"{options.json}: cannot be written: {error.strerror}") from error
 
 
-def check_output(option: str, path: Path | None, endings: Sequence[str], *, makes_folder: bool = False) -> None:
-    """Refuse an output file that could not be written, before the work for it begins; None is no file.
+def print_parts(parts: Iterable[str | Table]) -> None:
+    """Print text as it is and tables fitted to the terminal, an empty line between them; no number is shortened."""
+    console = Console(file=sys.stdout, width=None if sys.stdout.isatty() else FILE_WIDTH)
+    terminal = console.width
+    for number, part in enumerate(parts):
+        if number:
+            sys.stdout.write("\n")
+        if isinstance(part, str):
+            sys.stdout.write(part if part.endswith("\n") else part + "\n")
+            continue
+        unlimited = console.options.update(max_width=FILE_WIDTH)
+        console.width = max(terminal, Measurement.get(console, unlimited, part).minimum)
+        with console.capture() as capture:
+            console.print(part)
+        sys.stdout.write("".join(f"{line.rstrip()}\n" for line in capture.get().splitlines()))
 
-    Raises ParameterError, naming the option, for another ending than `endings`, or for a folder that does not exist
-    unless the command makes it.
+
+def make_table(columns: Sequence[str], rows: Iterable[Sequence[str]], *, texts: Collection[str] = ()) -> Table:
+    """Return a table for people.
+
+    Parameters
+    ----------
+    columns : headings, units among them
+    rows : cells as text
+    texts : columns that hold text, as the first one does; the others hold numbers and align to the right
+    """
+    table = Table(box=box.SIMPLE_HEAD, pad_edge=False, show_edge=False)
+    cells = [[Text(cell) for cell in row] for row in rows]
+    for number, heading in enumerate(columns):
+        is_text = heading in (columns[0], *texts)
+        needed = max(map(len, heading.split()))
+        if not is_text:
+            needed = max([needed, *(row[number].cell_len for row in cells)])
+        table.add_column(Text(heading), justify="left" if is_text else "right", min_width=needed)
+    for row in cells:
+        table.add_row(*row)
+    return table
+
+
+def check_output(option: str, path: Path | None, endings: Sequence[str], *, makes_folder: bool = False) -> None:
+    """Refuse an output file that could not be written, before the work for it begins.
+
+    Parameters
+    ----------
+    option : of the command line, named in the message
+    path : the file; None is no file
+    endings : of file names that the command can write
+    makes_folder : whether the command makes the folder of the file
+
+    Raises ParameterError for another ending, or for a folder that does not exist.
     """
     if path is None:
         return

@@ -1,44 +1,93 @@
-"""Progress on the terminal: one line that is rewritten, or a line now and then where the output is no terminal."""
+"""Progress of long work on standard error: a line with a bar in a terminal, elsewhere a line now and then."""
 
 from __future__ import annotations
 
 import sys
 import time
+from types import TracebackType
 from typing import TextIO
+
+from rich.console import Console
+from rich.progress import BarColumn, Progress, Task, TaskProgressColumn, TextColumn, TimeRemainingColumn
+from rich.table import Column
+from rich.text import Text
 
 QUIET_PERIOD = 10.0
 """Wall time between two lines where the output is no terminal [s]."""
 
 
+class _Bar(BarColumn):
+    """A bar where the share of the work that is done is known, and nothing elsewhere."""
+
+    def render(self, task: Task) -> Text | object:  # type: ignore[override]
+        """Return what the column shows."""
+        return super().render(task) if task.total is not None else Text("")
+
+
+class _TimeToGo(TimeRemainingColumn):
+    """The time to go where the share of the work that is done is known, and nothing elsewhere."""
+
+    def render(self, task: Task) -> Text:
+        """Return what the column shows."""
+        return super().render(task) if task.total is not None else Text("")
+
+
 class ProgressLine:
-    """A line on standard error that says how far a long work is."""
+    """A line on standard error that says how far long work is; a context manager.
+
+    Parameters
+    ----------
+    stream : another stream in the place of standard error
+    """
 
     def __init__(self, stream: TextIO | None = None) -> None:
         self._stream = sys.stderr if stream is None else stream
-        self._is_terminal = self._stream.isatty()
-        self._width = 0
+        self._console = Console(file=self._stream)
+        self._display = Progress(
+            TextColumn("{task.description}", markup=False, table_column=Column(no_wrap=True, overflow="ellipsis")),
+            _Bar(bar_width=20),
+            TaskProgressColumn(),
+            _TimeToGo(),
+            console=self._console,
+            auto_refresh=False,  # no thread of its own: it changes when `show` is called
+            transient=True,
+            disable=not self._console.is_terminal,
+        )
+        self._task = self._display.add_task("", total=None)
         self._written_at = -QUIET_PERIOD
 
-    def show(self, text: str) -> None:
-        """Show the state of the work."""
-        now = time.monotonic()
-        if self._is_terminal:
-            self._stream.write("\r" + text.ljust(self._width))
-            self._width = len(text)
-        elif now - self._written_at >= QUIET_PERIOD:
-            self._written_at = now
-            self._stream.write(text + "\n")
-        self._stream.flush()
+    def __enter__(self) -> ProgressLine:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def show(self, text: str, share: float | None = None) -> None:
+        """Show the state of the work.
+
+        Parameters
+        ----------
+        text : what is being done
+        share : part of the work that is done, 0 to 1; None where nobody knows
+        """
+        if self._console.is_terminal:
+            self._display.start()
+            total = None if share is None else 1.0
+            self._display.update(self._task, description=text, completed=share or 0.0, total=total, refresh=True)
+        elif time.monotonic() - self._written_at >= QUIET_PERIOD:
+            self._written_at = time.monotonic()
+            self.tell(text if share is None else f"{text} ({share:.0%})")
 
     def tell(self, text: str) -> None:
-        """Say something that stays, on a line of its own."""
-        self.close()
-        self._stream.write(text + "\n")
-        self._stream.flush()
+        """Print a line that stays."""
+        if self._console.is_terminal:
+            self._console.print(Text(text), soft_wrap=True)
+        else:
+            self._stream.write(text + "\n")
+            self._stream.flush()
 
     def close(self) -> None:
-        """Leave the line, so that what follows begins on a new one."""
-        if self._is_terminal and self._width:
-            self._stream.write("\n")
-            self._stream.flush()
-        self._width = 0
+        """Remove the line, so that what follows has the terminal to itself."""
+        self._display.stop()

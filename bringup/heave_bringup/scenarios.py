@@ -3,32 +3,52 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from importlib import resources
 from pathlib import Path
 from typing import Any
 
-import yaml
-from heave_node.parameters import ParameterError, build_parameters, describe
-from heave_node.run_parameters import RunParameters
-from heave_node.scenario import WILDCARD, NodeValues, parse_yaml, read_scenario, values_of_node
+from heave_node.criteria import WANTED, Criterion
+from heave_node.parameters import Given, ParameterError, describe, unknown_parameter
+from heave_node.run_parameters import NodeParameters, RunParameters, build_node_parameters
+from heave_node.scenario import WILDCARD, read_sections
+from heave_node.system_parameters import SYSTEM, owned_names, system_names
+from winch_controller_node.supervision.modes import Mode
 
-from heave_bringup.run.node_table import NODE_BY_NAME, NODES
+from heave_bringup.nodes import MASTER, NODE_BY_NAME, NODES
+from heave_bringup.settings import Setting, parse_setting
 
 SCENARIO_FOLDER = "scenarios"
+
+_RUN_NAMES = frozenset(info.name for info in describe(RunParameters))
+
+Values = dict[str, dict[str, Given]]
+"""What a file gives, by node (or `/**`) and dotted name, in the order of its sections."""
 
 
 @dataclass(frozen=True)
 class Scenario:
-    """A checked scenario: the values it gives, and every node's parameter set made of them."""
+    """A checked scenario.
+
+    Attributes
+    ----------
+    name, path : of the file
+    run : parameters that all nodes share
+    parameters : parameter set of each node, by node name
+    wanted : criteria that a run should meet
+    """
 
     name: str
     path: Path
-    values: NodeValues
     run: RunParameters
     parameters: Mapping[str, Any]
-    """Parameter set of each node, by node name."""
+    wanted: tuple[Criterion, ...] = ()
+
+    @property
+    def moves_winch(self) -> bool:
+        """Whether a control law drives the winch; under law off it stands on its brake."""
+        return bool(self.parameters["winch_controller"].law != Mode.OFF.value)
 
 
 def shipped_scenarios() -> dict[str, Path]:
@@ -58,80 +78,131 @@ def find_scenario(name: str) -> Path:
     raise ParameterError(f"{name}: no such scenario; {hint}")
 
 
-def load_scenario(
-    name: str,
-    *,
-    settings: Iterable[str] = (),
-    common: Mapping[str, object] | None = None,
-    source: str = "command line",
-) -> Scenario:
+def load_scenario(name: str, *, settings: Iterable[Setting | str] = ()) -> Scenario:
     """Find, merge and check a scenario.
 
     Parameters
     ----------
     name : shipped name or file
-    settings : "NODE.PARAM=VALUE" texts, values in YAML, on top of the file; NODE may be `all`
-    common : values for every node, on top of everything (from the command's own options)
-    source : where settings and common come from, to be named where they, and not the file, are wrong
+    settings : changes on top of the file; a string is read like the value of `--set`
 
-    Raises ParameterError, in one line, for whatever is wrong.
+    Raises ParameterError, in one line, for whatever is wrong. A wrong value is reported with its file and section, or
+    with the option that gave it.
     """
     path = find_scenario(name)
-    in_file = read_scenario(path)
-    _refuse_unknown_nodes(in_file, path)
-    values = {node: dict(section) for node, section in in_file.items()}
-    for setting in settings:
-        apply_setting(values, setting)
-    values.setdefault(WILDCARD, {}).update(common or {})
-    try:
-        return _checked(path, values, str(path))
-    except ParameterError:
-        _checked(path, in_file, str(path))  # a fault of the file is told as such
-        return _checked(path, values, f"{source} (on top of {path})")
+    return _checked(path.stem, path, _read(path), settings)
+
+
+def make_scenario(values: Mapping[str, Mapping[str, object]], *, settings: Iterable[Setting | str] = ()) -> Scenario:
+    """Check a scenario that stands in no file, for tests and studies.
+
+    Parameters
+    ----------
+    values : by node (or `/**`) and dotted name
+    settings : changes on top of them, as for `load_scenario`
+    """
+    given = {
+        node: {name: Given(value, name, node) for name, value in of_node.items()} for node, of_node in values.items()
+    }
+    return _checked("values", Path("values"), given, settings)
 
 
 def check_lengths(option: str, lengths: Iterable[float]) -> None:
-    """Refuse deployed lengths [m] given by an option that a scenario could not have; raises ParameterError."""
+    """Refuse deployed lengths that a scenario could not have; raises ParameterError for the first.
+
+    Parameters
+    ----------
+    option : of the command line, named in the message
+    lengths : [m]
+    """
     parameters = describe(NODE_BY_NAME["winch_controller"].parameters_type())
     (allowed,) = (info for info in parameters if info.name == "length")
     for length in lengths:
         allowed.check(length, where=option)
 
 
-def _checked(path: Path, values: NodeValues, source: str) -> Scenario:
-    """Return the scenario of these values; `source` opens the message of the ParameterError for what is wrong."""
-    of_run = {info.name for info in describe(RunParameters)}
-    run = build_parameters(RunParameters, values.get(WILDCARD, {}), where=f"{source}: {WILDCARD}")
-    parameters: dict[str, Any] = {}
+def _checked(name: str, path: Path, in_file: Values, settings: Iterable[Setting | str]) -> Scenario:
+    """Return the scenario of a file's values and the changes on top of them."""
+    changes = [parse_setting(setting) if isinstance(setting, str) else setting for setting in settings]
+    shared = _given(WILDCARD, in_file, changes)
+    _check_shared_names(shared)
+    _refuse_overruled(changes, in_file)
+    built: dict[str, NodeParameters] = {}
     for node in NODES:
-        where = f"{source}: {node.name}"
-        given = values_of_node(values, node.name)
-        run_values = {key: value for key, value in given.items() if key in of_run}
-        build_parameters(RunParameters, run_values, where=where)
-        own = {key: value for key, value in given.items() if key not in of_run}
-        parameters[node.name] = build_parameters(node.parameters_type(), own, where=where)
-    return Scenario(path.stem, path, values, run, parameters)
+        own = _given(node.name, in_file, changes)
+        _check_own_names(own)
+        where = _where(path, node.name, changes)
+        built[node.name] = build_node_parameters(node.name, node.parameters_type(), {**shared, **own}, where=where)
+    of_all = built[MASTER]
+    return Scenario(name, path, of_all.run, {node: of.own for node, of in built.items()}, of_all.wanted)
 
 
-def apply_setting(values: NodeValues, setting: str) -> None:
-    """Put a "NODE.PARAM=VALUE" text into the values of a scenario; raises ParameterError for what is none."""
-    target, separator, text = setting.partition("=")
-    node, dot, parameter = target.partition(".")
-    if not separator or not dot or not parameter:
-        raise ParameterError(f"--set {setting}: must be NODE.PARAM=VALUE, for example wave_vessel.peak_period=9")
-    if node == "all":
-        node = WILDCARD
-    elif node not in NODE_BY_NAME:
-        raise ParameterError(f"--set {setting}: there is no node {node}; known: all, {', '.join(NODE_BY_NAME)}")
-    try:
-        values.setdefault(node, {})[parameter] = parse_yaml(text)
-    except yaml.YAMLError as error:
-        raise ParameterError(f"--set {setting}: {text!r} is not a YAML value") from error
+def _read(path: Path) -> Values:
+    """Read a scenario file by node; refuse sections for no node of the suite, and shared names out of their place."""
+    values: Values = {}
+    for section, given in read_sections(path).items():
+        node = WILDCARD if section == WILDCARD else _node_of(section, path)
+        of_node = values.setdefault(node, {})
+        repeated = of_node.keys() & given.keys()
+        if repeated:
+            raise ParameterError(f"{path}: {section}: {min(repeated)} stands twice, in two sections for {node}")
+        of_node.update({name: Given(value, name, f"{path}: {section}") for name, value in given.items()})
+    return values
 
 
-def _refuse_unknown_nodes(values: NodeValues, path: Path) -> None:
-    for node in values:
-        if node != WILDCARD and node not in NODE_BY_NAME:
-            near = difflib.get_close_matches(node, NODE_BY_NAME, n=1)
-            hint = f"did you mean {near[0]}?" if near else f"known: {', '.join(NODE_BY_NAME)}"
-            raise ParameterError(f"{path}: there is no node {node}; {hint}")
+def _node_of(section: str, path: Path) -> str:
+    """Return the node that a section is for: `/cable_sim`, or `/**/cable_sim` in any namespace."""
+    name = section.removeprefix(WILDCARD).strip("/")
+    if name in NODE_BY_NAME:
+        return name
+    near = difflib.get_close_matches(name.rpartition("/")[2], NODE_BY_NAME, n=1)
+    hint = f"did you mean {WILDCARD}/{near[0]}?" if near else f"known: {', '.join(NODE_BY_NAME)}"
+    raise ParameterError(f"{path}: there is no node {name}; {hint}")
+
+
+def _given(target: str, in_file: Values, changes: Sequence[Setting]) -> dict[str, Given]:
+    """Return what is given to a node alone, or to all of them (`/**`): the file's values, and the changes on top."""
+    changed = {
+        change.name: Given(change.value, change.name, change.source) for change in changes if change.target == target
+    }
+    return {**in_file.get(target, {}), **changed}
+
+
+def _check_shared_names(given: Mapping[str, Given]) -> None:
+    """Refuse a name under `/**` that is none of a run, of the system or of a criterion."""
+    known = set(_RUN_NAMES)
+    for node in NODE_BY_NAME:
+        known |= owned_names(node, _names_of(node)).keys()
+    for name, value in given.items():
+        if name not in known and not name.startswith(WANTED):
+            raise unknown_parameter(value, known)
+
+
+def _check_own_names(given: Mapping[str, Given]) -> None:
+    """Refuse in a node's own section what all nodes share: the nodes of one run must agree on it."""
+    for name, value in given.items():
+        if name in _RUN_NAMES or name.startswith((SYSTEM, WANTED)):
+            raise ParameterError(f"{value.where}: all nodes share {name}: it stands under {WILDCARD}")
+
+
+def _refuse_overruled(changes: Sequence[Setting], in_file: Values) -> None:
+    """Refuse a change for all nodes that the file takes back for one of them: half of it would be lost in silence."""
+    for change in (change for change in changes if change.target == WILDCARD):
+        for node in NODE_BY_NAME:
+            own = system_names(node, _names_of(node)).get(change.name, change.name)
+            standing = in_file.get(node, {}).get(own)
+            if standing is not None and _given(node, in_file, changes)[own] is standing:
+                raise ParameterError(
+                    f"{change.source}: {standing.where}: {own} = {standing.value!r} stands there and wins; "
+                    f"set {node}.{own} as well"
+                )
+
+
+def _names_of(node: str) -> list[str]:
+    return [info.name for info in describe(NODE_BY_NAME[node].parameters_type())]
+
+
+def _where(path: Path, node: str, changes: Sequence[Setting]) -> str:
+    """Name the file, the node and the changes that concern it: what contradicts itself may stand in any of them."""
+    sources = dict.fromkeys(change.source for change in changes if change.target in (WILDCARD, node))
+    return f"{path}: {node}" + (f" with {', '.join(sources)}" if sources else "")

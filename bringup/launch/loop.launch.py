@@ -6,10 +6,11 @@ fails takes the others down.
 
 from pathlib import Path
 
-from heave_bringup.run.node_table import NODE_BY_NAME
-from heave_bringup.run.run import new_run_folder, nodes_to_start, resolved
+from heave_bringup.nodes import NODE_BY_NAME
+from heave_bringup.run.run import new_run_folder, nodes_to_start, store_scenario
 from heave_bringup.scenarios import load_scenario
-from heave_node.scenario import write_scenario
+from heave_bringup.settings import Setting
+from heave_node.scenario import WILDCARD
 from launch import LaunchContext, LaunchDescription, LaunchDescriptionEntity
 from launch.actions import (
     DeclareLaunchArgument,
@@ -45,15 +46,14 @@ def start_nodes(context: LaunchContext) -> list[LaunchDescriptionEntity]:
     scenario_name, folder_name, pacing, external = (
         LaunchConfiguration(name).perform(context) for name in ("scenario", "folder", "pacing", "external")
     )
-    common: dict[str, object] = {}
+    settings = []
     if pacing:
-        common["pacing"] = pacing
+        settings.append(Setting(WILDCARD, "pacing", pacing, f"pacing:={pacing}"))
     if external:
-        common["external"] = external.split(",")
-    scenario = load_scenario(scenario_name, common=common)
+        settings.append(Setting(WILDCARD, "external", external.split(","), f"external:={external}"))
+    scenario = load_scenario(scenario_name, settings=settings)
     folder = new_run_folder(scenario.name, Path(folder_name) if folder_name else None)
-    folder.path.mkdir(parents=True, exist_ok=True)
-    write_scenario(resolved(scenario, folder), folder.scenario)
+    store_scenario(scenario, folder)
     arguments = {"scenario": str(folder.scenario)}
     nodes = [
         IncludeLaunchDescription(

@@ -14,8 +14,13 @@ from heave_bringup.cli import main
         (["repair", "bag"], "heave repair: one of the arguments --output --reindex is required"),
         (["sail"], "heave: argument COMMAND: invalid choice: 'sail'"),
         (["run", "no_such_scenario"], "heave: no_such_scenario"),
-        (["run", "b2_calm_300", "--set", "cable_sim.length=-1"], "heave: command line (on top of "),
-        (["run", "b2_calm_300", "--duration", "-5"], "heave: command line (on top of "),
+        (
+            ["run", "b2_calm_300", "--set", "cable_sim.length=-1"],
+            "heave: --set cable_sim.length=-1: length = -1.0 is not allowed: it must be a number from 0.01 to 20000",
+        ),
+        (["run", "b2_calm_300", "--duration", "-5"], "heave: --duration -5.0: duration = -5.0 is not allowed: it must"),
+        (["run", "b2_calm_300", "--set", "all.seed=x"], "heave: --set all.seed=x: seed = 'x' is not allowed: it must"),
+        (["run", "b2_calm_300", "--external", "cable_sim"], "heave: "),
         (["design", "b2_calm_300", "--length", "-5"], "heave: --length: length = -5.0 is not allowed: it must be"),
         (["identify", "b2_calm_300", "--lengths", "300", "nan"], "heave: --lengths: length = nan is not allowed"),
         (["campaign", "b9_model_error", "--processes", "0"], "heave: --processes 0: must be at least 1"),
@@ -46,21 +51,22 @@ def test_a_wrong_value_is_told_with_where_it_stands(tmp_path, capsys):
     scenario = tmp_path / "own.yaml"
     scenario.write_text("wave_vessel: {ros__parameters: {peak_period: abc}}\n")
     assert main(["static", str(scenario), "--set", "cable_sim.length=200"]) == 2
-    assert capsys.readouterr().err.startswith(f"heave: {scenario}: wave_vessel: peak_period = 'abc' is not allowed")
+    assert capsys.readouterr().err.startswith(f"heave: {scenario}: /wave_vessel: peak_period = 'abc' is not allowed")
     scenario.write_text("wave_vessel: {ros__parameters: {peak_period: 8.0}}\n")
     assert main(["static", str(scenario), "--set", "wave_vessel.peak_period=abc"]) == 2
     said = capsys.readouterr().err
-    assert said.startswith(f"heave: command line (on top of {scenario}): wave_vessel: peak_period = 'abc' is not")
+    assert said.startswith("heave: --set wave_vessel.peak_period=abc: peak_period = 'abc' is not allowed: it must be")
 
 
 def test_a_wrong_value_of_a_campaign_is_told_of_its_file(tmp_path, capsys):
     campaign = tmp_path / "own_campaign.yaml"
     campaign.write_text("scenario: b2_calm_300\nset: {wave_vessel.peak_period: abc}\n")
     assert main(["campaign", str(campaign)]) == 2
-    assert capsys.readouterr().err.splitlines()[-1].startswith(f"heave: {campaign} (on top of ")
+    said = capsys.readouterr().err.splitlines()[-1]
+    assert said.startswith(f"heave: {campaign}: wave_vessel.peak_period: peak_period = 'abc' is not allowed")
     campaign.write_text("scenario: b2_calm_300\n")
     assert main(["campaign", str(campaign), "--duration", "5"]) == 2
-    assert f"heave: {campaign} and --duration 5: duration 5 s leaves nothing" in capsys.readouterr().err
+    assert "heave: --duration 5: duration = 5 s leaves nothing after the transient" in capsys.readouterr().err
 
 
 def test_the_folder_of_a_run_is_repaired_though_its_bag_lost_the_index(tmp_path):

@@ -8,14 +8,14 @@ from heave_bringup.run.launcher import Launcher, NodeProcess
 
 STUCK = """
 import time
-from heave_node import process
+from heave_node.ros import process
 
 class Node:
     def destroy_node(self):
         time.sleep(60.0)
 
-process.LEAVING = 1
-process.leave_ros(Node())
+process.SHUTDOWN_TIMEOUT = 1
+process.shut_down(Node())
 """
 
 
@@ -36,7 +36,7 @@ def test_a_node_that_the_middleware_does_not_let_go_has_left_and_holds_up_nobody
 def test_a_node_that_failed_has_failed_even_where_the_middleware_did_not_let_it_go(tmp_path):
     node = ended(tmp_path, "recorder", "print('recorder: the disk is full', flush=True)" + STUCK)
     assert node.has_failed
-    assert node.obituary() == "recorder: the disk is full"
+    assert node.how_it_ended() == "recorder: the disk is full"
 
 
 @pytest.mark.parametrize(
@@ -51,7 +51,7 @@ def test_a_node_that_failed_has_failed_even_where_the_middleware_did_not_let_it_
 def test_what_is_said_of_a_node_that_failed(tmp_path, program, words):
     node = ended(tmp_path, "wave_vessel", program)
     assert node.has_failed
-    assert node.obituary() == words
+    assert node.how_it_ended() == words
 
 
 def test_a_node_under_way_is_named_until_it_ends(tmp_path):

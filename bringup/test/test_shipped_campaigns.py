@@ -7,8 +7,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from heave_bringup.campaign.plan import as_settings, read_campaign
+from heave_bringup.campaign.plan import read_campaign
 from heave_bringup.scenarios import load_scenario
+from heave_node.parameters import ParameterError
 
 FOLDER = Path(str(resources.files("heave_bringup"))) / "campaigns"
 FILES = sorted(FOLDER.glob("*.yaml"))
@@ -20,8 +21,23 @@ def test_cases_are_legal_settings_of_the_scenario(path: Path) -> None:
     cases = list(campaign.cases())
     assert len(cases) in (4, 8, 65)
     for case in cases[:8]:
-        settings = as_settings({**campaign.common, **case.settings})
-        load_scenario(campaign.scenario, settings=settings, common={"seed": case.seed})
+        scenario = load_scenario(campaign.scenario, settings=campaign.settings_of(case))
+        assert scenario.run.seed == case.seed
+        assert scenario.run.duration == campaign.duration or campaign.duration is None
+
+
+def test_a_name_that_is_no_parameter_s_is_told_with_the_campaign_that_has_it(tmp_path: Path) -> None:
+    path = tmp_path / "own.yaml"
+    path.write_text("scenario: b2_calm_300\nvary: {system.sea.peak_period: [6, 50]}\n")
+    first, last = (read_campaign(path).settings_of(case) for case in read_campaign(path).cases())
+    changed = load_scenario("b2_calm_300", settings=first).parameters
+    assert changed["wave_vessel"].peak_period == changed["winch_controller"].sea.peak_period == 6.0
+    with pytest.raises(ParameterError, match=r"own\.yaml: system\.sea\.peak_period: system\.sea\.peak_period = 50"):
+        load_scenario("b2_calm_300", settings=last)
+    path.write_text("scenario: b2_calm_300\nset: {wave_vesel.peak_period: 6}\n")
+    campaign = read_campaign(path)
+    with pytest.raises(ParameterError, match=r"own\.yaml: wave_vesel\.peak_period: there is no node wave_vesel; did"):
+        campaign.settings_of(next(campaign.cases()))
 
 
 def test_b9_draws_cover_the_ranges_of_the_benchmark() -> None:

@@ -4,14 +4,17 @@ from __future__ import annotations
 
 import dataclasses
 import math
+import sys
 from itertools import pairwise
 from pathlib import Path
 
 import pytest
-from heave_bringup.run.node_table import NODES
+from heave_bags.analyse.kpi_set import DEFINITION_OF
+from heave_bringup.nodes import NODES
 from heave_bringup.scenarios import Scenario, description_of, load_scenario, shipped_scenarios
-from heave_node.parameters import flatten
-from heave_node.scenario import read_scenario, values_of_node
+from heave_node.parameters import describe, flatten
+from heave_node.scenario import read_sections
+from heave_node.system_parameters import SYSTEM, owned_names, system_names
 
 NAMES = (
     "b1_thesis",
@@ -114,10 +117,7 @@ def test_faults_of_b8_come_one_after_the_other_and_the_emergency_stop_last() -> 
     parameters = scenario("b8_faults").parameters
     mru, winch = parameters["wave_vessel"].mru, parameters["virtual_winch"]
     times = [
-        *mru.freeze_start,
-        *mru.dropout_start,
-        *mru.spike_time,
-        *mru.restart_time,
+        *mru.faults.start,
         *parameters["cable_sim"].sensors.depth.faults.start,
         *winch.encoder.faults.start,
         *winch.faults.start,
@@ -125,7 +125,7 @@ def test_faults_of_b8_come_one_after_the_other_and_the_emergency_stop_last() -> 
     assert len(times) == 9
     assert min(b - a for a, b in pairwise(times)) >= 100.0
     assert winch.faults.kind[-1] == "emergency_stop"
-    assert mru.dropout_duration == (5.0,)
+    assert mru.faults.duration[mru.faults.kind.index("gap")] == 5.0
     assert times[-1] < scenario("b8_faults").run.duration
 
 
@@ -174,25 +174,80 @@ def test_b7_reaches_the_seabed_at_600_metres() -> None:
 
 
 @pytest.mark.parametrize("name", sorted(shipped_scenarios()))
-def test_ros_reads_the_file_as_we_do(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_file_says_each_thing_once(name: str) -> None:
+    """What ship and controller share stands under `/**`; a node's section has what differs from it, and what is its
+    own."""
+    sections = read_sections(shipped_scenarios()[name])
+    shared = sections["/**"]
+    for node in NODES:
+        infos = {info.name: info for info in describe(node.parameters_type())}
+        own = sections.get(f"/**/{node.name}", {})
+        for system, mine in system_names(node.name, infos).items():
+            if mine in own:
+                assert own[mine] != shared.get(system, infos[mine].default), f"{node.name}.{mine} stands twice"
+    assert set(sections) <= {"/**", *(f"/**/{node.name}" for node in NODES)}
+
+
+@pytest.mark.parametrize("name", sorted(shipped_scenarios()))
+def test_what_is_wanted_is_a_figure_of_merit(name: str) -> None:
+    for criterion in scenario(name).wanted:
+        assert criterion.kpi in DEFINITION_OF
+
+
+def test_the_benchmarks_want_what_their_table_says() -> None:
+    # BENCHMARKS, column "world class"; "worse < 0.15" is an efficiency above 0.85
+    expected = {
+        "b2_calm_300": {"outlet_efficiency >= 0.95", "significant_residual_m <= 0.05", "time_at_limit_percent <= 0.0"},
+        "b3_deep_900": {"unit_sigma_m <= 0.005", "kappa <= 2.5"},
+        "b4_limit_900_tp8": {"unit_sigma_m <= 0.019", "unit_efficiency > 0.85"},
+        "b4_limit_900_tp10": {"unit_sigma_m <= 0.018", "unit_efficiency > 0.85"},
+        "b4_limit_900_tp12": {"unit_sigma_m <= 0.012", "unit_efficiency > 0.85"},
+        "b5_storm": {"unit_efficiency >= 0.0"},
+        "b7_landing": {"tension_ratio_min >= 0.1"},
+        "b8_faults": {"slack_percent <= 0.0"},
+        "b10_real_mru_swell": {"unit_efficiency >= 0.97"},
+    }
+    for name in NAMES:
+        assert {f"{c.kpi} {c.text}" for c in scenario(name).wanted} == expected.get(name, set()), name
+
+
+def test_a_shared_name_means_the_same_to_every_node_that_takes_it() -> None:
+    """Unit, type and default agree, and whoever believes takes nothing that the owner does not have."""
+    infos = {node.name: {info.name: info for info in describe(node.parameters_type())} for node in NODES}
+    owners = {s: (n, own) for n, known in infos.items() for s, own in owned_names(n, known).items()}
+    free = {"system.linear.inertia", "system.linear.damping"}  # 0 takes the controller's from cable, unit and length
+    for node, known in infos.items():
+        for system, own in system_names(node, known).items():
+            owner, owners_own = owners[system]
+            mine, theirs = known[own], infos[owner][owners_own]
+            assert (mine.unit, mine.type, mine.is_array) == (theirs.unit, theirs.type, theirs.is_array), system
+            assert mine.default == theirs.default or system in free, system
+    assert all(name.startswith(SYSTEM) for name in owners)
+
+
+@pytest.mark.parametrize("name", sorted(shipped_scenarios()))
+def test_nodes_take_from_the_file_what_the_command_takes(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The same file serves `heave run`, `ros2 run --params-file` and `ros2 launch`, in any namespace."""
     rclpy = pytest.importorskip("rclpy")
+    from heave_node.ros.node_parameters import read_parameters  # noqa: PLC0415
+
     monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
-    path = shipped_scenarios()[name]
+    arguments = ["--ros-args", "--params-file", str(shipped_scenarios()[name])]
+    monkeypatch.setattr(sys, "argv", ["node", *arguments])
     context = rclpy.Context()
-    rclpy.init(args=["--ros-args", "--params-file", str(path)], context=context)
+    rclpy.init(args=arguments, context=context)
+    expected = scenario(name)
     try:
-        for node_name in ("winch_controller", "cable_sim"):
+        for number, entry in enumerate(NODES):
             node = rclpy.create_node(
-                node_name,
+                entry.name,
+                namespace=("", "/ship")[number % 2],
                 context=context,
                 automatically_declare_parameters_from_overrides=True,
-                use_global_arguments=True,
             )
-            read = {key: p.value for key, p in node.get_parameters_by_prefix("").items() if key != "use_sim_time"}
+            run, own = read_parameters(node, entry.parameters_type())
             node.destroy_node()
-            read = {key: list(v) if hasattr(v, "__iter__") and not isinstance(v, str) else v for key, v in read.items()}
-            expected = values_of_node(read_scenario(path), node_name)
-            read.pop("start_type_description_service", None)
-            assert read == expected
+            assert run == expected.run
+            assert own == expected.parameters[entry.name]
     finally:
         rclpy.shutdown(context=context)

@@ -12,13 +12,15 @@ from dataclasses import dataclass
 import numpy as np
 from heave_node.arrays import Array
 from heave_node.kinematics import PointMotion
+from heave_node.sensors import Water
 
 from cable_sim_node.errors import BadMotionError, PlantError
 from cable_sim_node.inputs import BridgedInput
 from cable_sim_node.line.dynamics import CableDynamics
 from cable_sim_node.node_parameters import CableSimNodeParameters
+from cable_sim_node.sensors.instruments import SensorTruth
 from cable_sim_node.sensors.sensor import Sensor
-from cable_sim_node.sensors.suite import SensorReadings, SensorSuite, SensorTruth
+from cable_sim_node.sensors.suite import SensorReadings, SensorSuite
 from cable_sim_node.shadow import ShadowPayout
 from cable_sim_node.vertical.linear_plant import LinearPlant
 
@@ -79,6 +81,7 @@ class CableSim:
     ----------
     tick : number k of the tick whose start the plant stands at; 1 at first
     boom_tip, payout : the inputs as used, and how many values were missing
+    water : that the unit is in
     """
 
     def __init__(self, parameters: CableSimNodeParameters, *, seed: int, tick_period: float) -> None:
@@ -91,16 +94,13 @@ class CableSim:
         self._plant = _at_rest(parameters, start)
         self._shadow = _at_rest(parameters, start)
         self._shadow_payout = ShadowPayout(tick_period=tick_period)
-        self._suite = SensorSuite(
-            parameters.sensors,
-            static_top_tension=self._plant.top_tension,
-            seed=seed,
-            tick_period=tick_period,
-        )
+        self.water = Water(parameters.water_density, parameters.gravity)
+        self._static_top_tension = self._plant.top_tension
+        self._suite = SensorSuite(parameters.sensors, seed=seed, tick_period=tick_period)
 
     @property
     def sensors(self) -> dict[str, Sensor]:
-        """The sensors by name (depth, velocity, imu, usbl, load_cell), to inject faults into."""
+        """The sensors that are fitted, by name, to inject faults into."""
         return self._suite.by_name
 
     def state(self) -> PlantState:
@@ -134,7 +134,9 @@ class CableSim:
             velocity=state.unit.velocity,
             acceleration=state.unit.acceleration,
             top_tension=state.top_tension,
+            static_top_tension=self._static_top_tension,
             height_above_seabed=self._height_above_seabed(state.unit.position),
+            gravity=self._parameters.gravity,
         )
         return state, self._suite.step(tick, truth)
 

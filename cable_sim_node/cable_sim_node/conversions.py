@@ -1,4 +1,4 @@
-"""Plant and winch data as ROS messages, and back."""
+"""Plant and winch data as ROS messages, and back; readings of sensors are `heave_node.messages`."""
 
 from __future__ import annotations
 
@@ -7,20 +7,17 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from builtin_interfaces.msg import Time
-from geometry_msgs.msg import Point, PoseWithCovarianceStamped, Quaternion, TwistWithCovarianceStamped, Vector3
-from heave_msgs.msg import CableState, LoadCell
+from geometry_msgs.msg import Point, Quaternion, Vector3
+from heave_msgs.msg import CableState
 from heave_msgs.msg import PointMotion as PointMotionMessage
 from heave_msgs.msg import WinchCommand as WinchCommandMessage
 from heave_msgs.msg import WinchState as WinchStateMessage
 from heave_node.arrays import Array
-from heave_node.constants import ATMOSPHERIC_PRESSURE
 from heave_node.kinematics import PointMotion
-from heave_node.tick.tick import seconds_of, stamp_of_seconds
+from heave_node.tick.tick import seconds_of
 from nav_msgs.msg import Odometry
-from sensor_msgs.msg import FluidPressure, Imu
 from std_msgs.msg import Header
 
-from cable_sim_node.sensors.sensor import Reading
 from cable_sim_node.winch.component import WinchCommand, WinchState
 
 if TYPE_CHECKING:  # the winch converts without the plant and its solver
@@ -30,8 +27,6 @@ if TYPE_CHECKING:  # the winch converts without the plant and its solver
 WORLD = "world"
 UNIT = "unit"
 UPRIGHT = (0.0, 0.0, 0.0, 1.0)
-UNKNOWN_VARIANCE = 1e6
-"""Variance [SI] of what a sensor does not measure, in messages that cannot leave it out."""
 
 
 def header(stamp: Time, frame: str) -> Header:
@@ -51,11 +46,6 @@ def point_message(values: Array) -> Point:
 def _upright() -> Quaternion:
     x, y, z, w = UPRIGHT
     return Quaternion(x=x, y=y, z=z, w=w)
-
-
-def _diagonal(first: Array, rest: float) -> list[float]:
-    """Return a row-major 6x6 covariance with variances `first` (3,) and `rest` for the other three."""
-    return [float(v) for v in np.diag(np.concatenate([first, np.full(3, rest)])).ravel()]
 
 
 def cable_state_message(state: PlantState, stamp: Time) -> CableState:
@@ -104,54 +94,6 @@ def unit_odometry_message(motion: PointMotion, stamp: Time) -> Odometry:
     return message
 
 
-def pressure_message(reading: Reading, density: float, gravity: float) -> FluidPressure:
-    """Return a depth reading as absolute pressure: atmosphere plus the still water above [Pa]."""
-    per_metre = density * gravity
-    return FluidPressure(
-        header=header(stamp_of_seconds(reading.stamp), UNIT),
-        fluid_pressure=ATMOSPHERIC_PRESSURE + per_metre * float(reading.value[0]),
-        variance=(per_metre * float(reading.sigma[0])) ** 2,
-    )
-
-
-def velocity_message(reading: Reading) -> TwistWithCovarianceStamped:
-    """Return a DVL reading; the axes of `unit` are those of `world`, turn rates are not measured."""
-    message = TwistWithCovarianceStamped(header=header(stamp_of_seconds(reading.stamp), UNIT))
-    message.twist.twist.linear = _vector(reading.value)
-    message.twist.covariance = _diagonal(reading.sigma**2, UNKNOWN_VARIANCE)
-    return message
-
-
-def imu_message(reading: Reading) -> Imu:
-    """Return an IMU reading: specific force and turn rate; orientation is not measured (covariance -1, REP-145)."""
-    message = Imu(header=header(stamp_of_seconds(reading.stamp), UNIT), orientation=_upright())
-    message.orientation_covariance[0] = -1.0
-    message.linear_acceleration = _vector(reading.value[:3])
-    message.angular_velocity = _vector(reading.value[3:])
-    variance = reading.sigma**2
-    message.linear_acceleration_covariance = np.diag(variance[:3]).ravel()
-    message.angular_velocity_covariance = np.diag(variance[3:]).ravel()
-    return message
-
-
-def usbl_message(reading: Reading) -> PoseWithCovarianceStamped:
-    """Return a USBL reading: position in frame `world`; orientation is not measured."""
-    message = PoseWithCovarianceStamped(header=header(stamp_of_seconds(reading.stamp), WORLD))
-    message.pose.pose.position = point_message(reading.value)
-    message.pose.pose.orientation = _upright()
-    message.pose.covariance = _diagonal(reading.sigma**2, UNKNOWN_VARIANCE)
-    return message
-
-
-def load_cell_message(reading: Reading) -> LoadCell:
-    """Return a load-cell reading."""
-    return LoadCell(
-        header=header(stamp_of_seconds(reading.stamp), ""),
-        tension=float(reading.value[0]),
-        tension_sigma=float(reading.sigma[0]),
-    )
-
-
 def winch_state_message(state: WinchState, stamp: Time) -> WinchStateMessage:
     """Return the state of the winch."""
     return WinchStateMessage(
@@ -164,7 +106,7 @@ def winch_state_message(state: WinchState, stamp: Time) -> WinchStateMessage:
         encoder_payout_rate=state.encoder_payout_rate,
         tension=state.tension,
         power=state.power,
-        limits_hit=int(state.limits),
+        limits_hit=int(state.limits_hit),
         brake=state.brake,
         fault=int(state.fault),
     )

@@ -11,6 +11,14 @@ class NoEquilibriumError(PlantError):
     """There is no hanging equilibrium to start from."""
 
 
+class StaticsError(PlantError, ValueError):
+    """A statics problem that is not well posed; the message says what is wrong."""
+
+
+class LinearisationError(PlantError, ValueError):
+    """A linear model that cannot be made; the message says why."""
+
+
 class CableTooShortError(PlantError):
     """More cable is hauled in than leaves a segment to compute with."""
 
@@ -29,7 +37,14 @@ winch."""
 
 
 def refuse_jump(where: str, payout: float, payout_start: float) -> None:
-    """Raise BadMotionError if `payout_start` is not the plant's `payout` [m]: cable neither appears nor vanishes."""
+    """Raise BadMotionError if a payout jumps: cable neither appears nor vanishes.
+
+    Parameters
+    ----------
+    where : opens the message
+    payout : of the plant [m]
+    payout_start : with which the next interval would start [m]
+    """
     if abs(payout_start - payout) > LARGEST_JUMP:
         raise BadMotionError(
             f"{where}: payout_start {payout_start:.9g} m jumps from the plant's payout of {payout:.9g} m; give the "

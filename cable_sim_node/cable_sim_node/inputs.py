@@ -2,9 +2,9 @@
 
 In lockstep every value is there and passes unchanged. In real time the newest value is carried forward to the end of
 the tick (`NewestMotion`). One that is too old for that counts as missing (`BridgedInput`): the signal then coasts to
-rest, and when values come again the gap between coasted and true signal closes without a jump of position or
-velocity, so that a lost message never hits the cable like a hammer. So does the gap between the place where the plant
-rests at the start and the first value, where it is large enough to be felt.
+rest, and when values come again the gap between the coasted and the true signal closes without a jump of position or
+velocity, so that a lost message never jerks the cable. The gap between the place where the plant rests at the start and
+the first value is closed in the same way, where it is large enough to be felt.
 """
 
 from __future__ import annotations

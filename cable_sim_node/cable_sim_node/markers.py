@@ -22,7 +22,14 @@ BED = ColorRGBA(r=0.5, g=0.4, b=0.3, a=0.8)
 
 
 def plant_markers(state: PlantState, seabed: SeabedParameters, stamp: Time) -> MarkerArray:
-    """Return the markers: the cable (a segment without tension is red), unit, shadow unit, boom tip, sea, seabed."""
+    """Return the markers: the cable (a segment without tension is red), unit, shadow unit, boom tip, sea, seabed.
+
+    Parameters
+    ----------
+    state : of the plant
+    seabed : its parameters; none is shown without a depth
+    stamp : of all markers
+    """
     length = max(float(state.unstretched_length), 1.0)
     size = max(0.01 * length, 0.5)
     markers = [

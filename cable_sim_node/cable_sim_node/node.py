@@ -4,19 +4,20 @@ from __future__ import annotations
 
 import dataclasses
 import sys
-from collections.abc import Callable
 from functools import partial
 
-from heave_msgs.srv import InjectFault
 from heave_node import topics
 from heave_node.kinematics import PointMotion
+from heave_node.messages import SensorMessages
 from heave_node.ros.diagnostics import Health, Level
+from heave_node.ros.fault_service import FaultService
 from heave_node.ros.master import ClockMasterNode
 from heave_node.ros.node import NodeError
-from heave_node.ros.ports import Input, Output
+from heave_node.ros.ports import Input
 from heave_node.ros.process import run_node
+from heave_node.sensors import SENSORS, all_to_wire
 from heave_node.tick.tick import Tick
-from heave_node.topics import Topic
+from heave_node.topic import Topic
 
 from cable_sim_node import conversions
 from cable_sim_node.component import CableSim, PlantState
@@ -24,7 +25,6 @@ from cable_sim_node.errors import PlantError
 from cable_sim_node.inputs import NewestMotion
 from cable_sim_node.markers import plant_markers
 from cable_sim_node.node_parameters import CableSimNodeParameters
-from cable_sim_node.sensors.sensor import Reading
 from cable_sim_node.sensors.suite import SensorReadings
 
 
@@ -43,7 +43,9 @@ class CableSimNode(ClockMasterNode):
         self.plant = self._make_plant()
         self.newest_tip, self.newest_payout = NewestMotion(), NewestMotion()
         self.state: PlantState | None = None
-        self.sensor_outputs = self._add_sensor_outputs()
+        self.sensor_outputs = {
+            name: (self.add_output(SENSORS[name].topic), SensorMessages(SENSORS[name])) for name in self.plant.sensors
+        }
         self.cable_state = self.add_output(topics.CABLE_STATE)
         self.unit_odometry = self.add_output(topics.UNIT_ODOMETRY)
         self.uncompensated = self.add_output(topics.UNIT_UNCOMPENSATED)
@@ -53,7 +55,7 @@ class CableSimNode(ClockMasterNode):
         # it takes time to read, and only a shadow that is lowered asks for it
         follows = self.parameters.shadow_follows_programme
         self.controller_state = self.add_input(topics.CONTROLLER_STATE) if follows else None
-        self.create_service(InjectFault, f"{self.name}/inject_fault", self._serve_inject_fault)
+        FaultService(self, lambda: {name: sensor.faults for name, sensor in self.plant.sensors.items()})
 
     def on_reset(self) -> None:
         """Start from rest again, without the faults that were injected."""
@@ -71,18 +73,19 @@ class CableSimNode(ClockMasterNode):
 
     def _promise_readings(self, readings: SensorReadings) -> None:
         """Publish what the sensors deliver; the controller waits for it."""
-        for name, (output, to_message) in self.sensor_outputs.items():
-            for reading in getattr(readings, name):
-                output.publish_later(partial(to_message, reading))
+        for name, taken in all_to_wire(readings, self.plant.water).items():
+            output, messages = self.sensor_outputs[name]
+            for reading in taken:
+                output.publish_deferred(partial(messages.message, reading))
 
     def _promise_state(self, state: PlantState, tick: Tick) -> None:
         """Publish the truth, which nobody but the winch's power limit waits for."""
         stamp = tick.stamp
-        self.cable_state.publish_later(lambda: conversions.cable_state_message(state, stamp))
-        self.unit_odometry.publish_later(lambda: conversions.unit_odometry_message(state.unit, stamp))
-        self.uncompensated.publish_later(lambda: conversions.point_motion_message(state.uncompensated, stamp))
+        self.cable_state.publish_deferred(lambda: conversions.cable_state_message(state, stamp))
+        self.unit_odometry.publish_deferred(lambda: conversions.unit_odometry_message(state.unit, stamp))
+        self.uncompensated.publish_deferred(lambda: conversions.point_motion_message(state.uncompensated, stamp))
         if self._are_markers_due(tick):
-            self.markers.publish_later(lambda: plant_markers(state, self.parameters.seabed, stamp))
+            self.markers.publish_deferred(lambda: plant_markers(state, self.parameters.seabed, stamp))
 
     def on_advance(self, tick: Tick) -> None:
         """Integrate to t_{k+1} with what is here of then; what is missing is bridged and counted."""
@@ -125,20 +128,6 @@ class CableSimNode(ClockMasterNode):
         )
         return parts
 
-    def _add_sensor_outputs(self) -> dict[str, tuple[Output, Callable[[Reading], object]]]:
-        """Add the topics of the sensors that are fitted; return with each how a reading becomes a message."""
-        p = self.parameters
-        pressure_message = partial(conversions.pressure_message, density=p.water_density, gravity=p.gravity)
-        known: dict[str, tuple[Topic, Callable[[Reading], object]]] = {
-            "depth": (topics.UNIT_PRESSURE, pressure_message),
-            "velocity": (topics.UNIT_VELOCITY, conversions.velocity_message),
-            "imu": (topics.UNIT_IMU, conversions.imu_message),
-            "usbl": (topics.UNIT_USBL, conversions.usbl_message),
-            "load_cell": (topics.LOAD_CELL, conversions.load_cell_message),
-        }
-        fitted = {name: known[name] for name in self.plant.sensors}
-        return {name: (self.add_output(topic), to_message) for name, (topic, to_message) in fitted.items()}
-
     def _add_motion_input(self, topic: Topic) -> Input:
         """Add an input; hardware stamps by a clock of its own, so its stamps are not looked at."""
         return self.add_input(topic, check_stamps=topic.publisher not in self.run.external)
@@ -160,21 +149,6 @@ class CableSimNode(ClockMasterNode):
             return False
         ticks = max(1, round(1.0 / (rate * self.run.tick_period)))
         return tick.number % ticks == 0
-
-    def _serve_inject_fault(self, request: InjectFault.Request, response: InjectFault.Response) -> InjectFault.Response:
-        """Let a fault of a sensor begin with the next tick."""
-        sensor = self.plant.sensors.get(request.device)
-        if sensor is None:
-            response.message = f"{self.name} has no device {request.device}; it has {', '.join(self.plant.sensors)}"
-            return response
-        start = (self.plant.tick + 1) * self.run.tick_period
-        try:
-            sensor.faults.inject(request.kind, start=start, duration=request.duration, magnitude=request.magnitude)
-        except ValueError as error:
-            response.message = str(error)
-            return response
-        response.success, response.message = True, f"{request.device}: {request.kind} from t = {start:.3f} s"
-        return response
 
 
 def main() -> None:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from heave_node.parameters import group, parameter
 
 from cable_sim_node.parameters import CableSimParameters
-from cable_sim_node.sensors.parameters import SensorsParameters
+from cable_sim_node.sensors.instruments import SensorsParameters
 
 
 @dataclass(frozen=True)

@@ -7,9 +7,9 @@ system of the thesis, section 5.7.
 from __future__ import annotations
 
 import itertools
-import math
 from dataclasses import dataclass
 
+from heave_node import hydrostatics
 from heave_node.constants import SEAWATER_DENSITY, STANDARD_GRAVITY
 from heave_node.parameters import group, parameter
 
@@ -52,12 +52,11 @@ class CableParameters:
     @property
     def displaced_area(self) -> float:
         """Cross-section of the displaced water [m^2]."""
-        diameter = self.displaced_diameter if self.displaced_diameter > 0.0 else self.diameter
-        return 0.25 * math.pi * diameter**2
+        return hydrostatics.displaced_area(self.diameter, self.displaced_diameter)
 
     def weight_in_fluid(self, density: float, gravity: float = STANDARD_GRAVITY) -> float:
-        """Return weight minus buoyancy per unstretched metre [N/m] in a fluid of `density` [kg/m^3]."""
-        return (self.mass_per_length - density * self.displaced_area) * gravity
+        """Return weight minus buoyancy [N/m] in a fluid of `density` [kg/m^3] under `gravity` [m/s^2]."""
+        return hydrostatics.weight_in_fluid(self.mass_per_length, self.displaced_area, density, gravity)
 
 
 @dataclass(frozen=True)
@@ -87,10 +86,10 @@ class SectionsParameters:
             count = len(getattr(self, name))
             if count != len(self.length):
                 raise ValueError(
-                    f"sections.{name} has {count} values, sections.length {len(self.length)}: give one each"
+                    f"sections.{name} has {count} values but sections.length {len(self.length)}: give one per section"
                 )
         if self.displaced_diameter and len(self.displaced_diameter) != len(self.length):
-            raise ValueError("sections.displaced_diameter must be empty or have one value for each section")
+            raise ValueError("sections.displaced_diameter must be empty or have one value per section")
 
 
 @dataclass(frozen=True)
@@ -112,7 +111,7 @@ class ClumpsParameters:
             count = len(getattr(self, name))
             if count != len(self.position):
                 raise ValueError(
-                    f"clumps.{name} has {count} values, clumps.position {len(self.position)}: give one each"
+                    f"clumps.{name} has {count} values but clumps.position {len(self.position)}: give one per body"
                 )
 
 
@@ -136,8 +135,8 @@ class UnitParameters:
     )
 
     def weight_in_fluid(self, density: float, gravity: float = STANDARD_GRAVITY) -> float:
-        """Return weight minus buoyancy [N] in a fluid of `density` [kg/m^3]."""
-        return (self.mass - density * self.volume) * gravity
+        """Return weight minus buoyancy [N] in a fluid of `density` [kg/m^3] under `gravity` [m/s^2]."""
+        return hydrostatics.weight_in_fluid(self.mass, self.volume, density, gravity)
 
 
 @dataclass(frozen=True)
@@ -183,7 +182,7 @@ class CurrentProfileParameters:
         for name in ("depth", "time"):
             values = getattr(self, name)
             if any(later <= earlier for earlier, later in itertools.pairwise(values)):
-                raise ValueError(f"current_profile.{name} must increase from value to value")
+                raise ValueError(f"current_profile.{name} must be strictly increasing")
 
 
 @dataclass(frozen=True)

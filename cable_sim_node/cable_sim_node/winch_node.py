@@ -4,16 +4,16 @@ from __future__ import annotations
 
 import sys
 
-from heave_msgs.srv import InjectFault
 from heave_node import topics
+from heave_node.codes import WinchFault, fault_words
 from heave_node.ros.diagnostics import Health, Level
+from heave_node.ros.fault_service import FaultService
 from heave_node.ros.participant import ParticipantNode
 from heave_node.ros.process import run_node
 from heave_node.tick.tick import Tick
 
 from cable_sim_node.conversions import winch_command_of, winch_state_message
-from cable_sim_node.sensors.faults import FaultSchedule
-from cable_sim_node.winch.component import VirtualWinch, WinchFault
+from cable_sim_node.winch.component import VirtualWinch
 from cable_sim_node.winch.parameters import WinchParameters
 
 
@@ -33,7 +33,7 @@ class VirtualWinchNode(ParticipantNode):
         is_foreign = topics.WINCH_COMMAND.publisher in self.run.external
         self.command = self.add_input(topics.WINCH_COMMAND, check_stamps=not is_foreign)
         self.cable_state = self.add_input(topics.CABLE_STATE)
-        self.create_service(InjectFault, f"{self.name}/inject_fault", self._serve_inject_fault)
+        FaultService(self, lambda: {"winch": self.winch.faults, "encoder": self.winch.encoder.faults})
 
     def on_reset(self) -> None:
         """Start from rest with the brake engaged, without the faults that were injected."""
@@ -57,27 +57,11 @@ class VirtualWinchNode(ParticipantNode):
         values = {"refused commands": str(self.winch.refused_commands), "brake": str(state.brake)}
         if state.fault is WinchFault.NONE:
             return [Health("drive", Level.OK, "ok", values)]
-        text = state.fault.name.lower().replace("_", " ")
-        return [Health("drive", Level.ERROR, f"stopped by itself: {text}; release: brake on, then off", values)]
+        reason = fault_words(state.fault)
+        return [Health("drive", Level.ERROR, f"stopped by itself: {reason}; release: brake on, then off", values)]
 
     def _make_winch(self) -> VirtualWinch:
         return VirtualWinch(self.parameters, tick_period=self.run.tick_period)
-
-    def _serve_inject_fault(self, request: InjectFault.Request, response: InjectFault.Response) -> InjectFault.Response:
-        """Let a fault of the winch or its encoder begin with the next tick."""
-        devices: dict[str, FaultSchedule] = {"winch": self.winch.faults, "encoder": self.winch.encoder.faults}
-        faults = devices.get(request.device)
-        if faults is None:
-            response.message = f"{self.name} has no device {request.device}; it has {', '.join(devices)}"
-            return response
-        start = self.winch.tick * self.run.tick_period
-        try:
-            faults.inject(request.kind, start=start, duration=request.duration, magnitude=request.magnitude)
-        except ValueError as error:
-            response.message = str(error)
-            return response
-        response.success, response.message = True, f"{request.device}: {request.kind} from t = {start:.3f} s"
-        return response
 
 
 def main() -> None:

@@ -67,7 +67,7 @@ class Sea(ParticipantNode):
         self.tip.publish(point_motion_message(motion, tick.end_stamp))
         self.heard += self.take(self.winch)
 
-    def on_end(self, status: TickStatus) -> None:
+    def on_run_ended(self, status: TickStatus) -> None:
         result = {
             "reason": status.reason,
             "times": [nanoseconds_of(m.header.stamp) * 1e-9 for m in self.heard],
@@ -107,7 +107,7 @@ class Controller(ParticipantNode):
     def _on_answer(self, future: object) -> None:
         self.answer = future.result().message
 
-    def on_end(self, status: TickStatus) -> None:
+    def on_run_ended(self, status: TickStatus) -> None:
         cable, winch = self.heard["cable/state"], self.heard["winch/state"]
         pressure = self.heard["unit/pressure"]
         markers = self.heard["markers"]

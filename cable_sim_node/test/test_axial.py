@@ -190,7 +190,7 @@ def test_a_law_that_yields_below_the_static_tension_is_refused():
     [
         ({"boom_tip_heave": np.array([0.0, math.nan, 0.0, 0.0])}, r"boom_tip_heave\[1\]"),
         ({"boom_tip_heave": np.zeros(3)}, "at least 4"),
-        ({"payout": np.zeros(7)}, "equally many"),
+        ({"payout": np.zeros(7)}, "same number"),
         ({"payout": np.full(10, -301.0)}, "hauled in"),
         ({"segments": 0}, "segments"),
         ({"sample_period": 0.0}, "sample_period"),

@@ -13,7 +13,7 @@ from cable_sim_node.errors import PlantError
 from cable_sim_node.node_parameters import CableSimNodeParameters
 from cable_sim_node.parameters import SeabedParameters
 from cable_sim_node.peers.reference_systems import DEEP_900
-from cable_sim_node.sensors.parameters import (
+from cable_sim_node.sensors.instruments import (
     DepthSensorParameters,
     LoadCellParameters,
     SensorsParameters,
@@ -102,8 +102,8 @@ def test_plant_rests_where_it_starts_and_its_sensors_say_so() -> None:
     depths, tensions = [], []
     for tick in range(1, 201):
         state, readings = sim.readings(tick)
-        depths += [(r.stamp, r.value[0]) for r in readings.depth]
-        tensions += [r.value[0] for r in readings.load_cell]
+        depths += [(r.time, r.value[0]) for r in readings["depth"]]
+        tensions += [r.value[0] for r in readings["load_cell"]]
         sim.advance(tick, PointMotion((tick + 1) * TICK), (0.0, 0.0))
     assert len(depths) == 100
     # Static: weight in water of unit and cable, 25861.5 + 300 * 35.517 N; peer 36516.6 N.
@@ -144,7 +144,7 @@ def test_runs_of_one_seed_are_equal_bit_for_bit() -> None:
         for tick in range(1, 200):
             state, readings = sim.readings(tick)
             numbers += [state.top_tension, *state.unit.position]
-            for group in (readings.depth, readings.velocity, readings.imu, readings.usbl, readings.load_cell):
+            for group in readings.values():
                 numbers += [float(v) for reading in group for v in reading.value]
             sim.advance(tick, motion(tick + 1), (0.0, 0.0))
         return numbers
@@ -248,7 +248,7 @@ def test_whatever_comes_in_nothing_but_finite_numbers_or_a_named_error_comes_out
     for tick, (tip, winch) in enumerate(inputs, start=1):
         state, readings = sim.readings(tick)
         numbers = [state.node_positions, state.segment_tensions, state.unit.velocity, state.uncompensated.acceleration]
-        numbers += [reading.value for reading in (*readings.depth, *readings.imu, *readings.load_cell)]
+        numbers += [reading.value for reading in (*readings["depth"], *readings["imu"], *readings["load_cell"])]
         assert all(np.isfinite(values).all() for values in numbers)
         assert state.segment_tensions.min() >= 0.0
         motion = None

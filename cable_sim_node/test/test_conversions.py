@@ -13,7 +13,6 @@ pytest.importorskip("heave_msgs")
 from builtin_interfaces.msg import Time
 from cable_sim_node.component import PlantState
 from cable_sim_node.parameters import SeabedParameters
-from cable_sim_node.sensors.sensor import Reading
 from cable_sim_node.winch.component import VirtualWinch, WinchCommand
 from cable_sim_node.winch.parameters import WinchParameters
 from heave_msgs.msg import WinchCommand as WinchCommandMessage
@@ -39,10 +38,6 @@ STATE = PlantState(
     uncompensated=MOTION,
     uncompensated_tension=30_000.0,
 )
-
-
-def reading(*values: float, sigma: float = 0.02) -> Reading:
-    return Reading(12.25, np.array(values), np.full(len(values), sigma))
 
 
 def test_cable_state_holds_the_plant_from_the_unit_upwards() -> None:
@@ -71,45 +66,13 @@ def test_odometry_of_the_unit_is_in_world_with_the_unit_upright() -> None:
     assert (q.x, q.y, q.z, q.w) == (0.0, 0.0, 0.0, 1.0)
 
 
-def test_pressure_is_absolute_and_its_variance_that_of_the_depth() -> None:
-    message = conversions.pressure_message(reading(300.0), 1025.0, 9.80665)
-    assert message.fluid_pressure == pytest.approx(101_325.0 + 1025.0 * 9.80665 * 300.0)
-    assert message.variance == pytest.approx((1025.0 * 9.80665 * 0.02) ** 2)
-    assert (message.header.stamp.sec, message.header.stamp.nanosec) == (12, 250_000_000)
-    assert message.header.frame_id == "unit"
-
-
-def test_velocity_and_position_state_their_covariances_and_leave_the_rest_unknown() -> None:
-    twist = conversions.velocity_message(reading(0.1, 0.2, 0.3))
-    assert (twist.twist.twist.linear.x, twist.twist.twist.linear.z) == (0.1, 0.3)
-    pose = conversions.usbl_message(reading(1.0, 2.0, -3.0, sigma=0.5))
-    assert pose.pose.pose.position.z == -3.0
-    for covariance, variance in ((twist.twist.covariance, 0.02**2), (pose.pose.covariance, 0.25)):
-        matrix = np.reshape(covariance, (6, 6))
-        np.testing.assert_allclose(np.diag(matrix), [variance] * 3 + [conversions.UNKNOWN_VARIANCE] * 3)
-        assert np.count_nonzero(matrix) == 6
-
-
-def test_imu_says_that_it_knows_no_orientation() -> None:
-    message = conversions.imu_message(reading(0.1, 0.2, 9.8, 0.01, 0.02, 0.03, sigma=0.005))
-    assert message.orientation_covariance[0] == -1.0
-    assert message.linear_acceleration.z == 9.8
-    assert message.angular_velocity.y == 0.02
-    assert message.linear_acceleration_covariance[8] == pytest.approx(0.005**2)
-
-
-def test_load_cell_reading_and_its_accuracy() -> None:
-    message = conversions.load_cell_message(reading(36_500.0, sigma=182.0))
-    assert (message.tension, message.tension_sigma) == (36_500.0, 182.0)
-
-
 def test_winch_state_and_command_keep_every_field() -> None:
     winch = VirtualWinch(WinchParameters(command_delay=0.0), tick_period=0.05)
     for tick in range(1, 20):
         state = winch.step(tick, WinchCommand(tick, 0.0, 5.0), 30_000.0)
     message = conversions.winch_state_message(state, STAMP)
     for field in dataclasses.fields(state):
-        if field.name not in ("time", "limits"):
+        if field.name not in ("time", "limits_hit"):
             assert getattr(message, field.name) == getattr(state, field.name), field.name
     assert message.limits_hit == WinchStateMessage.LIMIT_SPEED + WinchStateMessage.LIMIT_ACCELERATION
     assert message.power < 0.0

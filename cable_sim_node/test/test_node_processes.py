@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from heave_node.codes import WinchFault
 
 pytest.importorskip("rclpy")
 pytest.importorskip("heave_msgs")
@@ -119,7 +120,7 @@ def test_markers_show_the_cable_where_it_is(heard: dict[str, Any]) -> None:
 def test_fault_injected_by_service_stops_the_winch(domain: int, tmp_path: Path) -> None:
     heard, _ = run(domain, tmp_path, winch_controller={"inject": "virtual_winch winch emergency_stop"})
     assert heard["answer"].startswith("winch: emergency_stop from t = ")
-    assert heard["fault"][-1] == 4
+    assert heard["fault"][-1] == WinchFault.EMERGENCY_STOP
     assert heard["brake"][-1]
 
 
@@ -143,16 +144,16 @@ def test_winch_stops_by_itself_when_the_controller_is_killed(domain: int, tmp_pa
     assert "winch_controller" in heard["reason"], errors
     faults, rates, times = np.array(heard["faults"]), np.array(heard["rates"]), np.array(heard["times"])
     # The command of tick 39, 1.95 s, works until 0.2 s + 0.5 s later, 2.65 s; from 1 m/s it is at rest at 3.32 s.
-    assert times[faults == 1].min() == pytest.approx(2.7, abs=0.2)
+    assert times[faults == WinchFault.COMMAND_TIMEOUT].min() == pytest.approx(2.7, abs=0.2)
     assert rates[times < 2.6].max() == pytest.approx(1.0, abs=0.01)
     assert np.abs(np.diff(rates) / np.diff(times)).max() <= 1.5 + 1e-6
-    assert (rates[-1], heard["brakes"][-1], faults[-1]) == (0.0, True, 1)
+    assert (rates[-1], heard["brakes"][-1], faults[-1]) == (0.0, True, WinchFault.COMMAND_TIMEOUT)
 
 
 @pytest.mark.slow
-def test_unknown_device_is_told_with_those_there_are(domain: int, tmp_path: Path) -> None:
-    heard, _ = run(domain, tmp_path, winch_controller={"inject": "cable_sim sonar gap"})
-    assert heard["answer"] == "cable_sim has no device sonar; it has depth, velocity, imu, usbl, load_cell"
+def test_faults_of_a_sensor_can_be_cleared(domain: int, tmp_path: Path) -> None:
+    heard, _ = run(domain, tmp_path, winch_controller={"inject": "cable_sim depth clear"})
+    assert heard["answer"].startswith("depth: clear from t = ")
 
 
 def test_plant_that_cannot_start_ends_with_one_line(domain: int, tmp_path: Path) -> None:

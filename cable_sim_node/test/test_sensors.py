@@ -7,19 +7,23 @@ import math
 
 import numpy as np
 import pytest
-from cable_sim_node.sensors.fault_parameters import FaultParameters
-from cable_sim_node.sensors.parameters import (
+from cable_sim_node.node import CableSimNode
+from cable_sim_node.sensors.instruments import (
     DepthSensorParameters,
     ImuParameters,
     LoadCellParameters,
     SensorParameters,
     SensorsParameters,
+    SensorTruth,
     UsblParameters,
     VelocitySensorParameters,
+    View,
 )
-from cable_sim_node.sensors.sensor import Reading, Sensor
-from cable_sim_node.sensors.suite import SensorSuite, SensorTruth
+from cable_sim_node.sensors.sensor import Sensor
+from cable_sim_node.sensors.suite import SensorSuite
+from heave_node.faults import FaultParameters
 from heave_node.parameters import ParameterError, build_parameters, flatten
+from heave_node.sensors import SENSORS, Reading
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy import stats
@@ -27,36 +31,64 @@ from scipy import stats
 TICK = 0.05
 
 
-def run(parameters: SensorParameters, ticks: int, *, sigma: float = 0.0, seed: int = 1) -> list[tuple[int, Reading]]:
-    """Let a sensor of one value look at the time itself; return the delivered readings and the ticks of delivery."""
-    sensor = Sensor(parameters, name="probe", sigma=np.array([sigma]), bias=np.zeros(1), seed=seed, tick_period=TICK)
-    return [(k, reading) for k in range(1, ticks + 1) for reading in sensor.step(k, np.array([k * TICK]))]
+TRUTH = SensorTruth(
+    position=np.array([3.0, 4.0, -300.0]),
+    velocity=np.array([0.1, 0.2, -0.3]),
+    acceleration=np.array([0.5, 0.0, -1.0]),
+    top_tension=36_500.0,
+    static_top_tension=36_500.0,
+    height_above_seabed=20.0,
+    gravity=9.83,
+)
 
 
-def with_fault(kind: str, *, start: float = 2.0, duration: float = 1.0, magnitude: float = 0.0) -> SensorParameters:
+@dataclasses.dataclass(frozen=True)
+class Probe(SensorParameters):
+    """A sensor of one value that sees the tension."""
+
+    sigma: float = 0.0
+
+    def view(self, truth: SensorTruth) -> View:
+        return View(np.array([truth.top_tension]), self.sigma)
+
+
+def probe(parameters: Probe, seed: int = 1) -> Sensor:
+    return Sensor(parameters, name="probe", width=1, seed=seed, tick_period=TICK)
+
+
+def run(parameters: Probe, ticks: int, *, seed: int = 1) -> list[tuple[int, Reading]]:
+    """Let a probe see the time in place of the tension; return the delivered readings and the ticks of delivery."""
+    sensor = probe(parameters, seed)
+    truths = ((k, dataclasses.replace(TRUTH, top_tension=k * TICK)) for k in range(1, ticks + 1))
+    return [(k, reading) for k, truth in truths for reading in sensor.step(k, truth)]
+
+
+def with_fault(
+    kind: str, *, start: float = 2.0, duration: float = 1.0, magnitude: float = 0.0, sigma: float = 0.0
+) -> Probe:
     faults = FaultParameters((kind,), (start,), (duration,), (magnitude,))
-    return SensorParameters(rate=10.0, latency=0.1, faults=faults)
+    return Probe(rate=10.0, latency=0.1, faults=faults, sigma=sigma)
 
 
 @pytest.mark.parametrize("rate", [1.0, 5.0, 10.0, 20.0, 7.0, 0.5, 1000.0])
 def test_number_of_samples_is_the_rate_times_the_time_and_at_most_one_a_tick(rate: float) -> None:
-    readings = run(SensorParameters(rate=rate), 2000)
+    readings = run(Probe(rate=rate), 2000)
     assert len(readings) == pytest.approx(min(rate, 1.0 / TICK) * 100.0, abs=1)
-    stamps = [reading.stamp for _, reading in readings]
+    stamps = [reading.time for _, reading in readings]
     assert stamps == sorted(set(stamps))
 
 
 @pytest.mark.parametrize("latency", [0.0, 0.1, 0.12, 1.0])
 def test_reading_keeps_the_time_of_measurement_and_comes_at_the_first_tick_after_the_latency(latency: float) -> None:
-    for tick, reading in run(SensorParameters(rate=10.0, latency=latency), 400):
-        assert reading.value[0] == reading.stamp
-        assert -1e-9 <= tick * TICK - (reading.stamp + latency) < TICK - 1e-9
+    for tick, reading in run(Probe(rate=10.0, latency=latency), 400):
+        assert reading.value[0] == reading.time
+        assert -1e-9 <= tick * TICK - (reading.time + latency) < TICK - 1e-9
 
 
 def test_noise_is_white_normal_and_of_the_stated_deviation() -> None:
     sigma = 0.02
-    readings = run(SensorParameters(rate=20.0), 20_000, sigma=sigma)
-    errors = np.array([reading.value[0] - reading.stamp for _, reading in readings])
+    readings = run(Probe(rate=20.0, sigma=sigma), 20_000)
+    errors = np.array([reading.value[0] - reading.time for _, reading in readings])
     low, high = stats.chi2.ppf([0.0005, 0.9995], len(errors)) / len(errors)
     assert low < np.mean(errors**2) / sigma**2 < high
     assert stats.kstest(errors / sigma, "norm").pvalue > 1e-3
@@ -65,86 +97,89 @@ def test_noise_is_white_normal_and_of_the_stated_deviation() -> None:
 
 
 def test_same_seed_same_noise_and_another_seed_another() -> None:
-    first, again, other = (
-        [r.value[0] for _, r in run(SensorParameters(), 200, sigma=0.1, seed=seed)] for seed in (3, 3, 4)
-    )
+    first, again, other = ([r.value[0] for _, r in run(Probe(sigma=0.1), 200, seed=seed)] for seed in (3, 3, 4))
     assert first == again
     assert first != other
 
 
 def test_scale_error_is_relative() -> None:
-    for _, reading in run(SensorParameters(scale_error=0.05), 100):
-        assert reading.value[0] == pytest.approx(1.05 * reading.stamp)
+    for _, reading in run(Probe(scale_error=0.05), 100):
+        assert reading.value[0] == pytest.approx(1.05 * reading.time)
 
 
 def test_freeze_repeats_the_last_value_with_fresh_stamps() -> None:
     readings = [r for _, r in run(with_fault("freeze"), 100)]
-    frozen = [r for r in readings if 2.0 - 1e-9 <= r.stamp < 3.0 - 1e-9]
+    frozen = [r for r in readings if 2.0 - 1e-9 <= r.time < 3.0 - 1e-9]
     assert len(frozen) == 10
     assert [r.value[0] for r in frozen] == pytest.approx([1.9] * 10)
-    assert all(r.value[0] == r.stamp for r in readings if r not in frozen)
+    assert all(r.value[0] == r.time for r in readings if r not in frozen)
 
 
 def test_gap_takes_no_samples() -> None:
-    stamps = [r.stamp for _, r in run(with_fault("gap"), 100)]
+    stamps = [r.time for _, r in run(with_fault("gap"), 100)]
     assert not [stamp for stamp in stamps if 2.0 - 1e-9 <= stamp < 3.0 - 1e-9]
     assert len(stamps) == pytest.approx(40, abs=1)
 
 
 def test_spike_spoils_one_sample_and_jump_all_of_its_duration() -> None:
-    spike = [r.value[0] - r.stamp for _, r in run(with_fault("spike", magnitude=5.0), 100)]
+    spike = [r.value[0] - r.time for _, r in run(with_fault("spike", magnitude=5.0), 100)]
     assert sorted(spike)[-2:] == [0.0, pytest.approx(5.0)]
     jump = [r for _, r in run(with_fault("jump", magnitude=-3.0), 100)]
-    assert [r.stamp for r in jump if r.value[0] != r.stamp] == pytest.approx(np.arange(2.0, 3.0, 0.1))
+    assert [r.time for r in jump if r.value[0] != r.time] == pytest.approx(np.arange(2.0, 3.0, 0.1))
 
 
 def test_nan_fault_delivers_nan() -> None:
-    bad = [r.stamp for _, r in run(with_fault("nan"), 100) if math.isnan(r.value[0])]
+    bad = [r.time for _, r in run(with_fault("nan"), 100) if math.isnan(r.value[0])]
     assert bad == pytest.approx(np.arange(2.0, 3.0, 0.1))
 
 
 def test_rate_fault_changes_the_rate_while_it_lasts() -> None:
-    stamps = np.array([r.stamp for _, r in run(with_fault("rate", duration=10.0, magnitude=1.0), 400)])
+    stamps = np.array([r.time for _, r in run(with_fault("rate", duration=10.0, magnitude=1.0), 400)])
     np.testing.assert_allclose(stamps[(stamps > 1.95) & (stamps < 11.95)], np.arange(2.0, 12.0, 1.0))
     np.testing.assert_allclose(np.diff(stamps[stamps > 12.05]), 0.1)
 
 
 def test_delay_fault_makes_readings_later_and_keeps_their_stamps() -> None:
     for tick, reading in run(with_fault("delay", magnitude=0.5), 200):
-        is_late = 2.0 - 1e-9 <= reading.stamp < 3.0 - 1e-9
-        assert tick * TICK - reading.stamp == pytest.approx(0.6 if is_late else 0.1)
+        is_late = 2.0 - 1e-9 <= reading.time < 3.0 - 1e-9
+        assert tick * TICK - reading.time == pytest.approx(0.6 if is_late else 0.1)
 
 
 def test_fault_without_duration_lasts_to_the_end() -> None:
     readings = run(with_fault("jump", duration=0.0, magnitude=1.0), 400)
-    assert all(r.value[0] == pytest.approx(r.stamp + 1.0) for _, r in readings if r.stamp > 2.0 - 1e-9)
+    assert all(r.value[0] == pytest.approx(r.time + 1.0) for _, r in readings if r.time > 2.0 - 1e-9)
 
 
 @pytest.mark.parametrize("kind", ["freeze", "gap", "spike", "jump", "nan", "rate", "delay"])
 def test_fault_of_one_sensor_leaves_the_noise_of_all_other_samples_as_it_was(kind: str) -> None:
-    def errors(parameters: SensorParameters) -> dict[float, float]:
-        return {r.stamp: r.value[0] for _, r in run(parameters, 200, sigma=0.1) if not 1.99 < r.stamp < 3.01}
+    def errors(parameters: Probe) -> dict[float, float]:
+        return {r.time: r.value[0] for _, r in run(parameters, 200) if not 1.99 < r.time < 3.01}
 
-    healthy, faulty = errors(SensorParameters(rate=10.0, latency=0.1)), errors(with_fault(kind, magnitude=1.0))
-    assert faulty == healthy
+    healthy = errors(Probe(rate=10.0, latency=0.1, sigma=0.1))
+    assert errors(with_fault(kind, magnitude=1.0, sigma=0.1)) == healthy
 
 
 def test_fault_injected_during_the_run_acts_and_can_be_cleared() -> None:
-    sensor = Sensor(
-        SensorParameters(rate=20.0), name="probe", sigma=np.zeros(1), bias=np.zeros(1), seed=1, tick_period=TICK
-    )
+    sensor = probe(Probe(rate=20.0))
     values = []
     for k in range(1, 61):
         if k == 20:
-            sensor.faults.inject("jump", start=k * TICK, duration=0.0, magnitude=2.0)
+            sensor.faults.inject("jump", start=k * TICK, magnitude=2.0)
         if k == 40:
-            sensor.faults.clear(k * TICK)
-        values += [r.value[0] - r.stamp for r in sensor.step(k, np.array([k * TICK]))]
+            sensor.faults.inject("clear", start=k * TICK)
+        values += [r.value[0] - TRUTH.top_tension for r in sensor.step(k, TRUTH)]
     assert values == pytest.approx([0.0] * 19 + [2.0] * 20 + [0.0] * 21)
-    with pytest.raises(ValueError, match=r"probe: a fault of kind drive is not known here"):
-        sensor.faults.inject("drive", start=0.0, duration=0.0, magnitude=0.0)
-    with pytest.raises(ValueError, match="duration of at least 0 s"):
-        sensor.faults.inject("gap", start=0.0, duration=-1.0, magnitude=0.0)
+
+
+def test_every_sensor_of_the_plant_is_in_the_table_of_the_suite_and_the_other_way_round() -> None:
+    in_table = [name for name, sensor in SENSORS.items() if sensor.topic.publisher == CableSimNode.name]
+    assert list(SensorsParameters().by_name()) == in_table
+
+
+@pytest.mark.parametrize("name", SensorsParameters().by_name())
+def test_every_sensor_sees_as_many_values_as_its_messages_hold(name: str) -> None:
+    view = SensorsParameters().by_name()[name].view(TRUTH)
+    assert view.value.shape == (SENSORS[name].width,)
 
 
 def fault_values(sensor: str, kind: str) -> dict[str, object]:
@@ -155,11 +190,18 @@ def fault_values(sensor: str, kind: str) -> dict[str, object]:
 @pytest.mark.parametrize(
     ("values", "message"),
     [
-        ({"depth.faults.kind": ["gap"], "depth.faults.start": [1.0]}, "as many values each; got 1, 1, 0, 0"),
+        (
+            {"depth.faults.kind": ["gap"], "depth.faults.start": [1.0]},
+            "sensors.depth.faults: the lists kind, start, duration and magnitude must have the same length; "
+            "got 1, 1, 0, 0",
+        ),
         ({"depth.faults.kind": ["melt"]}, "depth.faults.kind = 'melt' is not allowed"),
         ({"depth.noise": -0.1}, "depth.noise = -0.1 is not allowed"),
-        (fault_values("usbl", "drive"), "a fault of kind drive is not known here"),
-        (fault_values("imu", "rate"), "the magnitude of kind rate must be above 0 Hz"),
+        (
+            fault_values("usbl", "drive"),
+            "sensors.usbl.faults: a fault of kind drive is not known here",
+        ),
+        (fault_values("imu", "rate"), "sensors.imu.faults: the magnitude of kind rate must be above 0 Hz; got 0"),
     ],
 )
 def test_wrong_sensor_parameters_are_refused_in_one_line(values: dict[str, object], message: str) -> None:
@@ -183,27 +225,20 @@ QUIET = SensorsParameters(
     usbl=UsblParameters(noise=0.0, range_noise=0.0, latency=0.25, rate=20.0),
     load_cell=LoadCellParameters(relative_noise=0.0),
 )
-TRUTH = SensorTruth(
-    position=np.array([3.0, 4.0, -300.0]),
-    velocity=np.array([0.1, 0.2, -0.3]),
-    acceleration=np.array([0.5, 0.0, -1.0]),
-    top_tension=36_500.0,
-    height_above_seabed=20.0,
-)
 
 
 def suite(parameters: SensorsParameters) -> SensorSuite:
-    return SensorSuite(parameters, static_top_tension=36_500.0, seed=1, tick_period=TICK)
+    return SensorSuite(parameters, seed=1, tick_period=TICK)
 
 
 def test_each_sensor_sees_its_own_truth() -> None:
     readings = suite(QUIET).step(2, TRUTH)
-    assert readings.depth[0].value == pytest.approx([300.3])
-    assert readings.velocity[0].value == pytest.approx([0.1, 0.2, -0.3])
-    # At rest an accelerometer shows gravity upwards: 9.80665 - 1.
-    assert readings.imu[0].value == pytest.approx([0.5, 0.0, 8.80665, 0.0, 0.0, 0.0])
-    assert readings.load_cell[0].value == pytest.approx([36_500.0])
-    assert readings.usbl == ()
+    assert readings["depth"][0].value == pytest.approx([300.3])
+    assert readings["velocity"][0].value == pytest.approx([0.1, 0.2, -0.3])
+    # At rest an accelerometer shows gravity upwards, that of the place: 9.83 - 1.
+    assert readings["imu"][0].value == pytest.approx([0.5, 0.0, 8.83, 0.0, 0.0, 0.0])
+    assert readings["load_cell"][0].value == pytest.approx([36_500.0])
+    assert readings["usbl"] == ()
 
 
 def test_a_sensor_that_is_not_fitted_gives_nothing_and_leaves_the_others_as_they_were() -> None:
@@ -216,26 +251,26 @@ def test_a_sensor_that_is_not_fitted_gives_nothing_and_leaves_the_others_as_they
     assert "imu" not in parts.by_name
     for k in range(1, 100):
         both, one = whole.step(k, TRUTH), parts.step(k, TRUTH)
-        assert one.imu == one.velocity == ()
-        assert [reading.value[0] for reading in one.depth] == [reading.value[0] for reading in both.depth]
-        assert [reading.value[0] for reading in one.load_cell] == [reading.value[0] for reading in both.load_cell]
+        assert set(one) == {"depth", "usbl", "load_cell"}
+        assert [reading.value[0] for reading in one["depth"]] == [reading.value[0] for reading in both["depth"]]
+        assert [reading.value[0] for reading in one["load_cell"]] == [reading.value[0] for reading in both["load_cell"]]
 
 
 def test_usbl_comes_after_the_two_way_travel_of_sound_and_its_noise_grows_with_range() -> None:
     sensors = suite(QUIET)
-    deliveries = [k for k in range(1, 40) if sensors.step(k, TRUTH).usbl]
+    deliveries = [k for k in range(1, 40) if sensors.step(k, TRUTH)["usbl"]]
     # Slant range 300.04 m: 2 * 300.04 / 1500 + 0.25 = 0.65006 s after the first sample, at 0.05 s; next is tick 15.
     assert deliveries[0] == 15
     noisy = suite(dataclasses.replace(QUIET, usbl=UsblParameters(noise=0.1, range_noise=0.003, rate=20.0)))
-    sigma = next(r.usbl[0].sigma[0] for r in (noisy.step(k, TRUTH) for k in range(1, 40)) if r.usbl)
+    sigma = next(r["usbl"][0].sigma[0] for r in (noisy.step(k, TRUTH) for k in range(1, 40)) if r["usbl"])
     assert sigma == pytest.approx(math.hypot(0.1, 0.003 * math.sqrt(300.0**2 + 25.0)))
 
 
 def test_dvl_has_no_reading_above_its_bottom_range() -> None:
     sensors = suite(QUIET)
-    assert sensors.step(1, TRUTH).velocity
-    assert not sensors.step(2, dataclasses.replace(TRUTH, height_above_seabed=60.0)).velocity
-    assert sensors.step(3, TRUTH).velocity
+    assert sensors.step(1, TRUTH)["velocity"]
+    assert not sensors.step(2, dataclasses.replace(TRUTH, height_above_seabed=60.0))["velocity"]
+    assert sensors.step(3, TRUTH)["velocity"]
 
 
 FAULT = st.tuples(
@@ -252,9 +287,9 @@ def test_whatever_the_faults_readings_are_of_the_past_and_of_distinct_times(
     faults: list[tuple[str, float, float, float]], rate: float, latency: float
 ) -> None:
     columns = tuple(zip(*faults, strict=True)) or ((), (), (), ())
-    parameters = SensorParameters(rate=rate, latency=latency, faults=FaultParameters(*columns))
+    parameters = Probe(rate=rate, latency=latency, faults=FaultParameters(*columns))
     stamps = []
     for tick, reading in run(parameters, 300):
-        assert reading.stamp + latency <= tick * TICK + 1e-8
-        stamps.append(reading.stamp)
+        assert reading.time + latency <= tick * TICK + 1e-8
+        stamps.append(reading.time)
     assert len(stamps) == len(set(stamps))

@@ -1,6 +1,5 @@
 import numpy as np
 import pytest
-from cable_sim_node.statics.drag import current_at, segment_drag
 from cable_sim_node.statics.segment import segment_span
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -92,46 +91,3 @@ def test_a_segment_that_hangs_folded_on_a_vertical_line_has_a_finite_span():
     assert span == pytest.approx([0.0, 0.0, 0.0], abs=1e-12)
     assert np.all(np.isfinite(compliance))
     assert energy == pytest.approx(25.0, rel=1e-12)
-
-
-@settings(max_examples=60, deadline=None)
-@given(VECTOR, VECTOR, st.floats(-1.0, 1.0))
-def test_drag_derivatives_are_those_of_finite_differences(chord, flow, feed):
-    chord, flow = 3.0 * np.array(chord), np.array(flow)
-    along = float(flow @ chord) / (np.linalg.norm(chord) + 1e-12)
-    across = np.linalg.norm(flow - along * chord / (np.linalg.norm(chord) + 1e-12))
-    if np.linalg.norm(chord) < 0.5 or across < 0.05 or abs(along + feed) < 0.05:
-        return
-    force, by_chord, by_flow = np.empty(3), np.empty((3, 3)), np.empty((3, 3))
-    scratch = np.empty((3, 3)), np.empty((3, 3))
-
-    def drag(chord, flow):
-        out = np.empty(3)
-        segment_drag(chord, flow, feed, 20.0, 3.0, out, *scratch)
-        return out
-
-    segment_drag(chord, flow, feed, 20.0, 3.0, force, by_chord, by_flow)
-    step = 1e-5
-    for axis, unit in enumerate(np.eye(3)):
-        change = drag(chord + step * unit, flow) - drag(chord - step * unit, flow)
-        assert by_chord[:, axis] == pytest.approx(change / (2.0 * step), abs=1e-4)
-        change = drag(chord, flow + step * unit) - drag(chord, flow - step * unit)
-        assert by_flow[:, axis] == pytest.approx(change / (2.0 * step), abs=1e-4)
-
-
-def test_drag_across_and_along_follows_the_printed_formulae():
-    # thesis Eq. 2.46, 2.47 by hand: flow 45 degrees to a vertical cable
-    force, scratch = np.empty(3), (np.empty((3, 3)), np.empty((3, 3)))
-    segment_drag(np.array([0.0, 0.0, 2.0]), np.array([0.5, 0.0, 0.5]), 0.0, 20.0, 3.0, force, *scratch)
-    assert force == pytest.approx([20.0 * 0.25, 0.0, 3.0 * 0.25])
-
-
-def test_a_current_profile_is_straight_between_its_points_and_constant_beyond():
-    depths, velocities = np.array([0.0, 100.0]), np.array([[1.0, 0.0, 0.0], [0.0, 0.5, 0.0]])
-    flow, gradient = np.empty(3), np.empty(3)
-    expected = {-10.0: (1.0, 0.0), 0.0: (1.0, 0.0), 25.0: (0.75, 0.125), 100.0: (0.0, 0.5), 300.0: (0.0, 0.5)}
-    for depth, (x, y) in expected.items():
-        current_at(depth, depths, velocities, 2.0, flow, gradient)
-        assert flow == pytest.approx([2.0 * x, 2.0 * y, 0.0])
-    current_at(25.0, depths, velocities, 1.0, flow, gradient)
-    assert gradient == pytest.approx([-0.01, 0.005, 0.0])

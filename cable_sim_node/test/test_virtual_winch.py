@@ -7,9 +7,10 @@ import math
 
 import numpy as np
 import pytest
-from cable_sim_node.sensors.fault_parameters import FaultParameters
-from cable_sim_node.winch.component import VirtualWinch, WinchCommand, WinchFault, WinchLimit, WinchState
+from cable_sim_node.winch.component import VirtualWinch, WinchCommand, WinchState
 from cable_sim_node.winch.parameters import EncoderParameters, WinchParameters
+from heave_node.codes import WinchFault, WinchLimit
+from heave_node.faults import FaultParameters
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -93,7 +94,7 @@ def test_limited_step_is_a_ramp_at_the_acceleration_limit_to_the_speed_limit() -
     states = run(winch, 60, rate=9.0)
     assert states[3].payout_rate == pytest.approx(1.5 * 0.2, rel=1e-12)  # v = a t
     assert states[3].payout == pytest.approx(0.5 * 1.5 * 0.2**2, rel=1e-12)  # u = a t^2/2
-    assert states[3].limits == WinchLimit.SPEED | WinchLimit.ACCELERATION
+    assert states[3].limits_hit == WinchLimit.SPEED | WinchLimit.ACCELERATION
     assert states[-1].payout_rate == pytest.approx(2.0, rel=1e-3)
     assert max(s.payout_rate for s in states) <= 2.0
 
@@ -104,7 +105,7 @@ def test_winch_stops_at_the_end_of_its_range_and_says_so() -> None:
     assert states[-1].payout == pytest.approx(3.0, abs=1e-6)
     assert max(s.payout for s in states) <= 3.0
     assert states[-1].payout_rate == pytest.approx(0.0, abs=1e-6)
-    assert any(s.limits & WinchLimit.PAYOUT for s in states)
+    assert any(s.limits_hit & WinchLimit.PAYOUT for s in states)
     states = run(winch, 300, rate=-2.0)
     assert states[-1].payout == pytest.approx(-1.0, abs=1e-6)
     assert min(s.payout for s in states) >= -1.0
@@ -115,7 +116,7 @@ def test_power_limit_bounds_the_speed_to_power_over_tension() -> None:
     states = run(winch, 100, rate=-2.0, tension=100e3)
     assert states[-1].payout_rate == pytest.approx(-0.5, rel=1e-6)
     assert states[-1].power == pytest.approx(50e3, rel=1e-6)
-    assert states[-1].limits == WinchLimit.POWER
+    assert states[-1].limits_hit == WinchLimit.POWER
     risen = run(winch, 40, rate=-2.0, tension=200e3)
     steps = np.diff([s.payout_rate for s in risen])
     assert np.abs(steps).max() <= 1.5 * TICK + 1e-12
@@ -293,7 +294,10 @@ def test_ticks_left_out_run_with_the_last_command() -> None:
         ({"payout_minimum": 3.0, "payout_maximum": 2.0}, "payout_minimum = 3 m must be below"),
         ({"payout_minimum": 1.0}, "payout 0, where the run starts, must be from payout_minimum = 1 m"),
         ({"stop_deceleration": 2.0}, "stop_deceleration = 2 m/s"),
-        ({"faults": FaultParameters(("freeze",), (0.0,), (0.0,), (0.0,))}, "winch: a fault of kind freeze"),
+        (
+            {"faults": FaultParameters(("freeze",), (0.0,), (0.0,), (0.0,))},
+            "faults: a fault of kind freeze is not",
+        ),
     ],
 )
 def test_parameters_that_contradict_each_other_are_refused(change: dict[str, object], message: str) -> None:

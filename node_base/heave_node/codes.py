@@ -39,3 +39,11 @@ class SensorLevel(enum.IntEnum):
     OK = 0
     SUSPECT = 1
     LOST = 2
+
+
+def fault_words(code: int) -> str:
+    """Return the fault of a winch in words; a number that hardware made up is told as such."""
+    try:
+        return WinchFault(code).name.lower().replace("_", " ")
+    except ValueError:
+        return f"unknown fault {code}"

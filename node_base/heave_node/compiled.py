@@ -20,15 +20,25 @@ The way in from Python, which takes all arrays of a line apart, costs as much to
 """
 
 
-def drop_stale_kernels(package_file: str) -> None:
-    """Delete the compiled kernels of a package folder that are older than any of its sources.
+def is_compiled(function: Any) -> bool:
+    """Return whether the `kernel` stands compiled in numba's cache, so that its first call in a process is quick."""
+    return any(Path(function.stats.cache_path).glob(f"*.{function.__name__}-*.nbi"))
+
+
+def drop_stale_kernels(package_file: str, *used_files: str) -> None:
+    """Delete the compiled kernels of a package folder that are older than any source that they are made of.
 
     Numba's cache looks only at the file a function stands in, not at the files of the functions it calls. Kernels call
-    one another across the files of their folder, so an edit of one would leave stale machine code of its callers in
-    use. `package_file` is the `__file__` of the folder's `__init__`, which runs before any of them is loaded.
+    one another across files, so an edit of one would leave stale machine code of its callers in use.
+
+    Parameters
+    ----------
+    package_file : `__file__` of the folder's `__init__`, which runs before any of its kernels is loaded
+    *used_files : the same of other folders whose kernels are called from this one
     """
     folder = Path(package_file).parent
-    newest = max(path.stat().st_mtime for path in folder.glob("*.py"))
+    sources = (path for file in (package_file, *used_files) for path in Path(file).parent.glob("*.py"))
+    newest = max(path.stat().st_mtime for path in sources)
     for index in (folder / "__pycache__").glob("*.nbi"):
         # several processes start at once: another may have been quicker
         with contextlib.suppress(OSError):

@@ -4,8 +4,7 @@ Pure numpy. Heave and payout are in metres, heave positive up, payout positive l
 negative.
 
 All functions take samples that are equally spaced in time over the evaluation window (after the transient). A KPI
-that cannot be computed
-(no samples, no reference) is NaN, and None in JSON; it is never a number that looks good.
+that cannot be computed (no samples, no reference) is NaN, and None in JSON; it is never a number that looks good.
 """
 
 from __future__ import annotations

@@ -1,9 +1,8 @@
-"""Node parameters as frozen dataclasses: every value has a type, a unit, a range and a description, and is checked
-once.
+"""Node parameters as frozen dataclasses: each value has a type, a unit, a range and a description, and is checked once.
 
 A parameter set is a frozen dataclass whose fields are made by `parameter`. A field whose type is itself a parameter
-set is a group;
-its members have dotted names (`unit.mass`). Pure Python: components and design tools use this without ROS.
+set is a group; its members have dotted names (`unit.mass`). Pure Python: components and design tools use it without
+ROS.
 
 >>> @dataclass(frozen=True)
 ... class Winch:
@@ -16,9 +15,10 @@ from __future__ import annotations
 
 import dataclasses
 import difflib
+import functools
 import math
 import typing
-from collections.abc import Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, TypeVar
 
@@ -33,12 +33,42 @@ class ParameterError(ValueError):
 
 
 @dataclass(frozen=True)
+class Given:
+    """A value as the user gave it, with what an error message must say about it.
+
+    Attributes
+    ----------
+    value : as read, not yet checked
+    name : name that the user wrote, for example `system.sea.peak_period`
+    where : where it stands: file and section, or the option of the command line
+    reader : node that cannot take the value, where the name alone does not say it
+    """
+
+    value: object
+    name: str
+    where: str
+    reader: str = ""
+
+
+@dataclass(frozen=True)
 class ParameterInfo:
-    """What is known of one parameter: enough for a ROS descriptor, a table in a README, and a check."""
+    """What is known of one parameter: enough for a ROS descriptor, a table in a README, and a check.
+
+    Attributes
+    ----------
+    name : dotted name
+    type : bool, int, float or str; of the elements of a list
+    is_array : whether it is a list
+    default : value where none is given
+    unit : SI unit, "" for a pure number or a string
+    description : what it is, in one sentence
+    minimum, maximum : inclusive bounds, of each element of a list
+    choices : the strings that are allowed; () allows any
+    length : number of elements of a list; None allows any
+    """
 
     name: str
     type: type
-    """bool, int, float or str; of the elements where `is_array`."""
     is_array: bool
     default: Value
     unit: str
@@ -50,7 +80,7 @@ class ParameterInfo:
 
     def allowed(self) -> str:
         """Say in words what values are allowed."""
-        kind = {bool: "true or false", int: "a whole number", float: "a number", str: "a text"}[self.type]
+        kind = {bool: "true or false", int: "a whole number", float: "a number", str: "a string"}[self.type]
         if self.choices:
             kind = "one of " + ", ".join(self.choices)
         elif self.minimum is not None and self.maximum is not None:
@@ -66,39 +96,51 @@ class ParameterInfo:
         return kind
 
     def check(self, value: object, *, where: str) -> Value:
-        """Return `value` as this parameter's type, or raise ParameterError.
+        """Return a value as this parameter's type, or raise ParameterError.
 
         A whole number is taken for a float; nothing else is converted. NaN and infinity are never legal.
+
+        Parameters
+        ----------
+        value : to be checked
+        where : opens the error message
         """
+        return self.check_given(Given(value, self.name, where))
+
+    def check_given(self, given: Given) -> Value:
+        """Return the given value as this parameter's type, or raise ParameterError in the user's words."""
         if not self.is_array:
-            return self._check_scalar(value, where=where)
-        if isinstance(value, str | bytes) or not hasattr(value, "__iter__"):
-            raise self._refusal(value, where)
-        elements = tuple(self._check_scalar(element, where=where) for element in value)
+            return self._check_scalar(given.value, given)
+        if isinstance(given.value, str | bytes) or not hasattr(given.value, "__iter__"):
+            raise self._refusal(given.value, given)
+        elements = tuple(self._check_scalar(element, given) for element in given.value)
         if self.length is not None and len(elements) != self.length:
-            raise self._refusal(list(elements), where)
+            raise self._refusal(list(elements), given)
         return elements
 
-    def _check_scalar(self, value: object, *, where: str) -> Scalar:
+    def _check_scalar(self, value: object, given: Given) -> Scalar:
         if self.type is float and isinstance(value, int) and not isinstance(value, bool):
             value = float(value)
         if self.type is str and isinstance(value, bool) and ("on" if value else "off") in self.choices:
             value = "on" if value else "off"  # YAML reads a bare off as false
         is_right_type = isinstance(value, self.type) and not (self.type is int and isinstance(value, bool))
         if not is_right_type or (isinstance(value, float) and not math.isfinite(value)):
-            raise self._refusal(value, where)
+            raise self._refusal(value, given)
         assert isinstance(value, bool | int | float | str)
         if self.choices and value not in self.choices:
-            raise self._refusal(value, where)
+            raise self._refusal(value, given)
         if isinstance(value, int | float) and not self._in_range(value):
-            raise self._refusal(value, where)
+            raise self._refusal(value, given)
         return value
 
     def _in_range(self, value: float) -> bool:
         return (self.minimum is None or value >= self.minimum) and (self.maximum is None or value <= self.maximum)
 
-    def _refusal(self, value: object, where: str) -> ParameterError:
-        return ParameterError(f"{where}: {self.name} = {value!r} is not allowed: it must be {self.allowed()}")
+    def _refusal(self, value: object, given: Given) -> ParameterError:
+        reader = f" for {given.reader}" if given.reader else ""
+        return ParameterError(
+            f"{given.where}: {given.name} = {value!r} is not allowed{reader}: it must be {self.allowed()}"
+        )
 
 
 def parameter(
@@ -113,9 +155,14 @@ def parameter(
 ) -> Any:
     """Return a dataclass field that is one node parameter.
 
-    `unit` is SI, "" for a pure number or a text; `minimum` and `maximum` are inclusive and hold for each element of a
-    list; `length` fixes
-    the number of elements of a list.
+    Parameters
+    ----------
+    default : value where none is given; a tuple makes the parameter a list
+    unit : SI unit, "" for a pure number or a string
+    description : what it is, in one sentence
+    minimum, maximum : inclusive bounds, of each element of a list
+    choices : the strings that are allowed; () allows any
+    length : number of elements of a list; None allows any
     """
     metadata = {
         "unit": unit,
@@ -133,27 +180,39 @@ def group(parameters_type: type[T], **overrides: Any) -> T:
     return dataclasses.field(default_factory=lambda: parameters_type(**overrides))
 
 
-def describe(parameters_type: type, prefix: str = "", defaults: object | None = None) -> list[ParameterInfo]:
+def describe(parameters_type: type) -> list[ParameterInfo]:
     """List the parameters of a parameter set, groups flattened to dotted names, in the order of definition."""
+    return list(_described(parameters_type))
+
+
+@functools.cache
+def _described(parameters_type: type) -> tuple[ParameterInfo, ...]:
+    return tuple(_infos(parameters_type, "", parameters_type()))
+
+
+def _infos(parameters_type: type, prefix: str, defaults: object) -> Iterator[ParameterInfo]:
+    """Yield what is known of each parameter; a group's defaults are those of the set that holds it."""
     hints = typing.get_type_hints(parameters_type)
-    defaults = parameters_type() if defaults is None else defaults
-    infos: list[ParameterInfo] = []
     for field in dataclasses.fields(parameters_type):
         default = getattr(defaults, field.name)
         hint = hints[field.name]
         if dataclasses.is_dataclass(hint):
             assert isinstance(hint, type)
-            infos += describe(hint, f"{prefix}{field.name}.", default)
+            yield from _infos(hint, f"{prefix}{field.name}.", default)
             continue
         is_array = typing.get_origin(hint) is tuple
         element = typing.get_args(hint)[0] if is_array else hint
-        metadata = field.metadata["parameter"]
-        infos.append(ParameterInfo(prefix + field.name, element, is_array, default, **metadata))
-    return infos
+        yield ParameterInfo(prefix + field.name, element, is_array, default, **field.metadata["parameter"])
 
 
 def flatten(parameters: object, prefix: str = "") -> dict[str, Value]:
-    """Return the dotted names and values of a parameter set; the inverse of `build_parameters`."""
+    """Return the dotted names and values of a parameter set; the inverse of `build_parameters`.
+
+    Parameters
+    ----------
+    parameters : the parameter set
+    prefix : put before every name
+    """
     values: dict[str, Value] = {}
     for field in dataclasses.fields(parameters):  # type: ignore[arg-type]
         value = getattr(parameters, field.name)
@@ -165,25 +224,63 @@ def flatten(parameters: object, prefix: str = "") -> dict[str, Value]:
 
 
 def build_parameters(parameters_type: type[T], values: Mapping[str, object], *, where: str) -> T:
-    """Make the parameter set `parameters_type` from dotted names and values; what is not named keeps its default.
+    """Make a parameter set from dotted names and values; what is not named keeps its default.
 
-    Raises ParameterError for a name that does not exist, a wrong type, a value out of range, or a set that contradicts
-    itself (a ValueError of
-    a dataclass's `__post_init__`). `where` opens the message: file and node.
+    Parameters
+    ----------
+    parameters_type : the parameter set to make
+    values : by dotted name
+    where : opens error messages: file and node
+
+    Raises
+    ------
+    ParameterError
+        For an unknown name, a wrong type, a value out of range, or a set that contradicts itself (a ValueError from
+        a dataclass's `__post_init__`).
+    """
+    return build_given(
+        parameters_type, {name: Given(value, name, where) for name, value in values.items()}, where=where
+    )
+
+
+def build_given(parameters_type: type[T], given: Mapping[str, Given], *, where: str) -> T:
+    """Make a parameter set like `build_parameters`, from values that know where the user gave them.
+
+    Parameters
+    ----------
+    parameters_type : the parameter set to make
+    given : values by dotted name
+    where : opens the message for a set that contradicts itself; a single wrong value is reported with its own origin
     """
     infos = {info.name: info for info in describe(parameters_type)}
-    for name in values:
+    for name, value in given.items():
         if name not in infos:
-            near = difflib.get_close_matches(name, infos, n=1)
-            hint = f"; did you mean {near[0]}?" if near else f"; known: {', '.join(sorted(infos))}"
-            raise ParameterError(f"{where}: there is no parameter {name}{hint}")
-    checked = {name: infos[name].check(value, where=where) for name, value in values.items()}
+            raise unknown_parameter(value, infos)
+    checked = {name: infos[name].check_given(value) for name, value in given.items()}
     try:
         return _replace(parameters_type(), checked)
-    except ParameterError:
-        raise
     except ValueError as error:
         raise ParameterError(f"{where}: {error}") from error
+
+
+LONGEST_LIST = 20
+"""So many names are listed in full in an error message; of more, only the first word of each."""
+
+
+def unknown_parameter(given: Given, known: Iterable[str]) -> ParameterError:
+    """Return the error for an unknown name, with the nearest known one where there is one.
+
+    Parameters
+    ----------
+    given : what the user gave
+    known : all names that are allowed
+    """
+    names = sorted(known)
+    near = difflib.get_close_matches(given.name, names, n=1)
+    if len(names) > LONGEST_LIST:
+        names = sorted({name.partition(".")[0] for name in names})
+    hint = f"did you mean {near[0]}?" if near else f"known: {', '.join(names)}"
+    return ParameterError(f"{given.where}: there is no parameter {given.name}; {hint}")
 
 
 def _replace(parameters: T, values: Mapping[str, Value]) -> T:

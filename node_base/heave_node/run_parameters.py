@@ -1,10 +1,18 @@
-"""Parameters that every node of a run shares; in a scenario file they stand under `/**`."""
+"""Parameters that every node of a run shares, and what one node makes of all that it is given.
+
+In a scenario file the section `/**` holds the parameters of the run, those of the shared system (`system.`) and the
+criteria of its verdict (`wanted.`).
+"""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
-from heave_node.parameters import parameter
+from heave_node.criteria import WANTED, Criterion, parse_criterion
+from heave_node.parameters import Given, build_given, describe, parameter
+from heave_node.system_parameters import take_system
 
 LOCKSTEP = "lockstep"
 REALTIME = "realtime"
@@ -76,3 +84,45 @@ class RunParameters:
     def is_lockstep(self) -> bool:
         """True where nodes wait for everything they need."""
         return self.pacing == LOCKSTEP
+
+
+@dataclass(frozen=True)
+class NodeParameters:
+    """Everything that one node was given, checked.
+
+    Attributes
+    ----------
+    run : parameters that all nodes share
+    own : the node's own parameter set
+    wanted : criteria of the run
+    """
+
+    run: RunParameters
+    own: Any
+    wanted: tuple[Criterion, ...]
+
+
+def build_node_parameters(
+    node: str, parameters_type: type[Any], given: Mapping[str, Given], *, where: str
+) -> NodeParameters:
+    """Sort and check what one node was given.
+
+    Parameters
+    ----------
+    node : name of the node
+    parameters_type : parameter set of its own parameters
+    given : values by the names that the user gave: of the run, `system.`, `wanted.` and the node's own
+    where : opens the message for a set that contradicts itself: file and node
+
+    Raises ParameterError for the first value that is wrong, and for a name that is unknown.
+    """
+    of_run = {info.name for info in describe(RunParameters)}
+    own_names = [info.name for info in describe(parameters_type)]
+    run = {name: value for name, value in given.items() if name in of_run}
+    wanted = {name: value for name, value in given.items() if name.startswith(WANTED)}
+    rest = {name: value for name, value in given.items() if name not in run and name not in wanted}
+    return NodeParameters(
+        run=build_given(RunParameters, run, where=where),
+        own=build_given(parameters_type, take_system(node, own_names, rest), where=where),
+        wanted=tuple(parse_criterion(value) for value in wanted.values()),
+    )

@@ -1,4 +1,9 @@
-"""Scenario files: ordinary ROS 2 parameter files, read and checked without ROS."""
+"""Scenario files: ordinary ROS 2 parameter files, read, matched to nodes and written without ROS.
+
+Sections are named as ROS 2 names them: `/**` holds for every node, `/**/cable_sim` for the node `cable_sim` in any
+namespace, `/cable_sim` (or `cable_sim`) for the one without a namespace. Where two sections hold for a node and both
+have a name, the later section wins, as in ROS 2.
+"""
 
 from __future__ import annotations
 
@@ -10,20 +15,55 @@ from typing import Any
 import yaml
 
 from heave_node.parameters import ParameterError
+from heave_node.system_parameters import SYSTEM, own_name
 
 WILDCARD = "/**"
 PARAMETERS_KEY = "ros__parameters"
 
-NodeValues = dict[str, dict[str, object]]
-"""Parameter values by node name and dotted parameter name; WILDCARD holds those of every node."""
+Sections = dict[str, dict[str, object]]
+"""Parameter values by section and dotted parameter name, in the order of the file."""
+
+_EXPONENT = re.compile(r"^[-+]?(\d+\.?\d*|\.\d+)[eE][-+]?\d+$")
 
 
 class _RosLoader(yaml.SafeLoader):
-    """Reads numbers as the parameter reader of ROS 2 does: 1e-5 is one, though YAML 1.1 wants a point in it."""
+    """Reads numbers and names as the parameter reader of ROS 2 does: 1e-5 is a number, every key a string.
+
+    A key that stands twice is refused: the first of the two values would be lost in silence.
+    """
+
+    def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Any, Any]:
+        """Return a mapping; raise yaml.YAMLError for a key that stands twice.
+
+        Parameters
+        ----------
+        node : of the YAML document
+        deep : whether nested values are made at once
+        """
+        seen: set[str] = set()
+        for key, _ in node.value:
+            if not isinstance(key, yaml.ScalarNode):
+                continue
+            key.tag = "tag:yaml.org,2002:str"
+            if key.value in seen:
+                line = key.start_mark.line + 1
+                raise yaml.constructor.ConstructorError(None, None, f"{key.value} stands twice, again in line {line}")
+            seen.add(key.value)
+        return super().construct_mapping(node, deep)
 
 
-_RosLoader.add_implicit_resolver(
-    "tag:yaml.org,2002:float", re.compile(r"^[-+]?(\d+\.?\d*|\.\d+)[eE][-+]?\d+$"), list("-+.0123456789")
+class _RosDumper(yaml.SafeDumper):
+    """Writes numbers and strings so that ROS 2 reads them as such, short lists on one line, and no aliases."""
+
+    def ignore_aliases(self, data: object) -> bool:  # noqa: ARG002
+        """Write every value in full: ROS 2 reads no aliases."""
+        return True
+
+
+for _reader_or_writer in (_RosLoader, _RosDumper):
+    _reader_or_writer.add_implicit_resolver("tag:yaml.org,2002:float", _EXPONENT, list("-+.0123456789"))
+_RosDumper.add_representer(
+    list, lambda dumper, data: dumper.represent_sequence("tag:yaml.org,2002:seq", data, flow_style=True)
 )
 
 
@@ -32,32 +72,74 @@ def parse_yaml(text: str) -> Any:
     return yaml.load(text, Loader=_RosLoader)
 
 
-def read_scenario(path: Path) -> NodeValues:
-    """Read the scenario file `path`.
+def read_sections(path: Path) -> Sections:
+    """Read a parameter file.
 
-    Raises ParameterError, naming the file, where it is missing, is not YAML, or has not the form of a ROS 2 parameter
-    file.
+    Raises ParameterError, naming the file, where it is missing, is not YAML, has not the form of a ROS 2 parameter
+    file, or has a section without a parameter.
     """
     try:
-        content = parse_yaml(path.read_text(encoding="utf-8"))
+        return parse_sections(path.read_bytes(), str(path))
     except OSError as error:
         raise ParameterError(f"{path}: cannot be read: {error.strerror}") from error
+
+
+def parse_sections(content: bytes, where: str) -> Sections:
+    """Return the sections of a parameter file's content.
+
+    Parameters
+    ----------
+    content : UTF-8 text
+    where : opens error messages: the file
+
+    Raises ParameterError as `read_sections` does.
+    """
+    try:
+        nodes = parse_yaml(content.decode())
     except (yaml.YAMLError, UnicodeDecodeError) as error:
-        first_line = " ".join(str(error).split())
-        raise ParameterError(f"{path}: is not YAML: {first_line}") from error
-    if not isinstance(content, Mapping):
-        raise ParameterError(f"{path}: must be a mapping of node names to {PARAMETERS_KEY}")
-    values: NodeValues = {}
-    for node, section in content.items():
+        raise ParameterError(f"{where}: is not valid YAML: {' '.join(str(error).split())}") from error
+    if not isinstance(nodes, Mapping):
+        raise ParameterError(f"{where}: must be a mapping of node names to {PARAMETERS_KEY}")
+    sections: Sections = {}
+    _collect(nodes, "", where, sections)
+    if not sections:
+        raise ParameterError(f"{where}: holds no parameters")
+    return sections
+
+
+def _collect(content: Mapping[str, Any], namespace: str, where: str, sections: Sections) -> None:
+    """Put the sections of a file into `sections`; a mapping of mappings is a namespace of nodes, as for ROS 2."""
+    for key, section in content.items():
+        name = f"{namespace}/{str(key).strip('/')}"
+        if _is_namespace(section):
+            _collect(section, name, where, sections)
+            continue
         if not isinstance(section, Mapping) or set(section) != {PARAMETERS_KEY}:
-            raise ParameterError(f"{path}: {node}: must hold {PARAMETERS_KEY} and nothing else")
-        name = WILDCARD if node == WILDCARD else str(node).strip("/")
-        values[name] = dict(flatten_names(section[PARAMETERS_KEY] or {}, f"{path}: {node}"))
-    return values
+            raise ParameterError(f"{where}: {key}: must hold {PARAMETERS_KEY} and nothing else")
+        values = flatten_names(section[PARAMETERS_KEY] or {}, f"{where}: {key}")
+        if not values:
+            raise ParameterError(f"{where}: {key}: holds no parameters")
+        repeated = sections.setdefault(name, {}).keys() & values.keys()
+        if repeated:
+            raise ParameterError(f"{where}: {key}: {min(repeated)} stands twice, in two sections of this name")
+        sections[name] |= values
+
+
+def _is_namespace(section: object) -> bool:
+    if not isinstance(section, Mapping) or PARAMETERS_KEY in section:
+        return False
+    return bool(section) and all(isinstance(part, Mapping) for part in section.values())
 
 
 def flatten_names(section: Mapping[str, Any], where: str, prefix: str = "") -> dict[str, object]:
-    """Turn nested mappings into dotted names: {"unit": {"mass": 1}} becomes {"unit.mass": 1}."""
+    """Turn nested mappings into dotted names: {"unit": {"mass": 1}} becomes {"unit.mass": 1}.
+
+    Parameters
+    ----------
+    section : nested mappings
+    where : opens the error message for what is no mapping
+    prefix : put before every name
+    """
     if not isinstance(section, Mapping):
         raise ParameterError(f"{where}: {PARAMETERS_KEY} must be a mapping of names to values, not {section!r}")
     values: dict[str, object] = {}
@@ -69,19 +151,69 @@ def flatten_names(section: Mapping[str, Any], where: str, prefix: str = "") -> d
     return values
 
 
-def values_of_node(values: NodeValues, node: str) -> dict[str, object]:
-    """Return what a scenario says of one node: the values of all nodes, and its own on top."""
-    return {**values.get(WILDCARD, {}), **values.get(node, {})}
+def nest_names(values: Mapping[str, object]) -> dict[str, Any]:
+    """Turn dotted names into nested mappings; the inverse of `flatten_names`."""
+    nested: dict[str, Any] = {}
+    for name, value in values.items():
+        *groups, last = name.split(".")
+        place = nested
+        for group in groups:
+            place = place.setdefault(group, {})
+        place[last] = list(value) if isinstance(value, tuple) else value
+    return nested
 
 
-def write_scenario(values: NodeValues, path: Path) -> None:
-    """Write a scenario that `read_scenario`, `ros2 run --params-file` and `ros2 launch` read."""
+def holds_for(section: str, node: str) -> bool:
+    """Tell whether a section of a parameter file holds for a node, as ROS 2 decides it.
+
+    Parameters
+    ----------
+    section : its name; `*` stands for one part of a name, `**` for any number of them
+    node : fully qualified name, for example `/ship/cable_sim`
+    """
+    pattern = "".join(
+        {"/**": r"(/\w+)*", "/*": r"/\w+"}.get(part, re.escape(part)) for part in re.split(r"(/\*\*|/\*)", section)
+    )
+    return re.fullmatch(pattern, node) is not None
+
+
+def sections_of_node(sections: Sections, node: str) -> dict[str, str]:
+    """Return the section that each name given to a node comes from: of several, the last one that has it.
+
+    Parameters
+    ----------
+    sections : of a parameter file
+    node : fully qualified name, for example `/ship/cable_sim`
+    """
+    return {name: section for section, values in sections.items() if holds_for(section, node) for name in values}
+
+
+def values_of_node(sections: Sections, node: str) -> dict[str, object]:
+    """Return what a parameter file says of a node, by the node's own names; not checked, for analysis.
+
+    Parameters
+    ----------
+    sections : of a parameter file
+    node : fully qualified name, for example `/ship/cable_sim`
+    """
+    given = {name: sections[section][name] for name, section in sections_of_node(sections, node).items()}
+    shared = {own: value for name, value in given.items() if (own := own_name(node.rpartition("/")[2], name))}
+    return {**shared, **{name: value for name, value in given.items() if not name.startswith(SYSTEM)}}
+
+
+def write_sections(sections: Mapping[str, Mapping[str, object]], path: Path, *, title: str = "") -> None:
+    """Write a parameter file that `read_sections`, `ros2 run --params-file` and `ros2 launch` read.
+
+    Parameters
+    ----------
+    sections : values by section and dotted name; an empty list is left out, since ROS 2 cannot read one
+    path : of the file
+    title : comment at its top
+    """
     content = {
-        node: {PARAMETERS_KEY: {name: _plain(value) for name, value in section.items()}}
-        for node, section in values.items()
+        section: {PARAMETERS_KEY: nest_names({name: value for name, value in values.items() if value not in ((), [])})}
+        for section, values in sections.items()
     }
-    path.write_text(yaml.safe_dump(content, sort_keys=False), encoding="utf-8")
-
-
-def _plain(value: object) -> object:
-    return list(value) if isinstance(value, tuple) else value
+    comment = "".join(f"# {line}\n" for line in title.splitlines())
+    text = yaml.dump(content, Dumper=_RosDumper, sort_keys=False, allow_unicode=True, width=10_000)
+    path.write_text(comment + text, encoding="utf-8")

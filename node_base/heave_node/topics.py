@@ -1,36 +1,13 @@
 """The topics of the suite: one definition of each name, type and publisher.
 
 Names are relative, so that namespaces and remapping work; types are named by text, so that pure code can read this
-table.
+table. The topics of sensors stand in the table of `sensors`; those that code refers to have a name here too.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from enum import Enum
-
-
-class Role(Enum):
-    """How a topic is carried."""
-
-    STREAM = "stream"
-    """Reliable, volatile, a queue deep enough for a slow recorder."""
-    LATCHED = "latched"
-    """Reliable, transient local: late subscribers get the last message."""
-
-
-@dataclass(frozen=True)
-class Topic:
-    """A topic of the suite."""
-
-    name: str
-    type: str
-    publisher: str
-    """Node that publishes it; "" for many."""
-    role: Role = Role.STREAM
-    is_needed: bool = False
-    """The loop does not close without it: where its publisher is external, the start waits for it."""
-
+from heave_node import sensors
+from heave_node.topic import Role, Topic
 
 CLOCK = Topic("/clock", "rosgraph_msgs/msg/Clock", "cable_sim")
 SEA_STATE = Topic("sea_state", "heave_msgs/msg/SeaState", "wave_vessel", Role.LATCHED)
@@ -38,23 +15,30 @@ SEA_STATE_ESTIMATE = Topic("sea_state_estimate", "heave_msgs/msg/SeaStateEstimat
 WAVE_ELEVATION = Topic("wave_elevation", "heave_msgs/msg/WaveElevation", "wave_vessel")
 VESSEL_ODOMETRY = Topic("vessel/odometry", "nav_msgs/msg/Odometry", "wave_vessel")
 BOOM_TIP = Topic("boom_tip", "heave_msgs/msg/PointMotion", "wave_vessel", is_needed=True)
-MRU = Topic("mru", "heave_msgs/msg/MruSample", "wave_vessel", is_needed=True)
+MRU = sensors.MRU.topic
 WINCH_COMMAND = Topic("winch/command", "heave_msgs/msg/WinchCommand", "winch_controller", is_needed=True)
 WINCH_STATE = Topic("winch/state", "heave_msgs/msg/WinchState", "virtual_winch", is_needed=True)
 CABLE_STATE = Topic("cable/state", "heave_msgs/msg/CableState", "cable_sim")
 UNIT_ODOMETRY = Topic("unit/odometry", "nav_msgs/msg/Odometry", "cable_sim")
 UNIT_UNCOMPENSATED = Topic("unit_uncompensated", "heave_msgs/msg/PointMotion", "cable_sim")
-UNIT_PRESSURE = Topic("unit/pressure", "sensor_msgs/msg/FluidPressure", "cable_sim")
-UNIT_VELOCITY = Topic("unit/velocity", "geometry_msgs/msg/TwistWithCovarianceStamped", "cable_sim")
-UNIT_IMU = Topic("unit/imu", "sensor_msgs/msg/Imu", "cable_sim")
-UNIT_USBL = Topic("unit/usbl", "geometry_msgs/msg/PoseWithCovarianceStamped", "cable_sim")
-LOAD_CELL = Topic("winch/load_cell", "heave_msgs/msg/LoadCell", "cable_sim")
+UNIT_PRESSURE = sensors.DEPTH.topic
+UNIT_VELOCITY = sensors.VELOCITY.topic
+UNIT_IMU = sensors.IMU.topic
+UNIT_USBL = sensors.USBL.topic
+LOAD_CELL = sensors.LOAD_CELL.topic
 CONTROLLER_STATE = Topic("controller/state", "heave_msgs/msg/ControllerState", "winch_controller")
 CONTROLLER_KPI = Topic("controller/kpi", "heave_msgs/msg/CompensationKpi", "winch_controller")
 DIAGNOSTICS = Topic("/diagnostics", "diagnostic_msgs/msg/DiagnosticArray", "")
 MARKERS = Topic("markers", "visualization_msgs/msg/MarkerArray", "cable_sim")
 
-ALL_TOPICS: tuple[Topic, ...] = tuple(value for value in list(globals().values()) if isinstance(value, Topic))
+ALL_TOPICS: tuple[Topic, ...] = tuple(
+    dict.fromkeys(
+        [
+            *(value for value in list(globals().values()) if isinstance(value, Topic)),
+            *(sensor.topic for sensor in sensors.SENSORS.values()),
+        ]
+    )
+)
 TOPIC_BY_NAME: dict[str, Topic] = {topic.name: topic for topic in ALL_TOPICS}
 
 # The tick protocol. A leading underscore hides a topic from tools and from the recorder: these say how a run went, not

@@ -1,9 +1,9 @@
-"""A small loop of real processes to test the tick protocol with: sea -> controller -> winch -> plant, numbers instead
-of physics.
+"""A small loop of real processes to test the tick protocol with: sea -> controller -> winch -> plant, with numbers in
+place of physics.
 
 Run as `python loop_program.py NODE --ros-args ...`. The parameter `fault` makes the node misbehave at tick
-`fault_tick`. Every node checks that it
-has exactly the messages of its tick, and the plant prints what it saw at the end.
+`fault_tick`. Every node checks that it has exactly the messages of its tick, and the plant prints what it saw at the
+end.
 """
 
 import os
@@ -64,11 +64,11 @@ class LoopNode(ParticipantNode):
         if fault in ("lose", "lose_for_ever"):
             output.published += 1
             if fault == "lose":
-                output._of_this_tick.append(serialize_message(message))
+                output._sent_this_tick.append(serialize_message(message))
             return
         output.publish(message)
         if fault == "duplicate":
-            output.send_again()
+            output.resend()
 
 
 class Sea(LoopNode):
@@ -150,8 +150,8 @@ class Plant(ClockMasterNode):
             expect(counts == (1, 1), f"tick {tick.number}: {counts} boom tips and winch states")
         self.sum += sum(message.payout for message in winches)
 
-    def on_leave(self) -> None:
-        super().on_leave()
+    def on_exit(self) -> None:
+        super().on_exit()
         ended = self.run_state == TickStatus.ENDED
         timing = self.timing
         sys.stdout.write(f"ended={ended} ticks={self.tick_number} epoch={self.epoch} sum={self.sum:g}\n")

@@ -4,7 +4,7 @@ import enum
 
 import pytest
 from heave_msgs.msg import MruSample, SensorHealth, WinchState
-from heave_node.codes import MruStatus, SensorLevel, WinchFault, WinchLimit
+from heave_node.codes import MruStatus, SensorLevel, WinchFault, WinchLimit, fault_words
 
 
 @pytest.mark.parametrize(
@@ -26,3 +26,8 @@ def test_codes_and_message_constants_have_the_same_names_and_numbers(
     }
     named = {code.name: code.value for code in codes}
     assert constants == named
+
+
+def test_a_fault_is_told_in_words_also_one_that_hardware_made_up() -> None:
+    assert fault_words(WinchState.FAULT_EMERGENCY_STOP) == "emergency stop"
+    assert fault_words(9) == "unknown fault 9"

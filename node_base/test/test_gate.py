@@ -124,8 +124,8 @@ def test_answers_are_idempotent_and_a_laggard_may_lag():
     roster.answer("sea", 4, [7, 8])
     roster.answer("sea", 3, [1, 1])
     assert roster.counters == [7, 8]
-    assert [p.name for p in roster.behind(4)] == ["recorder"]
+    assert [p.name for p in roster.unanswered(4)] == ["recorder"]
     roster.answer("recorder", 1, [])
-    assert roster.behind(4) == []
-    assert [p.name for p in roster.behind(4, flush=True)] == ["recorder"]
+    assert roster.unanswered(4) == []
+    assert [p.name for p in roster.unanswered(4, flush=True)] == ["recorder"]
     assert roster.published_by_topic() == {"/a": 7, "/b": 8}

@@ -4,7 +4,16 @@ import math
 from dataclasses import dataclass
 
 import pytest
-from heave_node.parameters import ParameterError, build_parameters, describe, flatten, group, parameter
+from heave_node.parameters import (
+    Given,
+    ParameterError,
+    build_parameters,
+    describe,
+    flatten,
+    group,
+    parameter,
+    unknown_parameter,
+)
 from heave_node.run_parameters import RunParameters
 from hypothesis import given
 from hypothesis import strategies as st
@@ -77,6 +86,25 @@ def test_flatten_is_the_inverse_of_build(count, kind, mass, area):
     assert build_parameters(Outer, flatten(build_parameters(Outer, values, where="")), where="") == build_parameters(
         Outer, values, where=""
     )
+
+
+def test_a_set_that_contradicts_itself_is_told_with_where_it_stands_whatever_it_raises():
+    @dataclass(frozen=True)
+    class Winch:
+        lower: float = parameter(0.0, unit="m", description="Lower end.")
+
+        def __post_init__(self) -> None:
+            if self.lower > 1.0:
+                raise ParameterError("lower must be below upper")
+
+    with pytest.raises(ParameterError, match=r"^f\.yaml: winch: lower must be below upper$"):
+        build_parameters(Winch, {"lower": 2.0}, where="f.yaml: winch")
+
+
+def test_of_many_names_the_message_lists_the_groups_only():
+    names = [f"group{number % 3}.name{number}" for number in range(30)]
+    error = unknown_parameter(Given(1, "zzz", "f.yaml: n"), names)
+    assert str(error) == "f.yaml: n: there is no parameter zzz; known: group0, group1, group2"
 
 
 def test_every_parameter_is_described():

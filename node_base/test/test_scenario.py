@@ -1,39 +1,171 @@
-"""Scenario files."""
+"""Scenario files: read as ROS 2 reads them, matched to nodes, and written."""
+
+import string
+from pathlib import Path
 
 import pytest
 from heave_node.parameters import ParameterError
-from heave_node.scenario import parse_yaml, read_scenario, values_of_node, write_scenario
+from heave_node.scenario import (
+    flatten_names,
+    holds_for,
+    nest_names,
+    parse_yaml,
+    read_sections,
+    sections_of_node,
+    values_of_node,
+    write_sections,
+)
+from hypothesis import given
+from hypothesis import strategies as st
+
+NAME = st.text(string.ascii_lowercase, min_size=1, max_size=4)
+VALUE = st.one_of(
+    st.booleans(),
+    st.integers(-(2**31), 2**31),
+    st.floats(allow_nan=False, allow_infinity=False),
+    st.text(st.characters(codec="utf-8", exclude_categories=("Cc", "Cs")), max_size=8),
+    st.lists(st.floats(allow_nan=False, allow_infinity=False), min_size=1, max_size=3),
+)
 
 
-def test_a_scenario_survives_writing_and_reading(tmp_path):
-    values = {"/**": {"seed": 3}, "cable_sim": {"length": 300.0, "unit.mass": 10.0, "current": (0.5, 0.0)}}
-    path = tmp_path / "s.yaml"
-    write_scenario(values, path)
-    assert read_scenario(path) == {**values, "cable_sim": {**values["cable_sim"], "current": [0.5, 0.0]}}
+@pytest.fixture
+def path(tmp_path: Path) -> Path:
+    return tmp_path / "s.yaml"
 
 
-def test_nested_names_are_flattened_and_a_node_overrides_the_common_values(tmp_path):
-    path = tmp_path / "s.yaml"
-    path.write_text("/**: {ros__parameters: {seed: 1}}\n/sea: {ros__parameters: {seed: 2, mru: {rate: 20.0}}}\n")
-    assert values_of_node(read_scenario(path), "sea") == {"seed": 2, "mru.rate": 20.0}
-    assert values_of_node(read_scenario(path), "other") == {"seed": 1}
+def test_sections_survive_writing_and_reading(path):
+    sections = {
+        "/**": {"seed": 3, "wanted.unit_sigma_m": "<= 0.005"},
+        "/**/cable_sim": {"length": 300.0, "unit.mass": 10.0, "current": (0.5, 0.0)},
+    }
+    write_sections(sections, path, title="One line\nand another")
+    assert path.read_text().startswith("# One line\n# and another\n")
+    assert read_sections(path) == {**sections, "/**/cable_sim": {**sections["/**/cable_sim"], "current": [0.5, 0.0]}}
+
+
+@given(st.dictionaries(NAME, VALUE, min_size=1, max_size=5))
+def test_every_value_survives_writing_and_reading(tmp_path_factory, values):
+    path = tmp_path_factory.mktemp("any") / "s.yaml"
+    write_sections({"/**": values}, path)
+    read = read_sections(path)["/**"]
+    assert read == values
+    assert [type(value) for value in read.values()] == [type(value) for value in values.values()]
+
+
+def test_an_empty_list_is_left_out_since_ros_cannot_read_one(path):
+    write_sections({"/**": {"seed": 1, "external": (), "start": []}}, path)
+    assert read_sections(path) == {"/**": {"seed": 1}}
+
+
+@given(st.dictionaries(NAME.map(lambda name: f"group.{name}"), st.integers(), min_size=1))
+def test_nesting_is_the_inverse_of_flattening(values):
+    assert flatten_names(nest_names(values), "") == values
+
+
+def test_sections_are_named_as_ros_names_them(path):
+    path.write_text(
+        "/**: {ros__parameters: {seed: 1}}\nsea: {ros__parameters: {mru: {rate: 20.0}}}\n"
+        "ship: {sea: {ros__parameters: {seed: 2}}}\n"
+    )
+    assert read_sections(path) == {"/**": {"seed": 1}, "/sea": {"mru.rate": 20.0}, "/ship/sea": {"seed": 2}}
+
+
+@pytest.mark.parametrize(
+    ("section", "node", "holds"),
+    [
+        ("/**", "/a/cable_sim", True),
+        ("/**/cable_sim", "/cable_sim", True),
+        ("/**/cable_sim", "/a/b/cable_sim", True),
+        ("/**/cable_sim", "/a/cable_sim2", False),
+        ("/cable_sim", "/cable_sim", True),
+        ("/cable_sim", "/a/cable_sim", False),
+        ("/*/cable_sim", "/a/cable_sim", True),
+        ("/*/cable_sim", "/cable_sim", False),
+        ("/*/cable_sim", "/a/b/cable_sim", False),
+        ("/a/**", "/a/b/cable_sim", True),
+        ("/a/**", "/b/cable_sim", False),
+    ],
+)
+def test_a_section_holds_for_the_nodes_that_ros_finds_it_to_hold_for(section, node, holds):
+    assert holds_for(section, node) is holds
+
+
+def test_the_later_section_that_holds_for_a_node_wins():
+    sections = {"/**/sea": {"a": 1, "b": 1}, "/**": {"a": 0}, "/other": {"b": 2}}
+    assert sections_of_node(sections, "/sea") == {"a": "/**", "b": "/**/sea"}
+
+
+def test_what_a_file_says_of_a_node_is_by_the_node_s_own_names_whatever_the_form(path):
+    path.write_text(
+        "/**: {ros__parameters: {seed: 1, system: {winch: {speed_limit: 2.0, law: x}, vessel: {gain: 0.5}}}}\n"
+        "/**/winch_controller: {ros__parameters: {winch: {law: y}}}\n"
+        "virtual_winch: {ros__parameters: {encoder: {resolution: 0.0}}}\n"
+    )
+    sections = read_sections(path)
+    assert values_of_node(sections, "/virtual_winch") == {
+        "seed": 1,
+        "speed_limit": 2.0,
+        "law": "x",
+        "encoder.resolution": 0.0,
+    }
+    assert values_of_node(sections, "/winch_controller") == {
+        "seed": 1,
+        "winch.speed_limit": 2.0,
+        "winch.law": "y",
+        "vessel.gain": 0.5,
+    }
+    assert values_of_node(sections, "/recorder") == {"seed": 1}
+
+
+def test_ros_finds_the_same_sections_and_lets_the_later_one_win(path, monkeypatch):
+    rclpy = pytest.importorskip("rclpy")
+    monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+    names = ["/**/cable_sim", "/**", "cable_sim", "/ship/cable_sim", "/*/cable_sim", "/other"]
+    sections = {name: {"last": number, f"p{number}": number} for number, name in enumerate(names)}
+    write_sections(sections, path)
+    context = rclpy.Context()
+    rclpy.init(args=["--ros-args", "--params-file", str(path)], context=context)
+    try:
+        for namespace in ("", "/ship", "/a/b"):
+            node = rclpy.create_node(
+                "cable_sim", namespace=namespace, context=context, automatically_declare_parameters_from_overrides=True
+            )
+            found = {
+                name: node.get_parameter(name).value
+                for name in ("last", *(f"p{n}" for n in range(len(names))))
+                if node.has_parameter(name)
+            }
+            origins = sections_of_node(read_sections(path), node.get_fully_qualified_name())
+            node.destroy_node()
+            assert found.keys() == origins.keys()
+            assert read_sections(path)[origins["last"]]["last"] == found["last"]
+    finally:
+        rclpy.shutdown(context=context)
 
 
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        ("a: [1", "is not YAML"),
+        ("a: [1", "is not valid YAML"),
         ("just words", "must be a mapping of node names"),
         ("cable_sim: {length: 3}", "cable_sim: must hold ros__parameters and nothing else"),
+        (
+            "cable_sim: {ros__parameters: {length: 3}, length: 4}",
+            "cable_sim: must hold ros__parameters and nothing else",
+        ),
         ("cable_sim: {ros__parameters: 3}", "must be a mapping"),
-        ("\xff\xfe", "is not YAML"),
+        ("cable_sim: {ros__parameters: {}}", "cable_sim: holds no parameters"),
+        ("cable_sim: {ros__parameters: }", "cable_sim: holds no parameters"),
+        ("{}", "holds no parameters"),
+        ("a: {ros__parameters: {b: 1, b: 2}}", "b stands twice, again in line 1"),
+        ("a: {ros__parameters: {b: 1}}\n/a: {ros__parameters: {b: 2}}", "b stands twice, in two sections"),
+        ("\xff\xfe", "is not valid YAML"),
     ],
 )
-def test_a_file_of_another_form_is_refused_in_one_line(tmp_path, text, words):
-    path = tmp_path / "s.yaml"
+def test_a_file_of_another_form_is_refused_in_one_line(path, text, words):
     path.write_bytes(text.encode("latin-1"))
     with pytest.raises(ParameterError) as refusal:
-        read_scenario(path)
+        read_sections(path)
     assert str(path) in str(refusal.value)
     assert words in str(refusal.value)
     assert "\n" not in str(refusal.value)
@@ -41,10 +173,14 @@ def test_a_file_of_another_form_is_refused_in_one_line(tmp_path, text, words):
 
 def test_a_missing_file_is_named(tmp_path):
     with pytest.raises(ParameterError, match=r"nowhere\.yaml: cannot be read: No such file"):
-        read_scenario(tmp_path / "nowhere.yaml")
+        read_sections(tmp_path / "nowhere.yaml")
 
 
 @pytest.mark.parametrize(("text", "value"), [("1e-5", 1e-5), ("-2E3", -2e3), ("1.5e+2", 150.0), ("1e", "1e"), ("7", 7)])
 def test_numbers_with_an_exponent_are_numbers_as_for_ros(text: str, value: object) -> None:
     assert parse_yaml(text) == value
     assert type(parse_yaml(text)) is type(value)
+
+
+def test_a_key_is_a_string_as_for_ros() -> None:
+    assert parse_yaml("{on: 1, 2: 3}") == {"on": 1, "2": 3}

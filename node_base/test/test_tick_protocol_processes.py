@@ -75,7 +75,7 @@ def test_a_missing_participant_is_named_and_ends_the_start(loop):
     status, _, err = loop.end("cable_sim")
     assert status == 1
     assert "winch_controller (not seen)" in err.splitlines()[-1]
-    assert "waiting for 1 s" in err, "a missing participant is named each second"
+    assert "has waited 1 s" in err, "a missing participant is named each second"
 
 
 def test_a_participant_that_dies_is_named_and_ends_the_run(loop):
@@ -83,7 +83,7 @@ def test_a_participant_that_dies_is_named_and_ends_the_run(loop):
     status, _, err = loop.end("cable_sim")
     assert status == 1
     last = err.splitlines()[-1]
-    assert "winch_controller did not finish tick 20" in last
+    assert "winch_controller has not finished tick 20" in last
     assert loop.end("wave_vessel")[0] == 0, "the others hear that the run is over"
 
 
@@ -98,7 +98,7 @@ def test_a_participant_that_hangs_is_named(loop):
     start_all(loop, "wave_vessel", fault="hang", participant_timeout=2.0)
     status, _, err = loop.end("cable_sim")
     assert status == 1
-    assert "wave_vessel did not finish tick 20" in err.splitlines()[-1]
+    assert "wave_vessel has not finished tick 20" in err.splitlines()[-1]
 
 
 def test_participants_leave_when_the_master_dies(loop):
@@ -106,7 +106,7 @@ def test_participants_leave_when_the_master_dies(loop):
     for name in PEERS:
         status, _, err = loop.end(name)
         assert status == 1
-        assert "clock master has been silent" in err
+        assert "no message from the clock master for" in err
 
 
 def test_lockstep_waits_for_a_late_participant_and_asks_again(loop):
@@ -136,7 +136,7 @@ def test_a_message_lost_for_ever_is_named_with_its_publisher(loop):
     start_all(loop, "wave_vessel", fault="lose_for_ever", participant_timeout=2.0)
     status, _, err = loop.end("cable_sim")
     assert status == 1
-    assert "winch_controller did not finish tick 20 (waiting for /mru from wave_vessel (19 of 20 messages)" in err
+    assert "winch_controller has not finished tick 20 (waiting for /mru from wave_vessel (19 of 20 messages)" in err
 
 
 @pytest.mark.parametrize("fault", ["future_stamp", "old_stamp"])
@@ -152,7 +152,7 @@ def test_different_tick_periods_are_refused(loop):
     loop.start("winch_controller", "virtual_winch", "cable_sim", participant_timeout=2.0)
     status, _, err = loop.end("wave_vessel")
     assert status == 1
-    assert "tick_period is 0.1 s here and 0.05 s at the clock master" in err
+    assert "tick_period is 0.1 s here, but 0.05 s at the clock master" in err
 
 
 def test_real_time_follows_the_wall_clock(loop):
@@ -290,4 +290,4 @@ def test_a_node_that_comes_into_a_run_under_way_says_so(loop):
     finally:
         late.stop()
     assert status == 1
-    assert "came too late: a run is under way in this ROS domain" in err
+    assert "started too late: a run is already at tick" in err

@@ -12,19 +12,15 @@ import numpy as np
 import pytest
 from cable_sim_node.peers.reference_systems import DEEP_900
 from heave_node.arrays import Array
+from heave_node.linear_model import LinearModel, interconnect, linear_model, output_sigma, with_feedback
 from heave_node.parameters import build_parameters
 from winch_controller_node.identification.cable_response import identify_simulated
-from winch_controller_node.model.linear_model import LinearModel, interconnect, output_sigma, with_feedback
+from winch_controller_node.model.blocks import PAYOUT_COMMAND, CableModel, cable_block, winch_block
 from winch_controller_node.model.lqr import QuadraticCost, lqr_gain
 from winch_controller_node.model.models import (
-    PAYOUT_COMMAND,
-    CableModel,
     ModelInputs,
     boom_tip_block,
-    cable_block,
     continuous_model,
-    taylor_delay_block,
-    winch_block,
 )
 from winch_controller_node.parameters.controller import WinchControllerParameters
 from winch_controller_node.parameters.model import SeaModelParameters, VesselModelParameters, WinchModelParameters
@@ -46,6 +42,16 @@ def optimum(model: LinearModel, q: float) -> tuple[float, float]:
 
 def winch(K: float) -> WinchModelParameters:
     return WinchModelParameters(law="first_order", position_rate=K, disturbance=0.0)
+
+
+def taylor_delay_block(delay: float, input_name: str, output_name: str) -> LinearModel:
+    """Return thesis Eq. 6.13: the delay by a second-order Taylor series of 1/e^(-s tau)."""
+    return linear_model(
+        [[0.0, 1.0], [-2.0 / delay**2, -2.0 / delay]],
+        states=(f"{output_name}_0", f"{output_name}_1"),
+        inputs={input_name: [0.0, 2.0 / delay**2]},
+        outputs={output_name: [1.0, 0.0]},
+    )
 
 
 def delayed_model(delay: float) -> LinearModel:

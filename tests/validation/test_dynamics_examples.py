@@ -158,9 +158,8 @@ DEPLOYED = CableSimParameters(
 
 
 def test_chapter_3_example_5_faster_lowering_means_less_motion(gallery):
-    """1.260 rad/s: resonance near L = EA/(w^2 (M + Ma)) = 761 m, a third of the cable added to M;
-    the motion falls with speed, the critical length
-    grows.
+    """1.260 rad/s: resonance near L = EA/(w^2 (M + Ma)) = 761 m, a third of the cable added to M; the motion falls with
+    speed, the critical length grows.
     """
     omega, results = 1.26, {}
     for speed in (0.5, 1.0, 2.0, 3.0):

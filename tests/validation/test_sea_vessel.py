@@ -4,13 +4,16 @@ import math
 
 import numpy as np
 import pytest
+from heave_node.codes import MruStatus
+from heave_node.linear_model import output_spectrum
 from heave_node.parameters import build_parameters
 from scipy.integrate import solve_ivp
 from wave_vessel_node.component import WaveVessel
-from wave_vessel_node.mru.mru import STATUS_SETTLING, MotionReferenceUnit, high_pass_response
+from wave_vessel_node.mru.mru import MotionReferenceUnit, high_pass_response
 from wave_vessel_node.parameters import MruParameters, WaveVesselParameters
 from wave_vessel_node.sea.filter_fit import fit_filter
-from wave_vessel_node.sea.shaping_filter import filter_quality, shaping_filter
+from wave_vessel_node.sea.filter_quality import filter_quality
+from wave_vessel_node.sea.shaping_filter import shaping_filter
 from wave_vessel_node.sea.spectra import Bretschneider, Jonswap
 from wave_vessel_node.vessel.course import Course
 from wave_vessel_node.vessel.fit import fit_vessel
@@ -200,7 +203,7 @@ def test_a_loop_turn_disturbs_the_mru_as_its_equation_says(gallery):
         return [e[1], -2 * damping * cut_off * e[1] - cut_off**2 * e[0] - 0.01 * 5.0 * course.turn_rate(t)]
 
     exact = solve_ivp(error, (0.0, time[-1]), [0.0, 0.0], t_eval=time, max_step=1.0, rtol=1e-8, atol=1e-10).y[0]
-    settling = np.array([reading.status == STATUS_SETTLING for reading in readings])
+    settling = np.array([reading.status == MruStatus.SETTLING for reading in readings])
 
     def draw(figure):
         axes = figure.subplots()
@@ -231,10 +234,10 @@ def test_shaping_filters_against_their_spectra(gallery):
         left, right = figure.subplots(1, 2)
         omega = np.linspace(0.02, 3.0, 500)
         for form in qualities:
-            left.semilogy(omega, shaping_filter(SEA, form).spectrum(omega), label=form)
-        left.semilogy(omega, eight.system.spectrum(omega), label="fit, 8 states")
+            left.semilogy(omega, output_spectrum(shaping_filter(SEA, form), "wave_elevation", omega), label=form)
+        left.semilogy(omega, output_spectrum(eight.system, "wave_elevation", omega), label="fit, 8 states")
         left.semilogy(omega, np.maximum(SEA.density(omega), 1e-9), "k--", label="Bretschneider")
-        right.semilogy(omega, other.system.spectrum(omega), label="fit, 8 states")
+        right.semilogy(omega, output_spectrum(other.system, "wave_elevation", omega), label="fit, 8 states")
         right.semilogy(omega, np.maximum(jonswap.density(omega), 1e-9), "k--", label="JONSWAP")
         for axes in (left, right):
             axes.set(xlabel="omega [rad/s]", ylabel="S [m^2 s/rad]", ylim=(1e-6, 3.0))

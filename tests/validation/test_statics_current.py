@@ -5,10 +5,11 @@ import math
 
 import numpy as np
 import pytest
+from cable_sim_node.physics.current import Current
 from cable_sim_node.statics.footprint import FootprintLimits, footprint
 from cable_sim_node.statics.laying import lay
 from cable_sim_node.statics.problems import submerged_cable, towing_cable
-from cable_sim_node.statics.system import Current, PointLoad, StaticSection, static_cable
+from cable_sim_node.statics.system import PointLoad, StaticSection, static_cable
 from heave_node.constants import SEAWATER_DENSITY
 from scipy.integrate import solve_ivp
 

@@ -1,17 +1,14 @@
 """Compute the motions of the hull form that ships with the package, with Capytaine (linear potential flow, zero speed).
 
-Writes the hydrodynamic database (Capytaine's NetCDF) and the table of RAOs made from it at
-several speeds.
-Needs the extra `capytaine`. Takes a few minutes:
+Writes the hydrodynamic database (Capytaine's NetCDF) and the table of RAOs made from it at several speeds. Needs the
+extra `capytaine`. Takes a few minutes:
 
-    python wave_vessel_node/scripts/compute_hull_rao.py --database hull.nc --table
-    wave_vessel_node/wave_vessel_node/data/wigley_90m.csv
+    cd wave_vessel_node
+    python scripts/compute_hull_rao.py --database hull.nc --table wave_vessel_node/data/wigley_90m.csv
 
 Hull form: the modified Wigley form of the seakeeping experiments of Delft (Journee, 1992), the blunt variant, with
-length to beam 5:
-y = (B/2) [(1 - z'^2)(1 - x'^2)(1 + 0.2 x'^2) + z'^2 (1 - z'^8)(1 - x'^2)^4], x' = 2 x / L, z' = z / T. Scaled to a
-construction vessel:
-L = 90 m, B = 18 m, T = 5.625 m.
+length to beam 5: y = (B/2) [(1 - z'^2)(1 - x'^2)(1 + 0.2 x'^2) + z'^2 (1 - z'^8)(1 - x'^2)^4], x' = 2 x / L,
+z' = z / T. Scaled to a construction vessel: L = 90 m, B = 18 m, T = 5.625 m.
 """
 
 from __future__ import annotations

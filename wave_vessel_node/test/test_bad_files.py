@@ -7,9 +7,9 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from wave_vessel_node.sea.spectrum_files import SpectrumFileError, read_spectra
+from wave_vessel_node.sources.recording import RecordingError, read_recording
 from wave_vessel_node.vessel.rao import RaoError
 from wave_vessel_node.vessel.rao_files import COLUMNS, read_rao_csv
-from wave_vessel_node.vessel.recording import RecordingError, read_recording
 
 DATA = Path(__file__).parent / "data"
 FRAGMENTS = st.sampled_from(

@@ -2,13 +2,14 @@ import math
 
 import numpy as np
 import pytest
+from heave_node.linear_model import output_sigma, output_spectrum
 from heave_node.parameters import ParameterError, build_parameters, describe
 from wave_vessel_node.component import WaveVessel
-from wave_vessel_node.motion_sources import FilterSource, boom_tip_system
 from wave_vessel_node.parameters import CourseParameters, DriftParameters, VesselParameters, WaveVesselParameters
 from wave_vessel_node.sea.shaping_filter import shaping_filter
 from wave_vessel_node.sea.spectra import Bretschneider
-from wave_vessel_node.vessel.second_order import SecondOrderVessel
+from wave_vessel_node.sources.filtered import FilterSource
+from wave_vessel_node.vessel.second_order import SecondOrderVessel, boom_tip_model
 
 DT = 0.05
 
@@ -131,13 +132,12 @@ def test_the_filter_source_has_the_variance_of_the_lyapunov_equation():
     wave, vessel = shaping_filter(Bretschneider(2.0, 6.0)), SecondOrderVessel(0.9, 0.4, 1.0)
     source = FilterSource(wave, vessel, seed=5, tick_period=0.5)
     heave = np.array([source.motion(tick).displacement[2] for tick in range(1, 40001)])
-    system = boom_tip_system(wave, vessel)
-    exact = float(system.C[1] @ system.stationary_covariance() @ system.C[1])
+    system = boom_tip_model(wave, vessel)
     # variance of a variance: 2 pi / T integral S^2, T = 20000 s
     omega = np.linspace(0.01, 4.0, 4000)
-    response = np.abs(system.frequency_response(omega)[:, 1, 0]) ** 2
-    sigma = math.sqrt(2 * math.pi / 20000.0 * np.trapezoid(response**2, omega))
-    assert heave.var() == pytest.approx(exact, abs=4 * sigma)
+    density = output_spectrum(system, "boom_tip_heave", omega)
+    sigma = math.sqrt(2 * math.pi / 20000.0 * np.trapezoid(density**2, omega))
+    assert heave.var() == pytest.approx(output_sigma(system)["boom_tip_heave"] ** 2, abs=4 * sigma)
 
 
 def test_what_is_published_of_the_sea_is_the_target():

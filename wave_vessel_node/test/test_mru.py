@@ -2,15 +2,11 @@ import math
 
 import numpy as np
 import pytest
+from heave_node.codes import MruStatus
+from heave_node.faults import FaultParameters
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from wave_vessel_node.mru.mru import (
-    STATUS_OK,
-    STATUS_SETTLING,
-    HighPass,
-    MotionReferenceUnit,
-    high_pass_response,
-)
+from wave_vessel_node.mru.mru import HighPass, MotionReferenceUnit, high_pass_response
 from wave_vessel_node.parameters import MruParameters
 from wave_vessel_node.vessel.motion import PITCH, ROLL, VesselMotion
 
@@ -34,12 +30,16 @@ def sine(omega, amplitude=1.0):
 SILENT = {"noise": 0.0, "rate_noise": 0.0}
 
 
+def fault(kind, start, duration=0.0, magnitude=0.0):
+    return FaultParameters((kind,), (start,), (duration,), (magnitude,))
+
+
 def test_a_perfect_unit_says_the_truth_at_the_time_of_its_stamp():
     heave = sine(0.7)
     for tick, reading in enumerate(run(MruParameters(**SILENT), 50, heave), start=1):
         assert reading.time == pytest.approx(tick * DT)
         assert reading.sequence == tick
-        assert reading.status == STATUS_OK
+        assert reading.status == MruStatus.OK
         assert (reading.heave, reading.heave_rate, reading.heave_acceleration) == pytest.approx(heave(tick * DT))
 
 
@@ -120,23 +120,22 @@ def test_the_rate_sets_which_ticks_have_a_reading():
 
 
 def test_a_gap_loses_samples_and_their_numbers():
-    readings = run(MruParameters(dropout_start=(0.5,), dropout_duration=(0.25,), **SILENT), 30)
+    readings = run(MruParameters(faults=fault("gap", 0.5, 0.25), **SILENT), 30)
     missing = [tick for tick, reading in enumerate(readings, 1) if reading is None]
     assert missing == [10, 11, 12, 13, 14]
     assert readings[14].sequence == 15
 
 
 def test_a_freeze_holds_the_value_while_stamps_go_on():
-    parameters = MruParameters(freeze_start=(0.5,), freeze_duration=(0.5,))
-    readings = run(parameters, 40, sine(1.0))
+    readings = run(MruParameters(faults=fault("freeze", 0.5, 0.5)), 40, sine(1.0))
     frozen = readings[9:19]
-    assert len({(r.heave, r.heave_rate) for r in frozen}) == 1
+    assert {(r.heave, r.heave_rate) for r in frozen} == {(readings[8].heave, readings[8].heave_rate)}
     assert len({r.time for r in frozen}) == 10
     assert readings[20].heave != frozen[0].heave
 
 
 def test_a_spike_is_one_wrong_reading():
-    readings = run(MruParameters(spike_time=(0.5,), spike_size=(3.0,), **SILENT), 20)
+    readings = run(MruParameters(faults=fault("spike", 0.5, magnitude=3.0), **SILENT), 20)
     assert [round(reading.heave, 9) for reading in readings].count(3.0) == 1
     assert readings[9].heave == 3.0
 
@@ -144,7 +143,7 @@ def test_a_spike_is_one_wrong_reading():
 def test_after_a_restart_the_unit_is_silent_then_settling_then_right():
     parameters = MruParameters(
         high_pass_period=10.0,
-        restart_time=(5.0,),
+        faults=fault("restart", 5.0),
         restart_duration=2.0,
         settling_periods=10.0,
         restart_bias=0.05,
@@ -153,7 +152,7 @@ def test_after_a_restart_the_unit_is_silent_then_settling_then_right():
     readings = run(parameters, 4000, sine(0.8))
     reference = run(MruParameters(high_pass_period=10.0, **SILENT), 4000, sine(0.8))
     assert all(reading is None for reading in readings[100:139])
-    settling = [reading for reading in readings[140:] if reading.status == STATUS_SETTLING]
+    settling = [reading for reading in readings[140:] if reading.status == MruStatus.SETTLING]
     assert len(settling) * DT == pytest.approx(100.0, abs=2 * DT)
     early = max(abs(a.heave - b.heave) for a, b in zip(readings[140:240], reference[140:240], strict=True))
     late = max(abs(a.heave - b.heave) for a, b in zip(readings[2200:], reference[2200:], strict=True))
@@ -165,28 +164,37 @@ def test_a_turn_disturbs_the_unit_and_its_status_says_so():
     parameters = MruParameters(high_pass_period=10.0, turn_sensitivity=0.02, settling_periods=2.0, **SILENT)
     unit = MotionReferenceUnit(parameters, seed=1, tick_period=DT)
     turning = run(parameters, 200, motion=lambda: VesselMotion(turn_rate=0.05, speed=4.0), unit=unit)
-    assert turning[-1].status == STATUS_SETTLING
+    assert turning[-1].status == MruStatus.SETTLING
     # the steady error of the high-pass under a constant acceleration error d is d / omega_c^2; 10 s in, most of it is
     # there
     assert turning[-1].heave == pytest.approx(0.02 * 4.0 * 0.05 / (2 * math.pi / 10.0) ** 2, rel=0.1)
     after = [unit.step(tick, np.zeros(3), VesselMotion()) for tick in range(201, 201 + 1200)]
-    assert after[300].status == STATUS_SETTLING
-    assert after[-1].status == STATUS_OK
+    assert after[300].status == MruStatus.SETTLING
+    assert after[-1].status == MruStatus.OK
     assert abs(after[-1].heave) < 1e-4
 
 
 def test_faults_can_be_injected_while_running():
     unit = MotionReferenceUnit(MruParameters(**SILENT), seed=1, tick_period=DT)
-    unit.inject("bias", 0.2, 0.1, 0.5)
+    unit.faults.inject("jump", start=0.2, duration=0.1, magnitude=0.5)
     readings = run(None, 10, unit=unit)
     assert [reading.heave for reading in readings] == [0, 0, 0, 0.5, 0.5, 0, 0, 0, 0, 0]
-    with pytest.raises(ValueError, match="knows no fault 'explode'"):
-        unit.inject("explode", 0.0)
+    assert all(reading.heave_rate == 0.0 for reading in readings)
+
+
+def test_a_faulty_unit_may_say_no_numbers_or_speak_at_another_rate():
+    readings = run(MruParameters(faults=fault("nan", 0.2, 0.1), **SILENT), 10)
+    assert [math.isnan(reading.heave) and math.isnan(reading.roll) for reading in readings] == [
+        tick in (4, 5) for tick in range(1, 11)
+    ]
+    readings = run(MruParameters(faults=fault("rate", 0.5, 1.0, 4.0), **SILENT), 40)
+    spoke = [tick for tick, reading in enumerate(readings, 1) if reading]
+    assert spoke == [*range(1, 10), 10, 15, 20, 25, *range(30, 41)]
 
 
 def test_a_transport_delay_holds_readings_back_with_honest_stamps():
     unit = MotionReferenceUnit(MruParameters(**SILENT), seed=1, tick_period=DT)
-    unit.inject("delay", 0.5, 0.5, 0.2)
+    unit.faults.inject("delay", start=0.5, duration=0.5, magnitude=0.2)
     readings = run(None, 30, sine(0.7), unit=unit)
     assert readings[9:13] == [None] * 4
     assert readings[15].time == pytest.approx(16 * DT - 0.2)
@@ -198,26 +206,24 @@ def test_a_transport_delay_holds_readings_back_with_honest_stamps():
 
 def test_what_holds_can_be_cleared():
     unit = MotionReferenceUnit(MruParameters(**SILENT), seed=1, tick_period=DT)
-    unit.inject("gap", 0.0)
+    unit.faults.inject("gap", start=0.0)
     assert run(None, 3, unit=unit) == [None] * 3
-    unit.faults.clear(4 * DT)
+    unit.faults.inject("clear", start=4 * DT)
     assert unit.step(4, np.zeros(3), VesselMotion()) is not None
-
-
-@pytest.mark.parametrize(
-    ("kind", "duration", "size"), [("gap", -1.0, 0.0), ("bias", 1.0, math.nan), ("delay", 1.0, 11.0)]
-)
-def test_faults_with_impossible_numbers_are_refused(kind, duration, size):
-    with pytest.raises(ValueError, match=r"duration of at least 0 s|from 0 to 10 s"):
-        MotionReferenceUnit(MruParameters(), seed=1, tick_period=DT).inject(kind, 0.0, duration, size)
 
 
 def test_faults_do_not_change_the_noise_of_other_readings():
     plain = run(MruParameters(), 100)
-    gap = run(MruParameters(dropout_start=(1.0,), dropout_duration=(1.0,)), 100)
+    gap = run(MruParameters(faults=fault("gap", 1.0, 1.0)), 100)
     assert [r.heave for r in plain[60:]] == [r.heave for r in gap[60:]]
 
 
-def test_fault_lists_of_different_length_are_refused():
-    with pytest.raises(ValueError, match=r"mru.freeze_start has 1 values and mru.freeze_duration 0"):
-        MruParameters(freeze_start=(1.0,))
+def test_a_rate_changes_no_other_number():
+    often, seldom = run(MruParameters(), 40), run(MruParameters(rate=5.0), 40)
+    assert [r.heave for r in seldom if r] == [r.heave for r in often[3::4]]
+
+
+@pytest.mark.parametrize(("kind", "magnitude"), [("drive", 0.0), ("delay", 11.0)])
+def test_faults_that_the_unit_cannot_have_are_refused(kind, magnitude):
+    with pytest.raises(ValueError, match=r"mru.faults: (a fault of kind drive|the magnitude of kind delay)"):
+        MruParameters(faults=fault(kind, 1.0, 1.0, magnitude))

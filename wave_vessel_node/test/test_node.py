@@ -24,16 +24,6 @@ def test_the_boom_tip_goes_out_in_frame_world_with_its_stamp():
     assert (message.position.z, message.velocity.y, message.acceleration.x) == (3.0, 5.0, 7.0)
 
 
-def test_the_mru_message_says_what_the_reading_says():
-    vessel = WaveVessel(WaveVesselParameters(), seed=1, tick_period=0.05)
-    reading = [vessel.step(tick).mru for tick in range(1, 40)][-1]
-    message = messages.mru_message(reading, stamp_of_seconds(reading.time), (0.01, 0.02))
-    assert (message.sequence, message.status) == (39, 0)
-    assert (message.heave, message.heave_rate) == (reading.heave, reading.heave_rate)
-    assert (message.heave_sigma, message.heave_rate_sigma) == (0.01, 0.02)
-    assert message.header.stamp == stamp_of_seconds(1.95)
-
-
 def test_odometry_has_unit_quaternions_and_world_axes():
     motion = VesselMotion(heading=math.pi / 2, turn_rate=0.1)
     motion.displacement[:] = [1.0, 0.0, 0.5, 0.1, -0.2, 0.05]

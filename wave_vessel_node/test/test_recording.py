@@ -7,7 +7,8 @@ from mcap.writer import Writer
 from rclpy.serialization import serialize_message
 from wave_vessel_node.component import WaveVessel
 from wave_vessel_node.parameters import VesselParameters, WaveVesselParameters
-from wave_vessel_node.vessel.recording import RecordedSource, RecordingError, read_recording
+from wave_vessel_node.sources.recorded import RecordedSource
+from wave_vessel_node.sources.recording import RecordingError, read_recording
 from wave_vessel_node.vessel.second_order import SecondOrderVessel
 
 DT = 0.05
@@ -153,7 +154,7 @@ def test_a_bag_without_the_topic_or_cut_short_is_refused(tmp_path):
 
 
 def test_a_vessel_of_raos_cannot_follow_a_recorded_elevation(tmp_path):
-    with pytest.raises(ValueError, match="no direction"):
+    with pytest.raises(ValueError, match="neither direction nor spectrum"):
         WaveVesselParameters(
             boom_tip_source="file",
             recording_file="x.csv",

@@ -11,9 +11,9 @@ from wave_vessel_node.sea.spectra import (
     Jonswap,
     OchiHubble,
     OchiHubbleSystem,
+    PiersonMoskowitz,
     SpectrumError,
     TabulatedSpectrum,
-    pierson_moskowitz,
 )
 
 HEIGHTS = st.floats(0.1, 20.0)
@@ -68,7 +68,7 @@ def test_ochi_hubble_with_shape_one_and_no_swell_is_bretschneider():
 
 
 def test_the_tail_of_pierson_moskowitz_is_alpha_g2_over_omega5():
-    sea = pierson_moskowitz(4.0)
+    sea = PiersonMoskowitz.of_height(4.0)
     omega = 40.0 * sea.peak_frequency
     assert sea.density(omega) == pytest.approx(0.0081 * STANDARD_GRAVITY**2 / omega**5, rel=1e-5)
 

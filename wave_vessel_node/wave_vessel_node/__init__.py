@@ -1,4 +1,24 @@
 """Sea state to boom-tip motion, and what the motion reference unit says of it.
 
-Importing this package imports nothing else; every module but `node` is pure (no ROS).
+Importing this package loads nothing else: a name of its face is loaded when it is asked for. Every module but `node`
+is pure (no ROS).
 """
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from heave_node.faces import lazy_face
+
+if TYPE_CHECKING:
+    from wave_vessel_node.component import WaveVessel
+    from wave_vessel_node.parameters import WaveVesselParameters
+
+__all__ = ["WaveVessel", "WaveVesselParameters"]
+__getattr__ = lazy_face(
+    __name__,
+    {
+        "WaveVessel": "component",
+        "WaveVesselParameters": "parameters",
+    },
+)

@@ -1,4 +1,7 @@
-"""Messages of the sea and vessel from the plain data of its component. No rclpy: message classes are plain data."""
+"""Messages of the sea and vessel from the plain data of its component; those of the MRU are `heave_node.messages`.
+
+No rclpy: message classes are plain data.
+"""
 
 from __future__ import annotations
 
@@ -7,12 +10,11 @@ import math
 import numpy as np
 from builtin_interfaces.msg import Time
 from geometry_msgs.msg import Point, Quaternion, Vector3
-from heave_msgs.msg import MruSample, PointMotion, SeaState, SeaStateEstimate, WaveElevation
+from heave_msgs.msg import PointMotion, SeaState, SeaStateEstimate, WaveElevation
 from heave_node import kinematics
 from nav_msgs.msg import Odometry
 
 from wave_vessel_node.mru import sea_state_estimate
-from wave_vessel_node.mru.mru import MruReading
 from wave_vessel_node.sea import sea
 from wave_vessel_node.vessel.motion import VesselMotion
 
@@ -49,18 +51,6 @@ def odometry_message(motion: VesselMotion, stamp: Time) -> Odometry:
     twist[5] += motion.turn_rate
     message.twist.twist.linear = Vector3(**_xyz(twist[:3]))
     message.twist.twist.angular = Vector3(**_xyz(twist[3:]))
-    return message
-
-
-def mru_message(reading: MruReading, stamp: Time, sigma: tuple[float, float]) -> MruSample:
-    """Return the MRU's sample; `sigma` is the accuracy of heave [m] and heave rate [m/s] that the unit states."""
-    message = MruSample()
-    message.header.stamp, message.header.frame_id = stamp, WORLD
-    message.sequence, message.status = reading.sequence, reading.status
-    message.heave, message.heave_rate = reading.heave, reading.heave_rate
-    message.heave_acceleration = reading.heave_acceleration
-    message.roll, message.pitch = reading.roll, reading.pitch
-    message.heave_sigma, message.heave_rate_sigma = sigma
     return message
 
 

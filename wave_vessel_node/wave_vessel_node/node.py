@@ -2,32 +2,30 @@
 
 from __future__ import annotations
 
-import math
 import sys
 
-from heave_msgs.srv import InjectFault
 from heave_node import topics
+from heave_node.codes import MruStatus
+from heave_node.messages import SensorMessages
 from heave_node.ros.diagnostics import Health, Level
+from heave_node.ros.fault_service import FaultService
 from heave_node.ros.node import NodeError
 from heave_node.ros.participant import ParticipantNode
 from heave_node.ros.process import run_node
+from heave_node.sensors import MRU, STANDARD_WATER
 from heave_node.tick.tick import Tick, stamp_of_seconds
 
 from wave_vessel_node import conversions as messages
 from wave_vessel_node.component import WaveVessel
-from wave_vessel_node.mru.faults import DELAY, FAULT_KINDS, LONGEST_DELAY
-from wave_vessel_node.mru.mru import STATUS_OK
 from wave_vessel_node.parameters import WaveVesselParameters
 
-_CLEAR = "clear"
 _MRU_SILENCE = 1.0  # s without a reading that diagnostics calls an error
 
 
 class WaveVesselNode(ParticipantNode):
     """Publishes in tick k the MRU reading delivered at t_k, and the boom tip, vessel and surface at t_{k+1}.
 
-    Service `wave_vessel/inject_fault` makes the MRU misbehave from the next tick on: restart, gap, freeze, spike, bias,
-    delay; clear ends what was injected or scheduled and holds now.
+    Service `wave_vessel/inject_fault` makes the MRU misbehave from the next tick on.
     """
 
     name = "wave_vessel"
@@ -41,40 +39,31 @@ class WaveVesselNode(ParticipantNode):
         self.elevation = self.add_output(topics.WAVE_ELEVATION)
         self.odometry = self.add_output(topics.VESSEL_ODOMETRY)
         self.boom_tip = self.add_output(topics.BOOM_TIP)
-        self.mru = self.add_output(topics.MRU)
-        self._pending_faults: list[tuple[str, float, float]] = []
+        self.mru = self.add_output(MRU.topic)
+        self._mru_messages = SensorMessages(MRU)
         self._last_reading_time = 0.0
-        self._last_status = STATUS_OK
-        self.create_service(InjectFault, f"{self.name}/inject_fault", self._on_inject_fault)
+        self._last_status: int = MruStatus.OK
+        FaultService(self, lambda: {"mru": self.component.mru.faults})
 
     def on_reset(self) -> None:
         """See HeaveNode."""
         self.component = self._new_component()
-        self._pending_faults.clear()
         self._last_reading_time = 0.0
-        self._last_status = STATUS_OK
+        self._last_status = MruStatus.OK
 
     def on_tick(self, tick: Tick) -> None:
         """See HeaveNode."""
-        for kind, duration, magnitude in self._pending_faults:
-            if kind == _CLEAR:
-                self.component.mru.faults.clear(tick.time)
-            else:
-                self.component.mru.inject(kind, tick.time, duration, magnitude)
-        self._pending_faults.clear()
         if tick.number == 1:
             self.sea_state.publish(messages.sea_state_message(self.component.sea_state(), tick.stamp))
         outputs = self.component.step(tick.number)
         reading = outputs.mru
         if reading is not None:
-            mru = self.parameters.mru
-            stamp = stamp_of_seconds(reading.time)
-            self.mru.publish(messages.mru_message(reading, stamp, (mru.noise, mru.rate_noise)))
+            self.mru.publish(self._mru_messages.message(MRU.to_wire(reading, STANDARD_WATER)))
             self._last_reading_time, self._last_status = tick.time, reading.status
         end = tick.end_stamp
-        self.boom_tip.publish_later(lambda: messages.boom_tip_message(outputs.boom_tip, end))
-        self.odometry.publish_later(lambda: messages.odometry_message(outputs.vessel, end))
-        self.elevation.publish_later(lambda: messages.elevation_message(outputs.wave_elevation, end))
+        self.boom_tip.publish_deferred(lambda: messages.boom_tip_message(outputs.boom_tip, end))
+        self.odometry.publish_deferred(lambda: messages.odometry_message(outputs.vessel, end))
+        self.elevation.publish_deferred(lambda: messages.elevation_message(outputs.wave_elevation, end))
         if outputs.estimate is not None:
             stamp = stamp_of_seconds(outputs.estimate.time)
             self.estimate.publish(messages.estimate_message(outputs.estimate, stamp))
@@ -86,7 +75,7 @@ class WaveVesselNode(ParticipantNode):
         health = [Health("mru")]
         if silence > _MRU_SILENCE:
             health = [Health("mru", Level.ERROR, f"no reading for {silence:.1f} s")]
-        elif self._last_status != STATUS_OK:
+        elif self._last_status != MruStatus.OK:
             health = [Health("mru", Level.WARN, "settling: its high-pass has not settled")]
         fit = self.component.vessel_fit
         if fit is not None:
@@ -110,19 +99,6 @@ class WaveVesselNode(ParticipantNode):
         for warning in component.warnings:
             self.get_logger().warning(warning)
         return component
-
-    def _on_inject_fault(self, request: InjectFault.Request, response: InjectFault.Response) -> InjectFault.Response:
-        kinds = (*FAULT_KINDS, _CLEAR)
-        if request.device != "mru" or request.kind not in kinds:
-            response.message = f"{self.name} knows device mru with kinds {', '.join(kinds)}"
-        elif not (math.isfinite(request.duration) and request.duration >= 0.0 and math.isfinite(request.magnitude)):
-            response.message = "duration must be a number of at least 0, magnitude a number"
-        elif request.kind == DELAY and not 0.0 <= request.magnitude <= LONGEST_DELAY:
-            response.message = f"a delay is from 0 to {LONGEST_DELAY:g} s"
-        else:
-            self._pending_faults.append((request.kind, request.duration, request.magnitude))
-            response.success, response.message = True, f"{request.kind} from the next tick"
-        return response
 
 
 def main() -> None:

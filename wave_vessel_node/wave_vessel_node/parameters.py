@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from heave_node.faults import FaultParameters
 from heave_node.parameters import group, parameter
+from heave_node.registry import describe_choices
 
-SPECTRA = ("bretschneider", "pierson_moskowitz", "jonswap", "ochi_hubble", "file")
-BOOM_TIP_SOURCES = ("spectrum", "filter", "regular", "file")
+from wave_vessel_node.sea_registry import AUTO, FILTER_FORMS, SPECTRA, SPECTRUM_FILE
+from wave_vessel_node.source_registry import SOURCES
+
 VESSEL_MODELS = ("second_order", "rao", "fitted", "direct")
-FILTER_FORMS = ("auto", "thesis", "four_state", "six_state", "fit")
+FILTER_CHOICES = (AUTO, *FILTER_FORMS)
 
 
 @dataclass(frozen=True)
@@ -23,6 +26,39 @@ class SwellParameters:
     shape: float = parameter(
         3.0, unit="", minimum=0.5, maximum=20.0, description="Ochi-Hubble shape of the swell; 1 is Bretschneider's."
     )
+
+
+@dataclass(frozen=True)
+class SeaParameters:
+    """A sea that a few numbers describe; which spectrum takes which of them: see `sea_registry`."""
+
+    spectrum: str = parameter(
+        "bretschneider",
+        unit="",
+        choices=tuple(SPECTRA),
+        description=f"Spectrum of the sea: {describe_choices(SPECTRA)}.",
+    )
+    significant_wave_height: float = parameter(
+        1.0,
+        unit="m",
+        minimum=0.0,
+        maximum=25.0,
+        description="Significant wave height (of the wind sea in ochi_hubble).",
+    )
+    peak_period: float = parameter(
+        8.0,
+        unit="s",
+        minimum=1.0,
+        maximum=40.0,
+        description="Peak period (of the wind sea in ochi_hubble); pierson_moskowitz takes it from the height.",
+    )
+    peak_enhancement: float = parameter(
+        3.3, unit="", minimum=1.0, maximum=10.0, description="gamma of the JONSWAP spectrum."
+    )
+    shape: float = parameter(
+        1.0, unit="", minimum=0.5, maximum=20.0, description="Ochi-Hubble shape of the wind sea; 1 is Bretschneider's."
+    )
+    swell: SwellParameters = group(SwellParameters)
 
 
 @dataclass(frozen=True)
@@ -45,8 +81,8 @@ class ShapingFilterParameters:
     form: str = parameter(
         "auto",
         unit="",
-        choices=FILTER_FORMS,
-        description="thesis (Eq. 6.22), four_state, six_state (Bretschneider's), fit (any spectrum); auto chooses.",
+        choices=FILTER_CHOICES,
+        description=f"Shaping filter: {describe_choices(FILTER_FORMS)}; auto takes the best.",
     )
     states: int = parameter(6, unit="", minimum=4, maximum=16, description="States of a fitted filter; even.")
 
@@ -138,7 +174,7 @@ class DriftParameters:
 
 @dataclass(frozen=True)
 class MruParameters:
-    """The motion reference unit at the boom tip. Faults are lists of times; each list of one kind has one length."""
+    """The motion reference unit at the boom tip."""
 
     rate: float = parameter(
         0.0, unit="Hz", minimum=0.0, maximum=1000.0, description="Rate of readings; 0 is one in every tick."
@@ -197,36 +233,14 @@ class MruParameters:
         maximum=1.0,
         description="Error of vertical acceleration per centripetal acceleration in a turn (tilt of the vertical).",
     )
-    dropout_start: tuple[float, ...] = parameter(
-        (), unit="s", minimum=0.0, description="Times at which readings cease."
-    )
-    dropout_duration: tuple[float, ...] = parameter(
-        (), unit="s", minimum=0.0, description="How long each dropout lasts."
-    )
-    freeze_start: tuple[float, ...] = parameter(
-        (), unit="s", minimum=0.0, description="Times at which the reading freezes at its value, stamps going on."
-    )
-    freeze_duration: tuple[float, ...] = parameter((), unit="s", minimum=0.0, description="How long each freeze lasts.")
-    spike_time: tuple[float, ...] = parameter((), unit="s", minimum=0.0, description="Times of single wrong readings.")
-    spike_size: tuple[float, ...] = parameter((), unit="m", description="What each spike adds to heave.")
-    restart_time: tuple[float, ...] = parameter(
-        (), unit="s", minimum=0.0, description="Times at which the unit restarts and its high-pass begins anew."
-    )
     restart_duration: float = parameter(
         2.0, unit="s", minimum=0.0, maximum=600.0, description="Silence of the unit while it restarts."
     )
+    faults: FaultParameters = group(FaultParameters)
 
     def __post_init__(self) -> None:
-        for starts, ends in (
-            ("dropout_start", "dropout_duration"),
-            ("freeze_start", "freeze_duration"),
-            ("spike_time", "spike_size"),
-        ):
-            if len(getattr(self, starts)) != len(getattr(self, ends)):
-                raise ValueError(
-                    f"mru.{starts} has {len(getattr(self, starts))} values and mru.{ends} {len(getattr(self, ends))}: "
-                    "give as many of each"
-                )
+        """Refuse faults that the unit cannot have."""
+        self.faults.check("mru.faults", "mru")
 
 
 @dataclass(frozen=True)
@@ -251,14 +265,14 @@ class SeaStateEstimateParameters:
 
 
 @dataclass(frozen=True)
-class WaveVesselParameters:
+class WaveVesselParameters(SeaParameters):
     """Everything of `wave_vessel`: the sea, the vessel, its course and the motion reference unit."""
 
     boom_tip_source: str = parameter(
         "spectrum",
         unit="",
-        choices=BOOM_TIP_SOURCES,
-        description="spectrum (sum of components), filter (shaped white noise), regular, file (recording).",
+        choices=tuple(SOURCES),
+        description=f"What moves the boom tip: {describe_choices(SOURCES)}.",
     )
     boom_tip_height: float = parameter(
         0.0, unit="m", minimum=-100.0, maximum=200.0, description="Mean height of the boom tip above still water."
@@ -279,28 +293,12 @@ class WaveVesselParameters:
         description="Source regular: boom tip moves as a_i sin(2 pi t / period) along world x, y, z.",
     )
     period: float = parameter(10.0, unit="s", minimum=0.5, maximum=1000.0, description="Period of the source regular.")
-    spectrum: str = parameter("bretschneider", unit="", choices=SPECTRA, description="Spectrum of the sea.")
-    significant_wave_height: float = parameter(
-        1.0,
-        unit="m",
-        minimum=0.0,
-        maximum=25.0,
-        description="Significant wave height (of the wind sea in ochi_hubble).",
+    spectrum: str = parameter(
+        "bretschneider",
+        unit="",
+        choices=(*SPECTRA, SPECTRUM_FILE),
+        description=f"Spectrum of the sea: {describe_choices(SPECTRA)}, {SPECTRUM_FILE} (measured).",
     )
-    peak_period: float = parameter(
-        8.0,
-        unit="s",
-        minimum=1.0,
-        maximum=40.0,
-        description="Peak period (of the wind sea in ochi_hubble); pierson_moskowitz ignores it: its height fixes it.",
-    )
-    peak_enhancement: float = parameter(
-        3.3, unit="", minimum=1.0, maximum=10.0, description="gamma of the JONSWAP spectrum."
-    )
-    shape: float = parameter(
-        1.0, unit="", minimum=0.5, maximum=20.0, description="Ochi-Hubble shape of the wind sea; 1 is Bretschneider's."
-    )
-    swell: SwellParameters = group(SwellParameters)
     direction: float = parameter(
         3.141592653589793,
         unit="rad",
@@ -343,24 +341,18 @@ class WaveVesselParameters:
     estimate: SeaStateEstimateParameters = group(SeaStateEstimateParameters)
 
     def __post_init__(self) -> None:
-        if self.boom_tip_source in ("spectrum", "filter") and self.spectrum == "file" and not self.spectrum_file:
+        source = SOURCES[self.boom_tip_source]
+        source.check(self)
+        if source.has_sea and self.spectrum == SPECTRUM_FILE and not self.spectrum_file:
             raise ValueError("spectrum = file needs spectrum_file: name the file of the measured spectrum")
-        if self.boom_tip_source == "file" and not self.recording_file:
-            raise ValueError("boom_tip_source = file needs recording_file: name the CSV file or the bag")
-        if self.boom_tip_source == "filter" and self.vessel.model == "rao":
-            raise ValueError(
-                "boom_tip_source = filter goes with vessel.model second_order, fitted or direct, not with rao"
-            )
-        if self.boom_tip_source == "file" and self.recording_kind == "elevation" and self.vessel.model == "rao":
-            raise ValueError(
-                "recording_kind = elevation goes with vessel.model second_order, fitted or direct: it has no direction"
-            )
-        if self.boom_tip_source == "filter" and self.vessel.pitch_gain > 0.0:
-            raise ValueError("vessel.pitch_gain goes with boom_tip_source = spectrum: filtered noise has no wave slope")
-        moves = self.course.turn_angle != 0.0 or self.course.speed_change != 0.0
-        if self.boom_tip_source in ("regular", "file") and moves:
+        if not source.has_sea and (self.course.turn_angle != 0.0 or self.course.speed_change != 0.0):
             raise ValueError(
                 f"a turn or change of speed goes with a sea, not with boom_tip_source = {self.boom_tip_source}"
+            )
+        if not source.has_sea and self.vessel.model == "fitted":
+            raise ValueError(
+                "vessel.model = fitted is fitted in the sea of a spectrum, not with boom_tip_source = "
+                f"{self.boom_tip_source}"
             )
         if self.filter.states % 2:
             raise ValueError(f"filter.states must be even, got {self.filter.states}")

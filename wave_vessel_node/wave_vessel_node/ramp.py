@@ -7,8 +7,12 @@ from heave_node.arrays import Array
 
 
 def smooth_ramp(time: float, duration: float) -> tuple[float, float, float]:
-    """Return the quintic ramp r(time / duration) from 0 to 1 and its first two time derivatives; r = 1 if `duration`
-    is 0.
+    """Return the quintic ramp r(time / duration) from 0 to 1 and its first two time derivatives.
+
+    Parameters
+    ----------
+    time : since the start of the ramp [s]
+    duration : of the ramp [s]; 0 gives r = 1
     """
     if time >= duration:
         return 1.0, 0.0, 0.0
@@ -22,7 +26,14 @@ def smooth_ramp(time: float, duration: float) -> tuple[float, float, float]:
 
 
 def apply_ramp(motion: Array, time: float, duration: float) -> Array:
-    """Return r q, (r q)', (r q)'' for `motion` = (q, q', q''), shape (3, ...)."""
+    """Return r q, (r q)', (r q)'', where r is the ramp.
+
+    Parameters
+    ----------
+    motion : q, q', q'', shape (3, ...)
+    time : since the start of the ramp [s]
+    duration : of the ramp [s]
+    """
     r, r1, r2 = smooth_ramp(time, duration)
     return np.stack(
         (r * motion[0], r * motion[1] + r1 * motion[0], r * motion[2] + 2.0 * r1 * motion[1] + r2 * motion[0])

@@ -5,13 +5,12 @@ import osqp
 import pytest
 import scipy.sparse as sp
 from winch_controller_node.design.design import design_controller
-from winch_controller_node.laws.build import constrained_gain, limits_of
-from winch_controller_node.laws.constrained import ConstrainedLaw
 from winch_controller_node.laws.governor import SpeedServo
+from winch_controller_node.laws.law import LawDesign
 from winch_controller_node.laws.loop_state import AuthorityShift, LoopState, Reference
+from winch_controller_node.laws.mpc import ConstrainedLaw, MpcParameters
 from winch_controller_node.model.lqr import DesignError
 from winch_controller_node.parameters.controller import WinchControllerParameters
-from winch_controller_node.parameters.laws import MpcParameters
 from winch_controller_node.parameters.model import SeaModelParameters, WinchModelParameters
 
 DT = 0.05
@@ -24,9 +23,9 @@ def design():
 
 
 def make_law(design, **changes):
-    parameters = MpcParameters(**changes)
-    gain = constrained_gain(design.model, parameters)
-    return ConstrainedLaw(design.model, gain, design.parameters.winch, limits_of(design), parameters)
+    parameters = design.parameters
+    made_for = LawDesign(design.model, parameters.winch, design.limits, parameters.weights, design.gain)
+    return ConstrainedLaw(made_for, MpcParameters(**changes))
 
 
 def sea_state(design, size, seed=0):
@@ -131,7 +130,7 @@ def test_a_first_order_winch_and_a_horizon_within_the_delay_are_refused_in_words
     winch = WinchModelParameters(law="first_order")
     other = design_controller(WinchControllerParameters(winch=winch, law="lqg"), tick_period=DT)
     with pytest.raises(DesignError, match="bounds the winch's acceleration"):
-        ConstrainedLaw(other.model, other.gain, winch, limits_of(other), MpcParameters())
+        make_law(other)
     slow = dataclasses.replace(design.parameters, winch=WinchModelParameters(command_delay=1.5))
     late = design_controller(slow, tick_period=DT)
     with pytest.raises(DesignError, match=r"mpc\.horizon = 1 s must be longer"):

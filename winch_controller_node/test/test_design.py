@@ -2,10 +2,11 @@
 
 import numpy as np
 import pytest
+from heave_node.linear_model import linear_model, spectral_abscissa, with_feedback
 from heave_node.parameters import ParameterError, build_parameters
-from winch_controller_node.design.design import design_controller, regulator_gain
-from winch_controller_node.model.linear_model import linear_model, spectral_abscissa, with_feedback
+from winch_controller_node.design.design import design_controller
 from winch_controller_node.model.lqr import DesignError, QuadraticCost, check_stabilisable, lqr_gain
+from winch_controller_node.model.regulator import unit_regulator_gain
 from winch_controller_node.parameters.controller import WinchControllerParameters
 
 
@@ -39,13 +40,13 @@ def test_sensor_states_have_no_gain():
 def test_the_regulator_is_that_of_unit_winch_and_delay_alone():
     """The states of the sea, which nobody controls, change no gain of the others: the thesis's plant has none."""
     result = design(weights__outlet_heave=0.0)
-    alone = regulator_gain(result.parameters, result.model)
+    alone = unit_regulator_gain(result.parameters.weights, result.model)
     plant = [i for i, name in enumerate(result.model.state_names) if not name.startswith(("vessel_", "wave_"))]
     np.testing.assert_allclose(alone[plant], result.gain[plant])
     assert np.count_nonzero(alone) < np.count_nonzero(result.gain)
     # a weight of the outlet would hold the payout where it is, as if the boom tip stood still
     held = design(weights__outlet_heave=0.05)
-    np.testing.assert_array_equal(regulator_gain(held.parameters, held.model), alone)
+    np.testing.assert_array_equal(unit_regulator_gain(held.parameters.weights, held.model), alone)
 
 
 @pytest.mark.parametrize(
@@ -55,8 +56,8 @@ def test_the_regulator_is_that_of_unit_winch_and_delay_alone():
         ({"weights__unit_heave": 0.0, "weights__outlet_heave": 0.0, "weights__payout": 0.0,
         "weights__payout_acceleration": 0.0}, "no output has a weight"), ({"weights__outlet_heave": 0.0,
         "weights__unit_heave": 0.0, "weights__payout": 0.0}, "leave .*payout.* free"), ({"sensors__use": ("mru",
-        "depth")}, "must have the encoder"), ({"sensors__use": ("encoder",)}, "must have one of mru"),
-        ({"sensors__use": ("mru", "encoder"), "sensors__mru__scale_sigma": 0.05}, "mru_scale cannot be seen"),
+        "depth")}, "must include the encoder"), ({"sensors__use": ("encoder",)}, "must include mru"),
+        ({"sensors__use": ("mru", "encoder"), "sensors__mru__scale_sigma": 0.05}, "mru_scale cannot be observed"),
         ({"winch__command_delay": 20.0}, "longer than any useful prediction"),
     ],
 )  # fmt: skip

@@ -4,8 +4,9 @@ import math
 
 import numpy as np
 import pytest
+from heave_node.linear_model import linear_model, state_covariance
+from heave_node.linear_sampling import discretise
 from winch_controller_node.model.estimator import KalmanEstimator, Measurement, MeasurementModel
-from winch_controller_node.model.linear_model import discretise, linear_model, state_covariance
 
 DT = 0.1
 
@@ -165,27 +166,6 @@ def test_a_scale_error_is_found_when_another_sensor_tells_the_truth():
     sigma = math.sqrt(estimator.covariance[2, 2])
     assert sigma < 0.01
     assert abs(estimator.estimate[2] - 0.08) < 4.0 * sigma
-
-
-def test_the_compiled_steps_are_those_of_filterpy():
-    from filterpy.kalman import KalmanFilter  # noqa: PLC0415
-    from winch_controller_node.model.estimator_kernel import CompiledKalmanFilter  # noqa: PLC0415
-
-    rng = np.random.default_rng(2)
-    n, m = 7, 3
-    F, B = 0.3 * rng.standard_normal((n, n)), rng.standard_normal((n, 1))
-    root = rng.standard_normal((n, n))
-    ours, peer = CompiledKalmanFilter(n), KalmanFilter(dim_x=n, dim_z=m, dim_u=1)
-    ours.set_matrices(F, B, root @ root.T)
-    peer.F, peer.B, peer.Q = F, B, root @ root.T
-    for _ in range(20):
-        H, z, variances = rng.standard_normal((m, n)), rng.standard_normal(m), rng.uniform(0.1, 2.0, m)
-        ours.step_ahead(0.7)
-        ours.correct(z, H, variances)
-        peer.predict(np.array([[0.7]]))
-        peer.update(z[:, None], np.diag(variances), H)
-    assert ours.x == pytest.approx(peer.x, rel=1e-9)
-    assert pytest.approx(peer.P, rel=1e-9, abs=1e-12) == ours.P
 
 
 def test_a_sensor_with_a_gate_of_its_own_is_never_refused_by_the_estimate():

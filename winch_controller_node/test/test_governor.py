@@ -7,8 +7,8 @@ from cable_sim_node.winch.parameters import WinchParameters
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from winch_controller_node.design.design import design_controller
-from winch_controller_node.laws.build import make_governor
-from winch_controller_node.laws.governor import SpeedServo, WinchLimits
+from winch_controller_node.laws.governor import SpeedServo
+from winch_controller_node.laws.winch_limits import WinchLimits
 from winch_controller_node.parameters.controller import WinchControllerParameters
 from winch_controller_node.parameters.model import WinchModelParameters
 
@@ -28,7 +28,7 @@ def design(request):
 
 def drive(design, commands):
     """Give the virtual winch what the governor lets through; return its states and the linear model's."""
-    governor = make_governor(design)
+    governor = design.make_governor()
     belief = design.parameters.winch
     lags = WinchParameters(
         time_constant=belief.time_constant, command_delay=belief.command_delay, position_gain=belief.position_gain

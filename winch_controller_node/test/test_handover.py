@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from cable_sim_node.peers.reference_systems import DEEP_900
 from heave_bringup.closed_loop import ClosedLoop, loop_parameters
+from heave_bringup.scenarios import make_scenario
 from winch_controller_node.design.design import design_controller
 from winch_controller_node.estimation.handover import hand_over, hand_over_standing
 from winch_controller_node.parameters.controller import WinchControllerParameters
@@ -18,17 +19,18 @@ def loop_above(seabed, duration, seed, *, winch=None, **controller):
     """Return the full plant with its static depth near 572.7 m above a seabed [m], and a quick start."""
     return ClosedLoop(
         loop_parameters(
-            {
-                "wave_vessel": SEA | {"ramp": 10.0, "vessel.natural_frequency": 0.9, "vessel.damping_ratio": 0.4},
-                "cable_sim": CABLE | {"segments": 12, "seabed.depth": seabed, "seabed.unit_damping": 7e5},
-                "virtual_winch": winch or {},
-                "winch_controller": CABLE
-                | {f"sea.{name}": value for name, value in SEA.items()}
-                | {"modes.settling_time": 10.0, "modes.fade_in_time": 5.0}
-                | controller,
-            },
-            seed=seed,
-            duration=duration,
+            make_scenario(
+                {
+                    "/**": {"seed": seed, "duration": duration},
+                    "wave_vessel": SEA | {"ramp": 10.0, "vessel.natural_frequency": 0.9, "vessel.damping_ratio": 0.4},
+                    "cable_sim": CABLE | {"segments": 12, "seabed.depth": seabed, "seabed.unit_damping": 7e5},
+                    "virtual_winch": winch or {},
+                    "winch_controller": CABLE
+                    | {f"sea.{name}": value for name, value in SEA.items()}
+                    | {"modes.settling_time": 10.0, "modes.fade_in_time": 5.0}
+                    | controller,
+                }
+            )
         )
     )
 

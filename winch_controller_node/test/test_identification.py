@@ -85,7 +85,7 @@ def test_the_stated_covariance_covers_the_scatter_under_white_noise():
         (lambda t, e, z: (t[:20], e[:20], z[:20]), "too few"),
         (lambda t, e, z: (t, e, np.where(t == t[7], np.nan, z)), "not finite"),
         (lambda t, e, z: (t**1.1, e, z), "equally spaced"),
-        (lambda t, e, z: (t, 0.0 * e, z), "moves enough"),
+        (lambda t, e, z: (t, 0.0 * e, z), "moves too little"),
         (lambda t, e, z: (t, e, z[:-1]), "one length"),
     ],
 )

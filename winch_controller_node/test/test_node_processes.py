@@ -43,7 +43,7 @@ def test_an_operator_changes_modes_redesigns_moves_and_stops(tmp_path):
     assert operator.returncode == 0, operator.stderr + (tmp_path / "run.txt").read_text()
     answers = json.loads(operator.stdout.strip().splitlines()[-1])
     assert answers["refused"][0] is False
-    assert "'dance' cannot be asked for" in answers["refused"][1]
+    assert "'dance' cannot be requested" in answers["refused"][1]
     assert answers["redesigned"][0] is True
     assert 0.0 < answers["redesigned"][2] < 0.1
     assert answers["moved"][:2] == [True, "arrived"]

@@ -10,9 +10,9 @@ from winch_controller_node.design.bounds import WinchLimits, actuator_bound, boo
 from winch_controller_node.design.design import design_controller
 from winch_controller_node.design.margins import frequencies, margins, output_feedback_loop, state_feedback_loop
 from winch_controller_node.design.prediction import error_covariances, estimation_bound, predict_loop, sensor_periods
+from winch_controller_node.model.blocks import CableModel
 from winch_controller_node.model.estimator import Measurement
 from winch_controller_node.model.lqr import DesignError
-from winch_controller_node.model.models import CableModel
 from winch_controller_node.parameters.controller import WinchControllerParameters
 from winch_controller_node.parameters.model import SeaModelParameters, VesselModelParameters
 
@@ -156,9 +156,9 @@ def test_sensor_rates_without_a_common_pattern_are_refused():
     odd = design(
         sensors__use=("mru", "depth", "encoder", "velocity"),
         sensors__depth__rate=20.0 / 17,
-        sensors__velocity_rate=20.0 / 19,
+        sensors__velocity__rate=20.0 / 19,
     )
-    with pytest.raises(DesignError, match="pattern repeats only after"):
+    with pytest.raises(DesignError, match="repeats only after 323 ticks"):
         predict_loop(odd)
 
 
@@ -183,7 +183,7 @@ def test_the_thesis_scenario_through_the_whole_design_gives_the_thesis_numbers()
         "sensors.depth.noise": 1e-5,
         "sensors.depth.rate": 20.0,
         "sensors.depth.latency": 0.0,
-        "sensors.encoder_noise": 1e-6,
+        "sensors.encoder.noise": 1e-6,
         "weights.unit_heave": 1.0 / math.sqrt(554.0),
         "weights.outlet_heave": 0.0,
         "weights.payout": 0.0,

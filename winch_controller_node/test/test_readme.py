@@ -3,6 +3,8 @@
 import re
 from pathlib import Path
 
+from winch_controller_node.laws.registry import LAWS
+
 README = (Path(__file__).parents[1] / "README.md").read_text(encoding="utf-8")
 
 
@@ -15,13 +17,14 @@ def test_the_example_runs(capsys):
 
 def test_every_module_that_the_readme_names_exists():
     package = Path(__file__).parents[1] / "winch_controller_node"
-    rows = re.findall(r"^\| (`[a-z_`, ]+) \|", README, flags=re.MULTILINE)
-    names = {name for row in rows for name in re.findall(r"`([a-z_]+)`", row)} - {
-        "off",
-        "feedforward",
-        "lqr",
-        "lqg",
-        "mpc",
-    }
-    missing = [name for name in sorted(names) if not (package / f"{name}.py").exists()]
+    table = README.split("## What is in here")[1].split("## Laws")[0]
+    rows = re.findall(r"^\| (`[a-z_`/, ]+) \|", table, flags=re.MULTILINE)
+    names = {name for row in rows for name in re.findall(r"`([a-z_/]+)`", row)}
+    assert len(names) > 15
+    missing = [name for name in sorted(names) if not ((package / f"{name}.py").exists() or (package / name).is_dir())]
     assert missing == []
+
+
+def test_every_law_is_in_the_table_of_laws():
+    table = README.split("## Laws (parameter `law`)")[1]
+    assert set(LAWS) <= set(re.findall(r"^\| `([a-z_]+)` \|", table, flags=re.MULTILINE))

@@ -1,19 +1,14 @@
 import math
 
 import pytest
-from winch_controller_node.estimation.sensor_health import (
-    LOST,
-    OK,
-    SUSPECT,
-    EncoderGate,
-    SensorGate,
-    SensorTiming,
-    judge_mru,
-)
-from winch_controller_node.interface.readings import MRU_SETTLING, MruReading, ScalarReading
+from heave_node.codes import MruStatus, SensorLevel
+from heave_node.sensors import MruReading
+from winch_controller_node.estimation.sensor_health import EncoderGate, SensorGate, SensorTiming, judge_mru
+from winch_controller_node.interface.readings import ScalarReading
 from winch_controller_node.parameters.laws import HealthParameters
 
 DT = 0.05
+OK, SUSPECT, LOST = SensorLevel
 
 
 def make_gate(**timing):
@@ -72,7 +67,7 @@ def test_a_late_sensor_is_not_stale_while_its_usual_latency_lasts():
 
 def test_an_mru_that_says_it_is_settling_is_not_used():
     gate = SensorGate("mru", SensorTiming(DT), HealthParameters())
-    assert not judge_mru(gate, DT, MruReading(DT, 0.1, 0.0, status=MRU_SETTLING))
+    assert not judge_mru(gate, DT, MruReading(DT, 0.1, 0.0, status=MruStatus.SETTLING))
     assert gate.reason == "status settling"
 
 

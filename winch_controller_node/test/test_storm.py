@@ -3,6 +3,7 @@
 import numpy as np
 from cable_sim_node.peers.reference_systems import DEEP_900
 from heave_bringup.closed_loop import ClosedLoop, loop_parameters
+from heave_bringup.scenarios import make_scenario
 from heave_node.kpi import snap_times
 
 DT = 0.05
@@ -16,16 +17,18 @@ SLOWEST = 1.5 + FADE + 2.0 / 0.5 + 0.5
 def test_an_mru_lost_in_a_storm_fades_compensation_out_without_a_jerk_and_without_a_snap():
     record = ClosedLoop(
         loop_parameters(
-            {
-                "wave_vessel": SEA
-                | {"ramp": 20.0, "vessel.natural_frequency": 0.9, "vessel.damping_ratio": 0.4}
-                | {"mru.dropout_start": [LOST], "mru.dropout_duration": [60.0]},
-                "cable_sim": {**DEEP_900} | {"segments": 12},
-                "virtual_winch": {},
-                "winch_controller": {**DEEP_900} | {f"sea.{name}": value for name, value in SEA.items()},
-            },
-            seed=2,
-            duration=120.0,
+            make_scenario(
+                {
+                    "/**": {"seed": 2, "duration": 120.0},
+                    "wave_vessel": SEA
+                    | {"ramp": 20.0, "vessel.natural_frequency": 0.9, "vessel.damping_ratio": 0.4}
+                    | {"mru.faults.kind": ["gap"], "mru.faults.start": [LOST]}
+                    | {"mru.faults.duration": [60.0], "mru.faults.magnitude": [0.0]},
+                    "cable_sim": {**DEEP_900} | {"segments": 12},
+                    "virtual_winch": {},
+                    "winch_controller": {**DEEP_900} | {f"sea.{name}": value for name, value in SEA.items()},
+                }
+            )
         )
     ).run()
     time, rate, authority = (record.column(name) for name in ("time", "payout_rate", "authority"))

@@ -6,17 +6,14 @@ from dataclasses import replace
 import control
 import numpy as np
 import pytest
+from heave_node.linear_model import interconnect, linear_model, output_sigma, with_feedback
+from heave_node.linear_sampling import discretise
 from scipy.integrate import trapezoid
-from winch_controller_node.model.linear_model import discretise, interconnect, output_sigma, with_feedback
+from winch_controller_node.model.blocks import PAYOUT_COMMAND, CableModel, cable_block, winch_block
 from winch_controller_node.model.lqr import QuadraticCost, lqr_gain
 from winch_controller_node.model.models import (
-    PAYOUT_COMMAND,
-    CableModel,
     ModelInputs,
-    cable_block,
     continuous_model,
-    taylor_delay_block,
-    winch_block,
 )
 from winch_controller_node.parameters.model import SeaModelParameters, VesselModelParameters, WinchModelParameters
 
@@ -87,6 +84,16 @@ def test_a_monte_carlo_of_the_same_system_agrees_within_its_confidence_interval(
     exact = output_sigma(model)["unit_heave"] ** 2
     assert margin < 0.15 * exact  # the interval is narrow enough to mean something
     assert abs(np.mean(variances) - exact) < margin
+
+
+def taylor_delay_block(delay, input_name, output_name):
+    """Thesis Eq. 6.13: the delay by a second-order Taylor series of 1/e^(-s tau)."""
+    return linear_model(
+        [[0.0, 1.0], [-2.0 / delay**2, -2.0 / delay]],
+        states=(f"{output_name}_0", f"{output_name}_1"),
+        inputs={input_name: [0.0, 2.0 / delay**2]},
+        outputs={output_name: [1.0, 0.0]},
+    )
 
 
 def winch_and_cable(a, b, delay=None):

@@ -2,13 +2,13 @@
 
 import numpy as np
 import pytest
-from cable_sim_node.sensors.fault_parameters import FaultParameters
 from cable_sim_node.winch.component import VirtualWinch, WinchCommand
 from cable_sim_node.winch.parameters import WinchParameters
+from heave_node.faults import FaultParameters
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from winch_controller_node.design.design import design_controller
-from winch_controller_node.identification.drum_kernel import drum_record
+from winch_controller_node.identification.drum_kernel import Drum, drum_record
 from winch_controller_node.identification.winch import LateCommands, WinchIdentifier
 from winch_controller_node.parameters.controller import WinchControllerParameters
 
@@ -54,7 +54,7 @@ def test_a_short_or_still_record_tells_nothing_and_changes_nothing(design):
     assert identifier.find() is None
     for rate, encoder in record_of(VirtualWinch(WinchParameters(time_constant=0.3), tick_period=DT), np.zeros(200)):
         identifier.add(0.0, rate, encoder)
-    assert identifier.better_belief(parameters) is None
+    assert identifier.improved_parameters(parameters) is None
 
 
 def test_a_position_loop_is_part_of_the_drum():
@@ -63,7 +63,7 @@ def test_a_position_loop_is_part_of_the_drum():
     commands = commands_of(20.0)
     encoder = np.array([payout for _, payout in record_of(winch, commands)])
     payouts, rates = np.zeros(len(commands) + 10), np.concatenate([np.zeros(10), commands])
-    drum = drum_record(payouts, rates, len(commands), 0.15, 0.2, 0.0, 0.0, 0.5, 2.0, 1.5, DT)
+    drum = drum_record(payouts, rates, len(commands), Drum(0.15, 0.2, 0.5, 2.0, 1.5), 0.0, 0.0, DT)
     # the encoder rounds to 1 mm; the position loop's steps of 5 ms differ by less
     np.testing.assert_allclose(drum, encoder, atol=1e-3)
 
@@ -81,4 +81,4 @@ def test_a_transport_that_becomes_slower_is_noticed_within_three_ticks_and_said_
             alarms[tick] = words
     # a command of tick 100 was due at the end of tick 103: nothing can be seen before
     assert list(alarms) == [pytest.approx(105, abs=1)]
-    assert "later than believed" in next(iter(alarms.values()))
+    assert "later than modelled" in next(iter(alarms.values()))

@@ -1,1 +1,27 @@
-"""The winch controller: models of the loop, estimation, control laws, design and its report."""
+"""The winch controller: models of the loop, estimation, control laws, design and its report.
+
+Importing this package loads nothing else: a name of its face is loaded when it is asked for.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from heave_node.faces import lazy_face
+
+if TYPE_CHECKING:
+    from winch_controller_node.component import WinchController
+    from winch_controller_node.design.design import design_controller
+    from winch_controller_node.model.lqr import DesignError
+    from winch_controller_node.parameters.controller import WinchControllerParameters
+
+__all__ = ["DesignError", "WinchController", "WinchControllerParameters", "design_controller"]
+__getattr__ = lazy_face(
+    __name__,
+    {
+        "DesignError": "model.lqr",
+        "WinchController": "component",
+        "WinchControllerParameters": "parameters.controller",
+        "design_controller": "design.design",
+    },
+)

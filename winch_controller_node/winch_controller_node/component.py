@@ -1,37 +1,33 @@
 """The winch controller as a component: measurements of a tick in, one winch order out. No ROS, no truth, no clock.
 
-Each tick: gates, estimator, shadow of the uncompensated unit (`loop_estimation`), guard, mode, landing, law, governor
-(`loop_command`), mean payout (`mean_motion`). The state is split by linearity into the mean payout's own motion (known
-exactly, it is our command) and the rest, which is what the estimator and the laws deal with; the two are superposed in
-the command.
+Each tick passes a value down: what is known of the loop (`estimation`), what is to be done (`supervision`), the command
+(`loop_command`), the order. The state is split by linearity into the mean payout's own motion (known exactly, it is our
+command) and the rest, which is what the estimator and the laws deal with; the two are superposed in the command.
 """
 
 from __future__ import annotations
 
 import math
 
-from heave_node.arrays import Array
-
 from winch_controller_node.design.design import ControllerDesign
 from winch_controller_node.design.prediction import predict_loop
 from winch_controller_node.design_in_force import DesignInForce
 from winch_controller_node.estimation.loop_estimation import LoopEstimation
+from winch_controller_node.estimation.loop_tick import LoopTick
 from winch_controller_node.estimation.observation import Observer
-from winch_controller_node.interface.readings import Measurements, Outputs, RollingKpi
-from winch_controller_node.laws.build import effort_of, limits_of
+from winch_controller_node.interface.readings import Measurements, Outputs, RollingKpi, WinchReading
 from winch_controller_node.loop_command import LoopCommand
 from winch_controller_node.model.estimator import KalmanEstimator
-from winch_controller_node.motion.mean_motion import MeanMotion
+from winch_controller_node.model.lqr import DesignError
 from winch_controller_node.motion.programme import Programme, ProgrammeStep
 from winch_controller_node.motion.trajectory import MeanPayout
 from winch_controller_node.parameters.controller import WinchControllerParameters
-from winch_controller_node.state_report import state_report
-from winch_controller_node.supervision.guard import HarmGuard
-from winch_controller_node.supervision.guard_inputs import GuardInputs, swing_left
-from winch_controller_node.supervision.landing import LandingWatch
-from winch_controller_node.supervision.modes import BRAKED, Mode, ModeError, ModeMachine, ModeOutput, Situation
+from winch_controller_node.state_report import ControllerTick, state_report
+from winch_controller_node.supervision.landing import LandingEvent
+from winch_controller_node.supervision.modes import BRAKED, Mode, ModeError, ModeMachine, ModeOutput
 from winch_controller_node.supervision.rolling_kpi import KpiWindow
-from winch_controller_node.supervision.winch_watch import WinchWatch, learns_winch
+from winch_controller_node.supervision.supervisor import Decision, Supervisor, WinchSituation
+from winch_controller_node.supervision.winch_watch import WinchWatch, identifies_winch
 
 LIFTING_SURPLUS = 0.06
 """Tension above the static one that lifts a unit off, in weights of the unit: more than the load cell may err."""
@@ -52,30 +48,14 @@ class WinchController:
     def __init__(self, parameters: WinchControllerParameters, *, tick_period: float, seed: int = 0) -> None:
         del seed
         self._dt = tick_period
-        self.modes = ModeMachine(
-            parameters.modes, law=parameters.law, factor=parameters.factor, tick_period=tick_period
-        )
-        self.programme = Programme(parameters.programme)
         self._in_force = DesignInForce(parameters, tick_period=tick_period)
-        design = self.design
-        self._motion = MeanMotion(parameters.move, design.model.order, tick_period=tick_period)
-        self._estimation = LoopEstimation(design, self._motion)
-        self.guard = HarmGuard(
-            parameters.guard,
-            limits_of(design),
-            tick_period=tick_period,
-            depth_noise=parameters.sensors.depth.noise,
-        )
-        self._guard_inputs = GuardInputs(parameters.modes, tick_period=tick_period)
-        self._command = LoopCommand(design, self._motion, self.observer, self.guard)
-        self._winch = WinchWatch(design, self.guard)
-        self._landing = LandingWatch(self.observer)
+        design, law = self._in_force.design, self._in_force.law
+        self._estimation = LoopEstimation(design)
+        self._supervisor = Supervisor(design, law)
+        self._command = LoopCommand(design, law)
+        self._winch = WinchWatch(design)
+        self._programme = Programme(parameters.programme)
         self._kpi = KpiWindow(parameters.kpi_window, parameters.winch, tick_period=tick_period)
-        self.guard.effort = effort_of(design, self._command.law)
-        self._tick = 0
-        self._mode_before = self.modes.mode
-        self._harm_before = ""
-        self._last_rate = 0.0
         self._alarms: list[str] = []
 
     @property
@@ -89,6 +69,11 @@ class WinchController:
         return self._in_force.design
 
     @property
+    def modes(self) -> ModeMachine:
+        """The mode machine."""
+        return self._supervisor.modes
+
+    @property
     def mode(self) -> Mode:
         """Mode after the last tick."""
         return self.modes.mode
@@ -96,7 +81,7 @@ class WinchController:
     @property
     def mean(self) -> MeanPayout:
         """The mean payout, about which the winch compensates."""
-        return self._motion.mean
+        return self._estimation.motion.mean
 
     @property
     def estimator(self) -> KalmanEstimator:
@@ -119,31 +104,31 @@ class WinchController:
 
     def predicted_unit_sigma(self) -> float:
         """Standard deviation of the unit's heave that the design promises without limits [m]."""
-        gain = self._command.law.gain
+        gain = self._in_force.law.gain
         return predict_loop(self.design, gain if len(gain) else None).sigma["unit_heave"]
 
-    # what an operator asks for
+    # what an operator requests
 
     def set_mode(self, name: str, tension: float = 0.0) -> str:
-        """Ask for a mode by name, with the tension to hold [N] in constant_tension (0: the present mean).
+        """Request a mode by name, with the tension to hold [N] in constant_tension (0: the present mean).
 
         Returns the mode taken in words. Raises ModeError, saying why, where it cannot be taken.
         """
         if name == Mode.CONSTANT_TENSION.value:
-            measured = self._command.tension.measured
+            measured = self._estimation.filtered_tension
             if not math.isfinite(measured):
                 raise ModeError("constant tension needs the load cell: no reading has come yet")
             if not math.isfinite(tension) or tension < 0.0:
-                raise ModeError(f"a tension of {tension} N cannot be held")
+                raise ModeError(f"a tension must be a number of at least 0; got {tension} N")
+            was = self.mode
             self.modes.request(name)
-            self.mean.stop()
-            self._command.tension.hold(tension if tension > 0.0 else measured)
-            return self.modes.mode.value
-        if name == Mode.COMPENSATING.value and self._landing.has_landed:
+            self._hold_tension(tension if tension > 0.0 else measured, was=was)
+            return self.mode.value
+        if name == Mode.COMPENSATING.value and self._supervisor.landing.unit_stands:
             self._lift_off()
             return "lifting off: constant tension until the unit hangs"
         self.modes.request(name)
-        return self.modes.mode.value
+        return self.mode.value
 
     def move_to_depth(self, depth: float, speed: float = 0.0) -> None:
         """Move the unit to the mean depth [m] at no more than `speed` [m/s] (0: the default).
@@ -152,14 +137,17 @@ class WinchController:
         """
         if self.observer.depth_zero is None:
             raise ModeError("a move needs the depth sensor: no reading has come yet")
-        if self.modes.mode is not Mode.COMPENSATING:
-            raise ModeError(f"a move needs mode compensating; the mode is {self.modes.mode.value}")
+        if self.mode is not Mode.COMPENSATING:
+            raise ModeError(f"a move needs mode compensating; the mode is {self.mode.value}")
         if not math.isfinite(depth):
-            raise ModeError(f"a depth of {depth} m cannot be reached")
+            raise ModeError(f"a depth must be a number; got {depth} m")
         self.move_to_payout(self._estimation.payout_at(depth), speed)
 
     def move_to_payout(self, payout: float, speed: float = 0.0) -> None:
-        """Move the mean payout to `payout` [m]. Raises ModeError where the winch's range does not reach."""
+        """Move the mean payout to `payout` [m] at no more than `speed` [m/s] (0: the default).
+
+        Raises ModeError where the winch's range does not reach.
+        """
         limits = self._command.governor.limits
         if not limits.payout_minimum <= payout <= limits.payout_maximum:
             raise ModeError(
@@ -173,8 +161,8 @@ class WinchController:
         self.mean.stop()
 
     def _run_programme(self, time: float) -> None:
-        """Do what the programme has due; what cannot be done now is said and left."""
-        for due in self.programme.due(time):
+        """Do what the programme has due; what cannot be done now raises an alarm and is dropped."""
+        for due in self._programme.due(time):
             self._do(due)
 
     def _do(self, due: ProgrammeStep) -> None:
@@ -186,208 +174,151 @@ class WinchController:
         except (ModeError, ValueError) as error:
             self._alarms.append(f"programme at {due.time:g} s: {error}")
 
-    # a tick
-
-    def step(self, tick: int, measurements: Measurements) -> Outputs:
-        """Do tick k: take the readings delivered at t_k, return the order for [t_k, t_{k+1}] and what is believed."""
-        self._alarms = []
-        self._tick = tick
-        self._run_programme(tick * self._dt)
-        self._follow_winch()
-        self._follow_length()
-        estimate = self._estimate(tick, measurements)
-        uncompensated = self._estimation.advance_shadow(estimate)
-        fault = 0 if measurements.winch is None else measurements.winch.fault
-        mode = self._step_mode(estimate, uncompensated, fault)
-        self._watch_landing(mode)
-        asked, governed = self._command.command(mode, estimate, uncompensated)
-        self._motion.advance(self.design.model, self._command.reference, is_braked=self.modes.brake)
-        order = self._command.order(mode, governed)
-        self._winch.give(order)
-        self._note_kpi(estimate, uncompensated)
-        report = state_report(
-            tick,
-            mode,
-            asked,
-            governed,
-            order,
-            estimate,
-            design=self.design,
-            gain=self._command.law.gain,
-            estimation=self._estimation,
-            mean_set_point=self._motion.set_point,
-        )
-        kpi = self._kpi.figures() if tick % max(1, round(1.0 / self._dt)) == 0 else None
-        return Outputs(order, report, kpi, tuple(self._alarms))
-
-    def _estimate(self, tick: int, measurements: Measurements) -> Array:
-        """Estimate the loop; tell the watches what the sensors say of it."""
-        estimate = self._estimation.step(tick, measurements, self._command.compensating)
-        if measurements.load_cell and math.isfinite(self.observer.tension):
-            self._command.tension.observe(self.observer.tension)
-        self._landing.note_depth(self.estimator)
-        self._alarms += self.observer.new_faults()
-        self._alarms += self._winch.watch(measurements.winch, self.observer.payout, self.parameters)
-        return estimate
-
-    def _note_kpi(self, estimate: Array, uncompensated: Array) -> None:
-        rows = self._estimation.rows
-        rate = float(rows.payout_rate @ (estimate + self._motion.state))
-        self._kpi.add(
-            unit=self._estimation.unit_heave(estimate),
-            uncompensated=float(uncompensated[0]),
-            tip=float(rows.tip[0] @ estimate),
-            payout=float(rows.payout @ estimate),
-            rate=rate,
-            acceleration=(rate - self._last_rate) / self._dt,
-            tension=self.observer.tension,
-        )
-        self._last_rate = rate
-
-    # modes
-
-    def _step_mode(self, estimate: Array, uncompensated: Array, fault: int) -> ModeOutput:
-        self._update_guard(estimate, uncompensated)
-        situation = Situation(
-            lost=self.observer.lost(self._vital()),
-            has_estimate=bool(self.observer.gates["encoder"].state(0.0).accepted),
-            winch_fault=fault,
-            harm=self.guard.reason,
-            speed=self._command.speed(estimate),
-            authority_limit=1.0 if self.parameters.law == "mpc" else self.guard.authority_limit,
-            is_settled=self._is_settled(estimate, uncompensated),
-        )
-        mode = self.modes.step(situation)
-        if mode.mode is not self._mode_before:
-            self._enter(mode.mode, self._mode_before, estimate)
-            self._mode_before = mode.mode
-        return mode
-
-    def _update_guard(self, estimate: Array, uncompensated: Array) -> None:
-        """Have the guard judge the tick; say its reason when the brake is on and no mode would."""
-        is_judged = not self._landing.has_landed and self.modes.mode is not Mode.CONSTANT_TENSION
-        authority = self.modes.authority if is_judged else 0.0
-        seen = self._guard_inputs.seen(
-            self._estimation.rows,
-            estimate,
-            self._motion.state,
-            uncompensated,
-            authority=authority,
-            depth_reading=self._estimation.depth_reading,
-        )
-        self.guard.update(
-            seen,
-            authority,
-            self.modes.target,
-            inertia=self.design.cable.a,
-            has_feedback=self.parameters.law != "feedforward",
-        )
-        if self.modes.brake and self.guard.reason and self.guard.reason != self._harm_before:
-            self._alarms.append(self.guard.reason)
-        self._harm_before = self.guard.reason
-
-    def _is_settled(self, estimate: Array, uncompensated: Array) -> bool:
-        """Tell whether a lost loop has been brought back: the winch may stop, and the unit will not swing on."""
-        loop = self._command.settling_loop
-        if not (self.guard.is_harming and self.guard.trusts_estimate) or loop is None:
-            return True
-        return swing_left(self._estimation.rows, estimate, uncompensated, self.design.cable.a) < loop.settled
-
-    def _vital(self) -> tuple[str, ...]:
-        if self.modes.mode is Mode.CONSTANT_TENSION:
-            return ("mru", "encoder", "load_cell")
-        return ("mru", "encoder")
-
-    def _enter(self, mode: Mode, before: Mode, estimate: Array) -> None:
-        """Make the change of mode without a step."""
-        self._alarms.append(f"mode {mode.value}: {self.modes.reason}")
-        if mode in BRAKED:
-            self.mean.jump_to(self.mean.point.payout)
-        elif mode is not Mode.COMPENSATING:
-            self.mean.stop()
-        is_returning = mode is Mode.COMPENSATING and before is not Mode.FADE_OUT
-        if mode is Mode.COMPENSATING and before is Mode.FADE_OUT:
-            self.guard.excuse_drum()
-        if before is Mode.CONSTANT_TENSION and mode is Mode.COMPENSATING:
-            self._hand_over(stood=False)
-        elif is_returning or (mode is Mode.FADE_OUT and before is Mode.CONSTANT_TENSION):
-            # what was left over is the new mean, and goes away slowly; with the winch locked the unit would go on so
-            self._motion.return_from(float(self._estimation.rows.payout @ estimate))
-            self._estimation.restart_shadow(estimate)
-            self._command.law.reset()
-
-    # landing and lift-off
-
-    def _watch_landing(self, mode: ModeOutput) -> None:
-        """Notice touchdown while lowering, and that the unit hangs again after lift-off."""
-        measured, static = self._command.tension.measured, self.design.cable.static_tension
-        if not math.isfinite(measured):
-            return
-        weight = self.design.unit_weight
-        share = (measured - static) / weight + 1.0
-        parameters = self.parameters.tension
-        if self._landing.touches_down(share, mode, self.mean.point.rate, parameters, self.estimator):
-            self._land(static - (1.0 - parameters.landing_ratio) * weight)
-        elif self._landing.hangs(share, parameters):
-            self._hang()
-
-    def _land(self, tension: float) -> None:
-        """Go over to constant tension on the seabed."""
-        self._landing.land()
-        self.set_mode(Mode.CONSTANT_TENSION.value, tension)
-        self._alarms.append("touchdown")
+    def _hold_tension(self, tension: float, *, was: Mode) -> None:
+        """Go to a tension [N] from the measured one, or from that held if the mode `was` constant tension already."""
+        self.mean.stop()
+        if was is not Mode.CONSTANT_TENSION:
+            self._command.begin_tension(self._estimation.filtered_tension)
+        self._command.hold_tension(tension)
 
     def _lift_off(self) -> None:
         """Raise the tension until the unit hangs."""
-        self._landing.is_lifting = True
-        self._command.tension.hold(self.design.cable.static_tension + LIFTING_SURPLUS * self.design.unit_weight)
+        was = self.mode
+        self.modes.request(Mode.CONSTANT_TENSION.value)
+        self._supervisor.landing.begin_lift_off()
+        self._hold_tension(self.design.cable.static_tension + LIFTING_SURPLUS * self.design.unit_weight, was=was)
 
-    def _hang(self) -> None:
-        """Compensate again: the unit hangs, where it stands; raise it off the seabed."""
-        self._landing.hang()
-        self.modes.request(Mode.COMPENSATING.value)
-        self._mode_before = Mode.COMPENSATING
-        self._hand_over(stood=True)
-        self.mean.move_to(self.mean.point.payout - self.parameters.tension.lift_height)
-        self._alarms.append("unit hangs")
+    # a tick
 
-    def _hand_over(self, *, stood: bool) -> None:
+    def step(self, tick: int, measurements: Measurements) -> Outputs:
+        """Do tick k: take the `measurements` of t_k, return the order for [t_k, t_{k+1}] and what is known."""
+        self._alarms = []
+        self._run_programme(tick * self._dt)
+        self._follow_winch(tick)
+        self._follow_length()
+        loop = self._estimation.step(
+            tick, measurements, self._command.last.shares, unit_stands=self._supervisor.landing.unit_stands
+        )
+        self._alarms += loop.sensed.faults
+        decision = self._decide(loop, measurements.winch)
+        self._change_mode(decision.mode, loop)
+        self._act_on(decision.landing, loop)
+        loop = self._estimation.refreshed(loop)
+        command = self._command.command(loop, decision)
+        self._estimation.advance_mean(command.shares.mean, is_braked=self.modes.brake)
+        order = self._command.order(command, decision.mode, self._estimation.motion.set_point)
+        self._winch.give(order)
+        self._note_kpi(loop)
+        report = state_report(ControllerTick(loop, decision, command, order), self._estimation, self._in_force)
+        kpi = self._kpi.figures() if tick % max(1, round(1.0 / self._dt)) == 0 else None
+        return Outputs(order, report, kpi, tuple(self._alarms))
+
+    def _decide(self, loop: LoopTick, winch: WinchReading | None) -> Decision:
+        """Have winch and loop supervised."""
+        transport = self._winch.watch(winch, loop.sensed.payout, self.parameters)
+        decision = self._supervisor.decide(
+            loop,
+            WinchSituation(
+                fault=0 if winch is None else winch.fault,
+                speed=self._command.speed(loop),
+                lowering_rate=self.mean.point.rate,
+                settled_swing=self._command.settled_swing,
+                inhibition=transport.inhibition,
+            ),
+        )
+        self._alarms += [transport.alarm] if transport.alarm else []
+        self._alarms += decision.alarms
+        return decision
+
+    def _note_kpi(self, loop: LoopTick) -> None:
+        self._kpi.add(
+            unit=loop.unit.heave,
+            uncompensated=loop.free_unit.heave,
+            tip=loop.boom_tip.heave,
+            payout=loop.payout,
+            rate=loop.total_payout_rate,
+            tension=loop.sensed.tension,
+        )
+
+    # changes of mode, without a step in the motion
+
+    def _change_mode(self, mode: ModeOutput, loop: LoopTick) -> None:
+        """Let mean payout, estimate and law go on from where they are in another mode."""
+        before = mode.before
+        if before is None:
+            return
+        if mode.mode in BRAKED:
+            self._estimation.motion.stand()
+        elif mode.mode is not Mode.COMPENSATING:
+            self.mean.stop()
+        starts = mode.mode is Mode.COMPENSATING and before is not Mode.FADE_OUT
+        if starts and before is Mode.CONSTANT_TENSION:
+            self._hand_over(loop, unit_stood=False)
+        elif starts or (mode.mode is Mode.FADE_OUT and before is Mode.CONSTANT_TENSION):
+            self._estimation.return_to_mean(loop)
+            self._in_force.law.reset()
+
+    def _act_on(self, landing: LandingEvent | None, loop: LoopTick) -> None:
+        """Hold the tension of a unit that has landed, compensate one that hangs again."""
+        if landing is None:
+            return
+        parameters = self.parameters.tension
+        if landing is LandingEvent.TOUCHDOWN:
+            was = self.mode
+            self.modes.touch_down()
+            relief = (1.0 - parameters.landing_ratio) * self.design.unit_weight
+            self._hold_tension(self.design.cable.static_tension - relief, was=was)
+        else:
+            self.modes.request(Mode.COMPENSATING.value)
+            self.modes.acknowledge()
+            self._hand_over(loop, unit_stood=True)
+            self.mean.move_to(self.mean.point.payout - parameters.lift_height)
+        self._alarms.append(landing.value)
+
+    def _hand_over(self, loop: LoopTick, *, unit_stood: bool) -> None:
         """Make the present depth of the unit the mean and go on from there."""
-        self._estimation.hand_over(self._tick, tension=self._command.tension.measured if stood else None)
-        self._command.law.reset()
+        self._estimation.hand_over(loop, unit_stood=unit_stood)
+        self._in_force.law.reset()
 
     # another design
 
     def redesign(self, parameters: WinchControllerParameters) -> ControllerDesign:
         """Design again from `parameters` and go on with the new design; states must be the same.
 
-        Raises DesignError or ValueError, the old design then stays.
+        Raises DesignError; the old design then stays.
         """
-        self._in_force.redesign(parameters, self.mean.point.payout, self.estimator)
-        self._take_design()
+        factors = self._in_force.redesign(parameters, self.mean.point.payout)
+        self._estimation.take_design(self.design, factors)
+        self._take_law()
         return self.design
 
-    def _follow_winch(self) -> None:
-        """Design anew where the winch is found to follow its set-points otherwise than believed."""
-        if not learns_winch(self.parameters) or self.modes.mode is not Mode.COMPENSATING:
+    def _follow_winch(self, tick: int) -> None:
+        """Design anew where the winch is found to follow its set-points otherwise than its model."""
+        if not identifies_winch(self.parameters) or self.mode is not Mode.COMPENSATING:
             return
-        better = self._winch.better_belief(self._tick, self.parameters)
-        if better is None:
+        improved = self._winch.improved_parameters(tick, self.parameters)
+        if improved is None:
             return
-        self._in_force.believe(better, self._estimation, self._tick - 1)
-        self._take_design()
+        try:
+            matrix = self._in_force.take_winch(improved)
+        except DesignError as error:
+            self._alarms.append(f"identified winch not used: {error}")
+            return
+        self._estimation.carry(self.design, matrix, tick - 1)
+        self._take_law()
+        winch = improved.winch
         self._alarms.append(
-            f"winch now believed to have a servo of {better.winch.time_constant:.3f} s and a delay of "
-            f"{better.winch.command_delay:.3f} s"
+            f"winch model updated: time constant {winch.time_constant:.3f} s, command delay {winch.command_delay:.3f} s"
         )
 
     def _follow_length(self) -> None:
         """Follow the gain schedule, where there is one."""
-        if self._in_force.follow_length(self.mean.point.payout, self.estimator):
-            self._take_design()
+        if self._in_force.follow_length(self.mean.point.payout):
+            self._estimation.take_design(self.design)
+            self._take_law()
 
-    def _take_design(self) -> None:
-        """Use the design in force from now on; estimate, mode and mean payout stay."""
-        self._command.take_design(self.design)
-        self.guard.effort = effort_of(self.design, self._command.law)
-        self._estimation.take_design(self.design)
+    def _take_law(self) -> None:
+        """Command and supervise with design and law in force; mode and mean payout stay."""
+        design, law = self._in_force.design, self._in_force.law
+        self._command.take_design(design, law)
+        self._supervisor.take_design(design, law)

@@ -1,26 +1,47 @@
-"""From mode and estimate to the order: which law is asked, the mean payout's share, the governor, the set-points."""
+"""From mode and loop to the order: which law is asked, the mean payout's share, the governor, the set-points."""
 
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 from heave_node.arrays import Array
 
 from winch_controller_node.design.design import ControllerDesign
-from winch_controller_node.estimation.observation import Observer
+from winch_controller_node.estimation.loop_tick import CommandShares, LoopTick
 from winch_controller_node.interface.readings import WinchOrder
-from winch_controller_node.laws.build import Law, make_governor, make_law, make_open_loop
-from winch_controller_node.laws.feedback import LawCommand
-from winch_controller_node.laws.feedforward import SpeedFeedforward
+from winch_controller_node.laws.constant_tension import ConstantTension, TensionSetPoint
 from winch_controller_node.laws.governor import GovernedCommand
+from winch_controller_node.laws.law import ControlLaw, LawCommand
 from winch_controller_node.laws.loop_state import AuthorityShift, LoopState, Reference
-from winch_controller_node.laws.tension import ConstantTension
+from winch_controller_node.laws.outlet_hold import OutletHold
 from winch_controller_node.model.loop_rows import loop_rows
-from winch_controller_node.motion.mean_motion import MeanMotion
-from winch_controller_node.supervision.guard import HarmGuard
 from winch_controller_node.supervision.modes import Mode, ModeOutput
+from winch_controller_node.supervision.supervisor import Decision
 
 IDLE = LawCommand(0.0)
+
+
+@dataclass(frozen=True, slots=True)
+class TickCommand:
+    """The command of a tick, in the terms of the model.
+
+    Attributes
+    ----------
+    asked : by the law, without the mean payout's share
+    governed : what the governor lets through, the mean payout's share included
+    standing : command under which the winch would stay where it is
+    shares : of the governed command
+    """
+
+    asked: LawCommand
+    governed: GovernedCommand
+    standing: float
+    shares: CommandShares
+
+
+NO_COMMAND = TickCommand(IDLE, GovernedCommand(0.0, (), 0.0), 0.0, CommandShares())
+"""Before the first tick."""
 
 
 class LoopCommand:
@@ -28,137 +49,150 @@ class LoopCommand:
 
     Parameters
     ----------
-    design : whose laws are asked
-    motion : of the mean payout
-    observer : newest tension and MRU rate
-    guard : whether compensation does harm, and whether the estimate is to be trusted
+    design : in force; law : of it, for compensation
 
     Attributes
     ----------
-    law : of compensation; tension : of constant tension; governor : of both
-    settling_loop : brings a lost loop back; None for a first-order winch
-    compensating : share of the last command that compensated; reference : that of the mean payout, in model terms
+    governor : of all commands
+    last : command of the last tick
     """
 
-    def __init__(self, design: ControllerDesign, motion: MeanMotion, observer: Observer, guard: HarmGuard) -> None:
-        self._motion = motion
-        self._observer = observer
-        self._guard = guard
+    def __init__(self, design: ControllerDesign, law: ControlLaw) -> None:
         self._sequence = 0
-        self._speed_asked = 0.0
-        self._total = 0.0
-        self.compensating = 0.0
-        self._make_laws(design, None)
+        self.last = NO_COMMAND
+        self._tension = TensionSetPoint(design.parameters.tension, tick_period=design.tick_period)
+        self.take_design(design, law)
 
-    def take_design(self, design: ControllerDesign) -> None:
-        """Use the laws of another design from now on; the tension that is held stays."""
-        self._make_laws(design, self.tension)
-
-    def _make_laws(self, design: ControllerDesign, tension_before: ConstantTension | None) -> None:
-        parameters = design.parameters
-        self._design = design
+    def take_design(self, design: ControllerDesign, law: ControlLaw) -> None:
+        """Use a design and its `law` from now on; the tension that is held stays."""
+        parameters, model = design.parameters, design.model
         self._winch = parameters.winch
         self._is_first_order = parameters.winch.law == "first_order"
-        self._rows = loop_rows(design.model)
-        self.law: Law = make_law(design)
-        self.governor = make_governor(design)
-        self._open_loop = make_open_loop(design)
-        self.settling_loop = make_open_loop(design, settles=True)
-        self.tension = ConstantTension(design.model, design.cable, parameters.winch, parameters.tension, tension_before)
-        self._shift = AuthorityShift(design.model, design.sea_states)
+        self._static_tension = design.cable.static_tension
+        self._rows = loop_rows(model)
+        self._stop_step = parameters.modes.stop_deceleration * design.tick_period
+        self._law = law
+        self.governor = design.make_governor()
+        # a first-order winch has no rate to command: its law fades out by itself
+        rate_driven = not self._is_first_order
+        self._fade_out = OutletHold(model, parameters.winch, 0.0) if rate_driven else None
+        self._settling = OutletHold(model, parameters.winch, design.cable.a) if rate_driven else None
+        self._constant_tension = ConstantTension(
+            model, design.cable, parameters.winch, parameters.tension, self._tension
+        )
+        self._shift = AuthorityShift(model, design.sea_states)
+        self._payout_state, self._unit_state = model.state("payout"), model.state("unit_heave")
 
     @property
-    def reference(self) -> float:
-        """Share of the last command that moved the mean payout, in the terms of the model."""
-        return self._total - self.compensating
+    def settled_swing(self) -> float:
+        """Swing of the unit at which a fade-out may end [m]; infinite where the law is not asked to damp it."""
+        return math.inf if self._settling is None else self._settling.settled_swing
 
-    def speed(self, estimate: Array) -> float:
-        """Return the speed of the winch as commanded [m/s], absolute."""
-        if self._is_first_order:
-            return abs(float(self._rows.payout_rate @ (estimate + self._motion.state)))
-        return abs(self._speed_asked)
+    def begin_tension(self, measured: float) -> None:
+        """Begin constant tension at the measured tension [N]."""
+        self._tension.begin(measured)
 
-    def command(self, mode: ModeOutput, estimate: Array, uncompensated: Array) -> tuple[LawCommand, GovernedCommand]:
-        """Return what the law asks for and what the governor lets through, the mean payout's share included.
+    def hold_tension(self, tension: float) -> None:
+        """Go to another tension [N] from the one that is held."""
+        self._tension.hold(tension)
 
-        Parameters
-        ----------
-        mode : of the tick
-        estimate : of the loop, shape (n,)
-        uncompensated : heave and rate of the unit with the winch locked, shape (2,)
-        """
-        mean_state = self._motion.state
-        total_state = estimate + mean_state
-        payout, rate = self.governor.predict(total_state)
-        reference_command = self._motion.reference_command(self._winch)
-        standing = self._standing_command(total_state, payout)
-        mean_payout, mean_rate = self.governor.predict(mean_state)
+    def speed(self, tick: LoopTick) -> float:
+        """Return the speed of the winch as last commanded [m/s], absolute."""
+        return abs(tick.total_payout_rate) if self._is_first_order else abs(self._speed_asked)
+
+    @property
+    def _speed_asked(self) -> float:
+        """Speed that was last asked of a speed servo [m/s]."""
+        return self.last.governed.value - self.last.standing
+
+    def command(self, tick: LoopTick, decision: Decision) -> TickCommand:
+        """Return the command of a tick: the law's and the mean payout's share, governed, as the `decision` has it."""
+        mode = decision.mode
+        payout, rate = self.governor.predict(tick.total_state)
+        standing = self._standing_command(tick.total_state, payout)
+        mean_payout, mean_rate = self.governor.predict(tick.mean_state)
         state = LoopState(
-            x=self._law_state(mode, estimate, uncompensated),
-            reference=Reference(mean_payout, mean_rate, reference_command),
-            static_tension=self._design.cable.static_tension,
+            x=self._law_state(tick, mode),
+            reference=Reference(mean_payout, mean_rate, tick.mean_command),
+            static_tension=self._static_tension,
+            measured_tension=tick.sensed.filtered_tension,
+            mru_rate=mode.authority * tick.sensed.mru_rate,
         )
-        asked = self._ask(mode, state, estimate, standing)
+        asked = self._ask(state, standing, decision)
         if mode.brake:
             governed = GovernedCommand(standing, (), standing)
         else:
-            tension = self._observer.tension if math.isfinite(self._observer.tension) else state.static_tension
-            governed = self.governor.govern(asked.value + reference_command, payout, rate, tension)
-        self._total = governed.value
-        self._speed_asked = governed.value - standing
-        self.compensating = governed.value - reference_command
-        return asked, governed
+            tension = tick.sensed.tension if math.isfinite(tick.sensed.tension) else state.static_tension
+            governed = self.governor.govern(asked.value + tick.mean_command, payout, rate, tension)
+        compensating = governed.value - tick.mean_command
+        shares = CommandShares(compensating, governed.value - compensating)
+        self.last = TickCommand(asked, governed, standing, shares)
+        return self.last
 
-    def order(self, mode: ModeOutput, governed: GovernedCommand) -> WinchOrder:
-        """Return the set-points of a governed command, about the mean payout at the end of the tick."""
+    def order(self, command: TickCommand, mode: ModeOutput, mean_payout: float) -> WinchOrder:
+        """Return the set-points of a command.
+
+        Parameters
+        ----------
+        command : of the tick
+        mode : of the tick
+        mean_payout : about which the winch works at the end of the tick [m]
+        """
         self._sequence += 1
+        sent = command.governed.sent
         if self._is_first_order:
-            return WinchOrder(self._sequence, governed.sent, 0.0, mode.brake)
-        payout = self._motion.set_point
+            return WinchOrder(self._sequence, sent, 0.0, mode.brake)
         # the model's command counts what the winch's position loop makes of the payout set-point as well
-        rate = governed.sent - self._winch.position_gain * payout
-        return WinchOrder(self._sequence, payout, rate, mode.brake)
+        return WinchOrder(self._sequence, mean_payout, sent - self._winch.position_gain * mean_payout, mode.brake)
 
-    def _law_state(self, mode: ModeOutput, estimate: Array, uncompensated: Array) -> Array:
+    def _law_state(self, tick: LoopTick, mode: ModeOutput) -> Array:
+        """Return the state that the law acts on; constant tension follows the whole sea and acts on the estimate."""
         if mode.mode is Mode.CONSTANT_TENSION:
-            return estimate
-        x = self._shift.shift(estimate, uncompensated, mode.authority)
-        rows, mean_state = self._rows, self._motion.state
+            return tick.estimate
+        x = self._shift.shift(tick.estimate, tick.uncompensated, mode.authority)
+        rows, mean_state = self._rows, tick.mean_state
         # the unit shall follow the mean payout stiffly, not swing after it as it would by itself
         x[rows.unit_states] += mean_state[rows.unit_states] + rows.winch @ mean_state
-        left = self._motion.left_over.point.payout
-        if left != 0.0:
-            x[self._design.model.state("payout")] -= left
-            x[self._design.model.state("unit_heave")] += left
+        if tick.left_over != 0.0:
+            x[self._payout_state] -= tick.left_over
+            x[self._unit_state] += tick.left_over
         return x
 
-    def _ask(self, mode: ModeOutput, state: LoopState, estimate: Array, standing: float) -> LawCommand:
-        if mode.mode is Mode.CONSTANT_TENSION:
-            return self.tension.command(LoopState(estimate, state.reference, state.static_tension))
-        if mode.mode is Mode.STOPPING or (mode.mode is Mode.FADE_OUT and not self._guard.trusts_estimate):
+    def _ask(self, state: LoopState, standing: float, decision: Decision) -> LawCommand:
+        """Ask the law that the mode calls for."""
+        mode = decision.mode.mode
+        if mode is Mode.CONSTANT_TENSION:
+            return self._constant_tension.command(state)
+        if mode is Mode.COMPENSATING:
+            return self._law.command(state)
+        if mode is Mode.STOPPING:
             return self._slow_down(state, standing)
-        if mode.mode is Mode.FADE_OUT and self._guard.is_harming and self.settling_loop is not None:
-            return self.settling_loop.command(state)
-        if mode.mode is Mode.FADE_OUT and self._open_loop is not None:
-            # a sensor was lost: what the unit is believed to do is not to be acted upon any more
-            return self._open_loop.command(state)
-        if mode.mode in (Mode.COMPENSATING, Mode.FADE_OUT):
-            if isinstance(self.law, SpeedFeedforward):
-                self.law.reading = mode.authority * self._observer.mru_rate
-            return self.law.command(state)
+        if mode is Mode.FADE_OUT:
+            return self._ask_fade_out(state, standing, decision)
         return IDLE
+
+    def _ask_fade_out(self, state: LoopState, standing: float, decision: Decision) -> LawCommand:
+        """Ask for a fade-out that uses no more of the estimate than can be trusted."""
+        if not decision.trusts_estimate:
+            return self._slow_down(state, standing)
+        if decision.is_inhibited and self._settling is not None:
+            return self._settling.command(state)
+        if self._fade_out is not None:
+            # a sensor was lost: the estimated motion of the unit is not to be acted upon
+            return self._fade_out.command(state)
+        return self._law.command(state)
 
     def _slow_down(self, state: LoopState, standing: float) -> LawCommand:
         """Return the command that brings the winch to rest at a bounded deceleration; `standing` keeps it there."""
         if self._is_first_order:
             return LawCommand(standing - state.reference.command)
-        step = self._design.parameters.modes.stop_deceleration * self._design.tick_period
-        slower = math.copysign(max(abs(self._speed_asked) - step, 0.0), self._speed_asked)
+        slower = math.copysign(max(abs(self._speed_asked) - self._stop_step, 0.0), self._speed_asked)
         return LawCommand(slower + standing - state.reference.command)
 
     def _standing_command(self, total_state: Array, payout_ahead: float) -> float:
-        """Return the command under which the winch stays where it is: its own payout, or what a servo's position loop
-        takes off.
+        """Return the command under which the winch stays where it is.
+
+        It is its own payout, or what a servo's position loop takes off.
         """
         if self._is_first_order:
             return float(self._rows.payout @ total_state)

@@ -8,22 +8,26 @@ import sys
 
 from heave_msgs.srv import Redesign, SetMode
 from heave_node import topics
+from heave_node.codes import SensorLevel
+from heave_node.linear_model import ModelError
+from heave_node.messages import SensorMessages
 from heave_node.ros.diagnostics import Health, Level
 from heave_node.ros.node import NodeError
 from heave_node.ros.participant import ParticipantNode
 from heave_node.ros.process import run_node
-from heave_node.tick.tick import Tick
+from heave_node.sensors import SENSORS, Water
+from heave_node.tick.tick import Tick, nanoseconds_of
 
 from winch_controller_node.component import WinchController
 from winch_controller_node.interface import conversions
 from winch_controller_node.interface.readings import Measurements, Outputs
-from winch_controller_node.model.linear_model import ModelError
+from winch_controller_node.interface.sensors import INPUTS
 from winch_controller_node.model.lqr import DesignError
 from winch_controller_node.move_action import MoveAction
 from winch_controller_node.parameters.controller import WinchControllerParameters
 from winch_controller_node.supervision.modes import ModeError
 
-LEVELS = (Level.OK, Level.WARN, Level.ERROR)
+LEVELS = {SensorLevel.OK: Level.OK, SensorLevel.SUSPECT: Level.WARN, SensorLevel.LOST: Level.ERROR}
 
 
 class WinchControllerNode(ParticipantNode):
@@ -48,11 +52,10 @@ class WinchControllerNode(ParticipantNode):
         self.state = self.add_output(topics.CONTROLLER_STATE)
         self.kpi = self.add_output(topics.CONTROLLER_KPI)
         # the controller's own gates want to see wrong stamps
-        self.mru = self.add_input(topics.MRU, check_stamps=False)
-        self.pressure = self.add_input(topics.UNIT_PRESSURE, check_stamps=False)
-        self.velocity = self.add_input(topics.UNIT_VELOCITY, check_stamps=False)
-        self.imu = self.add_input(topics.UNIT_IMU, check_stamps=False)
-        self.load_cell = self.add_input(topics.LOAD_CELL, check_stamps=False)
+        self.sensors = {
+            name: (self.add_input(SENSORS[name].topic, check_stamps=False), SensorMessages(SENSORS[name]))
+            for name in INPUTS
+        }
         self.winch_state = self.add_input(topics.WINCH_STATE, check_stamps=False)
         self.sea_estimate = self.add_input(topics.SEA_STATE_ESTIMATE)
         self.create_service(SetMode, "controller/set_mode", self._serve_set_mode)
@@ -66,24 +69,22 @@ class WinchControllerNode(ParticipantNode):
 
     def on_tick(self, tick: Tick) -> None:
         """Step the controller with what was delivered."""
-        parameters = self.parameters
-        winch = self.take(self.winch_state)
+        delivered = {
+            name: [messages.reading(message) for message in self.take(port)]
+            for name, (port, messages) in self.sensors.items()
+        }
+        states = self.take(self.winch_state)
+        winch = conversions.winch_reading(states[-1], nanoseconds_of(states[-1].header.stamp)) if states else None
         self.take(self.sea_estimate)  # the latest is what a redesign follows
-        measurements = Measurements(
-            mru=conversions.mru_readings(self.take(self.mru)),
-            depth=conversions.depth_readings(self.take(self.pressure), parameters.water_density, parameters.gravity),
-            velocity=conversions.velocity_readings(self.take(self.velocity)),
-            imu=conversions.imu_readings(self.take(self.imu), parameters.gravity),
-            load_cell=conversions.load_cell_readings(self.take(self.load_cell)),
-            winch=conversions.winch_reading(winch[-1]) if winch else None,
-        )
+        water = Water(self.parameters.water_density, self.parameters.gravity)
+        measurements = conversions.measurements(delivered, winch, water)
         outputs = self.controller.step(tick.number, measurements)
         self.outputs_of_tick = outputs
         self.command.publish(conversions.command_message(outputs.order, tick.stamp))
-        self.state.publish_later(lambda: conversions.state_message(outputs.report, tick.stamp))
+        self.state.publish_deferred(lambda: conversions.state_message(outputs.report, tick.stamp))
         kpi = outputs.kpi
         if kpi is not None:
-            self.kpi.publish_later(lambda: conversions.kpi_message(kpi, tick.stamp))
+            self.kpi.publish_deferred(lambda: conversions.kpi_message(kpi, tick.stamp))
         for words in outputs.alarms:
             self.get_logger().warning(f"t = {tick.time:.2f} s: {words}")
         self.move.on_tick(tick.time)

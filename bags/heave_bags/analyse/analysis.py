@@ -14,10 +14,10 @@ import numpy as np
 from heave_node import kpi
 
 from heave_bags.analyse import kpi_set
-from heave_bags.analyse.kpi_set import Signal
-from heave_bags.analyse.run_record import RunRecord, read_run
+from heave_bags.analyse.run_record import NodeParameters, RunRecord, read_run
 from heave_bags.errors import BagError
 from heave_bags.mcap.reader import Progress, no_progress
+from heave_bags.signals import Signal
 
 if TYPE_CHECKING:
     import pandas
@@ -34,15 +34,17 @@ class Extreme:
 
 
 def analyse(
-    paths: Sequence[str | Path], *, transient: float | None = None, progress: Progress = no_progress
+    paths: Sequence[str | Path],
+    *,
+    transient: float | None = None,
+    parameters: NodeParameters | None = None,
+    progress: Progress = no_progress,
 ) -> list[RunRecord]:
-    """Read the bags of several runs; `transient` [s] overrides the one each bag names.
-
-    Raises BagError for the first bag that cannot be read.
-    """
+    """Read the bags of several runs; arguments as of `read_run`. Raises BagError for the first that cannot be read."""
     records = []
     for number, path in enumerate(paths):
-        records.append(read_run(path, transient=transient, progress=_part(progress, number, len(paths))))
+        part = _part(progress, number, len(paths))
+        records.append(read_run(path, transient=transient, parameters=parameters, progress=part))
     names = [record.name for record in records]
     for record, path in zip(records, paths, strict=True):
         if names.count(record.name) > 1:
@@ -91,6 +93,9 @@ def snaps(record: RunRecord) -> list[float]:
     return [float(time) for time in kpi.snap_times(tension.time, tension.value, static)]
 
 
+MOST_WINDOWS = 100_000
+
+
 @dataclass(frozen=True)
 class WindowKpis:
     """KPIs of one window of a run, start to end [s]."""
@@ -105,13 +110,15 @@ def windows(record: RunRecord, length: float, step: float | None = None) -> list
     over the whole run: from one sample before the first, which is where a run starts; an end that is shorter than a
     window is left out.
 
-    Raises BagError if `length` or `step` is not positive.
+    Raises BagError if `length` or `step` is not positive, or for more windows than anyone would look at.
     """
     step = length if step is None else step
     if not (length > 0.0 and step > 0.0):
         raise BagError(f"windows need a positive length and step, got {length:g} s and {step:g} s")
     first = _start_of_run(record)
     count = math.floor((record.end - first - length) / step + 1e-9) + 1
+    if count > MOST_WINDOWS:
+        raise BagError(f"{record.name}: windows of {length:g} s would be {count}, {MOST_WINDOWS} are allowed")
     bounds = [(first + number * step, first + number * step + length) for number in range(max(count, 0))]
     return [WindowKpis(start, end, record.kpis(start, end)) for start, end in bounds]
 
@@ -155,24 +162,10 @@ def table(records: Sequence[RunRecord]) -> str:
     return "\n".join(lines)
 
 
-WINDOW_COLUMNS = {
-    "unit_sigma_m": "s(z)",
-    "uncompensated_sigma_m": "s(z_off)",
-    "unit_efficiency": "unit eff.",
-    "outlet_efficiency": "outlet eff.",
-    "max_abs_heave_m": "max |z|",
-    "tension_min_n": "T min",
-    "tension_max_n": "T max",
-    "winch_speed_max_mps": "max |v|",
-    "time_at_limit_percent": "at limit",
-}
-"""The KPIs that a table of windows shows, with short headings."""
-
-
 def window_table(record: RunRecord, length: float) -> str:
     """Return the main KPIs of each window of a run as text, one line per window, and what time is in none of them."""
-    definitions = [kpi_set.DEFINITION_OF[key] for key in WINDOW_COLUMNS]
-    headings = [f"{WINDOW_COLUMNS[definition.key]} {definition.unit}" for definition in definitions]
+    definitions = [definition for definition in kpi_set.KPI_DEFINITIONS if definition.heading]
+    headings = [f"{definition.heading} {definition.unit}" for definition in definitions]
     rows = [("from s", "to s", *headings)]
     parts = windows(record, length)
     for part in parts:

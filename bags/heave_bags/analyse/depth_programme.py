@@ -7,7 +7,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.ndimage import uniform_filter1d
 
-from heave_bags.analyse.kpi_set import RunSignals, Signal
+from heave_bags.signals import RunSignals, Signal
 
 MOVED = 0.1
 """A set-point that moves less than this is no programme [m]."""
@@ -46,6 +46,7 @@ def _moved(heave: Signal) -> float:
 def running_mean(time: np.ndarray, values: np.ndarray) -> np.ndarray:
     """Return the running mean over SPAN, taken twice, of evenly sampled values; at the ends the last values go on."""
     period = float(np.median(np.diff(time)))
-    width = max(1, round(SPAN / period))
+    widest = 100 * values.size  # beyond which every mean is that of the ends
+    width = max(1, round(SPAN / period)) if period * widest > SPAN else widest
     once = uniform_filter1d(values, width, mode="nearest")
     return np.asarray(uniform_filter1d(once, width, mode="nearest"))

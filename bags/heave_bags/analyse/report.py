@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+import base64
+import hashlib
 import html
 import json
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from importlib import resources
 from pathlib import Path
 
 from heave_bags.analyse import analysis, kpi_set
 from heave_bags.analyse.analysis import Extreme
-from heave_bags.analyse.report_figures import Figure, comparison_figures, run_figures
+from heave_bags.analyse.report_figures import Figure, comparison_figures, run_figures, without_nan
 from heave_bags.analyse.run_record import RunRecord
 from heave_bags.errors import BagError
 from heave_bags.mcap.reader import Progress, no_progress
@@ -48,13 +50,24 @@ def save_report(records: Sequence[RunRecord], output: Path) -> None:
 
 def render(records: Sequence[RunRecord]) -> str:
     """Return the report of `records` as HTML text."""
-    title = " and ".join(record.run.get("scenario") or record.name for record in records)
+    title = _title(records)
+    body, figures = render_body(records)
+    return _page(title, body, figures)
+
+
+def _title(records: Sequence[RunRecord]) -> str:
+    return " and ".join(record.run.get("scenario") or record.name for record in records)
+
+
+def render_body(records: Sequence[RunRecord]) -> tuple[str, list[Figure]]:
+    """Return what a report of `records` says, as HTML, and the figures that its script draws."""
+    title = _title(records)
     figures: list[Figure] = []
     body = [_heading(title, records), _kpi_section(records)]
     if len(records) > 1:
         body += ["<h2>Comparison</h2>", *(_plot(figure, figures) for figure in comparison_figures(records))]
     body += [_run_section(record, figures, is_only=len(records) == 1) for record in records]
-    return _page(title, "\n".join(body), figures)
+    return "\n".join(body), figures
 
 
 def _page(title: str, body: str, figures: Sequence[Figure]) -> str:
@@ -63,11 +76,12 @@ def _page(title: str, body: str, figures: Sequence[Figure]) -> str:
     assets = resources.files("heave_bags.analyse") / "report_assets"
     style = (assets / "report.css").read_text(encoding="utf-8")
     script = (assets / "report.js").read_text(encoding="utf-8")
-    data = json.dumps([figure.to_mapping() for figure in figures]).replace("</", "<\\/")
+    scripts = [get_plotlyjs(), f"\n{script}"]
     return f"""<!doctype html>
 <html lang="en">
 <head>
 <meta charset="utf-8">
+<meta http-equiv="Content-Security-Policy" content="{security_policy(scripts)}">
 <meta name="viewport" content="width=device-width, initial-scale=1">
 <title>{html.escape(title)} - heave compensation report</title>
 <link rel="icon" href="data:,">
@@ -78,13 +92,31 @@ def _page(title: str, body: str, figures: Sequence[Figure]) -> str:
 {body}
 <footer>SI units; heave positive up, payout positive lowers the unit. Drag to zoom, double-click to see all;
 figures over time zoom together. For a PDF, print this page.</footer>
-<script>{get_plotlyjs()}</script>
-<script type="application/json" id="figures">{data}</script>
-<script>
-{script}</script>
+<script>{scripts[0]}</script>
+<script type="application/json" id="figures">{_as_script(figures)}</script>
+<script>{scripts[1]}</script>
 </body>
 </html>
 """
+
+
+def security_policy(scripts: Sequence[str]) -> str:
+    """Return the content security policy of a page: it runs these scripts and no other, and loads nothing.
+
+    Whatever a bag puts into the page, a browser will not run it.
+    """
+    digests = (hashlib.sha256(script.encode()).digest() for script in scripts)
+    hashes = " ".join(f"'sha256-{base64.b64encode(digest).decode()}'" for digest in digests)
+    return (
+        f"default-src 'none'; script-src {hashes}; style-src 'unsafe-inline'; img-src data: blob:; "
+        "base-uri 'none'; form-action 'none'"
+    )
+
+
+def _as_script(figures: Sequence[Figure]) -> str:
+    """Return the figures as JSON that no text in them can end; what is no number is null."""
+    data = [without_nan(figure.to_mapping()) for figure in figures]
+    return json.dumps(data, allow_nan=False).replace("<", "\\u003c")
 
 
 def _heading(title: str, records: Sequence[RunRecord]) -> str:
@@ -98,19 +130,28 @@ def _heading(title: str, records: Sequence[RunRecord]) -> str:
 def _kpi_section(records: Sequence[RunRecord]) -> str:
     columns = [record.kpis() for record in records]
     names = "".join(f'<th class="number">{html.escape(record.name)}</th>' for record in records)
-    rows = []
-    for definition in kpi_set.KPI_DEFINITIONS:
-        values = [column[definition.key] for column in columns]
-        if any(math.isfinite(value) for value in values):
-            cells = "".join(f'<td class="number">{definition.text(value)}</td>' for value in values)
-            rows.append(f"<tr><td>{html.escape(definition.title)}</td>{cells}<td>{definition.unit}</td></tr>")
+    groups = [_kpi_group(group, columns) for group in kpi_set.GROUPS]
     window = "; ".join(f"{record.start:.2f} s to {record.end:.2f} s" for record in records)
     return (
         f'<h2>Figures of merit</h2>\n<p class="caption">Evaluation window: {window}.</p>\n'
-        f'<div class="scroll"><table id="kpis"><thead><tr><th>KPI</th>{names}<th>unit</th></tr></thead>\n<tbody>'
-        + "\n".join(rows)
-        + "</tbody></table></div>"
+        f'<div class="scroll"><table id="kpis"><thead><tr><th>KPI</th>{names}<th>unit</th></tr></thead>\n'
+        + "\n".join(groups)
+        + "</table></div>"
     )
+
+
+def _kpi_group(group: str, columns: Sequence[Mapping[str, float]]) -> str:
+    """Return the rows of one group of KPIs under its heading; "" where none of them is known."""
+    rows = []
+    for definition in kpi_set.KPI_DEFINITIONS:
+        values = [column[definition.key] for column in columns]
+        if definition.group == group and any(math.isfinite(value) for value in values):
+            cells = "".join(f'<td class="number">{definition.text(value)}</td>' for value in values)
+            rows.append(f"<tr><td>{html.escape(definition.title)}</td>{cells}<td>{definition.unit}</td></tr>")
+    if not rows:
+        return ""
+    heading = f'<tr><th class="group" colspan="{len(columns) + 2}">{group}</th></tr>'
+    return "\n".join(["<tbody>", heading, *rows, "</tbody>"])
 
 
 def _run_section(record: RunRecord, figures: list[Figure], *, is_only: bool) -> str:

@@ -14,9 +14,10 @@ from typing import Any
 import numpy as np
 from heave_node.arrays import Array
 
-from heave_bags.analyse.kpi_set import Signal
-from heave_bags.analyse.run_record import Innovation, Interval, RunRecord
+from heave_bags.analyse.events import Interval
+from heave_bags.analyse.run_record import Innovation, RunRecord
 from heave_bags.analyse.spectra import Spectrum, spectrum, transmissibility
+from heave_bags.signals import Signal
 
 BOOM_TIP = "#0072b2"
 PAYOUT = "#e69f00"
@@ -56,6 +57,15 @@ class Figure:
     def to_mapping(self) -> dict[str, Any]:
         """Return what the page's script draws."""
         return {"traces": self.traces, "layout": self.layout, "time": self.is_over_time, "height": self.height}
+
+
+def without_nan(value: Any) -> Any:
+    """Return plain data with None for every number that is none: JSON knows neither NaN nor infinity."""
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
+    if isinstance(value, dict):
+        return {name: without_nan(item) for name, item in value.items()}
+    return [without_nan(item) for item in value] if isinstance(value, list | tuple) else value
 
 
 def pack(values: Array) -> dict[str, Any]:

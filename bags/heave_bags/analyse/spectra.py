@@ -8,11 +8,13 @@ import numpy as np
 from heave_node.arrays import Array
 from scipy.signal import welch
 
-from heave_bags.analyse.kpi_set import Signal
+from heave_bags.signals import Signal
 
 MINIMUM_SAMPLES = 64
 SEGMENT_TIME = 200.0
 """Length of a Welch segment [s]: a resolution of 0.03 rad/s, a tenth of a swell's frequency."""
+SHORTEST_PERIOD = 1e-5
+"""Nobody samples the motion of a vessel faster than this [s]."""
 
 
 @dataclass(frozen=True)
@@ -31,7 +33,7 @@ def spectrum(signal: Signal) -> Spectrum | None:
     if signal.size < MINIMUM_SAMPLES:
         return None
     period = float(np.median(np.diff(signal.time)))
-    if period <= 0.0:
+    if not SHORTEST_PERIOD < period < SEGMENT_TIME:
         return None
     segment = min(signal.size, max(MINIMUM_SAMPLES, round(SEGMENT_TIME / period)))
     frequency, density = welch(signal.value, fs=1.0 / period, nperseg=segment, detrend="constant")

@@ -1,8 +1,7 @@
 """Equal messages, equal bytes.
 
 Middleware leaves whatever was in memory in the padding of a message and behind it, so that the same message comes
-as other bytes each time.
-Here padding is cleared and the tail cut off, which changes no value.
+as other bytes each time. Here padding is cleared and the tail cut off, which changes no value.
 """
 
 from __future__ import annotations
@@ -13,6 +12,9 @@ from heave_bags.cdr.layout import Layout, MessageLayouts
 from heave_bags.errors import BagError
 
 _MOST_PATTERNS = 64
+"""Patterns kept of one size of message."""
+_MOST_KEPT = 1 << 18
+"""Lengths and gaps kept in all patterns."""
 
 
 class _Pattern:
@@ -20,6 +22,7 @@ class _Pattern:
 
     def __init__(self, layout: Layout) -> None:
         self.end = layout.end
+        self.size = 1 + len(layout.gaps) + len(layout.lengths)
         self._gaps = layout.gaps
         self._lengths = _picker([(offset, offset + 4) for offset, _ in layout.lengths])
         self._expected = tuple(value.to_bytes(4, "little") for _, value in layout.lengths)
@@ -55,19 +58,31 @@ class Canonical:
     def __init__(self, name: str, text: str) -> None:
         self._layouts = MessageLayouts(name, text)
         self._patterns: dict[int, list[_Pattern]] = {}
+        self._kept = 0
 
     def __call__(self, data: bytes) -> bytes:
         """Return `data` with its padding cleared and its tail cut off."""
-        patterns = self._patterns.get(len(data), ())
-        for pattern in patterns:
+        pattern = self._pattern(data)
+        return data if pattern is None else pattern.clean(data)
+
+    def fits(self, data: bytes) -> bool:
+        """Tell whether `data` is a message of the type."""
+        return self._pattern(data) is not None
+
+    def _pattern(self, data: bytes) -> _Pattern | None:
+        for pattern in self._patterns.get(len(data), ()):
             if pattern.fits(data):
-                return pattern.clean(data)
+                return pattern
         try:
-            pattern = _Pattern(self._layouts.of(data))
+            found = _Pattern(self._layouts.of(data))
         except BagError:
-            return data
+            return None
+        if self._kept > _MOST_KEPT:  # messages that never come again must not fill the memory
+            self._patterns.clear()
+            self._kept = 0
         known = self._patterns.setdefault(len(data), [])
         if len(known) >= _MOST_PATTERNS:
             known.pop()
-        known.insert(0, pattern)
-        return pattern.clean(data)
+        known.insert(0, found)
+        self._kept += found.size
+        return found

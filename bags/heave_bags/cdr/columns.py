@@ -2,8 +2,7 @@
 carries.
 
 Where strings and sequences of two messages have the same lengths, their bytes are laid out alike. So the layout is
-worked out once for each
-pattern of lengths, and the values of all messages of that pattern are picked in one step.
+worked out once for each pattern of lengths, and the values of all messages of that pattern are picked in one step.
 """
 
 from __future__ import annotations
@@ -15,6 +14,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from heave_bags.cdr.layout import Layout, Leaf, MessageLayouts
+from heave_bags.errors import BagError
+
+_MOST_KEPT = 1 << 18
+"""Values and lengths kept in the layouts of one type."""
+_MOST_CELLS = 1 << 24
+_MOST_PADDING = 8
+"""Cells of columns padded to equal length: so many, or so many times those that hold a value."""
 
 Columns = dict[str, NDArray[Any]]
 
@@ -28,17 +34,32 @@ class ColumnDecoder:
     ----------
     name, text : the type and its `ros2msg` schema
     wanted : which paths to decode; all if None
+    longest : arrays and texts of more elements are left out; None takes all
+
+    Raises BagError for a definition that cannot be.
     """
 
-    def __init__(self, name: str, text: str, wanted: Callable[[str], bool] | None = None) -> None:
+    def __init__(
+        self, name: str, text: str, wanted: Callable[[str], bool] | None = None, longest: int | None = None
+    ) -> None:
         self._types = MessageLayouts(name, text)
         self._wanted = wanted
+        self._longest = longest
         self._layouts: dict[int, list[Layout]] = {}
+        self._kept = 0
 
     @property
     def has_header(self) -> bool:
         """The type begins with a std_msgs/Header."""
         return self._types.has_header
+
+    def fits(self, data: bytes) -> bool:
+        """Tell whether a message fits the definition."""
+        try:
+            self._types.of(data)
+        except BagError:
+            return False
+        return True
 
     def decode(self, messages: Sequence[bytes]) -> Columns:
         """Return the columns of `messages`, n rows each; what a message does not have is NaN or "".
@@ -50,7 +71,7 @@ class ColumnDecoder:
             by_size.setdefault(len(data), []).append(row)
         gathered: list[tuple[NDArray[np.intp], Columns]] = []
         for size, rows in by_size.items():
-            block = np.frombuffer(b"".join([messages[row] for row in rows]), dtype=np.uint8).reshape(-1, size)
+            block = np.frombuffer(b"".join([messages[row] for row in rows]), dtype=np.uint8).reshape(len(rows), size)
             self._groups(block, np.asarray(rows), gathered)
         if len(gathered) == 1:
             return gathered[0][1]
@@ -60,14 +81,22 @@ class ColumnDecoder:
         self, block: NDArray[np.uint8], rows: NDArray[np.intp], gathered: list[tuple[NDArray[np.intp], Columns]]
     ) -> None:
         """Split rows of one size by layout, and decode each group."""
-        known = self._layouts.setdefault(block.shape[1], [])
-        for layout in known:
+        for layout in self._layouts.get(block.shape[1], ()):
             block, rows = self._gather(layout, block, rows, gathered)
         while rows.size:
             layout = self._layout(block[0].tobytes())
-            if len(known) < 64:
-                known.append(layout)
+            self._keep(block.shape[1], layout)
             block, rows = self._gather(layout, block, rows, gathered)
+
+    def _keep(self, size: int, layout: Layout) -> None:
+        """Keep the layout of messages of a size for the next; in a bounded number, since lengths may never recur."""
+        self._kept += 1 + len(layout.leaves) + len(layout.lengths)
+        if self._kept > _MOST_KEPT:
+            self._layouts.clear()
+            self._kept = 0
+        known = self._layouts.setdefault(size, [])
+        if len(known) < 64:
+            known.append(layout)
 
     def _gather(
         self,
@@ -91,9 +120,12 @@ class ColumnDecoder:
 
     def _layout(self, data: bytes) -> Layout:
         layout = self._types.of(data)
-        if self._wanted:
-            layout.leaves = [leaf for leaf in layout.leaves if self._wanted(leaf.name)]
+        layout.leaves = [leaf for leaf in layout.leaves if self._is_wanted(leaf)]
         return layout
+
+    def _is_wanted(self, leaf: Leaf) -> bool:
+        is_short = self._longest is None or (leaf.count or 0) <= self._longest
+        return is_short and (self._wanted is None or self._wanted(leaf.name))
 
 
 def _words(block: NDArray[np.uint8], offset: int) -> NDArray[np.uint32]:
@@ -125,8 +157,16 @@ def _blank(rows: int, example: NDArray[Any], width: int) -> NDArray[Any]:
 
 
 def _merge(gathered: Sequence[tuple[NDArray[np.intp], Columns]], rows: int) -> Columns:
-    """Put groups of rows together; columns or elements that a group lacks are NaN or ""."""
+    """Put groups of rows together; columns or elements that a group lacks are NaN or "".
+
+    Raises BagError where that would take many times the room of the values.
+    """
     names = dict.fromkeys(name for _, columns in gathered for name in columns)
+    widest = [max(columns[name][:1].size for _, columns in gathered if name in columns) for name in names]
+    cells = rows * sum(widest)
+    filled = sum(column.size for _, columns in gathered for column in columns.values())
+    if cells > max(_MOST_CELLS, _MOST_PADDING * filled):
+        raise BagError(f"{rows} messages differ too much in length to stand in columns ({cells} cells)")
     merged: Columns = {}
     for name in names:
         parts = [(index, columns[name]) for index, columns in gathered if name in columns]

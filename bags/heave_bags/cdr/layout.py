@@ -12,7 +12,9 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from heave_bags.errors import BagError
-from heave_bags.mcap.definitions import PRIMITIVES, SEPARATOR
+
+SEPARATOR = "=" * 80
+"""The line of a `ros2msg` schema behind which the next type stands."""
 
 NUMPY_TYPES = {
     "bool": "?",
@@ -30,8 +32,18 @@ NUMPY_TYPES = {
     "float64": "f8",
 }
 
+PRIMITIVES = frozenset((*NUMPY_TYPES, "string", "wstring"))
+
 _ENCAPSULATION = 4
 """Bytes before the message proper; alignment counts from behind them."""
+
+MOST_VALUES = 1 << 17
+"""Values, texts and sequences in one message, beyond which no layout is worked out."""
+DEEPEST_TYPE = 32
+"""Structures within each other in one message."""
+LONGEST_DEFINITION = 1 << 20
+LONGEST_NAME = 255
+"""Characters of a definition and of the name of a field."""
 
 _FIELD = re.compile(
     r"^(?P<type>[A-Za-z][\w/]*)(?:<=\d+)?(?P<array>\[(?:<=)?\d*\])?\s+(?P<name>[A-Za-z]\w*)\s*(?P<rest>.*)$"
@@ -72,7 +84,12 @@ class Layout:
 
 
 def parse_schema(name: str, text: str) -> dict[str, list[Field]]:
-    """Return the fields of each type in a `ros2msg` schema, keyed `package/Type`; the first is that of `name`."""
+    """Return the fields of each type in a `ros2msg` schema, keyed `package/Type`; the first is that of `name`.
+
+    Raises BagError for a definition of a length that none has.
+    """
+    if len(text) > LONGEST_DEFINITION:
+        raise BagError(f"the definition of {name} has {len(text)} characters, {LONGEST_DEFINITION} are allowed")
     parts = name.split("/")
     key = f"{parts[0]}/{parts[-1]}"
     types: dict[str, list[Field]] = {}
@@ -99,17 +116,22 @@ def _fields(lines: Sequence[str], package: str) -> Iterator[Field]:
         if kind not in PRIMITIVES:
             parts = kind.split("/")
             kind = f"{parts[0] if len(parts) > 1 else package}/{parts[-1]}"
-        count = None if not array else int(array[1:-1]) if array[1:-1].isdigit() else -1
+        count = None if not array else int(array[1:-1][:10]) if array[1:-1].isdigit() else -1
+        if len(match["name"]) > LONGEST_NAME:
+            raise BagError(f"a field of {package} has a name of {len(match['name'])} characters")
         yield Field(match["name"], kind, count)
 
 
 class _Walker:
-    """Walks one message and notes where its values lie."""
+    """Walks one message and notes where its values lie. Raises struct.error where the message does not hold what its
+    lengths promise, or holds too much.
+    """
 
     def __init__(self, types: dict[str, list[Field]], data: bytes) -> None:
         self._types = types
         self._data = data
         self._position = _ENCAPSULATION
+        self._left = MOST_VALUES
         self.layout = Layout()
 
     def walk(self, name: str) -> Layout:
@@ -128,6 +150,8 @@ class _Walker:
 
     def _member(self, member: Field, path: str) -> None:
         count = self._length() if member.count == -1 else member.count
+        if count is not None and count > len(self._data) - self._position:  # each element takes a byte at least
+            raise struct.error(f"{path} has {count} elements, which lie beyond the end of the message")
         if member.type in NUMPY_TYPES:
             self._primitive(path, NUMPY_TYPES[member.type], count)
         elif count is None:
@@ -137,6 +161,9 @@ class _Walker:
                 self._single(member.type, f"{path}[{index}]")
 
     def _single(self, kind: str, path: str) -> None:
+        self._left -= 1
+        if self._left < 0 or self._position > len(self._data):
+            raise struct.error(f"it has more than {MOST_VALUES} values" if self._left < 0 else "it ends too early")
         if kind == "string":
             length = self._length()
             self.layout.leaves.append(Leaf(path, self._position, "", length))
@@ -166,6 +193,7 @@ class _Walker:
         end = self._position + size * (1 if count is None else count)
         if end > len(self._data):
             raise struct.error(f"{path} lies beyond the end of the message")
+        self._left -= 1
         self.layout.leaves.append(Leaf(path, self._position, dtype, count))
         self._position = end
 
@@ -177,7 +205,7 @@ class MessageLayouts:
     ----------
     name, text : the type and its `ros2msg` schema
 
-    Raises BagError if the schema lacks a type that it uses.
+    Raises BagError if the schema lacks a type that it uses, or nests types too deeply or without an end.
     """
 
     def __init__(self, name: str, text: str) -> None:
@@ -192,6 +220,16 @@ class MessageLayouts:
         }
         if missing:
             raise BagError(f"the definition of {name} lacks {', '.join(sorted(missing))}")
+        if self._depth() > DEEPEST_TYPE:
+            raise BagError(f"the definition of {name} nests types more than {DEEPEST_TYPE} deep")
+
+    def _depth(self) -> int:
+        """Return how deeply types are nested, up to one more than is allowed."""
+        depth, level = 0, {self._root}
+        while level and depth <= DEEPEST_TYPE:
+            level = {member.type for kind in level for member in self._types[kind] if member.type not in PRIMITIVES}
+            depth += 1
+        return depth
 
     @property
     def has_header(self) -> bool:

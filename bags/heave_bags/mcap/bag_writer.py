@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
@@ -9,11 +10,13 @@ from pathlib import Path
 
 from heave_bags.cdr.canonical import Canonical
 from heave_bags.errors import BagError, StorageError
+from heave_bags.mcap.bounds import LARGEST_MESSAGE
 from heave_bags.mcap.definitions import DefinitionError, schema_text, type_hash
 from heave_bags.mcap.files import (
     METADATA_KEY,
     METADATA_RECORD,
     OUTCOME_RECORD,
+    RECORDING_MARK,
     RUN_RECORD,
     BagSummary,
     FileSummary,
@@ -25,6 +28,9 @@ from heave_bags.mcap.qos import OfferedQos, to_yaml
 from heave_bags.mcap.reader import Bag, summary_of
 from heave_bags.mcap.storage import DirectStorage, Storage
 from heave_bags.mcap.writer import ChunkPolicy, McapWriter
+
+DESCRIPTION_PERIOD = 1.0
+"""Wall time between two looks at a bag under way for its `metadata.yaml` [s]."""
 
 
 @dataclass(frozen=True)
@@ -71,6 +77,7 @@ class BagWriter:
     run : what the bag says of itself, in metadata records and `metadata.yaml`
     attachments : files carried in each file of the bag
     ros_distro : for `metadata.yaml`
+    records : further metadata records, as name and values
     opener : makes the storage of each file
     closing_attachments : gives what is attached at the end
 
@@ -86,6 +93,7 @@ class BagWriter:
         run: Mapping[str, str] | None = None,
         attachments: Sequence[Attachment] = (),
         ros_distro: str = "",
+        records: Sequence[tuple[str, Mapping[str, str]]] = (),
         opener: Callable[[Path], Storage] = DirectStorage,
         closing_attachments: Callable[[], Sequence[Attachment]] = tuple,
     ) -> None:
@@ -93,6 +101,7 @@ class BagWriter:
         self._policy = policy or BagPolicy()
         self._run = dict(run or {})
         self._attachments = tuple(attachments)
+        self._records = tuple(records)
         self._opener = opener
         self._closing_attachments = closing_attachments
         self._topics: dict[str, _Topic] = {}
@@ -101,6 +110,8 @@ class BagWriter:
         self._ros_distro = ros_distro
         self._last_time = 0
         self._refusal: StorageError | None = None
+        self._describe_at = 0.0
+        self._has_new_topics = False
         self.closed = False
         try:
             folder.mkdir(parents=True)
@@ -116,10 +127,20 @@ class BagWriter:
         self._schema_ids = {}
         for topic in self._topics.values():
             topic.channel = 0
+        self._writer.add_metadata(METADATA_RECORD, {METADATA_KEY: self.summary().to_record()})
         if self._run:
             self._writer.add_metadata(RUN_RECORD, self._run)
+        for name, values in self._records if not self._closed_files else ():
+            self._writer.add_metadata(name, values)
         for attachment in self._attachments:
             self._writer.add_attachment(attachment.name, attachment.media_type, attachment.data, log_time=0)
+        self._describe()
+
+    def _describe(self) -> None:
+        """Write `metadata.yaml`, so that others can open a bag that is being written or was never completed."""
+        self._file.describe(self.summary().to_yaml().encode())
+        self._describe_at = time.monotonic() + DESCRIPTION_PERIOD
+        self._has_new_topics = False
 
     def add_topic(self, name: str, message_type: str, qos: Sequence[OfferedQos] = ()) -> str:
         """Make a topic known, by the definition installed here. Its messages are written without what middleware
@@ -135,6 +156,7 @@ class BagWriter:
             schema, problem = "", f"{name} is recorded without its definition: {error}"
         summary = TopicSummary(name, message_type, tuple(qos), type_hash(message_type))
         self._topics[name] = _Topic(summary, schema, Canonical(message_type, schema) if schema else None)
+        self._has_new_topics = True  # readers of others know only the topics of metadata.yaml
         return problem
 
     def add_foreign_topic(self, summary: TopicSummary, schema: str) -> None:
@@ -148,6 +170,8 @@ class BagWriter:
             known = self._topics[topic]
         except KeyError:
             raise BagError(f"topic {topic} was not added to the bag {self.folder}") from None
+        if len(data) > LARGEST_MESSAGE:
+            raise BagError(f"a message of {len(data)} bytes on {topic} is larger than a bag takes ({LARGEST_MESSAGE})")
         if self._must_split(log_time):
             self.split()
         if not known.channel:
@@ -199,11 +223,12 @@ class BagWriter:
         """Journal what was written since: it survives a crash of this process."""
         with self._remembering_refusal():
             self._file.acknowledge(self._writer.take_pending())
+            if time.monotonic() >= self._describe_at or self._has_new_topics:
+                self._describe()
 
     def split(self) -> None:
         """Complete the present file and begin the next."""
         self._complete_file()
-        write_metadata(self.folder, self.summary())
         self._open()
 
     def _complete_file(self) -> None:
@@ -211,8 +236,7 @@ class BagWriter:
         writer.close_chunk()
         self._closed_files.append(self._file_summary())
         self._is_open = False
-        serialized = self.summary().to_yaml()
-        writer.add_metadata(METADATA_RECORD, {METADATA_KEY: serialized})
+        writer.add_metadata(METADATA_RECORD, {METADATA_KEY: self.summary().to_record()})
         writer.finish()
         self._file.close()
 
@@ -224,7 +248,8 @@ class BagWriter:
         """Return what `metadata.yaml` would say now."""
         files = [*self._closed_files, self._file_summary()] if self._is_open else list(self._closed_files)
         topics = [self._topics[name].summary for name in sorted(self._topics)]
-        return BagSummary(files, topics, self._run, self._ros_distro)
+        mark = RECORDING_MARK if self._is_open else {}
+        return BagSummary(files, topics, {**self._run, **mark}, self._ros_distro)
 
     def close(self, outcome: Mapping[str, str] | None = None) -> None:
         """Complete the bag; `outcome` goes into a metadata record of the last file. Closing twice does nothing.

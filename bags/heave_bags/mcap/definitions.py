@@ -13,11 +13,9 @@ from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
 
-SEPARATOR = "=" * 80
+from heave_bags.cdr.layout import PRIMITIVES, SEPARATOR
 
-INTEGERS = ("int8", "uint8", "int16", "uint16", "int32", "uint32", "int64", "uint64")
-PRIMITIVES = frozenset(("bool", "byte", "char", "float32", "float64", "string", "wstring", *INTEGERS))
-
+_NAME = re.compile(r"[a-z][a-z0-9_]*/msg/[A-Z][A-Za-z0-9]*")
 _FIELD = re.compile(r"^(?P<type>[A-Za-z][\w/]*)(?:<=\d+)?(?:\[(?:<=)?\d*\])?\s+[A-Za-z]\w*\s*(?P<rest>.*)$")
 
 
@@ -44,6 +42,20 @@ def _split(message_type: str) -> tuple[str, str]:
     if len(parts) not in (2, 3) or not all(parts):
         raise DefinitionError(f"{message_type!r} is not the name of a message type (package/msg/Type)")
     return parts[0], parts[-1]
+
+
+def is_installed(message_type: str) -> bool:
+    """Tell whether an installed interface package defines `package/msg/Type`.
+
+    To be asked before a type that a bag names is imported: a bag may name anything.
+    """
+    if not _NAME.fullmatch(message_type):
+        return False
+    try:
+        _find(message_type, ".msg")
+    except DefinitionError:
+        return False
+    return True
 
 
 def _find(message_type: str, suffix: str) -> Path:

@@ -8,7 +8,9 @@ from pathlib import Path
 from typing import Any
 
 import yaml
+from mcap.records import Metadata
 
+from heave_bags.mcap.bounds import LARGEST_YAML, load_yaml
 from heave_bags.mcap.qos import OfferedQos
 
 METADATA_NAME = "metadata.yaml"
@@ -18,6 +20,11 @@ METADATA_VERSION = 9
 STORAGE = "mcap"
 METADATA_RECORD = "rosbag2"
 METADATA_KEY = "serialized_metadata"
+METADATA_ROOT = "rosbag2_bagfile_information"
+"""The key of `metadata.yaml` below which everything stands. The record inside a file is without it."""
+
+RECORDING_MARK = {"heave_recording": "under way"}
+"""Custom data of a bag that is being written, or whose writer was stopped: its counts are those of a moment before."""
 
 RUN_RECORD = "heave_run"
 """Name of the MCAP metadata record that says what a bag is: scenario, seed, versions."""
@@ -57,30 +64,87 @@ class BagSummary:
     ros_distro: str = ""
 
     def to_mapping(self) -> dict[str, Any]:
-        """Return the content of `metadata.yaml`."""
+        """Return what rosbag2 writes of a bag: into its files as it is, into `metadata.yaml` below METADATA_ROOT."""
         spans = [(part.start_time, part.end_time) for part in self.files if part.message_count]
         start = min((span[0] for span in spans), default=0)
         end = max((span[1] for span in spans), default=0)
         return {
-            "rosbag2_bagfile_information": {
-                "version": METADATA_VERSION,
-                "storage_identifier": STORAGE,
-                "duration": {"nanoseconds": end - start},
-                "starting_time": {"nanoseconds_since_epoch": start},
-                "message_count": sum(part.message_count for part in self.files),
-                "topics_with_message_count": [_topic_mapping(topic) for topic in self.topics],
-                "compression_format": "",
-                "compression_mode": "",
-                "relative_file_paths": [part.path for part in self.files],
-                "files": [_file_mapping(part) for part in self.files],
-                "custom_data": dict(self.custom_data) or None,
-                "ros_distro": self.ros_distro,
-            }
+            "version": METADATA_VERSION,
+            "storage_identifier": STORAGE,
+            "duration": {"nanoseconds": end - start},
+            "starting_time": {"nanoseconds_since_epoch": start},
+            "message_count": sum(part.message_count for part in self.files),
+            "topics_with_message_count": [_topic_mapping(topic) for topic in self.topics],
+            "compression_format": "",
+            "compression_mode": "",
+            "relative_file_paths": [part.path for part in self.files],
+            "files": [_file_mapping(part) for part in self.files],
+            "custom_data": dict(self.custom_data) or None,
+            "ros_distro": self.ros_distro,
         }
+
+    def to_record(self) -> str:
+        """Return the text of the metadata record inside a file."""
+        return _yaml(self.to_mapping())
 
     def to_yaml(self) -> str:
         """Return the text of `metadata.yaml`."""
-        return str(yaml.safe_dump(self.to_mapping(), sort_keys=False, width=1000))
+        return _yaml({METADATA_ROOT: self.to_mapping()})
+
+
+def _yaml(content: Mapping[str, Any]) -> str:
+    dumper = getattr(yaml, "CSafeDumper", yaml.SafeDumper)  # the same text in a quarter of the time
+    return str(yaml.dump(content, Dumper=dumper, sort_keys=False, width=1000))
+
+
+def parse_information(text: str) -> dict[str, Any]:
+    """Return what a `metadata.yaml` or the record inside a file says of a bag; empty where it says nothing sensible.
+
+    Files of earlier versions of this project have METADATA_ROOT inside, too.
+    """
+    try:
+        content = load_yaml(text)
+    except ValueError:
+        return {}
+    information = content.get(METADATA_ROOT, content) if isinstance(content, dict) else None
+    return information if isinstance(information, dict) else {}
+
+
+def read_information(folder: Path) -> dict[str, Any]:
+    """Return what the `metadata.yaml` in a folder says; empty where there is none or it cannot be read."""
+    try:
+        with (folder / METADATA_NAME).open(encoding="utf-8") as stream:
+            return parse_information(stream.read(LARGEST_YAML + 1))
+    except (OSError, UnicodeDecodeError):
+        return {}
+
+
+def information_in_record(metadata: Sequence[Metadata]) -> dict[str, Any]:
+    """Return what the last of the records of rosbag2 in a file says; empty where there is none."""
+    texts = [record.metadata.get(METADATA_KEY, "") for record in metadata if record.name == METADATA_RECORD]
+    return parse_information(texts[-1]) if texts else {}
+
+
+def file_counts(information: Mapping[str, Any]) -> dict[str, int]:
+    """Return the number of messages of each file of a completed bag, by name.
+
+    Empty for a bag that was being written then, and where the numbers do not agree with each other.
+    """
+    try:
+        custom = information.get("custom_data") or {}
+        counts = {str(part["path"]): int(part["message_count"]) for part in information["files"]}
+        by_topic = [int(topic["message_count"]) for topic in information["topics_with_message_count"]]
+        is_final = not RECORDING_MARK.items() <= custom.items()
+        agrees = sum(counts.values()) == sum(by_topic) == int(information["message_count"]) > 0
+    except (LookupError, TypeError, ValueError, AttributeError):
+        return {}
+    return counts if is_final and agrees and min(counts.values()) >= 0 else {}
+
+
+def count_in_record(metadata: Sequence[Metadata]) -> int | None:
+    """Return the number of messages that a file itself says it has; None where it does not."""
+    counts = file_counts(information_in_record(metadata))
+    return list(counts.values())[-1] if counts else None
 
 
 def _topic_mapping(topic: TopicSummary) -> dict[str, Any]:
@@ -112,9 +176,19 @@ def file_name(bag: Path, number: int) -> str:
 
 def write_metadata(bag: Path, summary: BagSummary) -> None:
     """Write `metadata.yaml` in one step: a crash leaves the old one or the new one."""
+    replace_metadata(bag, summary.to_yaml().encode())
+
+
+def replace_metadata(bag: Path, text: bytes) -> None:
+    """Make `text` the `metadata.yaml` of a bag, in one step."""
     temporary = bag / (METADATA_NAME + ".new")
-    temporary.write_text(summary.to_yaml(), encoding="utf-8")
+    temporary.write_bytes(text)
     temporary.replace(bag / METADATA_NAME)
+
+
+def is_first_file(path: Path) -> bool:
+    """Tell whether a file is the first of its bag, by its name."""
+    return path.stem.endswith("_0")
 
 
 def sorted_files(names: Sequence[Path]) -> list[Path]:

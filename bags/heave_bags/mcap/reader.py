@@ -7,38 +7,46 @@
 from __future__ import annotations
 
 import math
+import re
 import struct
-from collections.abc import Callable, Collection, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-import yaml
-from mcap.exceptions import McapError
-from mcap.reader import make_reader
-from mcap.records import Channel, Schema
+from mcap.records import Attachment, Channel, Metadata, Schema
 from numpy.typing import NDArray
 
+from heave_bags.cdr.canonical import Canonical
 from heave_bags.cdr.columns import ColumnDecoder, Columns, join
 from heave_bags.errors import BagError
+from heave_bags.mcap.bounds import LARGEST_RECORD, LATEST_TIME
 from heave_bags.mcap.files import (
-    METADATA_NAME,
     OUTCOME_RECORD,
     RUN_RECORD,
     BagSummary,
     FileSummary,
     TopicSummary,
+    file_counts,
+    information_in_record,
+    is_first_file,
+    read_information,
     sorted_files,
 )
+from heave_bags.mcap.loss import Loss
 from heave_bags.mcap.qos import from_yaml
-from heave_bags.mcap.scan import FileContents, Loss, McapScan
+from heave_bags.mcap.records import UNPARSEABLE, RecordFile, parse
+from heave_bags.mcap.scan import FileContents, McapScan, attachment_problem
+from heave_bags.mcap.summary import read_summary
 
 if TYPE_CHECKING:
     import pandas
 
 LOG_TIME = "log_time"
 TIME = "time"
+_INDEX = re.compile(r"\[\d+\]")
 _BATCH = 4096
 _BATCH_BYTES = 4 << 20
 
@@ -82,10 +90,18 @@ class Bag:
         self.path = Path(path)
         self.files = _find_files(self.path)
         self.losses: list[Loss] = []
+        folder = self.path if self.path.is_dir() else self.path.parent
+        self._described = read_information(folder)
+        self._stated_counts = file_counts(self._described)
         self._contents: list[FileContents] | None = None
         self.file_summaries: list[FileSummary] = []
         self._topics: dict[str, BagTopic] | None = None
         self._span: tuple[int, int] | None = None
+
+    @cached_property
+    def stated(self) -> Mapping[str, Any]:
+        """What `metadata.yaml` says of the bag, or its last file where there is none; empty if neither does."""
+        return self._described or information_in_record(self._surveyed()[-1].metadata)
 
     # What the bag is -----------------------------------------------------------------------------------------------
 
@@ -128,16 +144,30 @@ class Bag:
         return self._record(OUTCOME_RECORD)
 
     @property
+    def ros_distro(self) -> str:
+        """The ROS distribution that the bag was recorded under; empty where it does not say."""
+        return str(self.stated.get("ros_distro") or "")
+
+    @property
+    def metadata(self) -> list[tuple[str, dict[str, str]]]:
+        """The metadata records of all files, as name and values, in order."""
+        return [(record.name, record.metadata) for contents in self._surveyed() for record in contents.metadata]
+
+    @property
     def attachments(self) -> dict[str, bytes]:
         """The files carried in the bag, by name."""
-        return {file.name: file.data for contents in self._surveyed() for file in contents.attachments}
+        return {name: attached.data for name, attached in self.attached.items()}
+
+    @property
+    def attached(self) -> dict[str, Attachment]:
+        """The files carried in the bag, by name, with what the bag says of them."""
+        return {file.name: file for contents in self._surveyed() for file in contents.attachments}
 
     def _record(self, name: str) -> dict[str, str]:
         merged: dict[str, str] = {}
-        for contents in self._surveyed():
-            for record in contents.metadata:
-                if record.name == name:
-                    merged |= record.metadata
+        for found, values in self.metadata:
+            if found == name:
+                merged |= values
         return merged
 
     def resolve(self, topic: str) -> str:
@@ -175,7 +205,7 @@ class Bag:
 
     def _survey(self) -> None:
         """Learn topics, counts and times: from the summaries of the files, or by reading those that have none."""
-        surveys = [_survey_file(path) for path in self.files]
+        surveys = [_survey_file(path, self._stated_counts.get(path.name)) for path in self.files]
         self._contents = [survey.contents for survey in surveys]
         self.file_summaries = [survey.summary(path) for survey, path in zip(surveys, self.files, strict=True)]
         spans = [survey.span for survey in surveys if survey.span is not None]
@@ -195,7 +225,7 @@ class Bag:
         topics: Collection[str] | None = None,
         *,
         start: int = 0,
-        end: int = 1 << 63,
+        end: int = LATEST_TIME,
         progress: Progress = no_progress,
     ) -> Iterator[RawMessage]:
         """Yield messages in the order of the bag, one file behind the other.
@@ -204,6 +234,7 @@ class Bag:
         ----------
         topics : names, full or their ends; all if None
         start, end : log times [ns]
+        progress : called with the share of the bag that is read
 
         After the pass, `losses` holds what could not be read.
         """
@@ -211,41 +242,54 @@ class Bag:
         sizes = [path.stat().st_size for path in self.files]
         self.losses = []
         before = 0
+        numbering: dict[str, int] | None = {} if is_first_file(self.files[0]) else None
         for path, size in zip(self.files, sizes, strict=True):
             scan = McapScan(
                 path,
                 start=start,
                 end=end,
                 wanted=None if wanted is None else _topic_filter(wanted),
+                expected=self._stated_counts.get(path.name),
+                numbering=numbering,
                 progress=_shared_progress(progress, before, max(sum(sizes), 1)),
             )
-            names: dict[int, str] = {}
+            channels = scan.contents.channels
             for message in scan.messages():
-                name = names.get(message.channel)
-                if name is None:
-                    if message.channel not in scan.contents.channels:
-                        continue
-                    name = names[message.channel] = scan.contents.channels[message.channel].topic
-                yield RawMessage(name, message.log_time, message.publish_time, message.data)
+                topic = channels[message.channel].topic
+                yield RawMessage(topic, message.log_time, message.publish_time, message.data)
             self.losses += scan.contents.losses
             before += size
         progress(1.0)
 
     def decoded(self, topics: Collection[str] | None = None, **selection: Any) -> Iterator[tuple[RawMessage, Any]]:
-        """Yield messages with their content as objects (by mcap-ros2-support); `selection` as in `messages`."""
-        from mcap_ros2.decoder import DecoderFactory  # noqa: PLC0415 - only this way of reading needs it
+        """Yield messages with their content as objects (by mcap-ros2-support); `selection` as in `messages`.
 
-        factory = DecoderFactory()
-        decoders: dict[str, Callable[[bytes], Any] | None] = {}
-        for number, message in enumerate(self.messages(topics, **selection)):
-            if message.topic not in decoders:
-                topic = self.topics[message.topic]
-                schema = Schema(id=number + 1, name=topic.type, encoding="ros2msg", data=topic.schema.encode())
-                decoders[message.topic] = factory.decoder_for("cdr", schema)
-            decoder = decoders[message.topic]
+        Messages that do not fit their definition are left out and counted in `losses`. Raises BagError for a topic
+        whose definition is missing or cannot be.
+        """
+        decoders: dict[str, _MessageDecoder] = {}
+        for message in self.messages(topics, **selection):
+            decoder = decoders.get(message.topic)
             if decoder is None:
-                raise BagError(f"{self.path}: {message.topic} cannot be decoded")
-            yield message, decoder(message.data)
+                decoder = decoders[message.topic] = _MessageDecoder(self._defined(message.topic))
+            content = decoder.decode(message.data)
+            if content is not None:
+                yield message, content
+        self._note_misfits({topic: decoder.misfits for topic, decoder in decoders.items()})
+
+    def _defined(self, name: str) -> BagTopic:
+        """Return a topic whose definition the bag holds; raises BagError for one without."""
+        topic = self.topics[self.resolve(name)]
+        if not topic.schema:
+            raise BagError(f"{self.path}: {topic.name} ({topic.type}) was recorded without its definition")
+        return topic
+
+    def _note_misfits(self, misfits: Mapping[str, int]) -> None:
+        self.losses += [
+            Loss(self.path, None, f"messages of {topic} that do not fit their definition", messages=count)
+            for topic, count in misfits.items()
+            if count
+        ]
 
     # Columns and frames --------------------------------------------------------------------------------------------
 
@@ -254,7 +298,9 @@ class Bag:
         selection: Mapping[str, Collection[str] | None],
         *,
         start: int = 0,
-        end: int = 1 << 63,
+        end: int = LATEST_TIME,
+        longest: int | None = None,
+        most_bytes: int | None = None,
         progress: Progress = no_progress,
     ) -> dict[str, Columns]:
         """Return columns of several topics in one pass.
@@ -262,25 +308,38 @@ class Bag:
         Parameters
         ----------
         selection : per topic (full name or its end) the wanted fields, such as "pose.pose.position.z", or None for
-        all; a name stands for
-            everything below it
+            all. A name stands for everything below it; "status[].name" for that field of every element.
         start, end : log times [ns]
+        longest : arrays and texts of more elements are left out; None takes all
+        most_bytes : of messages that are taken; None sets no limit
+        progress : called with the share of the bag that is read
 
         Returns
         -------
         Per topic as named in `selection`: columns of equal length; among them `log_time` [ns, int64] and `time` [s],
         the stamp of the message's header where it has one. Numeric arrays are columns of shape (n, elements).
-        """
-        readers = {self.resolve(name): (name, self._reader(name, fields)) for name, fields in selection.items()}
-        for message in self.messages(list(readers), start=start, end=end, progress=progress):
-            readers[message.topic][1].add(message)
-        return {name: reader.finish() for name, reader in readers.values()}
 
-    def _reader(self, name: str, fields: Collection[str] | None) -> _ColumnReader:
-        topic = self.topics[self.resolve(name)]
-        if not topic.schema:
-            raise BagError(f"{self.path}: {topic.name} ({topic.type}) was recorded without its definition")
-        return _ColumnReader(topic, fields)
+        Messages that do not fit their definition are left out and counted in `losses`. Raises BagError for topics
+        that are not there, definitions that are missing or cannot be, and more than `most_bytes`.
+        """
+        readers = {
+            self.resolve(name): (name, _ColumnReader(self._defined(name), fields, longest))
+            for name, fields in selection.items()
+        }
+        left = math.inf if most_bytes is None else most_bytes
+        for message in self.messages(list(readers), start=start, end=end, progress=progress):
+            left -= len(message.data)
+            if left < 0:
+                raise BagError(f"{self.path}: its messages exceed the limit of {most_bytes} bytes for an analysis")
+            readers[message.topic][1].add(message)
+        found = {name: reader.finish() for name, reader in readers.values()}
+        self._note_misfits({topic: reader.misfits for topic, (_, reader) in readers.items()})
+        return found
+
+    @property
+    def size(self) -> int:
+        """Bytes of its files."""
+        return sum(path.stat().st_size for path in self.files)
 
     def frame(
         self,
@@ -289,7 +348,7 @@ class Bag:
         *,
         max_array: int = 16,
         start: int = 0,
-        end: int = 1 << 63,
+        end: int = LATEST_TIME,
     ) -> pandas.DataFrame:
         """Return one topic as a pandas DataFrame with index `time` [s].
 
@@ -309,11 +368,39 @@ class Bag:
         return pandas.DataFrame(flat, index=pandas.Index(time, name=TIME))
 
 
+class _MessageDecoder:
+    """Decodes messages of one topic as objects."""
+
+    def __init__(self, topic: BagTopic) -> None:
+        from mcap_ros2.decoder import DecoderFactory  # noqa: PLC0415 - only this way of reading needs it
+
+        self._canonical = Canonical(topic.type, topic.schema)
+        schema = Schema(id=1, name=topic.type, encoding="ros2msg", data=topic.schema.encode())
+        try:
+            self._decode = DecoderFactory().decoder_for("cdr", schema)
+        except Exception as error:  # whatever a parser of others makes of a damaged definition
+            raise BagError(f"{topic.name}: the definition of {topic.type} cannot be read: {error}") from error
+        self.misfits = 0
+        """Messages that did not fit their definition."""
+
+    def decode(self, data: bytes) -> Any:
+        """Return the message; None, and counted, if it does not fit the definition."""
+        if self._decode is not None and self._canonical.fits(data):
+            try:
+                return self._decode(data)
+            except (ValueError, LookupError, struct.error, ArithmeticError):
+                pass
+        self.misfits += 1
+        return None
+
+
 class _ColumnReader:
     """Collects the messages of one topic and decodes them in batches."""
 
-    def __init__(self, topic: BagTopic, fields: Collection[str] | None) -> None:
-        self._decoder = ColumnDecoder(topic.type, topic.schema, _field_filter(fields))
+    def __init__(self, topic: BagTopic, fields: Collection[str] | None, longest: int | None) -> None:
+        self._decoder = ColumnDecoder(topic.type, topic.schema, _field_filter(fields), longest)
+        self.misfits = 0
+        """Messages that did not fit their definition."""
         self._messages: list[bytes] = []
         self._times: list[int] = []
         self._size = 0
@@ -327,16 +414,23 @@ class _ColumnReader:
             self._decode()
 
     def _decode(self) -> None:
-        columns = self._decoder.decode(self._messages)
+        try:
+            columns = self._decoder.decode(self._messages)
+        except BagError:
+            self._leave_out_misfits()
+            if not self._messages:
+                return
+            columns = self._decoder.decode(self._messages)
         log_time = np.asarray(self._times, dtype=np.int64)
-        seconds = columns.pop("header.stamp.sec", None)
-        nanoseconds = columns.pop("header.stamp.nanosec", None)
-        time = log_time * 1e-9
-        if self._decoder.has_header and seconds is not None and nanoseconds is not None:
-            stamp = seconds.astype(np.int64) * 1_000_000_000 + nanoseconds
-            time = np.where(stamp > 0, stamp, log_time) * 1e-9
+        time = _stamps(columns, log_time) * 1e-9 if self._decoder.has_header else log_time * 1e-9
         self._batches.append((log_time.size, {TIME: time, LOG_TIME: log_time, **columns}))
         self._messages, self._times, self._size = [], [], 0
+
+    def _leave_out_misfits(self) -> None:
+        fitting = [index for index, data in enumerate(self._messages) if self._decoder.fits(data)]
+        self.misfits += len(self._messages) - len(fitting)
+        self._messages = [self._messages[index] for index in fitting]
+        self._times = [self._times[index] for index in fitting]
 
     def finish(self) -> Columns:
         if self._messages:
@@ -346,6 +440,18 @@ class _ColumnReader:
         return join(self._batches)
 
 
+def _stamps(columns: Columns, log_time: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Take the stamps out of columns [ns]; where there is none, or none above 0, the log time stands for it."""
+    seconds = columns.pop("header.stamp.sec", None)
+    nanoseconds = columns.pop("header.stamp.nanosec", None)
+    for part in (seconds, nanoseconds):
+        if part is None or part.ndim != 1 or part.dtype.kind not in "iu":
+            return log_time
+    assert seconds is not None and nanoseconds is not None
+    stamp = seconds.astype(np.int64) * 1_000_000_000 + nanoseconds.astype(np.int64)
+    return np.where(stamp > 0, stamp, log_time)
+
+
 def _field_filter(fields: Collection[str] | None) -> Callable[[str], bool] | None:
     if fields is None:
         return None
@@ -353,6 +459,8 @@ def _field_filter(fields: Collection[str] | None) -> Callable[[str], bool] | Non
 
     def is_wanted(path: str) -> bool:
         if path.startswith("header.stamp."):
+            return True
+        if _INDEX.sub("[]", path) in wanted:
             return True
         return any(path == name or path.startswith((name + ".", name + "[")) for name in wanted)
 
@@ -372,7 +480,7 @@ def _topic(channel: Channel, schemas: Mapping[int, Schema]) -> BagTopic:
     text = schema.data.decode("utf-8", "replace") if schema and schema.encoding == "ros2msg" else ""
     try:
         qos = from_yaml(channel.metadata.get("offered_qos_profiles", ""))
-    except (yaml.YAMLError, TypeError, KeyError, ValueError, AttributeError):
+    except (TypeError, LookupError, ValueError, ArithmeticError, AttributeError):
         qos = ()
     return BagTopic(
         name=channel.topic,
@@ -388,7 +496,7 @@ def _find_files(path: Path) -> list[Path]:
         return [path]
     if not path.is_dir():
         raise BagError(f"{path}: there is no such bag")
-    files = sorted_files(list(path.glob("*.mcap")))
+    files = sorted_files([found for found in path.glob("*.mcap") if found.is_file()])
     if not files:
         kind = "another storage than MCAP" if list(path.glob("*.db3")) else "no MCAP file"
         raise BagError(f"{path}: this folder holds {kind}")
@@ -406,51 +514,46 @@ class _Survey:
         return FileSummary(path.name, start, end, sum(self.counts.values()))
 
 
-def _survey_file(path: Path) -> _Survey:
+def _survey_file(path: Path, expected: int | None) -> _Survey:
     """Learn what a file holds from its summary; read it through if it has none."""
-    try:
-        with path.open("rb") as stream:
-            reader = make_reader(stream)
-            summary = reader.get_summary()
-            if summary and summary.statistics and summary.channels:
-                contents = FileContents(dict(summary.schemas), dict(summary.channels), complete=True)
-                contents.metadata = list(reader.iter_metadata())
-                contents.attachments = list(reader.iter_attachments())
-                statistics = summary.statistics
-                span = (statistics.message_start_time, statistics.message_end_time)
-                return _Survey(
-                    contents, dict(statistics.channel_message_counts), span if statistics.message_count else None
-                )
-    except OSError as error:
-        raise BagError(f"{path}: cannot be read: {error.strerror}") from error
-    except (McapError, struct.error, ValueError, LookupError):
-        return _read_through(path)
-    return _read_through(path)
+    with RecordFile(path) as file:
+        summary = read_summary(file)
+        if summary is not None and summary.counts is not None and summary.channels:
+            contents = FileContents(summary.schemas, summary.channels, complete=True)
+            if _take_records(file, [*summary.metadata, *summary.attachments], contents):
+                return _Survey(contents, summary.counts, summary.span)
+    return _read_through(path, expected)
 
 
-def _read_through(path: Path) -> _Survey:
-    scan = McapScan(path)
-    counts: dict[int, int] = {}
+def _take_records(file: RecordFile, positions: Sequence[int], contents: FileContents) -> bool:
+    """Take the attachments and metadata at these positions; tell whether all of them are there, whole."""
+    for position in positions:
+        record = file.record_at(position)
+        if record is None or record.end > file.size or record.length > 2 * LARGEST_RECORD:
+            return False
+        body = file.body(record)
+        try:
+            content = parse(record.opcode, body)
+        except UNPARSEABLE:
+            return False
+        if isinstance(content, Metadata):
+            contents.metadata.append(content)
+        elif isinstance(content, Attachment) and not attachment_problem(content, body, contents.attachments):
+            contents.attachments.append(content)
+        else:
+            return False
+    return True
+
+
+def _read_through(path: Path, expected: int | None) -> _Survey:
+    scan = McapScan(path, expected=expected, numbering={} if is_first_file(path) else None)
     first, last = math.inf, -math.inf
     for message in scan.messages():
-        counts[message.channel] = counts.get(message.channel, 0) + 1
         first, last = min(first, message.log_time), max(last, message.log_time)
-    return _Survey(scan.contents, counts, (int(first), int(last)) if counts else None)
+    return _Survey(scan.contents, scan.counts, (int(first), int(last)) if scan.counts else None)
 
 
 def summary_of(bag: Bag) -> BagSummary:
     """Return what a bag's `metadata.yaml` should say, from the files themselves."""
     topics: list[TopicSummary] = list(bag.topics.values())
-    distro = str(metadata_of(bag).get("ros_distro", ""))
-    return BagSummary(bag.file_summaries, topics, bag.run, distro)
-
-
-def metadata_of(bag: Bag) -> dict[str, Any]:
-    """Return the content of a bag's `metadata.yaml`; empty if it has none or it cannot be read."""
-    path = bag.path / METADATA_NAME
-    try:
-        content = yaml.safe_load(path.read_text(encoding="utf-8"))
-    except (OSError, yaml.YAMLError, UnicodeDecodeError):
-        return {}
-    information = content.get("rosbag2_bagfile_information") if isinstance(content, dict) else None
-    return information if isinstance(information, dict) else {}
+    return BagSummary(bag.file_summaries, topics, bag.run, bag.ros_distro)

@@ -9,9 +9,16 @@ from pathlib import Path
 
 from heave_bags.errors import BagError
 from heave_bags.mcap.bag_writer import Attachment, BagWriter
-from heave_bags.mcap.files import write_metadata
-from heave_bags.mcap.reader import Bag, Progress, metadata_of, no_progress, summary_of
-from heave_bags.mcap.scan import Loss
+from heave_bags.mcap.files import (
+    METADATA_KEY,
+    METADATA_RECORD,
+    METADATA_ROOT,
+    OUTCOME_RECORD,
+    RUN_RECORD,
+    write_metadata,
+)
+from heave_bags.mcap.loss import Loss
+from heave_bags.mcap.reader import Bag, Progress, no_progress, summary_of
 
 
 @dataclass(frozen=True)
@@ -33,9 +40,9 @@ def repair(source: str | Path, output: str | Path, *, progress: Progress = no_pr
     Messages keep their bytes, times and order. Raises BagError if there is no bag at `source` or `output` exists.
     """
     bag = Bag(source)
-    attachments = [Attachment(name, "application/octet-stream", data) for name, data in bag.attachments.items()]
-    distro = str(metadata_of(bag).get("ros_distro", ""))
-    writer = BagWriter(Path(output), run=bag.run, attachments=attachments, ros_distro=distro)
+    attachments = [Attachment(name, found.media_type, found.data) for name, found in bag.attached.items()]
+    others = [record for record in bag.metadata if record[0] not in (METADATA_RECORD, RUN_RECORD, OUTCOME_RECORD)]
+    writer = BagWriter(Path(output), run=bag.run, attachments=attachments, ros_distro=bag.ros_distro, records=others)
     for topic in bag.topics.values():
         writer.add_foreign_topic(topic, topic.schema)
     count = 0
@@ -50,8 +57,8 @@ def repair(source: str | Path, output: str | Path, *, progress: Progress = no_pr
 def reindex(folder: str | Path) -> Bag:
     """Write `metadata.yaml` of a bag anew from its files; return the bag.
 
-    Raises BagError if `folder` is no folder of a bag, or if a file in it is damaged: other readers could not open
-    it, `repair` can.
+    Raises BagError if `folder` is no folder of a bag, or if a file in it is damaged or of an earlier version of this
+    project: `ros2 bag` could not open it, what `repair` makes of it can be opened.
     """
     bag = Bag(folder)
     if not bag.path.is_dir():
@@ -59,5 +66,7 @@ def reindex(folder: str | Path) -> Bag:
     summary = summary_of(bag)
     if bag.losses:
         raise BagError(f"{bag.losses[0]}; repair the bag instead")
+    if any(name == METADATA_RECORD and METADATA_ROOT in values.get(METADATA_KEY, "") for name, values in bag.metadata):
+        raise BagError(f"{bag.path}: ros2 bag cannot play what an earlier version wrote; repair the bag instead")
     write_metadata(bag.path, summary)
     return bag

@@ -1,41 +1,35 @@
 """Reads one MCAP file from front to back, whatever state it is in, and says what could not be read.
 
 No index is needed: a file whose writer was killed reads to its end, and damage costs the records it hit. Every loss
-is named by its
-place, its span of time and, where it can be known, its messages.
+is named by its place, its span of time and, where it can be known, the number of its messages.
 """
 
 from __future__ import annotations
 
 import struct
 import zlib
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, MutableMapping, Sequence
 from dataclasses import dataclass, field
-from io import BytesIO
 from pathlib import Path
-from typing import IO, NamedTuple
+from typing import NamedTuple
 
-import lz4.frame
 import zstandard
-from mcap.data_stream import ReadDataStream
-from mcap.exceptions import McapError
 from mcap.opcode import Opcode
-from mcap.reader import make_reader
 from mcap.records import Attachment, Channel, Metadata, Schema
 
 from heave_bags.errors import BagError
+from heave_bags.mcap.bounds import LARGEST_RECORD, LATEST_TIME, unpack, unpack_part
+from heave_bags.mcap.files import count_in_record
+from heave_bags.mcap.loss import NO_FOOTER, Loss, LossAccount
+from heave_bags.mcap.records import CHUNK_HEAD, HEAD, MESSAGE_HEAD, UNPARSEABLE, Record, RecordFile, parse, split_chunk
 from heave_bags.mcap.storage import read_journal
-from heave_bags.mcap.writer import MAGIC
+from heave_bags.mcap.summary import MAGIC, Summary, ends_properly, has_interim_ending, read_summary
+from heave_bags.mcap.writer import LIBRARY
 
-_HEAD = struct.Struct("<BQ")
-_MESSAGE = struct.Struct("<HIQQ")
-_CHUNK = struct.Struct("<QQQI")
-_MAX_RECORD = 1 << 32
-_CHUNK_NAMES = (b"\x04\x00\x00\x00zstd", b"\x03\x00\x00\x00lz4")
-_NAME_OFFSET = _HEAD.size + _CHUNK.size
-_SEARCH_BLOCK = 1 << 20
+DAMAGED_CHUNK = (struct.error, zstandard.ZstdError, RuntimeError, ValueError, MemoryError)
+"""What unpacking a chunk raises where it is damaged; lz4 raises RuntimeError."""
 
-NO_FOOTER = "the file ends without a footer (its writer was stopped)"
+_CHECKED_AT_ONCE = 1 << 20
 
 
 class Message(NamedTuple):
@@ -46,34 +40,6 @@ class Message(NamedTuple):
     publish_time: int
     sequence: int
     data: bytes
-
-
-@dataclass(frozen=True)
-class Loss:
-    """A part of a file that could not be read.
-
-    Attributes
-    ----------
-    file, position : where it begins [bytes]
-    reason : what is wrong there
-    start, end : log times between which messages are missing [ns]; None where it cannot be known
-    messages : how many were lost; None where it cannot be known
-    """
-
-    file: Path
-    position: int
-    reason: str
-    start: int | None = None
-    end: int | None = None
-    messages: int | None = None
-
-    def __str__(self) -> str:
-        if self.start is None or self.end is None:
-            span = "an unknown span of time"
-        else:
-            span = f"{(self.end - self.start) * 1e-9:.3f} s (from {self.start * 1e-9:.3f} s to {self.end * 1e-9:.3f} s)"
-        count = "an unknown number of" if self.messages is None else str(self.messages)
-        return f"{self.file.name}: {self.reason} at byte {self.position}: {span} with {count} messages lost"
 
 
 @dataclass
@@ -94,12 +60,16 @@ def _no_progress(_position: int) -> None:
 
 
 class McapScan:
-    """One pass over an MCAP file. `contents` fills while `messages` is iterated, and is whole at its end.
+    """One pass over an MCAP file. `contents` and `counts` fill while `messages` is iterated, and are whole at its end.
 
     Parameters
     ----------
+    path : of the file
     start, end : log times [ns]; chunks that lie outside are skipped without being unpacked
     wanted : whether the messages of a channel are wanted
+    expected : how many messages the file has, as is written beside it; None where nothing is
+    numbering : the next number of each topic's messages, carried from one file of a bag to the next; a topic that is
+        not in it begins with 1. None where the files before this one are not known.
     progress : called with the position in the file [bytes]
     """
 
@@ -108,232 +78,309 @@ class McapScan:
         path: Path,
         *,
         start: int = 0,
-        end: int = 1 << 63,
+        end: int = LATEST_TIME,
         wanted: Callable[[Channel], bool] | None = None,
+        expected: int | None = None,
+        numbering: MutableMapping[str, int] | None = None,
         progress: Callable[[int], None] = _no_progress,
     ) -> None:
         self.path = path
         self.contents = FileContents()
+        self.counts: dict[int, int] = {}
+        """Messages read, by channel, wanted or not."""
         self._start = start
         self._end = end
+        self._is_whole = start <= 0 and end >= LATEST_TIME
         self._wanted = wanted
         self._unwanted: set[int] = set()
+        self._expected = expected
+        self._numbering = numbering
+        self._next_number: dict[int, int] = {}
+        self._is_numbered = False
         self._progress = progress
+        self._account = LossAccount(path)
         self._last_time: int | None = None
-        self._lost_chunk: Loss | None = None
-        self._lost_count: int | None = None
+        self._lost_in_chunk: int | None = None
+        self._has_lost_chunk = False
+        self._summary: Summary | None = None
 
     def messages(self) -> Iterator[Message]:
         """Yield the messages in the order of the file. Raises BagError if the file is not MCAP or cannot be opened."""
-        try:
-            size = self.path.stat().st_size
-            stream = self.path.open("rb")
-        except OSError as error:
-            raise BagError(f"{self.path}: cannot be read: {error.strerror}") from error
-        with stream:
-            if stream.read(len(MAGIC)) != MAGIC:
+        with RecordFile(self.path) as file:
+            if file.read(0, len(MAGIC)) != MAGIC:
                 raise BagError(f"{self.path}: this is not an MCAP file")
-            self._take_summary(stream)
-            stream.seek(len(MAGIC))
-            yield from self._records(stream, size)
-            self._settle_lost_chunk()
+            self._take_summary(read_summary(file))
+            yield from self._records(file)
+        self._settle()
 
-    def _take_summary(self, stream: IO[bytes]) -> None:
+    def _take_summary(self, summary: Summary | None) -> None:
         """Take channels and schemas from the summary, if there is one: they outlive damage to their own chunk."""
-        try:
-            summary = make_reader(stream).get_summary()
-        except (McapError, struct.error, ValueError, OSError, UnicodeDecodeError):
+        self._summary = summary
+        if summary is None:
             return
-        if summary:
-            self.contents.schemas |= summary.schemas
-            for channel in summary.channels.values():
-                self._take_channel(channel)
+        if summary.message_count is not None:
+            self._expected = summary.message_count
+        self.contents.schemas |= summary.schemas
+        for channel in summary.channels.values():
+            self._take_channel(channel)
 
     def _take_channel(self, channel: Channel) -> None:
         self.contents.channels[channel.id] = channel
         if self._wanted and not self._wanted(channel):
             self._unwanted.add(channel.id)
+        else:
+            self._unwanted.discard(channel.id)
 
-    def _records(self, stream: IO[bytes], size: int) -> Iterator[Message]:
+    # Records -------------------------------------------------------------------------------------------------------
+
+    def _records(self, file: RecordFile) -> Iterator[Message]:
         position = len(MAGIC)
-        while position + _HEAD.size <= size:
+        while position < file.size:
             self._progress(position)
-            stream.seek(position)
-            opcode, length = _HEAD.unpack(stream.read(_HEAD.size))
-            if not 1 <= opcode <= Opcode.DATA_END or length > _MAX_RECORD:
-                found = _next_chunk(stream, position + 1, size)
-                self._lose(position, "records that make no sense", None)
-                if found is None:
+            record = file.record_at(position)
+            if record is None:
+                following = self._skip_damage(file, position)
+                if following is None:
+                    yield from self._journalled(file, position)
                     return
-                position = found
-                continue
-            following = position + _HEAD.size + length
-            if following > size:
-                yield from self._truncated(stream, opcode, position)
+                position = following
+            elif record.end > file.size:
+                yield from self._cut_off(file, record)
                 return
-            if opcode == Opcode.DATA_END:
-                self.contents.complete = True
-                self._check_end(stream, position, size)
+            elif record.opcode == Opcode.DATA_END:
+                yield from self._data_end(file, record)
                 return
-            yield from self._record(stream, opcode, position, length)
-            position = following
-        yield from self._walk(read_journal(self.path, position), position)
+            else:
+                yield from self._record(file, record)
+                position = record.end
+        yield from self._journalled(file, position)
+
+    def _skip_damage(self, file: RecordFile, position: int) -> int | None:
+        """Note damage, and return where reading goes on; None where it does not."""
         self._settle_lost_chunk()
-        self._lose(position, NO_FOOTER, 0)
+        record = file.record_of_stated_length(position)
+        following = file.next_chunk(position + 1) if record is None else record.end
+        self._lose(position, "corrupt records", None)
+        return following
 
-    def _check_end(self, stream: IO[bytes], position: int, size: int) -> None:
-        """Note a file whose summary was cut off; no message is lost by that."""
-        stream.seek(size - len(MAGIC))
-        if stream.read() != MAGIC:
-            self._lose(position, "the file ends within its summary", 0)
-
-    def _record(self, stream: IO[bytes], opcode: int, position: int, length: int) -> Iterator[Message]:
-        if opcode == Opcode.MESSAGE_INDEX:
-            if self._lost_chunk:
-                self._count_lost(stream.read(length))
+    def _record(self, file: RecordFile, record: Record) -> Iterator[Message]:
+        if record.opcode == Opcode.MESSAGE_INDEX:
+            self._count_lost(record)
             return
         self._settle_lost_chunk()
-        if opcode == Opcode.CHUNK:
-            yield from self._chunk(stream.read(length), position)
-        elif opcode in (Opcode.ATTACHMENT, Opcode.METADATA, Opcode.SCHEMA, Opcode.CHANNEL, Opcode.MESSAGE):
-            yield from self._walk(_HEAD.pack(opcode, length) + stream.read(length), position)
+        if record.length > 2 * LARGEST_RECORD:
+            self._lose(record.position, f"a record of {record.length} bytes, which exceeds the limit,", None)
+        elif record.opcode == Opcode.CHUNK:
+            yield from self._chunk(file.body(record), record.position)
+        elif record.opcode == Opcode.HEADER:
+            self._take_header(file.body(record))
+        elif record.opcode == Opcode.MESSAGE:
+            yield from self._walk(file.read(record.position, record.end - record.position), record.position)
+        else:
+            self._take(record.opcode, file.body(record), record.position)
 
-    def _truncated(self, stream: IO[bytes], opcode: int, position: int) -> Iterator[Message]:
-        """Read what is there of the last record; a compressed chunk gives the blocks that are whole."""
-        journal = read_journal(self.path, position)
-        if journal:
-            yield from self._walk(journal, position)
+    def _take_header(self, body: bytes) -> None:
+        """Note whose file it is: this project's recorders number the messages of each topic without gaps."""
+        self._is_numbered = self._is_whole and body.endswith(struct.pack("<I", len(LIBRARY)) + LIBRARY.encode())
+
+    def _data_end(self, file: RecordFile, record: Record) -> Iterator[Message]:
+        """Read the journal of a file whose writer was stopped: it ends properly, but has no summary yet."""
+        self.contents.complete = True
+        (checksum,) = struct.unpack("<I", file.body(record))
+        if self._is_numbered and has_interim_ending(file, record.end):
+            yield from self._journalled(file, record.position)
+            return
+        self._settle_lost_chunk()
+        if not ends_properly(file):
+            self._lose(record.position, "the file ends within its summary", 0)
+        elif self._summary is None and not has_interim_ending(file, record.end):
+            self._lose(record.position, "a damaged summary", 0)
+        elif self._is_whole and self._account.is_empty and checksum not in (0, _checksum(file, record.position)):
+            self._lose(0, "data other than messages was altered (the checksum of the file does not match)", 0)
+
+    def _journalled(self, file: RecordFile, position: int) -> Iterator[Message]:
+        """Read the journal of what was to follow at `position`, or at the end of a damaged file."""
+        self._settle_lost_chunk()
+        journal = read_journal(self.path)
+        if journal is not None and journal.position in (position, file.size):
+            yield from self._walk(journal.records, position, may_be_cut=True)
+        elif journal is not None and journal.position > file.size:
+            self._lose(position, "the file ends before its journal begins", None)
+        if not self._account.is_open:
             self._lose(position, NO_FOOTER, 0)
-            return
-        rest = stream.read()
-        reason = "the file ends within a record"
-        if opcode != Opcode.CHUNK or len(rest) < _CHUNK.size + 12:
-            self._lose(position, reason, None)
-            return
-        start, end, _size, _crc = _CHUNK.unpack_from(rest)
-        name, data = _chunk_data(rest)
-        before = self._last_time
-        yield from self._walk(_unpack_part(name, data), position)
-        got_some = self._last_time is not None and self._last_time != before
-        first = self._last_time if got_some else start
-        self.contents.losses.append(Loss(self.path, position, reason, first, max(end, first or 0), None))
 
-    def _chunk(self, record: bytes, position: int) -> Iterator[Message]:
-        try:
-            start, end, size, crc = _CHUNK.unpack_from(record)
-            if (end < self._start or start > self._end) and self.contents.channels and start <= end:
-                return
-            name, data = _chunk_data(record)
-            records = _unpack(name, data, size)
-        except (struct.error, zstandard.ZstdError, RuntimeError, ValueError) as error:
-            self._lose_chunk(record, position, str(error) or "unreadable")
+    def _cut_off(self, file: RecordFile, record: Record) -> Iterator[Message]:
+        """Read what is there of the last record; a compressed chunk gives the blocks that are whole."""
+        self._settle_lost_chunk()
+        journal = read_journal(self.path)
+        if journal is not None and journal.position == record.position:
+            yield from self._journalled(file, record.position)
             return
-        if crc and zlib.crc32(records) != crc:
-            self._lose_chunk(record, position, "its checksum is wrong")
+        reason = "the file ends within a record"
+        if record.opcode != Opcode.CHUNK:
+            self._lose(record.position, reason, None)
+            return
+        try:
+            start, end, _, _, compression, packed = split_chunk(file.read(record.body, LARGEST_RECORD))
+            records = unpack_part(compression, packed)
+        except DAMAGED_CHUNK:
+            self._lose(record.position, reason, None)
+            return
+        yield from self._walk(records, record.position, may_be_cut=True)
+        first = start if self._last_time is None else self._last_time
+        self._lose(record.position, reason, None, first, max(end, first))
+
+    # Chunks --------------------------------------------------------------------------------------------------------
+
+    def _chunk(self, body: bytes, position: int) -> Iterator[Message]:
+        if self._lies_outside(body, position):
+            return
+        try:
+            _, _, size, checksum, compression, packed = split_chunk(body)
+            records = unpack(compression, packed, size)
+            if checksum and zlib.crc32(records) != checksum:
+                raise ValueError("its checksum is wrong")
+        except DAMAGED_CHUNK as error:
+            self._lose_chunk(body, position, " ".join(str(error).split()) or "unreadable")
             return
         yield from self._walk(records, position)
 
-    def _walk(self, records: bytes, position: int) -> Iterator[Message]:
-        """Yield the messages of plain records; stop at one that is cut off."""
+    def _lies_outside(self, body: bytes, position: int) -> bool:
+        """Tell whether a chunk lies outside of the wanted times, by its own head and by the summary."""
+        if self._is_whole or self._summary is None:
+            return False
+        first, last = struct.unpack_from("<QQ", body)
+        outside = (last < self._start or first > self._end) and first <= last
+        return outside and self._summary.chunk_spans.get(position) == (first, last)
+
+    def _walk(self, records: bytes, position: int, *, may_be_cut: bool = False) -> Iterator[Message]:
+        """Yield the messages of plain records, which may be cut off in the midst of one if they are a journal's."""
         offset, size = 0, len(records)
-        unwanted = self._unwanted
-        while offset + 9 <= size:
-            opcode, length = _HEAD.unpack_from(records, offset)
-            body = offset + 9
+        unwanted, known, counts = self._unwanted, self.contents.channels, self.counts
+        unpack_head, unpack_message = HEAD.unpack_from, MESSAGE_HEAD.unpack_from
+        undefined = repeated = 0
+        while offset + HEAD.size <= size:
+            opcode, length = unpack_head(records, offset)
+            body = offset + HEAD.size
             offset = body + length
-            if offset > size:
-                return
-            if opcode == Opcode.MESSAGE:
-                channel, sequence, log_time, publish_time = _MESSAGE.unpack_from(records, body)
-                self._last_time = log_time
-                if channel not in unwanted and self._start <= log_time <= self._end:
-                    yield Message(channel, log_time, publish_time, sequence, records[body + 22 : offset])
-            else:
+            if offset > size or not opcode:
+                break
+            if opcode != Opcode.MESSAGE:
                 self._take(opcode, records[body:offset], position)
+                continue
+            if length < MESSAGE_HEAD.size:
+                undefined += 1
+                continue
+            channel, sequence, log_time, publish_time = unpack_message(records, body)
+            if channel not in known or log_time > LATEST_TIME:
+                undefined += 1
+                continue
+            if self._is_numbered and self._is_repeated(channel, sequence):
+                repeated += 1
+                continue
+            counts[channel] = counts.get(channel, 0) + 1
+            if self._account.is_open:
+                self._account.end_at(log_time)
+            self._last_time = log_time
+            if channel not in unwanted and self._start <= log_time <= self._end:
+                yield Message(channel, log_time, publish_time, sequence, records[body + MESSAGE_HEAD.size : offset])
+        if offset != size and not may_be_cut:
+            self._lose(position, "corrupt records in a chunk", None)
+        if repeated:
+            self._lose(position, f"{repeated} duplicate messages", 0)
+        if undefined:
+            self._lose(position, "messages of an undefined channel or with an impossible time", undefined)
+
+    def _is_repeated(self, channel: int, sequence: int) -> bool:
+        """Tell whether a message was read before, and count those that are missing before it."""
+        if not sequence:  # numbers begin with 1: these messages have none
+            self._is_numbered = False
+            return False
+        expected = self._next_number.get(channel)
+        if expected is None:
+            topic = self.contents.channels[channel].topic
+            expected = sequence if self._numbering is None else self._numbering.get(topic, 1)
+        if sequence < expected:
+            return True
+        self._account.in_gaps += sequence - expected
+        self._next_number[channel] = sequence + 1
+        return False
 
     def _take(self, opcode: int, body: bytes, position: int) -> None:
-        stream = ReadDataStream(BytesIO(body))
+        """Take a record that is no message."""
         try:
-            if opcode == Opcode.SCHEMA:
-                schema = Schema.read(stream)
-                self.contents.schemas[schema.id] = schema
-            elif opcode == Opcode.CHANNEL:
-                self._take_channel(Channel.read(stream))
-            elif opcode == Opcode.METADATA:
-                self.contents.metadata.append(Metadata.read(stream))
-            elif opcode == Opcode.ATTACHMENT:
-                self.contents.attachments.append(Attachment.read(stream))
-        except (McapError, struct.error, UnicodeDecodeError) as error:
-            self._lose(position, f"a record of kind {opcode} is broken ({error})", 0)
+            record = parse(opcode, body)
+        except UNPARSEABLE as error:
+            self._lose(position, f"a record of kind {opcode} is broken ({' '.join(str(error).split())})", 0)
+            return
+        if isinstance(record, Schema):
+            self.contents.schemas[record.id] = record
+        elif isinstance(record, Channel):
+            self._take_channel(record)
+        elif isinstance(record, Metadata):
+            self.contents.metadata.append(record)
+        elif isinstance(record, Attachment):
+            self._take_attachment(record, body, position)
 
-    def _lose(self, position: int, reason: str, messages: int | None) -> None:
-        start = self._last_time
-        end = start if messages == 0 else None
-        self.contents.losses.append(Loss(self.path, position, reason, start, end, messages))
+    def _take_attachment(self, attachment: Attachment, body: bytes, position: int) -> None:
+        problem = attachment_problem(attachment, body, self.contents.attachments)
+        if problem:
+            self._lose(position, problem, 0)
+        else:
+            self.contents.attachments.append(attachment)
 
-    def _lose_chunk(self, record: bytes, position: int, error: str) -> None:
+    # Losses --------------------------------------------------------------------------------------------------------
+
+    def _lose(
+        self, position: int, reason: str, messages: int | None, start: int | None = None, end: int | None = None
+    ) -> None:
+        if start is None:
+            start = self._last_time
+            end = start if messages == 0 else None
+        self._account.add(position, reason, messages, start, end)
+
+    def _lose_chunk(self, body: bytes, position: int, error: str) -> None:
         """Note a chunk that cannot be unpacked; the message indexes behind it say how many messages it had."""
-        start, end, _size, _crc = _CHUNK.unpack_from(record)
-        self._lost_chunk = Loss(self.path, position, f"a damaged chunk ({error})", start, end)
-        self._lost_count = None
+        start, end = struct.unpack_from("<QQ", body) if len(body) >= CHUNK_HEAD.size else (1, 0)
+        is_possible = max(self._last_time or 0, 0) <= start <= end <= LATEST_TIME
+        span = (start, end) if is_possible else (None, None)
+        self._lose(position, f"a damaged chunk ({error})", None, *span)
+        self._has_lost_chunk, self._lost_in_chunk = True, None
 
-    def _count_lost(self, index: bytes) -> None:
-        if len(index) >= 6:
-            self._lost_count = (self._lost_count or 0) + struct.unpack_from("<I", index, 2)[0] // 16
+    def _count_lost(self, index: Record) -> None:
+        if self._has_lost_chunk:
+            self._lost_in_chunk = (self._lost_in_chunk or 0) + (index.length - 6) // 16
 
     def _settle_lost_chunk(self) -> None:
-        lost = self._lost_chunk
-        if lost:
-            self.contents.losses.append(
-                Loss(lost.file, lost.position, lost.reason, lost.start, lost.end, self._lost_count)
-            )
-        self._lost_chunk = None
+        if self._has_lost_chunk and self._lost_in_chunk is not None:
+            self._account.set_count(self._lost_in_chunk)
+        self._has_lost_chunk = False
+
+    def _settle(self) -> None:
+        """Say what the pass has lost, once its end was reached."""
+        self._settle_lost_chunk()
+        read = sum(self.counts.values())
+        expected = self._expected if self._expected is not None else count_in_record(self.contents.metadata)
+        is_told = self._is_whole and expected is not None and expected >= read
+        self.contents.losses = self._account.settle(expected - read if is_told and expected is not None else None)
+        if self._numbering is not None:
+            channels = self.contents.channels
+            self._numbering.update({channels[key].topic: number for key, number in self._next_number.items()})
 
 
-def _chunk_data(record: bytes) -> tuple[str, bytes]:
-    """Return compression and compressed records of a chunk record, which may be cut off."""
-    offset = _CHUNK.size
-    (length,) = struct.unpack_from("<I", record, offset)
-    name = record[offset + 4 : offset + 4 + length].decode("ascii")
-    return name, record[offset + 4 + length + 8 :]
+def attachment_problem(attachment: Attachment, body: bytes, before: Sequence[Attachment]) -> str:
+    """Return why an attachment is not taken; "" if it is."""
+    (checksum,) = struct.unpack_from("<I", body, len(body) - 4)
+    if checksum and zlib.crc32(memoryview(body)[:-4]) != checksum:
+        return f"the attachment {attachment.name} is damaged"
+    if sum(len(other.data) for other in before) + len(attachment.data) > LARGEST_RECORD:
+        return f"the attachment {attachment.name} is left out: {LARGEST_RECORD} bytes of attachments are read at most"
+    return ""
 
 
-def _unpack(name: str, data: bytes, size: int) -> bytes:
-    if name == "zstd":
-        return zstandard.ZstdDecompressor().decompress(data, max_output_size=size)
-    if name == "lz4":
-        unpacked: bytes = lz4.frame.decompress(data)
-        return unpacked
-    if name:
-        raise ValueError(f"unknown compression {name!r}")
-    return data
-
-
-def _unpack_part(name: str, data: bytes) -> bytes:
-    """Unpack the beginning of a cut-off chunk as far as it goes."""
-    try:
-        if name == "zstd":
-            return zstandard.ZstdDecompressor().decompressobj().decompress(data)
-        if name == "lz4":
-            part: bytes = lz4.frame.LZ4FrameDecompressor().decompress(data)
-            return part
-    except (zstandard.ZstdError, RuntimeError):
-        return b""
-    return data
-
-
-def _next_chunk(stream: IO[bytes], position: int, size: int) -> int | None:
-    """Return where the next chunk seems to begin, from `position` on; None if there is none."""
-    while position < size:
-        stream.seek(position)
-        block = stream.read(_SEARCH_BLOCK + 64)
-        for name in _CHUNK_NAMES:
-            found = block.find(name, _NAME_OFFSET)
-            while found >= 0:
-                start = found - _NAME_OFFSET
-                opcode, length = _HEAD.unpack_from(block, start)
-                if opcode == Opcode.CHUNK and length <= size - position - start:
-                    return position + start
-                found = block.find(name, found + 1)
-        position += _SEARCH_BLOCK
-    return None
+def _checksum(file: RecordFile, end: int) -> int:
+    """Return the checksum of a file up to byte `end`."""
+    checksum = 0
+    for position in range(0, end, _CHECKED_AT_ONCE):
+        checksum = zlib.crc32(file.read(position, min(_CHECKED_AT_ONCE, end - position)), checksum)
+    return checksum

@@ -2,9 +2,8 @@
 loses nothing acknowledged.
 
 `DirectStorage` writes at once, and a slow disk holds up its caller: right in lockstep, where the run waits.
-`BackgroundStorage` writes in a
-thread: right in real time, where nobody may wait; what it has not yet written is bounded, and what does not fit
-is refused and told.
+`BackgroundStorage` writes in a thread: right in real time, where nobody may wait; what it has not yet written is
+bounded, and what does not fit is refused and told.
 """
 
 from __future__ import annotations
@@ -15,10 +14,15 @@ import struct
 import threading
 from collections import deque
 from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Protocol
 
 from heave_bags.errors import StorageError
+from heave_bags.mcap.bounds import LARGEST_RECORD
+from heave_bags.mcap.files import replace_metadata
+from heave_bags.mcap.summary import interim_ending
 
 JOURNAL_SUFFIX = ".journal"
 _JOURNAL_HEAD = struct.Struct("<8sQ")
@@ -32,9 +36,18 @@ class Storage(Protocol):
     """What a bag file is written to."""
 
     def write(self, data: bytes, /) -> object:
-        """Append to the file. Raises StorageError where the disk refuses; the file then ends with the last whole
-        piece.
+        """Append to the file, which ends properly after each piece, so that every reader opens it at any time.
+
+        Raises StorageError where the disk refuses; the file then ends with the last whole piece.
         """
+        ...
+
+    def finish(self, data: bytes, /) -> object:
+        """Append the piece that holds the file's own ending. Raises StorageError as `write` does."""
+        ...
+
+    def describe(self, text: bytes) -> object:
+        """Make `text` the `metadata.yaml` beside the file. Raises StorageError where the disk refuses."""
         ...
 
     def acknowledge(self, pending: bytes) -> None:
@@ -53,24 +66,37 @@ def journal_path(path: Path) -> Path:
     return path.with_name(path.name + JOURNAL_SUFFIX)
 
 
-def read_journal(path: Path, position: int) -> bytes:
-    """Return the records of the journal of `path` that belong behind byte `position` of the file; empty if there
-    are none.
-    """
+@dataclass(frozen=True)
+class Journal:
+    """What was acknowledged behind byte `position` of a file: records, which may end in the midst of one."""
+
+    position: int
+    records: bytes
+
+
+def read_journal(path: Path) -> Journal | None:
+    """Return the journal of `path`; None if there is none."""
     try:
-        data = journal_path(path).read_bytes()
+        with journal_path(path).open("rb") as stream:
+            data = stream.read(LARGEST_RECORD)
     except OSError:
-        return b""
+        return None
     if len(data) < _JOURNAL_HEAD.size:
-        return b""
-    magic, base = _JOURNAL_HEAD.unpack_from(data)
-    return data[_JOURNAL_HEAD.size :] if magic == _JOURNAL_MAGIC and base == position else b""
+        return None
+    magic, position = _JOURNAL_HEAD.unpack_from(data)
+    return Journal(position, data[_JOURNAL_HEAD.size :]) if magic == _JOURNAL_MAGIC else None
 
 
-def _write_all(descriptor: int, data: bytes) -> None:
+def _write_all(descriptor: int, data: bytes, position: int | None = None) -> None:
+    """Write at a position of a file, or where it stands."""
     view = memoryview(data)
     while view:
-        view = view[os.write(descriptor, view) :]
+        if position is None:
+            written = os.write(descriptor, view)
+        else:
+            written = os.pwrite(descriptor, view, position)
+            position += written
+        view = view[written:]
 
 
 class DirectStorage:
@@ -82,6 +108,7 @@ class DirectStorage:
     def __init__(self, path: Path, *, journal: bool = True) -> None:
         self.path = path
         self._size = 0
+        self._ending = interim_ending()
         self._journal: int | None = None
         try:
             self._file = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o644)
@@ -92,18 +119,37 @@ class DirectStorage:
 
     def write(self, data: bytes, /) -> None:
         """Append to the file, all or nothing; the journal begins anew."""
+        self._append(data, self._ending)
+        self._restart_journal()
+
+    def finish(self, data: bytes, /) -> None:
+        """Append the last piece, all or nothing."""
+        self._append(data, b"")
+
+    def _append(self, data: bytes, ending: bytes) -> None:
+        """Write in the place of the interim ending, with another behind it."""
         try:
-            _write_all(self._file, data)
+            _write_all(self._file, data + ending, self._size)
         except OSError as error:
             self._undo()
             raise StorageError(_refusal(self.path, error)) from error
         self._size += len(data)
-        self._restart_journal()
 
     def _undo(self) -> None:
-        """Cut off a piece that was written in part."""
+        """Cut off a piece that was written in part; what ended the file before it ends it again."""
+        ending = self._ending if self._size else b""
+        with suppress(OSError):  # a disk so full that it does not even take again what it had
+            _write_all(self._file, ending, self._size)
+            os.ftruncate(self._file, self._size + len(ending))
+            return
         os.ftruncate(self._file, self._size)
-        os.lseek(self._file, self._size, os.SEEK_SET)
+
+    def describe(self, text: bytes) -> None:
+        """Replace `metadata.yaml` in one step."""
+        try:
+            replace_metadata(self.path.parent, text)
+        except OSError as error:
+            raise StorageError(_refusal(self.path.parent, error)) from error
 
     def _restart_journal(self) -> None:
         if self._journal is None:
@@ -158,6 +204,14 @@ class BackgroundStorage:
     def write(self, data: bytes, /) -> None:
         """Append to the file, later."""
         self._put(self._storage.write, data)
+
+    def finish(self, data: bytes, /) -> None:
+        """Append the last piece, later."""
+        self._put(self._storage.finish, data)
+
+    def describe(self, text: bytes) -> None:
+        """Replace `metadata.yaml`, later."""
+        self._put(self._storage.describe, text)
 
     def acknowledge(self, pending: bytes) -> None:
         """Append to the journal, later; a slow disk delays the acknowledgement, not the caller."""

@@ -33,8 +33,13 @@ from mcap.records import (
     SummaryOffset,
 )
 
-MAGIC = b"\x89MCAP0\r\n"
+from heave_bags.mcap.bounds import LARGEST_MESSAGE
+from heave_bags.mcap.summary import MAGIC
+
 COMPRESSIONS = ("zstd", "lz4", "")
+LIBRARY = "heave_bags"
+"""How files of this writer name who wrote them: the messages of each of their topics are numbered from 1, without gaps.
+"""
 
 _MESSAGE_HEAD = struct.Struct("<BQHIQQ")
 _INDEX_HEAD = struct.Struct("<BQHI")
@@ -43,10 +48,14 @@ _LENGTH_BEFORE_DATA = 22
 
 
 class Sink(Protocol):
-    """What the writer writes to: a file opened for binary writing, or something that behaves like one."""
+    """What the writer writes to."""
 
     def write(self, data: bytes, /) -> object:
         """Take `data`."""
+        ...
+
+    def finish(self, data: bytes, /) -> object:
+        """Take `data`, with which the file is complete."""
         ...
 
 
@@ -82,6 +91,8 @@ class _OpenChunk:
     end: int = 0
     index: dict[int, list[int]] = field(default_factory=dict)
     """Per channel: log time and offset of each message, alternating."""
+    definitions: list[bytes] = field(default_factory=list)
+    """Schemas and channels that are here for the first time."""
 
     def append(self, data: bytes) -> None:
         self.parts.append(data)
@@ -95,11 +106,13 @@ def _encode(record: McapRecord) -> bytes:
 
 
 class McapWriter:
-    """Writes one MCAP file to a sink; `finish` completes it. Not thread-safe."""
+    """Writes one MCAP file to a sink; `finish` completes it. Not thread-safe.
 
-    def __init__(
-        self, sink: Sink, *, profile: str = "ros2", library: str = "heave_bags", chunks: ChunkPolicy | None = None
-    ) -> None:
+    Schemas and channels stand in the chunk that needs them first and once more in the chunk behind it, so that no
+    single damage takes them from a file that has no summary yet.
+    """
+
+    def __init__(self, sink: Sink, *, profile: str = "ros2", chunks: ChunkPolicy | None = None) -> None:
         self._sink = sink
         self._chunks = chunks or ChunkPolicy()
         self._zstd = zstandard.ZstdCompressor(level=self._chunks.level)
@@ -115,7 +128,9 @@ class McapWriter:
         self.end_time = 0
         self.message_count = 0
         self.size = 0
-        self._put(MAGIC + _encode(Header(profile=profile, library=library)))
+        self._checksum = 0
+        self._to_repeat: list[bytes] = []
+        self._put(MAGIC + _encode(Header(profile=profile, library=LIBRARY)))
 
     @property
     def pending_bytes(self) -> int:
@@ -124,13 +139,19 @@ class McapWriter:
 
     def _put(self, data: bytes) -> None:
         self._sink.write(data)
+        self._checksum = zlib.crc32(data, self._checksum)
         self.size += len(data)
+
+    def _define(self, record: Schema | Channel) -> None:
+        encoded = _encode(record)
+        self._chunk.append(encoded)
+        self._chunk.definitions.append(encoded)
 
     def add_schema(self, name: str, encoding: str, data: bytes) -> int:
         """Register a schema and return its id."""
         schema = Schema(id=len(self._schemas) + 1, name=name, encoding=encoding, data=data)
         self._schemas.append(schema)
-        self._chunk.append(_encode(schema))
+        self._define(schema)
         return schema.id
 
     def add_channel(self, topic: str, schema_id: int, metadata: Mapping[str, str], *, encoding: str = "cdr") -> int:
@@ -144,18 +165,19 @@ class McapWriter:
         )
         self._channels.append(channel)
         self._counts[channel.id] = 0
-        self._chunk.append(_encode(channel))
+        self._define(channel)
         return channel.id
 
     def write(self, channel: int, log_time: int, data: bytes, *, publish_time: int, sequence: int = 0) -> None:
         """Add a message; times in nanoseconds."""
         chunk = self._chunk
-        if not chunk.index:
-            chunk.start = chunk.end = log_time
-        elif log_time - chunk.start >= self._chunks.span:
+        is_due = log_time - chunk.start >= self._chunks.span or chunk.size + len(data) > LARGEST_MESSAGE
+        if chunk.index and is_due:
             self.close_chunk()
             chunk = self._chunk
+        if not chunk.index:
             chunk.start = chunk.end = log_time
+            self._repeat_definitions()
         chunk.start = min(chunk.start, log_time)
         chunk.end = max(chunk.end, log_time)
         chunk.index.setdefault(channel, []).extend((log_time, chunk.size))
@@ -168,6 +190,12 @@ class McapWriter:
         self._count(channel, log_time)
         if chunk.size >= self._chunks.size:
             self.close_chunk()
+
+    def _repeat_definitions(self) -> None:
+        """Put those of the chunk before into this one, too."""
+        for encoded in self._to_repeat:
+            self._chunk.append(encoded)
+        self._to_repeat = []
 
     def _count(self, channel: int, log_time: int) -> None:
         self._counts[channel] += 1
@@ -186,6 +214,7 @@ class McapWriter:
         self._journalled = 0
         if not chunk.size:
             return
+        self._to_repeat += chunk.definitions
         records = b"".join(chunk.parts)
         record = Chunk(
             message_start_time=chunk.start,
@@ -258,15 +287,15 @@ class McapWriter:
     def finish(self) -> None:
         """Write the open chunk, the summary and the footer. The sink stays open; the writer must not be used again."""
         self.close_chunk()
-        self._put(_encode(DataEnd(data_section_crc=0)))
-        start = self.size
+        data_end = _encode(DataEnd(data_section_crc=self._checksum))
+        start = self.size + len(data_end)
         summary, offsets = self._summary(start)
         offsets_start = start + len(summary)
         summary += offsets
         head = struct.pack("<BQQQ", Opcode.FOOTER, 20, start, offsets_start)
         crc = zlib.crc32(head, zlib.crc32(summary))
         footer = _encode(Footer(summary_start=start, summary_offset_start=offsets_start, summary_crc=crc))
-        self._put(summary + footer + MAGIC)
+        self._sink.finish(data_end + summary + footer + MAGIC)
 
     def _summary(self, start: int) -> tuple[bytes, bytes]:
         statistics = Statistics(

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import heapq
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from fnmatch import fnmatch
 
@@ -16,6 +16,12 @@ from heave_bags.errors import BagError
 from heave_bags.mcap.reader import Bag, RawMessage
 
 _SORTED_AHEAD = 512
+_SORTED_BYTES = 32 << 20
+AT_ONCE = 2000
+"""Messages that are handed out at once at most; what else is due follows with the next look."""
+_AT_ONCE_BYTES = 8 << 20
+LAST_TIME = ((1 << 31) - 1) * 1_000_000_000
+"""The last time that ROS messages can hold [ns]: in the year 2038."""
 _SECOND = 1_000_000_000
 
 
@@ -88,17 +94,27 @@ def _fits(topic: str, pattern: str) -> bool:
     return fnmatch(topic, pattern) or topic.lstrip("/") == pattern.lstrip("/")
 
 
-def in_order_of_time(messages: Iterator[RawMessage]) -> Iterator[RawMessage]:
-    """Yield messages by log time, where they are out of order by no more than a few hundred; equal times keep
-    their order.
+def in_order_of(keyed: Iterable[tuple[int, RawMessage]]) -> Iterator[tuple[int, RawMessage]]:
+    """Yield messages with their keys by key, where they are out of order by no more than a few hundred messages or
+    some megabytes; equal keys keep their order.
     """
     heap: list[tuple[int, int, RawMessage]] = []
-    for number, message in enumerate(messages):
-        heapq.heappush(heap, (message.log_time, number, message))
-        if len(heap) > _SORTED_AHEAD:
-            yield heapq.heappop(heap)[2]
+    size = 0
+    for number, (key, message) in enumerate(keyed):
+        heapq.heappush(heap, (key, number, message))
+        size += len(message.data)
+        while len(heap) > _SORTED_AHEAD or (size > _SORTED_BYTES and len(heap) > 1):
+            first, _, earliest = heapq.heappop(heap)
+            size -= len(earliest.data)
+            yield first, earliest
     while heap:
-        yield heapq.heappop(heap)[2]
+        first, _, earliest = heapq.heappop(heap)
+        yield first, earliest
+
+
+def in_order_of_time(messages: Iterable[RawMessage]) -> Iterator[RawMessage]:
+    """Yield messages by log time; as `in_order_of`."""
+    return (message for _, message in in_order_of((message.log_time, message) for message in messages))
 
 
 class Playback:
@@ -108,6 +124,8 @@ class Playback:
         self._bag = bag
         self._options = options
         self.topics = selected_topics(bag, options)
+        if bag.end_time > LAST_TIME:
+            raise BagError(f"{bag.path}: its times lie beyond the year 2038, which ROS messages cannot represent")
         self._first = bag.start_time + round(options.start * _SECOND)
         if self._first > bag.end_time:
             raise BagError(f"{bag.path}: start {options.start:g} s lies behind its end, {bag.duration:.3f} s")
@@ -162,8 +180,10 @@ class Playback:
 
     def _take_until(self, time: int) -> list[RawMessage]:
         found: list[RawMessage] = []
-        while self._next is not None and self._next.log_time <= time:
+        left = _AT_ONCE_BYTES
+        while self._next is not None and self._next.log_time <= time and len(found) < AT_ONCE and left > 0:
             found.append(self._next)
+            left -= len(self._next.data)
             self._next = next(self._messages, None)
         return found
 

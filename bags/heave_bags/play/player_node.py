@@ -6,7 +6,9 @@ import argparse
 import math
 import sys
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from glob import escape
 from pathlib import Path
 from typing import Any
 
@@ -17,16 +19,18 @@ from heave_node.ros.environment import prepare_environment
 from heave_node.ros.node import steady_clock
 from heave_node.ros.ports import message_type
 from heave_node.ros.spin import spin
+from rclpy.exceptions import InvalidNamespaceException, InvalidTopicNameException
 from rclpy.node import Node
 from rclpy.publisher import Publisher
 from rclpy.task import Future
 from rclpy.utilities import remove_ros_args
 from rosgraph_msgs.msg import Clock
 
-from heave_bags.errors import BagError
-from heave_bags.mcap.reader import Bag, RawMessage
+from heave_bags.errors import BagError, one_line
+from heave_bags.mcap.definitions import is_installed
+from heave_bags.mcap.reader import Bag, BagTopic, RawMessage
 from heave_bags.mcap.ros_qos import offer_like
-from heave_bags.play.playback import Playback, PlaybackOptions
+from heave_bags.play.playback import Playback, PlaybackOptions, selected_topics
 from heave_bags.play.player_options import DISCOVERY_TIME, add_arguments, options_from
 
 PERIOD = 0.002
@@ -36,8 +40,18 @@ CLOCK_PERIOD = 0.02
 CLOCK = "/clock"
 
 
+@dataclass(frozen=True)
+class Played:
+    """What a player has done: the number of messages published, and the topics left out, with the reason."""
+
+    messages: int
+    left_out: Mapping[str, str]
+
+
 class Player(Node):
     """Plays one bag. `finished` completes at its end.
+
+    Topics whose type is not installed here are left out, with a warning. Raises BagError if no other is left.
 
     Services
     --------
@@ -46,10 +60,15 @@ class Player(Node):
 
     def __init__(self, bag: Bag, options: PlaybackOptions, *, delay: float = DISCOVERY_TIME) -> None:
         super().__init__("player")
-        self.playback = Playback(bag, options)
+        self.left_out: dict[str, str] = {}
+        self._outlets: dict[str, Publisher[Any]] = {}
+        for name in selected_topics(bag, options):
+            self._open(bag.topics[name], options)
+        if not self._outlets:
+            raise BagError(f"{bag.path}: none of its topics can be played: {'; '.join(self.left_out.values())}")
+        self.playback = Playback(bag, replace(options, exclude=[*options.exclude, *map(escape, self.left_out)]))
         self.finished: Future = Future()
         self.published = 0
-        self._outlets = {name: self._publisher(bag, name, options) for name in self.playback.topics}
         self._clock_publisher: Publisher[Clock] | None = None
         if CLOCK not in bag.topics:
             self._clock_publisher = self.create_publisher(Clock, CLOCK, 10)
@@ -59,13 +78,23 @@ class Player(Node):
         self.create_service(PlaybackControl, "player/control", self._control)
         self.create_timer(PERIOD, self._play, clock=steady_clock())
 
-    def _publisher(self, bag: Bag, name: str, options: PlaybackOptions) -> Publisher[Any]:
-        topic = bag.topics[name]
+    def _open(self, topic: BagTopic, options: PlaybackOptions) -> None:
+        """Open the publisher of a topic, or leave it out with a warning."""
+        if not is_installed(topic.type):
+            self._leave_out(topic.name, f"{topic.type or 'its type'} is not installed here")
+            return
+        outlet = options.remap.get(topic.name, topic.name)
         try:
             kind = message_type(topic.type)
-        except (ImportError, AttributeError, ValueError) as error:
-            raise BagError(f"{name}: {topic.type} is not installed here; leave it out with --exclude {name}") from error
-        return self.create_publisher(kind, options.remap.get(name, name), offer_like(topic.qos))
+            self._outlets[topic.name] = self.create_publisher(kind, outlet, offer_like(topic.qos))
+        except (ImportError, AttributeError):
+            self._leave_out(topic.name, f"{topic.type} cannot be loaded here")
+        except (InvalidTopicNameException, InvalidNamespaceException):
+            self._leave_out(topic.name, f"{outlet!r} is not the name of a topic")
+
+    def _leave_out(self, name: str, reason: str) -> None:
+        self.left_out[name] = one_line(f"{name} is left out: {reason}")
+        self.get_logger().warning(self.left_out[name])
 
     def _play(self) -> None:
         now = time.monotonic()
@@ -124,8 +153,8 @@ def play(
     delay: float = DISCOVERY_TIME,
     progress: Callable[[float], None] | None = None,
     args: list[str] | None = None,
-) -> int:
-    """Play a bag to its end, or until the context is shut down; return the number of messages published.
+) -> Played:
+    """Play a bag to its end, or until the context is shut down; return what was played.
 
     `progress` is called a few times a second with the bag time reached [s]. Raises BagError for what cannot be played.
     """
@@ -135,11 +164,11 @@ def play(
     try:
         player = Player(bag, options, delay=delay)
         spin(player, player.finished, lambda: progress(player.playback.time * 1e-9) if progress else None)
-        published = player.published
+        played = Played(player.published, player.left_out)
         player.destroy_node()
     finally:
         rclpy.try_shutdown()
-    return published
+    return played
 
 
 def main() -> None:

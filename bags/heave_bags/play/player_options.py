@@ -1,13 +1,16 @@
-"""The player's command-line options; free of ROS, so that help and mistakes are answered at once."""
+"""The player's command-line options; free of ROS and of numpy, so that help and mistakes are answered at once."""
 
 from __future__ import annotations
 
 import argparse
 import math
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from heave_bags.errors import BagError
-from heave_bags.play.playback import PlaybackOptions
+
+if TYPE_CHECKING:
+    from heave_bags.play.playback import PlaybackOptions
 
 DISCOVERY_TIME = 1.0
 """Wall time that subscribers get to find the player before the first message [s]."""
@@ -32,6 +35,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def options_from(arguments: argparse.Namespace) -> PlaybackOptions:
     """Return what the arguments of `add_arguments` say. Raises BagError where they make no sense."""
+    from heave_bags.play.playback import PlaybackOptions  # noqa: PLC0415 (reads bags: numpy takes its time to load)
+
     remap = {}
     for text in arguments.remap:
         old, arrow, new = text.partition(":=")

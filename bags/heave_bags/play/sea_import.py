@@ -1,8 +1,8 @@
 """A ship's own records become a sea for the loop: bags with any topics, or CSV logs, to boom-tip motion.
 
 A mapping says where heave, and if known surge, sway, roll and pitch, are found, and where the boom tip lies from
-the sensor. The result is a
-CSV file with columns time_s, x_m, y_m, z_m, which `wave_vessel` plays with `boom_tip_source: file`.
+the sensor. The result is a CSV file with columns time_s, x_m, y_m, z_m, which `wave_vessel` plays with
+`boom_tip_source: file`.
 """
 
 from __future__ import annotations
@@ -15,13 +15,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import yaml
 from heave_node.arrays import Array
 from scipy.interpolate import CubicSpline
 
-from heave_bags.analyse.kpi_set import Signal
 from heave_bags.errors import BagError
+from heave_bags.mcap.bounds import load_yaml
 from heave_bags.mcap.reader import TIME, Bag
+from heave_bags.signals import Signal
 
 MOTIONS = ("surge", "sway", "heave", "roll", "pitch")
 EULER_PARTS = ("roll", "pitch", "yaw")
@@ -87,8 +87,8 @@ class ImportedSea:
 def read_mapping(path: Path) -> SeaMapping:
     """Read a mapping file (YAML). Raises BagError with the file and the entry that is wrong."""
     try:
-        content = yaml.safe_load(path.read_text(encoding="utf-8"))
-    except (OSError, yaml.YAMLError, UnicodeDecodeError) as error:
+        content = load_yaml(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError) as error:
         raise BagError(f"{path}: cannot be read as a mapping: {' '.join(str(error).split())}") from error
     if not isinstance(content, dict):
         raise BagError(f"{path}: a mapping names heave and where it is found")

@@ -1,22 +1,19 @@
 """A bag in the place of a node: plays what the node published, tick by tick, while the others run live.
 
 It takes part in the tick protocol in the node's name, so that the others cannot tell. In the place of the clock
-master it steps the run.
-Messages of a lockstep bag go out in the tick in which they were recorded; the same sea through the same scenario
-gives the same run.
+master it steps the run. Messages go out in the tick in which they were published; the same sea through the same
+scenario gives the same run, whoever recorded it.
 """
 
 from __future__ import annotations
 
 import argparse
-import struct
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from diagnostic_msgs.msg import DiagnosticArray
 from heave_node import topics
 from heave_node.parameters import parameter
 from heave_node.ros.master import ClockMasterNode
@@ -26,15 +23,11 @@ from heave_node.ros.ports import Output
 from heave_node.ros.process import run_node
 from heave_node.tick.tick import Tick
 from heave_node.topics import Role, Topic
-from rclpy.serialization import deserialize_message
 
 from heave_bags.errors import BagError
-from heave_bags.mcap.reader import Bag, RawMessage
-from heave_bags.play.playback import in_order_of_time, publisher_of
-from heave_bags.record.recording import header_stamp
+from heave_bags.mcap.reader import Bag
+from heave_bags.play.tick_player import TickPlayer
 
-_STAMP = struct.Struct("<iI")
-_STAMP_END = 12
 MASTER = topics.CLOCK.publisher
 
 
@@ -50,72 +43,6 @@ class SubstituteParameters:
         maximum=1e9,
         description="Time of the bag that becomes time 0 of the run, in whole ticks; stamps are moved with it.",
     )
-
-
-class TickPlayer:
-    """The messages that a node published in each tick.
-
-    Parameters
-    ----------
-    bag, node : whose messages
-    period : length of a tick [ns]
-    shift : bag time of the run's time 0 [ns]
-
-    Raises BagError if the bag has nothing of the node, or was recorded with another tick.
-    """
-
-    def __init__(self, bag: Bag, node: str, period: int, shift: int = 0) -> None:
-        self.topics = [name for name in bag.topics if node in publisher_of(bag, name) and name != topics.CLOCK.name]
-        if not self.topics:
-            raise BagError(f"{bag.path}: nothing in it was published by {node}")
-        recorded = bag.run.get("tick_period_s")
-        if recorded is not None and round(float(recorded) * 1e9) != period:
-            raise BagError(
-                f"{bag.path}: it was recorded with a tick of {recorded} s, the run has one of {period * 1e-9:g} s"
-            )
-        if shift % period:
-            raise BagError(f"bag_start {shift * 1e-9:g} s is no whole number of ticks of {period * 1e-9:g} s")
-        self._bag = bag
-        self._node = node
-        self._period = period
-        self._shift = shift
-        self.last_tick = (bag.end_time - shift) // period
-        self.restart()
-
-    def restart(self) -> None:
-        """Begin again at tick 1."""
-        wanted = [*self.topics, *(name for name in (topics.DIAGNOSTICS.name,) if name in self._bag.topics)]
-        messages = self._bag.messages(wanted, start=self._shift)
-        self._messages: Iterator[RawMessage] = in_order_of_time(messages)
-        self._next = next(self._messages, None)
-
-    def take(self, tick: int) -> list[tuple[str, bytes]]:
-        """Return what the node published in a tick, in the order of the bag. Raises BagError behind the end of
-        the bag.
-        """
-        if tick > self.last_tick:
-            raise BagError(f"{self._bag.path}: it ends at t = {self.last_tick * self._period * 1e-9:g} s of this run")
-        end = (tick + 1) * self._period + self._shift
-        found: list[tuple[str, bytes]] = []
-        while self._next is not None and self._next.log_time < end:
-            message, self._next = self._next, next(self._messages, None)
-            if self._is_own(message) and message.data[4:_STAMP_END] != bytes(8):
-                found.append((message.topic, self._moved(message)))
-        return found
-
-    def _is_own(self, message: RawMessage) -> bool:
-        """Tell whether the node itself published a message; /diagnostics has several publishers."""
-        if message.topic != topics.DIAGNOSTICS.name:
-            return True
-        array: DiagnosticArray = deserialize_message(message.data, DiagnosticArray)
-        return bool(array.status) and array.status[0].hardware_id == self._node
-
-    def _moved(self, message: RawMessage) -> bytes:
-        """Return a message with its stamp moved to the time of the run."""
-        if not self._shift:
-            return message.data
-        seconds, nanoseconds = divmod(header_stamp(message.data) - self._shift, 1_000_000_000)
-        return message.data[:4] + _STAMP.pack(seconds, nanoseconds) + message.data[_STAMP_END:]
 
 
 class Substitute(HeaveNode):

@@ -30,7 +30,7 @@ from heave_bags.errors import BagError
 from heave_bags.mcap.bag_writer import BagWriter
 from heave_bags.mcap.storage import BackgroundStorage, DirectStorage
 from heave_bags.record.parameters import RecorderParameters
-from heave_bags.record.provenance import describe_run
+from heave_bags.record.provenance import describe_run, scenario_attachment
 from heave_bags.record.recorder_services import RecorderServices
 from heave_bags.record.session import RecordingSession, SnapshotRing
 from heave_bags.record.topic_watch import TopicWatch
@@ -73,6 +73,7 @@ class LiveRecorder(Node):
             folder,
             policy=parameters.policy(),
             run={**description, "host_time_minus_log_time_ns": str(time.time_ns() - now)},
+            attachments=[scenario_attachment(Path(parameters.scenario_file))] if parameters.scenario_file else [],
             ros_distro=os.environ.get("ROS_DISTRO", "kilted"),
             opener=lambda path: BackgroundStorage(DirectStorage(path)),
         )

@@ -38,7 +38,7 @@ class RecorderParameters:
         description="Compression of chunks.",
     )
     chunk_size: int = parameter(
-        192 * 1024, unit="byte", minimum=1024, maximum=1 << 28, description="A chunk closes at this size."
+        192 * 1024, unit="byte", minimum=1024, maximum=1 << 25, description="A chunk closes at this size."
     )
     chunk_span: float = parameter(
         2.0, unit="s", minimum=0.01, maximum=3600.0, description="A chunk closes when it covers this time."

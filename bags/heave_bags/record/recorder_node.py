@@ -1,8 +1,8 @@
 """The recorder of a run: every topic into one bag, complete in lockstep.
 
 It takes part in the tick protocol, a few ticks behind the others. In lockstep it knows by count that it has
-everything of a tick, and writes
-it in an order that depends on the run alone. In real time it writes what comes when it comes, and no disk holds it up.
+everything of a tick, and writes it in an order that depends on the run alone. In real time it writes what comes when
+it comes, and no disk holds it up.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ from heave_bags.record.parameters import RecorderParameters
 from heave_bags.record.provenance import PARAMETERS_ATTACHMENT, describe_run, scenario_attachment
 from heave_bags.record.recorder_services import RecorderServices
 from heave_bags.record.recording import TickOrder
-from heave_bags.record.session import RecordingSession, SnapshotRing
+from heave_bags.record.session import RecordingSession, SnapshotRing, missing_messages
 from heave_bags.record.topic_watch import TopicWatch
 
 LOOK_PERIOD = 0.1
@@ -73,7 +73,7 @@ class RecorderNode(ParticipantNode):
                 self.session.start(Path(self.parameters.directory))
             except BagError as error:
                 raise NodeError(str(error)) from error
-        self.listen(topics.TICK_JOIN, self._on_join)
+        self.create_protocol_subscription(topics.TICK_JOIN, self._on_join)
         self._looked_at = 0.0
         self._look()
         self.create_timer(LOOK_PERIOD, self._look, clock=steady_clock())
@@ -115,7 +115,7 @@ class RecorderNode(ParticipantNode):
     def _on_join(self, message: TickJoin) -> None:
         self._joined[message.node] = tuple(message.outputs)
 
-    def rest(self) -> float:
+    def service_pause(self) -> float:
         """See HeaveNode. In real time a message is written at the time of its arrival."""
         return REST if self.has_started and self.run.is_lockstep else 0.0
 
@@ -266,7 +266,7 @@ class RecorderNode(ParticipantNode):
 
     # End -----------------------------------------------------------------------------------------------------------
 
-    def on_end(self, status: TickStatus) -> None:
+    def on_run_ended(self, status: TickStatus) -> None:
         """Note how the run went, and how many messages the nodes say they published."""
         self._outcome = {
             "ended": "complete" if status.state == TickStatus.ENDED else status.reason or "failed",
@@ -280,7 +280,7 @@ class RecorderNode(ParticipantNode):
         }
         self._expected = dict(zip(status.topics, status.published, strict=True))
 
-    def on_leave(self) -> None:
+    def on_exit(self) -> None:
         """Write what is left and close the bag, however the run ended."""
         session: RecordingSession | None = getattr(self, "session", None)
         if session is None:
@@ -316,14 +316,10 @@ class RecorderNode(ParticipantNode):
 
         Only of a bag that covers the whole run. The recorder's own /diagnostics are not in it.
         """
-        counts = self.session.counts()
-        lost = [
-            f"{topic} {published - counts[topic]} of {published}"
-            for topic, published in self._expected.items()
-            if topic in counts and counts[topic] < published and topic != self._diagnostics_topic
-        ]
-        is_whole = str(self.session.folder) == self.parameters.directory
-        return ", ".join(lost) if is_whole else ""
+        if str(self.session.folder) != self.parameters.directory:
+            return ""
+        published = {topic: count for topic, count in self._expected.items() if topic != self._diagnostics_topic}
+        return missing_messages(published, self.session.counts())
 
 
 def _open_at_once(path: Path) -> Storage:

@@ -1,10 +1,9 @@
 """Messages of ticks in an order that depends on the run alone: what makes two bags of one seed the same, byte for
 byte.
 
-Pure: raw messages go in, a writer gets them. A message carries the start of the tick in which it was published
-as log time and publish
-time. Within a tick the clock master's topics come first, then those of the others, each by name and, within a topic,
-as published.
+Pure: raw messages go in, a writer gets them. A message carries the start of the tick in which it was published as log
+time and publish time. Within a tick the clock master's topics come first, then those of the others, each by name and,
+within a topic, as published.
 """
 
 from __future__ import annotations

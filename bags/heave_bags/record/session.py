@@ -155,6 +155,10 @@ class RecordingSession:
             self._writer.write(topic, log_time, data)
         except StorageError:
             self._give_up()
+        except BagError as error:  # one message that no bag takes; the others go on
+            self.state.unwritten += 1
+            if str(error) not in self.state.problems:
+                self.state.problems.append(str(error))
         else:
             self.state.written += 1
 
@@ -200,3 +204,9 @@ class RecordingSession:
         if not self._writer:
             return {}
         return {topic.name: topic.message_count for topic in self._writer.summary().topics}
+
+
+def missing_messages(published: Mapping[str, int], recorded: Mapping[str, int]) -> str:
+    """Say which recorded topics hold fewer messages than were published on them; "" where all are there."""
+    lacking = {topic: count - recorded[topic] for topic, count in published.items() if topic in recorded}
+    return ", ".join(f"{topic} {count} of {published[topic]}" for topic, count in lacking.items() if count > 0)

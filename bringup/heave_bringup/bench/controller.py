@@ -8,7 +8,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from winch_controller_node.interface.readings import Measurements, Outputs
 
-from heave_bringup.closed_loop import ClosedLoop, LoopParameters
+from heave_bringup.closed_loop import ClosedLoop, loop_parameters
 from heave_bringup.scenarios import load_scenario
 
 SCENARIO = "b4_limit_900_tp10"
@@ -21,26 +21,24 @@ WARM_UP = 60.0
 def measure_controller(
     duration: float, say: Callable[[str], None], laws: Sequence[str] = LAWS
 ) -> list[dict[str, object]]:
-    """Return `law`, `step_p50_s`, `step_p99_s`, `step_max_s` and `steps` for each law."""
+    """Measure the controller's step under each law.
+
+    Parameters
+    ----------
+    duration : simulated time of each measurement [s]
+    say : called with what is being measured
+    laws : names of the laws
+
+    Returns `law`, `step_p50_s`, `step_p99_s`, `step_max_s` and `steps` for each law.
+    """
     return [_measure(law, duration, say) for law in laws]
 
 
 def _measure(law: str, duration: float, say: Callable[[str], None]) -> dict[str, object]:
     say(f"controller: {law}, {duration:g} s of {SCENARIO}")
-    scenario = load_scenario(
-        SCENARIO, settings=[f"winch_controller.law={law}"], common={"duration": WARM_UP + duration}
-    )
-    loop = ClosedLoop(
-        LoopParameters(
-            sea=scenario.parameters["wave_vessel"],
-            plant=scenario.parameters["cable_sim"],
-            winch=scenario.parameters["virtual_winch"],
-            controller=scenario.parameters["winch_controller"],
-            tick_period=scenario.run.tick_period,
-            duration=scenario.run.duration,
-            seed=scenario.run.seed,
-        )
-    )
+    settings = (f"winch_controller.law={law}", f"all.duration={WARM_UP + duration}")
+    scenario = load_scenario(SCENARIO, settings=settings)
+    loop = ClosedLoop(loop_parameters(scenario))
     times: list[float] = []
     step = loop.controller.step
 

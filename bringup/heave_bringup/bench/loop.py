@@ -17,14 +17,19 @@ SCENARIO = "b2_calm_300"
 
 
 def measure_loop(duration: float, say: Callable[[str], None]) -> dict[str, object]:
-    """Run a scenario for `duration` simulated seconds with five processes and recording.
+    """Run a scenario with five processes and recording, and measure its speed.
+
+    Parameters
+    ----------
+    duration : simulated time [s]
+    say : called with what is being measured
 
     Returns `ticks_per_s`, `real_time_factor`, `loop_age_p50_s`, `loop_age_p99_s`, `resends`, `processes` (their
-    number), and
-    `cpu_ms_per_tick` by node. The sum of the latter over the number of processors is the floor of the time of a tick.
+    number), and `cpu_ms_per_tick` by node. The sum of the latter over the number of processors is the least time that
+    a tick can take.
     """
     say(f"loop: {SCENARIO}, {duration:g} s in lockstep")
-    scenario = load_scenario(SCENARIO, common={"duration": duration, "transient": 0.0})
+    scenario = load_scenario(SCENARIO, settings=(f"all.duration={duration}", "all.transient=0.0"))
     with tempfile.TemporaryDirectory() as folder:
         usage = CpuUsage()
         status = run_scenario(scenario, RunFolder(Path(folder)), on_look=usage.look).status
@@ -51,7 +56,13 @@ class CpuUsage:
         self._before: dict[str, float] = {}
 
     def look(self, launcher: Launcher, status: TickStatus | None) -> None:
-        """Read the processor time of every node that still runs."""
+        """Read the processor time of every node that still runs.
+
+        Parameters
+        ----------
+        launcher : that has the processes
+        status : the master's newest; None before the first
+        """
         if status is None or status.state != TickStatus.RUNNING:
             return
         for node in launcher.nodes:

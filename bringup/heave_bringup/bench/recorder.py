@@ -30,7 +30,13 @@ PATIENCE = 20.0
 
 
 def measure_recorder(seconds: float, say: Callable[[str], None]) -> dict[str, float]:
-    """Record 10,000 messages of 1 kB a second; return rate, sent, recorded, dropped and processor time."""
+    """Record 10,000 messages of 1 kB a second; return rate, sent, recorded, dropped and processor time.
+
+    Parameters
+    ----------
+    seconds : wall time of the load
+    say : called with what is being measured
+    """
     say(f"recorder: {RATE} messages of 1 kB a second for {seconds:g} s")
     environment = {**os.environ, "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"}
     with tempfile.TemporaryDirectory() as folder:

@@ -6,12 +6,12 @@ A campaign file is YAML:
     duration: 600                     # optional; the scenario's own otherwise
     seeds: [1, 2, 3]                  # or a number of seeds, counted from 1
     set: {winch_controller.law: mpc}  # for every case
-    vary: {wave_vessel.peak_period: [8, 10, 12]}       # every combination
+    vary: {system.sea.peak_period: [8, 10, 12]}        # every combination; the sea and the controller's belief of it
     draw:                                              # random cases, seeded
       count: 64
       seed: 1
       nominal: true                                    # before them the scenario itself, to compare with
-      uniform: {cable_sim.cable.axial_stiffness: [1.1e7, 2.0e7]}
+      uniform: {cable_sim.cable.axial_stiffness: [1.1e7, 2.0e7]}  # the plant alone
 """
 
 from __future__ import annotations
@@ -26,6 +26,9 @@ from typing import Any
 import yaml
 from heave_node.parameters import ParameterError
 from heave_node.randomness import random_stream
+from heave_node.scenario import WILDCARD, parse_yaml
+
+from heave_bringup.settings import Setting, make_setting
 
 _KEYS = {"scenario", "duration", "seeds", "set", "vary", "draw"}
 _DRAW_KEYS = {"count", "seed", "nominal", "uniform"}
@@ -33,9 +36,14 @@ _DRAW_KEYS = {"count", "seed", "nominal", "uniform"}
 
 @dataclass(frozen=True)
 class Case:
-    """One run of a campaign: its seed, and the settings by which it differs from the others.
+    """One run of a campaign.
 
-    A nominal case has none, not even those of every other case: it is the scenario itself.
+    Attributes
+    ----------
+    number : counted from 1
+    seed : of the run
+    settings : values by place (`system.sea.peak_period`) by which it differs from the other cases
+    is_nominal : the scenario itself, without the changes that every other case has
     """
 
     number: int
@@ -54,7 +62,21 @@ class Case:
 
 @dataclass(frozen=True)
 class Campaign:
-    """A campaign file, read and checked."""
+    """A campaign file, read and checked.
+
+    Attributes
+    ----------
+    path : of the file
+    scenario : shipped name or file
+    duration : simulated time of a case [s]; None takes the scenario's
+    seeds : of every combination and draw
+    common : changes of the scenario in every case but nominal ones, by place (`system.sea.peak_period`)
+    vary : values by place; every combination is a case
+    draw_count, draw_seed : number of random draws, and the seed that fixes them
+    has_nominal : whether the scenario itself runs before the draws
+    uniform : bounds of the random draws by place
+    duration_source : option that set the duration in the place of the file
+    """
 
     path: Path
     scenario: str
@@ -67,12 +89,16 @@ class Campaign:
     has_nominal: bool = False
     uniform: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     duration_source: str = ""
-    """What set the duration instead of the file."""
 
-    @property
-    def source(self) -> str:
-        """Say where the values of the cases come from."""
-        return f"{self.path} and {self.duration_source}" if self.duration_source else str(self.path)
+    def settings_of(self, case: Case) -> list[Setting]:
+        """Return a case as changes of the scenario; raises ParameterError for a name that is no parameter's."""
+        changes = {} if case.is_nominal else {**self.common, **case.settings}
+        settings = [make_setting(place, value, f"{self.path}: {place}") for place, value in changes.items()]
+        settings.append(Setting(WILDCARD, "seed", case.seed, f"{self.path}: seeds"))
+        if self.duration is not None:
+            source = self.duration_source or f"{self.path}: duration"
+            settings.append(Setting(WILDCARD, "duration", self.duration, source))
+        return settings
 
     def cases(self) -> Iterator[Case]:
         """Yield every case: nominal ones, then seeds within draws within combinations."""
@@ -89,7 +115,13 @@ class Campaign:
                     yield Case(number, seed, {**chosen, **drawn})
 
     def shortened(self, *, duration: float | None, draws: int | None) -> Campaign:
-        """Return the campaign with another duration [s] or only its first draws; None leaves what the file says."""
+        """Return the campaign with another duration, or with only its first draws.
+
+        Parameters
+        ----------
+        duration : of a case [s]; None leaves what the file says
+        draws : number of draws; None leaves what the file says
+        """
         return replace(
             self,
             duration=self.duration if duration is None else duration,
@@ -119,11 +151,11 @@ def find_campaign(name: str) -> Path:
 def read_campaign(path: Path) -> Campaign:
     """Read and check a campaign file; raise ParameterError, in one line, for what is wrong with it."""
     try:
-        content = yaml.safe_load(path.read_text(encoding="utf-8"))
+        content = parse_yaml(path.read_text(encoding="utf-8"))
     except OSError as error:
         raise ParameterError(f"{path}: cannot be read: {error.strerror}") from error
     except (yaml.YAMLError, UnicodeDecodeError) as error:
-        raise ParameterError(f"{path}: is not YAML: {' '.join(str(error).split())}") from error
+        raise ParameterError(f"{path}: is not valid YAML: {' '.join(str(error).split())}") from error
     if not isinstance(content, Mapping) or "scenario" not in content:
         raise ParameterError(f"{path}: must be a mapping with at least the key scenario")
     _refuse_unknown(content, _KEYS, str(path))
@@ -144,14 +176,6 @@ def read_campaign(path: Path) -> Campaign:
         )
     except (TypeError, ValueError) as error:
         raise ParameterError(f"{path}: {error}") from error
-
-
-def as_settings(values: Mapping[str, object]) -> list[str]:
-    """Return settings as the NODE.PARAM=VALUE texts that a scenario is loaded with."""
-    return [
-        f"{name}={yaml.safe_dump(value, default_flow_style=True).split(chr(10), 1)[0]}"
-        for name, value in values.items()
-    ]
 
 
 def _seeds(value: Any) -> tuple[int, ...]:

@@ -15,9 +15,12 @@ from heave_bags.analyse.depth_programme import take_out_programme
 from heave_bags.analyse.kpi_set import RunSignals, Signal
 from heave_node.parameters import ParameterError
 
-from heave_bringup.campaign.plan import Campaign, Case, as_settings
-from heave_bringup.closed_loop import ClosedLoop, LoopParameters, LoopRecord
+from heave_bringup.campaign.plan import Campaign, Case
+from heave_bringup.closed_loop import ClosedLoop, LoopParameters, LoopRecord, loop_parameters
 from heave_bringup.scenarios import Scenario, load_scenario
+
+WORKING = {"compensating", "constant_tension"}
+"""Modes in which the controller does what it was asked for."""
 
 
 @dataclass(frozen=True)
@@ -26,6 +29,9 @@ class CaseResult:
 
     Attributes
     ----------
+    case : what was run
+    kpis : figures of merit by key
+    failure : why it could not be run; "" where it could
     compensating : share of the time after the transient in which the winch compensated or held a tension; NaN under
         law off
     """
@@ -44,6 +50,12 @@ class CaseResult:
 def run_cases(campaign: Campaign, cases: Sequence[Case], processes: int | None) -> Iterator[CaseResult]:
     """Run every case and yield the results as they come.
 
+    Parameters
+    ----------
+    campaign : that the cases are of
+    cases : to be run
+    processes : number of worker processes; None takes one per processor, 1 runs them here
+
     Every case's parameters are checked before the first one runs; raises ParameterError for the first that is wrong.
     """
     scenarios = [_scenario(campaign, case) for case in cases]
@@ -59,30 +71,15 @@ def run_cases(campaign: Campaign, cases: Sequence[Case], processes: int | None) 
 
 
 def _scenario(campaign: Campaign, case: Case) -> Scenario:
-    common: dict[str, object] = {"seed": case.seed}
-    if campaign.duration is not None:
-        common["duration"] = campaign.duration
-    settings = as_settings({} if case.is_nominal else {**campaign.common, **case.settings})
-    scenario = load_scenario(campaign.scenario, settings=settings, common=common, source=campaign.source)
+    settings = campaign.settings_of(case)
+    scenario = load_scenario(campaign.scenario, settings=settings)
     run = scenario.run
     if run.duration <= run.transient:
+        source = next((setting.source for setting in settings if setting.name == "duration"), str(scenario.path))
         raise ParameterError(
-            f"{campaign.source}: duration {run.duration:g} s leaves nothing after the transient of {run.transient:g} s"
+            f"{source}: duration = {run.duration:g} s leaves nothing after the transient of {run.transient:g} s"
         )
     return scenario
-
-
-def loop_parameters(scenario: Scenario) -> LoopParameters:
-    """Return a scenario as parameters of the loop in one process."""
-    return LoopParameters(
-        sea=scenario.parameters["wave_vessel"],
-        plant=scenario.parameters["cable_sim"],
-        winch=scenario.parameters["virtual_winch"],
-        controller=scenario.parameters["winch_controller"],
-        tick_period=scenario.run.tick_period,
-        duration=scenario.run.duration,
-        seed=scenario.run.seed,
-    )
 
 
 def _run_case(scenario: Scenario, case: Case) -> CaseResult:
@@ -95,19 +92,21 @@ def _run_case(scenario: Scenario, case: Case) -> CaseResult:
     return CaseResult(case, kpis, compensating=_compensating(record, scenario))
 
 
-WORKING = {"compensating", "constant_tension"}
-"""Modes in which the controller does what it was asked for."""
-
-
 def _compensating(record: LoopRecord, scenario: Scenario) -> float:
-    if scenario.parameters["winch_controller"].law == "off":
+    if not scenario.moves_winch:
         return math.nan
     after = record.column("time") >= scenario.run.transient
     return float(np.mean([mode in WORKING for mode, counts in zip(record.modes, after, strict=True) if counts]))
 
 
 def run_signals(record: LoopRecord, parameters: LoopParameters) -> RunSignals:
-    """Return the signals that KPIs are computed from, as a bag of the same run would give them."""
+    """Return the signals that KPIs are computed from, as a bag of the same run would give them.
+
+    Parameters
+    ----------
+    record : of the run
+    parameters : that it was made with
+    """
     time, plant = record.column("time"), parameters.plant
 
     def signal(name: str) -> Signal:
@@ -122,6 +121,8 @@ def run_signals(record: LoopRecord, parameters: LoopParameters) -> RunSignals:
         payout_acceleration=signal("payout_acceleration"),
         tension=signal("top_tension"),
         uncompensated_tension=signal("uncompensated_tension"),
+        slack=Signal(time, (record.column("slack_segments") > 0.0).astype(float)),
+        winch_limited=Signal(time, (record.column("limits_hit") != 0.0).astype(float)),
         static_tension=Signal(time[:1], record.column("top_tension")[:1]),
         speed_limit=parameters.winch.speed_limit,
         acceleration_limit=parameters.winch.acceleration_limit,

@@ -1,4 +1,5 @@
-"""The subcommands of `heave`, one module each with one function: `execute(options)`.
+"""The subcommands of `heave`, one module each: its arguments, its help and example, and `execute`.
 
-They are imported when their command is given: `heave --help` does not wait for ROS, the plant or the plots.
+A module imports what is heavy (ROS, the models, plots) inside `execute`, so that `heave --help` waits for none of it.
+To add a command: one module with a `COMMAND`, and one line in `heave_bringup.parser`.
 """

@@ -1,6 +1,4 @@
-"""The bounds in kappa for a recorded run: what its sensors and delay, and what its winch, would have allowed at
-best.
-"""
+"""The bounds in kappa for a recorded run: the best that its sensors and delay, and its winch, would have allowed."""
 
 from __future__ import annotations
 
@@ -9,8 +7,8 @@ from pathlib import Path
 
 import numpy as np
 from heave_bags.analyse.run_record import RunRecord
+from heave_bags.mcap.bounds import load_yaml
 from heave_bags.mcap.reader import Bag
-from heave_node.parameters import ParameterError
 from winch_controller_node.design.bounds import BOUND_STEP, WinchLimits, actuator_bound
 from winch_controller_node.design.design import design_controller
 from winch_controller_node.design.prediction import estimation_bound
@@ -20,22 +18,26 @@ from heave_bringup.scenarios import Scenario, load_scenario
 
 LONGEST = 400.0
 """Part of the record that the clairvoyant plans over [s]: its standard deviation is known to a few per cent then."""
-OFF = "off"
 
 
-def add_bounds(record: RunRecord, bag: Path) -> None:
-    """Put the bounds of the run in `bag` into its record; where they cannot be computed kappa stays unknown, and a
-    note says why.
+def add_bounds(record: RunRecord, bag: Path, given: Scenario | None = None) -> None:
+    """Put the bounds of a run into its record; where they cannot be computed kappa stays unknown, and a note says why.
+
+    Parameters
+    ----------
+    record : of the run
+    bag : folder that it was read from, with the scenario in it
+    given : scenario of the run, where the bag carries none
     """
-    scenario = _scenario_of(bag)
-    if scenario is None or scenario.parameters["winch_controller"].law == OFF:
+    scenario = _scenario_of(bag) or given
+    if scenario is None or not scenario.moves_winch:
         return
     if record.end <= scenario.run.transient:
         return  # the start-up is no measure of the controller
     try:
         s_est, s_act = _bounds(record, scenario)
-    except DesignError as error:
-        record.notes.append(f"kappa is unknown: {error}")
+    except (DesignError, ArithmeticError, ValueError) as error:  # a bag may carry any scenario, and any motion
+        record.notes.append(f"kappa is unknown: {' '.join(str(error).split())}")
         return
     record.signals.sensor_bound, record.signals.actuator_bound = s_est, s_act
 
@@ -58,11 +60,17 @@ def _scenario_of(bag: Path) -> Scenario | None:
     """Return the scenario that the bag carries; None where it carries none that this version can read."""
     for name, content in Bag(bag).attachments.items():
         if name.endswith((".yaml", ".yml")):
-            with tempfile.TemporaryDirectory() as folder:
-                path = Path(folder) / "scenario.yaml"
-                path.write_bytes(content)
-                try:
-                    return load_scenario(str(path))
-                except ParameterError:
-                    return None
+            return _parsed(content)
     return None
+
+
+def _parsed(content: bytes) -> Scenario | None:
+    """Return a scenario from the bytes of its file; None if they are none that this version can read."""
+    try:
+        load_yaml(content)  # held to bounds, since it comes from a file that anyone may have written
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / "scenario.yaml"
+            path.write_bytes(content)
+            return load_scenario(str(path))
+    except ValueError:  # ParameterError among them
+        return None

@@ -14,20 +14,28 @@ from pathlib import Path
 from heave_bags.play import substitute_node
 from heave_node.ros.process import EXIT_FAILED, EXIT_OK, EXIT_REFUSED, EXIT_STUCK, LAUNCHER_VARIABLE
 
-from heave_bringup.run.node_table import NODE_BY_NAME
+from heave_bringup.nodes import NODE_BY_NAME
 
 GRACE = 8.0
 """Wall time that a node has to end after it was asked to [s]."""
 
 ALLOCATOR = {"MALLOC_TRIM_THRESHOLD_": str(1 << 30), "MALLOC_TOP_PAD_": str(1 << 24)}
-"""Environment in which glibc keeps the memory that a message frees for the next one. Without it a node gives pages
-back to the system and asks for them again in every tick, a tenth of its time.
+"""Environment in which glibc keeps the memory that one message frees for the next.
+
+Without it a node gives pages back to the system and asks for them again in every tick: a tenth of its time.
 """
 
 
 @dataclass
 class NodeProcess:
-    """One running node."""
+    """One node process.
+
+    Attributes
+    ----------
+    name : of the node
+    process : that runs it
+    log : file with all that it prints
+    """
 
     name: str
     process: subprocess.Popen[bytes]
@@ -37,26 +45,26 @@ class NodeProcess:
     def has_left(self) -> bool:
         """Whether the node has ended, and had done its work by then."""
         status = self.process.poll()
-        return status == EXIT_OK or (status == EXIT_STUCK and not self._complaint())
+        return status == EXIT_OK or (status == EXIT_STUCK and not self._error_message())
 
     @property
     def has_failed(self) -> bool:
         """Whether the node has ended before its work was done."""
         return self.process.poll() is not None and not self.has_left
 
-    def obituary(self) -> str:
-        """Say in one line how the node ended: its own last words where it had any."""
+    def how_it_ended(self) -> str:
+        """Say in one line how the node ended: in its own words where it left an error message."""
         status = self.process.returncode
-        complaint = self._complaint()
-        if complaint and status in (EXIT_FAILED, EXIT_REFUSED, EXIT_STUCK):
-            return complaint
+        message = self._error_message()
+        if message and status in (EXIT_FAILED, EXIT_REFUSED, EXIT_STUCK):
+            return message
         if status is not None and status < 0:
             return f"{self.name} was killed by {signal.Signals(-status).name}"
         last = self._last_line()
         return f"{self.name} ended with exit status {status}" + (f": {last}" if last else "")
 
-    def _complaint(self) -> str:
-        """Return what a node that failed says last; "" of one that did not."""
+    def _error_message(self) -> str:
+        """Return the last line that a node printed, if that is an error message of its own; "" otherwise."""
         last = self._last_line()
         return last if last.startswith((f"{self.name}:", "/")) else ""
 
@@ -74,9 +82,14 @@ class Launcher:
     def start(
         self, names: Sequence[str], scenario_file: Path, logs: Path, substitutes: Mapping[str, Path] | None = None
     ) -> None:
-        """Start nodes with one parameter file; what each prints goes to `logs`/NAME.log.
+        """Start nodes with one parameter file.
 
-        A node in `substitutes` is not started: what it published in that bag is played in its place.
+        Parameters
+        ----------
+        names : of the nodes
+        scenario_file : parameter file for all of them
+        logs : folder; what each node prints goes to NAME.log in it
+        substitutes : bags by node: that node is not started, what it published in the bag is played in its place
         """
         logs.mkdir(parents=True, exist_ok=True)
         for name in names:
@@ -110,7 +123,7 @@ class Launcher:
         return not self.running()
 
     def stop(self, grace: float = GRACE) -> None:
-        """End every node: SIGINT, time to close files, then SIGKILL."""
+        """End every node: SIGINT, then `grace` seconds of wall time to close files, then SIGKILL."""
         for node in self.nodes:
             if node.process.poll() is None:
                 node.process.send_signal(signal.SIGINT)

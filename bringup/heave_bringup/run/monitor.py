@@ -1,4 +1,4 @@
-"""What the `heave` command hears of a run: the master's status and the controller's live figures."""
+"""What the `heave` command learns of a run: the master's status and the controller's live figures."""
 
 from __future__ import annotations
 
@@ -17,8 +17,9 @@ from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
 DISCOVERY = 0.5
-"""Wall time in which a run that is under way in this domain nearly always shows itself [s]; one that shows itself
-later is told apart all the same.
+"""Wall time in which a run that is under way in this domain nearly always shows itself [s].
+
+One that shows itself later is noticed during the run.
 """
 
 _FIGURES = re.compile(r"[0-9.]+")
@@ -31,7 +32,7 @@ class Monitor:
     Attributes
     ----------
     status, kpi : the newest of each
-    alarms : what the nodes called an error on /diagnostics, in order, each once
+    alarms : errors that the nodes reported on /diagnostics, in order, each once
     """
 
     def __init__(self) -> None:
@@ -41,7 +42,7 @@ class Monitor:
         self.status: TickStatus | None = None
         self.kpi: CompensationKpi | None = None
         self.alarms: list[str] = []
-        self._wrong: dict[str, str] = {}
+        self._errors: dict[str, str] = {}
         self._taken = 0
         self._over_since = 0.0
         self._node.create_subscription(
@@ -76,17 +77,17 @@ class Monitor:
         return self.status is not None and self.status.state in (TickStatus.ENDED, TickStatus.FAILED)
 
     def _on_diagnostics(self, message: DiagnosticArray) -> None:
-        """Note what has become an error, once; the same may be noted again after it was well in between.
+        """Note each new error once; it is noted again if it comes back after it had cleared.
 
-        Stamp 0 is for what the clock master misses outside of simulated time: that shows, or ends the run.
+        Stamp 0 marks what happens outside of simulated time: whom the clock master waits for shows as progress.
         """
         if message.header.stamp == Time():
             return
         for part in message.status:
             if part.level != DiagnosticStatus.ERROR:
-                self._wrong.pop(part.name, None)
-            elif self._wrong.get(part.name) != _FIGURES.sub("", part.message):
-                self._wrong[part.name] = _FIGURES.sub("", part.message)
+                self._errors.pop(part.name, None)
+            elif self._errors.get(part.name) != _FIGURES.sub("", part.message):
+                self._errors[part.name] = _FIGURES.sub("", part.message)
                 self.alarms.append(f"t = {seconds_of(message.header.stamp):.2f} s: {part.name}: {part.message}")
 
     def take_alarms(self) -> list[str]:

@@ -6,20 +6,43 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from heave_bags.analyse import analysis
-from heave_bags.analyse.run_record import RunRecord
+from heave_bags.analyse.run_record import ALL_NODES, NodeParameters, RunRecord
+from heave_node.parameters import flatten
 
 from heave_bringup.progress import ProgressLine
 from heave_bringup.run.kappa import add_bounds
+from heave_bringup.scenarios import Scenario, load_scenario
 
 
-def read_records(bags: Sequence[Path]) -> list[RunRecord]:
-    """Read bags, showing progress; raises BagError for the first that cannot be read."""
-    progress = ProgressLine()
-    try:
-        records = analysis.analyse(bags, progress=lambda share: progress.show(f"reading {share:4.0%}"))
+def read_records(
+    bags: Sequence[Path], *, scenario: str | None = None, transient: float | None = None
+) -> list[RunRecord]:
+    """Read bags, showing progress.
+
+    Parameters
+    ----------
+    bags : folders or files
+    scenario : shipped name or file, for bags that do not carry the scenario of their run
+    transient : start of the evaluation window [s]; None takes what each bag says, or else the scenario
+
+    Raises BagError for the first bag that cannot be read, ParameterError for a scenario that cannot be.
+    """
+    given = None if scenario is None else load_scenario(scenario)
+    parameters = None if given is None else parameters_of(given)
+    with ProgressLine() as progress:
+        records = analysis.analyse(
+            bags,
+            transient=transient,
+            parameters=parameters,
+            progress=lambda share: progress.show("reading", share),
+        )
         for record, bag in zip(records, bags, strict=True):
             progress.show("bounds of kappa")
-            add_bounds(record, bag)
-    finally:
-        progress.close()
+            add_bounds(record, bag, given)
     return records
+
+
+def parameters_of(scenario: Scenario) -> NodeParameters:
+    """Return the parameters of a scenario as a bag would carry them."""
+    nodes = {node: flatten(parameters) for node, parameters in scenario.parameters.items()}
+    return {**nodes, ALL_NODES: flatten(scenario.run)}

@@ -2,37 +2,44 @@
 
 from __future__ import annotations
 
-import shutil
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from heave_msgs.msg import TickStatus
 from heave_node.ros.environment import prepare_environment
-from heave_node.scenario import NodeValues, write_scenario
+from heave_node.ros.shared_memory import remove_dead_segments
+from heave_node.scenario import write_sections
 
 from heave_bringup.errors import CommandError
+from heave_bringup.nodes import MASTER, NODES
 from heave_bringup.progress import ProgressLine
 from heave_bringup.run.launcher import Launcher, NodeProcess
 from heave_bringup.run.monitor import Monitor
-from heave_bringup.run.node_table import MASTER, NODES
 from heave_bringup.scenarios import Scenario
+from heave_bringup.stored_scenario import stored_sections, stored_title
 
 ANOTHER_RUN = "another run is under way in this ROS domain: end it, or set another ROS_DOMAIN_ID"
 
 LOOK_PERIOD = 0.1
 """Wall time between two looks at the nodes [s]."""
-DESERTION = 1.0
-"""Wall time in which the news that a run is over may come after the first node that left for it [s]."""
-PARTING = 30.0
+END_NEWS_WAIT = 1.0
+"""Wall time in which the master's word that the run is over may arrive after the first node has left for it [s]."""
+SHUTDOWN_WAIT = 30.0
 """Wall time that the nodes have to end once the run is over [s]."""
-AFTERMATH = 3.0
-"""Real time: wall time that goes on after a node died, so that the bag shows how the winch stops [s]."""
+STOP_RECORDING_TIME = 3.0
+"""Real time: wall time for which a run goes on after a node died, so that the bag shows how the winch stops [s]."""
 
 
 @dataclass
 class RunFolder:
-    """Where a run leaves its files."""
+    """Where a run leaves its files.
+
+    Attributes
+    ----------
+    path : the folder
+    bag, report, scenario, logs : what lies in it
+    """
 
     path: Path
     bag: Path = field(init=False)
@@ -48,8 +55,14 @@ class RunFolder:
 
 
 def new_run_folder(name: str, chosen: Path | None) -> RunFolder:
-    """Choose the folder of a run: the chosen one, or the next free `runs/NAME-NNN`. Raises CommandError where it is
-    taken.
+    """Return the folder of a run.
+
+    Parameters
+    ----------
+    name : of the scenario
+    chosen : folder that the user named; None takes the next free `runs/NAME-NNN`
+
+    Raises CommandError where the chosen folder is not empty.
     """
     if chosen is not None:
         if chosen.exists() and any(chosen.iterdir()):
@@ -68,8 +81,8 @@ class Outcome:
 
     Attributes
     ----------
-    status : the master's last word
-    alarms : what the nodes called an error meanwhile, in order
+    status : last status of the clock master
+    alarms : errors that the nodes reported, in order
     """
 
     status: TickStatus
@@ -86,29 +99,43 @@ def run_scenario(
     substitutes: Mapping[str, Path] | None = None,
     on_look: OnLook | None = None,
 ) -> Outcome:
-    """Run a scenario to its end and return how it went; raise CommandError, in one line, where it does not reach it.
+    """Run a scenario to its end and return how it went.
 
-    Whatever happens, no node process is left behind and the bag is closed by then. `substitutes` names nodes in whose
-    place a bag is played; `on_look` is called a few times per second while the run lasts.
+    Parameters
+    ----------
+    scenario : checked
+    folder : where the run leaves its files
+    substitutes : bags by the node in whose place each is played
+    on_look : called a few times per second while the run lasts
+
+    Raises CommandError, in one line, where the run does not reach its end. Whatever happens, no node process is left
+    behind, and the bag is closed.
     """
     prepare_environment()
-    monitor = Monitor()
+    remove_dead_segments()
+    monitor = _listen()
     launcher = Launcher()
     progress = ProgressLine()
     try:
         if monitor.another_run():
             raise CommandError(ANOTHER_RUN)
-        folder.path.mkdir(parents=True, exist_ok=True)
-        write_scenario(resolved(scenario, folder), folder.scenario)
+        store_scenario(scenario, folder)
         launcher.start(nodes_to_start(scenario), folder.scenario, folder.logs, substitutes)
         status = _watch(scenario, folder, launcher, monitor, progress, on_look)
         return Outcome(status, monitor.alarms)
     except KeyboardInterrupt:
-        raise CommandError(f"interrupted; {_what_is_left(folder)}") from None
+        raise CommandError(f"interrupted; {_where_to_look(folder)}") from None
     finally:
         progress.close()
         launcher.stop()
         monitor.close()
+
+
+def _listen() -> Monitor:
+    try:
+        return Monitor()
+    except RuntimeError as error:  # of rclpy: no keys in the keystore, no such middleware
+        raise CommandError(f"ROS does not start: {' '.join(str(error).split())}") from None
 
 
 def nodes_to_start(scenario: Scenario) -> list[str]:
@@ -117,13 +144,24 @@ def nodes_to_start(scenario: Scenario) -> list[str]:
     return [node.name for node in NODES if node.name in wanted]
 
 
-def resolved(scenario: Scenario, folder: RunFolder) -> NodeValues:
-    """Return the scenario with the folder's paths in it: the file that the nodes get and the bag carries."""
-    values = {node: dict(section) for node, section in scenario.values.items()}
-    values.setdefault("recorder", {}).update(
-        directory=str(folder.bag), scenario_file=str(folder.scenario), scenario=scenario.name
+def store_scenario(scenario: Scenario, folder: RunFolder) -> None:
+    """Write the parameter file that the nodes get and the bag carries: all values in force.
+
+    Parameters
+    ----------
+    scenario : checked
+    folder : of the run; the recorder is told to write into it
+    """
+    recorder = replace(
+        scenario.parameters["recorder"],
+        directory=str(folder.bag),
+        scenario_file=str(folder.scenario),
+        scenario=scenario.name,
     )
-    return values
+    stored = replace(scenario, parameters={**scenario.parameters, "recorder": recorder})
+    sections = stored_sections(stored)
+    folder.path.mkdir(parents=True, exist_ok=True)
+    write_sections(sections, folder.scenario, title=stored_title(scenario))
 
 
 def _watch(
@@ -138,66 +176,67 @@ def _watch(
         monitor.spin(LOOK_PERIOD)
         if on_look is not None:
             on_look(launcher, monitor.status)
-        _tell_alarms(monitor, progress)
-        progress.show(_progress_text(scenario, monitor))
-        failed = launcher.failed() or _deserters(launcher, monitor)
+        _report_alarms(monitor, progress)
+        _show_progress(scenario, monitor, progress)
+        failed = launcher.failed() or _left_early(launcher, monitor)
         if failed:
-            cause = _cause([node.obituary() for node in failed], monitor)
-            _let_the_bag_show_it(scenario, monitor)
-            _tell_alarms(monitor, progress)
-            raise CommandError(f"{cause}; {_what_is_left(folder)}")
+            cause = _cause([node.how_it_ended() for node in failed], monitor)
+            _record_the_stop(scenario, monitor)
+            _report_alarms(monitor, progress)
+            raise CommandError(f"{cause}; {_where_to_look(folder)}")
         if launcher.all_ended():
             break
-        if monitor.is_over_for > PARTING:
-            raise CommandError(f"{', '.join(launcher.running())} did not end within {PARTING:g} s after the run")
+        if monitor.is_over_for > SHUTDOWN_WAIT:
+            raise CommandError(f"{', '.join(launcher.running())} did not end within {SHUTDOWN_WAIT:g} s after the run")
         if monitor.masters() > 1:  # on a busy machine it may show itself late
             raise CommandError(ANOTHER_RUN)
     status = monitor.status
     if status is None or status.state != TickStatus.ENDED:
-        raise CommandError("the nodes ended without saying that the run was over; see the logs")
+        raise CommandError(f"the nodes ended, but the run was never reported as over; {_where_to_look(folder)}")
     return status
 
 
-def _tell_alarms(monitor: Monitor, progress: ProgressLine) -> None:
+def _report_alarms(monitor: Monitor, progress: ProgressLine) -> None:
     for alarm in monitor.take_alarms():
         progress.tell(alarm)
 
 
-def _what_is_left(folder: RunFolder) -> str:
-    return f"what was recorded is in {folder.bag}, what the nodes said in {folder.logs}"
+def _where_to_look(folder: RunFolder) -> str:
+    return f"the recording is in {folder.bag}, the logs of the nodes are in {folder.logs}"
 
 
-def _deserters(launcher: Launcher, monitor: Monitor) -> list[NodeProcess]:
-    """Return the nodes that left, as if all were well, before the run was over."""
+def _left_early(launcher: Launcher, monitor: Monitor) -> list[NodeProcess]:
+    """Return the nodes that ended without an error before the run was over."""
     if monitor.is_over or not launcher.left():
         return []
-    monitor.spin_until_over(DESERTION)
+    monitor.spin_until_over(END_NEWS_WAIT)
     return [] if monitor.is_over else launcher.left()
 
 
-def _let_the_bag_show_it(scenario: Scenario, monitor: Monitor) -> None:
+def _record_the_stop(scenario: Scenario, monitor: Monitor) -> None:
     if not scenario.run.is_lockstep:
-        monitor.spin(AFTERMATH)
+        monitor.spin(STOP_RECORDING_TIME)
 
 
-def _cause(obituaries: Sequence[str], monitor: Monitor) -> str:
-    """Return the line that tells why a run failed: a node that was killed goes before those that only missed it."""
-    killed = [text for text in obituaries if "was killed by" in text]
-    cause = (killed or obituaries)[0]
-    time_of_death = f" at t = {monitor.status.simulated_time:.2f} s" if monitor.status and " t = " not in cause else ""
-    return cause + time_of_death
+def _cause(endings: Sequence[str], monitor: Monitor) -> str:
+    """Return the line that says why a run failed: a node that was killed goes before those that only missed it."""
+    killed = [text for text in endings if "was killed by" in text]
+    cause = (killed or endings)[0]
+    when = f" at t = {monitor.status.simulated_time:.2f} s" if monitor.status and " t = " not in cause else ""
+    return cause + when
 
 
-def _progress_text(scenario: Scenario, monitor: Monitor) -> str:
+def _show_progress(scenario: Scenario, monitor: Monitor, progress: ProgressLine) -> None:
     status, kpi = monitor.status, monitor.kpi
     if status is None:
-        return "starting the nodes"
+        progress.show("starting the nodes")
+        return
     if status.state == TickStatus.WAITING:
-        return f"waiting for {status.reason}"[: shutil.get_terminal_size().columns - 1]
-    share = status.simulated_time / scenario.run.duration if scenario.run.duration else 1.0
-    text = f"{status.simulated_time:7.1f} s of {scenario.run.duration:g} s ({min(share, 1.0):4.0%})"
-    text += f"  {status.real_time_factor:5.1f} x real time"
+        progress.show(f"waiting for {status.reason}")
+        return
+    duration = scenario.run.duration
+    text = f"{status.simulated_time:7.1f} s of {duration:g} s  {status.real_time_factor:5.1f} x real time"
     if kpi is not None and status.simulated_time > kpi.window:  # before that the window holds the start-up
         text += f"  as estimated: unit sigma {100.0 * kpi.unit_sigma:.2f} cm"
         text += f"  efficiency {100.0 * kpi.unit_efficiency:.1f} %"
-    return text
+    progress.show(text, min(status.simulated_time / duration, 1.0) if duration else 1.0)

@@ -1,5 +1,7 @@
-"""The line in three dimensions: its compiled kernels, its dynamics and its equilibrium."""
+"""The line in three dimensions: its compiled kernels, its dynamics, its equilibrium and its small motion."""
 
 from heave_node.compiled import drop_stale_kernels
 
-drop_stale_kernels(__file__)
+from cable_sim_node import physics
+
+drop_stale_kernels(__file__, physics.__file__)

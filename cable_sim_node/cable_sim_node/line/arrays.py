@@ -1,6 +1,6 @@
 """The line's arrays, together, as the compiled kernels take them. Allocated once.
 
-Columns are named in `line_layout`. They are few and wide: each array that a kernel takes is compiled into nine
+Columns are named in `layout`. The arrays are few and wide: each one that a kernel takes is compiled into nine
 arguments, in every kernel anew.
 """
 
@@ -79,7 +79,16 @@ class LineArrays(NamedTuple):
 def allocate(
     grid: Array, unit: Array, current: Array, schedule: Array, settings: Array, *, bending: bool
 ) -> LineArrays:
-    """Return arrays for a line on this grid of material points, at rest and not yet in equilibrium."""
+    """Return arrays for a line at rest that is not yet in equilibrium.
+
+    Parameters
+    ----------
+    grid : material points, shape (rows - 1, GRID_COLUMNS)
+    unit : shape (UNIT_COLUMNS,)
+    current, schedule : profile of the current and its factor over time, see `physics.current`
+    settings : shape (SETTING_COLUMNS,)
+    bending : whether the line has bending stiffness
+    """
     rows = len(grid) + 1
     parts = np.zeros((rows, at.PART_COLUMNS))
     parts[:-1] = grid[:, : at.PART_COLUMNS]

@@ -3,6 +3,11 @@
 Node 0 is the unit, node n the sheave (boom tip); segment i joins nodes i and i + 1. Blocks are symmetric 3 x 3, stored
 as xx, xy, xz, yy, yz, zz. The top segment changes its length L' at the sheave, where material passes: with q = (x_n -
 x_{n-1})/l, material at the sheave has velocity x_n' - L' q and acceleration x_n'' - L'' q - 2 L' q'.
+
+Arguments have the same names everywhere: `n` segments in use, `nodes`, `parts`, `unit`, `flow`, `settings` and
+`equations` the arrays of `LineArrays` (`nodes` now or at the middle of a step), `top` a row of its top. The Jacobian is
+that of the residual by a node's position if its velocity moves by `c_velocity` [1/s] and its acceleration by `c_mass`
+[1/s^2] times as much.
 """
 
 from __future__ import annotations
@@ -89,8 +94,9 @@ from cable_sim_node.line.layout import (
     Y,
     Z,
 )
+from cable_sim_node.physics.drag import Vector, drag_force, resolve
+from cable_sim_node.physics.tension_law import stiffening, tangent_stiffness
 
-Vector = tuple[float, float, float]
 Block = tuple[float, float, float, float, float, float]
 
 
@@ -98,16 +104,21 @@ Block = tuple[float, float, float, float, float, float]
 def tension_of(
     stiffness: float, q: float, c: float, damping: float, strain: float, strain_rate: float
 ) -> tuple[float, float, float]:
-    """Return tension [N], its derivative to strain and to strain rate.
+    """Return tension [N], its derivative by strain and by strain rate.
 
-    A slack segment carries none. Damping r T_e grows as r/sqrt(1 + r^2) and so stays below the elastic tension
-    T_e: it never pushes, and a line that comes
-    taut meets no step in force.
+    Parameters
+    ----------
+    stiffness, q, c : of the tension law, see `physics.tension_law`
+    damping : internal damping [N s]
+    strain, strain_rate : [-], [1/s]
+
+    A slack segment carries none. Internal damping adds T_e r/sqrt(1 + r^2) to the elastic tension T_e, with r the
+    damping force over T_e: it stays below T_e and so never pushes, and a line that comes taut meets no step in force.
     """
     if strain <= 0.0:
         return 0.0, 0.0, 0.0
-    elastic = stiffness * strain * (1.0 + strain * (q + c * strain))
-    slope = stiffness * (1.0 + strain * (2.0 * q + 3.0 * c * strain))
+    elastic = stiffness * strain * stiffening(q, c, strain)
+    slope = tangent_stiffness(stiffness, q, c, strain)
     if damping == 0.0:
         return elastic, slope, 0.0
     ratio = damping * strain_rate / elastic
@@ -131,7 +142,7 @@ def add_blocks(p: Block, q: Block) -> Block:
 
 @inner_kernel
 def times(m: Block, x: float, y: float, z: float) -> Vector:
-    """Return the block times a vector."""
+    """Return the block `m` times the vector (x, y, z)."""
     return m[0] * x + m[1] * y + m[2] * z, m[1] * x + m[3] * y + m[4] * z, m[2] * x + m[4] * y + m[5] * z
 
 
@@ -140,19 +151,15 @@ def drag_of(normal: float, tangential: float, e: Vector, ux: float, uy: float, u
     """Return half the drag [N] on a segment along `e` that moves with (ux, uy, uz) through the water, and
     d(drag)/d(velocity) / 4.
 
-    `normal` = (1/2) rho C_N d l, `tangential` = (pi/2) rho C_tau d l: normal abs(u_n) u_n across, tangential
-    abs(u_t) u_t along. The sign is that of the motion, the force on the segment the opposite.
+    `normal` and `tangential` are the factors of `physics.drag` times the segment's length. The sign is that of the
+    motion, the force on the segment the opposite.
     """
-    ut = ux * e[0] + uy * e[1] + uz * e[2]
-    nx, ny, nz = ux - ut * e[0], uy - ut * e[1], uz - ut * e[2]
-    speed = math.sqrt(nx * nx + ny * ny + nz * nz)
-    across = 0.5 * normal * speed
-    slip = 0.5 * tangential * abs(ut)
-    along = slip * ut
-    half = (across * nx + along * e[0], across * ny + along * e[1], across * nz + along * e[2])
+    slip, n, speed = resolve(e, ux, uy, uz)
+    half = drag_force(0.5 * normal, 0.5 * tangential, e, slip, n, speed)
+    across, along = 0.5 * normal * speed, 0.5 * tangential * abs(slip)
     slope = add_blocks(
-        rank_one(0.5 * across, slip - 0.5 * across, e[0], e[1], e[2]),
-        rank_one(0.0, 0.25 * normal / (speed + 1e-12), nx, ny, nz),
+        rank_one(0.5 * across, along - 0.5 * across, e[0], e[1], e[2]),
+        rank_one(0.0, 0.25 * normal / (speed + 1e-12), n[0], n[1], n[2]),
     )
     return half, slope
 
@@ -161,7 +168,15 @@ def drag_of(normal: float, tangential: float, e: Vector, ux: float, uy: float, u
 def sheave_material(
     dx: float, v_top: float, a_top: float, v_low: float, length: float, rate: float, acceleration: float
 ) -> tuple[float, float]:
-    """Return velocity and acceleration of the material at the sheave along one axis (see the module's text)."""
+    """Return velocity and acceleration of the material at the sheave along one axis (see the text of the module).
+
+    Parameters
+    ----------
+    dx : from the top segment's lower end to the sheave [m]
+    v_top, a_top : of the sheave [m/s], [m/s^2]
+    v_low : velocity of the segment's lower end [m/s]
+    length, rate, acceleration : unstretched length of the segment and its changes [m], [m/s], [m/s^2]
+    """
     q = dx / length
     velocity = v_top - rate * q
     return velocity, a_top - acceleration * q - 2.0 * rate * (velocity - v_low) / length
@@ -179,12 +194,11 @@ def assemble_segments(
     c_velocity: float,
     equations: Array,
 ) -> float:
-    """Add all segments to residual R = M a - F and Jacobian c_mass M - c_velocity dF/dv - dF/dx; return the least
-    strain.
+    """Add all segments to the residual R = M a - F and its Jacobian; return the least strain.
 
     Rows 0..n of the diagonal blocks and the residual, rows 0..n-1 of the upper blocks and the tensions [N] are
-    overwritten. `top` is one row. What the drag and the added mass owe to the turning of a segment is left out of the
-    Jacobian (not of the residual): both are small beside inertia, and the blocks stay symmetric.
+    overwritten. What drag and added mass owe to the turning of a segment is left out of the Jacobian (not of the
+    residual): both are small beside inertia, and the blocks stay symmetric.
     """
     least, r0, r1, r2 = 1e300, 0.0, 0.0, 0.0
     below = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
@@ -210,8 +224,8 @@ def assemble_segments(
             part[STIFFNESS], part[QUADRATIC], part[CUBIC], part[DAMPING], strain, strain_rate
         )
         out[TENSION] = tension
-        # the segment moves through the water with the mean of its ends; half its drag, weight and mass goes to each
-        # of them
+        # the segment moves through the water at the mean velocity of its ends; each end takes half of its drag, weight
+        # and mass
         ux = 0.5 * (low[VX] + wx) - water[FLOW_X]
         uy = 0.5 * (low[VY] + wy) - water[FLOW_Y]
         uz = 0.5 * (low[VZ] + wz) - water[FLOW_Z]
@@ -285,7 +299,7 @@ def assemble_nodes(
         out[RX] += inertia * node[AX] + drag * ux - fluid * water[FLOW_AX]
         out[RY] += inertia * node[AY] + drag * uy - fluid * water[FLOW_AY]
         out[RZ] += inertia * node[AZ] + drag * uz - fluid * water[FLOW_AZ] + lump[LUMP_WEIGHT]
-        # the full derivative lies between drag and 2 drag: an upper bound keeps the correction short
+        # the derivative lies between drag and 2 drag in all directions: the upper bound keeps the correction short
         added = c_mass * inertia + 2.0 * c_velocity * drag
         out[DXX] += added
         out[DYY] += added
@@ -317,7 +331,7 @@ def add_contact(i: int, nodes: Array, parts: Array, settings: Array, c_velocity:
         stiffness, damping = settings[BED_STIFFNESS] * share, settings[BED_DAMPING] * share
     mx, my, mz = -sx * norm, -sy * norm, norm
     vn = node[VX] * mx + node[VY] * my + node[VZ] * mz
-    # damping grows in with the penetration over 1 cm: no jump in force at first touch
+    # damping sets in over the first centimetre of penetration: no jump in force at first touch
     grown = min(depth / 0.01, 1.0)
     push = stiffness * depth - damping * grown * vn
     if push <= 0.0:
@@ -371,10 +385,10 @@ def add_compensator(node: Array, top: Array, settings: Array, c_mass: float, c_v
 
 @inner_kernel
 def solve_blocks(count: int, equations: Array) -> None:
-    """Solve the symmetric block-tridiagonal system J correction = -residual for rows 0..count-1 (block Gauss, one pass
-    each way).
+    """Solve the symmetric block-tridiagonal system J correction = -residual for rows 0..count-1 by block elimination.
 
-    Diagonal blocks and residual are used up. The correction of row `count` must be what is prescribed there.
+    Diagonal blocks and residuals in `equations` are used up. The correction of row `count` must be what is prescribed
+    there.
     """
     for i in range(count):
         row, above = equations[i], equations[i + 1]

@@ -1,8 +1,7 @@
-"""Bending stiffness of the line: a hinge spring at each inner node (Pinto; thesis appendix 12.4.6), and the wider
-solve it needs.
+"""Bending stiffness of the line: a hinge spring at each inner node (Pinto; thesis appendix 12.4.6), and its solver.
 
 Energy of the hinge at node i between segments of lengths l and m: (1/2) B |e_i - e_{i-1}|^2 with B = EI / ((l + m)/2),
-e the unit vectors along the segments; |e_i - e_{i-1}| / ((l + m)/2) is the curvature.
+e the unit vectors along the segments; |e_i - e_{i-1}| / ((l + m)/2) is the curvature. Arguments as in `assembly`.
 """
 
 from __future__ import annotations
@@ -29,11 +28,11 @@ from cable_sim_node.line.layout import (
 
 @inner_kernel
 def add_bending(n: int, nodes: Array, parts: Array, equations: Array, band: Array) -> None:
-    """Add the hinges' forces to the residual and write their stiffness into `band` (column 8 + j - i of row i), which
-    is cleared; its last three rows are scratch.
+    """Add the hinges' forces to the residual and write their stiffness into `band`.
 
-    The stiffness is the part that keeps the segments' directions: B G' G with G the derivative of e_i - e_{i-1}. It is
-    positive semidefinite; what is left out is of the order of the bending force itself.
+    Entry (i, j) of the stiffness is in row i, column 8 + j - i; `band` is cleared first, and its last three rows are
+    scratch. The stiffness is the part that keeps the segments' directions: B G' G with G the derivative of e_i -
+    e_{i-1}. It is positive semidefinite; what is left out is of the order of the bending force itself.
     """
     band[:] = 0.0
     hinge = band.shape[0] - 3
@@ -76,7 +75,10 @@ def _entry(p: int, q: int) -> int:
 
 @inner_kernel
 def solve_with_bending(count: int, equations: Array, band: Array) -> None:
-    """Solve (blocks + band) correction = -residual by banded elimination; definite, so without pivoting."""
+    """Solve (blocks + band) correction = -residual for nodes 0..count-1 by banded elimination.
+
+    Blocks and residuals are those of `equations`. The system is definite, so nothing is pivoted.
+    """
     size = 3 * count
     for i in range(count):
         for p in range(3):

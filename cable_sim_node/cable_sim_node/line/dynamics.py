@@ -9,13 +9,12 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 from heave_node.arrays import Array
 from heave_node.kinematics import PointMotion
 from heave_node.parameters import ParameterError
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from cable_sim_node.errors import (
     BadMotionError,
@@ -27,21 +26,15 @@ from cable_sim_node.errors import (
 )
 from cable_sim_node.line import layout as at
 from cable_sim_node.line.assembly import add_contact
-from cable_sim_node.line.energy import Energy, PowerLost, energy_of, power_lost
 from cable_sim_node.line.equilibrium import hang
 from cable_sim_node.line.feed import set_top_segment
 from cable_sim_node.line.grid import build_line, settings_row
 from cable_sim_node.line.step import advance, evaluate
 from cable_sim_node.parameters import CableSimParameters
+from cable_sim_node.physics.properties import unit_properties
 
 _MOVING_ARRAYS = ("now", "parts", "unit", "top", "settings", "counters")
-
-
-@dataclass(frozen=True)
-class SavedState:
-    """The whole state of a `CableDynamics` at one time, to be given back to `restore`."""
-
-    arrays: dict[str, Array | NDArray[np.int64]]
+"""What changes in a run, and is kept where the line's arrays grow."""
 
 
 class CableDynamics:
@@ -53,7 +46,7 @@ class CableDynamics:
     The fluid surrounds all of it: there is no splash zone.
 
     Time: `advance` takes the motion at the start and at the end of an interval; all properties are those of the end of
-    the last interval. Two objects share nothing.
+    the last interval. Two objects share nothing; `copy.deepcopy` makes a second one in the same state.
 
     Raises ParameterError where the parameters contradict one another.
     """
@@ -64,24 +57,39 @@ class CableDynamics:
         self._line = build_line(parameters, 2.0 * parameters.length)
         self._ends = np.zeros((4, 4))
         self._fresh = False
-        self._least_strain = 0.0
 
     def start_at_equilibrium(self, boom_tip_position: ArrayLike, payout: float = 0.0, *, time: float = 0.0) -> None:
-        """Hang the line at rest, exactly in equilibrium, in the current of `time` [s].
+        """Hang the line at rest, exactly in equilibrium.
 
-        Raises NoEquilibriumError where it does not hang, PlantError where it would reach the seabed.
+        Parameters
+        ----------
+        boom_tip_position : [m], shape (3,)
+        payout : cable let out beyond the parameters' length [m]
+        time : simulated time, whose current flows [s]
+
+        Raises
+        ------
+        NoEquilibriumError
+            where the line does not hang.
+        CableTooShortError
+            for less cable than a segment can shrink to.
+        PlantError
+            where the line would reach the seabed.
         """
         boom_tip = np.array(boom_tip_position, dtype=float)
         total = self.parameters.length + payout
         if boom_tip.shape != (3,) or not np.all(np.isfinite(boom_tip)) or not math.isfinite(total):
             raise BadMotionError(
-                f"boom tip {boom_tip.tolist()} and payout {payout} must be finite, boom tip three numbers"
+                f"boom tip must be three finite numbers and payout one; got {boom_tip.tolist()} and {payout}"
             )
         self._reserve(total)
         line = self._line
         points = line.grid_s
         if total < at.MERGE_AT * points[1]:
-            raise CableTooShortError(f"{total:g} m of cable is less than a segment of {points[1]:g} m can shrink to")
+            raise CableTooShortError(
+                f"{total:g} m of cable is too short: a segment of {points[1]:g} m can shrink to "
+                f"{at.MERGE_AT * points[1]:g} m at least; use more segments"
+            )
         line.settings[:] = settings_row(self.parameters)
         line.settings[at.SPRING_ON] = 0.0
         line.parts[:-1] = line.grid[:, : at.PART_COLUMNS]
@@ -98,7 +106,7 @@ class CableDynamics:
         hang(line, boom_tip)
         if line.x[0, 2] > boom_tip[2]:
             raise NoEquilibriumError(
-                "the line does not hang: unit and cable must weigh more in water than what lifts them"
+                "the line does not hang: the weight of unit and cable in water must exceed what lifts them"
             )
         self._fresh = False
         self._start_compensator()
@@ -114,11 +122,21 @@ class CableDynamics:
         payout_end: float,
         payout_rate_end: float,
     ) -> None:
-        """Integrate over `duration` [s]; boom tip and payout [m] run as cubics through values and rates at both ends.
+        """Integrate over an interval; boom tip and payout run as cubics through their values and rates at both ends.
 
-        Only position and velocity of `tip_start` and `tip_end` are used. Raises BadMotionError for numbers that are
-        not finite and for a payout at the start that is not the present one, CableTooShortError, NotConvergedError; the
-        state is then that of the last good step.
+        Parameters
+        ----------
+        duration : [s], above 0
+        tip_start, tip_end : motion of the boom tip; only positions and velocities are used
+        payout_start, payout_rate_start : at the start [m], [m/s]; the payout must be the present one
+        payout_end, payout_rate_end : at the end [m], [m/s]
+
+        Raises
+        ------
+        BadMotionError
+            for numbers that are not finite, and for a payout that jumps; nothing is changed.
+        CableTooShortError, NotConvergedError
+            where the line cannot follow; the state is that of the last good step.
         """
         ends, base = self._ends, self.parameters.length
         ends[0, :3], ends[1, :3] = tip_start.position, tip_start.velocity
@@ -136,16 +154,16 @@ class CableDynamics:
         outcome = advance(self._line, duration, ends)
         if outcome == at.TOO_SHORT:
             raise CableTooShortError(
-                f"at t = {self.time:g} s: {self.unstretched_length:g} m of cable is left, no segment can be shorter "
-                f"than {at.MERGE_AT * self._line.grid_s[1]:g} m: haul in less or use more segments"
+                f"at t = {self.time:g} s: {self.unstretched_length:g} m of cable is left, and the last segment "
+                f"cannot be shorter than {at.MERGE_AT * self._line.grid_s[1]:g} m: haul in less or use more segments"
             )
         if outcome == at.NOT_CONVERGED:
             raise NotConvergedError(
-                f"at t = {self.time:g} s: no solution even with very small steps; top tension {self.top_tension:g} N, "
-                f"unit at {self.unit_position.round(3).tolist()} m"
+                f"at t = {self.time:g} s: no solution was found even with very small steps; top tension "
+                f"{self.top_tension:g} N, unit at {self.unit_position.round(3).tolist()} m"
             )
 
-    # --- what is known after the last interval
+    # --- the state at the end of the last interval
 
     @property
     def time(self) -> float:
@@ -182,7 +200,7 @@ class CableDynamics:
     def top_force(self) -> Array:
         """Force of the line on its top end [N], shape (3,).
 
-        The top segment's tension with half its weight, drag and inertia.
+        It is the top segment's tension with half its weight, drag and inertia.
         """
         self._evaluate()
         return -self._line.residual[self.segments]
@@ -237,74 +255,24 @@ class CableDynamics:
         return float(-equations[0, at.RZ])
 
     @property
-    def grounded_length(self) -> float:
-        """Unstretched length of cable on the seabed [m]."""
-        bed, n = self.parameters.seabed, self.segments
-        if bed.depth == 0.0:
-            return 0.0
-        x = self._line.x[: n + 1]
-        below = x[:, 2] <= -bed.depth + bed.slope[0] * x[:, 0] + bed.slope[1] * x[:, 1]
-        return float(np.sum(self._line.parts[:n, at.LENGTH] * 0.5 * (below[1:].astype(float) + below[:-1])))
-
-    @property
     def compensator_stroke(self) -> float:
-        """How far the passive compensator's sheave is below its mid-stroke at the boom tip [m].
-
-        0 without a compensator.
-        """
+        """How far the compensator's sheave is below its mid-stroke at the boom tip [m]; 0 without a compensator."""
         return float(self._line.top[at.NOW, at.Z] - self._line.x[self.segments, 2])
-
-    @property
-    def steps_taken(self) -> int:
-        """Inner steps since the start."""
-        return int(self._line.counters[at.SUBSTEPS])
-
-    @property
-    def steps_halved(self) -> int:
-        """How often a step had to be halved since the start."""
-        return int(self._line.counters[at.HALVINGS])
-
-    @property
-    def newton_solves(self) -> int:
-        """Linear solves since the start."""
-        return int(self._line.counters[at.SOLVES])
-
-    @property
-    def energy(self) -> Energy:
-        """Mechanical energy [J]."""
-        return energy_of(self._line)
-
-    @property
-    def power_lost(self) -> PowerLost:
-        """Power [W] taken by drag, internal damping and the seabed."""
-        self._evaluate()
-        return power_lost(self._line)
 
     def set_thrust(self, force: ArrayLike) -> None:
         """Set the thruster force on the unit [N], shape (3,), in place of `unit.thrust`, from now on."""
         thrust = np.array(force, dtype=float)
         if thrust.shape != (3,) or not np.all(np.isfinite(thrust)):
             raise BadMotionError(f"thrust must be three finite numbers [N]; got {thrust.tolist()}")
-        weight = self.parameters.unit.weight_in_fluid(self.parameters.water_density, self.parameters.gravity)
-        self._line.unit[at.UNIT_FORCE : at.UNIT_FORCE + 3] = thrust - np.array([0.0, 0.0, weight])
-        self._fresh = False
-
-    def save(self) -> SavedState:
-        """Return a copy of the state."""
-        return SavedState({name: getattr(self._line, name).copy() for name in _MOVING_ARRAYS})
-
-    def restore(self, state: SavedState) -> None:
-        """Go back to a state that `save` returned (of an object with the same parameters)."""
-        self._reserve_rows(len(state.arrays["parts"]))
-        for name, value in state.arrays.items():
-            getattr(self._line, name)[: len(value)] = value
+        rest = unit_properties(self.parameters).force - np.array(self.parameters.unit.thrust)
+        self._line.unit[at.UNIT_FORCE : at.UNIT_FORCE + 3] = thrust + rest
         self._fresh = False
 
     # --- inside
 
     def _evaluate(self) -> None:
         if not self._fresh:
-            self._least_strain = evaluate(self._line)
+            evaluate(self._line)
             self._fresh = True
 
     def _reserve(self, total: float) -> None:
@@ -312,17 +280,13 @@ class CableDynamics:
         if total > self._line.grid_s[-5]:
             self._grow(total)
 
-    def _reserve_rows(self, rows: int) -> None:
-        while len(self._line.parts) < rows:
-            self._grow(2.0 * float(self._line.grid_s[-1]))
-
     def _grow(self, total: float) -> None:
         old = self._line
         self._line = build_line(self.parameters, 2.0 * total)
         for name in _MOVING_ARRAYS:
             rows = len(getattr(old, name))
             getattr(self._line, name)[:rows] = getattr(old, name)
-        # beyond the line in use the rows must be the grid's own
+        # rows above the segments in use must be those of the grid
         n = int(old.counters[at.SEGMENTS])
         parts, grid = self._line.parts, self._line.grid
         parts[n, : at.SEGMENT_COLUMNS] = grid[n, : at.SEGMENT_COLUMNS]  # its lump is the sheave's
@@ -336,12 +300,12 @@ class CableDynamics:
         if spring.preload == 0.0:
             self._line.settings[at.SPRING_PRELOAD] = -self.top_force[2]
             return
-        # the sheave rests where the spring balances the line; the line below hangs that much lower, as one
+        # the sheave rests where the spring balances the line; the whole line hangs lower by as much
         stroke = (-self.top_force[2] - spring.preload) / spring.stiffness
         if abs(stroke) > 0.5 * spring.stroke:
             raise PlantError(
-                f"compensator.preload = {spring.preload:g} N leaves it {stroke:.2f} m from mid-stroke at rest, beyond "
-                f"its {spring.stroke:g} m; the static top tension is {-self.top_force[2]:.0f} N"
+                f"compensator.preload = {spring.preload:g} N puts it {stroke:.2f} m from mid-stroke at rest, beyond "
+                f"half its stroke of {spring.stroke:g} m; the static top tension is {-self.top_force[2]:.0f} N"
             )
         self._line.x[: self.segments + 1, 2] -= stroke
         self._fresh = False
@@ -355,11 +319,11 @@ class CableDynamics:
         if clearance.min() < 0.0:
             raise PlantError(
                 f"at the start the line reaches {-clearance.min():.2f} m below the seabed (unit at {-x[0, 2]:.2f} m, "
-                f"seabed.depth {bed.depth:g} m): shorten `length` or give a deeper seabed"
+                f"seabed.depth {bed.depth:g} m): shorten `length` or make the seabed deeper"
             )
 
 
 def _check_seabed(parameters: CableSimParameters) -> None:
     depth = parameters.seabed.depth
     if 0.0 < depth < 0.5 * parameters.length / parameters.segments:
-        raise ParameterError(f"seabed.depth = {depth:g} m is less than half a segment: no room for the line")
+        raise ParameterError(f"seabed.depth = {depth:g} m is less than half a segment: there is no room for the line")

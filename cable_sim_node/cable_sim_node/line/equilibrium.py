@@ -46,25 +46,10 @@ from cable_sim_node.line.layout import (
     Z,
 )
 from cable_sim_node.line.step import assemble
+from cable_sim_node.physics.drag import drag_force, resolve
+from cable_sim_node.physics.tension_law import strain_at
 
 _PASSES = 200
-
-
-@kernel
-def strain_at(row: Array, tension: float) -> float:
-    """Return the strain at which the tension law gives `tension` [N]; NaN where it does not reach it."""
-    strain = tension / row[STIFFNESS]
-    for _ in range(50):
-        q, c = row[QUADRATIC], row[CUBIC]
-        value = row[STIFFNESS] * strain * (1.0 + strain * (q + c * strain)) - tension
-        slope = row[STIFFNESS] * (1.0 + strain * (2.0 * q + 3.0 * c * strain))
-        if slope <= 0.0:
-            return math.nan
-        change = value / slope
-        strain -= change
-        if abs(change) < 1e-15 * (1e-12 + abs(strain)):
-            break
-    return strain
 
 
 @inner_kernel
@@ -111,30 +96,28 @@ def aim(force: Array, u: Array, normal: float, tangential: float, direction: Arr
     for k in range(3):
         sideways = drag[k] / across if across > 0.0 else 0.0
         direction[k] = math.cos(turn) * force[k] / pull - math.sin(turn) * sideways
-    ut = u[0] * direction[0] + u[1] * direction[1] + u[2] * direction[2]
-    speed = 0.0
-    for k in range(3):
-        drag[k] = u[k] - ut * direction[k]
-        speed += drag[k] ** 2
-    speed = math.sqrt(speed)
+    e = (direction[0], direction[1], direction[2])
+    slip, n, speed = resolve(e, u[0], u[1], u[2])
+    half = drag_force(normal, tangential, e, slip, n, speed)
     tension = 0.0
     for k in range(3):
-        drag[k] = normal * speed * drag[k] + tangential * abs(ut) * ut * direction[k]
-        tension += (force[k] - drag[k]) * direction[k]
+        drag[k] = half[k]
+        tension += (force[k] - half[k]) * e[k]
     return tension
 
 
 @kernel
 def march(line: LineArrays, n: int) -> bool:
-    """Place nodes 1..n above the unit by equilibrium in the current at the nodes' places until now; False where nothing
-    pulls.
+    """Place nodes 1..n above the unit by equilibrium in the current that flows where the nodes of `line` are until now.
+
+    Returns False where nothing pulls.
     """
     now, parts, unit = line.now, line.parts, line.unit
     set_flow(n, line.top[NOW, TIME], now, line.settings, line.current, line.schedule, line.flow)
     force, drag, direction = line.middle[0], line.middle[1], line.middle[2]  # free until the first step
     for k in range(3):
         u = line.flow[0, FLOW_X + k]
-        # what the rest of the line must hold: minus all steady forces below
+        # what the line above must hold: minus all steady forces below
         force[k] = -(unit[UNIT_FORCE + k] + unit[UNIT_DRAG + k] * abs(u) * u)
     for i in range(n):
         part, water = parts[i], line.flow[i + 1]
@@ -144,7 +127,7 @@ def march(line: LineArrays, n: int) -> bool:
         tension = aim(force, water, part[NORMAL_DRAG] * half, part[TANGENTIAL_DRAG] * half, direction, drag)
         if not tension > 0.0:
             return False
-        stretched = length * (1.0 + strain_at(part, tension))
+        stretched = length * (1.0 + strain_at(part[STIFFNESS], part[QUADRATIC], part[CUBIC], tension))
         if not stretched > length:
             return False
         for k in range(3):
@@ -163,19 +146,18 @@ def march(line: LineArrays, n: int) -> bool:
 def add_drag_turning(n: int, nodes: Array, parts: Array, flow: Array, band: Array) -> None:
     """Add to `band` how the drag of each segment at rest changes as the segment turns.
 
-    With u the velocity through the water, u_t = u.e and u_n the rest, the drag N abs(u_n) u_n + T abs(u_t) u_t e
-    changes by
-    -N (u_t u_n (u_n.de)/abs(u_n) + abs(u_n) ((u_n.de) e + u_t de)) + T (2 abs(u_t) (u_n.de) e + abs(u_t) u_t de).
+    With u the velocity through the water, the drag of `physics.drag` changes by
+
+        -N (u_t u_n (u_n.de)/abs(u_n) + abs(u_n) ((u_n.de) e + u_t de)) + T (2 abs(u_t) (u_n.de) e + abs(u_t) u_t de)
+
+    Arguments as in `assembly`.
     """
     for i in range(n):
         row, low, high, water = parts[i], nodes[i], nodes[i + 1], flow[i + 1]
         ex, ey, ez = high[X] - low[X], high[Y] - low[Y], high[Z] - low[Z]
         stretched = math.sqrt(ex * ex + ey * ey + ez * ez)
         e = (ex / stretched, ey / stretched, ez / stretched)
-        u = (-water[FLOW_X], -water[FLOW_Y], -water[FLOW_Z])
-        ut = u[0] * e[0] + u[1] * e[1] + u[2] * e[2]
-        un = (u[0] - ut * e[0], u[1] - ut * e[1], u[2] - ut * e[2])
-        speed = math.sqrt(un[0] ** 2 + un[1] ** 2 + un[2] ** 2)
+        ut, un, speed = resolve(e, -water[FLOW_X], -water[FLOW_Y], -water[FLOW_Z])
         if speed == 0.0:
             continue
         normal, tangential = row[NORMAL_DRAG] * row[LENGTH], row[TANGENTIAL_DRAG] * row[LENGTH]
@@ -197,11 +179,16 @@ def add_drag_turning(n: int, nodes: Array, parts: Array, flow: Array, band: Arra
 
 @kernel
 def bend(line: LineArrays, n: int, tolerance: float) -> bool:
-    """Move the nodes from the flexible line's equilibrium to the stiff one's; False where that does not settle.
+    """Move the nodes from the flexible line's equilibrium to the stiff one's; return False where that does not settle.
 
-    Newton; `tolerance` [m] is on the largest correction. What the tangent leaves out (the current's change with
-    depth, the
-    turning of the bending forces) is small, and only slows it.
+    Parameters
+    ----------
+    line : arrays, with the flexible line's equilibrium
+    n : segments in use
+    tolerance : largest last correction of Newton's method [m]
+
+    What the tangent leaves out (the current's change with depth, the turning of the bending forces) is small, and only
+    slows it.
     """
     equations = line.equations
     equations[n, CX] = equations[n, CY] = equations[n, CZ] = 0.0
@@ -225,10 +212,17 @@ def bend(line: LineArrays, n: int, tolerance: float) -> bool:
 
 
 def hang(line: LineArrays, boom_tip: Array) -> None:
-    """Put the line at rest under `boom_tip`, shape (3,) [m], in the current of the present time; a wave is taken to be
-    still.
+    """Put the line at rest under the boom tip, in the current of the present time; a wave is taken to be still.
 
-    Raises NoEquilibriumError where unit and cable do not hang (buoyant, or a tension law that yields).
+    Parameters
+    ----------
+    line : arrays, with its length, segments and time set
+    boom_tip : position [m], shape (3,)
+
+    Raises
+    ------
+    NoEquilibriumError
+        where unit and cable do not hang (buoyant, or a tension law that yields).
     """
     n = int(line.counters[SEGMENTS])
     total = float(np.sum(line.parts[:n, LENGTH]))
@@ -237,23 +231,23 @@ def hang(line: LineArrays, boom_tip: Array) -> None:
     line.flow[:, FLOW_AX:] = 0.0
     unit_position = boom_tip - np.array([0.0, 0.0, total])
     line.x[: n + 1] = np.linspace(unit_position, boom_tip, n + 1)
-    # where the line hangs depends on the current, and that on where it hangs: the shift of each pass is much smaller
-    # than the last
+    # the line's position depends on the current and the current on the position: each pass shifts it by much less than
+    # the one before
     for _ in range(_PASSES):
         if not march(calm, n):
             raise NoEquilibriumError(
-                "the line does not hang: unit and cable must weigh more in water than what lifts them"
+                "the line does not hang: the weight of unit and cable in water must exceed what lifts them"
             )
         miss = boom_tip - line.x[n]
         line.x[: n + 1] += miss
         if np.max(np.abs(miss)) < 1e-12 * total:
             break
     else:
-        raise NoEquilibriumError(
-            "the line's place in the current does not settle: the current changes too fast with depth"
-        )
+        raise NoEquilibriumError("the line finds no position in the current: the current changes too fast with depth")
     line.x[n] = boom_tip
     line.v[:] = 0.0
     line.a[:] = 0.0
     if line.settings[BENDING_ON] > 0.0 and not bend(line, n, 1e-10 * total):
-        raise NoEquilibriumError("the bent line does not settle: cable.bending_stiffness is too large for it")
+        raise NoEquilibriumError(
+            "the bent line has no equilibrium: cable.bending_stiffness is too large for its tension"
+        )

@@ -1,10 +1,10 @@
-"""Cable that enters and leaves at the sheave: the top segment's length and make-up, and the birth and death of nodes
-there.
+"""Cable that enters and leaves at the sheave: the top segment, and the birth and death of nodes below it.
 
-The grid of material points `grid_s` is counted from the unit and never moves; node i < n sits on grid point i for
-good. Only the top segment, from grid point n - 1 to the length L, changes. It is born and merged with the mass of the
-line, its stretch and (at a birth) its momentum kept, and a new node is put where its own forces give it the
-acceleration of its surroundings, so that tension does not jump.
+The grid of material points is counted from the unit and never moves; node i < n sits on grid point i for good. Only the
+top segment, from grid point n - 1 to the length L, changes. It is divided and merged with the mass of the line, its
+stretch and (when it is divided) its momentum kept, and a new node is put where its own forces give it the acceleration
+of its surroundings, so that tension does not jump. Arguments as in `assembly`; `now` and `grid` are those of
+`LineArrays`.
 """
 
 from __future__ import annotations
@@ -55,10 +55,10 @@ from cable_sim_node.line.layout import (
 
 @kernel
 def set_top_segment(n: int, total: float, grid: Array, parts: Array) -> None:
-    """Set row n - 1 of `parts` for the cable between grid point n - 1 and the length `total`, and the lump of row n.
+    """Set row n - 1 of `parts` for the cable from grid point n - 1 to the length `total` [m], and the lump of row n.
 
-    Where it spans several grid segments (other sections), what is per metre is averaged by length and the compliance
-    is added. A lump on the way bears on both ends by the law of the lever, as do mass and weight of the parts: that is
+    Where it spans several grid segments (other sections), what is per metre is averaged by length and the compliance is
+    added. A lump on the way bears on both ends by the law of the lever, as do mass and weight of the parts: that is
     what the node will take over.
     """
     start = grid[n - 1, START]
@@ -79,8 +79,7 @@ def set_top_segment(n: int, total: float, grid: Array, parts: Array) -> None:
         low, high = grid[j, START], min(grid[j + 1, START], total)
         part = (high - low) / length
         compliance += part / grid[j, STIFFNESS]
-        # a part's share in the lower end is one half in the mean of all; what a heavier end takes more goes through
-        # the lumps
+        # the lower end takes half of the mean of all parts; what a part adds to its nearer end goes into the lumps
         lean = 0.5 - (0.5 * (low + high) - start) / length
         leaning_mass += lean * part * length * grid[j, MASS]
         leaning_weight += lean * part * length * grid[j, WEIGHT]
@@ -135,7 +134,7 @@ def split_top(n: int, now: Array, top: Array, grid: Array, parts: Array) -> int:
 
 @inner_kernel
 def settle_node(line: LineArrays, k: int, n: int) -> None:
-    """Move the newborn node k to where its forces give it the acceleration it has.
+    """Move the newborn node `k` of n segments to where its forces give it the acceleration it has.
 
     A node between slack segments stays.
     """
@@ -155,7 +154,7 @@ def settle_node(line: LineArrays, k: int, n: int) -> None:
         s1 = scale * (c1 * r0 + (d[DXX] * d[DZZ] - d[DXZ] * d[DXZ]) * r1 + c4 * r2)
         s2 = scale * (c2 * r0 + c4 * r1 + (d[DXX] * d[DYY] - d[DXY] * d[DXY]) * r2)
         size = math.sqrt(s0 * s0 + s1 * s1 + s2 * s2)
-        # a step of more than a tenth of a segment says that there is no such place: leave the straight line
+        # a step of more than a tenth of a segment means that there is no such place: the node stays where it is
         if not size < 0.1 * min(line.parts[k - 1, LENGTH], line.parts[k, LENGTH]):
             return
         node[X] += s0
@@ -169,7 +168,7 @@ def settle_node(line: LineArrays, k: int, n: int) -> None:
 def feed(line: LineArrays, n: int) -> int:
     """Let nodes be born or die until the top segment is neither too long nor too short; return the number of segments.
 
-    The caller keeps the length above the least one and below the grid's end.
+    `n` is their number until now. The caller keeps the length above the least one and below the grid's end.
     """
     now, parts, grid, top = line.now, line.parts, line.grid, line.top[NOW]
     total = top[TOTAL]

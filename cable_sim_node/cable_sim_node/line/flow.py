@@ -23,42 +23,29 @@ from cable_sim_node.line.layout import (
     Y,
     Z,
 )
-
-
-@inner_kernel
-def locate(at: float, table: Array) -> tuple[int, int, float]:
-    """Return the rows of `table` around `at` in its increasing first column, and the share of the way from one to the
-    other; the same row twice beyond the ends.
-    """
-    low, high = 0, table.shape[0] - 1
-    if at <= table[low, 0]:
-        return low, low, 0.0
-    if at >= table[high, 0]:
-        return high, high, 0.0
-    while high - low > 1:
-        middle = (low + high) // 2
-        if table[middle, 0] <= at:
-            low = middle
-        else:
-            high = middle
-    return low, high, (at - table[low, 0]) / (table[high, 0] - table[low, 0])
+from cable_sim_node.physics.current import FLOW, between, locate
 
 
 @inner_kernel
 def set_flow(n: int, time: float, nodes: Array, settings: Array, current: Array, schedule: Array, flow: Array) -> None:
     """Set the water's velocity [m/s] and acceleration [m/s^2]: row 0 at the unit, row i + 1 at the middle of segment i.
 
-    `current` has rows (depth, u_x, u_y), `schedule` rows (time, factor).
+    Parameters
+    ----------
+    n : segments in use
+    time : [s]
+    nodes, settings, flow : arrays of `LineArrays`
+    current, schedule : profile of `physics.current`, and rows of time and factor
     """
     low, high, share = locate(time, schedule)
-    factor = schedule[low, 1] + share * (schedule[high, 1] - schedule[low, 1])
+    factor = between(schedule, low, high, share, 1)
     waves = settings[WAVE_AMPLITUDE] > 0.0
     for i in range(n + 1):
         lower, upper, water = nodes[i - 1 if i > 0 else 0], nodes[i], flow[i]
         z = 0.5 * (lower[Z] + upper[Z])
         low, high, share = locate(-z, current)
-        water[FLOW_X] = factor * (current[low, 1] + share * (current[high, 1] - current[low, 1]))
-        water[FLOW_Y] = factor * (current[low, 2] + share * (current[high, 2] - current[low, 2]))
+        water[FLOW_X] = factor * between(current, low, high, share, FLOW)
+        water[FLOW_Y] = factor * between(current, low, high, share, FLOW + 1)
         water[FLOW_Z] = 0.0
         if waves:
             add_wave(time, 0.5 * (lower[X] + upper[X]), 0.5 * (lower[Y] + upper[Y]), z, settings, water)
@@ -66,8 +53,9 @@ def set_flow(n: int, time: float, nodes: Array, settings: Array, current: Array,
 
 @inner_kernel
 def add_wave(time: float, x: float, y: float, z: float, settings: Array, water: Array) -> None:
-    """Add the wave's velocity at (x, y, z) to a row of the flow, and set its acceleration; crests pass the origin at
-    time 0.
+    """Add the wave's velocity at (x, y, z) to a row of the flow, and set its acceleration.
+
+    Crests pass the origin at `time` 0 and travel in the direction of `settings`.
     """
     omega, number = settings[WAVE_FREQUENCY], settings[WAVE_NUMBER]
     dx, dy = settings[WAVE_X], settings[WAVE_Y]

@@ -9,40 +9,36 @@ from heave_node.arrays import Array
 
 from cable_sim_node.line import layout as at
 from cable_sim_node.line.arrays import LineArrays, allocate
-from cable_sim_node.parameters import CableParameters, CableSimParameters
+from cable_sim_node.parameters import CableSimParameters
+from cable_sim_node.physics.current import profile_of, schedule_of
+from cable_sim_node.physics.properties import CableProperties, body_properties, cable_sections, unit_properties
 
 _SPARE_SEGMENTS = 8
 """Grid segments beyond the longest line, so that the kernels may look ahead."""
 
 
 def build_line(parameters: CableSimParameters, total: float) -> LineArrays:
-    """Return the arrays of a line whose grid reaches beyond `total` [m] of unstretched length."""
-    grid_s = grid_points(parameters, total)
-    middles = 0.5 * (grid_s[1:] + grid_s[:-1])
-    grid = np.zeros((len(grid_s), at.GRID_COLUMNS))
-    grid[:-1, : at.SEGMENT_COLUMNS] = [segment_row(parameters, s) for s in middles]
-    grid[:-1, at.LENGTH] = np.diff(grid_s)
-    grid[:, at.START] = grid_s
+    """Return the arrays of a line of these parameters whose grid reaches beyond `total` [m] of unstretched length."""
+    points = grid_points(parameters, total)
+    grid = np.zeros((len(points), at.GRID_COLUMNS))
+    grid[:, at.START] = points
+    _fill_segments(parameters, grid)
     _add_lumps(parameters, grid)
-    profile = parameters.current_profile
-    current = np.array([profile.depth, profile.velocity_x, profile.velocity_y]).T
-    if not profile.depth:
-        current = np.array([[0.0, *parameters.current]])
-    schedule = np.array([profile.time, profile.factor]).T if profile.time else np.array([[0.0, 1.0]])
     return allocate(
         grid,
         unit_row(parameters),
-        np.ascontiguousarray(current),
-        np.ascontiguousarray(schedule),
+        profile_of(parameters),
+        schedule_of(parameters),
         settings_row(parameters),
         bending=parameters.cable.bending_stiffness > 0.0,
     )
 
 
 def grid_points(parameters: CableSimParameters, total: float) -> Array:
-    """Return the material coordinates [m] of the grid, beyond `total`; section ends and clumps are grid points.
+    """Return the unstretched lengths [m] from the unit to the grid points, beyond `total`.
 
-    Between those, segments are equal and at most `length / segments` long.
+    Ends of sections and bodies are grid points. Between those, segments are equal and at most `length / segments` of
+    the parameters long.
     """
     size = parameters.length / parameters.segments
     goal = max(total, parameters.length) + _SPARE_SEGMENTS * size
@@ -60,63 +56,38 @@ def grid_points(parameters: CableSimParameters, total: float) -> Array:
     return np.array(points)
 
 
-def segment_row(parameters: CableSimParameters, s: float) -> Array:
-    """Return the properties of the cable at material coordinate `s` [m] (length left at 0)."""
-    cable = cable_at(parameters, s)
-    density = parameters.water_density
+def segment_row(cable: CableProperties) -> Array:
+    """Return the properties of a segment of `cable`; its length is left at 0."""
     row = np.zeros(at.SEGMENT_COLUMNS)
     row[at.STIFFNESS] = cable.axial_stiffness
-    row[at.QUADRATIC] = cable.stiffness_quadratic
-    row[at.CUBIC] = cable.stiffness_cubic
+    row[at.QUADRATIC] = cable.quadratic
+    row[at.CUBIC] = cable.cubic
     row[at.DAMPING] = cable.internal_damping
-    row[at.MASS] = cable.mass_per_length
-    row[at.ADDED_MASS] = density * cable.added_mass * cable.displaced_area
-    row[at.WEIGHT] = cable.weight_in_fluid(density, parameters.gravity)
-    row[at.NORMAL_DRAG] = 0.5 * density * cable.normal_drag * cable.diameter
-    row[at.TANGENTIAL_DRAG] = 0.5 * math.pi * density * cable.tangential_drag * cable.diameter
-    row[at.DISPLACED] = density * cable.displaced_area
+    row[at.MASS] = cable.mass
+    row[at.ADDED_MASS] = cable.added_mass
+    row[at.WEIGHT] = cable.weight
+    row[at.NORMAL_DRAG] = cable.normal_drag
+    row[at.TANGENTIAL_DRAG] = cable.tangential_drag
+    row[at.DISPLACED] = cable.displaced_mass
     row[at.BENDING] = cable.bending_stiffness
     return row
 
 
-def cable_at(parameters: CableSimParameters, s: float) -> CableParameters:
-    """Return the cable at material coordinate `s` [m]: a section's, or the main cable above the last section."""
-    main, sections = parameters.cable, parameters.sections
-    for i, end in enumerate(np.cumsum(sections.length)):
-        if s < end:
-            return CableParameters(
-                diameter=sections.diameter[i],
-                displaced_diameter=sections.displaced_diameter[i] if sections.displaced_diameter else 0.0,
-                mass_per_length=sections.mass_per_length[i],
-                axial_stiffness=sections.axial_stiffness[i],
-                stiffness_quadratic=main.stiffness_quadratic,
-                stiffness_cubic=main.stiffness_cubic,
-                internal_damping=main.internal_damping,
-                bending_stiffness=main.bending_stiffness,
-                normal_drag=main.normal_drag,
-                tangential_drag=main.tangential_drag,
-                added_mass=main.added_mass,
-            )
-    return main
-
-
 def unit_row(parameters: CableSimParameters) -> Array:
-    """Return inertia, drag, steady force and moved fluid of the unit along each axis."""
-    unit, density = parameters.unit, parameters.water_density
+    """Return inertia, drag, steady force and moved fluid of the parameters' unit along each axis."""
+    unit = unit_properties(parameters)
     row = np.zeros(at.UNIT_COLUMNS)
-    added = np.array(unit.added_mass) if density > 0.0 else np.zeros(3)
-    row[at.UNIT_INERTIA : at.UNIT_INERTIA + 3] = unit.mass + added
-    row[at.UNIT_DRAG : at.UNIT_DRAG + 3] = 0.5 * density * np.array(unit.drag_coefficient) * np.array(unit.drag_area)
-    row[at.UNIT_FORCE : at.UNIT_FORCE + 3] = unit.thrust
-    row[at.UNIT_FORCE + 2] -= unit.weight_in_fluid(density, parameters.gravity)
-    row[at.UNIT_FLUID : at.UNIT_FLUID + 3] = density * unit.volume + added
+    row[at.UNIT_INERTIA : at.UNIT_INERTIA + 3] = unit.inertia
+    row[at.UNIT_DRAG : at.UNIT_DRAG + 3] = unit.drag
+    row[at.UNIT_FORCE : at.UNIT_FORCE + 3] = unit.force
+    row[at.UNIT_FLUID : at.UNIT_FLUID + 3] = unit.fluid
     return row
 
 
 def settings_row(parameters: CableSimParameters) -> Array:
-    """Return the settings of the kernels.
+    """Return the parameters' settings of the kernels.
 
-    Generalised-alpha coefficients from the spectral radius (Chung & Hulbert 1993).
+    The coefficients of generalised-alpha follow from the spectral radius (Chung & Hulbert 1993).
     """
     row = np.zeros(at.SETTING_COLUMNS)
     solver, bed, wave, spring = parameters.solver, parameters.seabed, parameters.wave, parameters.compensator
@@ -144,13 +115,19 @@ def settings_row(parameters: CableSimParameters) -> Array:
     return row
 
 
+def _fill_segments(parameters: CableSimParameters, grid: Array) -> None:
+    middles = 0.5 * (grid[1:, at.START] + grid[:-1, at.START])
+    for section in cable_sections(parameters):
+        inside = (middles >= section.start) & (middles < section.start + section.length)
+        grid[:-1, : at.SEGMENT_COLUMNS][inside] = segment_row(section.cable)
+    grid[:-1, at.LENGTH] = np.diff(grid[:, at.START])
+
+
 def _add_lumps(parameters: CableSimParameters, grid: Array) -> None:
-    clumps, density = parameters.clumps, parameters.water_density
-    for i, position in enumerate(clumps.position):
-        row = grid[int(np.argmin(np.abs(grid[:, at.START] - position)))]
-        displaced = density * clumps.volume[i]
-        row[at.LUMP_MASS] += clumps.mass[i]
-        row[at.LUMP_ADDED_MASS] += clumps.added_mass[i] if density > 0.0 else 0.0
-        row[at.LUMP_WEIGHT] += (clumps.mass[i] - displaced) * parameters.gravity
-        row[at.LUMP_DRAG] += 0.5 * density * clumps.drag_area[i]
-        row[at.LUMP_DISPLACED] += displaced
+    for body in body_properties(parameters):
+        row = grid[int(np.argmin(np.abs(grid[:, at.START] - body.label)))]
+        row[at.LUMP_MASS] += body.mass
+        row[at.LUMP_ADDED_MASS] += body.added_mass
+        row[at.LUMP_WEIGHT] += body.weight
+        row[at.LUMP_DRAG] += body.drag
+        row[at.LUMP_DISPLACED] += body.displaced_mass

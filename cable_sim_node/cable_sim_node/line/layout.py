@@ -16,7 +16,7 @@ TOP_COLUMNS = 13
 FLOW_X, FLOW_Y, FLOW_Z, FLOW_AX, FLOW_AY, FLOW_AZ = range(6)
 FLOW_COLUMNS = 6
 
-# What the line is made of. First a segment: unstretched length [m], EA [N], tension law, internal damping [N s]; the
+# The parts of the line. First a segment: unstretched length [m], EA [N], tension law, internal damping [N s]; the
 # rest per unstretched metre.
 (
     LENGTH,
@@ -38,7 +38,7 @@ SEGMENT_COLUMNS = 12
 LUMP_MASS, LUMP_ADDED_MASS, LUMP_WEIGHT, LUMP_DRAG, LUMP_DISPLACED = range(12, 17)
 PART_COLUMNS = 17
 
-# On the grid of material points also where that node is: unstretched length [m] from the unit.
+# A grid point also has its place: unstretched length [m] from the unit.
 START = 17
 GRID_COLUMNS = 18
 
@@ -94,9 +94,9 @@ BAND_COLUMNS = 18
 ) = range(31)
 SETTING_COLUMNS = 31
 
-# Counters that a kernel writes: segments in use, and what an advance did.
-SEGMENTS, SUBSTEPS, SOLVES, HALVINGS = range(4)
-COUNTER_COLUMNS = 4
+# Counters that a kernel writes: segments in use.
+SEGMENTS = 0
+COUNTER_COLUMNS = 1
 
 # Outcomes of an advance.
 DONE, NOT_CONVERGED, TOO_SHORT = range(3)
@@ -105,7 +105,7 @@ SPLIT_AT = 0.7
 """A node is born when the cable beyond the next grid point exceeds this share of the spacing there..."""
 
 MERGE_AT = 0.4
-"""...and dies when its top segment is shorter than this share.
+"""...and is removed when its top segment is shorter than this share.
 
-The gap between both keeps a heaving winch from doing both in turn.
+The gap between the two keeps a heaving winch from doing both in turn.
 """

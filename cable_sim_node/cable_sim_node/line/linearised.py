@@ -1,12 +1,13 @@
 """The three-dimensional line made linear about its equilibrium: mass, damping and stiffness matrices, modes, responses.
 
-The lumped line of `dynamics` in the position in which it hangs in its current, moved a little: node 0 is the unit, node
-N the boom tip, whose motion is the input. Drag is linear about the steady flow; where the water is still it is made
-linear about a speed amplitude. Bending, seabed and compensator are left out.
+The lumped line of `dynamics` moves a little about the position in which it hangs in its current: node 0 is the unit,
+node N the boom tip, whose motion is the input. Drag is linear about the steady flow; where the water is still it is
+made linear about a speed amplitude. Bending, seabed and compensator are left out.
 """
 
 from __future__ import annotations
 
+import bisect
 import math
 from dataclasses import dataclass
 
@@ -15,15 +16,20 @@ from heave_node.arrays import Array, ComplexArray
 from numpy.typing import ArrayLike
 from scipy.linalg import eigh
 
-from cable_sim_node.line import layout as at
+from cable_sim_node.errors import LinearisationError
 from cable_sim_node.line.dynamics import CableDynamics
-from cable_sim_node.line.equilibrium import strain_at
-from cable_sim_node.line.grid import segment_row, unit_row
 from cable_sim_node.parameters import CableSimParameters
-from cable_sim_node.statics.drag import current_at, segment_drag
-from cable_sim_node.statics.report import current_of
-from cable_sim_node.statics.system import Current
-from cable_sim_node.vertical.linear import HARMONIC_DRAG, LinearisationError
+from cable_sim_node.physics.current import Current, current_at, current_of
+from cable_sim_node.physics.drag import HARMONIC_DRAG, linear_drag, segment_drag
+from cable_sim_node.physics.properties import (
+    BodyProperties,
+    CableProperties,
+    UnitProperties,
+    body_properties,
+    cable_sections,
+    unit_properties,
+)
+from cable_sim_node.physics.tension_law import strain_at, tangent_stiffness
 
 
 @dataclass(frozen=True)
@@ -89,7 +95,7 @@ class LinearLine:
         return np.linalg.eigvals(system).astype(np.complex128)
 
     def response(self, omegas: ArrayLike) -> LineResponse:
-        """Return unit motion and top tension for harmonic boom-tip motion."""
+        """Return unit motion and top tension for harmonic boom-tip motion at `omegas` [rad/s], shape (k,)."""
         frequencies = np.atleast_1d(np.asarray(omegas, dtype=np.float64))
         free = len(self.mass) - 3
         direction = self.positions[-1] - self.positions[-2]
@@ -111,10 +117,15 @@ def linearise(
     payout: float = 0.0,
     speed_amplitude: float = 0.0,
 ) -> LinearLine:
-    """Make the line linear about the equilibrium in which it hangs from `boom_tip` [m] with `payout` [m].
+    """Make the line linear about the equilibrium in which it hangs.
 
-    `speed_amplitude` [m/s] is the amplitude of the oscillating flow past cable and unit for which their quadratic drag
-    is made linear at equal energy; it adds to the steady current's drag as the root of the sum of squares.
+    Parameters
+    ----------
+    parameters : of the plant
+    boom_tip : position [m], shape (3,)
+    payout : cable let out beyond the parameters' length [m]
+    speed_amplitude : amplitude of the oscillating flow past cable and unit for which their quadratic drag is made
+        linear at equal energy [m/s]; it adds to the drag of the steady current as the root of the sum of squares
 
     Raises
     ------
@@ -125,95 +136,92 @@ def linearise(
     dynamics.start_at_equilibrium(boom_tip, payout)
     positions, tensions = dynamics.node_positions, dynamics.segment_tensions
     labels = dynamics.material_coordinates
-    size = 3 * len(positions)
-    builder = _Builder(
-        np.zeros((size, size)), np.zeros((size, size)), np.zeros((size, size)), np.zeros((size, size)),
-        current_of(parameters), HARMONIC_DRAG * speed_amplitude,
-    )  # fmt: skip
+    matrices = _Matrices(len(positions), current_of(parameters), HARMONIC_DRAG * speed_amplitude)
+    sections = cable_sections(parameters)
+    starts = [section.start for section in sections]
     for index, tension in enumerate(tensions):
         low, high = float(labels[index]), float(labels[index + 1])
-        builder.add_segment(index, segment_row(parameters, 0.5 * (low + high)), high - low, positions, float(tension))
-    builder.add_unit(unit_row(parameters), positions[0])
-    clumps, density = parameters.clumps, parameters.water_density
-    for number, label in enumerate(clumps.position):
-        if label <= labels[-1]:
-            node = int(np.argmin(np.abs(labels - label)))
-            inertia = clumps.mass[number] + (clumps.added_mass[number] if density > 0.0 else 0.0)
-            builder.add_body(node, inertia, 0.5 * density * clumps.drag_area[number], positions[node])
+        cable = sections[bisect.bisect_right(starts, 0.5 * (low + high)) - 1].cable
+        matrices.add_segment(index, cable, high - low, positions[index : index + 2], float(tension))
+    matrices.add_unit(unit_properties(parameters), positions[0])
+    for body in body_properties(parameters):
+        if body.label <= labels[-1]:
+            node = int(np.argmin(np.abs(labels - body.label)))
+            matrices.add_body(node, body, positions[node])
     return LinearLine(
-        builder.mass, builder.damping, builder.elastic + builder.drag_stiffness, builder.elastic, labels, positions
+        matrices.mass, matrices.damping, matrices.elastic + matrices.drag_stiffness, matrices.elastic, labels, positions
     )
 
 
-@dataclass(frozen=True)
-class _Builder:
-    mass: Array
-    damping: Array
-    elastic: Array
-    drag_stiffness: Array
-    current: Current
-    drag_speed: float
+class _Matrices:
+    """The matrices of a line of `nodes` nodes in `current`, to which its parts are added one by one.
 
-    def flow(self, height: float) -> tuple[Array, Array]:
+    `drag_speed` [m/s] is the amplitude of the oscillating flow, times HARMONIC_DRAG.
+    """
+
+    def __init__(self, nodes: int, current: Current, drag_speed: float) -> None:
+        self.mass, self.damping, self.elastic, self.drag_stiffness = np.zeros((4, 3 * nodes, 3 * nodes))
+        self._profile = current.profile
+        self._drag_speed = drag_speed
+
+    def _flow(self, height: float) -> tuple[Array, Array]:
         """Return the current at z = `height` and its derivative by depth."""
-        flow, gradient = np.empty(3), np.empty(3)
-        current_at(-height, self.current.depths, self.current.velocities, 1.0, flow, gradient)
-        return flow, gradient
+        flow, gradient = current_at(-height, self._profile, 1.0)
+        return np.array(flow), np.array(gradient)
 
-    def add_segment(self, index: int, row: Array, length: float, positions: Array, tension: float) -> None:
-        chord = positions[index + 1] - positions[index]
+    def add_segment(self, index: int, cable: CableProperties, length: float, ends: Array, tension: float) -> None:
+        """Add segment `index` of `length` [m] between positions `ends`, shape (2, 3), under `tension` [N]."""
+        chord = ends[1] - ends[0]
         stretched = float(np.linalg.norm(chord))
         along = chord / stretched
         across = np.eye(3) - np.outer(along, along)
-        strain = strain_at(row, tension)
-        slope = row[at.STIFFNESS] * (1.0 + strain * (2.0 * row[at.QUADRATIC] + 3.0 * row[at.CUBIC] * strain))
+        law = (cable.axial_stiffness, cable.quadratic, cable.cubic)
+        slope = tangent_stiffness(*law, strain_at(*law, tension))
         spring = slope / length * np.outer(along, along) + tension / stretched * across
-        damper = row[at.DAMPING] / length * np.outer(along, along)
-        half_mass = 0.5 * length * (row[at.MASS] * np.eye(3) + row[at.ADDED_MASS] * across)
-        lower, upper = slice(3 * index, 3 * index + 3), slice(3 * index + 3, 3 * index + 6)
-        for node, other in ((lower, upper), (upper, lower)):
+        damper = cable.internal_damping / length * np.outer(along, along)
+        half_mass = 0.5 * length * (cable.mass * np.eye(3) + cable.added_mass * across)
+        nodes = (slice(3 * index, 3 * index + 3), slice(3 * index + 3, 3 * index + 6))
+        for node, other in (nodes, nodes[::-1]):
             self.elastic[node, node] += spring
             self.elastic[node, other] -= spring
             self.damping[node, node] += damper
             self.damping[node, other] -= damper
             self.mass[node, node] += half_mass
-        self._add_drag(row, length, chord, 0.5 * float(positions[index, 2] + positions[index + 1, 2]), lower, upper)
+        self._add_drag(nodes, cable, length, chord, 0.5 * float(ends[0, 2] + ends[1, 2]))
 
-    def _add_drag(self, row: Array, length: float, chord: Array, height: float, lower: slice, upper: slice) -> None:
-        flow, gradient = self.flow(height)
-        force, by_chord, by_flow = np.empty(3), np.empty((3, 3)), np.empty((3, 3))
-        normal, tangential = row[at.NORMAL_DRAG], row[at.TANGENTIAL_DRAG]
-        segment_drag(chord, flow, 0.0, normal, tangential, force, by_chord, by_flow)
+    def _add_drag(
+        self, nodes: tuple[slice, slice], cable: CableProperties, length: float, chord: Array, height: float
+    ) -> None:
+        flow, gradient = current_at(-height, self._profile, 1.0)
+        by_chord, by_flow, damper = np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3))
+        drag = (cable.normal_drag, cable.tangential_drag)
+        segment_drag(chord, flow, 0.0, *drag, by_chord, by_flow)
+        linear_drag(chord, flow, self._drag_speed, *drag, damper)
         by_depth = by_flow @ gradient
-        along = chord / np.linalg.norm(chord)
-        slide = float(flow @ along)
-        normal_flow = flow - slide * along
-        speed = math.hypot(float(np.linalg.norm(normal_flow)), self.drag_speed)
-        damper = normal * speed * (np.eye(3) - np.outer(along, along))
-        if speed > 0.0:
-            damper += normal * np.outer(normal_flow, normal_flow) / speed
-        damper += tangential * math.hypot(2.0 * slide, self.drag_speed) * np.outer(along, along)
-        for node in (lower, upper):
+        lower, upper = nodes
+        for node in nodes:
             for other, sign in ((lower, -1.0), (upper, 1.0)):
                 self.damping[node, other] += 0.25 * length * damper
                 self.drag_stiffness[node, other] -= 0.5 * sign * length * by_chord
                 self.drag_stiffness[node, other.start + 2] += 0.25 * length * by_depth  # depth = -z
 
-    def add_unit(self, unit: Array, position: Array) -> None:
-        flow, gradient = self.flow(float(position[2]))
+    def add_unit(self, unit: UnitProperties, position: Array) -> None:
+        """Add the unit at node 0, which is at `position` [m]."""
+        flow, gradient = self._flow(float(position[2]))
         for axis in range(3):
-            drag = unit[at.UNIT_DRAG + axis]
-            self.mass[axis, axis] += unit[at.UNIT_INERTIA + axis]
-            self.damping[axis, axis] += drag * math.hypot(2.0 * flow[axis], self.drag_speed)
+            drag = unit.drag[axis]
+            self.mass[axis, axis] += unit.inertia[axis]
+            self.damping[axis, axis] += drag * math.hypot(2.0 * flow[axis], self._drag_speed)
             self.drag_stiffness[axis, 2] += 2.0 * drag * abs(flow[axis]) * gradient[axis]
 
-    def add_body(self, node: int, inertia: float, drag: float, position: Array) -> None:
-        flow, gradient = self.flow(float(position[2]))
-        speed = math.hypot(float(np.linalg.norm(flow)), self.drag_speed)
-        by_flow = drag * speed * np.eye(3)
+    def add_body(self, node: int, body: BodyProperties, position: Array) -> None:
+        """Add a body that is clamped on the cable at `node`, which is at `position` [m]."""
+        flow, gradient = self._flow(float(position[2]))
+        speed = math.hypot(float(np.linalg.norm(flow)), self._drag_speed)
+        by_flow = body.drag * speed * np.eye(3)
         if speed > 0.0:
-            by_flow += drag * np.outer(flow, flow) / speed
+            by_flow += body.drag * np.outer(flow, flow) / speed
         block = slice(3 * node, 3 * node + 3)
-        self.mass[block, block] += inertia * np.eye(3)
+        self.mass[block, block] += (body.mass + body.added_mass) * np.eye(3)
         self.damping[block, block] += by_flow
         self.drag_stiffness[block, 3 * node + 2] += by_flow @ gradient

@@ -1,19 +1,17 @@
-"""Time integration of the line: generalised-alpha (Chung & Hulbert 1993), second order, unconditionally stable in the
-linear case.
+"""Time integration of the line by generalised-alpha (Chung & Hulbert 1993), of second order.
 
-The equations hold at the point between t_n and t_{n+1} where x, v are blended by alpha_f and a by alpha_m. Newton
-starts from a constant acceleration and stops when a correction strains no segment by more than the tolerance; what is
-left then is its square.
+It is unconditionally stable in the linear case. The equations hold at the point between t_n and t_{n+1} where x, v are
+blended by alpha_f and a by alpha_m. Newton starts from a constant acceleration and stops when a correction strains no
+segment by more than the tolerance; what is left then is its square. Arguments: `line` the arrays, `n` segments in use,
+`count` nodes that move freely, `h` the step [s]; the others as in `assembly`.
 """
 
 from __future__ import annotations
 
 import math
 
-import numpy as np
 from heave_node.arrays import Array
 from heave_node.compiled import inner_kernel, kernel
-from numpy.typing import NDArray
 
 from cable_sim_node.line.arrays import LineArrays
 from cable_sim_node.line.assembly import add_compensator, assemble_nodes, assemble_segments, solve_blocks
@@ -35,7 +33,6 @@ from cable_sim_node.line.layout import (
     DONE,
     END,
     GAMMA,
-    HALVINGS,
     ITERATIONS,
     LENGTH,
     MERGE_AT,
@@ -44,11 +41,9 @@ from cable_sim_node.line.layout import (
     NOW,
     RATE,
     SEGMENTS,
-    SOLVES,
     SPRING_ON,
     START,
     STEP,
-    SUBSTEPS,
     TIME,
     TOLERANCE,
     TOO_SHORT,
@@ -62,8 +57,6 @@ from cable_sim_node.line.layout import (
     Z,
 )
 
-Counters = NDArray[np.int64]
-
 _SMALLEST_SHARE = 2.0**-16
 """A step is halved at most so far before the advance is given up."""
 _LONGEST_SLACK_STEP = 0.0125
@@ -76,7 +69,10 @@ _FAILED, _TAUT, _SLACK, _SLACK_REFUSED = range(4)
 def hermite(
     share: float, duration: float, start: float, start_rate: float, end: float, end_rate: float
 ) -> tuple[float, float, float]:
-    """Return value, rate and acceleration at `share` of `duration` of the cubic through both ends."""
+    """Return value, rate and acceleration at `share` of `duration` [s] of the cubic through both ends.
+
+    `start` and `end` are its values there, `start_rate` and `end_rate` its rates.
+    """
     s = share
     delta = end - start
     bend = delta - duration * start_rate
@@ -104,8 +100,8 @@ def largest_relative_correction(n: int, parts: Array, equations: Array) -> float
 def assemble(line: LineArrays, n: int, c_mass: float, c_velocity: float) -> tuple[float, bool]:
     """Assemble everything at the middle of the step or, where `c_mass` is 0, at its end.
 
-    A flag for that would be a literal, and this long function compiled twice.
-    Return the least strain and whether the seabed is touched.
+    A flag for that would be a literal, and this long function compiled twice. Returns the least strain, and whether the
+    seabed is touched or a stop of the compensator is near.
     """
     nodes, top, settings, equations = line.now, line.top[NOW], line.settings, line.equations
     at_middle = c_mass > 0.0
@@ -122,7 +118,7 @@ def assemble(line: LineArrays, n: int, c_mass: float, c_velocity: float) -> tupl
 
 @inner_kernel
 def hold_top(node: Array, top: Array, compensated: bool) -> None:
-    """Put the sheave where the boom tip is; with a compensator it keeps its own z."""
+    """Put the sheave `node` where the boom tip `top` is; on a compensator (`compensated`) it keeps its own z."""
     node[X], node[VX], node[AX] = top[X], top[VX], top[AX]
     node[Y], node[VY], node[AY] = top[Y], top[VY], top[AY]
     if not compensated:
@@ -131,9 +127,7 @@ def hold_top(node: Array, top: Array, compensated: bool) -> None:
 
 @inner_kernel
 def predict(line: LineArrays, n: int, count: int, h: float) -> None:
-    """Set the middle state for constant acceleration of nodes 0..count-1, and length and boom tip between rows NOW and
-    END of `top`.
-    """
+    """Set the middle state of nodes 0..count-1 for constant acceleration, and blend length and boom tip."""
     af, am = line.settings[ALPHA_F], line.settings[ALPHA_M]
     now, middle, end = line.top[NOW], line.top[MIDDLE], line.top[END]
     for c in range(TOP_COLUMNS):
@@ -154,7 +148,7 @@ def predict(line: LineArrays, n: int, count: int, h: float) -> None:
 
 @inner_kernel
 def finish(line: LineArrays, n: int, count: int, h: float) -> None:
-    """Carry the middle state to the end of the step."""
+    """Carry the middle state of nodes 0..count-1 to the end of the step of `h` seconds."""
     am, beta, gamma = line.settings[ALPHA_M], line.settings[BETA], line.settings[GAMMA]
     for i in range(count):
         node = line.now[i]
@@ -171,7 +165,7 @@ def finish(line: LineArrays, n: int, count: int, h: float) -> None:
 
 @inner_kernel
 def take_end(top: Array) -> None:
-    """Make the end of the step the present: time, length and boom tip."""
+    """Make the end of the step the present in `top`: time, length and boom tip."""
     for c in range(TOP_COLUMNS):
         top[NOW, c] = top[END, c]
 
@@ -194,7 +188,6 @@ def step(line: LineArrays, n: int, h: float) -> int:
     last, part = 1e300, 1.0
     for _ in range(int(settings[ITERATIONS])):
         least, near_kink = assemble(line, n, c_mass, c_velocity)
-        line.counters[SOLVES] += 1
         if settings[BENDING_ON] > 0.0:
             solve_with_bending(count, equations, line.band)
         else:
@@ -202,7 +195,7 @@ def step(line: LineArrays, n: int, h: float) -> int:
         size = largest_relative_correction(n, line.parts, equations)
         if not size < 10.0:
             return _FAILED
-        # a correction that does not shrink jumps to and fro over a kink (a segment that comes taut): go part of the way
+        # a correction that does not shrink oscillates across a kink (a segment that comes taut): take part of it
         part = 0.5 * part if size > 0.5 * last else min(2.0 * part, 1.0)
         last = size
         for i in range(count):
@@ -212,10 +205,10 @@ def step(line: LineArrays, n: int, h: float) -> int:
                 node[X + k] += c
                 node[VX + k] += c_velocity * c
                 node[AX + k] += c_mass * c
-        # where a segment is or may become slack, or the seabed is touched, the equations have a kink: ask for much more
+        # where a segment is or may become slack, or the seabed is touched, the equations have a kink: be stricter
         smooth = least > 4.0 * size and not near_kink
         if size < (tolerance if smooth else min(tolerance, 1e-2 * tolerance)):
-            # the margin is for rounding: a step that was shortened for slack is never refused again for its length
+            # the margin is for rounding: a step that was shortened because of slack is not refused again for its length
             if least <= 0.0 and (h > 1.001 * _LONGEST_SLACK_STEP or af > 0.0):
                 return _SLACK_REFUSED
             finish(line, n, count, h)
@@ -225,10 +218,9 @@ def step(line: LineArrays, n: int, h: float) -> int:
 
 @inner_kernel
 def set_scheme(settings: Array, alpha_m: float, alpha_f: float) -> None:
-    """Set the parameters of the generalised-alpha scheme; (-1, 0) removes the fastest oscillations at once.
+    """Set alpha_m and alpha_f of the scheme in `settings`; (-1, 0) removes the fastest oscillations at once.
 
-    A scheme that keeps them feeds energy into light nodes that snap taut: it must not be used while a segment is
-    slack.
+    A scheme that keeps them feeds energy into light nodes that snap taut: it must not be used while a segment is slack.
     """
     settings[ALPHA_M], settings[ALPHA_F] = alpha_m, alpha_f
     settings[GAMMA] = 0.5 - alpha_m + alpha_f
@@ -237,7 +229,7 @@ def set_scheme(settings: Array, alpha_m: float, alpha_f: float) -> None:
 
 @kernel
 def advance(line: LineArrays, duration: float, ends: Array) -> int:
-    """Integrate over `duration` [s]; return the outcome (DONE, NOT_CONVERGED, TOO_SHORT).
+    """Integrate `line` over `duration` [s]; return the outcome (DONE, NOT_CONVERGED, TOO_SHORT).
 
     `ends` rows: value and rate at the start, value and rate at the end; columns: boom tip x, y, z, unstretched length.
     They run as cubics in between. The state is that of the last good step where it fails.
@@ -265,7 +257,6 @@ def advance(line: LineArrays, duration: float, ends: Array) -> int:
             if ended in (_TAUT, _SLACK):
                 done = at
                 size = min(2.0 * size, nominal)
-                line.counters[SUBSTEPS] += 1
                 n = feed(line, n)
                 if ended == _TAUT:
                     set_scheme(line.settings, alpha_m, alpha_f)
@@ -275,7 +266,6 @@ def advance(line: LineArrays, duration: float, ends: Array) -> int:
                     size *= 0.5
             else:
                 size *= 0.5
-                line.counters[HALVINGS] += 1
                 if size < nominal * _SMALLEST_SHARE:
                     outcome = NOT_CONVERGED
                     break
@@ -289,7 +279,7 @@ def advance(line: LineArrays, duration: float, ends: Array) -> int:
 
 @inner_kernel
 def load_end(share: float, duration: float, start_time: float, ends: Array, end: Array) -> None:
-    """Write time, length and boom tip at `share` of the interval."""
+    """Write time, length and boom tip at `share` of the interval of `advance` to the row `end`."""
     end[TIME] = start_time + share * duration
     for k in range(3):
         end[X + k], end[VX + k], end[AX + k] = hermite(share, duration, ends[0, k], ends[1, k], ends[2, k], ends[3, k])
@@ -298,7 +288,7 @@ def load_end(share: float, duration: float, start_time: float, ends: Array, end:
 
 @kernel
 def evaluate(line: LineArrays) -> float:
-    """Fill tensions and residual at the present state; return the least strain.
+    """Fill tensions and residual of the present state of `line`; return the least strain.
 
     Row n of the residual is then the force [N] that holds the line's top end: the top segment's tension with half its
     weight, drag and inertia.

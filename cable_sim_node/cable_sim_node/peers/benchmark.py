@@ -22,8 +22,12 @@ def measure_plant(segments_list: Sequence[int] = (20, 50, 100, 200), *, peer: bo
 
     System of 900 m, boom tip 1 m at 12 s, ticks of 0.05 s as in the loop. Time is processor time, the best of three.
     The error is that of the unit's amplitude against a run with twice the segments and a quarter of the step. The ratio
-    is MoorDyn's time over ours: its RK4 at the largest stable step, whose amplitude is as good or better; NaN without
-    `peer` or without the package moordyn.
+    is MoorDyn's time over ours: its RK4 at the largest stable step, whose amplitude is as good or better.
+
+    Parameters
+    ----------
+    segments_list : numbers of segments
+    peer : whether MoorDyn runs beside; the ratio is NaN without it, or without the package moordyn
     """
     return [_measure(segments, peer=peer) for segments in segments_list]
 

@@ -1,6 +1,4 @@
-"""A plant with its winch locked and its boom tip moved as a sine: the response by first harmonic, for comparing
-with others.
-"""
+"""A plant with its winch locked and its boom tip moved as a sine: its response, to compare with others."""
 
 from __future__ import annotations
 
@@ -18,8 +16,17 @@ from cable_sim_node.parameters import CableSimParameters
 
 @dataclass(frozen=True)
 class DrivenResponse:
-    """First harmonics and extremes over the last part of a driven run. `times`, `unit`, `tension` are the records
-    behind them.
+    """First harmonics and extremes over the last part of a driven run, and the records behind them.
+
+    Attributes
+    ----------
+    unit_heave_amplitude, unit_heave_mean : first harmonic and mean of the unit's z [m]
+    unit_heave_phase : lead of the unit over the boom tip [rad]
+    tension_amplitude, tension_mean : first harmonic and mean of the top tension [N]
+    tension_min, tension_max : its extremes [N]
+    times : of the records [s], shape (k,)
+    unit : positions of the unit [m], shape (k, 3)
+    tension : top tension [N], shape (k,)
     """
 
     unit_heave_amplitude: float
@@ -36,8 +43,13 @@ class DrivenResponse:
 
 
 def ramped_sine(amplitude: Sequence[float], frequency: float, ramp: float) -> Callable[[float], PointMotion]:
-    """Return the motion x_i = a_i r(t) sin(w t) [m], with r a ramp over `ramp` seconds whose first two
-    derivatives vanish at its ends.
+    """Return the motion x_i = a_i r(t) sin(w t) [m], with r a ramp whose first two derivatives vanish at its ends.
+
+    Parameters
+    ----------
+    amplitude : a along x, y, z [m]
+    frequency : w [rad/s]
+    ramp : how long r rises from 0 to 1 [s]
     """
     direction = np.array(amplitude, dtype=float)
 
@@ -67,9 +79,17 @@ def run_driven(
     ramp: float,
     tick: float = 0.05,
 ) -> DrivenResponse:
-    """Start at equilibrium under the origin, drive the boom tip and analyse the last `window` seconds of `duration`.
+    """Start at equilibrium under the origin, drive the boom tip and analyse the end of the run.
 
-    `amplitude` [m] along x, y, z, `frequency` [rad/s]; phases refer to sin(frequency t).
+    Parameters
+    ----------
+    parameters : of the plant
+    amplitude : of the boom tip along x, y, z [m]
+    frequency : [rad/s]; phases refer to sin(frequency t)
+    duration : of the run [s]
+    window : at its end, that is analysed [s]
+    ramp : at its start [s]
+    tick : interval of integration and of the records [s]
     """
     motion = ramped_sine(amplitude, frequency, ramp)
     plant = CableDynamics(parameters)
@@ -104,8 +124,13 @@ def run_driven(
 
 
 def first_harmonic(times: Array, values: Array, frequency: float) -> tuple[float, float, float]:
-    """Return mean, amplitude and phase [rad] of the sine at `frequency` [rad/s], fitted with two higher harmonics
-    beside it.
+    """Return mean, amplitude and phase [rad] of a record's sine, fitted with two higher harmonics beside it.
+
+    Parameters
+    ----------
+    times : [s], shape (k,)
+    values : shape (k,)
+    frequency : of the sine [rad/s]
     """
     columns = [np.ones_like(times)]
     for k in (1, 2, 3):

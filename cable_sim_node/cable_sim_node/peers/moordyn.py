@@ -1,8 +1,7 @@
 """MoorDyn as a peer of the plant: the same system, driven the same way. Needs the package `moordyn`; not used in a run.
 
 Its tangential drag is (1/2) rho d pi C, the thesis's form, so C_tau goes over unchanged; its one diameter is the
-displaced one here, and the
-drag coefficients carry the ratio of the outer diameter to it.
+displaced one here, and the drag coefficients carry the ratio of the outer diameter to it.
 """
 
 from __future__ import annotations
@@ -44,7 +43,14 @@ def _silence() -> Iterator[None]:
 
 @dataclass(frozen=True)
 class PeerRun:
-    """Unit positions [m], shape (times, 3), relative to the top's mean, and processor seconds per simulated second."""
+    """A run of the peer.
+
+    Attributes
+    ----------
+    times : [s], shape (k,)
+    unit : positions of the unit relative to the top's mean [m], shape (k, 3)
+    cpu_per_second : processor seconds per simulated second
+    """
 
     times: Array
     unit: Array
@@ -52,14 +58,28 @@ class PeerRun:
 
 
 def largest_stable_step(parameters: CableSimParameters, safety: float = 0.85) -> float:
-    """Return a step [s] just inside RK4's limit 2.83/w of the line's fastest axial oscillation, w = 2 c/l."""
+    """Return a step [s] just inside RK4's limit 2.83/w of the line's fastest axial oscillation, w = 2 c/l.
+
+    Parameters
+    ----------
+    parameters : of the plant
+    safety : share of the limit
+    """
     cable = parameters.cable
     speed = math.sqrt(cable.axial_stiffness / cable.mass_per_length)
     return safety * 1.41 * parameters.length / parameters.segments / speed
 
 
 def input_file(parameters: CableSimParameters, unit_position: Array, scheme: str, step: float) -> str:
-    """Return the text of MoorDyn's input file for a unit on a uniform line in still water."""
+    """Return the text of MoorDyn's input file for a unit on a uniform line in still water.
+
+    Parameters
+    ----------
+    parameters : of the plant
+    unit_position : at the start [m], shape (3,)
+    scheme : of MoorDyn's time integration
+    step : of it [s]
+    """
     cable, unit = parameters.cable, parameters.unit
     diameter = cable.displaced_diameter or cable.diameter
     ratio = cable.diameter / diameter
@@ -102,9 +122,23 @@ def run_moordyn(
     scheme: str = "RK4",
     step: float | None = None,
 ) -> PeerRun:
-    """Drive MoorDyn's line by `motion` about the origin from the plant's own equilibrium; record the unit each tick.
+    """Drive MoorDyn's line about the origin from the plant's own equilibrium; record the unit each tick.
 
-    Raises ImportError where moordyn is not installed, RuntimeError where it gives up.
+    Parameters
+    ----------
+    parameters : of the plant
+    motion : of the top by time [s]
+    duration : of the run [s]
+    tick : interval of the records [s]
+    scheme : of MoorDyn's time integration
+    step : of it [s]; the largest stable one if None
+
+    Raises
+    ------
+    ImportError
+        where moordyn is not installed.
+    RuntimeError
+        where it finds no solution.
     """
     import moordyn  # noqa: PLC0415 (a peer for tests and benchmarks, not a dependency of a run)
 
@@ -127,7 +161,7 @@ def run_moordyn(
             velocity = (end.position - start.position) / tick
             place = start.position + np.array(top)
             if moordyn.Step(system, list(place), list(velocity), k * tick, tick) is None:
-                raise RuntimeError("moordyn gave up")
+                raise RuntimeError(f"moordyn found no solution at {k * tick:g} s")
             positions[k] = moordyn.GetPointPos(unit)
         used = time.process_time() - started
         moordyn.Close(system)

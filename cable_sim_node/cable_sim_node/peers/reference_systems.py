@@ -34,7 +34,14 @@ def s300(
     time_step: float = 0.05,
     spectral_radius: float = 0.8,
 ) -> CableSimParameters:
-    """Return the 300 m system of thesis section 5.7 with `current` [m/s] along x and y."""
+    """Return the 300 m system of thesis section 5.7.
+
+    Parameters
+    ----------
+    segments : of the line
+    current : along x and y [m/s]
+    time_step, spectral_radius : of the solver
+    """
     return CableSimParameters(
         length=300.0,
         segments=segments,
@@ -47,6 +54,11 @@ def s900(segments: int = 100, *, time_step: float = 0.05, spectral_radius: float
     """Return the 900 m system of thesis section 6.2.6: 54 N/m and 50 kN in water, effective mass 125 t.
 
     The thesis gives no volume and no added mass apart from the effective mass, so all of it is mass here.
+
+    Parameters
+    ----------
+    segments : of the line
+    time_step, spectral_radius : of the solver
     """
     mass, weight = 125e3, 50e3
     return CableSimParameters(

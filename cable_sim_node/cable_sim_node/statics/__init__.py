@@ -6,4 +6,6 @@ from segment to segment. Start at `problems` (submerged, towing, mooring), `foot
 
 from heave_node.compiled import drop_stale_kernels
 
-drop_stale_kernels(__file__)
+from cable_sim_node import physics
+
+drop_stale_kernels(__file__, physics.__file__)

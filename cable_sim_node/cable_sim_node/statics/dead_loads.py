@@ -8,14 +8,17 @@ search looks at the energy's slope along the step, which grows steadily and is n
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass, field
 
 import numpy as np
 from heave_node.arrays import Array
-from numba import njit
+from heave_node.compiled import inner_kernel, kernel
 from numpy.typing import NDArray
 
+from cable_sim_node.physics.current import Current
 from cable_sim_node.statics.march import march, solve3
-from cable_sim_node.statics.system import Current, StaticCable
+from cable_sim_node.statics.system import StaticCable
+from cable_sim_node.statics.tables import LENGTH, CableTables, ShapeTables, allocate_shape
 
 RELATIVE_TOLERANCE = 1e-11
 """Miss of the end position, over the cable's length and its span, at which the search ends."""
@@ -30,7 +33,7 @@ COMPLIANCE_FLOOR = 1e-13
 """Share of the compliance's trace added to its diagonal: a straight weightless cable has none along itself but EA's."""
 
 
-@njit(cache=True, error_model="numpy")
+@inner_kernel
 def _gradient(end: Array, origin: Array, span: Array, known: NDArray[np.bool_], gradient: Array) -> float:
     """Fill by how much the end misses its place on the axes whose force is not known; return the largest."""
     largest = 0.0
@@ -40,7 +43,7 @@ def _gradient(end: Array, origin: Array, span: Array, known: NDArray[np.bool_], 
     return largest
 
 
-@njit(cache=True, error_model="numpy")
+@inner_kernel
 def _newton_step(partials: Array, known: NDArray[np.bool_], gradient: Array, compliance: Array, step: Array) -> bool:
     """Fill the Newton step of the unknown components, with a floor under the compliance."""
     trace = 0.0
@@ -54,51 +57,42 @@ def _newton_step(partials: Array, known: NDArray[np.bool_], gradient: Array, com
     return solve3(compliance, gradient, step)
 
 
-@njit(cache=True, error_model="numpy")
+@inner_kernel
+def _along(gradient: Array, step: Array) -> float:
+    return gradient[0] * step[0] + gradient[1] * step[1] + gradient[2] * step[2]
+
+
+@kernel
 def _search(
-    origin: Array,
-    span: Array,
-    known: NDArray[np.bool_],
-    start: Array,
-    segments: Array,
-    nodes: Array,
-    depths: Array,
-    velocities: Array,
-    factor: float,
-    drag: Array,
+    cable: CableTables, origin: Array, span: Array, known: NDArray[np.bool_], start: Array, shape: ShapeTables
 ) -> bool:
-    """Improve the unknown components of `start` until the end is in its place; return whether it came there."""
-    count = len(segments)
-    positions, lower, upper = np.empty((count + 1, 3)), np.empty((count, 3)), np.empty((count, 3))
-    end, partials = np.empty(3), np.empty((6, 6))
+    """Improve the unknown components of `start` until the end is in its place; return whether it came there.
+
+    `shape.drag` are the dead loads; the rest of the shape is filled.
+    """
     gradient, right, step, trial = np.zeros(3), np.zeros(3), np.zeros(3), np.empty(3)
     compliance = np.empty((3, 3))
-    scale = np.sum(segments[:, 0]) + math.sqrt(span[0] ** 2 + span[1] ** 2 + span[2] ** 2)
+    end, partials = shape.positions[len(cable.segments)], shape.partials
+    scale = np.sum(cable.segments[:, LENGTH]) + math.sqrt(span[0] ** 2 + span[1] ** 2 + span[2] ** 2)
     best = np.inf
-    energy = march(
-        origin, start, segments, nodes, depths, velocities, factor, 0.0, True, drag, positions, lower, upper, end,
-        partials,
-    )  # fmt: skip
+    energy = march(cable, origin, start, shape)
     for _ in range(NEWTON_LIMIT):
         if not math.isfinite(energy):
             return False
-        miss = _gradient(positions[count], origin, span, known, gradient) / scale
+        miss = _gradient(end, origin, span, known, gradient) / scale
         if miss < RELATIVE_TOLERANCE or (miss < ACCEPTABLE and miss >= best):
             return True
         best = min(best, miss)
         if not _newton_step(partials, known, gradient, compliance, step):
             return False
-        slope = gradient[0] * step[0] + gradient[1] * step[1] + gradient[2] * step[2]
+        slope = _along(gradient, step)
         low, high, share = 0.0, 1.0, 1.0
         for _ in range(LINE_SEARCH_LIMIT):
             for i in range(3):
                 trial[i] = start[i] + share * step[i]
-            energy = march(
-                origin, trial, segments, nodes, depths, velocities, factor, 0.0, True, drag, positions, lower, upper,
-                end, partials,
-            )  # fmt: skip
-            _gradient(positions[count], origin, span, known, right)
-            here = right[0] * step[0] + right[1] * step[1] + right[2] * step[2]
+            energy = march(cable, origin, trial, shape)
+            _gradient(end, origin, span, known, right)
+            here = _along(right, step)
             if not math.isfinite(here):
                 return False
             if here <= 0.5 * abs(slope) and (share == 1.0 or here >= -0.5 * abs(slope)):
@@ -108,35 +102,44 @@ def _search(
             else:
                 low = share
             share = 0.5 * (low + high)
-        start[:] = trial
+        for i in range(3):
+            start[i] = trial[i]
     return False
 
 
+@dataclass(frozen=True)
+class EndCondition:
+    """What is asked of the other end of the cable, or of the tension at this one.
+
+    Attributes
+    ----------
+    origin : position of node 0 [m]
+    span : wanted position of the other end relative to it [m]; only axes that are not `known` count
+    known : which components of the tension vector at node 0 are given; none of them if left out
+    """
+
+    origin: Array
+    span: Array
+    known: NDArray[np.bool_] = field(default_factory=lambda: np.zeros(3, dtype=np.bool_))
+
+
 def solve_dead_loads(
-    cable: StaticCable,
-    current: Current,
-    origin: Array,
-    span: Array,
-    known: NDArray[np.bool_],
-    guess: Array,
-    drag: Array,
-    *,
-    factor: float = 0.0,
+    cable: StaticCable, current: Current, ends: EndCondition, guess: Array, drag: Array, *, factor: float = 0.0
 ) -> Array | None:
     """Return the tension vector below node 0 under dead loads, or None if the search does not end.
 
     Parameters
     ----------
-    origin : position of node 0 [m]
-    span : wanted position of the other end relative to it [m]; only axes that are not `known` count
-    known : which components of the tension vector are given (`guess` has them)
-    guess : start of the search [N]
+    cable : what hangs; it does not run along itself here
+    current : what drags on bodies at the nodes
+    ends : where both ends are
+    guess : start of the search, with the components that are known [N]
     drag : dead loads on the segments beside weight, shape (n, 3) [N/m]
-    factor : of the current that drags on bodies at the nodes
+    factor : of the current
     """
     start = guess.copy()
-    found = _search(
-        origin, np.where(known, 0.0, span), known, start, cable.segments, cable.nodes, current.depths,
-        current.velocities, factor, drag,
-    )  # fmt: skip
+    shape = allocate_shape(len(cable.segments))
+    shape.drag[:] = drag
+    tables = CableTables(cable.segments, cable.nodes, current.profile, factor, feed=0.0, frozen=True)
+    found = _search(tables, ends.origin, np.where(ends.known, 0.0, ends.span), ends.known, start, shape)
     return start if found else None

@@ -15,11 +15,11 @@ from heave_node.arrays import Array
 from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import brentq
 
-from cable_sim_node.errors import NoEquilibriumError
-from cable_sim_node.statics.errors import StaticsError
+from cable_sim_node.errors import NoEquilibriumError, StaticsError
+from cable_sim_node.physics.current import Current
 from cable_sim_node.statics.problems import STILL_WATER
 from cable_sim_node.statics.shape import cut_at_height, shape_from
-from cable_sim_node.statics.system import Current, StaticCable
+from cable_sim_node.statics.system import StaticCable
 
 PULL_LEVELS = 10
 THRUST_LEVELS = (1.0, 0.9, 0.8, 0.7, 0.6, 0.5, 0.4, 0.3, 0.2, 0.1, 0.0)
@@ -96,9 +96,11 @@ def footprint(
     Parameters
     ----------
     cable : the whole cable on board, s = 0 at the unit; the unit's drag is a point load at label 0, its weight is not
-    boom_tip : [m]; unit_height : z of the unit [m]
-    limits : thrust, tension and vertical pull; the length's limit is that of `cable`
-    headings : evenly spaced, from 0
+    boom_tip : position [m], z up
+    unit_height : z of the unit [m]
+    limits : thrust, tension and vertical pull; the limit of the length is that of `cable`
+    current : steady current
+    headings : how many, evenly spaced from 0
     directions : of thrust that are swept
 
     Raises
@@ -109,7 +111,10 @@ def footprint(
         if no place can be reached within the limits.
     """
     if not min(limits.thrust, limits.tension, limits.vertical_pull) > 0.0:
-        raise StaticsError(f"the limits of a footprint must be positive; got {limits}")
+        raise StaticsError(
+            f"thrust, tension and vertical pull must be positive; got {limits.thrust:g}, {limits.tension:g} and "
+            f"{limits.vertical_pull:g} N"
+        )
     tip = np.asarray(boom_tip, dtype=np.float64)
     sweep = _Sweep(cable, tip, unit_height, limits, current)
     angles = np.linspace(0.0, 2.0 * np.pi, directions, endpoint=False, dtype=np.float64)
@@ -119,10 +124,10 @@ def footprint(
         if outline:
             outlines.append(outline)
         if len(outline) == directions and not any(point.tension > 0.999 * limits.tension for point in outline):
-            break  # less thrust only pays where tension is what limits
+            break  # less thrust helps only where the tension is the limit
     if not outlines:
         raise NoEquilibriumError(
-            f"nothing {tip[2] - unit_height:g} m below the boom tip can be reached with {cable.length:g} m of cable,"
+            f"no place {tip[2] - unit_height:g} m below the boom tip can be reached with {cable.length:g} m of cable,"
             f" {limits.tension:g} N of tension and {limits.vertical_pull:g} N of vertical pull"
         )
     rays = np.linspace(0.0, 2.0 * np.pi, headings, endpoint=False, dtype=np.float64)
@@ -132,6 +137,12 @@ def footprint(
 
 @dataclass(frozen=True)
 class _Sweep:
+    """The search along the boundary.
+
+    `level` is the thrust over its limit, `angle` its direction from x towards y [rad], `pull` the vertical pull of the
+    cable on the unit [N].
+    """
+
     cable: StaticCable
     tip: Array
     unit_height: float
@@ -155,6 +166,7 @@ class _Sweep:
         return self.place(level, angle, pull)[1]
 
     def place(self, level: float, angle: float, pull: float) -> tuple[FootprintPoint | None, float]:
+        """Return where the unit is, None out of the cable's reach, and by how much the worst limit is passed."""
         thrust = self.limits.thrust * level * np.array([np.cos(angle), np.sin(angle)])
         origin = np.array([0.0, 0.0, self.unit_height])
         # a trace of vertical pull gives a cable without any tension a direction

@@ -1,10 +1,10 @@
 """Steady laying of a cable from a moving ship: where it touches the bottom, and how long it hangs (Pinto; Zajac).
 
 Seen from the ship the cable stands still while its material runs down along it at the payout speed, and the water
-comes at the current less the ship's velocity. The cable lands with a given bottom tension, nearly nothing in practice;
-then its direction there is the one in which weight and drag leave no force across it. Followed upwards from the
-touchdown the shape is direct. The centrifugal force of the running cable only adds mass * speed^2 to the tension and
-does not change the shape.
+comes at the current less the ship's velocity. A cable that lands with tension lies along the ship's track there, since
+the bottom cannot pull it down. One that lands without any, the usual aim, comes down in the direction in which weight
+and drag leave no force across it. Followed upwards from the touchdown the shape is direct. The centrifugal force of
+the running cable only adds mass * speed^2 to the tension and does not change the shape.
 """
 
 from __future__ import annotations
@@ -16,12 +16,12 @@ import numpy as np
 from heave_node.arrays import Array
 from numpy.typing import ArrayLike
 
-from cable_sim_node.errors import NoEquilibriumError
-from cable_sim_node.statics.drag import segment_drag
-from cable_sim_node.statics.errors import StaticsError
+from cable_sim_node.errors import NoEquilibriumError, StaticsError
+from cable_sim_node.physics.current import Current
+from cable_sim_node.physics.drag import segment_drag
 from cable_sim_node.statics.problems import STILL_WATER
 from cable_sim_node.statics.shape import cut_at_height, shape_from
-from cable_sim_node.statics.system import Current, StaticSection, static_cable
+from cable_sim_node.statics.system import StaticSection, static_cable
 
 DIRECTION_ITERATIONS = 2000
 
@@ -35,19 +35,31 @@ class Laying:
     touchdown : from the ship, x, y [m]
     suspended_length : unstretched length between ship and bottom [m]
     tension : at the ship [N]
-    shape : positions from the touchdown up, its touchdown at the origin's foot, shape (k, 3) [m]
+    departure_angle : of the cable at the ship from the horizontal [rad]
+    shape : positions from the touchdown at (0, 0, -depth) up to the ship, shape (k, 3) [m]
     """
 
     touchdown: Array
     suspended_length: float
     tension: float
+    departure_angle: float
     shape: Array
 
 
 def critical_angle(section: StaticSection, speed: float) -> float:
-    """Return the angle from the horizontal at which a cable towed or laid at `speed` [m/s] sinks as a straight line.
+    """Return the angle from the horizontal [rad] at which a cable that is towed or laid sinks as a straight line.
 
     Weight across the cable equals normal drag: w cos a = D sin^2 a (Pinto's Eq. 21 for small angles, Zajac).
+
+    Parameters
+    ----------
+    section : the cable; its length and tangential drag have no part in it
+    speed : of the ship [m/s]
+
+    Raises
+    ------
+    StaticsError
+        for a speed, weight or normal drag that is not positive.
     """
     if not speed > 0.0 or section.weight <= 0.0 or section.normal_drag <= 0.0:
         raise StaticsError("a critical angle needs a positive speed, weight and normal drag")
@@ -63,6 +75,7 @@ def lay(
     *,
     payout_speed: float | None = None,
     bottom_tension: float = 0.0,
+    sheave_height: float = 0.0,
     segments: int = 200,
 ) -> Laying:
     """Return the steady shape of a cable laid on a flat bottom.
@@ -70,40 +83,53 @@ def lay(
     Parameters
     ----------
     section : the cable; its length is not used
-    depth : of the bottom below the ship's sheave, which is at z = 0 [m]
+    depth : of the bottom below z = 0 [m]
     ship_velocity : x, y [m/s]
     current : over depth
     payout_speed : [m/s]; the ship's speed if None (no slack on the bottom)
-    bottom_tension : tension at the touchdown [N]
+    bottom_tension : tension at the touchdown [N]; above 0 the cable touches down along the ship's track
+    sheave_height : z of the ship's sheave [m]
     segments : over the suspended length, about
 
     Raises
     ------
     StaticsError
-        for a cable that does not sink or a depth that is not positive.
+        for a cable that does not sink, a depth that is not positive, or a bottom tension behind a ship at rest.
     NoEquilibriumError
         if the cable does not come up to the ship within 200 depths.
     """
     velocity = np.asarray(ship_velocity, dtype=np.float64)
-    if not (section.weight > 0.0 and depth > 0.0 and bottom_tension >= 0.0 and np.all(np.isfinite(velocity))):
-        raise StaticsError("laying needs a cable that sinks, a positive depth, finite speeds and tension of 0 or more")
-    feed = float(np.linalg.norm(velocity)) if payout_speed is None else payout_speed
+    if not (section.weight > 0.0 and min(depth, depth + sheave_height) > 0.0 and bottom_tension >= 0.0):
+        raise StaticsError("laying needs a cable that sinks, a positive depth and a bottom tension of 0 or more")
+    if not np.all(np.isfinite(velocity)):
+        raise StaticsError(f"the ship's velocity must be finite; got {velocity.tolist()}")
+    speed = float(np.linalg.norm(velocity))
+    feed = speed if payout_speed is None else payout_speed
     water = current.shifted(velocity)
     direction, drag = _landing_direction(section, water.at(depth), feed)
+    length = 1.5 * (depth + sheave_height) / max(direction[2], 1e-2)
     tension = max(bottom_tension, 1e-6 * section.weight * depth)
-    length = 1.5 * depth / max(direction[2], 1e-2)
+    if bottom_tension > 0.0:
+        if speed == 0.0:
+            raise StaticsError("a bottom tension needs a ship that moves")
+        direction = np.array([*(velocity / speed), 0.0])
     origin = np.array([0.0, 0.0, -depth])
     for _ in range(8):
         cable = static_cable([StaticSection(length, *_properties(section))], segments=segments, feed=feed)
         shape = shape_from(cable, water, origin, tension * direction, drag_guess=_first_row(drag, len(cable.segments)))
-        crossing = None if shape is None else cut_at_height(shape, 0.0)
+        crossing = None if shape is None else cut_at_height(shape, sheave_height)
         if shape is not None and crossing is not None:
             if crossing.label < 0.8 * length:  # use the segments on the cable that hangs
                 length = 1.05 * crossing.label
                 continue
-            below = shape.positions[:, 2] < 0.0
-            points = np.vstack((shape.positions[below], crossing.position))
-            return Laying(-crossing.position[:2], crossing.label, float(np.linalg.norm(crossing.tension)), points)
+            below = shape.cable.labels < crossing.label
+            return Laying(
+                touchdown=-crossing.position[:2],
+                suspended_length=crossing.label,
+                tension=float(np.linalg.norm(crossing.tension)),
+                departure_angle=math.atan2(crossing.tension[2], float(np.hypot(*crossing.tension[:2]))),
+                shape=np.vstack((shape.positions[below], crossing.position)),
+            )
         length *= 2.0
     raise NoEquilibriumError("the cable does not come up to the ship: it is laid too fast for its weight")
 
@@ -121,9 +147,9 @@ def _properties(section: StaticSection) -> tuple[float, float, float, float]:
 def _landing_direction(section: StaticSection, water: Array, feed: float) -> tuple[Array, Array]:
     """Return the direction (upwards along the cable) without load across it, and the drag there [N/m]."""
     direction = np.array([0.0, 0.0, 1.0])
-    drag, scratch = np.empty(3), (np.empty((3, 3)), np.empty((3, 3)))
+    flow, scratch = (float(water[0]), float(water[1]), float(water[2])), (np.empty((3, 3)), np.empty((3, 3)))
     for _ in range(DIRECTION_ITERATIONS):
-        segment_drag(direction, water, feed, section.normal_drag, section.tangential_drag, drag, *scratch)
+        drag = np.array(segment_drag(direction, flow, feed, section.normal_drag, section.tangential_drag, *scratch))
         load = drag - np.array([0.0, 0.0, section.weight])
         across = load - (load @ direction) * direction
         size = float(np.linalg.norm(across)) / section.weight

@@ -37,10 +37,15 @@ class Equations:
 def solve_newton(
     equations: Equations, guess: Array, factor: float, drag: Array | None = None
 ) -> tuple[Array, StaticShape] | None:
-    """Damped Newton at one strength of the current; None where it does not converge.
+    """Solve at one strength of the current by damped Newton; return unknowns and shape, or None.
 
-    `drag` is a guess of the segments' drag; later each shape guesses it for the next, which keeps a hairpin bend, where
-    several directions fit, on its branch.
+    Parameters
+    ----------
+    equations : what is solved
+    guess : of the unknowns
+    factor : strength of the current, 0 to 1
+    drag : guess of the segments' drag, shape (n, 3) [N/m]; later each shape guesses it for the next, which keeps a
+        hairpin bend, where several directions fit, on its branch
     """
     unknowns = guess.copy()
     state = equations.evaluate(unknowns, factor, drag)
@@ -70,9 +75,15 @@ def solve_newton(
 
 
 def follow_current(equations: Equations, still: Array, what: str) -> StaticShape:
-    """Return the answer at full current, reached from the answer `still` without any by raising it step by step.
+    """Return the answer at full current, reached by raising the current step by step.
 
     Each answer starts the next with the tangent of the last two; steps that fail are halved.
+
+    Parameters
+    ----------
+    equations : what is solved
+    still : the unknowns without any current
+    what : the problem, for the message
 
     Raises
     ------
@@ -101,7 +112,7 @@ def follow_current(equations: Equations, still: Array, what: str) -> StaticShape
             step *= 0.5
             if step < SMALLEST_STEP:
                 raise NoEquilibriumError(
-                    f"{what}: no equilibrium was found beyond {100.0 * factor:.3g} % of the current"
+                    f"{what}: no equilibrium was found above {100.0 * factor:.3g} % of the current"
                 )
             continue
         previous = (factor, unknowns)

@@ -6,18 +6,14 @@ import numpy as np
 from heave_node.arrays import Array
 from numpy.typing import ArrayLike
 
-from cable_sim_node.errors import NoEquilibriumError
-from cable_sim_node.statics.dead_loads import solve_dead_loads
-from cable_sim_node.statics.drag import segment_drag
-from cable_sim_node.statics.errors import StaticsError
-from cable_sim_node.statics.march import FORCE, LENGTH, NORMAL, STIFFNESS, TANGENTIAL
-from cable_sim_node.statics.newton import (
-    Equations,
-    follow_current,
-    solve_newton,
-)
+from cable_sim_node.errors import NoEquilibriumError, StaticsError
+from cable_sim_node.physics.current import Current, current_at
+from cable_sim_node.physics.drag import segment_drag
+from cable_sim_node.statics.dead_loads import EndCondition, solve_dead_loads
+from cable_sim_node.statics.newton import Equations, follow_current, solve_newton
 from cable_sim_node.statics.shape import StaticShape, shape_from
-from cable_sim_node.statics.system import Current, StaticCable
+from cable_sim_node.statics.system import StaticCable
+from cable_sim_node.statics.tables import FORCE, LENGTH, NORMAL, STIFFNESS, TANGENTIAL
 
 STILL_WATER = Current()
 
@@ -142,7 +138,7 @@ def mooring_cable(
     force_scale = float(np.abs(cable.steady_loads[:, 2]) @ cable.segments[:, LENGTH])
     force_scale += float(np.linalg.norm(pull)) + float(np.abs(cable.nodes[:, FORCE : FORCE + 3]).sum())
     if force_scale == 0.0:
-        raise StaticsError("a weightless mooring cable without pull has no one shape: give it a load")
+        raise StaticsError("the shape of a weightless mooring cable without pull is undetermined: give it a load")
     length_scale = cable.length + abs(height - origin[2])
 
     def evaluate(unknowns: Array, factor: float, drag: Array | None) -> tuple[Array, Array, StaticShape] | None:
@@ -157,10 +153,11 @@ def mooring_cable(
 
     steady = cable.nodes[:, FORCE : FORCE + 3].sum(axis=0)
     span = np.array([0.0, 0.0, height - origin[2]])
-    guess = _catenary_guess(cable, span, np.zeros_like(cable.steady_loads))
+    no_drag = np.zeros_like(cable.steady_loads)
+    guess = _catenary_guess(cable, span, no_drag)
     guess[:2] = pull + steady[:2]
-    known = np.array([True, True, False])
-    start_tension = solve_dead_loads(cable, current, origin, span, known, guess, np.zeros_like(cable.steady_loads))
+    ends = EndCondition(origin, span, known=np.array([True, True, False]))
+    start_tension = solve_dead_loads(cable, current, ends, guess, no_drag)
     if start_tension is None:
         raise NoEquilibriumError("mooring cable: no vertical force brings the end to that height")
     return follow_current(Equations(evaluate), start_tension, "mooring cable")
@@ -183,14 +180,15 @@ def _start_of_submerged(cable: StaticCable, current: Current, origin: Array, spa
     is_still = current.is_still and cable.feed == 0.0
     has_weightless_part = bool(np.any(cable.steady_loads[:, 2] == 0.0))
     if has_weightless_part and is_still and not _is_loaded(cable) and np.linalg.norm(span) <= cable.length:
-        raise StaticsError("a weightless cable longer than its span has no one shape in still water: give it a load")
+        raise StaticsError(
+            "the shape of a weightless cable longer than its span is undetermined in still water: give it a load"
+        )
     if has_weightless_part and not is_still:
         drag = _drag_on_chord(cable, current, origin, span)
-    nothing_known = np.zeros(3, dtype=bool)
     guess = _catenary_guess(cable, span, drag)
-    tension = solve_dead_loads(cable, current, origin, span, nothing_known, guess, drag)
+    tension = solve_dead_loads(cable, current, EndCondition(origin, span), guess, drag)
     if tension is None:
-        hint = ": a weightless part of it is slack, which has no one shape" if has_weightless_part else ""
+        hint = ": a weightless part of it is slack, and its shape is undetermined" if has_weightless_part else ""
         raise NoEquilibriumError(f"submerged cable: no equilibrium was found under dead loads{hint}")
     return tension, drag
 
@@ -202,14 +200,23 @@ def _is_loaded(cable: StaticCable) -> bool:
 
 def _drag_on_chord(cable: StaticCable, current: Current, origin: Array, span: Array) -> Array:
     """Drag of every segment were it to lie along the span, at its depth there; shape (n, 3) [N/m]."""
-    middles = 0.5 * (cable.labels[:-1] + cable.labels[1:]) / cable.length
+    shares = 0.5 * (cable.labels[:-1] + cable.labels[1:]) / cable.length
     chord = span if np.any(span) else np.array([0.0, 0.0, 1.0])
-    drag = np.empty((len(middles), 3))
-    scratch = np.empty((3, 3)), np.empty((3, 3))
-    for index, share in enumerate(middles):
-        flow = current.at(-(origin[2] + share * span[2]))
-        row = cable.segments[index]
-        segment_drag(chord, flow, cable.feed, row[NORMAL], row[TANGENTIAL], drag[index], *scratch)
+    return _drag_of_segments(cable, current, np.tile(chord, (len(shares), 1)), origin[2] + shares * span[2])
+
+
+def _drag_of_shape(cable: StaticCable, current: Current, shape: StaticShape) -> Array:
+    """Drag of every segment as it lies; shape (n, 3) [N/m]."""
+    heights = 0.5 * (shape.positions[:-1, 2] + shape.positions[1:, 2])
+    return _drag_of_segments(cable, current, np.diff(shape.positions, axis=0), heights)
+
+
+def _drag_of_segments(cable: StaticCable, current: Current, chords: Array, heights: Array) -> Array:
+    """Drag of every segment along its chord at its height; shape (n, 3) [N/m]."""
+    drag, scratch = np.empty_like(chords), (np.empty((3, 3)), np.empty((3, 3)))
+    for index, (row, chord, height) in enumerate(zip(cable.segments, chords, heights, strict=True)):
+        flow, _ = current_at(-height, current.profile, 1.0)
+        drag[index] = segment_drag(chord, flow, cable.feed, row[NORMAL], row[TANGENTIAL], *scratch)
     return drag
 
 
@@ -238,9 +245,8 @@ def _relax_drag(
     cable settle as it would in the water. Slow, so the last resort. None if it does not settle.
     """
     tension = start
-    nothing_known = np.zeros(3, dtype=bool)
     for part in RELAXATION:
-        answer = solve_dead_loads(cable, current, origin, span, nothing_known, tension, drag, factor=1.0)
+        answer = solve_dead_loads(cable, current, EndCondition(origin, span), tension, drag, factor=1.0)
         shape = None if answer is None else shape_from(cable, current, origin, answer, frozen_drag=drag)
         if answer is None or shape is None:
             return None
@@ -250,14 +256,3 @@ def _relax_drag(
         drag = drag + part * change
         tension = answer
     return None
-
-
-def _drag_of_shape(cable: StaticCable, current: Current, shape: StaticShape) -> Array:
-    """Drag of every segment as it lies; shape (n, 3) [N/m]."""
-    drag = np.empty_like(shape.drag)
-    scratch = np.empty((3, 3)), np.empty((3, 3))
-    for index, row in enumerate(cable.segments):
-        chord = shape.positions[index + 1] - shape.positions[index]
-        flow = current.at(-0.5 * (shape.positions[index, 2] + shape.positions[index + 1, 2]))
-        segment_drag(chord, flow, cable.feed, row[NORMAL], row[TANGENTIAL], drag[index], *scratch)
-    return drag

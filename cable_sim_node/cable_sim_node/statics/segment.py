@@ -15,7 +15,7 @@ from __future__ import annotations
 import math
 
 from heave_node.arrays import Array
-from numba import njit
+from heave_node.compiled import inner_kernel, kernel
 
 SERIES_BELOW = 0.2
 """Below this `a` the power series in a^2 replace the closed forms, which would cancel."""
@@ -26,7 +26,7 @@ SMALLEST_GAP = 1e-24
 """Floor of 1 - a^2: a segment folded upon itself has infinite compliance across; this keeps it a number."""
 
 
-@njit(cache=True, error_model="numpy")
+@inner_kernel
 def hyperbolic_functions(a: float, gap: float) -> tuple[float, float, float, float]:
     """Return f = atanh(a)/a, phi = (f - 1)/a^2, psi = f'/a and chi = phi'/a for 0 <= a < 1, `gap` = 1 - a^2."""
     if a < SERIES_BELOW:
@@ -47,7 +47,7 @@ def hyperbolic_functions(a: float, gap: float) -> tuple[float, float, float, flo
     return f, phi, psi, chi
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def segment_span(
     start: Array, load: Array, length: float, stiffness: float, span: Array, by_tension: Array, by_load: Array
 ) -> float:

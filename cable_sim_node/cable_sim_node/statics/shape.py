@@ -8,9 +8,11 @@ import numpy as np
 from heave_node.arrays import Array
 from scipy.optimize import brentq
 
-from cable_sim_node.statics.march import LENGTH, STIFFNESS, march
+from cable_sim_node.physics.current import Current
+from cable_sim_node.statics.march import march
 from cable_sim_node.statics.segment import segment_span
-from cable_sim_node.statics.system import Current, StaticCable
+from cable_sim_node.statics.system import StaticCable
+from cable_sim_node.statics.tables import LENGTH, STIFFNESS, CableTables, allocate_shape
 
 
 @dataclass(frozen=True)
@@ -97,7 +99,7 @@ class Crossing:
 
 
 def cut_at_height(shape: StaticShape, height: float) -> Crossing | None:
-    """Return where the cable first comes up to z = `height`, None if it does not."""
+    """Return where the cable of `shape`, from s = 0 on, first comes up to z = `height` [m]; None if it does not."""
     above = np.nonzero(shape.positions[1:, 2] >= height)[0]
     if len(above) == 0 or shape.positions[0, 2] >= height:
         return None
@@ -133,22 +135,36 @@ def shape_from(
     frozen_drag: Array | None = None,
     drag_guess: Array | None = None,
 ) -> StaticShape | None:
-    """March from s = 0 with the tension vector `start` below node 0; None where a segment has no solution.
+    """March from s = 0; return None where a segment has no solution.
 
-    `factor` multiplies the current; `frozen_drag` replaces the segments' drag by dead loads [N/m]; `drag_guess` is
-    where the search for each segment's drag begins, needed where tension is so small that drag decides its direction.
+    Parameters
+    ----------
+    cable, current : what is marched
+    origin : position of s = 0 [m]
+    start : tension vector there, below node 0 [N]
+    factor : multiplies the current
+    frozen_drag : dead loads in place of the segments' drag, shape (n, 3) [N/m]
+    drag_guess : where the search for each segment's drag begins, shape (n, 3) [N/m]; needed where tension is so small
+        that drag decides its direction
     """
-    count = len(cable.segments)
-    positions, lower, upper = np.empty((count + 1, 3)), np.empty((count, 3)), np.empty((count, 3))
-    drag = np.full((count, 3), np.nan)
+    shape = allocate_shape(len(cable.segments))
     for given in (drag_guess, frozen_drag):
         if given is not None:
-            drag[:] = given
-    end, partials = np.empty(3), np.empty((6, 6))
-    energy = march(
-        origin, start, cable.segments, cable.nodes, current.depths, current.velocities, factor, cable.feed,
-        frozen_drag is not None, drag, positions, lower, upper, end, partials,
-    )  # fmt: skip
-    if not np.isfinite(energy) or not np.all(np.isfinite(partials)):
+            shape.drag[:] = given
+    tables = CableTables(
+        cable.segments, cable.nodes, current.profile, factor, cable.feed, frozen=frozen_drag is not None
+    )
+    energy = march(tables, origin, start, shape)
+    if not np.isfinite(energy) or not np.all(np.isfinite(shape.partials)):
         return None
-    return StaticShape(cable, positions, lower, upper, drag, -start, end, partials, float(energy))
+    return StaticShape(
+        cable=cable,
+        positions=shape.positions,
+        lower=shape.lower,
+        upper=shape.upper,
+        drag=shape.drag,
+        start_force=-start,
+        end_force=shape.end,
+        partials=shape.partials,
+        energy=energy,
+    )

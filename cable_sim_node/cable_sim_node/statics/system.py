@@ -1,17 +1,16 @@
-"""What statics is given: sections of cable, point loads, a current."""
+"""What statics is given: sections of cable, point loads on it."""
 
 from __future__ import annotations
 
 import itertools
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 from heave_node.arrays import Array
-from numpy.typing import ArrayLike
 
-from cable_sim_node.statics.errors import StaticsError
-from cable_sim_node.statics.march import (
+from cable_sim_node.errors import StaticsError
+from cable_sim_node.statics.tables import (
     AXIS_DRAG,
     BODY_DRAG,
     FORCE,
@@ -63,43 +62,6 @@ class PointLoad:
     body_drag: float = 0.0
 
 
-class Current:
-    """A steady current over depth, straight between given depths and constant beyond them.
-
-    Parameters
-    ----------
-    velocities : [m/s], shape (k, 2) or (k, 3) for k depths, or one velocity for all depths
-    depths : [m], increasing, positive down from the frame's origin; not needed for one velocity
-    """
-
-    def __init__(self, velocities: ArrayLike = (0.0, 0.0, 0.0), depths: ArrayLike = (0.0,)) -> None:
-        given = np.atleast_2d(np.asarray(velocities, dtype=np.float64))
-        self.depths: Array = np.atleast_1d(np.asarray(depths, dtype=np.float64))
-        if given.ndim != 2 or given.shape[1] not in {2, 3} or len(given) != len(self.depths):
-            raise StaticsError(f"a current needs one velocity (x, y) for each depth; got shape {given.shape}")
-        if not (np.all(np.isfinite(given)) and np.all(np.isfinite(self.depths))):
-            raise StaticsError("a current must be finite")
-        if np.any(np.diff(self.depths) <= 0.0):
-            raise StaticsError("the depths of a current must increase")
-        self.velocities: Array = np.zeros((len(given), 3))
-        self.velocities[:, : given.shape[1]] = given
-
-    def at(self, depth: float) -> Array:
-        """Return the velocity at a depth [m/s]."""
-        return np.array([np.interp(depth, self.depths, self.velocities[:, axis]) for axis in range(3)])
-
-    def shifted(self, velocity: ArrayLike) -> Current:
-        """Return this current as seen from a frame that moves at `velocity` [m/s]."""
-        frame = np.zeros(3)
-        frame[: len(np.atleast_1d(velocity))] = velocity
-        return Current(self.velocities - frame, self.depths)
-
-    @property
-    def is_still(self) -> bool:
-        """Whether the water is at rest everywhere."""
-        return not bool(np.any(self.velocities))
-
-
 @dataclass(frozen=True)
 class StaticCable:
     """A cable cut into segments, ready to be solved; make it with `static_cable`.
@@ -107,13 +69,14 @@ class StaticCable:
     Attributes
     ----------
     labels : unstretched length from s = 0 to each node, shape (n + 1,) [m]
-    segments, nodes : tables, see `march`
+    segments, nodes : see `tables`
+    feed : speed at which the cable runs along itself towards s = 0 [m/s]
     """
 
     labels: Array
     segments: Array
     nodes: Array
-    feed: float = field(default=0.0)
+    feed: float = 0.0
 
     @property
     def length(self) -> float:

@@ -1,8 +1,8 @@
-"""Vertical motion of unit and cable of changing length (thesis chapter 3): small and fast, for identification and as
-an independent check of the three-dimensional solver.
+"""Vertical motion of unit and cable of changing length (thesis chapter 3).
 
-The cable hangs straight down in still water; the boom tip's heave and the paid-out length are given as samples; slack,
-quadratic drag and sections are in. `axial_kernel` has the method.
+Small and fast, for identification and as an independent check of the three-dimensional solver. The cable hangs straight
+down in still water; the boom tip's heave and the paid-out length are given as samples; slack, quadratic drag and
+sections are in. `axial_kernel` has the method.
 """
 
 from __future__ import annotations
@@ -17,6 +17,15 @@ from scipy.interpolate import CubicSpline
 
 from cable_sim_node.errors import PlantError
 from cable_sim_node.vertical.axial_kernel import integrate
+from cable_sim_node.vertical.axial_layout import (
+    ANSWER_COLUMNS,
+    LEAST_TENSION,
+    TOP_TENSION,
+    UNIT_ELEVATION,
+    UNIT_VELOCITY,
+    AxialArrays,
+    allocate_nodes,
+)
 from cable_sim_node.vertical.axial_line import AxialLine
 
 LARGEST_STEP = 0.01
@@ -83,7 +92,9 @@ def simulate_axial(
     heave = _samples(boom_tip_heave, "boom_tip_heave")
     paid = np.zeros_like(heave) if payout is None else _samples(payout, "payout")
     if len(paid) != len(heave):
-        raise AxialError(f"payout has {len(paid)} samples and boom_tip_heave {len(heave)}: they must be equally many")
+        raise AxialError(
+            f"payout has {len(paid)} samples and boom_tip_heave {len(heave)}: both must have the same number"
+        )
     if not (sample_period > 0.0 and largest_step > 0.0 and segments >= 1):
         raise AxialError(
             f"sample_period {sample_period}, largest_step {largest_step} and segments {segments} must be positive"
@@ -96,22 +107,36 @@ def simulate_axial(
     fine = np.linspace(0.0, time[-1], (len(heave) - 1) * substeps + 1, dtype=np.float64)
     top, top_velocity = _interpolate(time, heave, fine)
     feed, feed_rate = _interpolate(time, paid, fine)
-    out_length = length + feed
-    if not float(out_length.min()) > 0.0:
-        raise AxialError("the cable is hauled in to nothing between two samples: its length must stay positive")
+    if not float(np.min(length + feed)) > 0.0:
+        raise AxialError("the cable is hauled in completely between two samples: its length must stay positive")
 
-    unit = np.array([line.unit.inertia, line.unit.weight, line.unit.drag])
-    output = np.empty((len(heave), 4))
-    failed = integrate(
-        line.starts(), line.totals(), line.densities(), line.clump_table(), unit, top, top_velocity,
-        out_length, feed_rate, sample_period / substeps, substeps, segments, allow_slack, output,
-    )  # fmt: skip
+    motion = np.column_stack((top, top_velocity, length + feed, feed_rate))
+    answer = np.empty((len(heave), ANSWER_COLUMNS))
+    failed = integrate(_arrays(line, segments, allow_slack), motion, sample_period / substeps, substeps, answer)
     if failed >= 0:
         raise AxialError(
-            f"the axial cable has no solution at {fine[failed]:.3f} s: check the motion there, or use shorter steps"
+            f"the axial cable has no solution at {fine[failed]:.3f} s: check the motion there or use shorter steps"
         )
     datum = -length - line.static_stretch(length)
-    return AxialResponse(time, output[:, 0] - datum, output[:, 1].copy(), output[:, 2].copy(), output[:, 3].copy())
+    return AxialResponse(
+        time=time,
+        unit_heave=answer[:, UNIT_ELEVATION] - datum,
+        unit_velocity=answer[:, UNIT_VELOCITY].copy(),
+        top_tension=answer[:, TOP_TENSION].copy(),
+        least_tension=answer[:, LEAST_TENSION].copy(),
+    )
+
+
+def _arrays(line: AxialLine, segments: int, allow_slack: bool) -> AxialArrays:
+    nodes, elements = allocate_nodes(segments)
+    return AxialArrays(
+        sections=line.section_table(),
+        bodies=np.array([(b.label, b.inertia, b.weight, b.drag) for b in line.clumps]).reshape(-1, 4),
+        unit=np.array([line.unit.inertia, line.unit.weight, line.unit.drag]),
+        nodes=nodes,
+        elements=elements,
+        is_linear=not allow_slack,
+    )
 
 
 def _samples(values: ArrayLike, name: str) -> Array:

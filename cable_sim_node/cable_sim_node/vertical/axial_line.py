@@ -10,10 +10,21 @@ import numpy as np
 from heave_node.arrays import Array
 
 from cable_sim_node.errors import NoEquilibriumError
-from cable_sim_node.line import layout as at
-from cable_sim_node.line.equilibrium import strain_at
-from cable_sim_node.line.grid import segment_row, unit_row
 from cable_sim_node.parameters import CableSimParameters
+from cable_sim_node.physics.properties import body_properties, cable_sections, unit_properties
+from cable_sim_node.physics.tension_law import strain_at, tangent_stiffness
+from cable_sim_node.vertical.axial_layout import (
+    COMPLIANCE,
+    DELAY,
+    DENSITY,
+    DRAG,
+    MASS,
+    QUANTITIES,
+    SECTION_COLUMNS,
+    START,
+    TOTAL,
+    WEIGHT,
+)
 
 
 @dataclass(frozen=True)
@@ -56,7 +67,15 @@ class AxialUnit:
 
 @dataclass(frozen=True)
 class AxialClump:
-    """A body clamped on the cable at `label`, unstretched length from the unit [m]; the rest as for `AxialUnit`."""
+    """A body clamped on the cable.
+
+    Attributes
+    ----------
+    label : unstretched length from the unit [m]
+    inertia : mass and added mass [kg]
+    weight : in water, positive down [N]
+    drag : over speed squared [N s2/m2]
+    """
 
     label: float
     inertia: float
@@ -73,7 +92,14 @@ class AxialPiece(AxialSection):
 
 @dataclass(frozen=True)
 class AxialLine:
-    """Cable (sections counted from the unit upwards), unit, and bodies on the cable in the order of their labels."""
+    """Cable and unit as the axial models know them.
+
+    Attributes
+    ----------
+    sections : of cable, from the unit upwards
+    unit : the unit
+    clumps : bodies on the cable, in the order of their labels
+    """
 
     sections: tuple[AxialSection, ...]
     unit: AxialUnit
@@ -84,27 +110,29 @@ class AxialLine:
         lengths = [section.length for section in self.sections[:-1]]
         return np.concatenate(([0.0], np.cumsum(lengths)))
 
-    def densities(self) -> Array:
-        """Return shape (5, sections): 1/EA, mass, weight, drag and damping time, per metre."""
-        rows = [(1.0 / s.axial_stiffness, s.mass, s.weight, s.drag, s.damping_time) for s in self.sections]
-        return np.ascontiguousarray(np.array(rows).T)
-
-    def totals(self) -> Array:
-        """Return shape (5, sections): the integrals of `densities` from the unit to each section's start."""
+    def section_table(self) -> Array:
+        """Return the rows of the sections as the axial kernel takes them; columns in `axial_layout`."""
+        table = np.zeros((len(self.sections), SECTION_COLUMNS))
+        table[:, START] = self.starts()
+        density, total = table[:, DENSITY : DENSITY + QUANTITIES], table[:, TOTAL : TOTAL + QUANTITIES]
+        for row, s in zip(density, self.sections, strict=True):
+            row[[COMPLIANCE, MASS, WEIGHT, DRAG, DELAY]] = (
+                1.0 / s.axial_stiffness,
+                s.mass,
+                s.weight,
+                s.drag,
+                s.damping_time,
+            )
         lengths = np.array([section.length for section in self.sections[:-1]])
-        sums = np.cumsum(self.densities()[:, :-1] * lengths, axis=1)
-        return np.concatenate((np.zeros((5, 1)), sums), axis=1)
-
-    def clump_table(self) -> Array:
-        """Return shape (clumps, 4): label, inertia, weight and drag of each."""
-        return np.array([(c.label, c.inertia, c.weight, c.drag) for c in self.clumps]).reshape(-1, 4)
+        total[1:] = np.cumsum(density[:-1] * lengths[:, np.newaxis], axis=0)
+        return table
 
     def section_at(self, label: float) -> AxialSection:
         """Return the section to which the point at `label` [m] belongs."""
         return self.sections[int(np.searchsorted(self.starts(), label, side="right")) - 1]
 
     def pieces(self, length: float) -> list[AxialPiece]:
-        """Return the cable that is out, cut at joints and clumps, from the unit upwards."""
+        """Return the `length` [m] of cable that is out, cut at joints and bodies, from the unit upwards."""
         marks = {0.0, length, *self.starts(), *(clump.label for clump in self.clumps)}
         cuts = sorted(float(mark) for mark in marks if mark <= length)
         pieces = []
@@ -116,7 +144,7 @@ class AxialLine:
         return pieces
 
     def static_stretch(self, length: float) -> float:
-        """Elongation under weight in still water [m]."""
+        """Return the elongation of `length` [m] of cable under weight in still water [m]."""
         stretch, load = 0.0, self.unit.weight
         for piece in self.pieces(length):
             load += sum(clump.weight for clump in piece.clumps)
@@ -125,7 +153,7 @@ class AxialLine:
         return stretch
 
     def static_top_tension(self, length: float) -> float:
-        """Tension at the top in still water [N]."""
+        """Return the tension at the top of `length` [m] of cable in still water [N]."""
         weight = self.unit.weight
         for piece in self.pieces(length):
             weight += piece.weight * piece.length + sum(clump.weight for clump in piece.clumps)
@@ -133,46 +161,36 @@ class AxialLine:
 
 
 def axial_line(parameters: CableSimParameters) -> AxialLine:
-    """Return the axial model's view of a cable system: vertical weight, stiffness, inertia and drag.
+    """Return the axial model's view of a plant: vertical weight, stiffness, inertia and drag.
 
-    The model is linear elastic. A tension law that is not straight is taken by its slope at the static tension half-way
-    along each section at payout 0, which is right for motion about rest. The vertical part of the unit's thrust counts
-    as weight.
+    The model is linear elastic. A tension law of the `parameters` that is not straight is taken by its slope at the
+    static tension half-way along each section at payout 0, which is right for motion about rest. The vertical part of
+    the unit's thrust counts as weight.
 
     Raises
     ------
     NoEquilibriumError
         if the tension law does not reach the static tension, or falls there.
     """
-    sections = []
-    start = 0.0
-    for size in (*parameters.sections.length, math.inf):
-        row = segment_row(parameters, start)
-        sections.append(
-            AxialSection(
-                length=size,
-                axial_stiffness=float(row[at.STIFFNESS]),
-                mass=float(row[at.MASS]),
-                weight=float(row[at.WEIGHT]),
-                drag=float(row[at.TANGENTIAL_DRAG]),
-                damping_time=float(row[at.DAMPING] / row[at.STIFFNESS]),
-            )
+    sections = [
+        AxialSection(
+            length=section.length,
+            axial_stiffness=section.cable.axial_stiffness,
+            mass=section.cable.mass,
+            weight=section.cable.weight,
+            drag=section.cable.tangential_drag,
+            damping_time=section.cable.internal_damping / section.cable.axial_stiffness,
         )
-        start += size
-    unit = unit_row(parameters)
-    density, clumps = parameters.water_density, parameters.clumps
+        for section in cable_sections(parameters)
+    ]
+    unit = unit_properties(parameters)
     bodies = [
-        AxialClump(
-            label=label,
-            inertia=clumps.mass[i] + (clumps.added_mass[i] if density > 0.0 else 0.0),
-            weight=(clumps.mass[i] - density * clumps.volume[i]) * parameters.gravity,
-            drag=0.5 * density * clumps.drag_area[i],
-        )
-        for i, label in enumerate(clumps.position)
+        AxialClump(body.label, body.mass + body.added_mass, body.weight, body.drag)
+        for body in body_properties(parameters)
     ]
     line = AxialLine(
         tuple(sections),
-        AxialUnit(float(unit[at.UNIT_INERTIA + 2]), -float(unit[at.UNIT_FORCE + 2]), float(unit[at.UNIT_DRAG + 2])),
+        AxialUnit(float(unit.inertia[2]), -float(unit.force[2]), float(unit.drag[2])),
         tuple(sorted(bodies, key=lambda body: body.label)),
     )
     cable = parameters.cable
@@ -184,18 +202,16 @@ def axial_line(parameters: CableSimParameters) -> AxialLine:
 def _at_static_tension(parameters: CableSimParameters, line: AxialLine) -> AxialLine:
     """Return `line` with each section's EA replaced by the slope of its tension law at rest."""
     sections = []
-    start = 0.0
-    for section in line.sections:
+    for axial, section in zip(line.sections, cable_sections(parameters), strict=True):
+        start, cable = section.start, section.cable
         end = max(min(start + section.length, parameters.length), start + 1e-6 * parameters.length)
-        row = segment_row(parameters, start)
-        strain = strain_at(row, line.static_top_tension(0.5 * (start + end)))
-        slope = 1.0 + strain * (2.0 * row[at.QUADRATIC] + 3.0 * row[at.CUBIC] * strain)
-        if not (math.isfinite(strain) and slope > 0.0):
+        law = (cable.axial_stiffness, cable.quadratic, cable.cubic)
+        strain = strain_at(*law, line.static_top_tension(0.5 * (start + end)))
+        stiffness = tangent_stiffness(*law, strain)
+        if not (math.isfinite(strain) and stiffness > 0.0):
             raise NoEquilibriumError(
-                f"the cable's tension law does not carry the static tension {start:g} m above the unit"
+                f"the cable's tension law does not reach the static tension {start:g} m above the unit"
             )
-        stiffness = float(row[at.STIFFNESS] * slope)
-        delay = section.damping_time * section.axial_stiffness / stiffness
-        sections.append(replace(section, axial_stiffness=stiffness, damping_time=delay))
-        start += section.length
+        delay = axial.damping_time * axial.axial_stiffness / stiffness
+        sections.append(replace(axial, axial_stiffness=stiffness, damping_time=delay))
     return replace(line, sections=tuple(sections))

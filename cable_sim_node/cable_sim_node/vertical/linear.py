@@ -15,20 +15,14 @@ from heave_node.arrays import Array, ComplexArray
 from numpy.typing import ArrayLike
 from scipy.optimize import brentq, least_squares
 
-from cable_sim_node.errors import PlantError
+from cable_sim_node.errors import LinearisationError
+from cable_sim_node.physics.drag import HARMONIC_DRAG
 from cable_sim_node.vertical.axial_line import AxialLine, AxialPiece
-
-HARMONIC_DRAG = 8.0 / (3.0 * math.pi)
-"""First harmonic of abs(sin) sin: makes quadratic drag linear at equal energy per cycle."""
 
 DRAG_PIECES = 12
 """Pieces along the cable in each of which the drag's linearisation amplitude is constant."""
 
 DRAG_ITERATIONS = 60
-
-
-class LinearisationError(PlantError, ValueError):
-    """A linearisation that cannot be made; the message says why."""
 
 
 @dataclass(frozen=True)
@@ -80,7 +74,7 @@ class TwoStateModel:
     error: float
 
     def transfer(self, omegas: ArrayLike) -> ComplexArray:
-        """Return 1/(1 - a w^2 + i b w)."""
+        """Return 1/(1 - a w^2 + i b w) at the frequencies `omegas` [rad/s]."""
         omega = np.asarray(omegas, dtype=np.float64)
         return np.asarray(1.0 / (1.0 - self.a * omega**2 + 1j * self.b * omega))
 
@@ -169,6 +163,17 @@ def natural_frequencies(line: AxialLine, length: float, count: int) -> Array:
 
     Between two roots the top displacement per unit displacement changes sign, and there is one root for each half wave
     along the cable, so none is missed.
+
+    Parameters
+    ----------
+    line : cable and unit
+    length : unstretched length out [m]
+    count : how many
+
+    Raises
+    ------
+    LinearisationError
+        for a length or a count that is not positive.
     """
     if not (length > 0.0 and count >= 1):
         raise LinearisationError("length must be positive and count at least 1")
@@ -200,9 +205,14 @@ def _undamped(pieces: list[AxialPiece]) -> list[AxialPiece]:
 
 
 def mode_shape(line: AxialLine, length: float, omega: float, points: int = 50) -> tuple[Array, Array]:
-    """Return labels counted from the unit [m] and the heave there of the free vibration at `omega`, largest 1.
+    """Return a free vibration's labels counted from the unit [m], and the heave there, largest 1.
 
-    There are `points` labels, or some more where the cable has joints.
+    Parameters
+    ----------
+    line : cable and unit
+    length : unstretched length out [m]
+    omega : a natural frequency [rad/s]
+    points : labels; there are some more where the cable has joints
     """
     pieces = [part for piece in _undamped(line.pieces(length)) for part in _divide(piece, length / points)]
     labels = np.concatenate(([0.0], np.cumsum([piece.length for piece in pieces])))
@@ -214,7 +224,12 @@ def mode_shape(line: AxialLine, length: float, omega: float, points: int = 50) -
 def resonance_map(line: AxialLine, lengths: ArrayLike, omegas: ArrayLike, *, amplitude: float = 0.0) -> ResonanceMap:
     """Return how unit and top tension answer at every length and frequency: where a lowering meets its resonances.
 
-    Arguments as for `heave_transfer_function`, `lengths` in place of one length.
+    Parameters
+    ----------
+    line : cable and unit
+    lengths : unstretched lengths out [m]
+    omegas : [rad/s], positive
+    amplitude : of the boom tip [m], see `heave_transfer_function`
     """
     spans = np.atleast_1d(np.asarray(lengths, dtype=np.float64))
     answers = [heave_transfer_function(line, float(length), omegas, amplitude=amplitude) for length in spans]
@@ -227,9 +242,9 @@ def resonance_map(line: AxialLine, lengths: ArrayLike, omegas: ArrayLike, *, amp
 
 
 def resonant_length(line: AxialLine, omega: float) -> float:
-    """Return the rough length of cable [m] at which `omega` is in resonance: EA/(w^2 (M + Ma)) (thesis 3.3.5).
+    """Return the rough length of cable [m] at which `omega` [rad/s] is in resonance: EA/(w^2 (M + Ma)) (thesis 3.3.5).
 
-    Neglects the cable's own mass; of several sections it takes the uppermost.
+    Neglects the own mass of the cable of `line`; of several sections it takes the uppermost.
     """
     if not omega > 0.0:
         raise LinearisationError("omega must be positive")
@@ -254,7 +269,9 @@ def fit_two_state(omegas: ArrayLike, unit_heave: ArrayLike, *, weights: ArrayLik
     exact = np.asarray(unit_heave, dtype=np.complex128)
     weight = np.ones_like(omega) if weights is None else np.asarray(weights, dtype=np.float64)
     if len(omega) < 2 or exact.shape != omega.shape or weight.shape != omega.shape:
-        raise LinearisationError("a two-state fit needs two or more frequencies, with one response and weight each")
+        raise LinearisationError(
+            "a two-state fit needs at least two frequencies, each with one response and one weight"
+        )
 
     def difference(guess: Array) -> Array:
         model = TwoStateModel(guess[0], guess[1], 0.0).transfer(omega)

@@ -1,9 +1,9 @@
 """The two-state plant of thesis Eq. 6.2 with the interface of `CableDynamics`: what the theory of chapter 6 is about.
 
 Unit heave x about its rest obeys a x'' + b x' + x = x_0 - u, x_0 the heave of the boom tip about its start and u the
-payout. It is solved exactly for boom tip and payout that run as cubics. The unit stays below the boom tip; there is
-no seabed, no current and no slack (tension is static tension plus EA/L times the stretch beyond rest, reported as 0
-where that is negative).
+payout. It is solved exactly for boom tip and payout that run as cubics. The unit stays below the boom tip; there is no
+seabed, no current and no slack. The tension is the static one plus EA/L times the stretch beyond rest, reported as 0
+where that is negative.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ class LinearPlant:
         self.start_at_equilibrium(np.zeros(3), 0.0)
 
     def start_at_equilibrium(self, boom_tip_position: ArrayLike, payout: float) -> None:
-        """Hang the unit at rest below the boom tip [m] with `payout` [m]."""
+        """Hang the unit at rest below `boom_tip_position` [m], shape (3,), with `payout` [m] let out."""
         self._tip = np.array(boom_tip_position, dtype=float)
         self._tip_velocity = np.zeros(3)
         self._tip_acceleration = np.zeros(3)
@@ -66,10 +66,19 @@ class LinearPlant:
         payout_end: float,
         payout_rate_end: float,
     ) -> None:
-        """Integrate over `duration` [s]; boom tip and payout [m] run as cubics through values and rates at both ends.
+        """Integrate over an interval; boom tip and payout run as cubics through their values and rates at both ends.
 
-        Raises BadMotionError for numbers that are not finite, a duration that is not positive, and a payout at the
-        start that is not the present one.
+        Parameters
+        ----------
+        duration : [s], above 0
+        tip_start, tip_end : motion of the boom tip
+        payout_start, payout_rate_start : at the start [m], [m/s]; the payout must be the present one
+        payout_end, payout_rate_end : at the end [m], [m/s]
+
+        Raises
+        ------
+        BadMotionError
+            for numbers that are not finite, a duration that is not positive, and a payout that jumps.
         """
         numbers = [duration, payout_start, payout_rate_start, payout_end, payout_rate_end]
         motions = [tip_start.position, tip_start.velocity, tip_end.position, tip_end.velocity]

@@ -29,39 +29,18 @@ controller can take over.
 from __future__ import annotations
 
 import dataclasses
-import enum
 import math
 from dataclasses import dataclass
 
 import numpy as np
+from heave_node.codes import WinchFault, WinchLimit
+from heave_node.faults import FaultSchedule, FaultyValues
 
-from cable_sim_node.sensors.fault_parameters import ENCODER_FAULT_KINDS, WINCH_FAULT_KINDS
-from cable_sim_node.sensors.faults import FaultSchedule
 from cable_sim_node.winch import drive
 from cable_sim_node.winch.parameters import EncoderParameters, WinchParameters
 
 _TICK_ROUNDING = 1e-6
 """An event this near to a tick [ticks] is at the tick: delay/tick_period is a rounded quotient."""
-
-
-class WinchFault(enum.IntEnum):
-    """Why the winch stopped by itself; numbers of heave_msgs/WinchState."""
-
-    NONE = 0
-    COMMAND_TIMEOUT = 1
-    INVALID_COMMAND = 2
-    DRIVE = 3
-    EMERGENCY_STOP = 4
-
-
-class WinchLimit(enum.IntFlag):
-    """Limits that acted within a tick; numbers of heave_msgs/WinchState."""
-
-    NONE = 0
-    SPEED = drive.LIMIT_SPEED
-    ACCELERATION = drive.LIMIT_ACCELERATION
-    PAYOUT = drive.LIMIT_PAYOUT
-    POWER = drive.LIMIT_POWER
 
 
 @dataclass(frozen=True)
@@ -98,7 +77,7 @@ class WinchState:
     encoder_payout_rate : its difference over the tick by the tick [m/s]
     tension : tension at the drum, as given [N]; NaN: unknown
     power : -tension*payout_rate, positive when hauling in [W]; NaN: unknown
-    limits : limits that acted within the tick
+    limits_hit : limits that acted within the tick
     brake : the brake is engaged
     fault : why the winch stopped by itself
     """
@@ -112,7 +91,7 @@ class WinchState:
     encoder_payout_rate: float
     tension: float
     power: float
-    limits: WinchLimit
+    limits_hit: WinchLimit
     brake: bool
     fault: WinchFault
 
@@ -127,19 +106,13 @@ class Encoder:
 
     def __init__(self, parameters: EncoderParameters) -> None:
         self._resolution = parameters.resolution
-        self.faults = FaultSchedule(parameters.faults, device="encoder", known=ENCODER_FAULT_KINDS)
-        self._value = 0.0
+        self.faults = FaultSchedule(parameters.faults, name="encoder", device="encoder")
+        self._faulty_values = FaultyValues(self.faults)
 
     def read(self, time: float, payout: float) -> float:
         """Return the reading [m] of the true `payout` [m] at `time` [s]; NaN under a nan fault."""
-        if not self.faults.is_active("freeze", time):
-            self._value = self._quantise(payout + self.faults.total("jump", time))
-        if self.faults.is_active("nan", time):
-            return math.nan
-        return self._value + self.faults.take_once("spike", time)
-
-    def _quantise(self, payout: float) -> float:
-        return payout if self._resolution == 0.0 else self._resolution * round(payout / self._resolution)
+        value = float(self._faulty_values.apply(time, np.array([payout]))[0])
+        return value if self._resolution == 0.0 else self._resolution * float(np.rint(value / self._resolution))
 
 
 class VirtualWinch:
@@ -159,7 +132,7 @@ class VirtualWinch:
     def __init__(self, parameters: WinchParameters, *, tick_period: float) -> None:
         self._parameters = parameters
         self._tick_period = tick_period
-        self.faults = FaultSchedule(parameters.faults, device="winch", known=WINCH_FAULT_KINDS)
+        self.faults = FaultSchedule(parameters.faults, name="winch", device="winch")
         self.encoder = Encoder(parameters.encoder)
         self.refused_commands = 0
         self._now = 0.0  # [ticks]
@@ -320,7 +293,7 @@ class VirtualWinch:
             encoder_payout_rate=encoder_rate,
             tension=tension,
             power=-tension * self._rate,
-            limits=limits,
+            limits_hit=limits,
             brake=self._mode == drive.HOLD,
             fault=self._fault,
         )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+from heave_node.codes import WinchLimit
 from numba import njit
 
 FOLLOW_SPEED = 0
@@ -15,10 +16,8 @@ STOP = 2
 HOLD = 3
 """At rest, brake engaged."""
 
-LIMIT_SPEED = 1
-LIMIT_ACCELERATION = 2
-LIMIT_PAYOUT = 4
-LIMIT_POWER = 8
+LIMIT_SPEED, LIMIT_ACCELERATION = int(WinchLimit.SPEED), int(WinchLimit.ACCELERATION)
+LIMIT_PAYOUT, LIMIT_POWER = int(WinchLimit.PAYOUT), int(WinchLimit.POWER)
 
 LONGEST_SUBSTEP = 0.001
 """Inner step [s]. Both laws are solved exactly within it where no limit acts and k_p = 0."""

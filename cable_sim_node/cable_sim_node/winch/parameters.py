@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from heave_node.faults import FaultParameters
 from heave_node.parameters import group, parameter
-
-from cable_sim_node.sensors.fault_parameters import ENCODER_FAULT_KINDS, WINCH_FAULT_KINDS, FaultParameters
 
 
 @dataclass(frozen=True)
@@ -19,8 +18,8 @@ class EncoderParameters:
     faults: FaultParameters = group(FaultParameters)
 
     def __post_init__(self) -> None:
-        """Refuse faults an encoder cannot have."""
-        self.faults.require_kinds(ENCODER_FAULT_KINDS, "encoder")
+        """Refuse faults that an encoder cannot have."""
+        self.faults.check("encoder.faults", "encoder")
 
 
 @dataclass(frozen=True)
@@ -104,4 +103,4 @@ class WinchParameters:
                 f"stop_deceleration = {self.stop_deceleration:g} m/s^2 must not be above "
                 f"acceleration_limit = {self.acceleration_limit:g} m/s^2"
             )
-        self.faults.require_kinds(WINCH_FAULT_KINDS, "winch")
+        self.faults.check("faults", "winch")

@@ -21,7 +21,15 @@ class Level(Enum):
 
 @dataclass(frozen=True)
 class Health:
-    """Health of one part of a node: a sensor, the solver, the tick protocol."""
+    """Health of one part of a node: a sensor, the solver, the tick protocol.
+
+    Attributes
+    ----------
+    part : its name
+    level : severity
+    message : one line for the user
+    values : figures by name
+    """
 
     part: str
     level: Level = Level.OK
@@ -30,7 +38,7 @@ class Health:
 
 
 def diagnostic_array(node: str, stamp: Time, parts: Sequence[Health]) -> DiagnosticArray:
-    """Return the message that says how the parts of `node` are."""
+    """Return the message with the health of the `parts` of `node` at `stamp`."""
     message = DiagnosticArray()
     message.header.stamp = stamp
     for part in parts:

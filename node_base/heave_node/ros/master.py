@@ -1,9 +1,8 @@
-"""The clock master: starts each tick when all have done the one before (lockstep), or when the wall clock says so
-(real time).
+"""The clock master: it begins each tick when all have done the previous one (lockstep), or by the wall clock (real
+time).
 
 The node that derives from `ClockMasterNode` owns the plant: it publishes what holds at t_k, and integrates to t_{k+1}
 when the others have answered.
-`supervisor.Supervisor` looks after the run in wall time.
 """
 
 from __future__ import annotations
@@ -24,32 +23,32 @@ from heave_node.tick.roster import Participant, Roster
 from heave_node.tick.tick import Tick
 
 SUPERVISION_PERIOD = 0.05
-"""Wall time between two looks at who is missing [s]."""
+"""Wall time between two checks for missing answers [s]."""
 STATUS_PERIOD = 0.25
 """Wall time between two TickStatus messages [s]."""
 RECENT_TICKS = 1000
-"""Ticks whose loop age a status during the run tells of; the last status tells of all."""
-COMPLAINT_PERIOD = 1.0
-"""Wall time between two complaints about a missing node [s]."""
-FAREWELL = Duration(seconds=2)
-"""Wall time that the last status may take to reach everybody."""
+"""Ticks that the loop age in a status covers; the one in the last status covers all."""
+WARNING_PERIOD = 1.0
+"""Wall time between two warnings about a missing node [s]."""
+LAST_STATUS_TIMEOUT = Duration(seconds=2)
+"""Wall time that the last status may take to be acknowledged by every subscriber."""
 
 
 class ClockMasterNode(HeaveNode):
-    """Base of the node that steps the clock."""
+    """Base of the node that steps the clock. It publishes in `on_readings` and integrates in `on_advance`."""
 
     # What a master fills in ----------------------------------------------------------------------------------------
 
     def on_readings(self, tick: Tick) -> None:
-        """Publish the state and the sensor readings that are due at t_k."""
+        """Publish the state and the sensor readings that are due at t_k, the start of `tick`."""
 
     def on_advance(self, tick: Tick) -> None:
-        """Integrate from t_k to t_{k+1} with the newest inputs."""
+        """Integrate from t_k to t_{k+1}, from start to end of `tick`, with the newest inputs."""
 
     # Start barrier -------------------------------------------------------------------------------------------------
 
     def join_protocol(self) -> None:
-        """Make the topics by which the master hears and leads the participants, and its services."""
+        """Make the publishers and subscriptions by which the master leads the participants, and its services."""
         peers = [name for name in self.run.participants if name not in self.run.external and name != self.name]
         self.roster = Roster([self.name, *peers])
         self.timing = LoopTiming()
@@ -60,15 +59,15 @@ class ClockMasterNode(HeaveNode):
         self._reset_wanted = False
         self._clock_started_at = 0.0
         now = time.monotonic()
-        self._created_at = self._sent_at = self._complained_at = self._status_at = now
+        self._created_at = self._sent_at = self._warned_at = self._status_at = now
         self._start_message = TickStart()
         self._clock_output = self.add_output(topics.CLOCK)
-        self._roster_publisher = self.speak(topics.TICK_ROSTER)
-        self._start_publisher = self.speak(topics.TICK_START)
-        self._status_publisher = self.speak(topics.TICK_STATUS)
-        self.listen(topics.TICK_JOIN, self._on_join)
+        self._roster_publisher = self.create_protocol_publisher(topics.TICK_ROSTER)
+        self._start_publisher = self.create_protocol_publisher(topics.TICK_START)
+        self._status_publisher = self.create_protocol_publisher(topics.TICK_STATUS)
+        self.create_protocol_subscription(topics.TICK_JOIN, self._on_join)
         for node in peers:
-            self.listen(topics.tick_done_topic(node), self._answer_listener(node))
+            self.create_protocol_subscription(topics.tick_done_topic(node), self._done_callback(node))
         self.create_service(SetBool, "simulation/pause", self._serve_pause)
         self.create_service(StepSimulation, "simulation/step", self._serve_step)
         self.create_service(Trigger, "simulation/reset", self._serve_reset)
@@ -88,7 +87,7 @@ class ClockMasterNode(HeaveNode):
             )
 
     def _external_topics(self) -> dict[str, int]:
-        """Return what external nodes must publish for the loop to close, with the number of publishers seen."""
+        """Return the number of publishers of each topic that external nodes must publish for the loop to close."""
         wanted = [topic for topic in topics.ALL_TOPICS if topic.publisher in self.run.external and topic.is_needed]
         return {topic.name: self.count_publishers(topic.name) for topic in wanted}
 
@@ -103,7 +102,7 @@ class ClockMasterNode(HeaveNode):
                 self.create_timer(self.run.tick_period, self._follow_wall_clock, clock=steady_clock())
 
     def _begin_run(self) -> None:
-        """Begin a run (an epoch): tell all the order of the counters, and start tick 1."""
+        """Begin a run (an epoch): publish the order of the counters, and begin tick 1."""
         self.epoch += 1
         self._roster_publisher.publish(
             TickRoster(
@@ -125,7 +124,7 @@ class ClockMasterNode(HeaveNode):
 
     @property
     def tick_number(self) -> int:
-        """Number of the tick the run is in; 0 before the first."""
+        """Number of the current tick; 0 before the first."""
         return 0 if self.tick is None else self.tick.number
 
     def _begin_tick(self, number: int) -> None:
@@ -133,32 +132,32 @@ class ClockMasterNode(HeaveNode):
         self.tick, self._stepped = tick, False
         self.timing.tick_began()
         self.begin_outputs()
-        self._clock_output.publish_later(lambda: Clock(clock=tick.stamp))
-        self.guard(lambda: self._publish_readings(tick))
+        self._clock_output.publish_deferred(lambda: Clock(clock=tick.stamp))
+        self.fail_on_error(lambda: self._publish_readings(tick))
         if not self.failure:
             self._send_start(tick, flush=False)
-            self.keep_promises()
+            self.flush_deferred()
 
     def _publish_readings(self, tick: Tick) -> None:
         self.on_readings(tick)
         self.publish_diagnostics(tick)
 
     def _send_start(self, tick: Tick, *, flush: bool) -> None:
-        self.roster.answer(self.name, tick.number, self.published())
+        self.roster.answer(self.name, tick.number, self.published_counts())
         counters = self.roster.counters
         self.gate.begin(self.epoch, tick.number, counters)
         self._start_message = TickStart(
             epoch=self.epoch, tick=tick.number, stamp=tick.stamp, flush=flush, published=counters
         )
         self._start_publisher.publish(self._start_message)
-        self._sent_at = self._complained_at = time.monotonic()
-        self._patience = self.run.resend_period
+        self._sent_at = self._warned_at = time.monotonic()
+        self._resend_wait = self.run.resend_period
 
     @property
     def _is_flushing(self) -> bool:
         return bool(self._start_message.flush)
 
-    def _answer_listener(self, node: str) -> Callable[[TickDone], None]:
+    def _done_callback(self, node: str) -> Callable[[TickDone], None]:
         def on_done(message: TickDone) -> None:
             if message.epoch == self.epoch and self.has_started:
                 self.roster.answer(node, message.tick, message.published)
@@ -168,11 +167,11 @@ class ClockMasterNode(HeaveNode):
         return on_done
 
     def _advance(self) -> None:
-        """End the tick as soon as all have answered and all inputs are here."""
+        """End the tick as soon as all have answered and all inputs have come."""
         tick = self.tick
         if self._stepped or tick is None or self.failure:
             return
-        if self.roster.behind(tick.number, flush=self._is_flushing) or not self.gate.is_complete():
+        if self.roster.unanswered(tick.number, flush=self._is_flushing) or not self.gate.is_complete():
             return
         self._stepped = True
         if self._is_flushing:
@@ -180,7 +179,7 @@ class ClockMasterNode(HeaveNode):
             return
         self.timing.tick_answered()
         if self.run.is_lockstep:
-            self.guard(lambda: self.on_advance(tick))
+            self.fail_on_error(lambda: self.on_advance(tick))
             self._begin_what_follows()
 
     def _begin_what_follows(self) -> None:
@@ -195,7 +194,7 @@ class ClockMasterNode(HeaveNode):
             self._begin_tick(self.tick_number + 1)
 
     def _follow_wall_clock(self) -> None:
-        """Begin the ticks that are due; a late machine catches up, and the deadlines it missed are counted."""
+        """Begin the ticks that are due; a machine that is late catches up, and its missed deadlines are counted."""
         elapsed = round((time.monotonic() - self._clock_started_at) / self.run.tick_period)
         while self.run_state == TickStatus.RUNNING and not self.failure and not self._is_flushing:
             if self.tick_number >= elapsed:
@@ -210,7 +209,7 @@ class ClockMasterNode(HeaveNode):
         if not self._stepped:
             self.timing.missed_deadlines += 1
         self._stepped = True
-        self.guard(lambda: self.on_advance(tick))
+        self.fail_on_error(lambda: self.on_advance(tick))
 
     # Pause, step, reset --------------------------------------------------------------------------------------------
 
@@ -236,7 +235,7 @@ class ClockMasterNode(HeaveNode):
         if self.run_state != TickStatus.PAUSED:
             return
         self.run_state = TickStatus.RUNNING
-        # A pause is no time that simulation has to catch up with.
+        # The time of a pause does not count as delay.
         self._clock_started_at = time.monotonic() - self.tick_number * self.run.tick_period
         if self.run.is_lockstep:
             self._begin_what_follows()
@@ -254,7 +253,7 @@ class ClockMasterNode(HeaveNode):
     # End -----------------------------------------------------------------------------------------------------------
 
     def _begin_flush(self) -> None:
-        """Ask all to say when they have every message of the run; only then may writers leave."""
+        """Ask all to answer when they have every message of the run: a publisher must not end before."""
         self.tick = Tick(self.tick_number + 1, self.epoch, self.run.tick_nanoseconds)
         self._stepped = False
         self.begin_outputs()
@@ -270,7 +269,7 @@ class ClockMasterNode(HeaveNode):
         self.roster.restart()
         self.tick = None
         self._start_message = TickStart()
-        self.forget_run()
+        self.reset_run()
         self._clock_started_at = time.monotonic()
         self._begin_run()
 
@@ -280,17 +279,17 @@ class ClockMasterNode(HeaveNode):
             self.fail(reason)
         self.finish()
 
-    def on_leave(self) -> None:
-        """Tell the others how the run ended, whatever the reason for leaving, and give them the time to hear it."""
+    def on_exit(self) -> None:
+        """Tell the others how the run ended, whatever the reason, and wait until they have it."""
         if self.run_state != TickStatus.ENDED:
             self.run_state, self._reason = TickStatus.FAILED, self.failure
         self._publish_status()
-        self._status_publisher.wait_for_all_acked(FAREWELL)
+        self._status_publisher.wait_for_all_acked(LAST_STATUS_TIMEOUT)
 
     # Supervision in wall time --------------------------------------------------------------------------------------
 
     def _supervise(self) -> None:
-        """Start the run, send again what is unanswered, name who is missing, end what lasts too long."""
+        """Start the run when all are ready; name nodes that are missing, and end a run that waits too long."""
         if self.finished.done() or not self.is_active:
             return
         now = time.monotonic()
@@ -299,41 +298,41 @@ class ClockMasterNode(HeaveNode):
             self._publish_status()
         if self.run_state == TickStatus.WAITING:
             self._try_to_start()
-            self._complain(now - self._created_at, self.run.start_timeout, self._reason)
+            self._warn_or_give_up(now - self._created_at, self.run.start_timeout, self._reason)
         elif not self._stepped:
             self._look_for_missing(now)
 
     def _look_for_missing(self, now: float) -> None:
-        """Ask again, and name who has not answered."""
-        if now - self._sent_at > self._patience and (self.run.is_lockstep or self._is_flushing):
+        """Send an unanswered tick again, and name the nodes that have not answered."""
+        if now - self._sent_at > self._resend_wait and (self.run.is_lockstep or self._is_flushing):
             self._sent_at = now
-            self._patience *= 2.0  # a machine that is merely slow must not be given more to do each time
+            self._resend_wait *= 2.0  # a slow machine must not get more to do each time
             self.timing.resends += 1
-            self.send_outputs_again()
+            self.resend_outputs()
             self._start_publisher.publish(self._start_message)
-        behind = self.roster.behind(self.tick_number, flush=self._is_flushing)
+        behind = self.roster.unanswered(self.tick_number, flush=self._is_flushing)
         text = "; ".join(
-            f"{p.name} did not finish tick {p.answered + 1}"
+            f"{p.name} has not finished tick {p.answered + 1}"
             + (f" (waiting for {p.waiting_for})" if p.waiting_for else "")
             for p in behind
         )
         waited = self.timing.age_of_tick
         if not self.run.is_lockstep and behind:
             waited += (self.tick_number - 1 - min(p.answered for p in behind)) * self.run.tick_period
-        self._complain(waited, self.run.participant_timeout, text or self.gate.missing())
+        self._warn_or_give_up(waited, self.run.participant_timeout, text or self.gate.missing())
 
-    def _complain(self, waited: float, limit: float, text: str) -> None:
-        """Name what is missing each second; end the run when it lasts too long."""
-        if not text or waited < COMPLAINT_PERIOD:
+    def _warn_or_give_up(self, waited: float, limit: float, text: str) -> None:
+        """Report each second what is missing; end the run after `limit` [s]."""
+        if not text or waited < WARNING_PERIOD:
             return
         now = time.monotonic()
         if waited > limit:
-            self._end(TickStatus.FAILED, f"{text}: gave up after {limit:g} s")
-        elif now - self._complained_at > COMPLAINT_PERIOD:
-            self._complained_at = now
-            complaint = f"waiting for {waited:.0f} s: {text}"
-            self.get_logger().warning(complaint)
-            self.publish_complaint(complaint)
+            self._end(TickStatus.FAILED, f"{text}: gave up after waiting {limit:g} s")
+        elif now - self._warned_at > WARNING_PERIOD:
+            self._warned_at = now
+            warning = f"has waited {waited:.0f} s: {text}"
+            self.get_logger().warning(warning)
+            self.publish_protocol_error(warning)
 
     def _publish_status(self) -> None:
         is_over = self.run_state in (TickStatus.ENDED, TickStatus.FAILED)

@@ -1,5 +1,4 @@
-"""The thin ROS shell that every node of the suite is made of: lifecycle, parameters, inputs and outputs, diagnostics,
-one way to end.
+"""The thin ROS shell of every node of the suite: lifecycle, parameters, ports, diagnostics, one way to end.
 
 Nodes do not derive from `HeaveNode` but from `participant.ParticipantNode` or, for the one that steps the clock,
 `master.ClockMasterNode`.
@@ -34,11 +33,11 @@ from heave_node.topics import Topic
 JOIN_PERIOD = 0.05
 """Wall time between two TickJoin messages while the run has not started [s]."""
 DIAGNOSTICS_PERIOD = 1.0
-"""Simulated time between two diagnostic messages [s]."""
+"""Simulated time between two DiagnosticArray messages [s]."""
 
 
 class NodeError(Exception):
-    """A node cannot go on; the message is one line for the user."""
+    """A node that cannot go on; the message is one line for the user."""
 
 
 class HeaveNode(LifecycleNode):
@@ -48,7 +47,16 @@ class HeaveNode(LifecycleNode):
     ---------------------------------
     name : node name
     parameters_type : parameter set of the node's own parameters (those of RunParameters are added)
-    after : nodes whose part of a tick this node waits for before its own
+    after : nodes whose part of a tick comes before this node's own
+    lag : ticks that the node may be behind the others
+
+    Attributes
+    ----------
+    run : parameters of the run
+    parameters : the node's own
+    gate : messages received, and whether those of the tick are complete
+    tick, epoch : the tick and the run the node is in
+    failure : why the node ended, "" while nothing went wrong
     """
 
     name: ClassVar[str]
@@ -76,25 +84,25 @@ class HeaveNode(LifecycleNode):
     # What a node fills in ------------------------------------------------------------------------------------------
 
     def on_build(self) -> None:
-        """Make the component, inputs and outputs; compile and warm up whatever the first tick would wait for."""
-        raise NodeError(f"{self.name} builds nothing")
+        """Make the component, inputs and outputs; compile what the first tick would otherwise wait for."""
+        raise NodeError(f"{self.name} does not define on_build")
 
     def on_reset(self) -> None:
-        """Start the component anew for another run with the same inputs and outputs."""
+        """Make a new component for another run with the same inputs and outputs."""
         raise NodeError(f"{self.name} cannot be reset")
 
     def diagnose(self) -> list[Health]:
-        """Say how the parts of this node are; asked once per simulated second.
+        """Return the health of the parts of this node; called once per simulated second.
 
-        In lockstep the answer must depend on the run alone, not on the machine: it is recorded.
+        In lockstep it must depend on the run alone, not on the machine: it is recorded.
         """
         return []
 
-    def on_end(self, status: TickStatus) -> None:
-        """Hear that the run is over, and how."""
+    def on_run_ended(self, status: TickStatus) -> None:
+        """Called when the run is over; `status` says how it ended."""
 
-    def on_leave(self) -> None:
-        """Release what the node holds (files); called once, however the node ends."""
+    def on_exit(self) -> None:
+        """Release what the node holds, such as files; called once, however the node ends."""
 
     # Ports ---------------------------------------------------------------------------------------------------------
 
@@ -105,7 +113,7 @@ class HeaveNode(LifecycleNode):
         return output
 
     def add_input(self, topic: Topic, *, check_stamps: bool = True) -> Input:
-        """Read `topic` within ticks; `check_stamps` refuses messages from the future and out of order."""
+        """Read `topic` within ticks; `check_stamps` refuses messages that are stamped in the future or out of order."""
         port = Input(self, topic, self.gate, check_stamps=check_stamps)
         self._inputs.append(port)
         kind = message_type(topic.type)
@@ -113,7 +121,7 @@ class HeaveNode(LifecycleNode):
         return port
 
     def add_raw_input(self, topic: Topic, decode: Callable[[bytes], Any] = bytes) -> None:
-        """Let the gate wait for `topic` and hold its messages, as `decode` makes them."""
+        """Let the gate wait for the messages of `topic`, and hold what `decode` makes of their bytes."""
         name = self.resolve_topic_name(topic.name)
         inbox = self.gate.add_input(name, decode)
 
@@ -126,22 +134,22 @@ class HeaveNode(LifecycleNode):
         )
 
     def take(self, port: Input) -> list[Any]:
-        """Return the new messages of this tick on an input, oldest first."""
+        """Return the new messages of this tick on the input `port`, oldest first."""
         assert self.tick is not None
         return port.take(self.tick.end_nanoseconds)
 
-    def listen(self, topic: Topic, callback: Callable[[Any], None]) -> None:
-        """Hear a topic of the tick protocol."""
+    def create_protocol_subscription(self, topic: Topic, callback: Callable[[Any], None]) -> None:
+        """Subscribe to a `topic` of the tick protocol; `callback` gets each message."""
         self.create_subscription(message_type(topic.type), topic.name, message_callback(callback), qos_of(topic.role))
 
-    def speak(self, topic: Topic) -> Publisher[Any]:
-        """Publish a topic of the tick protocol."""
+    def create_protocol_publisher(self, topic: Topic) -> Publisher[Any]:
+        """Return a publisher of a `topic` of the tick protocol."""
         return self.create_publisher(message_type(topic.type), topic.name, qos_of(topic.role))
 
     # Lifecycle -----------------------------------------------------------------------------------------------------
 
     def on_configure(self, state: LifecycleState) -> TransitionCallbackReturn:
-        """Build the component and join the tick protocol."""
+        """Build the component and join the tick protocol; `state` is the lifecycle state before."""
         try:
             self._diagnostics = self.add_output(topics.DIAGNOSTICS)
             self.join_protocol()
@@ -149,40 +157,45 @@ class HeaveNode(LifecycleNode):
         except Exception as error:  # rclpy would swallow it and say only that the transition failed
             self.fail(one_line(error), error)
             return TransitionCallbackReturn.ERROR
-        self._join = self.speak(topics.TICK_JOIN)
-        self._join_timer = self.create_timer(JOIN_PERIOD, self._announce_until_started, clock=steady_clock())
+        self._join = self.create_protocol_publisher(topics.TICK_JOIN)
+        self._join_timer = self.create_timer(JOIN_PERIOD, self._publish_join_until_started, clock=steady_clock())
         return super().on_configure(state)
 
     def on_activate(self, state: LifecycleState) -> TransitionCallbackReturn:
-        """Take part in the run from now on."""
+        """Take part in the run from now on; `state` is the lifecycle state before."""
         self.is_active = True
         return super().on_activate(state)
 
     def on_deactivate(self, state: LifecycleState) -> TransitionCallbackReturn:
-        """Take no part any more; a run under way ends for want of this node."""
+        """Stop taking part; a run under way ends without this node. `state` is the lifecycle state before."""
         self.is_active = False
         return super().on_deactivate(state)
 
     # Tick protocol: what both sides do -----------------------------------------------------------------------------
 
     def join_protocol(self) -> None:
-        """Make the topics of the tick protocol."""
+        """Make the publishers and subscriptions of the tick protocol."""
 
     def _advance(self) -> None:
-        """Go on where everything of the tick is here; called after each message."""
+        """Do the tick's work if everything of the tick is here; called after each message."""
 
     def is_ready(self) -> bool:
         """Tell whether this node could begin tick 1."""
         return self.is_active
 
-    def _announce_until_started(self) -> None:
+    def _publish_join_until_started(self) -> None:
         if self.has_started:
             self._join_timer.cancel()
         else:
-            self.announce()
+            self.publish_join()
 
-    def announce(self, waiting_for: str = "") -> None:
-        """Tell the master what this node sends, hears and waits for."""
+    def publish_join(self, waiting_for: str = "") -> None:
+        """Tell the clock master what this node publishes and subscribes to.
+
+        Parameters
+        ----------
+        waiting_for : what the node lacks in this tick, in words
+        """
         self._join.publish(
             TickJoin(
                 node=self.name,
@@ -198,63 +211,64 @@ class HeaveNode(LifecycleNode):
         )
 
     def begin_outputs(self) -> None:
-        """Begin a tick on every output."""
+        """Forget on every output the messages of the previous tick."""
         for output in self._outputs:
             output.begin_tick()
 
-    def keep_promises(self) -> None:
-        """Send what was promised in this tick; what its making raises ends this node."""
+    def flush_deferred(self) -> None:
+        """Make and send the deferred messages of this tick; an error in making one ends this node."""
         for output in self._outputs:
-            self.guard(output.keep_promises)
+            self.fail_on_error(output.flush_deferred)
 
-    def send_outputs_again(self) -> None:
-        """Repeat every message of this tick."""
+    def resend_outputs(self) -> None:
+        """Send every message of this tick again."""
         for output in self._outputs:
-            output.send_again()
+            output.resend()
 
-    def published(self) -> list[int]:
+    def published_counts(self) -> list[int]:
         """Return the number of messages published so far on each output."""
         return [output.published for output in self._outputs]
 
-    def forget_run(self) -> None:
-        """Drop what was received of the run before, and start the component anew."""
+    def reset_run(self) -> None:
+        """Drop what was received in the previous run, and make a new component."""
         self.gate.clear()
         for port in self._inputs:
             port.reset()
-        self.guard(self.on_reset)
+        self.fail_on_error(self.on_reset)
 
     def publish_diagnostics(self, tick: Tick) -> None:
-        """Publish the health of this node, once per simulated second."""
+        """Publish the health of this node if it is due at `tick`: once per simulated second."""
         every = max(1, round(DIAGNOSTICS_PERIOD / self.run.tick_period))
         if tick.number % every == 1 % every:
             parts = [*self.diagnose(), *self._diagnose_inputs()] or [Health("node")]
-            self._diagnostics.publish_later(lambda: diagnostic_array(self.name, tick.stamp, parts))
+            self._diagnostics.publish_deferred(lambda: diagnostic_array(self.name, tick.stamp, parts))
 
-    def publish_complaint(self, text: str) -> None:
-        """Say on /diagnostics what is wrong outside of simulated time; stamp 0 keeps it out of counts and
-        recordings.
+    def publish_protocol_error(self, text: str) -> None:
+        """Publish on /diagnostics, as `text`, what is wrong in wall time.
+
+        Its stamp of 0 keeps it out of counts and recordings.
         """
         part = Health("tick protocol", Level.ERROR, text)
         self._diagnostics.publisher.publish(diagnostic_array(self.name, Time(), [part]))
 
     def _diagnose_inputs(self) -> list[Health]:
         return [
-            Health(f"input {port.name}", Level.WARN, f"{port.wrong_stamps} messages with a wrong stamp were refused")
+            Health(f"input {port.name}", Level.WARN, f"{port.wrong_stamps} messages with a wrong stamp refused")
             for port in self._inputs
             if port.wrong_stamps
         ]
 
     # Ends ----------------------------------------------------------------------------------------------------------
 
-    def guard(self, work: Callable[[], None]) -> None:
-        """Run a part of the component; whatever it raises ends this node with one line."""
+    def fail_on_error(self, work: Callable[[], None]) -> None:
+        """Call `work`, a part of the component; an error in it ends this node with one line."""
         try:
             work()
-        except Exception as error:  # the border between a component and the run: nothing may pass in silence
+        except Exception as error:  # whatever a component raises must end the run with a reason
             self.fail(one_line(error), error)
 
     def fail(self, reason: str, error: Exception | None = None) -> None:
-        """End this node with a one-line reason; the traceback of an unforeseen error goes to the debug log."""
+        """End this node with a one-line `reason`; the traceback of `error` goes to the debug log."""
         if self.failure:
             return
         when = f" at t = {self.tick.time:.3f} s" if self.tick is not None else ""
@@ -264,12 +278,12 @@ class HeaveNode(LifecycleNode):
         self.finish()
 
     def finish(self) -> None:
-        """Leave the spin loop."""
+        """End the spin loop."""
         if not self.finished.done():
             self.finished.set_result(None)
 
-    def rest(self) -> float:
-        """Return for how long this node may now leave what comes unserved [s of wall time]; see `spin`."""
+    def service_pause(self) -> float:
+        """Return for how long callbacks may now wait to be served together [s of wall time]; see `spin`."""
         return 0.0
 
     def on_idle(self) -> None:
@@ -277,11 +291,11 @@ class HeaveNode(LifecycleNode):
 
 
 def one_line(error: BaseException) -> str:
-    """Return an error as one line: the bare text where the error was foreseen, with its type where not."""
+    """Return `error` as one line: its text alone where it was foreseen, with its type where not."""
     text = " ".join(str(error).split())
     return text if isinstance(error, NodeError | ValueError) and text else f"{type(error).__name__}: {text}"
 
 
 def steady_clock() -> Clock:
-    """Return the clock of wall-time waits, which no simulated time stops."""
+    """Return the clock for waits in wall time, which simulated time does not stop."""
     return Clock(clock_type=ClockType.STEADY_TIME)

@@ -3,40 +3,99 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
 from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor
 from rclpy.node import Node
 
-from heave_node.parameters import ParameterInfo, build_parameters, describe
-from heave_node.run_parameters import RunParameters
+from heave_node.criteria import WANTED
+from heave_node.parameters import Given, ParameterError, ParameterInfo, describe, flatten
+from heave_node.run_parameters import NodeParameters, RunParameters, build_node_parameters
+from heave_node.scenario import WILDCARD, Sections, holds_for, read_sections, sections_of_node
+from heave_node.system_parameters import SYSTEM
+
+_OF_ROS = ("use_sim_time", "start_type_description_service")
 
 
 def read_parameters(node: Node, parameters_type: type[Any]) -> tuple[RunParameters, Any]:
     """Return the run's and the node's own parameter sets, and declare every parameter with its descriptor.
 
-    The node must have been made with `automatically_declare_parameters_from_overrides`. Raises ParameterError for an
-    unknown name, a wrong type
-    or a value out of range.
+    Shared names (`system.`) are put in the place of the node's own and, like the criteria of the run (`wanted.`), are
+    no parameters of the node afterwards.
+
+    Parameters
+    ----------
+    node : made with `automatically_declare_parameters_from_overrides`
+    parameters_type : its own parameter set
+
+    Raises
+    ------
+    ParameterError
+        For an unknown name, a wrong type, a value out of range, and for a parameter file that has nothing for this
+        node.
     """
-    given = {
-        name: _plain(parameter.value)
+    files = [(path, read_sections(path)) for path in _parameter_files(sys.argv)]
+    for path, sections in files:
+        check_concerned(path, sections, node.get_fully_qualified_name())
+    given = _given(node, files)
+    name = getattr(node, "name", node.get_name())  # a node that was given another name on the command line is no other
+    where = ": ".join([*(str(path) for path, _ in files[-1:]), node.get_name()])
+    built = build_node_parameters(name, parameters_type, given, where=where)
+    for given_name in given:
+        if given_name.startswith((SYSTEM, WANTED)):
+            node.undeclare_parameter(given_name)
+    _declare(node, built, [*describe(RunParameters), *describe(parameters_type)], given)
+    return built.run, built.own
+
+
+def check_concerned(path: Path, sections: Sections, node: str) -> None:
+    """Refuse a parameter file that has nothing for a node, or that means it and misses it by its namespace.
+
+    Parameters
+    ----------
+    path : of the file
+    sections : what the file holds
+    node : fully qualified name, for example `/ship/cable_sim`
+
+    Raises ParameterError; without it the node would run with its defaults, and nobody would know.
+    """
+    holding = [section for section in sections if holds_for(section, node)]
+    name = node.rpartition("/")[2]
+    missed = [section for section in sections if section.rpartition("/")[2] == name and section not in holding]
+    if missed and all(section == WILDCARD for section in holding):
+        raise ParameterError(
+            f"{path}: {missed[0]}: does not hold for the node {node}; write {WILDCARD}/{name}, which holds in any "
+            "namespace"
+        )
+    if not holding:
+        raise ParameterError(f"{path}: has no parameters for the node {node}; its sections are {', '.join(sections)}")
+
+
+def _given(node: Node, files: Sequence[tuple[Path, Sections]]) -> dict[str, Given]:
+    """Return what the node was given, each value with the file and section that it comes from."""
+    origins: dict[str, str] = {}
+    for path, sections in files:
+        held = sections_of_node(sections, node.get_fully_qualified_name())
+        origins |= {name: f"{path}: {section}" for name, section in held.items()}
+    return {
+        name: Given(_plain(parameter.value), name, origins.get(name, f"{node.get_name()}: command line"))
         for name, parameter in node.get_parameters_by_prefix("").items()
-        if name not in ("use_sim_time", "start_type_description_service") and not name.startswith("qos_overrides.")
+        if name not in _OF_ROS and not name.startswith("qos_overrides.")
     }
-    run_infos, own_infos = describe(RunParameters), describe(parameters_type)
-    of_run = {info.name for info in run_infos}
-    where = _where(node.get_name())
-    run = build_parameters(RunParameters, {n: v for n, v in given.items() if n in of_run}, where=where)
-    own = build_parameters(parameters_type, {n: v for n, v in given.items() if n not in of_run}, where=where)
-    for info in [*run_infos, *own_infos]:
-        descriptor = _descriptor(info)
+
+
+def _declare(node: Node, built: NodeParameters, infos: Iterable[ParameterInfo], given: Iterable[str]) -> None:
+    """Declare what was not given by its own name with the value in force, and describe everything."""
+    values = {**flatten(built.run), **flatten(built.own)}
+    given = set(given)
+    for info in infos:
         if info.name in given:
-            node.set_descriptor(info.name, descriptor)
+            node.set_descriptor(info.name, _descriptor(info))
         else:
-            node.declare_parameter(info.name, _ros_value(info), descriptor)
-    return run, own
+            value = values[info.name]
+            node.declare_parameter(info.name, list(value) if isinstance(value, tuple) else value, _descriptor(info))
 
 
 def _descriptor(info: ParameterInfo) -> ParameterDescriptor:
@@ -57,16 +116,10 @@ def _descriptor(info: ParameterInfo) -> ParameterDescriptor:
     return descriptor
 
 
-def _ros_value(info: ParameterInfo) -> Any:
-    return list(info.default) if isinstance(info.default, tuple) else info.default
-
-
 def _plain(value: Any) -> object:
     """Return a parameter value of rclpy as plain Python (its arrays are array.array)."""
     return list(value) if hasattr(value, "__iter__") and not isinstance(value, str) else value
 
 
-def _where(name: str) -> str:
-    """Name the scenario file, where one is on the command line, and the node."""
-    files = [sys.argv[i + 1] for i, argument in enumerate(sys.argv[:-1]) if argument == "--params-file"]
-    return ": ".join([*(str(Path(file)) for file in files[-1:]), name])
+def _parameter_files(arguments: Sequence[str]) -> list[Path]:
+    return [Path(arguments[i + 1]) for i, argument in enumerate(arguments[:-1]) if argument == "--params-file"]

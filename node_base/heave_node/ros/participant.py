@@ -1,4 +1,4 @@
-"""A node that takes part in each tick: waits for what it needs, steps its component, answers the master."""
+"""A node that takes part in each tick: it waits for its inputs, steps its component, answers the clock master."""
 
 from __future__ import annotations
 
@@ -17,31 +17,30 @@ class ParticipantNode(HeaveNode):
     """Base of every node but the clock master.
 
     A node sets `name`, `parameters_type` and `after`, makes its component, inputs and outputs in `on_build`, and does
-    its part of a tick in `on_tick`.
-    `lag` is the number of ticks that it may be behind the others (a recorder).
+    its part of a tick in `on_tick`. `lag` is the number of ticks that it may be behind the others (a recorder).
     """
 
     def on_tick(self, tick: Tick) -> None:
         """Do this node's part of `tick`: take the inputs, step the component, publish the outputs."""
 
     def join_protocol(self) -> None:
-        """Make the topics by which a participant hears and answers the master."""
+        """Make the publisher and the subscriptions by which a participant follows the clock master and answers it."""
         self._starts: deque[TickStart] = deque()
         self._answered: TickStart | None = None
         self._roster_epoch = 0
-        self._heard_at = time.monotonic()
-        self._done = self.speak(topics.tick_done_topic(self.name))
-        self.listen(topics.TICK_ROSTER, self._on_roster)
-        self.listen(topics.TICK_START, self._on_start)
-        self.listen(topics.TICK_STATUS, self._on_status)
+        self._master_heard_at = time.monotonic()
+        self._done = self.create_protocol_publisher(topics.tick_done_topic(self.name))
+        self.create_protocol_subscription(topics.TICK_ROSTER, self._on_roster)
+        self.create_protocol_subscription(topics.TICK_START, self._on_start)
+        self.create_protocol_subscription(topics.TICK_STATUS, self._on_status)
         for node in self.gate.after:
-            self.listen(topics.tick_done_topic(node), self._peer_listener(node))
+            self.create_protocol_subscription(topics.tick_done_topic(node), self._done_callback(node))
         if not self.run.is_lockstep:
             wait = self.run.in_tick_wait * self.run.tick_period
             self._deadline = self.create_timer(wait, self._on_deadline, clock=steady_clock())
             self._deadline.cancel()
 
-    def _peer_listener(self, node: str) -> Callable[[TickDone], None]:
+    def _done_callback(self, node: str) -> Callable[[TickDone], None]:
         def on_done(message: TickDone) -> None:
             self.gate.peer_done(node, message.epoch, message.tick, message.published)
             self._advance()
@@ -49,23 +48,26 @@ class ParticipantNode(HeaveNode):
         return on_done
 
     def _on_roster(self, message: TickRoster) -> None:
-        self._heard_at = time.monotonic()
+        self._master_heard_at = time.monotonic()
         self.gate.set_roster(message.nodes, message.topics)
         self._roster_epoch = message.epoch
         self.has_started = True
         if round(message.tick_period * 1e9) != self.run.tick_nanoseconds:
             self.fail(
-                f"tick_period is {self.run.tick_period} s here and {message.tick_period} s at the clock master; "
-                "set it under /** of the scenario"
+                f"tick_period is {self.run.tick_period} s here, but {message.tick_period} s at the clock master: "
+                "set it once, under /** of the scenario"
             )
         self._begin_next()
 
     def _on_start(self, message: TickStart) -> None:
-        """Queue a tick; one that was heard before is a question that got no answer."""
-        self._heard_at = time.monotonic()
+        """Queue a tick. A tick that came before is the master asking again for an answer that it did not get."""
+        self._master_heard_at = time.monotonic()
         newest = self._starts[-1] if self._starts else self._answered
         if newest is None and self.run.is_lockstep and message.tick > 1 + self.lag:
-            self.fail(f"came too late: a run is under way in this ROS domain, at tick {message.tick}")
+            self.fail(
+                f"started too late: a run is already at tick {message.tick} in this ROS domain; wait for its end, or "
+                "set another ROS_DOMAIN_ID"
+            )
         elif newest is None or _order(message) > _order(newest):
             self._starts.append(message)
             if len(self._starts) == 1:
@@ -82,7 +84,7 @@ class ParticipantNode(HeaveNode):
         start = self._starts[0]
         if start.epoch > self.epoch:
             if self.epoch > 0:
-                self.forget_run()
+                self.reset_run()
             self.epoch = start.epoch
         self.tick = Tick(start.tick, start.epoch, self.run.tick_nanoseconds)
         self.gate.begin(start.epoch, start.tick, start.published)
@@ -100,27 +102,27 @@ class ParticipantNode(HeaveNode):
         return self.tick is not None and (self.tick.epoch, self.tick.number) == (start.epoch, start.tick)
 
     def _on_deadline(self) -> None:
-        """Step with what is here: in real time nobody waits."""
+        """Step with what has come: in real time a node does not wait any longer."""
         self._deadline.cancel()
         if self._starts and self._is_in_tick() and not self._starts[0].flush:
             self._step()
 
     def _step(self) -> None:
-        """Do the part of the tick, answer, and enter the next tick where one waits already."""
+        """Do this node's part of the tick, answer, and enter the next tick if one is queued."""
         start = self._starts.popleft()
         tick = self.tick
         assert tick is not None
         if start.flush:
-            self.guard(lambda: self.on_flush(tick))
+            self.fail_on_error(lambda: self.on_flush(tick))
             self.gate.end_run()
         else:
-            self.guard(lambda: self._do_tick(tick))
+            self.fail_on_error(lambda: self._do_tick(tick))
         if self.failure:
             return
         self._answered = start
         if self._is_answer_due(start):
             self._answer()
-        self.keep_promises()
+        self.flush_deferred()
         self._begin_next()
 
     def _do_tick(self, tick: Tick) -> None:
@@ -128,36 +130,38 @@ class ParticipantNode(HeaveNode):
         self.publish_diagnostics(tick)
 
     def on_flush(self, tick: Tick) -> None:
-        """Take the last messages of a run; no step belongs to it."""
+        """Take the last messages of a run; `tick` follows the last one and has no step of its own."""
 
     def _is_answer_due(self, start: TickStart) -> bool:
-        """Tell whether the master waits for an answer: one that may lag hears of each tick, but answers for many."""
+        """Tell whether the master waits for an answer: a node that may lag answers for many ticks at a time."""
         return start.flush or start.tick % max(1, self.lag // 2) == 0
 
     def _answer(self) -> None:
         assert self._answered is not None
-        self._done.publish(TickDone(epoch=self._answered.epoch, tick=self._answered.tick, published=self.published()))
+        self._done.publish(
+            TickDone(epoch=self._answered.epoch, tick=self._answered.tick, published=self.published_counts())
+        )
 
     def _answer_again(self) -> None:
-        """Say again what was said, or what is lacking."""
+        """Send this tick's messages and answer again, or say what is missing."""
         if self._starts:
-            self.announce(self.gate.missing())
+            self.publish_join(self.gate.missing())
         else:
-            self.send_outputs_again()
+            self.resend_outputs()
             self._answer()
 
     def _on_status(self, message: TickStatus) -> None:
-        self._heard_at = time.monotonic()
+        self._master_heard_at = time.monotonic()
         if message.state in (TickStatus.ENDED, TickStatus.FAILED) and self.has_started and not self.finished.done():
-            self.guard(lambda: self.on_end(message))
+            self.fail_on_error(lambda: self.on_run_ended(message))
             self.finish()
 
     def on_idle(self) -> None:
         """End the node when the clock master has been silent for too long."""
         limit = self.run.participant_timeout if self.has_started else self.run.start_timeout
-        silence = time.monotonic() - self._heard_at
+        silence = time.monotonic() - self._master_heard_at
         if self.is_active and silence > limit:
-            self.fail(f"the clock master has been silent for {silence:.1f} s")
+            self.fail(f"no message from the clock master for {silence:.1f} s")
 
 
 def _order(message: TickStart) -> tuple[int, int]:

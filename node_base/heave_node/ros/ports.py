@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 from collections.abc import Callable
 from typing import Any
 
@@ -10,86 +9,106 @@ from rclpy.node import Node
 from rclpy.publisher import Publisher
 from rclpy.serialization import serialize_message
 
+from heave_node.messages import message_type
 from heave_node.ros.qos import qos_of
 from heave_node.tick.gate import TickGate
-from heave_node.topics import Topic
-
-
-def message_type(name: str) -> type[Any]:
-    """Return the message class of a type named like "heave_msgs/msg/MruSample".
-
-    Raises ModuleNotFoundError or AttributeError where the package or the message is not installed.
-    """
-    package, kind, message = name.split("/")
-    return getattr(importlib.import_module(f"{package}.{kind}"), message)  # type: ignore[no-any-return]
+from heave_node.topic import Topic
 
 
 class Output:
-    """A topic that a node publishes within ticks. Counts its messages and keeps those of this tick, to send them
-    again.
+    """A topic that a node publishes within ticks. It counts its messages and keeps those of this tick for a resend.
 
-    What the next node waits for is sent at once by `publish`. The rest is promised by `publish_later`: it counts at
-    once, but is made and sent when this node has told the others that its part of the tick is done, so that they work
-    meanwhile.
+    `publish` sends at once: for what the next node waits for. `publish_deferred` counts at once, but makes and sends
+    the message only after this node has told the others that its part of the tick is done, so that they work meanwhile.
+
+    Parameters
+    ----------
+    node : that publishes
+    topic : its name, type and role; the attribute of this name is the resolved name
+
+    Attributes
+    ----------
+    publisher : of rclpy
+    published : messages since the start, deferred ones included
     """
 
     def __init__(self, node: Node, topic: Topic) -> None:
         self.publisher: Publisher[Any] = node.create_publisher(message_type(topic.type), topic.name, qos_of(topic.role))
         self.topic = self.publisher.topic_name
         self.published = 0
-        self._of_this_tick: list[bytes] = []
-        self._promised: list[Callable[[], object]] = []
+        self._sent_this_tick: list[bytes] = []
+        self._deferred: list[Callable[[], object]] = []
 
     def publish(self, message: object) -> None:
-        """Send a message, or one that is serialised already, as part of this tick."""
+        """Send a `message`, or the bytes of a serialised one, as part of this tick."""
         self.published += 1
         self._send(message)
 
-    def publish_later(self, make: Callable[[], object]) -> None:
-        """Promise a message of this tick; `make` is called before anything else happens in this node."""
-        self.published += 1
-        self._promised.append(make)
+    def publish_deferred(self, make: Callable[[], object]) -> None:
+        """Count a message of this tick now, and send it with the next `flush_deferred`.
 
-    def keep_promises(self) -> None:
-        """Make and send what was promised."""
-        promised, self._promised = self._promised, []
-        for make in promised:
+        Parameters
+        ----------
+        make : returns the message; called before the node takes anything of the next tick
+        """
+        self.published += 1
+        self._deferred.append(make)
+
+    def flush_deferred(self) -> None:
+        """Make and send the deferred messages."""
+        deferred, self._deferred = self._deferred, []
+        for make in deferred:
             self._send(make())
 
     def _send(self, message: object) -> None:
-        # Serialised once: padding is whatever the memory held, and a repeated message is known by its bytes.
+        # Serialised once: padding bytes are not defined, and receivers know a repeated message by its bytes.
         data = message if isinstance(message, bytes) else serialize_message(message)
-        self._of_this_tick.append(data)
+        self._sent_this_tick.append(data)
         self.publisher.publish(data)
 
     def begin_tick(self) -> None:
-        """Forget the messages of the tick before."""
-        self._of_this_tick.clear()
+        """Forget the messages of the previous tick."""
+        self._sent_this_tick.clear()
 
-    def send_again(self) -> None:
-        """Repeat the messages of this tick, uncounted: receivers know them by their bytes."""
-        for data in self._of_this_tick:
+    def resend(self) -> None:
+        """Send the messages of this tick again, uncounted: receivers know them by their bytes."""
+        for data in self._sent_this_tick:
             self.publisher.publish(data)
 
 
 class Input:
-    """A topic that a node reads within ticks."""
+    """A topic that a node reads within ticks.
+
+    Parameters
+    ----------
+    node : that reads
+    topic : its name and type; the attribute of this name is the resolved name
+    gate : holds the messages until their tick
+    check_stamps : refuse messages that are stamped in the future or out of order
+
+    Attributes
+    ----------
+    name : of the topic, relative
+    wrong_stamps : messages refused so far
+    latest : last message taken, None before the first
+    """
 
     def __init__(self, node: Node, topic: Topic, gate: TickGate, *, check_stamps: bool = True) -> None:
         self.name = topic.name
+        self.topic = node.resolve_topic_name(topic.name)
         self.check_stamps = check_stamps
         self.wrong_stamps = 0
         self.latest: Any = None
         self._gate = gate
         self._last_stamp = 0
-        self.topic = node.resolve_topic_name(topic.name)
 
     def take(self, latest_legal_stamp: int) -> list[Any]:
         """Return the new messages of this tick, oldest first; `latest` holds the last one afterwards.
 
-        A message whose stamp lies after `latest_legal_stamp` [ns], or not after the stamp before it, is refused and
-        counted in `wrong_stamps`
-        (where `check_stamps` is on and the message has a header).
+        Parameters
+        ----------
+        latest_legal_stamp : end of the tick [ns]. A message with a header that is stamped later, or not after the one
+            before it, is refused and counted in `wrong_stamps`, where `check_stamps` is on
         """
         messages = self._gate.take(self.topic)
         if self.check_stamps:
@@ -99,7 +118,7 @@ class Input:
         return messages
 
     def reset(self) -> None:
-        """Forget the run before."""
+        """Forget the previous run."""
         self.latest = None
         self._last_stamp = 0
 

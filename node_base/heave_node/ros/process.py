@@ -8,75 +8,105 @@ import sys
 from types import FrameType
 
 import rclpy
+from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.lifecycle import TransitionCallbackReturn
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
 from heave_node.parameters import ParameterError
-from heave_node.ros.environment import prepare_environment
+from heave_node.ros.environment import is_bound_to_loopback, prepare_environment
+from heave_node.ros.exposure import exposed_ports
 from heave_node.ros.node import HeaveNode, one_line
 from heave_node.ros.spin import spin
 
+RCLError = rclpy_implementation.RCLError
+
 LAUNCHER_VARIABLE = "HEAVE_LAUNCHER"
-"""Environment variable with the process id of the launcher that a node must not outlive."""
+"""Environment variable with the process id of the launcher: a node ends when that process is gone."""
 
 EXIT_OK = 0
 EXIT_FAILED = 1
 EXIT_REFUSED = 2
 EXIT_STUCK = -signal.SIGALRM
-"""What a parent sees of a node that had done its work, but that the middleware did not let go."""
+"""Exit status, as a parent sees it, of a node that had done its work but was held up by the middleware."""
 
-LEAVING = 3
-"""Wall time that the middleware has to let a node go [s]."""
+SHUTDOWN_TIMEOUT = 3
+"""Wall time that the middleware has to shut a node down [s]."""
 
 
 def run_node(node_type: type[HeaveNode], args: list[str] | None = None) -> int:
-    """Run a node until the run ends or SIGINT or SIGTERM comes; return the exit status: 0 done, 1 failed, 2 parameters
-    refused.
+    """Run a node until the run ends or SIGINT or SIGTERM comes.
 
-    Whatever goes wrong is one line on standard error: `<node>: <what>`.
+    Parameters
+    ----------
+    node_type : class of the node
+    args : command line of ROS; None takes that of the process
+
+    Returns
+    -------
+    status : for the process to exit with: 0 done, 1 failed, 2 parameters refused. What went wrong is one line on
+        standard error, `<node>: <what>`
     """
-    prepare_environment()
-    # Signals end the node, not the context: its last words must still reach the others.
-    rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
+    notice = prepare_environment()
     try:
+        # A signal ends the node, not the context: its last messages must still reach the others.
+        rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
         node = node_type()
     except ParameterError as error:
-        return _last_word(str(error), EXIT_REFUSED)
+        return _exit_with_message(str(error), EXIT_REFUSED)
+    except RCLError as error:  # a keystore without this node's keys, a middleware that is not there
+        return _exit_with_message(f"{node_type.name}: ROS does not start: {' '.join(str(error).split())}", EXIT_FAILED)
+    exposure = _exposure(node)
+    if exposure:
+        shut_down(node)
+        return _exit_with_message(f"{node.name}: {exposure}", EXIT_FAILED)
+    if notice:
+        node.get_logger().warning(notice)
     _end_on_signals(node)
     try:
         if node.run.autostart and node.trigger_configure() == TransitionCallbackReturn.SUCCESS:
             node.trigger_activate()
-        spin(node, node.finished, lambda: _on_idle(node), node.rest)
-    except Exception as error:  # nothing may pass in silence
+        spin(node, node.finished, lambda: _on_idle(node), node.service_pause)
+    except Exception as error:  # every error must end in a line and a status
         node.fail(one_line(error), error)
     try:
-        node.on_leave()
-    except Exception as error:  # closing a bag on a full disk must still be told
+        node.on_exit()
+    except Exception as error:  # such as a bag that cannot be closed on a full disk
         node.fail(one_line(error), error)
-    status = _last_word(f"{node.name}: {node.failure}", EXIT_FAILED) if node.failure else EXIT_OK
-    leave_ros(node)
+    status = _exit_with_message(f"{node.name}: {node.failure}", EXIT_FAILED) if node.failure else EXIT_OK
+    shut_down(node)
     return status
 
 
-def leave_ros(node: Node) -> None:
-    """Destroy a node whose work is done.
+def shut_down(node: Node) -> None:
+    """Destroy a `node` whose work is done, and shut ROS down.
 
-    Fast DDS can lock up for ever where an endpoint goes while a timer of discovery runs out. The kernel then ends the
-    process: by that time everything is closed and said.
+    Fast DDS can lock up for ever when an endpoint is removed while a timer of discovery expires. An alarm then ends the
+    process: by that time every file is closed and every message sent.
     """
     signal.signal(signal.SIGALRM, signal.SIG_DFL)
-    signal.alarm(LEAVING)
+    signal.alarm(SHUTDOWN_TIMEOUT)
     node.destroy_node()
     rclpy.try_shutdown()
     signal.alarm(0)
 
 
+def _exposure(node: HeaveNode) -> str:
+    """Say in one line that the transport reaches further than was asked for; "" where it does not."""
+    ports = exposed_ports(node.context.get_domain_id()) if is_bound_to_loopback() else []
+    if not ports:
+        return ""
+    return (
+        f"other hosts reach {', '.join(ports)}: Fast DDS did not take this suite's profile, its own errors say why; "
+        "to allow it, --network or ROS_AUTOMATIC_DISCOVERY_RANGE=SUBNET"
+    )
+
+
 def _on_idle(node: HeaveNode) -> None:
-    """Let the node look at the wall clock, and end it when the launcher that it belongs to is gone."""
+    """Let the node check the wall clock, and end it when its launcher is gone."""
     launcher = os.environ.get(LAUNCHER_VARIABLE)
     if launcher and os.getppid() != int(launcher):
-        node.fail("the command that started it is gone")
+        node.fail("the process that started it has ended")
     node.on_idle()
 
 
@@ -88,6 +118,6 @@ def _end_on_signals(node: HeaveNode) -> None:
         signal.signal(number, on_signal)
 
 
-def _last_word(text: str, status: int) -> int:
+def _exit_with_message(text: str, status: int) -> int:
     sys.stderr.write(text + "\n")
     return status

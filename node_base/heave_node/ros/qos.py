@@ -11,7 +11,7 @@ STREAM_DEPTH = 200
 
 
 def qos_of(role: Role) -> QoSProfile:
-    """Return the quality of service of a topic's role."""
+    """Return the quality of service of topics of this `role`."""
     latched = role is Role.LATCHED
     return QoSProfile(
         history=HistoryPolicy.KEEP_LAST,

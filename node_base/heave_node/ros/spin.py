@@ -1,7 +1,7 @@
-"""The one spin loop of the suite, and what its executor wants of callbacks.
+"""The one spin loop of the suite, and what its executor needs of callbacks.
 
 The events executor is three times as fast as the default one. Its `spin` does not dispatch in every release, so the
-loop asks it to spin until a future completes, in slices; between slices a node may look at the wall clock.
+loop asks it to spin until a future completes, in slices; between slices a node may check the wall clock.
 """
 
 from __future__ import annotations
@@ -18,12 +18,15 @@ from rclpy.task import Future
 
 IDLE_PERIOD = 0.2
 """Wall time between two calls of `on_idle` [s]."""
-SERVING = 0.006
-"""Wall time for which a node that rests serves callbacks [s]."""
+SERVICE_SLICE = 0.006
+"""Wall time for which callbacks are served between two pauses [s]."""
 
 
 def message_callback(handle: Callable[[Any], object]) -> Callable[[Any], None]:
-    """Return `handle` as the callback of a subscription; its signature, asked for at every message, is found once."""
+    """Return `handle` as the callback of a subscription.
+
+    rclpy asks for the signature of a callback at each message; here it is computed once.
+    """
 
     def on_message(message: Any) -> None:
         handle(message)
@@ -33,7 +36,7 @@ def message_callback(handle: Callable[[Any], object]) -> Callable[[Any], None]:
 
 
 class Spinner:
-    """Serves the callbacks of one node."""
+    """Serves the callbacks of one `node`."""
 
     def __init__(self, node: Node) -> None:
         self._node = node
@@ -41,27 +44,34 @@ class Spinner:
         self._executor.add_node(node)
 
     def spin_for(self, seconds: float, until: Future | None = None) -> None:
-        """Serve callbacks for some wall time, or until a future completes."""
+        """Serve callbacks for `seconds` of wall time, or `until` a future completes."""
         self._executor.spin_until_future_complete(Future() if until is None else until, seconds)
 
     def close(self) -> None:
-        """Serve no more."""
+        """Stop serving callbacks."""
         self._executor.remove_node(self._node)
         self._executor.shutdown()
 
 
-def spin(node: Node, finished: Future, on_idle: Callable[[], None], rest: Callable[[], float] = lambda: 0.0) -> None:
+def spin(
+    node: Node, finished: Future, on_idle: Callable[[], None], service_pause: Callable[[], float] = lambda: 0.0
+) -> None:
     """Serve the callbacks of `node` until `finished` completes or the context is shut down.
 
-    A node that nobody waits for can ask for a `rest` [s] after each SERVING: what came meanwhile is then served in one
-    go, where a waking for each message would take the processor from the nodes that are waited for.
+    Parameters
+    ----------
+    node : whose callbacks are served
+    finished : ends the loop when it completes
+    on_idle : called every IDLE_PERIOD, to check the wall clock
+    service_pause : returns how long callbacks may wait after each SERVICE_SLICE [s], to be served together: a node that
+        no other node waits for need not wake up for every message and take the processor from the others
     """
     spinner = Spinner(node)
     try:
         looked_at = time.monotonic()
         while rclpy.ok() and not finished.done():
-            pause = rest()
-            spinner.spin_for(SERVING if pause else IDLE_PERIOD, until=finished)
+            pause = service_pause()
+            spinner.spin_for(SERVICE_SLICE if pause else IDLE_PERIOD, until=finished)
             if finished.done():
                 break
             time.sleep(pause)

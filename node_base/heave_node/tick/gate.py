@@ -1,8 +1,8 @@
 """What a node has received of a tick, and what it still lacks: the receiving half of the tick protocol, without ROS.
 
 DDS keeps the order within a topic but not across topics. So every publisher counts what it sends, the counts travel in
-TickStart and TickDone,
-and a node steps when it has received as many messages on each input as its publishers say they have sent.
+TickStart and TickDone, and a node steps when it has received as many messages on each input as its publishers say they
+have sent.
 """
 
 from __future__ import annotations
@@ -20,8 +20,8 @@ _REMEMBERED = 16
 class Inbox:
     """Messages of one topic in order of arrival, each once.
 
-    A message that comes again byte for byte (a tick sent again) is dropped; one with stamp 0 was sent before the run
-    began and is not counted.
+    A message that comes again byte for byte (its tick was sent again) is dropped. One with stamp 0 was sent before the
+    run began and is not counted.
 
     Parameters
     ----------
@@ -38,7 +38,7 @@ class Inbox:
         self._recent: deque[bytes] = deque(maxlen=_REMEMBERED)
 
     def put(self, data: bytes) -> bool:
-        """Take a message; return False where it was dropped."""
+        """Take the bytes of a message, `data`; return False if it was dropped."""
         if data[_STAMP] == _NO_STAMP:
             return False
         if data in self._recent:
@@ -50,11 +50,11 @@ class Inbox:
         return True
 
     def end_run(self) -> None:
-        """Forget the bytes of the past: the next run may begin with the very same messages."""
+        """Forget the bytes of past messages: the next run may begin with the same ones."""
         self._recent.clear()
 
     def take(self, expected: int) -> list[Any]:
-        """Return the messages not yet taken, up to number `expected` since the start; later ones stay."""
+        """Return the messages not yet taken, up to number `expected` since the start; later ones stay in the inbox."""
         later = max(0, self.received - expected)
         return [self._waiting.popleft() for _ in range(len(self._waiting) - later)]
 
@@ -80,7 +80,7 @@ class TickGate:
         self._lacking: list[tuple[Inbox, int]] = []
 
     def add_input(self, topic: str, decode: Callable[[bytes], Any] = bytes) -> Inbox:
-        """Watch another topic; return its inbox."""
+        """Wait for another `topic` too; return its inbox, which holds what `decode` makes of a message's bytes."""
         return self.inboxes.setdefault(topic, Inbox(topic, decode))
 
     def set_roster(self, nodes: Sequence[str], topics: Sequence[str]) -> None:
@@ -95,13 +95,20 @@ class TickGate:
         self._find_lacking()
 
     def begin(self, epoch: int, tick: int, published: Sequence[int]) -> None:
-        """Enter tick `tick` of run `epoch`, at whose start `published` messages were out (per entry of the roster)."""
+        """Enter tick `tick` of run `epoch`, before which `published` messages were sent (per entry of the roster)."""
         self.tick = (epoch, tick)
         self._started = published
         self._find_lacking()
 
     def peer_done(self, node: str, epoch: int, tick: int, published: Sequence[int]) -> None:
-        """Note that `node` has done its part of a tick, with `published` messages out (per output of that node)."""
+        """Note that `node` has done its part of tick `tick` of run `epoch`.
+
+        Parameters
+        ----------
+        node : name
+        epoch, tick : numbers of run and tick
+        published : messages that the node has sent so far on each of its outputs
+        """
         self._done[node] = ((epoch, tick), published)
         self._find_lacking()
 
@@ -110,7 +117,7 @@ class TickGate:
         self._lacking = [(inbox, count) for inbox, count in expected if inbox.received < count]
 
     def expected(self, topic: str) -> int:
-        """Number of messages on `topic` since the start that this node must have in this tick."""
+        """Return how many messages on `topic` since the start this node must have in this tick."""
         total = 0
         for node, entry, position in self._publishers.get(topic, ()):
             count = self._started[entry] if self._started else 0
@@ -120,16 +127,16 @@ class TickGate:
         return total
 
     def is_complete(self) -> bool:
-        """Tell whether everything of this tick is here."""
+        """Tell whether everything of this tick has come."""
         if any(self._tick_of(node) < self.tick for node in self.after):
             return False
-        lacking = self._lacking  # asked after each message: what has come is not looked at again
+        lacking = self._lacking  # called after each message, so complete inputs are not checked again
         while lacking and lacking[-1][0].received >= lacking[-1][1]:
             lacking.pop()
         return not lacking
 
     def missing(self) -> str:
-        """Say in words what is missing; "" where nothing is."""
+        """Return in words what is missing; "" where nothing is."""
         waiting = [f"{node} to end tick {self.tick[1]}" for node in self.after if self._tick_of(node) < self.tick]
         for topic, inbox in self.inboxes.items():
             expected = self.expected(topic)
@@ -139,16 +146,16 @@ class TickGate:
         return ", ".join(waiting)
 
     def take(self, topic: str) -> list[Any]:
-        """Return the new messages on `topic`; in lockstep what a faster node sent for the next tick stays."""
+        """Return the new messages on `topic`; in lockstep those of the next tick stay in the inbox."""
         return self.inboxes[topic].take(self._due(topic))
 
     def clear(self) -> None:
-        """Forget the messages of a run that was reset."""
+        """Drop the messages of a run that was reset."""
         for topic, inbox in self.inboxes.items():
             inbox.take(self._due(topic))
 
     def end_run(self) -> None:
-        """Note that every message of the run has come."""
+        """Note that the run is over and all its messages have come."""
         for inbox in self.inboxes.values():
             inbox.end_run()
 

@@ -1,6 +1,4 @@
-"""How old the loop is and how fast the run goes, in wall time. For the user's eyes; never part of a recorded
-message.
-"""
+"""Loop age and speed of the run in wall time: for the user to see, never part of a recorded message."""
 
 from __future__ import annotations
 
@@ -13,7 +11,12 @@ import numpy as np
 
 @dataclass(frozen=True)
 class LoopAge:
-    """Start of a tick to its last answer, wall time [s]."""
+    """Wall time from the start of a tick to its last answer.
+
+    Attributes
+    ----------
+    p50, p99, max : median, 99th percentile and largest [s]
+    """
 
     p50: float = 0.0
     p99: float = 0.0
@@ -21,7 +24,7 @@ class LoopAge:
 
 
 class LoopTiming:
-    """Collects the loop age of every tick and the speed of the run."""
+    """Collects the loop age of every tick, and measures the speed of the run."""
 
     def __init__(self) -> None:
         self.missed_deadlines = 0
@@ -49,7 +52,7 @@ class LoopTiming:
         return time.monotonic() - self._began
 
     def loop_age(self, last: int | None = None) -> LoopAge:
-        """Return the loop age over the last ticks, or over all ticks so far."""
+        """Return the loop age over the `last` ticks; None takes all ticks so far."""
         if not self._ages:
             return LoopAge()
         ages = np.array(self._ages if last is None else self._ages[-last:])
@@ -57,11 +60,11 @@ class LoopTiming:
         return LoopAge(float(p50), float(p99), float(ages.max()))
 
     def overall_factor(self, simulated_time: float) -> float:
-        """Return simulated over wall time since the run began."""
+        """Return `simulated_time` [s] over wall time since the run began."""
         return simulated_time / max(time.monotonic() - self._run_began, 1e-9)
 
     def real_time_factor(self, simulated_time: float) -> float:
-        """Return simulated over wall time since the last call."""
+        """Return simulated over wall time since the last call; `simulated_time` [s] is now."""
         now = time.monotonic()
         elapsed = now - self._last_wall
         advanced = simulated_time - self._last_simulated

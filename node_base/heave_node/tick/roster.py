@@ -12,12 +12,13 @@ class Participant:
 
     Attributes
     ----------
-    name : node name
+    name : of the node
     ready : it waits for the first tick
-    lag : ticks it may be behind
+    lag : ticks that it may be behind
     outputs, inputs : resolved topic names, with the number of peers that each one sees
-    answered : last tick it has answered
-    waiting_for : what it says it lacks
+    answered : last tick that it has answered
+    published : messages that it has sent so far on each output
+    waiting_for : what it lacks, in its own words
     """
 
     name: str
@@ -44,17 +45,18 @@ class Roster:
         self._entries: list[tuple[str, str]] = []
 
     def join(self, participant: Participant) -> None:
-        """Take what a node says of itself; its progress is kept."""
+        """Take what a `participant` says of itself; its progress is kept."""
         known = self.participants.get(participant.name)
         if known is not None:
             participant.answered, participant.published = known.answered, known.published
         self.participants[participant.name] = participant
 
     def missing(self, external_topics: Mapping[str, int]) -> list[str]:
-        """Say in words what keeps the run from starting; empty where all are there and every publisher sees its
-        subscribers.
+        """Return in words what keeps the run from starting; empty where nothing does.
 
-        `external_topics` holds the topics that must come from outside the protocol, each with its number of publishers.
+        Parameters
+        ----------
+        external_topics : topics that must come from outside the protocol, each with its number of publishers
         """
         lacking = [f"{name} (not seen)" for name in self.expected if name not in self.participants]
         lacking += [f"{p.name} (not ready)" for p in self._present() if not p.ready]
@@ -82,7 +84,7 @@ class Roster:
         return readers
 
     def freeze(self) -> None:
-        """Fix the order of the counters: from here on the run is under way."""
+        """Fix the order of the counters: the run begins."""
         self._entries = [(p.name, topic) for p in self._present() for topic in p.outputs]
         for participant in self._present():
             participant.published = [0] * len(participant.outputs)
@@ -103,23 +105,26 @@ class Roster:
         return [count for participant in self._present() for count in participant.published]
 
     def answer(self, name: str, tick: int, published: Sequence[int]) -> None:
-        """Note that a node has done its part of `tick`. Repeated and old answers change nothing."""
+        """Note that the node `name` has done its part of `tick` and sent `published` messages, per output.
+
+        Repeated and old answers change nothing.
+        """
         participant = self.participants[name]
         if tick > participant.answered:
             participant.answered = tick
             participant.published = published
 
-    def behind(self, tick: int, *, flush: bool = False) -> list[Participant]:
-        """Return the participants that `tick` still waits for; in a flush nobody may lag."""
+    def unanswered(self, tick: int, *, flush: bool = False) -> list[Participant]:
+        """Return the participants that have not answered `tick`; without a `flush`, those that may lag have time."""
         return [p for p in self._present() if p.answered < tick - (0 if flush else p.lag)]
 
     def restart(self) -> None:
-        """Begin tick numbers anew; message counters go on."""
+        """Count ticks from 1 again; message counters go on."""
         for participant in self._present():
             participant.answered = 0
 
     def published_by_topic(self) -> dict[str, int]:
-        """Return how many messages the nodes say they published on each topic."""
+        """Return how many messages the nodes have published on each topic, as they say."""
         totals: dict[str, int] = {}
         for (_, topic), count in zip(self._entries, self.counters, strict=True):
             totals[topic] = totals.get(topic, 0) + count

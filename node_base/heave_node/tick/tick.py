@@ -1,4 +1,4 @@
-"""A tick of the run: its number and its times. Time is counted in whole nanoseconds, so that no rounding grows."""
+"""A tick of the run: its number and its times. Time is counted in whole nanoseconds: rounding does not add up."""
 
 from __future__ import annotations
 
@@ -8,23 +8,23 @@ from builtin_interfaces.msg import Time
 
 
 def stamp_of(nanoseconds: int) -> Time:
-    """Return simulated time [ns] as a message stamp."""
+    """Return simulated time in `nanoseconds` as a message stamp."""
     seconds, rest = divmod(nanoseconds, 1_000_000_000)
     return Time(sec=seconds, nanosec=rest)
 
 
 def nanoseconds_of(stamp: Time) -> int:
-    """Return a message stamp as simulated time [ns]."""
+    """Return a message `stamp` as simulated time [ns]."""
     return stamp.sec * 1_000_000_000 + stamp.nanosec  # type: ignore[no-any-return]
 
 
 def seconds_of(stamp: Time) -> float:
-    """Return a message stamp as simulated time [s]."""
+    """Return a message `stamp` as simulated time [s]."""
     return nanoseconds_of(stamp) * 1e-9
 
 
 def stamp_of_seconds(seconds: float) -> Time:
-    """Return simulated time [s] as a message stamp, to the nearest nanosecond."""
+    """Return simulated time in `seconds` as a message stamp, to the nearest nanosecond."""
     return stamp_of(round(seconds * 1e9))
 
 

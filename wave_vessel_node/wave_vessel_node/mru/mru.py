@@ -1,55 +1,32 @@
 """The motion reference unit (MRU) at the boom tip: what it says of heave, and when it says nothing or worse.
 
 The reading is the true heave plus the lever-arm error (pitch and roll let in), times 1 + scale error, through a
-second-order high-pass
-s^2 / (s^2 + 2 zeta omega_c s + omega_c^2), with white noise. The high-pass is kept as what it takes away: reading =
-truth - e with
-e'' + 2 zeta omega_c e' + omega_c^2 e = 2 zeta omega_c x' + omega_c^2 x - d, solved exactly for x a cubic between
-ticks; d is an error of
-the vertical acceleration (a tilt of the vertical in a turn, a bias after a restart).
+second-order high-pass s^2 / (s^2 + 2 zeta omega_c s + omega_c^2), with white noise. The high-pass is kept as what it
+takes away: reading = truth - e with e'' + 2 zeta omega_c e' + omega_c^2 e = 2 zeta omega_c x' + omega_c^2 x - d, solved
+exactly for x a cubic between ticks; d is an error of the vertical acceleration (a tilt of the vertical in a turn, a
+bias after a restart).
 """
 
 from __future__ import annotations
 
 import math
 from collections import deque
-from dataclasses import dataclass
 
 import numpy as np
 from heave_node.arrays import Array
+from heave_node.codes import MruStatus
+from heave_node.faults import LARGEST_DELAY, FaultSchedule, FaultyValues
 from heave_node.randomness import random_stream
+from heave_node.sensors import MruReading
 from numpy.typing import NDArray
 
-from wave_vessel_node.mru.faults import BIAS, DELAY, FREEZE, GAP, LONGEST_DELAY, RESTART, SPIKE, MruFaults
 from wave_vessel_node.mru.oscillator import DrivenOscillator
 from wave_vessel_node.parameters import MruParameters
 from wave_vessel_node.vessel.motion import PITCH, ROLL, VesselMotion
 
-STATUS_OK, STATUS_SETTLING, STATUS_INVALID = 0, 1, 2
 _TURNING = 1e-4  # rad/s: above this rate of turn the unit is disturbed
-
-
-@dataclass(frozen=True)
-class MruReading:
-    """One sample of the MRU.
-
-    Attributes
-    ----------
-    time : stamp: time of the measurement as the unit states it [s]
-    sequence : counts samples from 1; a gap is a lost sample
-    status : STATUS_OK, STATUS_SETTLING or STATUS_INVALID
-    heave, heave_rate, heave_acceleration : of the boom tip about its mean, positive up [m], [m/s], [m/s^2]
-    roll, pitch : of the vessel [rad]
-    """
-
-    time: float
-    sequence: int
-    status: int
-    heave: float
-    heave_rate: float
-    heave_acceleration: float
-    roll: float
-    pitch: float
+_IN_HEAVE = np.array([1.0, 0.0, 0.0, 0.0, 0.0])
+"""A spike or jump is an error of heave, not of rate, acceleration, roll or pitch."""
 
 
 class HighPass:
@@ -94,6 +71,10 @@ class MotionReferenceUnit:
     parameters : see MruParameters
     seed : seed of the run
     tick_period : [s]
+
+    Attributes
+    ----------
+    faults : faults may be injected during the run
     """
 
     def __init__(self, parameters: MruParameters, *, seed: int, tick_period: float) -> None:
@@ -102,18 +83,22 @@ class MotionReferenceUnit:
         self._generator = random_stream(seed, "wave_vessel/mru")
         cut_off = 2.0 * math.pi / parameters.high_pass_period if parameters.high_pass_period > 0.0 else 0.0
         self._filter = HighPass(cut_off, parameters.high_pass_damping, tick_period)
-        self._ticks_between = 1
-        if parameters.rate > 0.0:
-            self._ticks_between = max(1, round(1.0 / (parameters.rate * tick_period)))
-        self.faults = MruFaults(parameters, self.reading_period)
+        self._ticks_between = 1 if parameters.rate == 0.0 else self._ticks_at(parameters.rate)
+        self.faults = FaultSchedule(
+            parameters.faults,
+            name="mru",
+            device="mru",
+            usual_duration={"restart": parameters.restart_duration},
+        )
+        self._faulty_values = FaultyValues(self.faults, _IN_HEAVE)
+        self._noise_sigma = np.array([parameters.noise, parameters.rate_noise, parameters.rate_noise, 0.0, 0.0])
         self._stamp_error_ticks = round(parameters.stamp_error / tick_period)
         self._late_ticks = self._stamp_error_ticks + round(parameters.latency / tick_period)
-        self._history: deque[tuple[float, Array, float, float]] = deque(
-            maxlen=1 + self._late_ticks + math.ceil(LONGEST_DELAY / tick_period)
+        self._history: deque[tuple[float, Array]] = deque(
+            maxlen=1 + self._late_ticks + math.ceil(LARGEST_DELAY["mru"] / tick_period)
         )
         self._last_delivered = -math.inf
         self._sequence = 0
-        self._frozen: tuple[float, Array, float, float] | None = None
         self._settled_at = 0.0
         self._restarted_at = -math.inf
         self._started = False
@@ -123,21 +108,12 @@ class MotionReferenceUnit:
         """Time between two readings [s]: the nearest whole number of ticks to 1 / rate."""
         return self._ticks_between * self._period
 
-    def inject(self, kind: str, start: float, duration: float = 0.0, size: float = 0.0) -> None:
-        """Schedule a fault at simulated time `start` [s] for `duration` [s].
-
-        restart: silent, then settling; gap: silent; freeze: values stand, stamps go on; spike: one reading is `size`
-        [m]
-        off; bias: all are; delay: readings come `size` [s] later, honestly stamped. A duration of 0 lasts until cleared
-        (a restart: its usual silence). Raises ValueError for another kind, or numbers a fault cannot have.
-        """
-        self.faults.inject(kind, start, duration, size)
-
     def step(self, tick: int, heave: Array, motion: VesselMotion) -> MruReading | None:
         """Return the reading delivered at `tick`, or None if there is none.
 
         Parameters
         ----------
+        tick : number of the tick; ticks come in order
         heave : true boom-tip heave about its mean, rate, acceleration at the tick, shape (3,)
         motion : true motion of the vessel at the tick
         """
@@ -148,41 +124,43 @@ class MotionReferenceUnit:
             self._started = True
         self._restart_when_due(now, seen)
         taken = self._filter.step(seen[0], seen[1], self._acceleration_error(now, motion))
-        self._history.append((now, seen - np.array(taken), motion.displacement[ROLL], motion.displacement[PITCH]))
-        if tick % self._ticks_between:
+        attitude = (motion.displacement[ROLL], motion.displacement[PITCH])
+        self._history.append((now, np.array([*(seen - np.array(taken)), *attitude])))
+        # in every tick, whatever becomes of it: a fault changes no other reading
+        noise = np.array([*self._generator.standard_normal(3), 0.0, 0.0])
+        faulty_rate = self.faults.newest("rate", now)
+        if tick % (self._ticks_between if faulty_rate is None else self._ticks_at(faulty_rate)):
             return None
         self._sequence += 1
-        noise = self._generator.standard_normal(3)
-        if self.faults.is_active(RESTART, now) or self.faults.is_active(GAP, now):
+        if self.faults.is_active("restart", now) or self.faults.is_active("gap", now):
             return None
         return self._reading(now, noise)
 
+    def _ticks_at(self, rate: float) -> int:
+        """Return the ticks between two readings at `rate` [Hz]."""
+        return max(1, round(1.0 / max(rate * self._period, 1e-9)))
+
     def _reading(self, now: float, noise: Array) -> MruReading | None:
-        late = self._late_ticks + round(self.faults.size(DELAY, now) / self._period)
+        late = self._late_ticks + round(self.faults.total("delay", now) / self._period)
         if late >= len(self._history):
             return None
-        measured_at, seen, roll, pitch = self._history[-1 - late]
+        measured_at, seen = self._history[-1 - late]
         if measured_at <= self._last_delivered:
             return None
         self._last_delivered = measured_at
-        values = seen + noise * (self._parameters.noise, self._parameters.rate_noise, self._parameters.rate_noise)
-        if self.faults.is_active(FREEZE, now):
-            if self._frozen is None:
-                self._frozen = (measured_at, values, roll, pitch)
-            _, values, roll, pitch = self._frozen
-        else:
-            self._frozen = None
-        wrong = self.faults.size(SPIKE, now) + self.faults.size(BIAS, now)
-        status = STATUS_SETTLING if now < self._settled_at else STATUS_OK
+        said = self._faulty_values.apply(now, seen + noise * self._noise_sigma).tolist()
+        heave, heave_rate, heave_acceleration, roll, pitch = said
         return MruReading(
             time=measured_at + self._stamp_error_ticks * self._period,
+            heave=heave,
+            heave_rate=heave_rate,
+            roll=roll,
+            pitch=pitch,
+            status=MruStatus.SETTLING if now < self._settled_at else MruStatus.OK,
             sequence=self._sequence,
-            status=status,
-            heave=float(values[0] + wrong),
-            heave_rate=float(values[1]),
-            heave_acceleration=float(values[2]),
-            roll=float(roll),
-            pitch=float(pitch),
+            heave_acceleration=heave_acceleration,
+            heave_sigma=self._parameters.noise,
+            heave_rate_sigma=self._parameters.rate_noise,
         )
 
     def _with_instrument_errors(self, heave: Array, motion: VesselMotion) -> Array:
@@ -203,7 +181,7 @@ class MotionReferenceUnit:
         return error
 
     def _restart_when_due(self, now: float, seen: Array) -> None:
-        restart = self.faults.take_restart(now)
+        restart = self.faults.take_begun("restart", now)
         if restart is None:
             return
         self._restarted_at = now

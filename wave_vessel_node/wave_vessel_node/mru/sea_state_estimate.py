@@ -1,10 +1,8 @@
 """The sea state from the MRU record alone: spectrum, Hs and Tp with confidence, running.
 
 Welch's method: periodograms of half-overlapping Hann segments, the newest of them averaged over the window. The known
-response of the
-unit's high-pass and of the vessel is taken out, and the unit's stated noise subtracted; where the vessel hardly
-answers (short waves) the
-spectrum is continued by its omega^-5 tail.
+response of the unit's high-pass and of the vessel is taken out, and the unit's stated noise subtracted; where the
+vessel hardly answers (short waves) the spectrum is continued by its omega^-5 tail.
 """
 
 from __future__ import annotations
@@ -16,17 +14,25 @@ from dataclasses import dataclass
 
 import numpy as np
 from heave_node.arrays import Array
-from scipy.special import chdtri
+from heave_node.codes import MruStatus
+from heave_node.sensors import MruReading
+from heave_node.spectral_estimate import (
+    height_interval,
+    peak_frequency,
+    peak_period_interval,
+    resampled_spectra,
+    segment_frequencies,
+    segment_periodogram,
+    segment_size,
+)
 
-from wave_vessel_node.mru.mru import STATUS_OK, MruReading
 from wave_vessel_node.parameters import SeaStateEstimateParameters
 
 _MINIMUM_SEGMENTS = 3
 _LEAST_RESPONSE = 0.03  # of |H|^2: below, the motion says nothing of the sea
 _LOWEST_PERIOD = 40.0  # s: waves are shorter; below this frequency only drift and the unit's wander
 _LONGEST_GAP = 2.0  # s: a longer one breaks the record
-_BOOTSTRAP_DRAWS = 200
-_PEAK_BAND = 0.3  # of log frequency about the peak, in which its top is fitted
+_FEWEST_LINES = 8  # of the spectrum between drift and ripples: with fewer, readings are too far apart for waves
 
 
 @dataclass(frozen=True)
@@ -77,18 +83,18 @@ class SeaStateEstimator:
         vessel_response: Callable[[Array], Array],
     ) -> None:
         self._period = sample_period
-        count = 2 * round(parameters.segment / sample_period / 2.0)
-        self._window = np.hanning(count + 1)[:-1]
+        count = segment_size(parameters.segment, sample_period)
         self._samples = np.zeros(count)
         self._filled = 0
         self._last_time = -math.inf
         keep = max(_MINIMUM_SEGMENTS, int(2.0 * parameters.window / parameters.segment) - 1)
         self._periodograms: deque[Array] = deque(maxlen=keep)
-        omega = 2.0 * math.pi * np.arange(count // 2 + 1) / (count * sample_period)
+        omega = segment_frequencies(count, sample_period)
         self._band = slice(
             int(np.searchsorted(omega, 2.0 * math.pi / _LOWEST_PERIOD)), int(np.searchsorted(omega, 4.0))
         )
         self._omega = np.asarray(omega[self._band], dtype=np.float64)
+        self._sees_waves = self._omega.size >= _FEWEST_LINES
         self._unit = np.maximum(unit_response(self._omega), 1e-6)
         self._vessel = vessel_response(self._omega)
         self._noise_density = noise**2 * sample_period / math.pi
@@ -98,7 +104,7 @@ class SeaStateEstimator:
         """Take one reading; those that are not OK are left out, short gaps are bridged, a long one starts a new
         segment.
         """
-        if reading.status != STATUS_OK or not math.isfinite(reading.heave):
+        if not self._sees_waves or reading.status != MruStatus.OK or not math.isfinite(reading.heave):
             return
         missing = round((reading.time - self._last_time) / self._period) - 1 if self._filled else 0
         if missing < 0:
@@ -114,10 +120,7 @@ class SeaStateEstimator:
         self._samples[self._filled] = value
         self._filled += 1
         if self._filled == self._samples.size:
-            detrended = self._samples - self._samples.mean()
-            transform = np.fft.rfft(detrended * self._window)
-            scale = self._period / (math.pi * float((self._window**2).sum()))
-            self._periodograms.append(scale * np.abs(transform[self._band]) ** 2)
+            self._periodograms.append(segment_periodogram(self._samples, self._period)[self._band])
             half = self._samples.size // 2
             self._samples[:half] = self._samples[half:]
             self._filled = half
@@ -130,15 +133,11 @@ class SeaStateEstimator:
         record = self._segment_length * 0.5 * (len(segments) + 1)
         motion = np.maximum(segments.mean(axis=0) - self._noise_density, 0.0) / self._unit
         sea, m0 = self._sea(motion)
-        bandwidth = self._integral(np.nan_to_num(sea) ** 2)
-        height = 4.0 * math.sqrt(m0)
-        freedom = max(1.0, m0**2 * record / (math.pi * bandwidth)) if bandwidth > 0.0 else 1.0
-        low, high = (height * math.sqrt(freedom / chdtri(freedom, q)) for q in (0.025, 0.975))  # chi-square, upper tail
         return SeaStateEstimate(
             time=self._last_time,
             record_length=record,
-            significant_wave_height=height,
-            significant_wave_height_interval=(low, high),
+            significant_wave_height=4.0 * math.sqrt(m0),
+            significant_wave_height_interval=height_interval(self._omega, np.nan_to_num(sea), m0, record),
             peak_period=float(2.0 * math.pi / peak_frequency(self._omega, np.nan_to_num(sea)[None])[0]),
             peak_period_interval=self._peak_interval(segments, sea),
             boom_tip_sigma=math.sqrt(self._integral(motion)),
@@ -165,35 +164,7 @@ class SeaStateEstimator:
 
     def _peak_interval(self, segments: Array, sea: Array) -> tuple[float, float]:
         """Return the 95 % interval of the peak period by resampling the segments."""
-        generator = np.random.default_rng(0)  # fixed: the interval depends on the record alone
-        shares = generator.multinomial(
-            len(segments), np.full(len(segments), 1.0 / len(segments)), size=_BOOTSTRAP_DRAWS
-        )
         seen = np.isfinite(sea)
-        motion = np.maximum(shares @ segments / len(segments) - self._noise_density, 0.0) / self._unit
+        motion = np.maximum(resampled_spectra(segments) - self._noise_density, 0.0) / self._unit
         drawn = np.where(seen, motion / np.where(seen, self._vessel, 1.0), 0.0)
-        low, high = np.percentile(2.0 * math.pi / peak_frequency(self._omega, drawn), [2.5, 97.5])
-        return float(low), float(high)
-
-
-def peak_frequency(omega: Array, density: Array) -> Array:
-    """Return the frequency of the peak of noisy spectra, shape (spectra, frequencies) -> (spectra,); nan without
-    energy.
-
-    The S^4-weighted mean frequency finds the peak; a parabola through log S against log omega about it, weighted by
-    S^2, gives its top.
-    """
-    weight = density**4
-    total = weight.sum(axis=1)
-    with np.errstate(invalid="ignore"):
-        centre = (weight * omega).sum(axis=1) / np.where(total > 0.0, total, np.nan)
-    x = np.log(omega / centre[:, None])
-    positive = density > 1e-3 * density.max(axis=1, keepdims=True)
-    weight = np.where((np.abs(x) < _PEAK_BAND) & positive, density**2, 0.0) / np.maximum(total, 1e-300)[:, None] ** 0.5
-    log_density = np.log(np.where(positive, density, 1.0))
-    powers = np.stack([np.where(np.isfinite(x), x, 0.0) ** n for n in range(3)], axis=2)
-    normal = np.einsum("sf,sfi,sfj->sij", weight, powers, powers) + 1e-9 * np.eye(3)
-    right = np.einsum("sf,sfi,sf->si", weight, powers, log_density)
-    _, slope, curvature = np.linalg.solve(normal, right[:, :, None])[:, :, 0].T
-    top = np.where(curvature < 0.0, -slope / (2.0 * np.where(curvature < 0.0, curvature, -1.0)), 0.0)
-    return np.asarray(centre * np.exp(np.clip(top, -_PEAK_BAND, _PEAK_BAND)))
+        return peak_period_interval(self._omega, np.nan_to_num(sea), drawn, len(segments))

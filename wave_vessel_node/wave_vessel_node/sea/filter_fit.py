@@ -1,9 +1,7 @@
-"""Fit of a shaping filter to any spectrum, measured ones included: four zeros at the origin and a bounded
-low-frequency leak.
+"""Fit of a shaping filter to any spectrum, measured ones included: four zeros at the origin, a bounded leak.
 
 Least squares on the density over poles and free zeros, from several starts that the spectrum itself suggests; the gain
-follows linearly.
-Deterministic: one spectrum gives one filter.
+follows linearly. Deterministic: one spectrum gives one filter.
 """
 
 from __future__ import annotations
@@ -14,11 +12,12 @@ from typing import Any
 
 import numpy as np
 from heave_node.arrays import Array
+from heave_node.linear_model import LinearModel
 from scipy.optimize import least_squares
 
-from wave_vessel_node.sea.shaping_filter import FilterForm, FilterQuality, filter_quality, low_band_edge, sections_of
+from wave_vessel_node.sea.filter_form import FilterForm, sections_of
+from wave_vessel_node.sea.filter_quality import FilterQuality, filter_quality, low_band_edge
 from wave_vessel_node.sea.spectra import SpectrumError, WaveSpectrum
-from wave_vessel_node.sea.state_space import StateSpace
 
 _POINTS = 400
 _LEAK_WEIGHT = 0.05  # of a leak that is twice its bound, against the relative error
@@ -28,10 +27,17 @@ _DAMPING_BOUND = (math.log(0.01), math.log(3.0))
 
 @dataclass(frozen=True)
 class FilterFit:
-    """A fitted filter: its normalised form, its state space at scale, and how good it is."""
+    """A fitted filter.
+
+    Attributes
+    ----------
+    form : normalised to the peak and the energy of the sea
+    system : the filter at the scale of the sea
+    quality : how well it stands for the spectrum
+    """
 
     form: FilterForm
-    system: StateSpace
+    system: LinearModel
     quality: FilterQuality
 
 
@@ -135,14 +141,15 @@ class _Problem:
 def fit_filter(
     spectrum: WaveSpectrum, states: int = 6, *, zeros_at_origin: int | None = None, leak_bound: float = 2e-3
 ) -> FilterFit:
-    """Fit a shaping filter of `states` states to `spectrum`.
+    """Fit a shaping filter to a spectrum.
 
     Parameters
     ----------
-    states : even, 4 or more
+    spectrum : of the sea, with energy
+    states : of the filter; even, 4 or more
     zeros_at_origin : default 4 (2 with four states, which have no room for more)
-    leak_bound : the filter's energy below the spectrum's own band (see FilterQuality.leak) is pressed under this
-    fraction of m_0
+    leak_bound : fraction of m_0 under which the filter's energy below the spectrum's own band is pressed (see
+        FilterQuality.leak)
 
     Raises SpectrumError for a number of states that cannot be, or a spectrum without energy.
     """
@@ -164,5 +171,10 @@ def fit_filter(
             best, best_cost = result.x, result.cost
     assert best is not None
     form = problem.form(best)
-    system = form.state_space(spectrum.peak_frequency, spectrum.significant_wave_height)
+    system = form.model(spectrum.peak_frequency, spectrum.significant_wave_height)
     return FilterFit(form, system, filter_quality(system, spectrum))
+
+
+def fitted_filter(spectrum: WaveSpectrum, states: int) -> LinearModel:
+    """Return the filter that `fit_filter` finds for `spectrum` with this number of `states`."""
+    return fit_filter(spectrum, states).system

@@ -1,10 +1,8 @@
 """A random sea as a sum of components: exact in its spectrum, and without a period.
 
 The band is cut into cells; in each cell one component carries the cell's energy, at a frequency drawn from the
-spectrum within
-the cell. So the variance is the target's in every realisation, the ensemble has exactly the target spectrum, and as
-the frequencies
-have no common divisor the sea does not repeat. Phases are uniform. Deep water.
+spectrum within the cell. So the variance is the target's in every realisation, the ensemble has exactly the target
+spectrum, and as the frequencies have no common divisor the sea does not repeat. Phases are uniform. Deep water.
 """
 
 from __future__ import annotations
@@ -13,8 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 from heave_node.arrays import Array, ComplexArray
+from heave_node.compiled import kernel
 from heave_node.constants import STANDARD_GRAVITY
-from numba import njit
 from numpy.typing import ArrayLike
 
 from wave_vessel_node.sea.spectra import SpectrumError, WaveSpectrum, cell_integrals
@@ -30,7 +28,9 @@ class WaveComponents:
     Attributes
     ----------
     frequency : omega [rad/s], shape (n,), rising
-    amplitude : a [m]; phase : [rad]; direction : d, travelling towards, from world x [rad]
+    amplitude : a [m], shape (n,)
+    phase : [rad], shape (n,)
+    direction : d that the component travels to, from world x, anticlockwise [rad], shape (n,)
     """
 
     frequency: Array
@@ -52,14 +52,16 @@ def draw_components(
     direction: float = 0.0,
     spreading_exponent: float = 0.0,
 ) -> WaveComponents:
-    """Draw `count` components of `spectrum` (fewer where it has gaps).
+    """Draw the components of a sea.
 
     Parameters
     ----------
+    spectrum : of the sea
+    count : of components; fewer are drawn where the spectrum has gaps
+    generator : of frequencies, phases and directions
     direction : mean direction of travel [rad]
     spreading_exponent : s of D(angle) ~ cos^{2s}(angle / 2); 0 means long-crested. Each component gets one direction,
-    drawn in strata, so that
-        the sea stays ergodic.
+        drawn in strata, so that the sea stays ergodic
     """
     grid = spectrum.edges
     energy = cell_integrals(spectrum.density, grid)
@@ -102,7 +104,7 @@ def _draw_spreading(exponent: float, count: int, generator: np.random.Generator)
     return np.interp(quantile, cumulative / cumulative[-1], angle)
 
 
-@njit(cache=True)
+@kernel
 def _evaluate(
     frequency: Array, anchor: ComplexArray, turn: ComplexArray, real: Array, imaginary: Array, out: Array
 ) -> None:
@@ -124,9 +126,8 @@ def _evaluate(
 class HarmonicSum:
     """Re(sum of c_n e^{i omega_n t}) and its two derivatives at ticks, exact at any tick in any order.
 
-    Phases are evaluated exactly every 64 ticks and turned by a table in between: a tick costs microseconds, and what
-    it gives
-    depends on its number only.
+    Phases are evaluated exactly every 64 ticks and turned by a table in between: a tick costs microseconds, and its
+    values depend on its number only.
 
     Parameters
     ----------

@@ -2,46 +2,38 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, field
 
 import numpy as np
 from heave_node.arrays import Array
 
-from wave_vessel_node.parameters import WaveVesselParameters
-from wave_vessel_node.sea.spectra import (
-    Bretschneider,
-    Jonswap,
-    OchiHubble,
-    OchiHubbleSystem,
-    WaveSpectrum,
-    pierson_moskowitz,
-)
+from wave_vessel_node.parameters import SeaParameters, WaveVesselParameters
+from wave_vessel_node.sea.spectra import WaveSpectrum
 from wave_vessel_node.sea.spectrum_files import read_spectra
+from wave_vessel_node.sea_registry import SPECTRA, SPECTRUM_FILE
 
 
-def build_spectrum(parameters: WaveVesselParameters, warnings: list[str] | None = None) -> WaveSpectrum:
-    """Return the spectrum the parameters name; what was repaired in a file is added to `warnings`.
+def named_spectrum(sea: SeaParameters) -> WaveSpectrum:
+    """Return the spectrum of SPECTRA that `sea` names, with its numbers. Raises SpectrumError where it cannot be."""
+    spectrum: WaveSpectrum = SPECTRA[sea.spectrum].load().from_parameters(sea)
+    return spectrum
 
-    Raises SpectrumError or SpectrumFileError when it cannot be (a file that is missing or broken, a record beyond its
-    end).
+
+def build_spectrum(parameters: WaveVesselParameters, warnings: list[str]) -> WaveSpectrum:
+    """Return the spectrum that the parameters name, measured ones included.
+
+    Parameters
+    ----------
+    parameters : name the spectrum, or its file and record
+    warnings : what was repaired in a file is added here
+
+    Raises SpectrumError or SpectrumFileError where it cannot be: a file that is missing or broken, a record beyond its
+    end.
     """
-    height, period = parameters.significant_wave_height, parameters.peak_period
-    if parameters.spectrum == "bretschneider":
-        return Bretschneider(height, period)
-    if parameters.spectrum == "pierson_moskowitz":
-        return pierson_moskowitz(height)
-    if parameters.spectrum == "jonswap":
-        return Jonswap(height, period, parameters.peak_enhancement)
-    if parameters.spectrum == "ochi_hubble":
-        swell = parameters.swell
-        return OchiHubble(
-            OchiHubbleSystem(height, period, parameters.shape),
-            OchiHubbleSystem(swell.significant_wave_height, swell.peak_period, swell.shape),
-        )
+    if parameters.spectrum != SPECTRUM_FILE:
+        return named_spectrum(parameters)
     file = read_spectra(parameters.spectrum_file)
-    if warnings is not None:
-        warnings.extend(file.warnings)
+    warnings.extend(file.warnings)
     if parameters.spectrum_time:
         return file.nearest(parameters.spectrum_time).spectrum
     return file.select(parameters.spectrum_record).spectrum
@@ -54,9 +46,14 @@ class SeaState:
     Attributes
     ----------
     spectrum : name of the spectrum or source
-    significant_wave_height [m], peak_period, zero_crossing_period [s], peak_enhancement [-]
-    heading : direction the waves travel to [rad]; spreading : exponent of cos^2s, 0 long-crested
-    angular_frequency [rad/s], spectral_density [m^2 s/rad] : the target, may be empty
+    significant_wave_height : [m]
+    peak_period, zero_crossing_period : [s]
+    peak_enhancement : gamma of JONSWAP, 1 for other spectra
+    heading : direction the waves travel to, from world x, anticlockwise [rad]
+    spreading : exponent s of cos^2s; 0 is long-crested
+    seed : of the realisation
+    angular_frequency : [rad/s], may be empty
+    spectral_density : target at these frequencies [m^2 s/rad]
     """
 
     spectrum: str
@@ -71,22 +68,29 @@ class SeaState:
     spectral_density: Array = field(default_factory=lambda: np.empty(0))
 
 
-def describe_sea(parameters: WaveVesselParameters, spectrum: WaveSpectrum | None, seed: int) -> SeaState:
-    """Return what is published of the sea; `spectrum` is None for sources that have none (regular, file)."""
+def describe_sea(
+    parameters: WaveVesselParameters, spectrum: WaveSpectrum | None, nominal: tuple[float, float], seed: int
+) -> SeaState:
+    """Return what is published of the sea.
+
+    Parameters
+    ----------
+    parameters : name the spectrum and where it comes from
+    spectrum : None for sources that have none
+    nominal : significant wave height [m] and period [s] of a source without a spectrum, NaN where not known
+    seed : of the realisation
+    """
     if spectrum is None:
-        regular = parameters.boom_tip_source == "regular"
-        height = 2.0 * math.sqrt(2.0) * abs(parameters.amplitude[2]) if regular else math.nan
-        period = parameters.period if regular else math.nan
+        height, period = nominal
         return SeaState(parameters.boom_tip_source, height, period, period, 1.0, parameters.direction, 0.0, seed)
     grid = np.linspace(0.02, 4.0, 200) * spectrum.peak_frequency
-    energy = spectrum.moment(0) > 0.0
-    name = "measured" if parameters.spectrum == "file" else parameters.spectrum
+    has_energy = spectrum.moment(0) > 0.0
     return SeaState(
-        spectrum=name,
+        spectrum="measured" if parameters.spectrum == SPECTRUM_FILE else parameters.spectrum,
         significant_wave_height=spectrum.significant_wave_height,
         peak_period=spectrum.peak_period,
-        zero_crossing_period=spectrum.zero_crossing_period if energy else spectrum.peak_period,
-        peak_enhancement=parameters.peak_enhancement if name == "jonswap" else 1.0,
+        zero_crossing_period=spectrum.zero_crossing_period if has_energy else spectrum.peak_period,
+        peak_enhancement=spectrum.peak_enhancement,
         heading=parameters.direction,
         spreading=parameters.spreading.exponent,
         seed=seed,

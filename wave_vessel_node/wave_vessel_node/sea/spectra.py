@@ -1,9 +1,8 @@
 """One-sided wave spectra S(omega) [m^2 s/rad] over omega > 0 [rad/s].
 
 Every spectrum obeys `integral of S over omega = significant_wave_height^2 / 16`. Sources: Bretschneider, thesis Eq.
-6.20 with omega_m^4
-(the print has omega_m^2); Pierson and Moskowitz (1964); Hasselmann et al. (1973) for JONSWAP; Ochi and Hubble (1976)
-for two systems.
+6.20 with omega_m^4 (the print has omega_m^2); Pierson and Moskowitz (1964); Hasselmann et al. (1973) for JONSWAP; Ochi
+and Hubble (1976) for two systems.
 """
 
 from __future__ import annotations
@@ -18,7 +17,8 @@ import numpy as np
 from heave_node.arrays import Array
 from heave_node.constants import STANDARD_GRAVITY
 from numpy.typing import ArrayLike
-from scipy.special import gamma as gamma_function
+
+from wave_vessel_node.parameters import SeaParameters
 
 _GAUSS_NODES, _GAUSS_WEIGHTS = np.polynomial.legendre.leggauss(5)
 _PIERSON_MOSKOWITZ_ALPHA = 0.0081
@@ -29,8 +29,16 @@ class SpectrumError(ValueError):
 
 
 def cell_integrals(function: Callable[[Array], Array], edges: Array) -> Array:
-    """Integrate `function` (vectorised callable) over each cell between `edges`, shape (n,) -> (n - 1,); 5-point
-    Gauss-Legendre.
+    """Integrate a function over each cell by 5-point Gauss-Legendre quadrature.
+
+    Parameters
+    ----------
+    function : takes an array of any shape, gives one of that shape
+    edges : of the cells, rising, shape (n,)
+
+    Returns
+    -------
+    integrals : shape (n - 1,)
     """
     half = 0.5 * np.diff(edges)
     points = (edges[:-1] + half)[:, None] + half[:, None] * _GAUSS_NODES
@@ -41,8 +49,12 @@ def cell_integrals(function: Callable[[Array], Array], edges: Array) -> Array:
 class WaveSpectrum(ABC):
     """A one-sided spectrum of wave elevation.
 
-    Subclasses give `density` and `peak_frequency`; moments follow by quadrature on `edges`.
+    Subclasses give `density` and `peak_frequency`; moments follow by quadrature on `edges`. One that `sea_registry`
+    names has a class method `from_parameters(SeaParameters)` too.
     """
+
+    peak_enhancement: float = 1.0
+    """gamma of JONSWAP; 1 is Bretschneider's form."""
 
     @abstractmethod
     def density(self, omega: ArrayLike) -> Array:
@@ -60,7 +72,11 @@ class WaveSpectrum(ABC):
         return np.concatenate((np.linspace(0.05, 4.0, 1600) * peak, np.geomspace(4.0, 400.0, 600)[1:] * peak))
 
     def moment(self, order: int) -> float:
-        """Return m_n = integral of omega^n S [m^2 (rad/s)^n], -1 <= n <= 3 (m_4 of an omega^-5 tail is infinite).
+        """Return m_n = integral of omega^n S [m^2 (rad/s)^n].
+
+        Parameters
+        ----------
+        order : n, -1 to 3 (m_4 of an omega^-5 tail is infinite)
 
         Raises SpectrumError for an order outside that range.
         """
@@ -91,8 +107,8 @@ def _power_law(omega: ArrayLike, peak: float, height: float, shape: float) -> Ar
     positive = omega > 0.02 * peak  # below, exp(-1.25 (peak / omega)^4) is zero in double precision
     ratio4 = (peak / omega[positive]) ** 4
     steepness = shape + 0.25
-    # lambda log form: large shapes overflow otherwise
-    log_density = shape * np.log(steepness * ratio4) - math.log(gamma_function(shape)) - steepness * ratio4
+    # by logarithms: large shapes overflow otherwise
+    log_density = shape * np.log(steepness * ratio4) - math.lgamma(shape) - steepness * ratio4
     density[positive] = 0.25 * height**2 / omega[positive] * np.exp(log_density)
     return density
 
@@ -109,6 +125,11 @@ class Bretschneider(WaveSpectrum):
     period: float
     """Peak period [s]."""
 
+    @classmethod
+    def from_parameters(cls, sea: SeaParameters) -> Bretschneider:
+        """Return the spectrum of the height and period of `sea`."""
+        return cls(sea.significant_wave_height, sea.peak_period)
+
     def density(self, omega: ArrayLike) -> Array:
         """See WaveSpectrum."""
         return _power_law(omega, self.peak_frequency, self.height, 1.0)
@@ -119,14 +140,24 @@ class Bretschneider(WaveSpectrum):
         return 2.0 * math.pi / self.period
 
 
-def pierson_moskowitz(height: float) -> Bretschneider:
-    """Return the fully developed sea of Pierson and Moskowitz: its height fixes its peak, omega_p = (16 alpha g^2 / (5
-    Hs^2))^(1/4).
-    """
-    if height <= 0.0:
-        raise SpectrumError(f"a Pierson-Moskowitz sea needs a height above 0, got {height:g} m")
-    peak = (16.0 * _PIERSON_MOSKOWITZ_ALPHA * STANDARD_GRAVITY**2 / (5.0 * height**2)) ** 0.25
-    return Bretschneider(height, 2.0 * math.pi / peak)
+class PiersonMoskowitz(Bretschneider):
+    """The fully developed sea of Pierson and Moskowitz: Bretschneider's form, its height fixes its peak."""
+
+    @classmethod
+    def of_height(cls, height: float) -> PiersonMoskowitz:
+        """Return the spectrum of a significant wave `height` [m], above 0: omega_p = (16 alpha g^2 / (5 Hs^2))^(1/4).
+
+        Raises SpectrumError for a height of 0 or less.
+        """
+        if height <= 0.0:
+            raise SpectrumError(f"a Pierson-Moskowitz sea needs a height above 0, got {height:g} m")
+        peak = (16.0 * _PIERSON_MOSKOWITZ_ALPHA * STANDARD_GRAVITY**2 / (5.0 * height**2)) ** 0.25
+        return cls(height, 2.0 * math.pi / peak)
+
+    @classmethod
+    def from_parameters(cls, sea: SeaParameters) -> PiersonMoskowitz:
+        """Return the spectrum of the height of `sea`; its period is not used."""
+        return cls.of_height(sea.significant_wave_height)
 
 
 @dataclass(frozen=True)
@@ -135,11 +166,22 @@ class Jonswap(WaveSpectrum):
     quadrature.
 
     sigma is 0.07 below and 0.09 above the peak.
+
+    Attributes
+    ----------
+    height : significant wave height [m]
+    period : peak period [s]
+    peak_enhancement : gamma
     """
 
     height: float
     period: float
     peak_enhancement: float = 3.3
+
+    @classmethod
+    def from_parameters(cls, sea: SeaParameters) -> Jonswap:
+        """Return the spectrum of the height, period and peak enhancement of `sea`."""
+        return cls(sea.significant_wave_height, sea.peak_period, sea.peak_enhancement)
 
     def density(self, omega: ArrayLike) -> Array:
         """See WaveSpectrum."""
@@ -165,8 +207,13 @@ class Jonswap(WaveSpectrum):
 
 @dataclass(frozen=True)
 class OchiHubbleSystem:
-    """One of the two systems of an Ochi-Hubble sea: height [m], peak period [s], shape lambda (1 is
-    Bretschneider's).
+    """One of the two systems of an Ochi-Hubble sea.
+
+    Attributes
+    ----------
+    height : significant wave height of this system alone [m]
+    period : peak period [s]
+    shape : lambda; 1 is Bretschneider's
     """
 
     height: float
@@ -178,12 +225,25 @@ class OchiHubbleSystem:
 class OchiHubble(WaveSpectrum):
     """Wind sea and swell together, Ochi and Hubble (1976): the sum of two three-parameter spectra.
 
-    S_j = (1/4) (((4 lambda + 1)/4) omega_p^4)^lambda / Gamma(lambda) Hs^2 / omega^(4 lambda + 1) exp(-((4 lambda +
-    1)/4) (omega_p/omega)^4).
+    S_j = (1/4) (l omega_p^4)^lambda / Gamma(lambda) Hs^2 / omega^(4 lambda + 1) exp(-l (omega_p/omega)^4) with
+    l = (4 lambda + 1)/4.
+
+    Attributes
+    ----------
+    wind_sea, swell : the two systems; which is which does not matter
     """
 
     wind_sea: OchiHubbleSystem
     swell: OchiHubbleSystem
+
+    @classmethod
+    def from_parameters(cls, sea: SeaParameters) -> OchiHubble:
+        """Return the spectrum whose wind sea has height, period and shape of `sea`, and whose swell is its swell."""
+        swell = sea.swell
+        return cls(
+            OchiHubbleSystem(sea.significant_wave_height, sea.peak_period, sea.shape),
+            OchiHubbleSystem(swell.significant_wave_height, swell.peak_period, swell.shape),
+        )
 
     def density(self, omega: ArrayLike) -> Array:
         """See WaveSpectrum."""
@@ -209,7 +269,13 @@ class OchiHubble(WaveSpectrum):
 class TabulatedSpectrum(WaveSpectrum):
     """A spectrum given at points, linear between them and zero outside; exact in its moments.
 
-    `frequency` [rad/s] rises strictly; `values` [m^2 s/rad] are not negative. Raises SpectrumError otherwise.
+    Attributes
+    ----------
+    frequency : [rad/s], above 0, rising strictly, shape (n,), 3 or more
+    values : [m^2 s/rad], not negative, shape (n,)
+    name : opens the message of an error
+
+    Raises SpectrumError for anything else.
     """
 
     frequency: Sequence[float] | Array

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from wave_vessel_node.sea.spectra import SpectrumError
-from wave_vessel_node.sea.spectrum_files import SpectrumFile, SpectrumFileError, SpectrumRecord, tabulated_from_hertz
+from wave_vessel_node.sea.spectrum_record import SpectrumFile, SpectrumFileError, SpectrumRecord, tabulated_from_hertz
 
 _READERS = {
     ".swn": ("read_swan",),
@@ -21,7 +21,7 @@ ENDINGS = tuple(_READERS)
 
 
 def read_with_wavespectra(path: Path) -> SpectrumFile:
-    """Read a file by `wavespectra`; directions are summed, and of several sites the first is taken (with a warning).
+    """Read the file at `path` by `wavespectra`; directions are summed, of several sites the first is taken and said.
 
     Raises SpectrumFileError when the library is not installed, cannot read the file, or finds no usable spectrum.
     """

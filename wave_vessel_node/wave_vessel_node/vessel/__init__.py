@@ -1,5 +1,1 @@
-"""The vessel: from sea to boom-tip motion by RAO, by a second-order filter, or from a recording."""
-
-from heave_node.compiled import drop_stale_kernels
-
-drop_stale_kernels(__file__)
+"""The vessel: its course, its response to waves by RAO or as a second-order filter, and the motion of a point of it."""

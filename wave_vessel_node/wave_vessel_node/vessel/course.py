@@ -1,6 +1,4 @@
-"""The vessel's mean course: heading, forward speed and place over time, with one turn and one change of speed, both
-smooth.
-"""
+"""The vessel's mean course: heading, forward speed and place over time, with a smooth turn and change of speed."""
 
 from __future__ import annotations
 
@@ -20,14 +18,23 @@ _CELL = 0.5  # s, of the table of positions within manoeuvres
 
 @dataclass(frozen=True)
 class Leg:
-    """A time in which heading and speed hold: from `start` to `end` [s]."""
+    """A time in which heading and speed are constant: from `start` to `end` [s]."""
 
     start: float
     end: float
 
 
 class Course:
-    """Heading, speed and place of the vessel's mean position; the place is 0 at time 0."""
+    """Heading, speed and place of the vessel's mean position; the place is 0 at time 0.
+
+    Parameters
+    ----------
+    parameters : heading, speed, and their changes
+
+    Attributes
+    ----------
+    legs : times of constant heading and speed, in order
+    """
 
     def __init__(self, parameters: CourseParameters) -> None:
         self._parameters = parameters
@@ -41,33 +48,33 @@ class Course:
             self._places = self._integrate(self._knots)
 
     def heading(self, time: float) -> float:
-        """Return the heading from world x [rad]."""
+        """Return the heading at `time` [s] from world x, anticlockwise [rad]."""
         p = self._parameters
         return p.heading + p.turn_angle * smooth_ramp(time - p.turn_start, self._turn_duration)[0]
 
     def turn_rate(self, time: float) -> float:
-        """Return the rate of turn [rad/s]."""
+        """Return the rate of turn at `time` [s] [rad/s]."""
         p = self._parameters
         return p.turn_angle * smooth_ramp(time - p.turn_start, self._turn_duration)[1]
 
     def turn_acceleration(self, time: float) -> float:
-        """Return the rate of the rate of turn [rad/s^2]."""
+        """Return the rate of change of the rate of turn at `time` [s] [rad/s^2]."""
         p = self._parameters
         return p.turn_angle * smooth_ramp(time - p.turn_start, self._turn_duration)[2]
 
     def speed(self, time: float) -> float:
-        """Return the forward speed [m/s], never negative."""
+        """Return the forward speed at `time` [s] [m/s], never negative."""
         p = self._parameters
         change = p.speed_change * smooth_ramp(time - p.speed_change_start, p.speed_change_duration)[0]
         return max(0.0, p.speed + change)
 
     def velocity(self, time: float) -> Array:
-        """Return the velocity over ground in world axes, shape (2,) [m/s]."""
+        """Return the velocity over ground at `time` [s] in world axes [m/s], shape (2,)."""
         heading = self.heading(time)
         return self.speed(time) * np.array([math.cos(heading), math.sin(heading)])
 
     def place(self, time: float) -> Array:
-        """Return the mean position since time 0 in world axes, shape (2,) [m]."""
+        """Return the mean position at `time` [s] in world axes [m], shape (2,)."""
         if time <= self._knots[0] or len(self.legs) == 1:
             return self.velocity(min(time, self._knots[0])) * time
         if time >= self._knots[-1]:
@@ -82,7 +89,7 @@ class Course:
         )
 
     def leg_at(self, time: float) -> int | None:
-        """Return which leg holds at `time`, None within a manoeuvre."""
+        """Return the index of the leg at `time` [s], None within a manoeuvre."""
         return next((i for i, leg in enumerate(self.legs) if leg.start <= time <= leg.end), None)
 
     def _legs(self) -> list[Leg]:

@@ -1,6 +1,4 @@
-"""Fit of the thesis's second-order vessel (Eq. 6.25) to an RAO of boom-tip heave, by identification in the frequency
-domain.
-"""
+"""Fit of the thesis's second-order vessel (Eq. 6.25) to an RAO of boom-tip heave, in the frequency domain."""
 
 from __future__ import annotations
 
@@ -25,6 +23,7 @@ class VesselFit:
 
     Attributes
     ----------
+    vessel : with the natural frequency, damping and gain found
     relative_error : sqrt(integral (|H_fit| - |H|)^2 S / integral |H|^2 S): of the amplitude, weighted with the sea
     sigma_ratio : standard deviation of heave by the fit over that by the RAO, in the sea
     """
@@ -37,8 +36,15 @@ class VesselFit:
 def boom_tip_heave_response(
     table: ResponseTable, omega: Array, heading: float, speed: float, arm: Array
 ) -> NDArray[np.complex128]:
-    """Return the heave of the point at `arm` [m] per wave amplitude, at `omega` [rad/s] and a relative `heading`
-    [rad].
+    """Return the heave of a point of the vessel per wave amplitude, shape (n,).
+
+    Parameters
+    ----------
+    table : RAOs of the vessel
+    omega : wave frequency [rad/s], shape (n,)
+    heading : of the waves relative to the bow [rad]
+    speed : forward speed [m/s]
+    arm : the point from the vessel's reference point [m], shape (3,)
     """
     response = table.at(omega, np.full(omega.shape, heading), speed)
     return np.asarray(lever_arm_matrix(arm)[2] @ response)
@@ -49,7 +55,9 @@ def fit_vessel(omega: Array, response: NDArray[Any], spectrum: WaveSpectrum) -> 
 
     Parameters
     ----------
-    omega : [rad/s], shape (n,); response : |H| at them (complex values are taken by their amplitude)
+    omega : [rad/s], shape (n,)
+    response : |H| at these frequencies, or H, whose amplitude is taken
+    spectrum : of the sea
 
     Phases are left out: seen from another point of the ship they differ by the wave's travel, which a causal filter
     cannot follow, and the spectrum of the motion does not depend on them. Raises RaoError when there is nothing to fit.

@@ -1,8 +1,7 @@
 """Motion of the vessel in six degrees of freedom, and of a point of it.
 
 Axes as in REP-103: x forward, y to port, z up; roll about x, pitch about y (bow down positive), yaw about z. Motions
-are small: rigid-body
-kinematics to first order.
+are small: rigid-body kinematics to first order.
 """
 
 from __future__ import annotations
@@ -56,6 +55,7 @@ def point_motion(motion: VesselMotion, lever: Array, mean_height: float) -> Poin
 
     Parameters
     ----------
+    motion : of the vessel's reference point
     lever : `lever_arm_matrix` of the point
     mean_height : mean z of the point [m]
 

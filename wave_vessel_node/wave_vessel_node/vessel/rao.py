@@ -1,9 +1,8 @@
 """Response amplitude operators (RAO) of a vessel: six motions per unit wave amplitude, by speed, heading and frequency.
 
-Convention: e^{+i omega t}; a wave of unit amplitude cos(omega t - k x) at the reference point gives the motion Re(H
-e^{i omega_e t}). The heading
-of the waves is relative to the bow: 0 following, pi/2 waves travelling to port, pi head sea. Axes and signs: see
-`vessel_motion`.
+Convention: e^{+i omega t}; a wave of unit amplitude cos(omega t - k x) at the reference point gives the motion
+Re(H e^{i omega_e t}). The heading of the waves is relative to the bow: 0 following, pi/2 waves travelling to port, pi
+head sea. Axes and signs: see `motion`.
 """
 
 from __future__ import annotations
@@ -52,19 +51,28 @@ class ResponseTable:
         if not np.isfinite(self.response).all():
             raise RaoError("responses must be numbers, found NaN or infinity")
         if self.frequency.size < 4 or self.frequency[0] <= 0.0:
-            raise RaoError("frequencies must be above 0 and at least 4")
+            raise RaoError("wanted 4 frequencies or more, all above 0")
         if self.heading[0] > 1e-6 or self.heading[-1] < np.pi - 1e-3:
             raise RaoError("headings must reach from 0 to pi (a symmetric ship) or all the way round from 0")
 
     def at(self, frequency: ArrayLike, heading: ArrayLike, speed: float = 0.0) -> ComplexArray:
-        """Return H at pairs of wave frequency [rad/s] and relative heading [rad], shape (6, n); see
-        `SampledResponse`.
+        """Return H at pairs of wave frequency and relative heading, shape (6, n); see `SampledResponse`.
+
+        Parameters
+        ----------
+        frequency : of the waves [rad/s], shape (n,)
+        heading : of the waves relative to the bow [rad], one or shape (n,)
+        speed : forward speed [m/s]
         """
         frequency = np.atleast_1d(np.asarray(frequency, dtype=float))
         return self.sampled(frequency).at(np.broadcast_to(np.asarray(heading, dtype=float), frequency.shape), speed)
 
     def sampled(self, frequency: Array) -> SampledResponse:
-        """Return the table at given wave frequencies [rad/s], for many headings and speeds.
+        """Return the table at given wave frequencies, for many headings and speeds.
+
+        Parameters
+        ----------
+        frequency : of the waves [rad/s], shape (n,)
 
         Cubic splines in frequency and heading. Above the highest frequency a motion falls as 1/omega^4; below the
         lowest it is held.
@@ -129,7 +137,7 @@ class SampledResponse:
         return np.asarray(weights + x**2 * ((3.0 - 2.0 * x) * unit[upper] + (x - 1.0) * h * slope[upper]))
 
     def at(self, heading: Array, speed: float) -> ComplexArray:
-        """Return H (6, n), one relative heading [rad] for each frequency."""
+        """Return H, shape (6, n), at the `speed` [m/s], with one relative `heading` [rad] for each frequency."""
         angle = np.mod(heading, 2.0 * np.pi)
         cell = np.clip(np.searchsorted(self.knots, angle, side="right") - 1, 0, self.knots.size - 2)
         powers = (angle - self.knots[cell])[:, None] ** np.arange(3, -1, -1)
@@ -138,8 +146,13 @@ class SampledResponse:
 
 
 def encounter_frequency(frequency: ArrayLike, heading: ArrayLike, speed: float) -> Array:
-    """Return omega_e = omega - omega^2 / g * speed * cos(heading) [rad/s], deep water; negative where the ship
-    overtakes the waves.
+    """Return omega_e = omega - omega^2 / g * speed * cos(heading) [rad/s]; negative where the ship overtakes the waves.
+
+    Parameters
+    ----------
+    frequency : omega of the waves [rad/s], deep water
+    heading : of the waves relative to the bow [rad]
+    speed : forward speed [m/s]
     """
     frequency = np.asarray(frequency, dtype=float)
     return np.asarray(frequency - frequency**2 / STANDARD_GRAVITY * speed * np.cos(np.asarray(heading, dtype=float)))

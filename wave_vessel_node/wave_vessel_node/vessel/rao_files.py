@@ -1,10 +1,9 @@
 """RAO tables from files: CSV (read and written) and Capytaine's NetCDF database (extra `capytaine`).
 
 CSV: comment lines begin with #, then a header and one row for each speed, heading and frequency, in any order, the
-grid complete:
-speed_mps, heading_rad, omega_radps, and for each of surge, sway, heave, roll, pitch, yaw an amplitude (surge_m_per_m,
-roll_rad_per_m, ...) and a
-phase lead over the wave crest (surge_phase_rad, ...). Conventions: see `rao`.
+grid complete. Columns: speed_mps, heading_rad, omega_radps, and for each of surge, sway, heave, roll, pitch, yaw an
+amplitude (surge_m_per_m, roll_rad_per_m, ...) and a phase lead over the wave crest (surge_phase_rad, ...). Conventions:
+see `rao`.
 """
 
 from __future__ import annotations
@@ -40,7 +39,12 @@ def shipped_rao() -> ResponseTable:
 
 
 def read_rao(path: str | Path, speeds: Sequence[float] = (0.0,)) -> ResponseTable:
-    """Read a table by its ending, .csv or .nc; an empty path is the hull form that ships. `speeds` [m/s] apply to .nc.
+    """Read a table.
+
+    Parameters
+    ----------
+    path : ends in .csv or .nc; empty takes the hull form that ships with the package
+    speeds : forward speeds [m/s] of the table that is made of a Capytaine database (.nc); a .csv has its own
 
     Raises RaoError when the file is missing, of another kind or broken.
     """
@@ -57,7 +61,7 @@ def read_rao(path: str | Path, speeds: Sequence[float] = (0.0,)) -> ResponseTabl
 
 
 def read_rao_csv(path: str | Path) -> ResponseTable:
-    """Read a CSV table; see the module for its columns. Raises RaoError, with the line."""
+    """Read the CSV table at `path`; see the module for its columns. Raises RaoError, with the line."""
     path = Path(path)
     try:
         text = path.read_text(encoding="utf-8")
@@ -115,7 +119,7 @@ def _grid_table(path: Path, values: Array) -> ResponseTable:
 
 
 def write_rao_csv(path: str | Path, table: ResponseTable, comments: Iterable[str] = ()) -> None:
-    """Write a table that `read_rao_csv` reads; `comments` go before it."""
+    """Write at `path` a `table` that `read_rao_csv` reads; `comments` go before it."""
     lines = [f"# {comment}".rstrip() for comment in comments]
     lines.append(",".join(COLUMNS))
     for s, speed in enumerate(table.speed):
@@ -136,13 +140,13 @@ def read_capytaine(
     roll_damping: float = 0.05,
     frequencies: Sequence[float] | Array | None = None,
 ) -> ResponseTable:
-    """Make RAOs from a Capytaine database: added mass, radiation damping, excitation, inertia and hydrostatic
-    stiffness.
+    """Make RAOs of the added mass, damping, excitation, inertia and stiffness in a Capytaine database.
 
     Parameters
     ----------
+    path : of the NetCDF file
     speeds : forward speeds [m/s]; added mass and damping are then those of the encounter frequency, excitation that of
-    zero speed
+        zero speed
     roll_damping : fraction of critical added to roll, for what potential flow lacks
     frequencies : of the table [rad/s]; default: those of the database with three more between each two.
         Coefficients are smooth and interpolated well; motions have resonances, which need the finer steps
@@ -199,9 +203,7 @@ def _open_dataset(path: Path) -> Any:
 
 
 def _dof_label(dataset: Any, name: str) -> str:
-    """Return the database's label of a degree of freedom: Capytaine names them Heave, or body__Heave with several
-    bodies.
-    """
+    """Return the database's label of the degree of freedom `name`, in capitals or not."""
     labels = [str(label) for label in dataset["influenced_dof"].to_numpy()]
     for label in labels:
         if label.lower() == name:

@@ -6,9 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 from heave_node.constants import STANDARD_GRAVITY
+from heave_node.linear_model import LinearModel, ModelError, interconnect, linear_model
 from numpy.typing import ArrayLike, NDArray
-
-from wave_vessel_node.sea.state_space import StateSpace
 
 
 @dataclass(frozen=True)
@@ -31,22 +30,44 @@ class SecondOrderVessel:
         denominator = natural**2 - omega**2 + 2j * self.damping_ratio * natural * omega
         return np.asarray(self.gain * natural**2 / denominator)
 
-    def state_space(self) -> StateSpace:
-        """Return Eq. 6.26: input elevation, outputs heave, heave rate; its states are heave and heave rate divided by
-        K_v omega_v^2.
+    def model(self) -> LinearModel:
+        """Return Eq. 6.26 as state space: input wave_elevation [m], outputs boom_tip_heave [m] and boom_tip_heave_rate.
+
+        Its states are heave and heave rate divided by K_v omega_v^2.
         """
         natural = self.natural_frequency
-        A = np.array([[0.0, 1.0], [-(natural**2), -2.0 * self.damping_ratio * natural]])
-        B = np.array([[0.0], [1.0]])
-        C = self.gain * natural**2 * np.eye(2)
-        return StateSpace(A, B, C, ("vessel_heave", "vessel_heave_rate"))
+        scale = self.gain * natural**2
+        return linear_model(
+            [[0.0, 1.0], [-(natural**2), -2.0 * self.damping_ratio * natural]],
+            states=("vessel_heave", "vessel_heave_rate"),
+            inputs={"wave_elevation": [0.0, 1.0]},
+            outputs={"boom_tip_heave": [scale, 0.0], "boom_tip_heave_rate": [0.0, scale]},
+        )
 
 
-def vessel_filter(natural_frequency: float, damping_ratio: float, gain: float) -> StateSpace:
-    """Return the second-order vessel of thesis Eq. 6.26 as state space: elevation [m] to boom-tip heave [m] and heave
-    rate [m/s].
+def boom_tip_model(waves: LinearModel, vessel: SecondOrderVessel | None) -> LinearModel:
+    """Return white noise to boom tip: a shaping filter and the vessel (thesis Eq. 6.23, 6.26).
+
+    Parameters
+    ----------
+    waves : shaping filter with the output wave_elevation [m]
+    vessel : None where the boom tip follows the surface
+
+    Returns
+    -------
+    model : outputs wave_elevation [m], boom_tip_heave [m], boom_tip_heave_rate [m/s]; the vessel's states come first
+
+    Raises ModelError where the boom tip follows a surface that has no rate (as many poles as zeros and one more).
     """
-    return SecondOrderVessel(natural_frequency, damping_ratio, gain).state_space()
+    if vessel is not None:
+        return interconnect([vessel.model(), waves])
+    elevation = waves.row("wave_elevation")
+    if np.abs(elevation @ waves.G).max() > 1e-9 * float(np.linalg.norm(elevation) * np.linalg.norm(waves.G)):
+        raise ModelError(
+            "a boom tip that follows the sea needs a shaping filter with at least two poles more than zeros: the rate "
+            "of the elevation is white noise otherwise"
+        )
+    return waves.with_outputs({"boom_tip_heave": elevation, "boom_tip_heave_rate": elevation @ waves.A})
 
 
 def wave_slope_response(omega: ArrayLike) -> NDArray[np.complex128]:

@@ -13,12 +13,13 @@ import numpy as np
 import osqp
 import scipy.sparse as sp
 from heave_node.arrays import Array
+from heave_node.linear_model import covariance_factor, interconnect, linear_model, state_covariance
+from heave_node.linear_sampling import discretise
 from heave_node.randomness import random_stream
-from wave_vessel_node.sea.state_space import covariance_factor
 
-from winch_controller_node.model.linear_model import discretise, interconnect, linear_model, state_covariance
+from winch_controller_node.model.blocks import CableModel, cable_block
 from winch_controller_node.model.lqr import DesignError
-from winch_controller_node.model.models import CableModel, boom_tip_block, cable_block
+from winch_controller_node.model.models import boom_tip_block
 from winch_controller_node.parameters.model import SeaModelParameters, VesselModelParameters
 
 BOUND_STEP = 0.2
@@ -37,7 +38,14 @@ class WinchLimits:
 def boom_tip_realisation(
     sea: SeaModelParameters, vessel: VesselModelParameters, *, duration: float, step: float, seed: int
 ) -> Array:
-    """Return stationary boom-tip heave of the design sea, shape (duration/step,) [m], from its shaping filter."""
+    """Return stationary boom-tip heave of the design sea, shape (duration/step,) [m], from its shaping filter.
+
+    Parameters
+    ----------
+    sea, vessel : of the design
+    duration, step : of the record [s]
+    seed : of the noise that drives the filter
+    """
     model = discretise(boom_tip_block(sea, vessel), step)
     rng = random_stream(seed, "winch_controller/bound")
     count = round(duration / step)
@@ -52,11 +60,16 @@ def boom_tip_realisation(
 
 
 def actuator_bound(cable: CableModel, limits: WinchLimits, boom_tip_heave: Array, step: float) -> float:
-    """Return s_act [m]: the least unit sigma within the winch's limits when the whole boom-tip record is known
-    beforehand.
+    """Return s_act [m]: the least unit sigma within the winch's limits for one who knows the boom tip beforehand.
 
     A quadratic programme over the whole record: payout acceleration constant over each step, outlet motion straight
-    between samples, cable exact. The first and last tenth, where the plan starts and stops caring, are left out.
+    between samples, cable exact. The first and last tenth are left out: there the plan has no past or no future.
+
+    Parameters
+    ----------
+    cable : two-state
+    limits : of the winch
+    boom_tip_heave : the record [m], a sample each `step` [s]
 
     Raises DesignError where the programme is not solved.
     """

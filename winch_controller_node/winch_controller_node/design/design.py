@@ -11,17 +11,24 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from heave_node.arrays import Array
-from wave_vessel_node.sea.state_space import covariance_factor
+from heave_node.linear_model import LinearModel, covariance_factor, state_covariance
 
-from winch_controller_node.model.estimator import KalmanEstimator, MeasurementModel
-from winch_controller_node.model.linear_model import LinearModel, state_covariance
-from winch_controller_node.model.lqr import DesignError, QuadraticCost, check_detectable, lqr_gain, output_cost
-from winch_controller_node.model.models import (
-    DEPTH_BIAS,
+from winch_controller_node.interface.sensors import (
     LEVER_ARM_X,
     LEVER_ARM_Y,
     MRU_SCALE,
-    CableModel,
+    MeasurementRow,
+    SlowState,
+    those_that_see,
+)
+from winch_controller_node.laws.governor import CommandGovernor
+from winch_controller_node.laws.law import ControlLaw, LawDesign
+from winch_controller_node.laws.registry import LAWS, make_law
+from winch_controller_node.laws.winch_limits import WinchLimits, winch_limits
+from winch_controller_node.model.blocks import CableModel
+from winch_controller_node.model.estimator import KalmanEstimator, MeasurementModel
+from winch_controller_node.model.lqr import DesignError, QuadraticCost, check_detectable
+from winch_controller_node.model.models import (
     ModelInputs,
     PlantBelief,
     augmented_model,
@@ -30,6 +37,7 @@ from winch_controller_node.model.models import (
     sea_noise_covariance,
     sea_spectrum,
 )
+from winch_controller_node.model.regulator import full_gain, is_sea_state, is_sensor_state, weighted_cost
 from winch_controller_node.parameters.controller import WinchControllerParameters
 
 FIT_FREQUENCIES = 80
@@ -37,12 +45,6 @@ FIT_FREQUENCIES = 80
 
 LONGEST_DELAY = 5.0
 """Command delay [s] above which a design is refused: no boom-tip prediction reaches that far (17 % error at 2 s)."""
-
-SCALE_DRIFT = 1e-5
-"""Random walk of the MRU's scale [1/sqrt(s)]: 0.1 % in three hours; keeps the filter awake."""
-
-LEVER_ARM_DRIFT = 1e-5
-"""Random walk of the lever arm [m/sqrt(s)]."""
 
 
 @dataclass(frozen=True)
@@ -52,7 +54,7 @@ class ControllerDesign:
     Attributes
     ----------
     parameters, tick_period, length : what it was designed for
-    cable : the two-state cable believed in
+    cable : its two-state cable
     model : sampled augmented model; one input, the command
     measurements : what the estimator may be given, by name: mru_heave, mru_heave_rate, unit_heave (from depth, positive
         up, about the expected mean), payout (encoder), unit_velocity, unit_acceleration, tension (about the static one)
@@ -88,11 +90,11 @@ class ControllerDesign:
     @property
     def sea_states(self) -> tuple[str, ...]:
         """Names of the states of waves and vessel: those that grow with the sea."""
-        return tuple(name for name in self.model.state_names if _is_sea(name))
+        return tuple(name for name in self.model.state_names if is_sea_state(name))
 
     @property
     def unit_weight(self) -> float:
-        """Submerged weight of the unit as believed [N]."""
+        """Submerged weight of the unit as modelled [N]."""
         unit = self.parameters.unit
         return (unit.mass - self.parameters.water_density * unit.volume) * self.parameters.gravity
 
@@ -106,7 +108,28 @@ class ControllerDesign:
             gate=estimator.gate,
             gate_limit=estimator.gate_limit,
             largest_age=round(estimator.largest_age / self.tick_period),
+            implementation=estimator.implementation,
         )
+
+    @property
+    def limits(self) -> WinchLimits:
+        """Limits of the winch in force."""
+        return winch_limits(self.parameters.winch, self.parameters.limits, self.cable.static_tension)
+
+    def make_law(self) -> ControlLaw:
+        """Return the law that the parameters name, at its initial state.
+
+        Raises DesignError where winch or sensors do not serve that law.
+        """
+        p = self.parameters
+        missing = [sensor for sensor in LAWS[p.law].required_sensors if sensor not in p.sensors.use]
+        if missing:
+            raise DesignError(f"law {p.law} needs the sensor {missing[0]}: add it to sensors.use, or take another law")
+        return make_law(p.law, LawDesign(self.model, p.winch, self.limits, p.weights, self.gain), p)
+
+    def make_governor(self) -> CommandGovernor:
+        """Return the governor that keeps the limits in force."""
+        return CommandGovernor(self.model, self.parameters.winch, self.limits)
 
 
 def design_controller(
@@ -122,8 +145,8 @@ def design_controller(
 
     Raises
     ------
-    DesignError : in words, for a wrong sensor set, a delay that no prediction bridges, singular weights, a model that
-        is not stabilisable or not detectable.
+    DesignError : for a wrong sensor set, a delay too long for any prediction, singular weights, a model that is not
+        stabilisable or not detectable; the message says which.
     """
     length = parameters.length if length is None else length
     _check_inputs(parameters, tick_period)
@@ -131,9 +154,9 @@ def design_controller(
     model = augmented_model(model_inputs(parameters, cable), tick_period)
     measurements = measurement_models(parameters, model, cable)
     _check_observability(parameters, model, measurements)
-    cost = design_cost(parameters, model)
+    cost = weighted_cost(parameters.weights, model)
     gain = full_gain(model, cost)
-    covariance, sigma = _locked_covariance(parameters, model)
+    covariance, sigma = _locked_covariance(parameters, model, cable)
     return ControllerDesign(
         parameters=parameters,
         tick_period=tick_period,
@@ -150,9 +173,9 @@ def design_controller(
 
 
 def at_cable(design: ControllerDesign, cable: CableModel, length: float, gain: Array) -> ControllerDesign:
-    """Return the design with another cable and gain, all else as it is.
+    """Return the design with another cable and gain at a `length` [m], all else as it is.
 
-    It is what a gain schedule gives between its points.
+    It is what a gain schedule gives between its points; `gain` has shape (n,).
     """
     parameters = design.parameters
     model = augmented_model(model_inputs(parameters, cable), design.tick_period)
@@ -163,7 +186,7 @@ def at_cable(design: ControllerDesign, cable: CableModel, length: float, gain: A
         model=model,
         measurements=measurement_models(parameters, model, cable),
         gain=gain,
-        cost=design_cost(parameters, model),
+        cost=weighted_cost(parameters.weights, model),
     )
 
 
@@ -213,15 +236,14 @@ def _check_inputs(parameters: WinchControllerParameters, tick_period: float) -> 
         )
     use = parameters.sensors.use
     if "encoder" not in use:
-        raise DesignError("sensors.use must have the encoder: without it nobody knows the payout")
-    if not {"mru", "depth", "velocity", "imu"} & set(use):
-        raise DesignError(
-            "sensors.use must have one of mru, depth, velocity, imu: nothing measures the motion otherwise"
-        )
+        raise DesignError("sensors.use must include the encoder: nothing else measures the payout")
+    of_motion = those_that_see("boom_tip", "unit")
+    if not set(of_motion) & set(use):
+        raise DesignError(f"sensors.use must include one of {', '.join(of_motion)}: nothing else measures the motion")
 
 
 def believed_cable(parameters: WinchControllerParameters, length: float) -> CableModel:
-    """Return the two-state cable at `length` [m] as believed, fitted where the boom tip has its energy."""
+    """Return the two-state cable at `length` [m] of the modelled plant, fitted where the boom tip has its energy."""
     plant = PlantBelief(parameters.cable, parameters.unit, parameters.water_density, parameters.gravity)
     tip = boom_tip_block(parameters.sea, parameters.vessel)
     P = state_covariance(tip)
@@ -236,53 +258,53 @@ def believed_cable(parameters: WinchControllerParameters, length: float) -> Cabl
 
 
 def model_inputs(parameters: WinchControllerParameters, cable: CableModel) -> ModelInputs:
-    """Return what the augmented model is made of under these parameters."""
+    """Return what the augmented model is made of: these parameters, and the two-state `cable` at a length."""
     sensors = parameters.sensors
-    has_mru = "mru" in sensors.use
-    slow: list[tuple[str, float]] = []
-    if "depth" in sensors.use and sensors.depth.bias_sigma > 0.0:
-        slow.append((DEPTH_BIAS, sensors.depth.bias_drift))
-    if has_mru and sensors.mru.scale_sigma > 0.0:
-        slow.append((MRU_SCALE, SCALE_DRIFT))
-    if has_mru and sensors.mru.lever_arm_sigma > 0.0:
-        slow += [(LEVER_ARM_X, LEVER_ARM_DRIFT), (LEVER_ARM_Y, LEVER_ARM_DRIFT)]
     return ModelInputs(
         cable=cable,
         winch=parameters.winch,
         sea=parameters.sea,
         vessel=parameters.vessel,
         cable_disturbance=parameters.cable_model.disturbance,
-        mru=sensors.mru if has_mru else None,
-        slow=tuple(slow),
+        mru=sensors.mru if "mru" in sensors.use else None,
+        slow=tuple((state.name, state.drift) for state in slow_states(parameters, cable)),
     )
+
+
+def slow_states(parameters: WinchControllerParameters, cable: CableModel) -> list[SlowState]:
+    """Return the errors of the sensors in use that the estimator follows, in the units of the model."""
+    return [
+        SlowState(state.name, unit * state.drift, unit * state.sigma)
+        for sensor in parameters.sensors.in_use().values()
+        for unit in [sensor.unit(cable.static_tension)]
+        for state in sensor.slow_states()
+    ]
 
 
 def measurement_models(
     parameters: WinchControllerParameters, model: LinearModel, cable: CableModel
 ) -> tuple[MeasurementModel, ...]:
-    """Return the measurements of the sensors in use."""
-    sensors = parameters.sensors
-    scale = model.state(MRU_SCALE) if model.has_state(MRU_SCALE) else None
-    depth = model.row("unit_heave").copy()
-    if model.has_state(DEPTH_BIAS):
-        depth[model.state(DEPTH_BIAS)] = 1.0
-    tension = cable.static_tension * sensors.load_cell_noise
-    known = (
-        MeasurementModel("mru_heave", "mru", _row(model, "mru_heave"), sensors.mru.noise, scale),
-        MeasurementModel("mru_heave_rate", "mru", _row(model, "mru_heave_rate"), sensors.mru.rate_noise, scale),
-        MeasurementModel("unit_heave", "depth", depth, sensors.depth.noise),
-        # a servo other than believed moves the drum otherwise, at the winch's limits by centimetres in a second:
-        # refusing the encoder would leave the loop blind when it is needed most; jumps are found by a gate of its own
-        MeasurementModel("payout", "encoder", model.row("payout"), sensors.encoder_noise, is_gated=False),
-        MeasurementModel("unit_velocity", "velocity", model.row("unit_heave_rate"), sensors.velocity_noise),
-        MeasurementModel("unit_acceleration", "imu", model.row("unit_heave_acceleration"), sensors.imu_noise),
-        MeasurementModel("tension", "load_cell", model.row("tension"), tension),
+    """Return the measurements of the sensors in use, rows of `model`; the tension's noise goes with the `cable`."""
+    return tuple(
+        MeasurementModel(
+            row.name,
+            name,
+            _weights(model, row),
+            row.sigma * sensor.unit(cable.static_tension),
+            scale_state=model.state(row.scale_state) if model.has_state(row.scale_state) else None,
+            is_gated=row.is_gated,
+        )
+        for name, sensor in parameters.sensors.in_use().items()
+        for row in sensor.rows()
     )
-    return tuple(measurement for measurement in known if measurement.sensor in sensors.use)
 
 
-def _row(model: LinearModel, output: str) -> Array:
-    return model.row(output) if output in model.output_names else np.zeros(model.order)
+def _weights(model: LinearModel, row: MeasurementRow) -> Array:
+    """Return the weights of the states in a measurement, shape (n,)."""
+    weights = model.row(row.output).copy()
+    if model.has_state(row.state):
+        weights[model.state(row.state)] = 1.0
+    return np.asarray(weights)
 
 
 def _check_observability(
@@ -296,62 +318,20 @@ def _check_observability(
     use = parameters.sensors.use
     in_motion = (MRU_SCALE, LEVER_ARM_X, LEVER_ARM_Y)
     asked = [name for name in in_motion if model.has_state(name)]
-    if asked and not {"depth", "velocity", "imu", "load_cell"} & set(use):
+    *others, last = below = those_that_see("unit", "cable")
+    if asked and not set(below) & set(use):
         raise DesignError(
-            f"{' and '.join(asked)} cannot be seen with the sensors {', '.join(use)}: add depth, "
-            f"velocity, imu or load_cell, "
-            "or set its sigma to 0"
+            f"{' and '.join(asked)} cannot be observed with the sensors {', '.join(use)}: add {', '.join(others)} or "
+            f"{last}, or set its sigma to 0"
         )
     kept = [name for name in model.state_names if name not in in_motion]
     index = [model.state(name) for name in kept]
     check_detectable(model.select_states(kept), np.array([m.row[index] for m in measurements]), use)
 
 
-def design_cost(parameters: WinchControllerParameters, model: LinearModel) -> QuadraticCost:
-    """Return the quadratic cost of `parameters.weights` on `model`."""
-    weights = parameters.weights
-    sizes = {
-        "unit_heave": weights.unit_heave,
-        "unit_heave_rate": weights.unit_heave_rate,
-        "outlet_heave": weights.outlet_heave,
-        "payout": weights.payout,
-        "payout_rate": weights.payout_rate,
-        "payout_acceleration": weights.payout_acceleration if "payout_acceleration" in model.output_names else 0.0,
-    }
-    return output_cost(model, sizes, weights.command)
-
-
-def _is_sea(name: str) -> bool:
-    return name.startswith(("vessel_", "wave_"))
-
-
-def regulator_gain(parameters: WinchControllerParameters, model: LinearModel) -> Array:
-    """Return the gain of the regulator of unit, winch and delay (thesis 6.2.4, 6.2.5), shape (n,).
-
-    The outlet has no weight in it: without a boom tip to follow, that would hold the payout where it is. Nothing but
-    the unit's own motion then asks for a command, so that it is weighed as in the thesis, by itself.
-    """
-    weights = replace(parameters.weights, outlet_heave=0.0)
-    gain = full_gain(model, design_cost(replace(parameters, weights=weights), model))
-    return np.where([_is_sea(name) for name in model.state_names], 0.0, gain)
-
-
-def is_sensor_state(name: str) -> bool:
-    """Tell whether a state belongs to a sensor alone, so that no control can or need act on it."""
-    return name.startswith("mru_") or name in (DEPTH_BIAS, LEVER_ARM_X, LEVER_ARM_Y)
-
-
-def full_gain(model: LinearModel, cost: QuadraticCost) -> Array:
-    """Return the LQR gain over all states; sensor states, which move nothing, have none."""
-    keep = [i for i, name in enumerate(model.state_names) if not is_sensor_state(name)]
-    plant = model.select_states([model.state_names[i] for i in keep])
-    reduced = QuadraticCost(cost.Q[np.ix_(keep, keep)], cost.N[keep], cost.R)
-    gain = np.zeros(model.order)
-    gain[keep] = lqr_gain(plant, reduced)[0]
-    return gain
-
-
-def _locked_covariance(parameters: WinchControllerParameters, model: LinearModel) -> tuple[Array, dict[str, float]]:
+def _locked_covariance(
+    parameters: WinchControllerParameters, model: LinearModel, cable: CableModel
+) -> tuple[Array, dict[str, float]]:
     """Return the covariance at the start and the outputs' standard deviations, winch locked, from the stable part."""
     moving = [name for name in model.state_names if not is_sensor_state(name) and not name.startswith("payout")]
     free = _without_payout(model, moving)
@@ -359,14 +339,8 @@ def _locked_covariance(parameters: WinchControllerParameters, model: LinearModel
     covariance = np.zeros((model.order, model.order))
     index = [model.state(name) for name in moving]
     covariance[np.ix_(index, index)] = P
-    sensors = parameters.sensors
-    start = {
-        DEPTH_BIAS: sensors.depth.bias_sigma,
-        MRU_SCALE: sensors.mru.scale_sigma,
-        "payout": 1.0,
-        "payout_rate": 0.1,
-    }
-    start |= dict.fromkeys((LEVER_ARM_X, LEVER_ARM_Y), sensors.mru.lever_arm_sigma)
+    start = {"payout": 1.0, "payout_rate": 0.1}
+    start |= {state.name: state.sigma for state in slow_states(parameters, cable)}
     start |= dict.fromkeys(("mru_offset", "mru_offset_rate"), 0.1)
     for name, sigma in start.items():
         if model.has_state(name):

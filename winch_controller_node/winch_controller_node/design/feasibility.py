@@ -51,8 +51,7 @@ class WinchDemand:
 
 
 def boom_tip_density(parameters: WinchControllerParameters, omega: Array) -> Array:
-    """Return the one-sided spectrum of boom-tip heave in the design sea at `omega` [rad/s], shape of `omega` [m^2
-    s/rad].
+    """Return the one-sided spectrum of boom-tip heave in the design sea [m^2 s/rad] at `omega` [rad/s], of its shape.
 
     From the spectrum itself, not from the shaping filter that stands for it.
     """
@@ -73,7 +72,9 @@ def boom_tip_moments(parameters: WinchControllerParameters) -> tuple[float, floa
 
 
 def uncompensated_sigma(parameters: WinchControllerParameters, length: float) -> float:
-    """Return the standard deviation of unit heave with the winch locked in the design sea [m], from the exact cable.
+    """Return the standard deviation of unit heave with the winch locked in the design sea [m], at a `length` [m].
+
+    The cable is exact.
 
     Drag is linearised at the harmonic amplitude that dissipates as much as the Gaussian sea, sqrt(8/pi) / (8/(3 pi))
     sigma. The compensated loop's own model is not fit for this: it is linearised about the small motion it leaves.
@@ -91,7 +92,7 @@ def winch_demand(parameters: WinchControllerParameters, *, tension: float, drum_
     """Return what full compensation of the design sea asks of the winch.
 
     `tension` is the static one at the top [N]: compensated, the unit hangs still and the cable in the water hardly
-    moves.
+    moves. `drum_radius` [m] gives the torque.
     """
     m0, m2, m4 = boom_tip_moments(parameters)
     cycles = STORM * math.sqrt(m2 / m0) / (2.0 * math.pi)
@@ -124,9 +125,9 @@ def feasibility_table(
     *,
     drum_radius: float = 0.75,
 ) -> list[WinchDemand]:
-    """Return the demand for each significant wave height [m] and peak period [s].
+    """Return the demand for each significant wave height of `heights` [m] and peak period of `periods` [s].
 
-    The rest of the sea is as designed for.
+    The rest of the sea is as designed for; `drum_radius` [m] gives the torque.
     """
     plant = PlantBelief(parameters.cable, parameters.unit, parameters.water_density, parameters.gravity)
     tension = plant.line(parameters.length).static_top_tension(parameters.length)
@@ -139,7 +140,7 @@ def feasibility_table(
 
 
 def format_feasibility(rows: Sequence[WinchDemand]) -> str:
-    """Return the table as text."""
+    """Return `rows` as a table of text."""
     lines = [
         "Hs m   Tp s  stroke m  speed m/s  accel. m/s2  torque kN m  power kW  mean hauling kW  within the limits",
     ]

@@ -40,12 +40,12 @@ def frequencies(tick_period: float) -> Array:
 
 
 def state_feedback_loop(design: ControllerDesign, gain: Array, omegas: Array) -> ComplexArray:
-    """Return L = G (zI - A)^-1 B when all states are known (LQR), shape of `omegas`."""
+    """Return L = G (zI - A)^-1 B at `omegas` [rad/s] when all states are known (LQR); G is `gain`, shape (n,)."""
     return _transfer(design.model.A, design.model.B[:, 0], gain, design.tick_period, omegas)
 
 
 def output_feedback_loop(design: ControllerDesign, gain: Array, omegas: Array) -> ComplexArray:
-    """Return L with the stationary Kalman filter in the loop (LQG), shape of `omegas`.
+    """Return L at `omegas` [rad/s] with the stationary Kalman filter in the loop (LQG); `gain` has shape (n,).
 
     A sensor slower than the tick stands as one at the tick with the same information per second.
     """
@@ -72,7 +72,7 @@ def _transfer(A: Array, B: Array, C: Array, dt: float, omegas: Array) -> Complex
 
 
 def margins(omegas: Array, L: ComplexArray) -> Margins:
-    """Return the margins of a loop that is stable as it is.
+    """Return the margins of a loop that is stable as it is; `L` is its gain at `omegas` [rad/s].
 
     Raises DesignError for arrays of different or no length.
     """

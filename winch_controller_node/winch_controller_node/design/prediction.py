@@ -14,11 +14,13 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.linalg
 from heave_node.arrays import Array
+from heave_node.linear_model import LinearModel, with_feedback
 
-from winch_controller_node.design.design import ControllerDesign, full_gain, is_sensor_state
+from winch_controller_node.design.design import ControllerDesign
 from winch_controller_node.model.estimator import MeasurementModel
-from winch_controller_node.model.linear_model import LinearModel, with_feedback
+from winch_controller_node.model.kalman_kernel import corrected_covariance, filter_gain, predicted_covariance
 from winch_controller_node.model.lqr import DesignError, output_cost
+from winch_controller_node.model.regulator import full_gain, is_sensor_state
 
 LONGEST_PATTERN = 240
 """Ticks after which the pattern of all sensors must repeat."""
@@ -52,18 +54,10 @@ class LoopPrediction:
 
 def sensor_periods(design: ControllerDesign) -> dict[str, tuple[int, int]]:
     """Return the period and the age at arrival of each sensor's readings [ticks]."""
-    sensors, dt = design.parameters.sensors, design.tick_period
-
-    def ticks(rate: float) -> int:
-        return max(1, round(1.0 / (rate * dt)))
-
+    dt = design.tick_period
     return {
-        "mru": (ticks(sensors.mru.rate), 0),
-        "depth": (ticks(sensors.depth.rate), round(sensors.depth.latency / dt)),
-        "encoder": (1, 0),
-        "velocity": (ticks(sensors.velocity_rate), 0),
-        "imu": (1, 0),
-        "load_cell": (1, 0),
+        name: (max(1, round(sensor.period(dt) / dt)), round(sensor.age() / dt))
+        for name, sensor in design.parameters.sensors.by_name().items()
     }
 
 
@@ -78,8 +72,7 @@ class _FilterModel:
 
 
 def error_covariances(design: ControllerDesign) -> ErrorCovariances:
-    """Return the covariance of the estimate's error before and after the readings, for each tick of the sensors'
-    pattern.
+    """Return the covariances of the estimate's error for each tick of the sensors' pattern, before and after readings.
 
     Covers the states of `design.model`; MRU scale and lever arm are taken as known.
 
@@ -95,7 +88,7 @@ def error_covariances(design: ControllerDesign) -> ErrorCovariances:
     for _ in range(0, PERIODS_TO_SETTLE, pattern):
         pairs = []
         for rows, variances in zip(filter_model.rows, filter_model.variances, strict=True):
-            prior = filter_model.A @ P @ filter_model.A.T + filter_model.Q
+            prior = predicted_covariance(P, filter_model.A, filter_model.Q)
             P = _corrected(prior, rows, variances)
             pairs.append((prior[: model.order, : model.order], P[: model.order, : model.order]))
         level = _seen(design.model, P)
@@ -116,17 +109,9 @@ def _seen(model: LinearModel, P: Array) -> float:
     return float(np.sum(np.sqrt(np.maximum(variances, 0.0))))
 
 
-def _filter_gain(P: Array, rows: Array, variances: Array) -> Array:
-    return np.asarray(np.linalg.solve(rows @ P @ rows.T + np.diag(variances), rows @ P).T, dtype=np.float64)
-
-
 def _corrected(P: Array, rows: Array, variances: Array) -> Array:
-    if not len(rows):
-        return P
-    gain = _filter_gain(P, rows, variances)
-    rest = np.eye(len(P)) - gain @ rows
-    corrected = rest @ P @ rest.T + gain @ np.diag(variances) @ gain.T
-    return np.asarray(0.5 * (corrected + corrected.T))
+    """Return the covariance after readings of `rows`; there may be none."""
+    return corrected_covariance(P, filter_gain(P, rows, variances), rows, variances) if len(rows) else P
 
 
 def _filter_model(design: ControllerDesign, *, every_tick: bool = False) -> _FilterModel:
@@ -136,8 +121,8 @@ def _filter_model(design: ControllerDesign, *, every_tick: bool = False) -> _Fil
     pattern = 1 if every_tick else math.lcm(*[periods[m.sensor][0] for m in known])
     if pattern > LONGEST_PATTERN:
         raise DesignError(
-            f"the sensors' pattern repeats only after {pattern} ticks: give rates that divide each other (at most "
-            f"{LONGEST_PATTERN} ticks)"
+            f"the pattern of the sensors repeats only after {pattern} ticks, and at most {LONGEST_PATTERN} can be "
+            "predicted: choose rates that divide each other"
         )
     A, Q = model.A, model.noise_covariance
     rows: list[tuple[Array, MeasurementModel]] = []
@@ -151,8 +136,8 @@ def _filter_model(design: ControllerDesign, *, every_tick: bool = False) -> _Fil
         [(r, m) for r, m in padded if every_tick or tick % periods[m.sensor][0] == 0] for tick in range(1, pattern + 1)
     ]
     return _FilterModel(
-        A,
-        Q,
+        np.ascontiguousarray(A),
+        np.ascontiguousarray(Q),
         [np.array([row for row, _ in due]).reshape(-1, n) for due in by_tick],
         [np.array([m.sigma**2 for _, m in due]) for due in by_tick],
     )
@@ -198,11 +183,11 @@ def equivalent_filter(design: ControllerDesign) -> EquivalentFilter:
     variances = np.array([m.sigma**2 * periods[m.sensor][0] for m in known])
     previous = np.inf
     for _ in range(PERIODS_TO_SETTLE):
-        prior = model.A @ P @ model.A.T + model.Q
+        prior = predicted_covariance(P, model.A, model.Q)
         P = _corrected(prior, H, variances)
         level = _seen(design.model, P)
         if abs(level - previous) < SETTLED * level:
-            return EquivalentFilter(model.A, H, _filter_gain(prior, H, variances))
+            return EquivalentFilter(model.A, H, filter_gain(prior, H, variances))
         previous = level
     raise DesignError("the covariance of the estimate does not settle: the sensors do not determine the state")
 
@@ -210,10 +195,17 @@ def equivalent_filter(design: ControllerDesign) -> EquivalentFilter:
 def predict_loop(
     design: ControllerDesign, gain: Array | None = None, errors: ErrorCovariances | None = None
 ) -> LoopPrediction:
-    """Return the stationary standard deviations under u = -gain (estimate); `gain` has shape (n,), default
-    `design.gain`.
+    """Return the stationary standard deviations under u = -gain (estimate).
 
     Sigmas are root mean squares over the ticks of the sensors' pattern.
+
+    Parameters
+    ----------
+    design : of estimator and model
+    gain : shape (n,); None: that of the design
+    errors : `error_covariances(design)`, to save their computation; None: they are computed
+
+    Raises DesignError where covariance or loop is not stable.
     """
     gain = design.gain if gain is None else gain
     pairs = error_covariances(design) if errors is None else errors

@@ -9,9 +9,10 @@ from dataclasses import asdict, dataclass, replace
 import numpy as np
 from heave_node.arrays import Array, ComplexArray
 from heave_node.kpi import kappa
+from heave_node.linear_model import with_feedback
 
 from winch_controller_node.design.bounds import BOUND_STEP, WinchLimits, actuator_bound, boom_tip_realisation
-from winch_controller_node.design.design import ControllerDesign, design_controller, design_cost, full_gain
+from winch_controller_node.design.design import ControllerDesign, design_controller
 from winch_controller_node.design.feasibility import (
     WinchDemand,
     feasibility_table,
@@ -32,8 +33,8 @@ from winch_controller_node.design.prediction import (
     estimation_bound,
     predict_loop,
 )
-from winch_controller_node.model.linear_model import with_feedback
 from winch_controller_node.model.lqr import DesignError
+from winch_controller_node.model.regulator import full_gain, weighted_cost
 from winch_controller_node.parameters.controller import WinchControllerParameters
 
 COMMAND_SIZES = (0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 20.0, 100.0)
@@ -215,7 +216,7 @@ def _actuator_bound(design: ControllerDesign, seed: int) -> float:
 
 def _point(design: ControllerDesign, value: float, command_size: float, errors: ErrorCovariances) -> TradeOff:
     weights = replace(design.parameters.weights, command=command_size)
-    gain = full_gain(design.model, design_cost(replace(design.parameters, weights=weights), design.model))
+    gain = full_gain(design.model, weighted_cost(weights, design.model))
     prediction = predict_loop(design, gain, errors)
     return TradeOff(
         parameter=value,

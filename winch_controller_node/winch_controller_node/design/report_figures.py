@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 def draw_report(report: DesignReport, folder: Path) -> list[Path]:
-    """Draw all figures into `folder` (made if missing) as SVG; return the files."""
+    """Draw all figures of a `report` into `folder` (made if missing) as SVG; return the files."""
     folder.mkdir(parents=True, exist_ok=True)
     files = []
     for name, figure in report_figures(report).items():
@@ -27,7 +27,7 @@ def draw_report(report: DesignReport, folder: Path) -> list[Path]:
 
 
 def report_figures(report: DesignReport) -> dict[str, Figure]:
-    """Return the figures by name: poles, loop, weight, winch."""
+    """Return the figures of a `report` by name: poles, loop, weight, winch."""
     return {
         "poles": _poles(report),
         "loop": _loop(report),

@@ -11,11 +11,13 @@ from dataclasses import dataclass
 
 import numpy as np
 from heave_node.arrays import Array
+from heave_node.linear_model import spectral_abscissa, with_feedback
 
-from winch_controller_node.design.design import ControllerDesign, at_cable, design_controller, is_sensor_state
-from winch_controller_node.model.linear_model import spectral_abscissa, with_feedback
+from winch_controller_node.design.design import ControllerDesign, at_cable, design_controller
+from winch_controller_node.model.blocks import CableModel
 from winch_controller_node.model.lqr import DesignError
-from winch_controller_node.model.models import CableModel, PlantBelief
+from winch_controller_node.model.models import PlantBelief
+from winch_controller_node.model.regulator import is_sensor_state
 from winch_controller_node.parameters.controller import WinchControllerParameters
 
 CHECKED_BETWEEN = 1
@@ -72,8 +74,7 @@ class GainSchedule:
                 if radius >= 1.0:
                     raise DesignError(
                         f"between {low.length:g} and {high.length:g} m the scheduled gain does not stabilise the "
-                        f"loop: give "
-                        "more schedule.points"
+                        "loop: increase schedule.points"
                     )
                 worst = max(worst, radius)
         return worst

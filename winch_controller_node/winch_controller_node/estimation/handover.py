@@ -11,9 +11,9 @@ from dataclasses import dataclass
 
 import numpy as np
 from heave_node.arrays import Array
+from heave_node.linear_model import LinearModel
 
-from winch_controller_node.model.linear_model import LinearModel
-from winch_controller_node.model.models import DEPTH_BIAS
+from winch_controller_node.interface.sensors import DEPTH_BIAS
 
 PULL_SIGMA = 0.1
 """Doubt in the pull of the cable [m] of a unit that has just been lifted off: 5 % of a weight on a long cable."""
@@ -39,7 +39,14 @@ class Handover:
 
 
 def hand_over(model: LinearModel, estimate: Array, covariance: Array, mean_state: Array) -> Handover:
-    """Return the loop with the unit's present heave as the mean."""
+    """Return the loop with the unit's present heave as the mean.
+
+    Parameters
+    ----------
+    model : of the loop
+    estimate, covariance : shape (n,), (n, n)
+    mean_state : the mean payout's own motion, shape (n,)
+    """
     payout, unit = model.state("payout"), model.state("unit_heave")
     lowered = -float(estimate[unit] + mean_state[unit] + mean_state[payout])
     estimate, mean_state = estimate.copy(), mean_state.copy()
@@ -57,6 +64,7 @@ def hand_over_standing(
 
     Parameters
     ----------
+    model, estimate, covariance, mean_state : as for `hand_over`
     pull : measured tension over the static one, over the stiffness: x0 - p - x [m]
     heave : newest heave from the depth sensor about the mean payout's [m]
     """

@@ -1,4 +1,4 @@
-"""What is believed of the loop: gates, estimator, sea, and the shadow of the uncompensated unit, tick by tick.
+"""What is known of the loop: gates, estimator, sea, the mean payout's own motion, and the uncompensated unit, by ticks.
 
 The estimator sees the loop without the mean payout's own motion, see `mean_motion`.
 """
@@ -6,98 +6,181 @@ The estimator sees the loop without the mean payout's own motion, see `mean_moti
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 from heave_node.arrays import Array
 
 from winch_controller_node.design.design import ControllerDesign
 from winch_controller_node.estimation.handover import hand_over, hand_over_standing
+from winch_controller_node.estimation.loop_tick import CommandShares, LoopTick, Sensed
 from winch_controller_node.estimation.observation import Observer
 from winch_controller_node.estimation.sea_adaptation import SeaTracker
+from winch_controller_node.estimation.tension_filter import TensionFilter
 from winch_controller_node.interface.readings import Measurements
+from winch_controller_node.interface.sensors import DEPTH_BIAS
+from winch_controller_node.model.estimator import Measurement
 from winch_controller_node.model.loop_rows import loop_rows
-from winch_controller_node.model.models import DEPTH_BIAS, shadow_model
+from winch_controller_node.model.models import shadow_model
 from winch_controller_node.motion.mean_motion import MeanMotion
 
 
 class LoopEstimation:
-    """Estimate of the loop and of what the unit would do with the winch locked.
+    """Estimate of the loop, and of what the unit would do with the winch locked.
 
     Parameters
     ----------
     design : model, measurements and noise
-    motion : of the mean payout
 
     Attributes
     ----------
     estimator, observer : the filter and the gates in front of it
-    rows : of the design's model
-    uncompensated : heave and rate of the unit with the winch locked, shape (2,) [m], [m/s]
-    depth_reading : heave that the depth sensor read in this tick, the mean payout's share off [m]; None: none came
+    motion : mean payout and what it brings about
     """
 
-    def __init__(self, design: ControllerDesign, motion: MeanMotion) -> None:
-        self._motion = motion
+    def __init__(self, design: ControllerDesign) -> None:
+        parameters, dt = design.parameters, design.tick_period
+        self.motion = MeanMotion(parameters.move, design.model.order, tick_period=dt)
         self.estimator = design.make_estimator()
-        self.observer = Observer(design, design.parameters.health)
-        self.uncompensated: Array = np.zeros(2)
-        self.depth_reading: float | None = None
+        self.observer = Observer(design, parameters.health)
+        self._uncompensated: Array = np.zeros(2)
+        self._tension = TensionFilter(parameters.tension.time_constant, tick_period=dt)
         self._sea = SeaTracker(design)
-        self.take_design(design)
+        self._refer_to(design)
 
-    def take_design(self, design: ControllerDesign) -> None:
+    def _refer_to(self, design: ControllerDesign) -> None:
         """Refer to a design from now on, whose model the estimator has already."""
         self._design = design
-        self.observer.stretch_per_payout = design.cable.static_tension / (design.cable.stiffness * design.length)
-        self.rows = loop_rows(design.model)
+        self.observer.take_design(design)
+        self._rows = loop_rows(design.model)
         self._shadow = shadow_model(design.cable, design.tick_period)
         self._sea.refer_to(design)
 
+    # another design
+
+    def take_design(self, design: ControllerDesign, factors: Array | None = None) -> None:
+        """Go on with a design of the same states; `factors`, shape (n,), multiply the estimate first."""
+        self.estimator.set_model(design.model, design.measurements, factors)
+        self._refer_to(design)
+
     def carry(self, design: ControllerDesign, matrix: Array, tick: int) -> None:
-        """Go on at `tick` with an estimator of `design`, whose states are `matrix` times the present ones."""
+        """Go on after `tick` with a design whose states are `matrix`, shape (n_new, n), times the present ones."""
         estimate, covariance = matrix @ self.estimator.estimate, matrix @ self.estimator.covariance @ matrix.T
         self.estimator = design.make_estimator()
         self.estimator.reset(estimate, covariance)
         self.estimator.step(tick, 0.0, [])
-        self._motion.state = matrix @ self._motion.state
+        self.motion.carry(matrix)
         self.observer.forget_shares()
+        self._refer_to(design)
 
-    def step(self, tick: int, measurements: Measurements, command: float) -> Array:
-        """Gate, take the mean payout's share off, estimate; return the estimate at t_k, shape (n,).
+    # a tick
 
-        `command` is the share of the last command that compensated, in the terms of the model.
+    def step(self, number: int, measurements: Measurements, command: CommandShares, *, unit_stands: bool) -> LoopTick:
+        """Gate, take the mean payout's share off, estimate.
+
+        Parameters
+        ----------
+        number : of the tick
+        measurements : delivered at it
+        command : of the last tick
+        unit_stands : the unit stands on the seabed: what rides on it says nothing of a hanging one
         """
-        self.observer.remember_share(tick, self._motion.state)
-        rate = float(self.rows.payout_rate @ (self.estimator.estimate + self._motion.state))
-        readings = self.observer.observe(tick, measurements, self.estimator, rate)
-        estimate = self.estimator.step(tick, command, readings)
-        self.depth_reading = next((r.value for r in reversed(readings) if r.name == "unit_heave"), None)
-        self.observer.learn(self.estimator)
+        mean_state, estimator = self.motion.state, self.estimator
+        self.observer.remember_share(number, mean_state)
+        rows = self._rows
+        rate = float(rows.payout_rate @ (estimator.estimate + mean_state)) + rows.payout_rate_through * command.total
+        readings = self.observer.observe(number, measurements, estimator, rate, unit_stands=unit_stands)
+        estimate = estimator.step(number, command.compensating, readings)
+        self.observer.learn(estimator)
         self._follow_sea(estimate)
-        return estimate
+        if measurements.of("load_cell") and math.isfinite(self.observer.tension):
+            self._tension.add(self.observer.tension)
+        self._uncompensated = self._shadow.A @ self._uncompensated + self._shadow.B @ (rows.tip @ estimate)
+        return LoopTick(
+            number=number,
+            sensed=self._sensed(readings),
+            rows=rows,
+            command=command,
+            estimate=estimate,
+            mean_state=mean_state,
+            mean_command=self.motion.reference_command(self._design.parameters.winch),
+            left_over=self.motion.left_over.point.payout,
+            uncompensated=self._uncompensated,
+        )
+
+    def _sensed(self, readings: list[Measurement]) -> Sensed:
+        observer = self.observer
+        depth = self.estimator.innovations.get("unit_heave")
+        is_compared = depth is not None and math.isfinite(depth.nis)
+        return Sensed(
+            payout=observer.payout,
+            mru_rate=observer.mru_rate,
+            tension=observer.tension,
+            filtered_tension=self._tension.value,
+            depths=tuple(observer.depths),
+            depth_heave=next((r.value for r in reversed(readings) if r.name == "unit_heave"), None),
+            depth_innovation=depth.value / depth.sigma if depth is not None and is_compared else None,
+            has_depth="unit_heave" in self.estimator.measurements and observer.gates["depth"].reason != "stale",
+            innovations=self.estimator.innovations,
+            has_encoder=observer.gates["encoder"].state(0.0).accepted > 0,
+            lost=observer.lost(),
+            faults=tuple(observer.new_faults()),
+        )
 
     def _follow_sea(self, estimate: Array) -> None:
         """Let the estimator's driving noise follow the sea that is there."""
         if not self._design.parameters.estimator.sea_adaptation:
             return
-        tip, rate = self.rows.tip @ estimate
-        noise = self._sea.update(float(tip), float(rate))
+        noise = self._sea.update(float((self._rows.tip @ estimate)[0]))
         if noise is not None:
             self.estimator.set_process_noise(noise)
 
-    def advance_shadow(self, estimate: Array) -> Array:
-        """Advance what the unit would do with the winch locked; return its heave and rate, shape (2,)."""
-        self.uncompensated = self._shadow.A @ self.uncompensated + self._shadow.B @ (self.rows.tip @ estimate)
-        return self.uncompensated
+    def advance_mean(self, command: float, *, is_braked: bool) -> None:
+        """Advance the mean payout by a tick with `command` as its share of the command; a brake holds it."""
+        self.motion.advance(self._design.model, command, is_braked=is_braked)
 
-    def restart_shadow(self, estimate: Array) -> None:
-        """Let the shadow go on from where the unit is, about the payout that is out."""
-        self.uncompensated = estimate[self.rows.unit_states] + self.rows.winch @ estimate
+    # going on from another place
 
-    def unit_heave(self, estimate: Array) -> float:
-        """Return the unit's heave about where the mean payout would have it at rest [m]."""
-        mean_state = self._motion.state
-        return float(self.rows.unit @ (estimate + mean_state) + self.rows.payout @ mean_state)
+    def refreshed(self, tick: LoopTick) -> LoopTick:
+        """Return the tick after the loop has been told to go on from another place."""
+        return replace(
+            tick,
+            estimate=self.estimator.estimate,
+            uncompensated=self._uncompensated,
+            mean_state=self.motion.state,
+            mean_command=self.motion.reference_command(self._design.parameters.winch),
+            left_over=self.motion.left_over.point.payout,
+        )
+
+    def return_to_mean(self, tick: LoopTick) -> None:
+        """Count the payout that is out as left over: it goes away slowly, and with the winch locked it would stay."""
+        rows, estimate = tick.rows, tick.estimate
+        self.motion.return_from(float(rows.payout @ estimate))
+        self._uncompensated = estimate[rows.unit_states] + rows.winch @ estimate
+
+    def hand_over(self, tick: LoopTick, *, unit_stood: bool) -> None:
+        """Make the present depth of the unit the mean and go on from there; `unit_stood` on the seabed until now.
+
+        See `handover`.
+        """
+        now = (self._design.model, self.estimator.estimate, self.estimator.covariance, self.motion.state)
+        if unit_stood:
+            cable = self._design.cable
+            pull = (tick.sensed.filtered_tension - cable.static_tension) / cable.stiffness
+            heave = self.observer.unit_heave_reading(self.motion.state, tick.rows.unit_states[0])
+            after = hand_over_standing(*now, pull=pull, heave=heave)
+        else:
+            after = hand_over(*now)
+        self.motion.continue_at(after.mean_state, after.lowered)
+        self.estimator.reset(after.estimate, after.covariance)
+        self.estimator.step(tick.number, 0.0, [])
+
+    # depth
+
+    @property
+    def filtered_tension(self) -> float:
+        """Low-passed reading of the load cell [N]; NaN before the first."""
+        return self._tension.value
 
     @property
     def mean_depth(self) -> float:
@@ -105,7 +188,7 @@ class LoopEstimation:
         zero = self.observer.depth_zero
         if zero is None:
             return math.nan
-        payout = float(self.rows.payout @ self._motion.state) + self._motion.left_over.point.payout
+        payout = float(self._rows.payout @ self.motion.state) + self.motion.left_over.point.payout
         return zero + self._depth_bias() + payout * (1.0 + self.observer.stretch_per_payout)
 
     def payout_at(self, depth: float) -> float:
@@ -119,26 +202,3 @@ class LoopEstimation:
         """Return how much deeper the mean is than the first reading [m]."""
         model = self._design.model
         return -float(self.estimator.estimate[model.state(DEPTH_BIAS)]) if model.has_state(DEPTH_BIAS) else 0.0
-
-    def hand_over(self, tick: int, *, tension: float | None) -> None:
-        """Make the present depth of the unit the mean and go on from there; see `handover`.
-
-        Parameters
-        ----------
-        tick : the present one
-        tension : measured top tension [N] under a unit that stood until now; None: it hung
-        """
-        motion = self._motion
-        now = (self._design.model, self.estimator.estimate, self.estimator.covariance, motion.state)
-        if tension is None:
-            after = hand_over(*now)
-        else:
-            cable = self._design.cable
-            pull = (tension - cable.static_tension) / cable.stiffness
-            heave = self.observer.unit_heave_reading(motion.state, self.rows.unit_states[0])
-            after = hand_over_standing(*now, pull=pull, heave=heave)
-        motion.mean.jump_to(motion.mean.point.payout + after.lowered)
-        motion.state = after.mean_state
-        self.estimator.reset(after.estimate, after.covariance)
-        self.estimator.step(tick, 0.0, [])
-        motion.left_over.jump_to(0.0)

@@ -6,25 +6,27 @@ import math
 from collections import deque
 
 from heave_node.arrays import Array
+from heave_node.codes import SensorLevel, WinchFault
+from heave_node.sensors import MruReading
 
 from winch_controller_node.design.design import ControllerDesign
 from winch_controller_node.estimation.sensor_health import (
-    LEVEL_WORDS,
-    OK,
     EncoderGate,
     SensorGate,
     SensorTiming,
     judge_mru,
     judge_scalar,
 )
-from winch_controller_node.estimation.touchdown import StandingWatch
-from winch_controller_node.interface.readings import Measurements, MruReading, ScalarReading, SensorState
+from winch_controller_node.interface.readings import Measurements, ScalarReading, SensorState
+from winch_controller_node.interface.sensors import (
+    LEVER_ARM_X,
+    LEVER_ARM_Y,
+    SCALAR_SENSORS,
+    SensorModelParameters,
+    Zero,
+)
 from winch_controller_node.model.estimator import KalmanEstimator, Measurement
-from winch_controller_node.model.models import LEVER_ARM_X, LEVER_ARM_Y
 from winch_controller_node.parameters.laws import HealthParameters
-
-ON_UNIT = ("depth", "velocity", "imu")
-"""Sensors that ride on the unit: they say nothing of the hanging cable when the unit stands on the seabed."""
 
 REMEMBERED = 64
 """Ticks for which the mean payout's share is kept, for readings that come late."""
@@ -41,41 +43,51 @@ class Observer:
     Attributes
     ----------
     gates : by sensor
-    depth_zero : depth that counts as heave zero [m]; None before the first reading
     payout : encoder reading accepted in this tick, jumps taken off [m]; None: none
     tension : newest accepted top tension [N]; NaN before the first
     mru_rate : newest accepted heave rate of the MRU [m/s]
+    depths : stamp [s] and depth, positive down [m], of the depth readings accepted in this tick
     stretch_per_payout : how much further than paid out the unit goes down at rest: stretch of the new cable [-]
-    uses_unit : False: readings from the unit are gated but not used
-    standing : what the depth readings alone say of the unit's speed
     """
 
     def __init__(self, design: ControllerDesign, health: HealthParameters) -> None:
         self._dt = design.tick_period
         sensors = design.parameters.sensors
-        timings = {
-            "mru": SensorTiming(1.0 / sensors.mru.rate),
-            "depth": SensorTiming(1.0 / sensors.depth.rate, sensors.depth.latency),
-            "velocity": SensorTiming(1.0 / sensors.velocity_rate),
-            "imu": SensorTiming(self._dt),
-            "load_cell": SensorTiming(self._dt),
+        self._use = sensors.in_use()
+        self._watched = {
+            name: sensor for name, sensor in sensors.by_name().items() if name in self._use or sensor.is_always_watched
         }
-        used = [name for name in timings if name in sensors.use or name == "load_cell"]
-        self.gates = {name: SensorGate(name, timings[name], health) for name in used}
+        self.gates = {
+            name: SensorGate(name, SensorTiming(sensor.period(self._dt), sensor.age()), health)
+            for name, sensor in self._watched.items()
+            if name != "encoder"
+        }
         self.encoder = EncoderGate(SensorTiming(self._dt, self._dt), health, tick_period=self._dt)
         self.gates["encoder"] = self.encoder.gate
-        self._use = sensors.use
-        self.depth_zero: float | None = None
+        rows = [(sensor, row) for sensor in self._use.values() for row in sensor.rows()]
+        self._of_boom_tip = {row.name for sensor, row in rows if sensor.sees == "boom_tip"}
+        self._heaves_of_unit = {row.name for _, row in rows if row.output == "unit_heave"}
+        self._zeros: dict[str, float] = {}
         self.payout: float | None = None
         self.tension = math.nan
         self.mru_rate = 0.0
-        self.stretch_per_payout = 0.0
-        self.uses_unit = True
-        self.standing = StandingWatch()
+        self.take_design(design)
+        self.depths: list[tuple[float, float]] = []
         self._unit_heave = 0.0
-        self._levels: dict[str, int] = {}
+        self._levels: dict[str, SensorLevel] = {}
         self._attitude: tuple[float, float, float] | None = None
         self._shares: deque[tuple[int, Array]] = deque(maxlen=REMEMBERED)
+
+    def take_design(self, design: ControllerDesign) -> None:
+        """Refer to the cable of a design from now on."""
+        cable = design.cable
+        self._static_tension = cable.static_tension
+        self.stretch_per_payout = cable.static_tension / (cable.stiffness * design.length)
+
+    @property
+    def depth_zero(self) -> float | None:
+        """Depth that counts as heave zero [m]; None before the first reading."""
+        return self._zeros.get("depth")
 
     def remember_share(self, tick: int, mean_state: Array) -> None:
         """Note the state of the mean payout's own motion at `tick`, shape (n,)."""
@@ -86,7 +98,13 @@ class Observer:
         self._shares.clear()
 
     def observe(
-        self, tick: int, delivered: Measurements, estimator: KalmanEstimator, expected_rate: float
+        self,
+        tick: int,
+        delivered: Measurements,
+        estimator: KalmanEstimator,
+        expected_rate: float,
+        *,
+        unit_stands: bool = False,
     ) -> list[Measurement]:
         """Return the readings of a tick for the estimator.
 
@@ -96,23 +114,20 @@ class Observer:
         delivered : readings of this tick
         estimator : whose measurement rows say what share of a reading is the mean payout's
         expected_rate : of the drum since the last tick [m/s]
+        unit_stands : on the seabed: readings of what rides on the unit say nothing of the hanging cable, and are gated
+            but not used
         """
         now = tick * self._dt
+        self.depths.clear()
         taken: list[Measurement] = []
         for mru in delivered.mru:
             if "mru" in self._use and judge_mru(self.gates["mru"], now, mru):
                 taken += self._mru(mru)
-        for reading in delivered.load_cell:
-            if judge_scalar(self.gates["load_cell"], now, reading):
-                self.tension = reading.value
         taken += self._encoder(now, delivered, expected_rate)
-        for sensor, name, readings in (
-            ("depth", "unit_heave", delivered.depth),
-            ("velocity", "unit_velocity", delivered.velocity),
-            ("imu", "unit_acceleration", delivered.imu),
-        ):
-            if sensor in self._use:
-                taken += self._unit(now, sensor, name, readings)
+        for name in SCALAR_SENSORS:
+            if name in self._watched:
+                of_unit = self._scalar(now, name, delivered.of(name))
+                taken += [] if unit_stands else of_unit
         for gate in self.gates.values():
             gate.tick(now)
         return [self._without_share(reading, estimator) for reading in taken]
@@ -128,22 +143,19 @@ class Observer:
         for sensor in sorted(refused - {"encoder"}):
             self.gates[sensor].note_innovation(accepted=False)
 
-    def lost(self, vital: tuple[str, ...]) -> str:
-        """Return which of the `vital` sensors are lost and why; empty when none."""
-        words = [
-            f"{name} {self.gates[name].reason}" for name in vital if name in self.gates and self.gates[name].is_lost
-        ]
-        return ", ".join(words)
+    def lost(self) -> dict[str, str]:
+        """Return why each lost sensor counts as lost, by name."""
+        return {name: gate.reason for name, gate in self.gates.items() if gate.is_lost}
 
     def new_faults(self) -> list[str]:
         """Return, in words, which sensors have become worse since the last call."""
         words = []
         for name, gate in self.gates.items():
-            before, self._levels[name] = self._levels.get(name, OK), gate.level
+            before, self._levels[name] = self._levels.get(name, SensorLevel.OK), gate.level
             if gate.level > before:
                 is_jump = name == "encoder" and gate.reason == "jump"
                 detail = f"jump of {self.encoder.jump:+.3f} m taken off" if is_jump else gate.reason
-                words.append(f"{name} {LEVEL_WORDS[gate.level]}: {detail}")
+                words.append(f"{name} {gate.level.name.lower()}: {detail}")
         return words
 
     def states(self, tick: int) -> tuple[SensorState, ...]:
@@ -179,35 +191,42 @@ class Observer:
         if winch is None:
             return []
         reading = ScalarReading(winch.time, winch.encoder_payout)
-        is_driven = not winch.brake and winch.fault == 0
+        is_driven = not winch.brake and winch.fault == WinchFault.NONE
         payout = self.encoder.judge(now, reading, expected_rate, is_driven=is_driven)
         self.payout = payout
         return [] if payout is None else [Measurement("payout", payout, self._tick_of(winch.time))]
 
-    def _unit(self, now: float, sensor: str, name: str, readings: tuple[ScalarReading, ...]) -> list[Measurement]:
+    def _scalar(self, now: float, name: str, readings: tuple[ScalarReading, ...]) -> list[Measurement]:
+        """Gate the readings of a sensor; return those for the estimator, about their zero and in the model's sign."""
         taken = []
         for reading in readings:
-            if not judge_scalar(self.gates[sensor], now, reading):
+            if not judge_scalar(self.gates[name], now, reading):
                 continue
-            value = reading.value
-            if sensor == "depth":
-                if self.depth_zero is None:
-                    self.depth_zero = value
-                value = self.depth_zero - value
+            if name == "load_cell":
+                self.tension = reading.value
+            sensor = self._watched[name]
+            value = sensor.sign * (reading.value - self._zero(name, sensor, reading.value))
+            if name == "depth":
                 self._unit_heave = value
-                self.standing.add(reading.time, -value)
-            if self.uses_unit:
-                taken.append(Measurement(name, value, self._tick_of(reading.time)))
+                self.depths.append((reading.time, -value))
+            if name in self._use:
+                taken += [Measurement(row.name, value, self._tick_of(reading.time)) for row in sensor.rows()]
         return taken
+
+    def _zero(self, name: str, sensor: SensorModelParameters, value: float) -> float:
+        """Return what a reading of `value` counts from."""
+        if sensor.zero is Zero.FIRST_READING:
+            return self._zeros.setdefault(name, value)
+        return self._static_tension if sensor.zero is Zero.STATIC_TENSION else 0.0
 
     def _without_share(self, reading: Measurement, estimator: KalmanEstimator) -> Measurement:
         """Take the mean payout's share at the time of the reading off it."""
-        if not self._shares or reading.name.startswith("mru"):
+        if not self._shares or reading.name in self._of_boom_tip:
             return reading
         shares = [share for tick, share in self._shares if tick <= reading.tick]
         state = shares[-1] if shares else self._shares[0][1]
         row = estimator.measurements[reading.name].row
         share = float(row @ state)
-        if reading.name == "unit_heave":
+        if reading.name in self._heaves_of_unit:
             share -= self.stretch_per_payout * float(estimator.model.row("payout") @ state)
         return Measurement(reading.name, reading.value - share, reading.tick, reading.sigma, reading.regressors)

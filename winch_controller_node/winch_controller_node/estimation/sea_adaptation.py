@@ -1,8 +1,7 @@
 """Adaptation to the sea that is there: the estimator's driving noise follows the boom-tip motion it sees.
 
 The process noise of the waves goes with the square of their height. Only the noise is scaled, no state changes its
-meaning, so that nothing jumps and no redesign is needed; gains do not depend on the height of a sea at all. What a
-change of period asks for is said by `frequency_ratio`: a redesign with another peak period.
+meaning, so that nothing jumps and no redesign is needed; gains do not depend on the height of a sea at all.
 """
 
 from __future__ import annotations
@@ -38,7 +37,6 @@ class SeaTracker:
     def __init__(self, design: ControllerDesign) -> None:
         self._seen = 0.0
         self._variance = 0.0
-        self._rate_variance = 0.0
         self._applied = 1.0
         self.refer_to(design)
 
@@ -46,7 +44,6 @@ class SeaTracker:
         """Refer to another design from now on."""
         self._dt = design.tick_period
         self._design_variance = design.sigma["boom_tip_heave"] ** 2
-        self._design_rate_variance = design.sigma["boom_tip_heave_rate"] ** 2
         self._quiet = design.model.noise_covariance - design.sea_noise
         self._sea_noise = design.sea_noise
         self._applied = 1.0
@@ -58,16 +55,8 @@ class SeaTracker:
             return 1.0
         return float(np.clip(math.sqrt(self._variance / self._design_variance), SMALLEST, LARGEST))
 
-    @property
-    def frequency_ratio(self) -> float:
-        """Mean frequency of the boom-tip motion over that of the design; 1 until enough has been seen."""
-        if self._seen < PATIENCE or self._variance <= 0.0:
-            return 1.0
-        seen = self._rate_variance / self._variance
-        return math.sqrt(seen / (self._design_rate_variance / self._design_variance))
-
-    def update(self, heave: float, rate: float) -> Array | None:
-        """Take in the estimated boom-tip heave and rate of a tick.
+    def update(self, heave: float) -> Array | None:
+        """Take in the estimated boom-tip heave of a tick [m].
 
         Returns the covariance of the process noise to use from now on, shape (n, n), when the sea has changed enough;
         else None.
@@ -76,7 +65,6 @@ class SeaTracker:
         # a plain mean at first, then one that forgets
         share = self._dt / min(self._seen, MEMORY)
         self._variance += share * (heave**2 - self._variance)
-        self._rate_variance += share * (rate**2 - self._rate_variance)
         if abs(self.height_ratio / self._applied - 1.0) < STEP:
             return None
         self._applied = self.height_ratio

@@ -10,13 +10,11 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from winch_controller_node.interface.readings import MRU_INVALID, MRU_OK, MruReading, ScalarReading, SensorState
+from heave_node.codes import MruStatus, SensorLevel
+from heave_node.sensors import MruReading
+
+from winch_controller_node.interface.readings import ScalarReading, SensorState
 from winch_controller_node.parameters.laws import HealthParameters
-
-OK, SUSPECT, LOST = 0, 1, 2
-"""Levels, as in heave_msgs/SensorHealth."""
-
-LEVEL_WORDS = ("ok", "suspect", "lost")
 
 BAD_IN_A_ROW = 3
 """So many refused readings in a row make a sensor lost: alarm within 3 samples."""
@@ -55,7 +53,7 @@ class SensorGate:
         self, sensor: str, timing: SensorTiming, parameters: HealthParameters, *, checks_frozen: bool = True
     ) -> None:
         self.sensor = sensor
-        self.level = OK
+        self.level = SensorLevel.OK
         self.reason = ""
         self._timing = timing
         self._parameters = parameters
@@ -74,7 +72,7 @@ class SensorGate:
     @property
     def is_lost(self) -> bool:
         """Tell whether the sensor is not to be relied on."""
-        return self.level == LOST
+        return self.level is SensorLevel.LOST
 
     def state(self, now: float) -> SensorState:
         """Return how the sensor is seen at `now` [s]."""
@@ -117,7 +115,7 @@ class SensorGate:
         newest = self._started if self._newest_accepted is None else self._newest_accepted
         allowed = self._timing.latency + self._parameters.stale_samples * self._timing.period + 1e-6
         if now - newest > allowed and self._bad_in_a_row == 0:
-            self.level, self.reason = LOST, "stale"
+            self.level, self.reason = SensorLevel.LOST, "stale"
             self._good_in_a_row = 0
 
     def _fault(self, now: float, time: float, values: Sequence[float], status: str) -> str:
@@ -141,20 +139,26 @@ class SensorGate:
         self._good_needed = self._parameters.recover_samples
         self.reason = reason
         is_grave = reason == "frozen" or self._bad_in_a_row >= BAD_IN_A_ROW
-        self.level = LOST if is_grave or self.level == LOST else SUSPECT
+        is_lost = is_grave or self.is_lost
+        self.level = SensorLevel.LOST if is_lost else SensorLevel.SUSPECT
 
     def _accept(self) -> None:
         self._bad_in_a_row = 0
         self._good_in_a_row += 1
-        if self.level != OK and self._good_in_a_row >= self._good_needed:
-            self.level, self.reason = OK, ""
+        if self.level is not SensorLevel.OK and self._good_in_a_row >= self._good_needed:
+            self.level, self.reason = SensorLevel.OK, ""
+
+
+_MRU_WORDS: dict[int, str] = {
+    MruStatus.OK: "",
+    MruStatus.SETTLING: "status settling",
+    MruStatus.INVALID: "status invalid",
+}
 
 
 def judge_mru(gate: SensorGate, now: float, reading: MruReading) -> bool:
     """Gate a reading of the MRU, its status word included."""
-    status = (
-        "" if reading.status == MRU_OK else "status invalid" if reading.status == MRU_INVALID else "status settling"
-    )
+    status = _MRU_WORDS.get(reading.status, f"status {reading.status}")
     values = (reading.heave, reading.heave_rate, reading.roll, reading.pitch)
     return gate.judge(now, reading.time, values, status)
 

@@ -132,7 +132,7 @@ def _check_record(t: Array, tip: Array, unit: Array, paid: Array) -> None:
     if steps.min() <= 0.0 or np.ptp(steps) > 1e-3 * steps.mean():
         raise IdentificationError("the samples must be equally spaced in rising time: resample the record first")
     if np.std(tip - paid) < 1e-6 or np.std(unit) < 1e-9:
-        raise IdentificationError("neither boom tip nor unit moves enough to tell anything")
+        raise IdentificationError("boom tip or unit moves too little to identify anything: record a rougher sea")
 
 
 class _Problem:
@@ -221,7 +221,7 @@ def _gauss_newton(problem: _Problem, theta: Array) -> tuple[Array, int]:
     """Return the solution and the number of steps; a step that makes it worse is halved."""
     cost = problem.cost(theta)
     if not math.isfinite(cost):
-        raise IdentificationError("the model runs away at the first guess: give another one")
+        raise IdentificationError("the model diverges from the first guess: give another guess")
     for iteration in range(1, ITERATIONS + 1):
         residual, sensitivities = problem.evaluate(theta)
         step = np.zeros_like(theta)

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 from heave_node.arrays import Array
-from numba import njit
+from heave_node.compiled import inner_kernel, kernel
 
 PAIRS = 5
 """Pairs (value, rate): x, and its derivatives by a, b, start heave, start rate."""
 
 
-@njit(cache=True)
+@inner_kernel
 def _slopes(state: Array, e: float, a: float, b: float, is_quadratic: bool, out: Array) -> None:
     x, v = state[0], state[1]
     if is_quadratic:
@@ -29,7 +29,7 @@ def _slopes(state: Array, e: float, a: float, b: float, is_quadratic: bool, out:
     out[5] -= drag / a
 
 
-@njit(cache=True)
+@kernel
 def respond(a: float, b: float, x: float, v: float, e: Array, e_middle: Array, h: float, is_quadratic: bool) -> Array:
     """Return x and its derivatives by a, b, start heave and start rate at each sample, shape (N, 5).
 

@@ -40,9 +40,16 @@ class LengthPoint:
 def identify_simulated(
     parameters: WinchControllerParameters, *, length: float | None = None, drag: str = "linear", seed: int = 1
 ) -> Identification:
-    """Identify a and b as thesis 6.2.3 does: from the axial cable's answer to a realisation of the design sea.
+    """Identify a and b as thesis 6.2.3 does: from the axial cable's response to a realisation of the design sea.
 
     The record of 600 s starts at rest and grows over 30 s; the winch is locked.
+
+    Parameters
+    ----------
+    parameters : of plant and sea
+    length : deployed length [m]; None: that of the parameters
+    drag : "linear" or "quadratic"
+    seed : of the sea
 
     Raises IdentificationError, or the AxialError of a response that cannot be simulated.
     """
@@ -66,7 +73,7 @@ def identify_simulated(
 def identify_against_length(
     parameters: WinchControllerParameters, lengths: Sequence[float], *, drag: str = "linear", seed: int = 1
 ) -> list[LengthPoint]:
-    """Return a and b at each of `lengths` [m]."""
+    """Return a and b at each of `lengths` [m]; `drag` and `seed` as for `identify_simulated`."""
     points = []
     for length in lengths:
         cable = believed_cable(parameters, length)
@@ -76,7 +83,7 @@ def identify_against_length(
 
 
 def format_lengths(points: Sequence[LengthPoint]) -> str:
-    """Return the table of `identify_against_length`."""
+    """Return the `points` of `identify_against_length` as a table."""
     lines = ["length m    a s2   sigma       b   sigma   fit %   linearised a s2      b s"]
     for point in points:
         found = point.identified
@@ -89,14 +96,14 @@ def format_lengths(points: Sequence[LengthPoint]) -> str:
 
 
 def draw_identification(found: Identification, path: Path) -> None:
-    """Draw response, model and residual (thesis figs 6.11 to 6.13) to `path`."""
+    """Draw response, model and residual (thesis figs 6.11 to 6.13) of what was `found` to `path`."""
     figure = identification_figure(found)
     path.parent.mkdir(parents=True, exist_ok=True)
     figure.savefig(path)
 
 
 def identification_figure(found: Identification) -> Figure:
-    """Return the figure of the last 200 s of the record: measured and model above, residual below."""
+    """Return the figure of what was `found`: measured and model of the last 200 s above, residual below."""
     from matplotlib.figure import Figure  # noqa: PLC0415  # heavy, and only for who draws
 
     shown: Array = found.time >= found.time[-1] - SHOWN

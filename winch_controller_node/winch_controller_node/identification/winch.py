@@ -1,7 +1,7 @@
-"""The winch's true lags, learnt from what it was sent and what its encoder read, while the loop runs.
+"""Time constant and delay of the winch, identified from what it was sent and what its encoder read in a running loop.
 
-Servo and delay look alike at the frequencies of a sea, but not where the winch is at its limits: over-driven, a servo's
-lag vanishes and a delay stays. Both are found, by Gauss-Newton over the last seconds on the drum with its limits; noise
+Servo and delay look alike at the frequencies of a sea, but not where the winch is at its limits: there the servo's lag
+vanishes and the delay stays. Both are found, by Gauss-Newton over the last seconds on the drum with its limits; noise
 in the commands and the winch's limits tell them apart. The design is made anew with what was found.
 """
 
@@ -15,7 +15,7 @@ import numpy as np
 from heave_node.arrays import Array
 
 from winch_controller_node.design.design import ControllerDesign
-from winch_controller_node.identification.drum_kernel import drum_record
+from winch_controller_node.identification.drum_kernel import Drum, drum_record
 from winch_controller_node.parameters.controller import WinchControllerParameters
 from winch_controller_node.parameters.laws import LagParameters
 from winch_controller_node.parameters.model import WinchModelParameters
@@ -24,22 +24,22 @@ SHORTEST_RECORD = 4.0
 """Record [s] from which on the lags are estimated."""
 
 PRIOR_SIGMAS = (0.05, 0.1)
-"""How far time constant and delay [s] may well be from what is believed: counts while the record tells little."""
+"""Prior standard deviations of time constant and delay [s]: how far they may well be from the nominal ones."""
 
 ITERATIONS = 6
 """Largest number of Gauss-Newton steps; each record begins where the last one ended."""
 
 CONVERGED = 1e-4
-"""A step of time constant and delay [s] that is worth no other."""
+"""Iteration ends with a step of time constant and delay below this [s]."""
 
 DIFFERENCE = 1e-4
 """Step of the sensitivities [s], [m/s]."""
 
-SURE = 4.0
-"""A change is believed when it is so many standard deviations off."""
+SIGNIFICANT = 4.0
+"""A change is taken when it is so many standard deviations off."""
 
 CORRELATED = 4.0
-"""Residuals in a row that count as one: what the drum's model leaves is not white."""
+"""Residuals in a row that count as one: they are not white."""
 
 RESOLUTION = 3e-4
 """Least standard deviation of what is left [m]: an encoder of 1 mm."""
@@ -68,9 +68,9 @@ class WinchLags:
     residual: float
 
     def is_far_from(self, winch: WinchModelParameters, step: float) -> bool:
-        """Tell whether the belief `winch` differs by more than `step` [s], and surely."""
+        """Tell whether the model `winch` differs by more than `step` [s], and significantly."""
         off = np.array([self.time_constant - winch.time_constant, self.delay - winch.command_delay])
-        return bool(np.max(np.abs(off)) > step and off @ np.linalg.solve(self.covariance, off) > SURE**2)
+        return bool(np.max(np.abs(off)) > step and off @ np.linalg.solve(self.covariance, off) > SIGNIFICANT**2)
 
 
 class WinchIdentifier:
@@ -79,21 +79,21 @@ class WinchIdentifier:
     Parameters
     ----------
     parameters : length of the record, smallest and largest change
-    design : the winch believed in at the start
+    design : with the nominal winch
     """
 
     def __init__(self, parameters: LagParameters, design: ControllerDesign) -> None:
         self._parameters = parameters
         self._dt = design.tick_period
-        self._first_belief = design.parameters.winch
-        self._found = (self._first_belief.time_constant, self._first_belief.command_delay)
-        self._ahead = math.ceil((self._first_belief.command_delay + parameters.largest) / self._dt) + 2
+        self._nominal = design.parameters.winch
+        self._found = (self._nominal.time_constant, self._nominal.command_delay)
+        self._ahead = math.ceil((self._nominal.command_delay + parameters.largest) / self._dt) + 2
         window = max(2, round(parameters.window / self._dt))
         self._payouts: deque[float] = deque(maxlen=window + self._ahead)
         self._rates: deque[float] = deque(maxlen=window + self._ahead)
         self._readings: deque[float] = deque(maxlen=window)
         self.reset()
-        # Compiles the drum now: in real time the loop could not bear it seconds into a run.
+        # compiled here, not in a tick of a run in real time
         self._record(np.zeros(self._ahead + 1), np.zeros(self._ahead + 1), 1, np.array([*self._found, 0.0, 0.0]))
 
     def reset(self, payout: float = 0.0) -> None:
@@ -127,7 +127,7 @@ class WinchIdentifier:
         if count * self._dt < SHORTEST_RECORD or np.count_nonzero(seen) < count // 2:
             return None
         payouts, rates = np.array(self._payouts), np.array(self._rates)
-        belief = np.array([self._first_belief.time_constant, self._first_belief.command_delay])
+        nominal = np.array([self._nominal.time_constant, self._nominal.command_delay])
         guess = np.array([*self._found, readings[seen][0], 0.0])
         variance = RESOLUTION**2
         for _ in range(ITERATIONS):
@@ -137,7 +137,7 @@ class WinchIdentifier:
             information = slopes.T @ slopes / (CORRELATED * variance)
             pull = slopes.T @ residual / (CORRELATED * variance)
             information[[0, 1], [0, 1]] += 1.0 / np.square(PRIOR_SIGMAS)
-            pull[:2] += (belief - guess[:2]) / np.square(PRIOR_SIGMAS)
+            pull[:2] += (nominal - guess[:2]) / np.square(PRIOR_SIGMAS)
             size = np.sqrt(np.diag(information))
             covariance = np.linalg.inv(information / np.outer(size, size)) / np.outer(size, size)
             before, guess = guess, self._bounded(guess + covariance @ pull)
@@ -148,7 +148,7 @@ class WinchIdentifier:
         self._found = (float(guess[0]), float(guess[1]))
         return WinchLags(*self._found, covariance[:2, :2], math.sqrt(variance))
 
-    def better_belief(self, parameters: WinchControllerParameters) -> WinchControllerParameters | None:
+    def improved_parameters(self, parameters: WinchControllerParameters) -> WinchControllerParameters | None:
         """Return parameters with the lags that were found, or None where the present ones do."""
         found, winch = self.find(), parameters.winch
         if found is None or not found.is_far_from(winch, self._parameters.step):
@@ -166,31 +166,21 @@ class WinchIdentifier:
         return record, slopes
 
     def _record(self, payouts: Array, rates: Array, count: int, guess: Array) -> Array:
-        winch = self._first_belief
-        return drum_record(
-            payouts,
-            rates,
-            count,
-            guess[0],
-            guess[1],
-            guess[2],
-            guess[3],
-            winch.position_gain,
-            winch.speed_limit,
-            winch.acceleration_limit,
-            self._dt,
-        )
+        winch = self._nominal
+        lag, delay, payout, rate = (float(value) for value in guess)
+        drum = Drum(lag, delay, winch.position_gain, winch.speed_limit, winch.acceleration_limit)
+        return drum_record(payouts, rates, count, drum, payout, rate, self._dt)
 
     def _bounded(self, guess: Array) -> Array:
         """Keep the lags within what is allowed."""
-        largest, belief = self._parameters.largest, self._first_belief
-        guess[0] = min(max(guess[0], SMALLEST_LAG), belief.time_constant + largest)
-        guess[1] = min(max(guess[1], belief.command_delay - largest, 0.0), belief.command_delay + largest)
+        largest, nominal = self._parameters.largest, self._nominal
+        guess[0] = min(max(guess[0], SMALLEST_LAG), nominal.time_constant + largest)
+        guess[1] = min(max(guess[1], nominal.command_delay - largest, 0.0), nominal.command_delay + largest)
         return guess
 
 
 class LateCommands:
-    """Notices that the winch takes commands later than believed, by the numbers of those it says it has taken.
+    """Notices that the winch takes commands later than modelled, by the sequence numbers that it acknowledges.
 
     A transport that becomes slower is seen so within three ticks, long before the record of the drum tells.
 
@@ -200,7 +190,7 @@ class LateCommands:
 
     Attributes
     ----------
-    overdue : time by which commands are surely later than believed [s]
+    overdue : time by which commands are later than modelled, at least [s]
     """
 
     def __init__(self, tick_period: float) -> None:
@@ -209,12 +199,12 @@ class LateCommands:
         self.overdue = 0.0
 
     def update(self, given: int, taken: int, delay: float) -> str:
-        """Return in words what is wrong, once each time; empty when nothing is.
+        """Return what is wrong in words, once each time; empty when nothing is.
 
         Parameters
         ----------
         given, taken : number of the last command, and of the newest one in effect at the end of its tick
-        delay : as believed [s]
+        delay : of the model [s]
         """
         due = math.ceil(delay / self._dt - 1e-6) - 1
         is_late = taken > 0 and given - taken > due + 1
@@ -222,4 +212,4 @@ class LateCommands:
         self.overdue = (given - taken - due - 1) * self._dt if self._late >= LATE_TICKS else 0.0
         if self._late != LATE_TICKS:
             return ""
-        return f"winch takes commands at least {self.overdue:.2f} s later than believed"
+        return f"winch commands take effect at least {self.overdue:.2f} s later than modelled"

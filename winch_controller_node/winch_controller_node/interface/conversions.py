@@ -1,28 +1,18 @@
-"""Messages to the controller's readings, and its outputs to messages. No rclpy: message classes are plain data."""
+"""What was delivered to measurements, and outputs to messages. No rclpy: message classes are plain data."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
+from typing import Any
 
 from builtin_interfaces.msg import Time
-from geometry_msgs.msg import TwistWithCovarianceStamped
-from heave_msgs.msg import (
-    CompensationKpi,
-    ControllerState,
-    LoadCell,
-    MruSample,
-    SensorHealth,
-    WinchCommand,
-    WinchState,
-)
-from heave_node.constants import ATMOSPHERIC_PRESSURE
-from heave_node.tick.tick import seconds_of
-from sensor_msgs.msg import FluidPressure, Imu
+from heave_msgs.msg import CompensationKpi, ControllerState, SensorHealth, WinchCommand
+from heave_node.sensors import MRU, SENSORS, Water, WireReading, mru_reading
 from std_msgs.msg import Header
 
 from winch_controller_node.interface.readings import (
-    MruReading,
+    Measurements,
     Report,
     RollingKpi,
     ScalarReading,
@@ -30,63 +20,51 @@ from winch_controller_node.interface.readings import (
     WinchOrder,
     WinchReading,
 )
+from winch_controller_node.interface.sensors import SCALAR_SENSORS, KnownSensors
+
+_KNOWN = KnownSensors().by_name()
 
 
-def mru_readings(samples: Iterable[MruSample]) -> tuple[MruReading, ...]:
-    """Return the MRU's samples as readings."""
-    return tuple(
-        MruReading(
-            time=seconds_of(sample.header.stamp),
-            heave=sample.heave,
-            heave_rate=sample.heave_rate,
-            roll=sample.roll,
-            pitch=sample.pitch,
-            status=sample.status,
-            sequence=sample.sequence,
-        )
-        for sample in samples
-    )
+def winch_reading(state: Any, nanoseconds: int) -> WinchReading:
+    """Return what the winch measures of itself at a time [ns]; the truth in the state is not looked at.
 
-
-def depth_readings(
-    messages: Iterable[FluidPressure], water_density: float, gravity: float
-) -> tuple[ScalarReading, ...]:
-    """Return depths, positive down [m], from absolute pressures."""
-    per_metre = water_density * gravity
-    return tuple(
-        ScalarReading(seconds_of(message.header.stamp), (message.fluid_pressure - ATMOSPHERIC_PRESSURE) / per_metre)
-        for message in messages
-    )
-
-
-def velocity_readings(messages: Iterable[TwistWithCovarianceStamped]) -> tuple[ScalarReading, ...]:
-    """Return vertical velocities, positive up [m/s]."""
-    return tuple(ScalarReading(seconds_of(message.header.stamp), message.twist.twist.linear.z) for message in messages)
-
-
-def imu_readings(messages: Iterable[Imu], gravity: float) -> tuple[ScalarReading, ...]:
-    """Return vertical accelerations, positive up, from the specific force [m/s^2]."""
-    return tuple(
-        ScalarReading(seconds_of(message.header.stamp), message.linear_acceleration.z - gravity) for message in messages
-    )
-
-
-def load_cell_readings(messages: Iterable[LoadCell]) -> tuple[ScalarReading, ...]:
-    """Return top tensions [N]."""
-    return tuple(ScalarReading(seconds_of(message.header.stamp), message.tension) for message in messages)
-
-
-def winch_reading(message: WinchState) -> WinchReading:
-    """Return what the winch measures of itself; the truth in the message is not looked at."""
+    `state` is a heave_msgs/WinchState or the virtual winch's own, which has the same names.
+    """
     return WinchReading(
-        time=seconds_of(message.header.stamp),
-        encoder_payout=message.encoder_payout,
-        encoder_payout_rate=message.encoder_payout_rate,
-        brake=message.brake,
-        fault=message.fault,
-        command_sequence=message.command_sequence,
-        limits_hit=message.limits_hit,
+        time=nanoseconds * 1e-9,
+        encoder_payout=state.encoder_payout,
+        encoder_payout_rate=state.encoder_payout_rate,
+        brake=state.brake,
+        fault=int(state.fault),
+        command_sequence=state.command_sequence,
+        limits_hit=int(state.limits_hit),
     )
+
+
+def measurements(
+    delivered: Mapping[str, Iterable[WireReading]], winch: WinchReading | None, water: Water
+) -> Measurements:
+    """Return what came in a tick, read by the water that the controller believes in.
+
+    Parameters
+    ----------
+    delivered : readings as they travelled, by sensor; those that the controller does not know are left out
+    winch : newest state of the winch; None: none came
+    water : believed in
+    """
+    mru = tuple(mru_reading(reading) for reading in delivered.get(MRU.name, ()))
+    scalar = {
+        name: tuple(_scalar(name, reading, water) for reading in delivered[name])
+        for name in SCALAR_SENSORS
+        if delivered.get(name)
+    }
+    return Measurements(mru, scalar, winch)
+
+
+def _scalar(name: str, reading: WireReading, water: Water) -> ScalarReading:
+    known = _KNOWN[name]
+    value = SENSORS[name].from_wire(reading, water)[known.component]
+    return ScalarReading(reading.time, value - water.gravity if known.includes_gravity else value)
 
 
 def command_message(order: WinchOrder, stamp: Time) -> WinchCommand:

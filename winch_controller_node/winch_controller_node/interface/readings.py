@@ -2,23 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-MRU_OK, MRU_SETTLING, MRU_INVALID = 0, 1, 2
-"""Status words of an MRU reading, as in heave_msgs/MruSample."""
-
-
-@dataclass(frozen=True)
-class MruReading:
-    """The MRU's word on the boom tip: time of measurement [s], heave [m] and rate [m/s] positive up, attitude [rad]."""
-
-    time: float
-    heave: float
-    heave_rate: float
-    roll: float = 0.0
-    pitch: float = 0.0
-    status: int = MRU_OK
-    sequence: int = 0
+from heave_node.codes import SensorLevel
+from heave_node.sensors import MruReading
 
 
 @dataclass(frozen=True)
@@ -31,7 +19,17 @@ class ScalarReading:
 
 @dataclass(frozen=True)
 class WinchReading:
-    """What the winch says of itself: encoder [m], [m/s], brake, fault and limits as in heave_msgs/WinchState."""
+    """What the winch says of itself, as in heave_msgs/WinchState.
+
+    Attributes
+    ----------
+    time : of the state [s]
+    encoder_payout, encoder_payout_rate : [m], [m/s]
+    brake : it is on
+    fault : number of heave_node.codes.WinchFault; hardware may have others
+    command_sequence : of the newest command taken
+    limits_hit : heave_node.codes.WinchLimit that acted in the last interval
+    """
 
     time: float
     encoder_payout: float
@@ -49,19 +47,18 @@ class Measurements:
     Attributes
     ----------
     mru : readings of the motion reference unit
-    depth : depth of the unit, positive down [m], from its pressure sensor
-    velocity : vertical velocity of the unit, positive up [m/s] (DVL)
-    imu : vertical acceleration of the unit, positive up, without gravity [m/s^2]
-    load_cell : top tension [N]
+    scalar : of the other sensors, by name: `depth` of the unit, positive down [m]; `velocity`, vertical, positive up
+        [m/s]; `imu`, its vertical acceleration without gravity [m/s^2]; `load_cell`, the top tension [N]
     winch : newest state of the winch; None: none came
     """
 
     mru: tuple[MruReading, ...] = ()
-    depth: tuple[ScalarReading, ...] = ()
-    velocity: tuple[ScalarReading, ...] = ()
-    imu: tuple[ScalarReading, ...] = ()
-    load_cell: tuple[ScalarReading, ...] = ()
+    scalar: Mapping[str, tuple[ScalarReading, ...]] = field(default_factory=dict)
     winch: WinchReading | None = None
+
+    def of(self, sensor: str) -> tuple[ScalarReading, ...]:
+        """Return the readings of a sensor; none where none came."""
+        return self.scalar.get(sensor, ())
 
 
 @dataclass(frozen=True)
@@ -80,13 +77,15 @@ class SensorState:
 
     Attributes
     ----------
-    sensor : name; level : 0 OK, 1 suspect, 2 lost; reason : why, empty when OK
+    sensor : name
+    level : how it is seen
+    reason : why, empty when OK
     age : of the newest accepted reading [s], infinite before the first
     accepted, refused : readings so far
     """
 
     sensor: str
-    level: int
+    level: SensorLevel
     reason: str
     age: float
     accepted: int

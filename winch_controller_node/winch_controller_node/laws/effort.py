@@ -6,9 +6,9 @@ import math
 from dataclasses import dataclass
 
 from heave_node.arrays import Array
+from heave_node.linear_model import LinearModel, state_covariance, with_feedback
 
-from winch_controller_node.design.design import ControllerDesign, is_sensor_state
-from winch_controller_node.model.linear_model import state_covariance, with_feedback
+from winch_controller_node.model.regulator import is_sensor_state
 
 
 @dataclass(frozen=True)
@@ -18,31 +18,37 @@ class Effort:
     Attributes
     ----------
     speed, acceleration : of the drum
-    drum_error : drum speed less boom-tip rate, over the latter
+    rate_error : drum speed less boom-tip rate, over the latter
     """
 
     speed: float = 1.0
     acceleration: float = 1.0
-    drum_error: float = 0.0
+    rate_error: float = 0.0
 
 
-def feedback_effort(design: ControllerDesign, gain: Array) -> Effort:
-    """Return the effort of u = -gain x with the state known, speed servo; gain has shape (n,).
+def feedback_effort(model: LinearModel, gain: Array) -> Effort:
+    """Return the effort of u = -gain x with the state known.
 
     A law that sees the unit alone acts when it has moved: later than the boom tip, and so with more speed than that.
+
+    Parameters
+    ----------
+    model : sampled augmented model of a loop with a speed servo
+    gain : shape (n,)
     """
-    names = [name for name in design.model.state_names if not is_sensor_state(name)]
-    keep = [design.model.state(name) for name in names]
-    loop = with_feedback(design.model.select_states(names), gain[None, keep])
+    assert model.dt is not None
+    names = [name for name in model.state_names if not is_sensor_state(name)]
+    keep = [model.state(name) for name in names]
+    loop = with_feedback(model.select_states(names), gain[None, keep])
     tip = loop.row("boom_tip_heave_rate")
     P = state_covariance(loop)
 
     def sigma(row: Array) -> float:
         return math.sqrt(max(float(row @ P @ row), 0.0))
 
-    tip_acceleration = tip @ loop.A / design.tick_period - tip / design.tick_period
+    tip_acceleration = tip @ loop.A / model.dt - tip / model.dt
     return Effort(
         speed=sigma(loop.row("payout_rate")) / sigma(tip),
         acceleration=sigma(loop.row("payout_acceleration")) / sigma(tip_acceleration),
-        drum_error=sigma(loop.row("payout_rate") - tip) / sigma(tip),
+        rate_error=sigma(loop.row("payout_rate") - tip) / sigma(tip),
     )

@@ -1,4 +1,4 @@
-"""Speed feed-forward of the boom tip's rate: what industry does, and the baseline of every better law.
+"""Law feedforward: the winch follows the boom tip's rate. What industry does, and the baseline of every better law.
 
 Without prediction the MRU's heave rate is commanded as it is read, and delay and lag of the winch leave their phase.
 With prediction the Kalman filter's boom tip is taken forward to when the command has come through delay and lag.
@@ -6,101 +6,60 @@ With prediction the Kalman filter's boom tip is taken forward to when the comman
 
 from __future__ import annotations
 
-import math
+from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 from heave_node.arrays import Array
+from heave_node.parameters import parameter
 
-from winch_controller_node.laws.feedback import LawCommand
 from winch_controller_node.laws.governor import standing_command
+from winch_controller_node.laws.law import ControlLaw, LawCommand, LawDesign
 from winch_controller_node.laws.loop_state import LoopState
-from winch_controller_node.model.linear_model import LinearModel
 from winch_controller_node.model.lqr import DesignError
-from winch_controller_node.parameters.laws import FeedforwardParameters
-from winch_controller_node.parameters.model import WinchModelParameters
-
-HOLD_TIME, HOLD_LAGS = 2.0, 4.0
-"""The payout follows the boom tip within this time [s], and no quicker than so many lags of the winch."""
-
-SETTLING_DAMPING = 0.5
-"""Damping ratio that the unit is given on its way back to the uncompensated motion."""
-
-SETTLED = 0.05
-"""Swing about the uncompensated motion that is worth no more of it [m]."""
 
 
-class SpeedFeedforward:
+@dataclass(frozen=True)
+class FeedforwardParameters:
+    """The speed feed-forward of the MRU: what industry does."""
+
+    prediction: bool = parameter(
+        True, unit="", description="Predict the boom tip over the winch's delay and lag; false: command the MRU's rate."
+    )
+    centring_time: float = parameter(
+        60.0, unit="s", minimum=1.0, maximum=3600.0, description="Time constant that brings the mean payout back."
+    )
+
+
+class SpeedFeedforward(ControlLaw):
     """Rate command = boom-tip rate (predicted or read), and a slow pull of the payout to its mean.
 
     Parameters
     ----------
-    model : the design's augmented model
-    winch : delay and lag to predict over
+    design : what the law is made for
     parameters : prediction or not; centring time
 
     Raises DesignError for a first-order winch, whose command is a payout.
     """
 
-    def __init__(self, model: LinearModel, winch: WinchModelParameters, parameters: FeedforwardParameters) -> None:
+    name: ClassVar[str] = "feedforward"
+    summary: ClassVar[str] = "boom-tip rate, predicted or as the MRU reads it"
+    parameters_type: ClassVar[type | None] = FeedforwardParameters
+    required_sensors: ClassVar[tuple[str, ...]] = ("mru",)
+    feeds_back_unit: ClassVar[bool] = False
+
+    def __init__(self, design: LawDesign, parameters: FeedforwardParameters) -> None:
+        super().__init__(design, parameters)
+        model, winch = design.model, design.winch
         if winch.law == "first_order":
-            raise DesignError("law feedforward commands a rate: it needs winch.law speed_servo")
+            raise DesignError("law feedforward commands a rate: set winch.law to speed_servo")
         assert model.dt is not None
         ticks = round((winch.command_delay + winch.time_constant) / model.dt) if parameters.prediction else 0
         self._rate: Array = model.row("boom_tip_heave_rate") @ np.linalg.matrix_power(model.A, ticks)
         self._payout: Array = model.row("payout") / parameters.centring_time - standing_command(model, winch)
         self._uses_reading = not parameters.prediction
-        self.gain: Array = np.zeros(0)
-        self.reading = 0.0
-        """The MRU's newest heave rate times the authority [m/s]; set each tick by the owner."""
 
     def command(self, state: LoopState) -> LawCommand:
         """Return the command at `state`."""
-        rate = self.reading if self._uses_reading else float(self._rate @ state.x)
+        rate = state.mru_rate if self._uses_reading else float(self._rate @ state.x)
         return LawCommand(rate - float(self._payout @ state.x))
-
-    def reset(self) -> None:
-        """Nothing is remembered."""
-        self.reading = 0.0
-
-
-class OutletHold:
-    """Brings a lost loop back: the payout follows the boom tip slowly, and the unit's swing is damped.
-
-    Rate command = boom-tip rate + (outlet + d z')/time + d z'', so that the outlet becomes -d z'. It takes back, in
-    seconds, whatever payout a lost loop has left, before the unit follows it: a unit whose mean has been moved by
-    metres swings about the new mean for minutes. A heavy unit on a long cable also has hardly any damping of its own:
-    let go at another phase than that of the uncompensated motion it would swing on for minutes. Its resonance is so
-    slow that damping it bears delays far beyond those believed; where it is not (a stiff, short cable), the unit
-    follows the fade by itself and d is 0.
-
-    Parameters
-    ----------
-    model : the design's augmented model
-    winch : delay and lag to predict over
-    inertia : a of the two-state cable [s^2]; 0: the unit is left alone
-
-    Raises DesignError for a first-order winch, whose command is a payout.
-    """
-
-    def __init__(self, model: LinearModel, winch: WinchModelParameters, inertia: float) -> None:
-        if winch.law == "first_order":
-            raise DesignError("holding the outlet commands a rate: it needs winch.law speed_servo")
-        assert model.dt is not None
-        lag = winch.command_delay + winch.time_constant
-        ahead = np.linalg.matrix_power(model.A, round(lag / model.dt))
-        is_slow = math.sqrt(inertia) > HOLD_LAGS * lag
-        self.settled = SETTLED if is_slow else math.inf
-        """Swing about the uncompensated motion, payout included, at which the winch may stop [m]."""
-        damping = 2.0 * SETTLING_DAMPING * math.sqrt(inertia) if is_slow else 0.0
-        outlet = model.row("boom_tip_heave") - model.row("payout") + damping * model.row("unit_heave_rate")
-        rate = model.row("boom_tip_heave_rate") + damping * model.row("unit_heave_acceleration")
-        back = rate + outlet / max(HOLD_TIME, HOLD_LAGS * lag)
-        self._row: Array = back @ ahead + standing_command(model, winch)
-        self.gain: Array = -self._row
-
-    def command(self, state: LoopState) -> LawCommand:
-        """Return the command at `state`."""
-        return LawCommand(float(self._row @ state.x))
-
-    def reset(self) -> None:
-        """Nothing is remembered."""

@@ -1,8 +1,8 @@
 """The command governor: no command leaves that would take the winch beyond its limits.
 
 The command of a tick acts after the delay; what counts is the winch's state then, which the model predicts from the
-commands already on their way. The governed command is what the estimator is told, so that it never believes in a
-motion that the winch cannot make: that is all the anti-windup a state-feedback law needs.
+commands already on their way. The governed command is what the estimator is given, so that it never predicts a motion
+that the winch cannot make: that is all the anti-windup a state-feedback law needs.
 """
 
 from __future__ import annotations
@@ -12,54 +12,17 @@ from dataclasses import dataclass
 
 import numpy as np
 from heave_node.arrays import Array
+from heave_node.linear_model import LinearModel
+from heave_node.linear_sampling import discretise
 
-from winch_controller_node.model.linear_model import LinearModel, discretise
-from winch_controller_node.model.models import winch_block
-from winch_controller_node.parameters.laws import LimitParameters
+from winch_controller_node.laws.winch_limits import WinchLimits
+from winch_controller_node.model.blocks import winch_block
 from winch_controller_node.parameters.model import WinchModelParameters
 
 SPEED, ACCELERATION, PAYOUT, POWER, TENSION = "speed", "acceleration", "payout", "power", "tension"
 
 
-@dataclass(frozen=True)
-class WinchLimits:
-    """Limits in force: the winch's own less what the controller does not use.
-
-    Attributes
-    ----------
-    speed [m/s], acceleration [m/s^2], payout_minimum, payout_maximum [m]
-    power [W], infinite without a limit; minimum_tension [N]
-    """
-
-    speed: float
-    acceleration: float
-    payout_minimum: float
-    payout_maximum: float
-    power: float = math.inf
-    minimum_tension: float = 0.0
-
-    def speed_under(self, tension: float) -> float:
-        """Return the speed limit [m/s] under `tension` [N], the power limit included."""
-        if not math.isfinite(self.power) or not tension > 0.0:
-            return self.speed
-        return min(self.speed, self.power / tension)
-
-
-def winch_limits(winch: WinchModelParameters, limits: LimitParameters, static_tension: float) -> WinchLimits:
-    """Return the limits in force for a winch and a static top tension [N]."""
-    span = winch.payout_maximum - winch.payout_minimum
-    margin = min(limits.payout_margin, 0.25 * span)
-    return WinchLimits(
-        speed=winch.speed_limit * limits.speed_use,
-        acceleration=winch.acceleration_limit * limits.acceleration_use,
-        payout_minimum=winch.payout_minimum + margin,
-        payout_maximum=winch.payout_maximum - margin,
-        power=winch.power_limit if winch.power_limit > 0.0 else math.inf,
-        minimum_tension=limits.minimum_tension_ratio * static_tension,
-    )
-
-
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True)
 class GovernedCommand:
     """What came out.
 
@@ -132,7 +95,7 @@ class CommandGovernor:
         self._ahead = drum_ahead(model, winch)
 
     def predict(self, x: Array) -> tuple[float, float]:
-        """Return payout [m] and rate [m/s] at the moment the next command takes effect, from the model's state."""
+        """Return payout [m] and rate [m/s] at the moment the next command takes effect, from the model's state `x`."""
         payout, rate = self._ahead @ x
         return float(payout), float(rate)
 
@@ -193,7 +156,8 @@ class CommandGovernor:
 def drum_ahead(model: LinearModel, winch: WinchModelParameters) -> Array:
     """Return rows that give payout and rate of the drum when the command of the tick takes effect, shape (2, n).
 
-    That may be within a tick: up to then the command before acts, which is the oldest of the model's chain.
+    `model` is the augmented one of the `winch`. The moment may be within a tick: up to then the command before acts,
+    which is the oldest of the model's chain.
     """
     assert model.dt is not None
     command = model.input_names[0]
@@ -213,7 +177,7 @@ def drum_ahead(model: LinearModel, winch: WinchModelParameters) -> Array:
 
 
 def standing_command(model: LinearModel, winch: WinchModelParameters) -> Array:
-    """Return the row that gives the rate command [m/s] under which a servo's drum would stand, shape (n,).
+    """Return the row that gives the rate command [m/s] under which the drum of a servo `winch` would stand, shape (n,).
 
     It is what its position loop takes off when the command of the tick takes effect; zero without a position loop. A
     law that asks for a speed adds it.

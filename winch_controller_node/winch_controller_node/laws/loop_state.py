@@ -8,15 +8,15 @@ move at any time without a step in the command.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 from heave_node.arrays import Array
+from heave_node.linear_model import LinearModel
 
-from winch_controller_node.model.linear_model import LinearModel
 
-
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True)
 class Reference:
     """Motion of the mean payout that compensation is superposed on, at the moment the next command takes effect.
 
@@ -31,7 +31,7 @@ class Reference:
     command: float = 0.0
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True)
 class LoopState:
     """State of the loop at a tick.
 
@@ -40,11 +40,15 @@ class LoopState:
     x : state of the compensation problem, names of the design's model, shape (n,)
     reference : the mean payout's motion
     static_tension : tension at the top about which the model's tension counts [N]
+    measured_tension : low-passed reading of the load cell [N]; NaN before the first
+    mru_rate : newest heave rate that the MRU read, times the authority [m/s]
     """
 
     x: Array
     reference: Reference
     static_tension: float
+    measured_tension: float = math.nan
+    mru_rate: float = 0.0
 
 
 class AuthorityShift:
@@ -61,7 +65,14 @@ class AuthorityShift:
         self._sea = [model.state(name) for name in sea_states]
 
     def shift(self, estimate: Array, uncompensated: Array, authority: float) -> Array:
-        """Return the shifted state, shape (n,); `uncompensated` is its unit heave and rate, shape (2,)."""
+        """Return the shifted state, shape (n,), for a share `authority` of the sea.
+
+        Parameters
+        ----------
+        estimate : state of the loop, shape (n,)
+        uncompensated : heave [m] and rate [m/s] of the unit with the winch locked, shape (2,)
+        authority : 0 to 1
+        """
         x = np.array(estimate)
         x[self._unit] -= (1.0 - authority) * uncompensated
         x[self._sea] *= authority

@@ -2,7 +2,7 @@
 
 A reading is used at the tick it was measured: the filter keeps its recent past, goes back to that tick, takes the
 reading in, and runs forward again with everything it knew. The estimate is then what it would have been had the
-reading come at once. The filter of one step is filterpy's, compiled.
+reading come at once. The filter of one step is one of `kalman`.
 """
 
 from __future__ import annotations
@@ -14,9 +14,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 from heave_node.arrays import Array
+from heave_node.linear_model import LinearModel
 
-from winch_controller_node.model.estimator_kernel import CompiledKalmanFilter
-from winch_controller_node.model.linear_model import LinearModel
+from winch_controller_node.model.kalman import IMPLEMENTATIONS, StepFilter
 
 
 @dataclass(frozen=True)
@@ -98,9 +98,9 @@ class KalmanEstimator:
     measurements : what can be measured
     initial_covariance : shape (n, n)
     gate : normalised innovation squared above which a reading of a gated measurement is refused
-    gate_limit : refusals in a row after which the next reading is believed, and the initial covariance
-        added
+    gate_limit : refusals in a row after which the next reading is taken, and the initial covariance added
     largest_age : ticks; older readings are refused
+    implementation : of the filter of one step: "compiled", or "filterpy" for the reference
 
     Attributes
     ----------
@@ -117,6 +117,7 @@ class KalmanEstimator:
         gate: float = 25.0,
         gate_limit: int = 100,
         largest_age: int = 20,
+        implementation: str = "compiled",
     ) -> None:
         self.model = model
         self.measurements = {measurement.name: measurement for measurement in measurements}
@@ -124,7 +125,7 @@ class KalmanEstimator:
         self._gate = gate
         self._gate_limit = gate_limit
         self._past: deque[_Tick] = deque(maxlen=largest_age + 1)
-        self._filter = CompiledKalmanFilter(model.order)
+        self._filter: StepFilter = IMPLEMENTATIONS[implementation](model.order)
         self.innovations: dict[str, Innovation] = {}
         self.refusals: dict[str, int] = dict.fromkeys(self.measurements, 0)
         self.set_model(model)
@@ -133,12 +134,12 @@ class KalmanEstimator:
     @property
     def estimate(self) -> Array:
         """State estimate, shape (n,)."""
-        return np.asarray(self._filter.x[:, 0])
+        return self._filter.x
 
     @property
     def covariance(self) -> Array:
         """Covariance of the estimate, shape (n, n)."""
-        return np.asarray(self._filter.P)
+        return self._filter.P
 
     def value(self, output: str) -> float:
         """Return the estimate of an output of the model."""
@@ -152,7 +153,8 @@ class KalmanEstimator:
     ) -> None:
         """Go on with another model of the same states (gain schedule, adapted sea); the estimate stays.
 
-        `factors`, shape (n,), multiply each state first where the new model counts it in another unit.
+        `measurements` of the new model; None: the present ones. `factors`, shape (n,), multiply each state first where
+        the new model counts it in another unit.
 
         Raises ValueError for a model with other states.
         """
@@ -161,22 +163,24 @@ class KalmanEstimator:
         self.model = model
         if measurements is not None:
             self.measurements = {measurement.name: measurement for measurement in measurements}
-        self._filter.set_matrices(model.A, model.B, model.noise_covariance)
+        self._filter.set_model(model.A, model.B, model.noise_covariance)
         if factors is not None:
             both = np.outer(factors, factors)
-            self._filter.x, self._filter.P = factors[:, None] * self._filter.x, both * self._filter.P
+            self._filter.set_state(factors * self._filter.x, both * self._filter.P)
             for entry in self._past:
-                entry.x, entry.P = factors[:, None] * entry.x, both * entry.P
+                entry.x, entry.P = factors * entry.x, both * entry.P
 
     def set_process_noise(self, covariance: Array) -> None:
         """Use another covariance of the process noise of a tick, shape (n, n), until the next model."""
-        self._filter.set_matrices(self.model.A, self.model.B, covariance)
+        self._filter.set_model(self.model.A, self.model.B, covariance)
 
     def reset(self, estimate: Array | None = None, covariance: Array | None = None) -> None:
         """Begin anew at `estimate` (default: zero) with `covariance` (default: the initial one)."""
         n = self.model.order
-        self._filter.x = np.zeros((n, 1)) if estimate is None else np.array(estimate, dtype=float).reshape(n, 1)
-        self._filter.P = np.array(self._initial_covariance if covariance is None else covariance, dtype=float)
+        self._filter.set_state(
+            np.zeros(n) if estimate is None else np.array(estimate, dtype=float),
+            np.array(self._initial_covariance if covariance is None else covariance, dtype=float),
+        )
         self._past.clear()
         self.innovations = {}
         self.refusals = dict.fromkeys(self.measurements, 0)
@@ -211,13 +215,10 @@ class KalmanEstimator:
                 raise ValueError(f"estimator: tick {tick} is not after the last one, {last.tick}")
             for between in range(last.tick + 1, tick + 1):
                 self._past[-1].command = command
-                self._predict(command)
-                self._past.append(_Tick(between, self._filter.x.copy(), self._filter.P.copy(), []))
+                self._filter.predict(command)
+                self._past.append(_Tick(between, self._filter.x, self._filter.P, []))
             return
-        self._past.append(_Tick(tick, self._filter.x.copy(), self._filter.P.copy(), []))
-
-    def _predict(self, command: float) -> None:
-        self._filter.step_ahead(command)
+        self._past.append(_Tick(tick, self._filter.x, self._filter.P, []))
 
     def _take(self, tick: int, readings: Sequence[Measurement]) -> None:
         """Take in the readings measured at `tick`, and run forward again to the present."""
@@ -229,14 +230,14 @@ class KalmanEstimator:
         index = len(self._past) - 1 - age
         entry = self._past[index]
         if age > 0:
-            self._filter.x, self._filter.P = entry.x.copy(), entry.P.copy()
+            self._filter.set_state(entry.x, entry.P)
             self._update(entry.readings)
         accepted = [reading for reading in readings if self._passes(reading)]
         self._update(accepted)
         entry.readings.extend(accepted)
         for i in range(index + 1, len(self._past)):
-            self._predict(self._past[i - 1].command)
-            self._past[i].x, self._past[i].P = self._filter.x.copy(), self._filter.P.copy()
+            self._filter.predict(self._past[i - 1].command)
+            self._past[i].x, self._past[i].P = self._filter.x, self._filter.P
             self._update(self._past[i].readings)
 
     def _passes(self, reading: Measurement) -> bool:
@@ -245,20 +246,20 @@ class KalmanEstimator:
         row, predicted = self._linearise(measurement, reading)
         variance = float(row @ self._filter.P @ row) + (reading.sigma or measurement.sigma) ** 2
         innovation = reading.value - predicted
-        nis = innovation**2 / variance
+        nis = innovation * innovation / variance  # a power would raise OverflowError for a number that is absurd
         accepted = bool(nis <= self._gate) or (not measurement.is_gated and math.isfinite(nis))
         self.innovations[reading.name] = Innovation(innovation, math.sqrt(variance), nis, accepted)
         self.refusals[reading.name] = 0 if accepted else self.refusals[reading.name] + 1
         if self.refusals[reading.name] > self._gate_limit and math.isfinite(nis):
-            # so many in a row: it is the filter that is wrong, and it must doubt itself enough to come back
-            self._filter.P = self._filter.P + self._initial_covariance
+            # so many in a row: it is the filter that is wrong, and its covariance must be large enough to come back
+            self._filter.set_state(self._filter.x, self._filter.P + self._initial_covariance)
             self.refusals[reading.name] = 0
             return True
         return accepted
 
     def _linearise(self, measurement: MeasurementModel, reading: Measurement) -> tuple[Array, float]:
         """Return the row of the reading at the present estimate, and its prediction."""
-        x = self._filter.x[:, 0]
+        x = self._filter.x
         row = measurement.row
         if measurement.scale_state is None and not reading.regressors:
             return row, float(row @ x)
@@ -285,7 +286,7 @@ class KalmanEstimator:
         for i, reading in enumerate(readings):
             measurement = self.measurements[reading.name]
             H[i], predicted = self._linearise(measurement, reading)
-            # filterpy predicts H x; a bilinear measurement predicts something else
-            z[i] = reading.value - predicted + float(H[i] @ kalman.x[:, 0])
+            # the filter predicts H x; a bilinear measurement predicts something else
+            z[i] = reading.value - predicted + float(H[i] @ kalman.x)
             variances[i] = (reading.sigma or measurement.sigma) ** 2
         kalman.correct(z, H, variances)

@@ -6,8 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from heave_node.arrays import Array
-
-from winch_controller_node.model.linear_model import LinearModel
+from heave_node.linear_model import LinearModel
 
 
 @dataclass(frozen=True)
@@ -16,14 +15,15 @@ class LoopRows:
 
     Attributes
     ----------
-    unit, payout, payout_rate : rows of unit heave [m], payout [m] and its rate [m/s], shape (n,)
+    payout, payout_rate : rows of payout [m] and its rate [m/s], shape (n,)
+    payout_rate_through : what the command in force adds to that rate: not 0 for a first-order winch without delay
     winch : payout and its rate, shape (2, n); tip : heave of the boom tip [m] and its rate [m/s], shape (2, n)
     unit_states : indices of unit heave and rate in the state
     """
 
-    unit: Array
     payout: Array
     payout_rate: Array
+    payout_rate_through: float
     winch: Array
     tip: Array
     unit_states: list[int]
@@ -33,9 +33,9 @@ def loop_rows(model: LinearModel) -> LoopRows:
     """Return the rows of a design's model."""
     payout, rate = model.row("payout"), model.row("payout_rate")
     return LoopRows(
-        unit=model.row("unit_heave"),
         payout=payout,
         payout_rate=rate,
+        payout_rate_through=float(model.D[model.output_names.index("payout_rate"), 0]),
         winch=np.array([payout, rate]),
         tip=np.array([model.row("boom_tip_heave"), model.row("boom_tip_heave_rate")]),
         unit_states=[model.state("unit_heave"), model.state("unit_heave_rate")],

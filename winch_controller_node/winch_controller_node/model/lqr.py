@@ -1,15 +1,13 @@
-"""Linear-quadratic regulators: cost by outputs, gains by python-control, and refusals in words before any number."""
+"""Linear-quadratic regulators: cost by outputs, gains by python-control, and what has no solution is refused first."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-import control
 import numpy as np
 from heave_node.arrays import Array
-
-from winch_controller_node.model.linear_model import LinearModel, is_stable, with_feedback
+from heave_node.linear_model import LinearModel, is_stable, with_feedback
 
 PBH_TOLERANCE = 1e-9
 """Relative size below which a singular value of a rank test counts as zero."""
@@ -34,8 +32,9 @@ class QuadraticCost:
 
 
 def output_cost(model: LinearModel, sizes: Mapping[str, float], command_size: float) -> QuadraticCost:
-    """Return the cost sum (y_i / size_i)^2 + (u / command_size)^2 over the outputs in `sizes` [their unit]; 0 leaves
-    one out.
+    """Return the cost sum (y_i / size_i)^2 + (u / command_size)^2 over the outputs in `sizes` [their unit].
+
+    A size of 0 leaves an output out.
 
     Raises DesignError for a command size that is not positive, or when no output is weighed: the cost is singular then.
     """
@@ -59,6 +58,8 @@ def lqr_gain(model: LinearModel, cost: QuadraticCost) -> Array:
     ------
     DesignError : singular or indefinite weights, a model that no command can stabilise, a growing state without weight
     """
+    import control  # noqa: PLC0415  # heavy, and needed only where something is designed
+
     _check_weights(cost)
     check_stabilisable(model)
     check_seen_by_cost(model, cost)
@@ -89,8 +90,8 @@ def check_stabilisable(model: LinearModel) -> None:
     lost = unreachable_modes(model.A, model.B, discrete=model.dt is not None)
     if lost is not None:
         raise DesignError(
-            f"the model is not stabilisable: the command has no effect on {_names(model, lost)}, and it "
-            "does not decay by itself"
+            f"the model is not stabilisable: the command has no effect on {_names(model, lost)}, which does not decay "
+            "by itself"
         )
 
 
@@ -106,25 +107,24 @@ def check_detectable(model: LinearModel, rows: Array, sensors: Sequence[str]) ->
     if lost is not None:
         raise DesignError(
             f"the model is not detectable with the sensors {', '.join(sensors) or '(none)'}: "
-            f"{_names(model, lost)} cannot be seen, "
-            "and it does not decay by itself; add a sensor or leave the state out"
+            f"{_names(model, lost)} cannot be observed and does not decay by itself: add a sensor, or leave it out"
         )
 
 
 def check_seen_by_cost(model: LinearModel, cost: QuadraticCost) -> None:
-    """Raise DesignError where a mode that does not decay has no weight: the optimum would leave it alone."""
+    """Raise DesignError where `cost` gives a mode that does not decay no weight: the optimum would leave it alone."""
     lost = unreachable_modes(model.A.T, cost.Q, discrete=model.dt is not None)
     if lost is not None:
         raise DesignError(
-            f"the weights leave {_names(model, lost)} free, and it does not decay by itself: give it a "
-            f"weight (weights.payout)"
+            f"the weights leave {_names(model, lost)} free, which does not decay by itself: give it a weight "
+            "(weights.payout)"
         )
 
 
 def unreachable_modes(A: Array, B: Array, *, discrete: bool) -> Array | None:
     """Return the direction of a mode that does not decay and is out of reach of B, shape (n,), or None.
 
-    Popov-Belevitch-Hautus: w' [A - lambda I, B] = 0 with w not 0 for such a mode.
+    Popov-Belevitch-Hautus: w' [A - lambda I, B] = 0 with w not 0 for such a mode. `discrete` : A is that of a step.
     """
     columns = np.linalg.norm(B, axis=0)
     reach = B / np.where(columns > 0.0, columns, 1.0)

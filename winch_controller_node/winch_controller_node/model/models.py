@@ -17,64 +17,32 @@ from cable_sim_node.vertical.axial_line import AxialLine, axial_line
 from cable_sim_node.vertical.linear import fit_two_state, heave_transfer_function
 from heave_node.arrays import Array
 from heave_node.constants import SEAWATER_DENSITY, STANDARD_GRAVITY
+from heave_node.linear_model import LinearModel, interconnect, linear_model
+from heave_node.linear_sampling import delay_command, discretise, sampled_matrices
+from wave_vessel_node.sea.sea import named_spectrum
 from wave_vessel_node.sea.shaping_filter import shaping_filter
-from wave_vessel_node.sea.spectra import (
-    Bretschneider,
-    Jonswap,
-    OchiHubble,
-    OchiHubbleSystem,
-    WaveSpectrum,
-    pierson_moskowitz,
-)
-from wave_vessel_node.sea.state_space import NOISE_INTENSITY, StateSpace
-from wave_vessel_node.vessel.second_order import vessel_filter
+from wave_vessel_node.sea.spectra import WaveSpectrum
+from wave_vessel_node.vessel.second_order import SecondOrderVessel, boom_tip_model
 
-from winch_controller_node.model.linear_model import (
-    LinearModel,
-    ModelError,
-    delay_command,
-    discretise,
-    interconnect,
-    linear_model,
-    sampled_matrices,
+from winch_controller_node.interface.sensors import MruModelParameters
+from winch_controller_node.model.blocks import (
+    CableModel,
+    cable_block,
+    command_name,
+    mru_block,
+    outlet_block,
+    slow_block,
+    winch_block,
 )
 from winch_controller_node.parameters.model import (
     CableModelParameters,
-    MruModelParameters,
     SeaModelParameters,
     VesselModelParameters,
     WinchModelParameters,
 )
 
-RATE_COMMAND = "payout_rate_command"
-PAYOUT_COMMAND = "payout_command"
-MRU_SCALE = "mru_scale"
-DEPTH_BIAS = "depth_bias"
-LEVER_ARM_X, LEVER_ARM_Y = "lever_arm_x", "lever_arm_y"
-
 SMALLEST_DAMPING_RATIO = 0.002
 """A model is never less damped than this: drag vanishes with the motion, the resonance must stay finite."""
-
-
-@dataclass(frozen=True)
-class CableModel:
-    """a x'' + b x' + x = x0 - payout (thesis Eq. 6.2).
-
-    Attributes
-    ----------
-    a : [s^2]; b : [s]
-    stiffness : top tension per metre of boom tip over outlet and unit [N/m]
-    static_tension : mean tension at the top [N]
-    """
-
-    a: float
-    b: float
-    stiffness: float = 1.0
-    static_tension: float = 0.0
-
-    def __post_init__(self) -> None:
-        if not (self.a > 0.0 and self.b >= 0.0):
-            raise ModelError(f"a cable model needs a > 0 and b >= 0; got a = {self.a:g} s^2, b = {self.b:g} s")
 
 
 @dataclass(frozen=True)
@@ -102,7 +70,7 @@ class PlantBelief:
 def cable_model(
     plant: PlantBelief, parameters: CableModelParameters, length: float, omegas: Array, weights: Array
 ) -> CableModel:
-    """Return the two-state cable at `length` [m]: as given in `parameters`, or fitted to the exact bar.
+    """Return the two-state cable of a `plant` at `length` [m]: as given in `parameters`, or fitted to the exact bar.
 
     The fit weighs the transfer function boom tip to unit at `omegas` [rad/s] with `weights`, for example the amplitude
     spectrum of the boom tip; drag is linearised about `parameters.drag_amplitude`.
@@ -121,164 +89,22 @@ def cable_model(
     )
 
 
-def cable_block(cable: CableModel, disturbance: float = 0.0) -> LinearModel:
-    """Return the cable and unit: inputs boom_tip_heave and payout, thesis Eq. 6.6, outputs of the unit and the tension.
-
-    `disturbance` is the density of a white acceleration of the unit [m/s^2/sqrt(Hz)], two-sided.
-    """
-    a, b, k = cable.a, cable.b, cable.stiffness
-    return linear_model(
-        [[0.0, 1.0], [-1.0 / a, -b / a]],
-        states=("unit_heave", "unit_heave_rate"),
-        inputs={"boom_tip_heave": [0.0, 1.0 / a], "payout": [0.0, -1.0 / a]},
-        outputs={
-            "unit_heave": [1.0, 0.0],
-            "unit_heave_rate": [0.0, 1.0],
-            "unit_heave_acceleration": [-1.0 / a, -b / a],
-            "tension": [-k, 0.0],
-        },
-        feedthrough={
-            ("unit_heave_acceleration", "boom_tip_heave"): 1.0 / a,
-            ("unit_heave_acceleration", "payout"): -1.0 / a,
-            ("tension", "boom_tip_heave"): k,
-            ("tension", "payout"): -k,
-        },
-        noises={"unit_disturbance": [0.0, disturbance]},
-    )
-
-
-def winch_block(winch: WinchModelParameters) -> LinearModel:
-    """Return the winch: first order (thesis Eq. 6.1, input payout_command) or speed servo (input payout_rate_command).
-
-    The servo's payout set-point is the mean payout, about which `payout` counts: v' = (v_set - k_p payout - v)/T.
-    """
-    if winch.law == "first_order":
-        K = winch.position_rate
-        return linear_model(
-            [[-K]],
-            states=("payout",),
-            inputs={PAYOUT_COMMAND: [K]},
-            outputs={"payout": [1.0], "payout_rate": [-K]},
-            feedthrough={("payout_rate", PAYOUT_COMMAND): K},
-            noises={"winch_disturbance": [winch.disturbance]},
-        )
-    T = winch.time_constant
-    return linear_model(
-        [[0.0, 1.0], [-winch.position_gain / T, -1.0 / T]],
-        states=("payout", "payout_rate"),
-        inputs={RATE_COMMAND: [0.0, 1.0 / T]},
-        outputs={
-            "payout": [1.0, 0.0],
-            "payout_rate": [0.0, 1.0],
-            "payout_acceleration": [-winch.position_gain / T, -1.0 / T],
-        },
-        feedthrough={("payout_acceleration", RATE_COMMAND): 1.0 / T},
-        noises={"winch_disturbance": [0.0, winch.disturbance]},
-    )
-
-
-def outlet_block() -> LinearModel:
-    """Return the outlet: boom-tip heave less payout, what is left of the heave where the cable leaves the vessel."""
-    return linear_model(
-        np.zeros((0, 0)),
-        states=(),
-        inputs={"boom_tip_heave": [], "payout": []},
-        outputs={"outlet_heave": []},
-        feedthrough={("outlet_heave", "boom_tip_heave"): 1.0, ("outlet_heave", "payout"): -1.0},
-    )
-
-
 def sea_spectrum(sea: SeaModelParameters) -> WaveSpectrum:
     """Return the spectrum the controller is designed for."""
-    if sea.spectrum == "jonswap":
-        return Jonswap(sea.significant_wave_height, sea.peak_period, sea.peak_enhancement)
-    if sea.spectrum == "pierson_moskowitz":
-        return pierson_moskowitz(sea.significant_wave_height)
-    if sea.spectrum == "ochi_hubble":
-        swell = sea.swell
-        return OchiHubble(
-            wind_sea=OchiHubbleSystem(sea.significant_wave_height, sea.peak_period, sea.shape),
-            swell=OchiHubbleSystem(swell.significant_wave_height, swell.peak_period, swell.shape),
-        )
-    return Bretschneider(sea.significant_wave_height, sea.peak_period)
+    return named_spectrum(sea)
 
 
 @lru_cache(maxsize=64)
 def boom_tip_block(sea: SeaModelParameters, vessel: VesselModelParameters) -> LinearModel:
-    """Return white noise to boom tip: shaping filter and vessel (thesis Eq. 6.23, 6.26).
+    """Return white noise to boom tip: shaping filter of a `sea` and `vessel` (thesis Eq. 6.23, 6.26).
 
     Outputs wave_elevation, boom_tip_heave, boom_tip_heave_rate. The noise carries the intensity pi of one-sided
     spectra.
     """
     waves = shaping_filter(sea_spectrum(sea), form=sea.filter_form, states=sea.filter_states)
-    sea_block = linear_model(
-        waves.A,
-        states=waves.names,
-        outputs={"wave_elevation": waves.C[0]},
-        noises={"waves": math.sqrt(NOISE_INTENSITY) * waves.B[:, 0]},
-    )
     if vessel.model == "direct":
-        if abs(float((waves.C @ waves.B)[0, 0])) > 1e-9 * float(np.linalg.norm(waves.C) * np.linalg.norm(waves.B)):
-            raise ModelError(
-                "vessel.model direct needs a shaping filter whose elevation has a rate: two poles more than zeros"
-            )
-        return interconnect(
-            [
-                linear_model(
-                    waves.A,
-                    states=waves.names,
-                    outputs={
-                        "wave_elevation": waves.C[0],
-                        "boom_tip_heave": waves.C[0],
-                        "boom_tip_heave_rate": (waves.C @ waves.A)[0],
-                    },
-                    noises={"waves": math.sqrt(NOISE_INTENSITY) * waves.B[:, 0]},
-                )
-            ]
-        )
-    return interconnect(
-        [_vessel_block(vessel_filter(vessel.natural_frequency, vessel.damping_ratio, vessel.gain)), sea_block]
-    )
-
-
-def _vessel_block(filter_: StateSpace) -> LinearModel:
-    return linear_model(
-        filter_.A,
-        states=filter_.names,
-        inputs={"wave_elevation": filter_.B[:, 0]},
-        outputs={"boom_tip_heave": filter_.C[0], "boom_tip_heave_rate": filter_.C[1]},
-    )
-
-
-def mru_block(mru: MruModelParameters) -> LinearModel:
-    """Return what the motion reference unit makes of the boom tip: its high-pass as two states, or none.
-
-    reading = truth - e, e'' + 2 zeta w e' + w^2 e = 2 zeta w x0' + w^2 x0: the second-order high-pass, exactly.
-    """
-    inputs = ("boom_tip_heave", "boom_tip_heave_rate")
-    through = {("mru_heave", inputs[0]): 1.0, ("mru_heave_rate", inputs[1]): 1.0}
-    if mru.high_pass_period == 0.0:
-        return linear_model(
-            np.zeros((0, 0)),
-            states=(),
-            inputs={name: [] for name in inputs},
-            outputs={"mru_heave": [], "mru_heave_rate": []},
-            feedthrough=through,
-        )
-    cut_off = 2.0 * math.pi / mru.high_pass_period
-    damping = 2.0 * mru.high_pass_damping * cut_off
-    return linear_model(
-        [[0.0, 1.0], [-(cut_off**2), -damping]],
-        states=("mru_offset", "mru_offset_rate"),
-        inputs={inputs[0]: [0.0, cut_off**2], inputs[1]: [0.0, damping]},
-        outputs={"mru_heave": [-1.0, 0.0], "mru_heave_rate": [0.0, -1.0]},
-        feedthrough=through,
-    )
-
-
-def slow_block(name: str, drift: float) -> LinearModel:
-    """Return a slow state: a random walk of `drift` [unit/sqrt(s)] (depth bias, scale error)."""
-    return linear_model([[0.0]], states=(name,), outputs={name: [1.0]}, noises={f"{name}_drift": [drift]})
+        return boom_tip_model(waves, None)
+    return boom_tip_model(waves, SecondOrderVessel(vessel.natural_frequency, vessel.damping_ratio, vessel.gain))
 
 
 @dataclass(frozen=True)
@@ -303,7 +129,7 @@ class ModelInputs:
 
 
 def continuous_model(inputs: ModelInputs) -> LinearModel:
-    """Return the connected continuous model without the command delay (thesis Eq. 6.28 and more)."""
+    """Return `inputs` connected to a continuous model, without the command delay (thesis Eq. 6.28 and more)."""
     blocks = [
         cable_block(inputs.cable, inputs.cable_disturbance),
         winch_block(inputs.winch),
@@ -316,13 +142,8 @@ def continuous_model(inputs: ModelInputs) -> LinearModel:
     return interconnect(blocks)
 
 
-def command_name(winch: WinchModelParameters) -> str:
-    """Return the name of the command input: payout_rate_command, or payout_command for a first-order winch."""
-    return PAYOUT_COMMAND if winch.law == "first_order" else RATE_COMMAND
-
-
 def augmented_model(inputs: ModelInputs, tick_period: float) -> LinearModel:
-    """Return the sampled model at ticks with the exact command delay; one input, the command of the tick.
+    """Return `inputs` as a sampled model at ticks with the exact command delay; one input, the command of the tick.
 
     States: unit, payout, boom tip (vessel, waves), MRU high-pass, slow states, and past commands `<command>_1` (the
     newest) on.
@@ -332,7 +153,7 @@ def augmented_model(inputs: ModelInputs, tick_period: float) -> LinearModel:
 
 
 def sea_noise_covariance(inputs: ModelInputs, tick_period: float, order: int) -> Array:
-    """Return the waves' share of the process noise of a tick of `augmented_model`, which has `order` states."""
+    """Return the waves' share of the process noise of a tick of `augmented_model(inputs)`, which has `order` states."""
     model = continuous_model(inputs)
     waves = [i for i, name in enumerate(model.noise_names) if name == "waves"]
     only_waves = replace(model, G=model.G[:, waves], noise_names=("waves",))
@@ -340,37 +161,8 @@ def sea_noise_covariance(inputs: ModelInputs, tick_period: float, order: int) ->
     return np.pad(covariance, (0, order - model.order))
 
 
-def taylor_delay_block(delay: float, input_name: str, output_name: str) -> LinearModel:
-    """Return thesis Eq. 6.13: the delay by a second-order Taylor series of 1/e^(-s tau). For comparison only."""
-    if delay <= 0.0:
-        raise ModelError(f"a delay block needs a positive delay; got {delay:g} s")
-    return linear_model(
-        [[0.0, 1.0], [-2.0 / delay**2, -2.0 / delay]],
-        states=(f"{output_name}_0", f"{output_name}_1"),
-        inputs={input_name: [0.0, 2.0 / delay**2]},
-        outputs={output_name: [1.0, 0.0]},
-    )
-
-
-def pade_delay_block(delay: float, order: int, input_name: str, output_name: str) -> LinearModel:
-    """Return the Pade approximation order/order of the delay. For comparison only."""
-    import control  # noqa: PLC0415  # heavy, and only the design report compares delays
-
-    if delay <= 0.0 or order < 1:
-        raise ModelError(f"a Pade block needs a positive delay and order; got {delay:g} s, {order}")
-    numerator, denominator = control.pade(delay, order)
-    system = control.tf2ss(control.tf(numerator, denominator))
-    return linear_model(
-        system.A,
-        states=tuple(f"{output_name}_{i}" for i in range(order)),
-        inputs={input_name: system.B[:, 0]},
-        outputs={output_name: system.C[0]},
-        feedthrough={(output_name, input_name): float(system.D[0, 0])},
-    )
-
-
 def shadow_model(cable: CableModel, tick_period: float) -> LinearModel:
-    """Return the sampled uncompensated unit: boom_tip_heave and its rate in, unit_uncompensated_heave out.
+    """Return the sampled uncompensated unit on a `cable`: boom_tip_heave and its rate in, its heave and rate out.
 
     The boom tip moves straight within a tick. It makes the guard's and the display's "what the unit would do".
     """

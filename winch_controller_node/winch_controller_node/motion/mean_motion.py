@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import numpy as np
 from heave_node.arrays import Array
+from heave_node.linear_model import LinearModel
 
-from winch_controller_node.model.linear_model import LinearModel
 from winch_controller_node.motion.trajectory import MeanPayout
 from winch_controller_node.parameters.laws import MoveParameters
 from winch_controller_node.parameters.model import WinchModelParameters
@@ -44,11 +44,25 @@ class MeanMotion:
         return self.mean.point.payout + self.left_over.point.payout
 
     def reference_command(self, winch: WinchModelParameters) -> float:
-        """Return the share of the command that moves the mean payout: its rate, and the servo's lag ahead."""
+        """Return the share of the command that moves the mean payout: its rate, and the lag of the `winch` ahead."""
         point = self.mean.point
         if winch.law == "first_order":
             return point.payout + point.rate / winch.position_rate
         return point.rate + winch.time_constant * point.acceleration + winch.position_gain * point.payout
+
+    def carry(self, matrix: Array) -> None:
+        """Count the state in the terms of another model: `matrix` times the present one, shape (n_new, n)."""
+        self.state = matrix @ self.state
+
+    def continue_at(self, state: Array, lowered: float) -> None:
+        """Go on from `state`, shape (n,), about a mean that is `lowered` [m] below the present one, at rest there."""
+        self.mean.jump_to(self.mean.point.payout + lowered)
+        self.state = state
+        self.left_over.jump_to(0.0)
+
+    def stand(self) -> None:
+        """Take the mean payout to be where it is now, at rest: the winch stands."""
+        self.mean.jump_to(self.mean.point.payout)
 
     def return_from(self, payout: float) -> None:
         """Count `payout` [m] off the mean as left over from now on; it goes away slowly."""
@@ -56,9 +70,9 @@ class MeanMotion:
         self.left_over.move_to(0.0, RETURN_SPEED)
 
     def advance(self, model: LinearModel, command: float, *, is_braked: bool) -> None:
-        """Advance by a tick in which `command` was the mean payout's share of the command; a brake holds the payouts.
+        """Advance by a tick in which `command` was the mean payout's share of the command.
 
-        `model` is the design's.
+        `model` is the design's; `is_braked` : the payouts stay.
         """
         self.state = model.A @ self.state + model.B[:, 0] * command
         if not is_braked:

@@ -1,48 +1,62 @@
-"""The parameter set of the winch controller."""
+"""The parameter set of the winch controller. It stands above the laws, of which each brings its own group."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, make_dataclass
+from typing import TYPE_CHECKING
 
 from cable_sim_node.parameters import CableParameters, UnitParameters
 from heave_node.constants import SEAWATER_DENSITY, STANDARD_GRAVITY
 from heave_node.parameters import ParameterError, group, parameter
 
+from winch_controller_node.interface.sensors import KNOWN_SENSORS, SensorsModelParameters
+from winch_controller_node.laws.registry import LAWS, describe_laws
 from winch_controller_node.parameters.laws import (
-    LAWS,
-    FeedforwardParameters,
     GuardParameters,
     HealthParameters,
     LagParameters,
     LimitParameters,
     ModeParameters,
     MoveParameters,
-    MpcParameters,
     ProgrammeParameters,
     TensionLawParameters,
 )
 from winch_controller_node.parameters.model import (
-    KNOWN_SENSORS,
     CableModelParameters,
     EstimatorParameters,
     ScheduleParameters,
     SeaModelParameters,
-    SensorsModelParameters,
     VesselModelParameters,
     WeightParameters,
     WinchModelParameters,
 )
 
+if TYPE_CHECKING:
+
+    class LawGroups:
+        """One group for each law that has parameters of its own; only the law itself reads it."""
+
+else:
+    LawGroups = make_dataclass(
+        "LawGroups",
+        [
+            (law.name, law.parameters_type, group(law.parameters_type))
+            for law in LAWS.values()
+            if law.parameters_type is not None
+        ],
+        frozen=True,
+    )
+
 
 @dataclass(frozen=True)
-class WinchControllerParameters:
+class WinchControllerParameters(LawGroups):
     """What the controller believes of the world it is to hold the unit still in, and how it does it."""
 
     law: str = parameter(
         "mpc",
         unit="",
-        choices=LAWS,
-        description="off, lqr (unit feedback), lqg (all states), feedforward (MRU), mpc (constrained).",
+        choices=tuple(LAWS),
+        description=f"The control law. {describe_laws()}.",
     )
     factor: float = parameter(
         1.0, unit="", minimum=0.0, maximum=1.0, description="Share of the compensation that is asked for; 1 is all."
@@ -67,8 +81,6 @@ class WinchControllerParameters:
     estimator: EstimatorParameters = group(EstimatorParameters)
     schedule: ScheduleParameters = group(ScheduleParameters)
     limits: LimitParameters = group(LimitParameters)
-    mpc: MpcParameters = group(MpcParameters)
-    feedforward: FeedforwardParameters = group(FeedforwardParameters)
     guard: GuardParameters = group(GuardParameters)
     lag: LagParameters = group(LagParameters)
     modes: ModeParameters = group(ModeParameters)
@@ -86,5 +98,5 @@ class WinchControllerParameters:
         unknown = set(self.sensors.use) - set(KNOWN_SENSORS)
         if unknown:
             raise ParameterError(
-                f"sensors.use names {', '.join(sorted(unknown))}: known are {', '.join(KNOWN_SENSORS)}"
+                f"sensors.use: unknown sensor {', '.join(sorted(unknown))}; known: {', '.join(KNOWN_SENSORS)}"
             )

@@ -1,12 +1,10 @@
-"""Parameters of laws, modes, interlocks and sensor gates of the winch controller."""
+"""Parameters of limits, modes, interlocks and sensor gates: of all that laws share. A law's own stand beside it."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
 from heave_node.parameters import ParameterError, parameter
-
-LAWS = ("off", "lqr", "lqg", "feedforward", "mpc")
 
 
 @dataclass(frozen=True)
@@ -19,52 +17,11 @@ class LimitParameters:
     acceleration_use: float = parameter(
         1.0, unit="", minimum=0.05, maximum=1.0, description="Share of the winch's acceleration limit that is used."
     )
-    unit_share: float = parameter(
-        0.2,
-        unit="",
-        minimum=0.001,
-        maximum=100.0,
-        description="Share of the speed limit that the unit's own error may ask for, laws lqr and lqg.",
-    )
     payout_margin: float = parameter(
         1.0, unit="m", minimum=0.0, maximum=100.0, description="Distance kept from the ends of the payout range."
     )
     minimum_tension_ratio: float = parameter(
         0.1, unit="", minimum=0.0, maximum=0.95, description="Least tension over static tension; 0 means no bound."
-    )
-
-
-@dataclass(frozen=True)
-class MpcParameters:
-    """The constrained law."""
-
-    horizon: float = parameter(10.0, unit="s", minimum=1.0, maximum=60.0, description="Prediction horizon.")
-    solve_ticks: int = parameter(1, unit="", minimum=1, maximum=20, description="Ticks from one solution to the next.")
-    iteration_limit: int = parameter(
-        200, unit="", minimum=5, maximum=100_000, description="Iterations after which the last good plan is followed."
-    )
-    unit_heave: float = parameter(
-        0.01, unit="m", minimum=1e-4, maximum=10.0, description="Size of unit heave in this law's own quadratic cost."
-    )
-    payout_acceleration: float = parameter(
-        0.5, unit="m/s^2", minimum=0.0, maximum=1e3, description="Size of payout acceleration there; 0 leaves it out."
-    )
-    payout: float = parameter(50.0, unit="m", minimum=0.0, maximum=1e5, description="Size of payout there.")
-    command: float = parameter(0.3, unit="m/s", minimum=1e-3, maximum=1e3, description="Size of the command there.")
-    softness: float = parameter(
-        1e-7, unit="", minimum=1e-12, maximum=1.0, description="Reciprocal weight of a violated constraint."
-    )
-
-
-@dataclass(frozen=True)
-class FeedforwardParameters:
-    """The speed feed-forward of the MRU: what industry does."""
-
-    prediction: bool = parameter(
-        True, unit="", description="Predict the boom tip over the winch's delay and lag; false: command the MRU's rate."
-    )
-    centring_time: float = parameter(
-        60.0, unit="s", minimum=1.0, maximum=3600.0, description="Time constant that brings the mean payout back."
     )
 
 
@@ -90,8 +47,8 @@ class GuardParameters:
         unit="",
         minimum=0.05,
         maximum=10.0,
-        description="Share of the winch's limits that the peaks of the sea may ask of laws lqr, lqg and feedforward; "
-        "their authority is lowered to that.",
+        description="Share of the winch's limits that the peaks of the sea may take up under a law that does not keep "
+        "the limits by itself; its authority is lowered to that.",
     )
     hold_time: float = parameter(
         60.0, unit="s", minimum=0.0, maximum=86_400.0, description="Time off before compensation is tried again."
@@ -259,25 +216,8 @@ class HealthParameters:
     stale_samples: float = parameter(
         3.0, unit="", minimum=1.0, maximum=1000.0, description="A sensor is lost after so many missing readings."
     )
-    spike_sigmas: float = parameter(
-        8.0,
-        unit="",
-        minimum=3.0,
-        maximum=1000.0,
-        description="A reading so many standard deviations off its prediction is a spike.",
-    )
-    spike_floor: float = parameter(
-        0.3, unit="m", minimum=0.0, maximum=100.0, description="Heave or depth nearer than this is never a spike."
-    )
     recover_samples: int = parameter(
         10, unit="", minimum=1, maximum=10_000, description="Good readings in a row that make a lost sensor good again."
-    )
-    jump_samples: int = parameter(
-        20,
-        unit="",
-        minimum=2,
-        maximum=10_000,
-        description="So many refused readings that agree are a jump, not spikes.",
     )
     stamp_tolerance: float = parameter(
         0.001, unit="s", minimum=0.0, maximum=1.0, description="A reading may be stamped this much later than now."

@@ -1,4 +1,4 @@
-"""What the controller believes of plant, winch, sea and sensors.
+"""What the controller believes of plant, winch and sea; of the sensors: `interface.sensors`.
 
 Names are those of the plant's own parameters where both have one.
 """
@@ -7,9 +7,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from heave_node.parameters import ParameterError, group, parameter
-
-KNOWN_SENSORS = ("mru", "depth", "encoder", "velocity", "imu", "load_cell")
+from heave_node.parameters import ParameterError, parameter
+from wave_vessel_node.parameters import FILTER_CHOICES, SeaParameters
 
 
 @dataclass(frozen=True)
@@ -98,26 +97,9 @@ class WinchModelParameters:
 
 
 @dataclass(frozen=True)
-class SwellModelParameters:
-    """The swell of an Ochi-Hubble sea."""
-
-    significant_wave_height: float = parameter(
-        1.0, unit="m", minimum=0.0, maximum=25.0, description="Significant wave height of the swell alone."
-    )
-    peak_period: float = parameter(16.0, unit="s", minimum=1.0, maximum=40.0, description="Peak period of the swell.")
-    shape: float = parameter(3.0, unit="", minimum=0.5, maximum=20.0, description="Ochi-Hubble shape of the swell.")
-
-
-@dataclass(frozen=True)
-class SeaModelParameters:
+class SeaModelParameters(SeaParameters):
     """The sea the controller is designed for."""
 
-    spectrum: str = parameter(
-        "bretschneider",
-        unit="",
-        choices=("bretschneider", "pierson_moskowitz", "jonswap", "ochi_hubble"),
-        description="Spectrum of the sea.",
-    )
     significant_wave_height: float = parameter(
         1.0,
         unit="m",
@@ -125,18 +107,10 @@ class SeaModelParameters:
         maximum=25.0,
         description="Significant wave height (of the wind sea in ochi_hubble).",
     )
-    peak_period: float = parameter(
-        8.0, unit="s", minimum=1.0, maximum=40.0, description="Peak period (of the wind sea in ochi_hubble)."
-    )
-    peak_enhancement: float = parameter(
-        3.3, unit="", minimum=1.0, maximum=10.0, description="gamma of the JONSWAP spectrum."
-    )
-    shape: float = parameter(1.0, unit="", minimum=0.5, maximum=20.0, description="Ochi-Hubble shape of the wind sea.")
-    swell: SwellModelParameters = group(SwellModelParameters)
     filter_form: str = parameter(
         "auto",
         unit="",
-        choices=("auto", "thesis", "four_state", "six_state", "fit"),
+        choices=FILTER_CHOICES,
         description="Shaping filter that stands for the sea; auto takes the best.",
     )
     filter_states: int = parameter(
@@ -162,86 +136,6 @@ class VesselModelParameters:
 
 
 @dataclass(frozen=True)
-class MruModelParameters:
-    """The motion reference unit as the controller believes it."""
-
-    noise: float = parameter(0.01, unit="m", minimum=1e-5, maximum=10.0, description="White noise of heave, 1 sigma.")
-    rate_noise: float = parameter(
-        0.01, unit="m/s", minimum=1e-5, maximum=10.0, description="White noise of heave rate, 1 sigma."
-    )
-    high_pass_period: float = parameter(
-        0.0, unit="s", minimum=0.0, maximum=300.0, description="Cut-off period of its high-pass; 0 is none."
-    )
-    high_pass_damping: float = parameter(
-        0.7071, unit="", minimum=0.2, maximum=2.0, description="Damping ratio of its high-pass."
-    )
-    scale_sigma: float = parameter(
-        0.0, unit="", minimum=0.0, maximum=0.5, description="Possible scale error, 1 sigma; 0 does not estimate it."
-    )
-    lever_arm_sigma: float = parameter(
-        0.0,
-        unit="m",
-        minimum=0.0,
-        maximum=10.0,
-        description="Possible lever-arm error, 1 sigma along x and y; 0 does not estimate it.",
-    )
-    rate: float = parameter(20.0, unit="Hz", minimum=0.01, maximum=1000.0, description="Readings per second.")
-
-
-@dataclass(frozen=True)
-class DepthModelParameters:
-    """The depth sensor as the controller believes it."""
-
-    noise: float = parameter(0.02, unit="m", minimum=1e-5, maximum=100.0, description="White noise, 1 sigma.")
-    rate: float = parameter(10.0, unit="Hz", minimum=0.01, maximum=1000.0, description="Readings per second.")
-    latency: float = parameter(
-        0.1,
-        unit="s",
-        minimum=0.0,
-        maximum=5.0,
-        description="Age of a reading when it arrives; used by predictions only.",
-    )
-    bias_sigma: float = parameter(
-        1.0, unit="m", minimum=0.0, maximum=100.0, description="Unknown of the mean depth at the start, 1 sigma."
-    )
-    bias_drift: float = parameter(
-        2e-4,
-        unit="m/sqrt(s)",
-        minimum=0.0,
-        maximum=1.0,
-        description="Random walk of the mean depth: tide, sensor drift, stretch.",
-    )
-
-
-@dataclass(frozen=True)
-class SensorsModelParameters:
-    """Which sensors the estimator uses, and what it believes of them."""
-
-    use: tuple[str, ...] = parameter(
-        ("mru", "depth", "encoder"), unit="", choices=KNOWN_SENSORS, description="Sensors the estimator takes."
-    )
-    mru: MruModelParameters = group(MruModelParameters)
-    depth: DepthModelParameters = group(DepthModelParameters)
-    encoder_noise: float = parameter(
-        3e-4, unit="m", minimum=1e-6, maximum=1.0, description="Noise of the encoder; 1 mm steps are 0.29 mm, 1 sigma."
-    )
-    velocity_noise: float = parameter(
-        0.01, unit="m/s", minimum=1e-5, maximum=10.0, description="Noise of the unit's velocity (DVL), 1 sigma."
-    )
-    velocity_rate: float = parameter(5.0, unit="Hz", minimum=0.01, maximum=1000.0, description="Readings per second.")
-    imu_noise: float = parameter(
-        0.02, unit="m/s^2", minimum=1e-5, maximum=10.0, description="Noise of the unit's acceleration, 1 sigma."
-    )
-    load_cell_noise: float = parameter(
-        0.005,
-        unit="",
-        minimum=1e-6,
-        maximum=1.0,
-        description="Noise of the load cell over the static tension, 1 sigma.",
-    )
-
-
-@dataclass(frozen=True)
 class WeightParameters:
     """Sizes that weigh alike in the quadratic cost (Bryson's rule): a smaller size is a larger weight.
 
@@ -263,6 +157,12 @@ class WeightParameters:
 class EstimatorParameters:
     """The Kalman filter."""
 
+    implementation: str = parameter(
+        "compiled",
+        unit="",
+        choices=("compiled", "filterpy"),
+        description="Algebra of a step: compiled, or that of filterpy: the same estimate, ten times slower.",
+    )
     gate: float = parameter(
         25.0,
         unit="",

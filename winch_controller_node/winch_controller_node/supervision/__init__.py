@@ -1,1 +1,1 @@
-"""Supervision: modes, the guard, landing, and whether the winch is the one believed in."""
+"""Supervision: modes, the guard, landing, and whether the winch behaves as modelled."""

@@ -1,48 +1,42 @@
-"""Never worse than off: compares the residual with what the unit would do uncompensated, live, from estimates.
+"""Never worse than off: compensation is faded out when it does harm, as estimates and the depth sensor show live.
 
-Over some waves exponentially weighted variances of both are compared: compensation must be better than none. A loop
-that is lost pumps energy into a unit that then swings for minutes, so that the guard must not wait for waves. Over
-seconds it compares
+Over some waves the standard deviation of the compensated unit is compared with that of the uncompensated one:
+compensation must be better than none. An unstable loop pumps energy into a unit that then swings for minutes, so that
+the guard must not wait for waves. Over seconds it checks
 
-- the speed of the drum, where the law did not mean it, with the speed of the boom tip: a loop that grows shows there
-  first, long before the heavy unit has answered;
-- the swing of the unit, z^2 + a z'^2, with that of the uncompensated one;
-- the heave that the depth sensor reads with the uncompensated one, and with the estimate: it knows where that is led
-  astray (a motion reference unit of the wrong sign), and nothing can be tried before they agree again.
+- the speed of the drum, as far as the law does not intend it, against that of the boom tip: an unstable loop shows
+  there first, long before the heavy unit has answered;
+- the swing of the unit, z^2 + a z'^2, against that of the uncompensated one;
+- the heave that the depth sensor reads, against the uncompensated one;
+- the depth sensor against the estimate: where they disagree (a motion reference unit of the wrong sign), the estimate
+  is not to be trusted, and compensation stays off until they agree again.
 
-Compensation that does harm is faded out; after a hold time, which becomes longer with every harm, it is tried again
-once the sea asks for no more than the winch can give.
+Compensation that does harm is faded out. After a hold time, which becomes longer each time, it is tried again once the
+sea asks for no more than the winch can give.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
+from winch_controller_node.estimation.loop_tick import Motion
 from winch_controller_node.laws.effort import Effort
-from winch_controller_node.laws.governor import WinchLimits
+from winch_controller_node.laws.winch_limits import WinchLimits
 from winch_controller_node.parameters.laws import GuardParameters
-from winch_controller_node.supervision.comparison import MeasuredHeave, QuickComparison, Quickness, RunningSigma
+from winch_controller_node.supervision.checks import AmplitudeCheck, AmplitudeLimit, DetrendedHeave, RunningSigma
+from winch_controller_node.supervision.winch_demand import WinchDemand
 
 FULL_SHARE = 0.95
-"""Share of the wanted authority from which on compensation is judged."""
+"""Share of the wanted authority from which on compensation is judged over waves."""
 
-PEAK = 3.0
-"""Peak amplitude over standard deviation of a sea, over some minutes."""
+RATE_ERROR = AmplitudeLimit(time=2.0, ratio=1.5, floor=0.1)
+"""Speed of the drum that is not intended, against that of the boom tip [m/s]."""
 
-SIGNIFICANT = 2.0
-"""Significant amplitude over standard deviation of a narrow-banded sea."""
-
-GROUP_TIME, GROUP_PEAK = 8.0, 2.2
-"""Memory that sees a group of high waves come [s], and peak amplitude over standard deviation within one."""
-
-DRUM = Quickness(time=2.0, ratio=1.5, floor=0.1)
-"""Speed of the drum that was not meant, against that of the boom tip [m/s]."""
-
-EXCUSE_TIME = 15.0
-"""Time that a law has to catch up after a lost sensor is back [s]."""
+CATCH_UP_TIME = 15.0
+"""Time that the drum is not checked after a lost sensor is back [s]: the law has to catch up with what it missed."""
 
 SWING_WORK = 2.0
-"""Speed of the drum that stops a unit, over the speed of that."""
+"""Speed of the drum that stops a swinging unit, over the speed of the unit."""
 
 SWING_TIME, SWING_RATIO = 3.0, 1.2
 """Swing of the unit against the uncompensated one: memory [s] and ratio."""
@@ -50,238 +44,252 @@ SWING_TIME, SWING_RATIO = 3.0, 1.2
 DEPTH_TIME, DEPTH_RATIO = 6.0, 1.3
 """Heave that the depth sensor reads against the uncompensated one: memory [s] and ratio."""
 
-DOUBT_TIME, DOUBT_RATIO = 8.0, 0.8
-"""Depth sensor against the estimate, over the uncompensated heave: memory [s] and ratio."""
+MISMATCH_TIME, MISMATCH_RATIO = 8.0, 0.8
+"""Depth sensor less estimate, against the uncompensated heave: memory [s] and ratio."""
 
 LEAST_AUTHORITY = 0.5
-"""The drum's error is judged against this share of the boom tip's speed at least."""
+"""The drum is checked against this share of the boom tip's speed at least."""
 
-QUICK_FLOORS = 10.0
-"""Quick comparisons of heave: below so many times the floor it is left to the slow one."""
+FLOOR_FACTOR = 10.0
+"""The checks over seconds ignore heave below so many times `guard.floor`: that is left to the comparison over waves."""
 
 HOLD_GROWTH = 4.0
-"""The hold time grows by this factor with each harm: what all tries do together stays little."""
-
-Motion = tuple[float, float]
-"""Heave [m] and heave rate [m/s]."""
+"""The hold time grows by this factor each time: what all tries do together stays little."""
 
 
 @dataclass(frozen=True)
-class Seen:
-    """What the controller knows of a tick, all about the mean depth.
+class GuardedLoop:
+    """What the guard must know of the loop it watches.
 
     Attributes
     ----------
-    residual, uncompensated : estimated heave [m] and rate [m/s] of the unit with and without compensation
-    tip_rate : estimated heave rate of the boom tip [m/s]
-    drum_error : speed of the drum less what compensating that share of the sea asks for [m/s]
-    depth : heave as the depth sensor reads it [m]; None: no reading
+    limits : of the winch
+    effort : of the law
+    inertia : a of the two-state cable [s^2]; 0: unknown
+    feeds_back_unit : the law feeds the unit's motion back, so that the loop can become unstable
+    fade_time : shortest time over which authority goes from 0 to 1 or back [s]
     """
 
-    residual: Motion
-    uncompensated: Motion
-    tip_rate: float
-    drum_error: float = 0.0
-    depth: float | None = None
+    limits: WinchLimits
+    effort: Effort = field(default_factory=Effort)
+    inertia: float = 0.0
+    feeds_back_unit: bool = True
+    fade_time: float = 10.0
+
+
+@dataclass(frozen=True, slots=True)
+class GuardedMotions:
+    """What the guard compares at a tick, all about the mean depth.
+
+    Attributes
+    ----------
+    unit : estimated motion of the unit, compensated
+    free_unit : the same with the winch locked
+    boom_tip : estimated motion of the boom tip
+    payout_rate : estimated speed of the drum, without that of the mean payout [m/s]
+    measured_heave : heave of the unit as the depth sensor reads it [m]; None: no reading came
+    """
+
+    unit: Motion
+    free_unit: Motion
+    boom_tip: Motion
+    payout_rate: float = 0.0
+    measured_heave: float | None = None
 
 
 class HarmGuard:
-    """Says when compensation shall be faded out, and when it may be tried again.
+    """Says when compensation is to be off, and when it may be tried again.
 
     Parameters
     ----------
     parameters : window, ratio, hold times
-    limits : of the winch, for what the sea may ask for
+    loop : that it watches
     tick_period : [s]
     depth_noise : standard deviation of the depth sensor's noise [m]
 
     Attributes
     ----------
-    effort : of the law in force
-    is_harming : compensation is to be off
-    trusts_estimate : the depth sensor bears the estimate out
-    reason : in words, empty when all is well
+    inhibits : compensation is to be off
+    trusts_estimate : the depth sensor agrees with the estimate
+    reason : why it inhibits, in words; empty when it does not
     """
 
     def __init__(
-        self, parameters: GuardParameters, limits: WinchLimits, *, tick_period: float, depth_noise: float = 0.0
+        self, parameters: GuardParameters, loop: GuardedLoop, *, tick_period: float, depth_noise: float = 0.0
     ) -> None:
         self._parameters = parameters
-        self._limits = limits
+        self._loop = loop
         self._dt = tick_period
-        self.effort = Effort()
-        self.is_harming = False
+        self.inhibits = False
         self.trusts_estimate = True
         self.reason = ""
-        self._hold = parameters.hold_time
+        self._hold_time = parameters.hold_time
         self._off_time = 0.0
-        self._on_time = 0.0
-        self._reset_sigmas()
-        window, floor = parameters.window, QUICK_FLOORS * parameters.floor
-        self._drum = QuickComparison(DRUM, window, tick_period)
-        self._swing = QuickComparison(Quickness(SWING_TIME, SWING_RATIO, floor), window, tick_period)
-        self._depth = QuickComparison(Quickness(DEPTH_TIME, DEPTH_RATIO, floor, depth_noise), window, tick_period)
-        self._measured = MeasuredHeave(tick_period)
-        self._doubt = QuickComparison(Quickness(DOUBT_TIME, DOUBT_RATIO, floor, depth_noise), window, tick_period)
-        self._difference = MeasuredHeave(tick_period)
+        self._judged_time = 0.0
         self._authority_before = 0.0
-        self._exchanged = 0.0
-        self._excused = 0.0
-        self._tip_rate = RunningSigma(window, tick_period)
-        self._tip_acceleration = RunningSigma(window, tick_period)
-        self._group_rate = RunningSigma(GROUP_TIME, tick_period)
-        self._group_acceleration = RunningSigma(GROUP_TIME, tick_period)
-        self._last_rate: float | None = None
+        self._demand = WinchDemand(parameters.window, tick_period=tick_period)
+        self._make_comparison()
+        self._make_checks(depth_noise)
 
-    def _reset_sigmas(self) -> None:
-        self._residual = RunningSigma(self._parameters.window, self._dt)
-        self._uncompensated = RunningSigma(self._parameters.window, self._dt)
+    def _make_comparison(self) -> None:
+        """Begin the comparison over waves anew."""
+        self._unit = RunningSigma(self._parameters.window, self._dt)
+        self._free_unit = RunningSigma(self._parameters.window, self._dt)
 
-    @property
-    def residual_sigma(self) -> float:
-        """Residual motion of the unit, estimated [m]."""
-        return self._residual.sigma
-
-    @property
-    def uncompensated_sigma(self) -> float:
-        """What it would be with the winch locked, estimated [m]."""
-        return self._uncompensated.sigma
+    def _make_checks(self, noise: float) -> None:
+        window, floor = self._parameters.window, FLOOR_FACTOR * self._parameters.floor
+        self._rate_check = AmplitudeCheck(RATE_ERROR, window, self._dt)
+        self._swing_check = AmplitudeCheck(AmplitudeLimit(SWING_TIME, SWING_RATIO, floor), window, self._dt)
+        self._depth_check = AmplitudeCheck(AmplitudeLimit(DEPTH_TIME, DEPTH_RATIO, floor, noise), window, self._dt)
+        self._mismatch_check = AmplitudeCheck(
+            AmplitudeLimit(MISMATCH_TIME, MISMATCH_RATIO, floor, noise), window, self._dt
+        )
+        self._measured = DetrendedHeave(self._dt)
+        self._mismatch = DetrendedHeave(self._dt)
+        self._exchanged_swing = 0.0
+        self._catch_up = 0.0
 
     @property
     def demand(self) -> float:
         """What the sea asks of the winch over its limits: significant amplitude of speed or acceleration [-]."""
-        speed = SIGNIFICANT * self._tip_rate.sigma / self._limits.speed
-        acceleration = SIGNIFICANT * self._tip_acceleration.sigma / self._limits.acceleration
-        return max(speed, acceleration)
+        return self._demand.significant(self._loop.limits)
 
     @property
     def authority_limit(self) -> float:
         """Largest authority that keeps a law without limits of its own off the winch's limits, by the sea seen now."""
-        speed = max(PEAK * self._tip_rate.sigma, GROUP_PEAK * self._group_rate.sigma)
-        acceleration = max(PEAK * self._tip_acceleration.sigma, GROUP_PEAK * self._group_acceleration.sigma)
-        peak = max(
-            self.effort.speed * speed / self._limits.speed,
-            self.effort.acceleration * acceleration / self._limits.acceleration,
-        )
-        return min(1.0, self._parameters.limit_use / peak) if peak > 0.0 else 1.0
+        return self._demand.largest_share(self._loop.limits, self._loop.effort, self._parameters.limit_use)
 
-    def update(
-        self,
-        seen: Seen,
-        authority: float,
-        target: float = 1.0,
-        *,
-        inertia: float = 0.0,
-        has_feedback: bool = True,
-    ) -> None:
+    def take_loop(self, loop: GuardedLoop) -> None:
+        """Watch another loop from now on: another design is in force."""
+        self._loop = loop
+
+    def allow_catch_up(self) -> None:
+        """Do not check the drum for some seconds: the law has to catch up with what it could not see."""
+        self._catch_up = CATCH_UP_TIME
+
+    def inhibit(self, reason: str) -> None:
+        """Keep compensation off while there is a `reason` that is certain, and for the hold time after it."""
+        self._off_time = 0.0
+        if not self.inhibits:
+            self._begin_inhibiting(reason)
+
+    def update(self, motions: GuardedMotions, authority: float, target: float = 1.0) -> None:
         """Take one tick in.
 
         Parameters
         ----------
-        seen : motions of the tick
+        motions : of the tick
         authority : share of the sea that is compensated now
-        target : share it goes to; compensation is judged when that is (nearly) reached
-        inertia : a of the two-state cable [s^2]
-        has_feedback : the law feeds the unit's motion back, and could be lost; others are judged over waves only
+        target : share it goes to; compensation is judged over waves when that is (nearly) reached
         """
-        self._watch_sea(seen.tip_rate)
-        self._watch(seen, inertia, authority)
-        if self._doubt.is_above:
-            self._distrust()
-        if self.is_harming:
-            self._wait(authority)
-            return
-        if authority <= 0.0:
-            self._on_time = 0.0
-            self._reset_sigmas()
-            return
-        self._judge_quickly(has_feedback=has_feedback)
-        if self.is_harming or authority < FULL_SHARE * target:
-            return
-        self._residual.add(seen.residual[0])
-        self._uncompensated.add(seen.uncompensated[0])
-        self._on_time += self._dt
-        self._judge()
-
-    def excuse_drum(self) -> None:
-        """Leave the drum alone for some seconds: the law has to catch up with what it could not see."""
-        self._excused = EXCUSE_TIME
-
-    def hold_off(self, reason: str) -> None:
-        """Keep compensation off while there is a `reason` that is known for sure, and for the hold time after it."""
-        self._off_time = 0.0
-        if not self.is_harming:
-            self._fade(reason)
-
-    def _watch_sea(self, tip_rate: float) -> None:
-        self._tip_rate.add(tip_rate)
-        self._group_rate.add(tip_rate)
-        if self._last_rate is not None:
-            acceleration = (tip_rate - self._last_rate) / self._dt
-            self._tip_acceleration.add(acceleration)
-            self._group_acceleration.add(acceleration)
-        self._last_rate = tip_rate
-
-    def _watch(self, seen: Seen, inertia: float, authority: float) -> None:
-        """Take the motions of a tick into the quick comparisons."""
-        swing, uncompensated = (heave**2 + inertia * rate**2 for heave, rate in (seen.residual, seen.uncompensated))
-        self._measured.add(seen.depth)
-        self._difference.add(None if seen.depth is None else seen.depth - seen.residual[0])
-        meant = (1.0 + self.effort.drum_error) * max(authority, LEAST_AUTHORITY) * seen.tip_rate
-        # a law has to stop a unit that swings, and while authority moves to take it out of its uncompensated swing
-        moves, self._authority_before = authority != self._authority_before, authority
-        self._exchanged = uncompensated if moves else self._exchanged * (1.0 - self._dt / SWING_TIME)
-        work = SWING_WORK**2 * (swing + self._exchanged) / inertia if inertia > 0.0 else 0.0
-        self._drum.add(seen.drum_error**2, meant**2 + work)
-        self._swing.add(swing, uncompensated)
-        # the mean square of a swing is half its energy; a sensor of heave alone sees that
-        self._depth.add(self._measured.value**2, 0.5 * uncompensated)
-        self._doubt.add(self._difference.value**2, 0.5 * uncompensated)
-        self._excused = max(self._excused - self._dt, 0.0)
-        if self._excused > 0.0:
-            self._drum.begin()
-        if authority <= 0.0:
-            self._drum.begin()
-            self._swing.begin(self._swing.reference)
-            self._depth.begin()
-
-    def _judge_quickly(self, *, has_feedback: bool) -> None:
-        if self._depth.is_above:
-            amplitude = self._depth.amplitude
+        self._demand.add(motions.boom_tip.rate)
+        self._update_checks(motions, authority)
+        if self._mismatch_check.is_exceeded:
             self.trusts_estimate = False
-            self._fade(
-                f"compensation does harm: the depth sensor sees the unit move {amplitude:.3f} m, more than the "
-                "sea would have it"
+            self.inhibit(
+                f"the depth sensor disagrees with the estimate by {self._mismatch_check.amplitude:.3f} m: no "
+                "compensation until they agree"
             )
-        elif has_feedback and self._swing.is_above:
-            amplitude = self._swing.amplitude
-            self._fade(f"compensation does harm: the unit swings {amplitude:.3f} m, more than the sea would have it")
-        elif has_feedback and self._drum.is_above:
-            amplitude = self._drum.amplitude
-            self._fade(
-                f"compensation does harm: the drum runs {amplitude:.3f} m/s off the boom tip, more than that "
-                "itself moves"
+        if self.inhibits:
+            self._wait(authority)
+        elif authority <= 0.0:
+            self._judged_time = 0.0
+            self._make_comparison()
+        else:
+            self._judge_checks()
+            if not self.inhibits and authority >= FULL_SHARE * target:
+                self._compare(motions)
+
+    # over seconds
+
+    def _update_checks(self, motions: GuardedMotions, authority: float) -> None:
+        """Take the motions of a tick into the checks over seconds."""
+        change = authority - self._authority_before
+        self._authority_before = authority
+        swing, free_swing = self._swing(motions.unit), self._swing(motions.free_unit)
+        self._check_rate(motions, authority, change, swing, free_swing)
+        self._swing_check.add(swing, free_swing)
+        # the mean square of a heave is half that of its swing
+        free_heave = 0.5 * free_swing
+        heave = motions.measured_heave
+        self._measured.add(heave)
+        self._depth_check.add(self._measured.value**2, free_heave)
+        self._mismatch.add(None if heave is None else heave - motions.unit.heave)
+        self._mismatch_check.add(self._mismatch.value**2, free_heave)
+        if authority <= 0.0:
+            self._rate_check.restart()
+            self._swing_check.restart(self._swing_check.reference)
+            self._depth_check.restart()
+
+    def _swing(self, motion: Motion) -> float:
+        """Return z^2 + a z'^2 [m^2]: the squared amplitude of a unit that swings by itself."""
+        return motion.heave**2 + self._loop.inertia * motion.rate**2
+
+    def _check_rate(
+        self, motions: GuardedMotions, authority: float, change: float, swing: float, free_swing: float
+    ) -> None:
+        """Compare the speed of the drum that is not intended with that of the boom tip, and what stopping a swing asks.
+
+        While authority A moves, the unit goes over to (1 - A) of its uncompensated motion: by thesis Eq. 6.2 that asks
+        for payout = A tip + 2 a A' z_off' (b and A'' left out), with a z_off'' = tip - z_off.
+        """
+        loop, tip = self._loop, motions.boom_tip
+        largest = self._dt / loop.fade_time
+        authority_rate = min(max(change, -largest), largest) / self._dt
+        intended = authority * tip.rate + authority_rate * (3.0 * tip.heave - 2.0 * motions.free_unit.heave)
+        error = motions.payout_rate - intended
+        allowed = (1.0 + loop.effort.rate_error) * max(authority, LEAST_AUTHORITY) * tip.rate
+        # a law has to stop a unit that swings, and while authority moves to take it out of its uncompensated swing
+        is_moving = change != 0.0
+        self._exchanged_swing = free_swing if is_moving else self._exchanged_swing * (1.0 - self._dt / SWING_TIME)
+        work = SWING_WORK**2 * (swing + self._exchanged_swing) / loop.inertia if loop.inertia > 0.0 else 0.0
+        self._rate_check.add(error**2, allowed**2 + work)
+        self._catch_up = max(self._catch_up - self._dt, 0.0)
+        if self._catch_up > 0.0:
+            self._rate_check.restart()
+
+    def _judge_checks(self) -> None:
+        feeds_back_unit = self._loop.feeds_back_unit
+        if self._depth_check.is_exceeded:
+            self.trusts_estimate = False
+            self._begin_inhibiting(
+                f"compensation does harm: the depth sensor reads {self._depth_check.amplitude:.3f} m of heave, more "
+                "than without compensation"
+            )
+        elif feeds_back_unit and self._swing_check.is_exceeded:
+            self._begin_inhibiting(
+                f"compensation does harm: the unit swings by {self._swing_check.amplitude:.3f} m, more than without "
+                "compensation"
+            )
+        elif feeds_back_unit and self._rate_check.is_exceeded:
+            self._begin_inhibiting(
+                f"compensation does harm: the drum is {self._rate_check.amplitude:.3f} m/s off its intended speed, an "
+                "error larger than the speed of the boom tip"
             )
 
-    def _distrust(self) -> None:
-        self.trusts_estimate = False
-        amplitude = self._doubt.amplitude
-        self.hold_off(
-            f"the depth sensor contradicts the estimate by {amplitude:.3f} m: no compensation before they agree"
-        )
+    # over waves
 
-    def _judge(self) -> None:
+    def _compare(self, motions: GuardedMotions) -> None:
+        """Compare the standard deviations of the compensated and the uncompensated unit."""
+        self._unit.add(motions.unit.heave)
+        self._free_unit.add(motions.free_unit.heave)
+        self._judged_time += self._dt
         parameters = self._parameters
-        if self._on_time < 0.5 * parameters.window:
+        if self._judged_time < 0.5 * parameters.window:
             return
-        residual, uncompensated = self.residual_sigma, self.uncompensated_sigma
-        if residual > parameters.floor and residual > parameters.harm_ratio * uncompensated:
-            self._fade(f"compensation does harm: residual {residual:.3f} m against {uncompensated:.3f} m uncompensated")
-        elif self._on_time > 4.0 * self._hold:
-            self._hold = parameters.hold_time
+        sigma, free_sigma = self._unit.sigma, self._free_unit.sigma
+        if sigma > parameters.floor and sigma > parameters.harm_ratio * free_sigma:
+            self._begin_inhibiting(
+                f"compensation does harm: heave of the unit {sigma:.3f} m, {free_sigma:.3f} m without compensation "
+                "(standard deviations)"
+            )
+        elif self._judged_time > 4.0 * self._hold_time:
+            self._hold_time = parameters.hold_time
 
-    def _fade(self, reason: str) -> None:
-        self.is_harming = True
+    # while it inhibits
+
+    def _begin_inhibiting(self, reason: str) -> None:
+        self.inhibits = True
         self._off_time = 0.0
         self.reason = reason
 
@@ -290,10 +298,10 @@ class HarmGuard:
         if authority > 0.0:
             return
         self._off_time += self._dt
-        if self._off_time >= self._hold and self.demand <= self._parameters.demand_ratio:
-            self.is_harming = False
+        if self._off_time >= self._hold_time and self.demand <= self._parameters.demand_ratio:
+            self.inhibits = False
             self.trusts_estimate = True
             self.reason = ""
-            self._hold = min(HOLD_GROWTH * self._hold, self._parameters.hold_time_limit)
-            self._on_time = 0.0
-            self._reset_sigmas()
+            self._hold_time = min(HOLD_GROWTH * self._hold_time, self._parameters.hold_time_limit)
+            self._judged_time = 0.0
+            self._make_comparison()

@@ -26,24 +26,25 @@ class KpiWindow:
         self._winch = winch
         self._ring: Array = np.full((max(2, round(window / tick_period)), len(COLUMNS)), np.nan)
         self._count = 0
+        self._last_rate = 0.0
 
-    def add(
-        self,
-        *,
-        unit: float,
-        uncompensated: float,
-        tip: float,
-        payout: float,
-        rate: float,
-        acceleration: float,
-        tension: float,
-    ) -> None:
-        """Take one tick in: heaves and payout [m], rate [m/s], acceleration [m/s^2], tension [N]."""
+    def add(self, *, unit: float, uncompensated: float, tip: float, payout: float, rate: float, tension: float) -> None:
+        """Take one tick in.
+
+        Parameters
+        ----------
+        unit, uncompensated, tip : heave of the unit, of the uncompensated one, of the boom tip [m]
+        payout, rate : of the winch, about its mean [m], [m/s]
+        tension : at the top [N]; NaN: unknown
+        """
+        acceleration = (rate - self._last_rate) / self._dt
+        self._last_rate = rate
+        is_limited = (
+            abs(rate) >= kpi.AT_LIMIT * self._winch.speed_limit
+            or abs(acceleration) >= kpi.AT_LIMIT * self._winch.acceleration_limit
+        )
         row = self._ring[self._count % len(self._ring)]
-        row[0], row[1], row[2], row[3] = unit, uncompensated, tip, payout
-        row[4], row[5], row[6] = rate, acceleration, tension
-        speed_limit, acceleration_limit = self._winch.speed_limit, self._winch.acceleration_limit
-        row[7] = abs(rate) >= kpi.AT_LIMIT * speed_limit or abs(acceleration) >= kpi.AT_LIMIT * acceleration_limit
+        row[:] = unit, uncompensated, tip, payout, rate, acceleration, tension, is_limited
         self._count += 1
 
     def figures(self) -> RollingKpi:

@@ -1,29 +1,44 @@
-"""Watching the winch: whether it is the one believed in, and takes commands in time."""
+"""Watching the winch: whether it behaves as its model says, and takes commands in time."""
 
 from __future__ import annotations
 
-from cable_sim_node.winch.drive import LIMIT_PAYOUT, LIMIT_POWER
+from dataclasses import dataclass
+
+from heave_node.codes import WinchLimit
 
 from winch_controller_node.design.design import ControllerDesign
 from winch_controller_node.design.schedule import is_scheduled
 from winch_controller_node.identification.winch import LateCommands, WinchIdentifier
 from winch_controller_node.interface.readings import WinchOrder, WinchReading
 from winch_controller_node.parameters.controller import WinchControllerParameters
-from winch_controller_node.supervision.guard import HarmGuard
 
 LEARNING_PERIOD, CHECKING_PERIOD = 2.0, 10.0
-"""Time from one look at the record of the winch to the next [s], while it grows and when it is full."""
+"""Time from one identification of the winch to the next [s], while its record grows and when that is full."""
 
-BEARABLE_SHARE = 0.5
-"""Further delay that is tried, over lag and delay believed in, where they are not learnt."""
+TOLERATED_SHARE = 0.5
+"""Further delay with which compensation is tried, over lag and delay of the model, where these are not identified."""
 
-UNLEARNT_LIMITS = LIMIT_PAYOUT | LIMIT_POWER
+UNMODELLED_LIMITS = WinchLimit.PAYOUT | WinchLimit.POWER
 """Limits of a winch that its identification does not know."""
 
 
-def learns_winch(parameters: WinchControllerParameters) -> bool:
-    """Tell whether a winch other than believed is learnt: a speed servo's, without a schedule."""
+def identifies_winch(parameters: WinchControllerParameters) -> bool:
+    """Tell whether the winch is identified while the loop runs: a speed servo, without a gain schedule."""
     return parameters.lag.adaptation and not is_scheduled(parameters) and parameters.winch.law != "first_order"
+
+
+@dataclass(frozen=True, slots=True)
+class TransportReport:
+    """How commands get to the winch.
+
+    Attributes
+    ----------
+    alarm : what has just become wrong, in words; empty: nothing
+    inhibition : why compensation must be off; empty: it need not
+    """
+
+    alarm: str = ""
+    inhibition: str = ""
 
 
 class WinchWatch:
@@ -31,13 +46,11 @@ class WinchWatch:
 
     Parameters
     ----------
-    design : the winch believed in at the start
-    guard : keeps compensation off where commands come too late
+    design : with the model of the winch at the start
     """
 
-    def __init__(self, design: ControllerDesign, guard: HarmGuard) -> None:
+    def __init__(self, design: ControllerDesign) -> None:
         self._dt = design.tick_period
-        self._guard = guard
         self._identifier = WinchIdentifier(design.parameters.lag, design)
         self._late_commands = LateCommands(design.tick_period)
         self._given: WinchOrder | None = None
@@ -46,48 +59,48 @@ class WinchWatch:
         """Note the order of a tick."""
         self._given = order
 
-    def better_belief(self, tick: int, parameters: WinchControllerParameters) -> WinchControllerParameters | None:
-        """Return parameters of the winch that was found, at the ticks at which one looks; None: keep the present."""
+    def improved_parameters(self, tick: int, parameters: WinchControllerParameters) -> WinchControllerParameters | None:
+        """Return parameters with the winch as identified; None: the present ones are as good, or it is not the time."""
         period = CHECKING_PERIOD if self._identifier.is_full else LEARNING_PERIOD
         if tick % max(1, round(period / self._dt)) != 0:
             return None
-        return self._identifier.better_belief(parameters)
+        return self._identifier.improved_parameters(parameters)
 
     def watch(
         self, winch: WinchReading | None, payout: float | None, parameters: WinchControllerParameters
-    ) -> list[str]:
+    ) -> TransportReport:
         """Put the set-points of the last tick and what the encoder made of them on record; notice late commands.
 
         Parameters
         ----------
         winch : what the winch says of itself; None: nothing came
         payout : accepted encoder reading [m]; None: none
-        parameters : the winch believed in now
-
-        Returns what is wrong with the transport, in words.
+        parameters : with the model of the winch in force
         """
         given = self._given
-        alarms = []
+        report = TransportReport()
         if given is not None and winch is not None:
-            alarms = self._watch_transport(given.sequence, winch.command_sequence, parameters)
+            report = self._watch_transport(given.sequence, winch.command_sequence, parameters)
         if given is None or given.brake:
             self._identifier.reset(0.0 if given is None else given.payout)
-        elif winch is not None and winch.limits_hit & UNLEARNT_LIMITS:
+        elif winch is not None and winch.limits_hit & UNMODELLED_LIMITS:
             self._identifier.add(given.payout, given.payout_rate, None)
             self._identifier.restart()
         else:
             self._identifier.add(given.payout, given.payout_rate, payout)
-        return alarms
+        return report
 
-    def _watch_transport(self, given: int, taken: int, parameters: WinchControllerParameters) -> list[str]:
-        """Notice late commands; no feedback of the unit is tried with more delay than can be learnt or borne."""
+    def _watch_transport(self, given: int, taken: int, parameters: WinchControllerParameters) -> TransportReport:
+        """Notice late commands; nothing is compensated with more delay than can be identified or tolerated."""
         winch = parameters.winch
-        words = self._late_commands.update(given, taken, winch.command_delay)
-        if words:
+        alarm = self._late_commands.update(given, taken, winch.command_delay)
+        if alarm:
             self._identifier.restart()
         lag = winch.command_delay + winch.time_constant
-        bearable = parameters.lag.largest if learns_winch(parameters) else BEARABLE_SHARE * lag
+        tolerated = parameters.lag.largest if identifies_winch(parameters) else TOLERATED_SHARE * lag
         overdue = self._late_commands.overdue
-        if overdue > bearable:
-            self._guard.hold_off(f"winch takes commands {overdue:.2f} s later than believed: no loop bears that")
-        return [words] if words else []
+        if overdue <= tolerated:
+            return TransportReport(alarm)
+        return TransportReport(
+            alarm, f"winch commands take effect {overdue:.2f} s later than modelled: too late for a stable loop"
+        )

@@ -1,0 +1,120 @@
+"""What of a file could not be read: where, why, and how many messages, by the best evidence there is.
+
+Evidence on the number of lost messages, from the strongest on: the count of the whole file (its summary, or what was
+written beside it) less what was read; gaps in the numbers that this project's recorders give the messages of each
+topic; the message indexes behind a chunk that cannot be unpacked.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from heave_bags.errors import one_line
+
+NO_FOOTER = "the file has no index (its writer was stopped)"
+MISSING = "messages are missing"
+
+
+@dataclass(frozen=True)
+class Loss:
+    """A part of a file that could not be read.
+
+    Attributes
+    ----------
+    file, position : where it begins [bytes]; the position is None where it is no one place
+    reason : what is wrong there
+    start, end : log times between which messages are missing [ns]; None where it cannot be known
+    messages : how many were lost; None where it cannot be known
+    """
+
+    file: Path
+    position: int | None
+    reason: str
+    start: int | None = None
+    end: int | None = None
+    messages: int | None = None
+
+    def __str__(self) -> str:
+        if self.start is None or self.end is None:
+            span = "an unknown span of time"
+        else:
+            span = f"{(self.end - self.start) * 1e-9:.3f} s (from {self.start * 1e-9:.3f} s to {self.end * 1e-9:.3f} s)"
+        count = "an unknown number of" if self.messages is None else str(self.messages)
+        place = "" if self.position is None else f" at byte {self.position}"
+        return one_line(f"{self.file.name}: {self.reason}{place}: {span} with {count} messages lost")
+
+
+class LossAccount:
+    """Collects the losses of one pass over a file and settles how many messages each of them cost."""
+
+    def __init__(self, path: Path) -> None:
+        self._path = path
+        self._losses: list[Loss] = []
+        self._settled = 0
+        self.in_gaps = 0
+        """Messages that gaps in the numbering say are missing."""
+        self.is_open = False
+        """No message was read since the last loss that cost some."""
+
+    def add(
+        self, position: int, reason: str, messages: int | None, start: int | None = None, end: int | None = None
+    ) -> None:
+        """Note a loss; `messages` is None until something tells their number."""
+        self._losses.append(Loss(self._path, position, reason, start, end, messages))
+        self.is_open = self.is_open or messages != 0
+
+    @property
+    def is_empty(self) -> bool:
+        """Tell whether nothing was noted."""
+        return not self._losses
+
+    def end_at(self, time: int) -> None:
+        """Say when messages went on [ns]: what was lost before lies before that."""
+        for index in range(self._settled, len(self._losses)):
+            loss = self._losses[index]
+            if loss.messages != 0:
+                end = time if loss.end is None else min(loss.end, time)
+                self._losses[index] = replace(loss, end=max(end, loss.start or 0))
+        self._settled = len(self._losses)
+        self.is_open = False
+
+    def set_count(self, messages: int) -> None:
+        """Say how many messages the last loss cost."""
+        self._losses[-1] = replace(self._losses[-1], messages=messages)
+
+    def settle(self, total: int | None) -> list[Loss]:
+        """Return the losses of the pass; `total` is how many messages the file lacks, None where that is not known."""
+        if total is not None:
+            return self._adding_up_to(total, self._losses)
+        before, behind = self._losses[: self._settled], self._losses[self._settled :]
+        rest = self.in_gaps - sum(loss.messages or 0 for loss in before)
+        if rest > 0:  # what came behind the last message nobody knows, and no gap tells of it
+            before = self._adding_up_to(self.in_gaps, before)
+        return [*before, *behind]
+
+    def _adding_up_to(self, total: int, losses: list[Loss]) -> list[Loss]:
+        """Return the losses with numbers that add up to `total`; those that cannot be told apart are put together."""
+        unknown = [loss for loss in losses if loss.messages is None]
+        rest = total - sum(loss.messages or 0 for loss in losses)
+        if rest == 0 or (rest > 0 and len(unknown) == 1):
+            return [replace(loss, messages=rest if loss.messages is None else loss.messages) for loss in losses]
+        if rest > 0 and not unknown:
+            return [*losses, Loss(self._path, None, MISSING, messages=rest)]
+        together = unknown if rest > 0 else [loss for loss in losses if loss.messages != 0]
+        apart = [loss for loss in losses if loss not in together]
+        counted = total - sum(loss.messages or 0 for loss in apart)
+        return sorted([*apart, _joined(together, counted)], key=lambda loss: loss.position or 0)
+
+
+def _joined(losses: list[Loss], messages: int) -> Loss:
+    """Return several losses as one."""
+    first = losses[0]
+    starts = [loss.start for loss in losses if loss.start is not None]
+    ends = [loss.end for loss in losses if loss.end is not None]
+    is_known = len(starts) == len(ends) == len(losses)
+    reason = first.reason
+    if len(losses) > 1:
+        reason += f", and {len(losses) - 1} more places up to byte {losses[-1].position}, the first"
+    start, end = (min(starts), max(ends)) if is_known else (None, None)
+    return Loss(first.file, first.position, reason, start, end, max(messages, 0))

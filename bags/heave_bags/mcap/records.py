@@ -1,0 +1,200 @@
+"""The records of an MCAP file by position: which bytes are a record, and where the next one begins after damage.
+
+A record is believed only if its length agrees with the lengths of its parts, since one flipped bit in a length would
+otherwise skip sound records without a word.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import struct
+from io import BytesIO
+from pathlib import Path
+from types import TracebackType
+from typing import NamedTuple
+
+from mcap.data_stream import ReadDataStream
+from mcap.exceptions import McapError
+from mcap.opcode import Opcode
+from mcap.records import Attachment, Channel, Metadata, Schema
+
+from heave_bags.errors import BagError
+from heave_bags.mcap.bounds import LARGEST_RECORD
+
+HEAD = struct.Struct("<BQ")
+MESSAGE_HEAD = struct.Struct("<HIQQ")
+CHUNK_HEAD = struct.Struct("<QQQI")
+"""First log time, last log time, unpacked size, checksum."""
+_LENGTH = struct.Struct("<I")
+_LONG_LENGTH = struct.Struct("<Q")
+
+_LONGEST_NAME = 1 << 16
+_SEARCH_BLOCK = 1 << 20
+_LONGEST_CHUNK_HEAD = HEAD.size + CHUNK_HEAD.size + 16
+_CHUNK = re.compile(rb"\x06(?=.{36}(?:\x04\0\0\0zstd|\x03\0\0\0lz4|\0\0\0\0))", re.DOTALL)
+_PRIVATE = 0x80
+"""Opcodes from here on belong to applications, and readers pass over them."""
+
+UNPARSEABLE = (McapError, struct.error, UnicodeDecodeError)
+"""What reading the parts of a record raises where it is damaged."""
+
+ParsedRecord = Schema | Channel | Metadata | Attachment
+_TYPES: dict[int, type[ParsedRecord]] = {
+    Opcode.SCHEMA: Schema,
+    Opcode.CHANNEL: Channel,
+    Opcode.METADATA: Metadata,
+    Opcode.ATTACHMENT: Attachment,
+}
+
+
+_PARTS: dict[int, tuple[int, str] | tuple[int, str, int]] = {
+    Opcode.HEADER: (0, "ss"),
+    Opcode.SCHEMA: (2, "ssb"),
+    Opcode.CHANNEL: (4, "ssb"),
+    Opcode.CHUNK: (CHUNK_HEAD.size, "sB"),
+    Opcode.MESSAGE_INDEX: (2, "b"),
+    Opcode.ATTACHMENT: (16, "ssB", 4),
+    Opcode.METADATA: (0, "sb"),
+    Opcode.DATA_END: (4, ""),
+}
+"""What the body of a record is made of: a number of bytes, then names (s), bytes (b) and bytes with a long length (B),
+then a number of bytes again.
+"""
+
+
+def parse(opcode: int, body: bytes) -> ParsedRecord | None:
+    """Return the record of a body; None for kinds that are not parsed here. Raises one of UNPARSEABLE."""
+    kind = _TYPES.get(opcode)
+    return None if kind is None else kind.read(ReadDataStream(BytesIO(body)))
+
+
+class Record(NamedTuple):
+    """Where a record is: its opcode, the position of its head, and the length of its body [bytes]."""
+
+    opcode: int
+    position: int
+    length: int
+
+    @property
+    def body(self) -> int:
+        """Position of the body."""
+        return self.position + HEAD.size
+
+    @property
+    def end(self) -> int:
+        """Position behind the record."""
+        return self.body + self.length
+
+
+class RecordFile:
+    """An MCAP file to be read by position; to be used as a context. Raises BagError if it cannot be opened."""
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        try:
+            self._file = os.open(path, os.O_RDONLY)
+            self.size = os.fstat(self._file).st_size
+        except OSError as error:
+            raise BagError(f"{path}: cannot be read: {error.strerror}") from error
+
+    def __enter__(self) -> RecordFile:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, value: BaseException | None, traceback: TracebackType | None
+    ) -> None:
+        os.close(self._file)
+
+    def read(self, position: int, count: int) -> bytes:
+        """Return up to `count` bytes from `position` on."""
+        left = max(0, min(count, self.size - position))
+        try:
+            return os.pread(self._file, left, position) if left else b""
+        except OSError as error:
+            raise BagError(f"{self.path}: cannot be read: {error.strerror}") from error
+
+    def body(self, record: Record) -> bytes:
+        """Return the body of a record."""
+        return self.read(record.body, record.length)
+
+    def record_at(self, position: int) -> Record | None:
+        """Return the record that begins at `position`, whole or cut off by the end of the file; None if none does."""
+        head = self.read(position, HEAD.size)
+        if len(head) < HEAD.size:
+            return None
+        opcode, length = HEAD.unpack(head)
+        stated = Record(opcode, position, length)
+        true_length = self._length_by_parts(stated)
+        if true_length is None:
+            return None
+        if true_length == length:
+            return stated
+        repaired = Record(opcode, position, true_length)  # a damaged length is told by what follows the true one
+        return repaired if repaired.end < self.size and self._begins_record(repaired.end) else None
+
+    def record_of_stated_length(self, position: int) -> Record | None:
+        """Return a record whose parts are damaged, if its length leads to another record; None if it does not."""
+        head = self.read(position, HEAD.size)
+        if len(head) < HEAD.size:
+            return None
+        opcode, length = HEAD.unpack(head)
+        record = Record(opcode, position, length)
+        return record if record.end < self.size and self._begins_record(record.end) else None
+
+    def _begins_record(self, position: int) -> bool:
+        head = self.read(position, HEAD.size)
+        if len(head) < HEAD.size:
+            return False
+        opcode, length = HEAD.unpack(head)
+        return self._length_by_parts(Record(opcode, position, length)) == length
+
+    def _length_by_parts(self, record: Record) -> int | None:
+        """Return the length of a body as its parts add up to it; None where they do not make sense."""
+        if record.opcode in _PARTS:
+            return self._sum(record.body, *_PARTS[record.opcode])
+        if record.opcode == Opcode.MESSAGE:
+            return record.length if MESSAGE_HEAD.size <= record.length <= LARGEST_RECORD else None
+        if record.opcode >= _PRIVATE and record.end < self.size and self._begins_record(record.end):
+            return record.length
+        return None
+
+    def _sum(self, start: int, size: int, parts: str, rest: int = 0) -> int | None:
+        """Return the length of a body of `size` bytes, the parts behind them, and `rest` bytes."""
+        position = start + size
+        for part in parts:
+            form = _LONG_LENGTH if part == "B" else _LENGTH
+            data = self.read(position, form.size)
+            if len(data) < form.size:
+                return None
+            (length,) = form.unpack(data)
+            if length > (_LONGEST_NAME if part == "s" else self.size):
+                return None
+            position += form.size + length
+        return position + rest - start
+
+    def next_chunk(self, position: int) -> int | None:
+        """Return where the next chunk begins, from `position` on; None if there is none."""
+        while position < self.size:
+            block = self.read(position, _SEARCH_BLOCK + _LONGEST_CHUNK_HEAD)
+            for match in _CHUNK.finditer(block, 0, _SEARCH_BLOCK + _LONGEST_CHUNK_HEAD):
+                start = position + match.start()
+                record = self.record_at(start)
+                if record is not None and record.end <= self.size:
+                    return start
+            position += _SEARCH_BLOCK
+        return None
+
+
+def split_chunk(body: bytes) -> tuple[int, int, int, int, str, memoryview]:
+    """Return first and last log time, unpacked size, checksum, compression and packed records of a chunk.
+
+    The last may be cut off. Raises struct.error or ValueError where the head is damaged.
+    """
+    start, end, size, checksum = CHUNK_HEAD.unpack_from(body)
+    (length,) = _LENGTH.unpack_from(body, CHUNK_HEAD.size)
+    name_at = CHUNK_HEAD.size + _LENGTH.size
+    if length > len(body):
+        raise ValueError("the name of its compression is cut off")
+    name = body[name_at : name_at + length].decode("ascii")
+    return start, end, size, checksum, name, memoryview(body)[name_at + length + _LONG_LENGTH.size :]

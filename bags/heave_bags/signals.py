@@ -1,0 +1,92 @@
+"""Sampled signals of a run, and the set of them that its figures are computed from."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+from heave_node.arrays import Array
+
+TIME_ROUNDING = 1e-9
+"""Stamps are whole nanoseconds: windows include their ends to this [s]."""
+
+
+def _empty() -> Array:
+    return np.empty(0)
+
+
+@dataclass
+class Signal:
+    """One sampled scalar: times [s], non-decreasing, and values, both of shape (n,)."""
+
+    time: Array = field(default_factory=_empty)
+    value: Array = field(default_factory=_empty)
+
+    def window(self, start: float, end: float) -> Signal:
+        """Return the part with start <= time <= end (views, no copy)."""
+        first, last = np.searchsorted(self.time, (start - TIME_ROUNDING, end + TIME_ROUNDING))
+        return Signal(self.time[first:last], self.value[first:last])
+
+    def at(self, other: Signal) -> Array:
+        """Return this signal at the times of `other`, linear in between; exact where the stamps agree."""
+        return np.interp(other.time, self.time, self.value)
+
+    @property
+    def size(self) -> int:
+        """Number of samples."""
+        return int(self.time.size)
+
+
+def _signal() -> Signal:
+    return Signal()
+
+
+@dataclass
+class RunSignals:
+    """What the KPIs of a run are computed from; a signal nobody recorded stays empty, and its KPIs are NaN.
+
+    Attributes
+    ----------
+    unit_heave, uncompensated_heave, boom_tip_heave : vertical position, positive up [m]
+    payout, payout_rate, payout_acceleration : of the drum, positive pays out [m], [m/s], [m/s^2]
+    tension : top tension [N]
+    slack : 1 where any part of the cable carries no tension
+    winch_limited : 1 where the winch itself says that a limit acts
+    nis_in_band : 1 where the normalised innovation squared lies inside its 95 % band
+    uncompensated_tension : top tension with the winch locked, or following the programme of depth only [N]
+    static_tension : top tension at rest [N], one sample where the deployed length stays; empty takes the mean tension
+    speed_limit, acceleration_limit : of the winch [m/s], [m/s^2]; infinite when unknown
+    driving_omega : angular frequency of a driven scenario [rad/s]; NaN if the scenario is not driven by one
+        regular motion
+    sensor_bound, actuator_bound : the two bounds in kappa [m]; NaN when unknown
+    real_time_factor, missed_deadlines : of the run as a whole; NaN when unknown
+    loop_age : start of a tick to its last answer, wall time: p50, p99 and largest [s]; NaN when unknown
+    """
+
+    unit_heave: Signal = field(default_factory=_signal)
+    uncompensated_heave: Signal = field(default_factory=_signal)
+    boom_tip_heave: Signal = field(default_factory=_signal)
+    payout: Signal = field(default_factory=_signal)
+    payout_rate: Signal = field(default_factory=_signal)
+    payout_acceleration: Signal = field(default_factory=_signal)
+    tension: Signal = field(default_factory=_signal)
+    uncompensated_tension: Signal = field(default_factory=_signal)
+    static_tension: Signal = field(default_factory=_signal)
+    slack: Signal = field(default_factory=_signal)
+    winch_limited: Signal = field(default_factory=_signal)
+    nis_in_band: Signal = field(default_factory=_signal)
+    speed_limit: float = math.inf
+    acceleration_limit: float = math.inf
+    driving_omega: float = math.nan
+    sensor_bound: float = math.nan
+    actuator_bound: float = math.nan
+    real_time_factor: float = math.nan
+    missed_deadlines: float = math.nan
+    loop_age: tuple[float, float, float] = (math.nan, math.nan, math.nan)
+
+    def static_at(self, tension: Signal) -> Array:
+        """Return the static tension at the samples of a tension [N]: their mean where it is not known."""
+        if self.static_tension.size:
+            return self.static_tension.at(tension)
+        return np.full(tension.size, tension.value.mean() if tension.size else math.nan)

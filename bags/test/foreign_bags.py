@@ -1,0 +1,54 @@
+"""Bags as other recorders write them: without the suite's own records, by another clock, unnumbered."""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Callable, Iterable
+from pathlib import Path
+
+from heave_bags.mcap.qos import to_yaml
+from heave_bags.mcap.reader import Bag, RawMessage
+from mcap.writer import Writer
+
+HOST_TIME = 1_795_000_000_000_000_000
+"""A time of a host's clock [ns]: in the year 2026."""
+PACE = 40
+"""A lockstep run goes so many times faster than its own time."""
+
+
+def by_host_clock(message: RawMessage, chance: random.Random) -> int:
+    """Return when a message of a lockstep run arrives by the host's clock, up to a millisecond late [ns]."""
+    return HOST_TIME + message.log_time // PACE + chance.randrange(400_000)
+
+
+def by_simulated_clock(message: RawMessage, chance: random.Random) -> int:
+    """Return when a message arrives by /clock, which may still stand at the tick before [ns]."""
+    tick = 50_000_000
+    return max(message.log_time - tick * chance.randrange(2), 1)
+
+
+def write_foreign(
+    source: Path,
+    folder: Path,
+    log_time: Callable[[RawMessage, random.Random], int],
+    *,
+    without: Iterable[str] = (),
+) -> Path:
+    """Write the messages of a bag as another recorder would have, in the order of their arrival."""
+    chance = random.Random(1)
+    bag = Bag(source)
+    arrivals = sorted(((log_time(message, chance), message) for message in bag.messages()), key=lambda pair: pair[0])
+    folder.mkdir(parents=True)
+    with (folder / f"{folder.name}_0.mcap").open("wb") as stream:
+        writer = Writer(stream)
+        writer.start(profile="ros2", library="rosbag2 0.29")
+        channels = {}
+        for name, topic in bag.topics.items():
+            schema = writer.register_schema(topic.type, "ros2msg", topic.schema.encode())
+            metadata = {"offered_qos_profiles": to_yaml(topic.qos)}
+            channels[name] = writer.register_channel(name, "cdr", schema, metadata)
+        for time, message in arrivals:
+            if message.topic not in without:
+                writer.add_message(channels[message.topic], time, message.data, time)
+        writer.finish()
+    return folder

@@ -1,0 +1,84 @@
+"""What `heave bench` measured, as tables for people."""
+
+from __future__ import annotations
+
+import importlib.util
+import math
+import os
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from rich.table import Table
+
+from heave_bringup.output import make_table
+
+HOW_TO_GET_THE_PEER = "MoorDyn is not installed; to measure beside it: pip install moordyn (the extra bench of heave)"
+
+
+def has_peer() -> bool:
+    """Tell whether MoorDyn, the peer of the plant, is installed."""
+    return importlib.util.find_spec("moordyn") is not None
+
+
+def tables(result: Mapping[str, Any]) -> list[Table | str]:
+    """Return what is to be printed for the parts that were measured."""
+    return [line for part, make in _PARTS.items() if part in result for line in make(result[part])]
+
+
+def _plant(rows: list[dict[str, Any]]) -> list[Table | str]:
+    columns = ["plant", "ms per simulated s", "times real time", "error %", "MoorDyn's time over ours"]
+    table = make_table(
+        columns,
+        [
+            [
+                f"{row['segments']} segments",
+                f"{row['ms_per_simulated_s']:.3f}",
+                f"{1e3 / row['ms_per_simulated_s']:.0f}",
+                f"{row['error_percent']:.4f}",
+                f"{row['ratio_to_moordyn']:.1f}" if math.isfinite(row["ratio_to_moordyn"]) else "-",
+            ]
+            for row in rows
+        ],
+    )
+    return [table] if all(math.isfinite(row["ratio_to_moordyn"]) for row in rows) else [table, HOW_TO_GET_THE_PEER]
+
+
+def _loop(values: dict[str, Any]) -> list[Table | str]:
+    used = values["cpu_ms_per_tick"]
+    total = sum(used.values())
+    floor = total / (os.cpu_count() or 1)
+    head = (
+        f"loop over ROS, {values['processes']} processes, recorded: {values['ticks_per_s']:.0f} ticks/s, "
+        f"{values['real_time_factor']:.1f} x real time, loop age p50 {1e3 * values['loop_age_p50_s']:.2f} ms, "
+        f"p99 {1e3 * values['loop_age_p99_s']:.2f} ms"
+    )
+    rows = [[name, f"{milliseconds:.3f}"] for name, milliseconds in [*used.items(), ("together", total)]]
+    bound = f"that allows at most {1e3 / floor:.0f} ticks/s on this machine"
+    return [head, make_table(["process", "ms processor time per tick"], rows), bound]
+
+
+def _controller(rows: list[dict[str, Any]]) -> list[Table | str]:
+    return [
+        make_table(
+            ["controller", "step p50 ms", "p99 ms", "max ms"],
+            [
+                [row["law"], *(f"{1e3 * row[key]:.3f}" for key in ("step_p50_s", "step_p99_s", "step_max_s"))]
+                for row in rows
+            ],
+        )
+    ]
+
+
+def _recorder(values: dict[str, Any]) -> list[Table | str]:
+    return [
+        f"recorder: {values['messages_per_s']:.0f} messages/s of 1 kB, {values['dropped']:.0f} of "
+        f"{values['sent']:.0f} dropped, {values['cpu_us_per_message']:.1f} us processor time each"
+    ]
+
+
+_PARTS: dict[str, Callable[[Any], list[Table | str]]] = {
+    "plant": _plant,
+    "loop": _loop,
+    "controller": _controller,
+    "recorder": _recorder,
+}

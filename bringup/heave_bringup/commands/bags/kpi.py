@@ -1,0 +1,49 @@
+"""`heave kpi`: the figures of merit of bags."""
+
+from __future__ import annotations
+
+import argparse
+import math
+from pathlib import Path
+
+from heave_node.parameters import ParameterError
+
+from heave_bringup.commands.arguments import add_bags
+from heave_bringup.commands.command import Command
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the command's own arguments."""
+    add_bags(parser)
+    parser.add_argument("--window", type=float, metavar="S", help="figures of each S seconds of the run as well")
+    parser.add_argument("--table", type=Path, metavar="FILE", help="write the figures to a .csv or .parquet file")
+
+
+def execute(options: argparse.Namespace) -> None:
+    """Print the figures of one bag, or of several side by side, and of windows over time."""
+    from heave_bags.analyse import analysis
+
+    from heave_bringup.bag_paths import bag_folders
+    from heave_bringup.output import check_output, write_result
+    from heave_bringup.run.records import read_records
+
+    check_output("--table", options.table, analysis.TABLE_ENDINGS)
+    if options.window is not None and not 0.0 < options.window < math.inf:
+        raise ParameterError(f"--window {options.window:g}: must be a number above 0 [s]")
+    records = read_records(bag_folders(options.bags), scenario=options.scenario, transient=options.transient)
+    results = [analysis.to_json(record, options.window) for record in records]
+    text = analysis.table(records)
+    if options.window is not None:
+        text = "\n\n".join([text, *(analysis.window_table(record, options.window) for record in records)])
+    if options.table is not None:
+        analysis.save_frame(analysis.kpi_frame(records, options.window), options.table)
+    write_result(options, text, results[0] if len(results) == 1 else {"runs": results})
+
+
+COMMAND = Command(
+    name="kpi",
+    summary="Print the figures of merit of one or several bags, side by side.",
+    examples=("heave kpi runs/b2_calm_300-001/bag --window 60 --table kpis.csv",),
+    add_arguments=add_arguments,
+    execute=execute,
+)

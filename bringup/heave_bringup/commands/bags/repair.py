@@ -1,0 +1,48 @@
+"""`heave repair`: what can still be read of a damaged bag."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from heave_bringup.commands.command import Command
+from heave_bringup.errors import CommandError
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the command's own arguments."""
+    parser.add_argument("bag", metavar="BAG", type=Path, help="bag folder, folder of a run, or MCAP file")
+    chosen = parser.add_mutually_exclusive_group(required=True)
+    chosen.add_argument("--output", type=Path, metavar="DIR", help="folder of the sound bag")
+    chosen.add_argument("--reindex", action="store_true", help="write metadata.yaml anew, in place")
+
+
+def execute(options: argparse.Namespace) -> None:
+    """Save or index, and name the loss."""
+    from heave_bags.mcap.repair import reindex, repair
+
+    from heave_bringup.bag_paths import bag_folders
+    from heave_bringup.output import write_result
+    from heave_bringup.progress import ProgressLine
+
+    (source,) = bag_folders([options.bag])
+    if options.reindex:
+        bag = reindex(source)
+        text = f"{bag.path}: indexed, {bag.message_count} messages"
+        write_result(options, text, {"bag": str(bag.path), "messages": bag.message_count, "losses": []})
+        return
+    with ProgressLine() as progress:
+        saved = repair(source, options.output, progress=lambda share: progress.show("saving", share))
+    if not saved.messages:
+        raise CommandError(f"{source}: nothing in it can be read")
+    losses = [str(loss) for loss in saved.losses]
+    write_result(options, str(saved), {"bag": str(saved.folder), "messages": saved.messages, "losses": losses})
+
+
+COMMAND = Command(
+    name="repair",
+    summary="Save what can be read of a damaged bag into a sound one, or index a folder anew; say what is lost.",
+    examples=("heave repair damaged/bag --output saved",),
+    add_arguments=add_arguments,
+    execute=execute,
+)

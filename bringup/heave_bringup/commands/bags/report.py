@@ -1,0 +1,41 @@
+"""`heave report`: the HTML report of bags."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from heave_bringup.commands.arguments import add_bags
+from heave_bringup.commands.command import Command
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the command's own arguments."""
+    add_bags(parser)
+    parser.add_argument("--output", type=Path, metavar="FILE", help="default: report.html beside the first bag")
+
+
+def execute(options: argparse.Namespace) -> None:
+    """Write the report and say where it is."""
+    from heave_bags.analyse import analysis
+    from heave_bags.analyse.report import save_report
+
+    from heave_bringup.bag_paths import bag_folders
+    from heave_bringup.output import write_result
+    from heave_bringup.run.records import read_records
+
+    bags = bag_folders(options.bags)
+    output = options.output or bags[0].parent / "report.html"
+    records = read_records(bags, scenario=options.scenario, transient=options.transient)
+    save_report(records, output)
+    text = "\n".join([analysis.table(records), "", f"report    {output.resolve()}"])
+    write_result(options, text, {"report": str(output.resolve()), "runs": [analysis.to_json(r) for r in records]})
+
+
+COMMAND = Command(
+    name="report",
+    summary="Write the HTML report of one or several bags: one file that opens offline.",
+    examples=("heave report runs/b2_calm_300-001/bag --output report.html",),
+    add_arguments=add_arguments,
+    execute=execute,
+)

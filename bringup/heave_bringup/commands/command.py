@@ -1,0 +1,27 @@
+"""What every subcommand of `heave` says of itself."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Callable
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Command:
+    """A subcommand.
+
+    Attributes
+    ----------
+    name : as given on the command line
+    summary : what it does, in one sentence
+    examples : command lines that a user may try
+    execute : does it; raises CommandError, ParameterError or BagError, in one line, where it cannot
+    add_arguments : adds its own arguments to its parser; those that every command has are there already
+    """
+
+    name: str
+    summary: str
+    examples: tuple[str, ...]
+    execute: Callable[[argparse.Namespace], None]
+    add_arguments: Callable[[argparse.ArgumentParser], object] = lambda parser: None  # noqa: ARG005

@@ -1,0 +1,1 @@
+"""Commands that compute with the models behind a scenario, without a run."""

@@ -1,0 +1,83 @@
+"""`heave modes`: natural periods and mode shapes of cable and unit, and where a lowering meets resonance."""
+
+from __future__ import annotations
+
+import argparse
+from dataclasses import replace
+from pathlib import Path
+
+from heave_node.parameters import ParameterError
+
+from heave_bringup.commands.arguments import add_scenario
+from heave_bringup.commands.command import Command
+from heave_bringup.errors import CommandError
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the command's own arguments."""
+    add_scenario(parser)
+    for name, metavar, text in (
+        ("--length", "M", "cable out (default: the scenario's)"),
+        ("--longest", "M", "greatest length of the resonance map (default: the cable out)"),
+        ("--period", "S", "period whose resonant length is sought (default: the sea's peak period)"),
+        ("--amplitude", "M", "boom-tip amplitude for which drag is made linear (default: 0.5)"),
+    ):
+        parser.add_argument(name, type=float, metavar=metavar, help=text)
+    parser.add_argument("--modes", type=int, default=4, metavar="N", help="modes of each kind (default: 4)")
+    parser.add_argument("--picture", type=Path, metavar="FILE", help="PNG or SVG (default: SCENARIO_modes.svg)")
+
+
+def execute(options: argparse.Namespace) -> None:
+    """Print natural periods and resonant length; draw mode shapes and the resonance map."""
+    from cable_sim_node.errors import PlantError
+    from cable_sim_node.line.step import evaluate
+    from cable_sim_node.reports.modes import modes_report
+    from cable_sim_node.reports.report import PICTURE_ENDINGS, save_picture
+    from heave_node.compiled import is_compiled
+
+    from heave_bringup.output import check_output, write_result
+    from heave_bringup.progress import ProgressLine
+    from heave_bringup.scenarios import check_lengths, load_scenario
+
+    check_output("--picture", options.picture, PICTURE_ENDINGS)
+    _check_options(options)
+    for name in ("length", "longest"):
+        if getattr(options, name) is not None:
+            check_lengths(f"--{name}", [getattr(options, name)])
+    scenario = load_scenario(options.scenario, settings=options.set)
+    plant, sea = scenario.parameters["cable_sim"], scenario.parameters["wave_vessel"]
+    if options.length is not None:
+        plant = replace(plant, length=options.length)
+    sea_period = sea.period if sea.boom_tip_source == "regular" else sea.peak_period
+    if not is_compiled(evaluate):
+        ProgressLine().tell("compiling the plant: some seconds, once after an installation")
+    try:
+        report = modes_report(
+            plant,
+            sea_period=options.period or sea_period,
+            amplitude=options.amplitude or 0.5,
+            count=options.modes,
+            longest=options.longest,
+            boom_tip=(0.0, 0.0, plant.boom_tip_height),
+        )
+    except PlantError as error:
+        raise CommandError(f"{scenario.path}: {error}") from error
+    picture = options.picture or Path(f"{scenario.name}_modes.svg")
+    save_picture(report, picture)
+    write_result(options, f"{report.table()}\n\npicture   {picture.resolve()}", report.values())
+
+
+def _check_options(options: argparse.Namespace) -> None:
+    for name in ("period", "amplitude", "modes"):
+        value = getattr(options, name)
+        if value is not None and not 0.0 < value < float("inf"):
+            raise ParameterError(f"--{name} {value:g}: must be a number above 0")
+
+
+COMMAND = Command(
+    name="modes",
+    summary="Print and draw natural periods and mode shapes of cable and unit, and the lengths at which they resonate.",
+    examples=("heave modes b3_deep_900", "heave modes b6_resonance_payout --period 10 --longest 900"),
+    add_arguments=add_arguments,
+    execute=execute,
+)

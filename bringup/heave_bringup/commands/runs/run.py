@@ -1,0 +1,112 @@
+"""`heave run`: run a scenario, check that the bag is complete, print its figures of merit, write the report."""
+
+from __future__ import annotations
+
+import argparse
+import importlib
+import threading
+from collections.abc import Sequence
+from pathlib import Path
+
+from heave_node.parameters import ParameterError
+from heave_node.run_parameters import LOCKSTEP, REALTIME
+from heave_node.scenario import WILDCARD
+
+from heave_bringup.commands.arguments import add_network, add_scenario
+from heave_bringup.commands.command import Command
+from heave_bringup.nodes import NODE_BY_NAME
+from heave_bringup.settings import Setting
+
+EVALUATION = "heave_bringup.run.evaluation"
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the command's own arguments."""
+    add_scenario(parser)
+    parser.add_argument("--pacing", choices=(LOCKSTEP, REALTIME), help="as fast as possible, or against the wall clock")
+    parser.add_argument("--duration", type=float, metavar="S", help="simulated seconds")
+    parser.add_argument("--seed", type=int, metavar="N", help="seed of every random number")
+    parser.add_argument(
+        "--bag", type=Path, metavar="DIR", help="folder for the bag and the report (default: runs/SCENARIO-NNN)"
+    )
+    parser.add_argument(
+        "--external",
+        action="append",
+        default=[],
+        metavar="NODE",
+        choices=tuple(NODE_BY_NAME),
+        help="do not start NODE: hardware or another program takes its place (real time)",
+    )
+    parser.add_argument(
+        "--from-bag",
+        action="append",
+        default=[],
+        metavar="NODE=BAG",
+        help="play what NODE published in BAG in its place; the other nodes run live",
+    )
+    add_network(parser)
+    parser.add_argument("--no-report", action="store_true", help="leave out the HTML report")
+
+
+def execute(options: argparse.Namespace) -> None:
+    """Run, check, analyse, report."""
+    from heave_bringup.network import set_up_transport
+    from heave_bringup.output import write_result
+    from heave_bringup.run.run import new_run_folder, run_scenario
+    from heave_bringup.scenarios import load_scenario
+
+    set_up_transport(network=options.network)
+    scenario = load_scenario(options.scenario, settings=[*options.set, *_own_settings(options)])
+    folder = new_run_folder(scenario.name, options.bag)
+    # What judges the run takes seconds to load: time that the nodes need to find each other.
+    threading.Thread(target=importlib.import_module, args=(EVALUATION,)).start()
+    outcome = run_scenario(scenario, folder, substitutes=_substitutes(options.from_bag))
+    evaluation = importlib.import_module(EVALUATION)
+    if scenario.run.is_lockstep:
+        evaluation.check_complete(folder.bag, outcome.status)
+    report = None if options.no_report else folder.report
+    table, figures = evaluation.evaluate(folder.bag, report)
+    places = [f"scenario  {scenario.path}", f"bag       {folder.bag}", *([f"report    {report}"] if report else [])]
+    text = "\n".join([table, "", *_alarm_lines(outcome.alarms), *places])
+    write_result(options, text, {**figures, "alarms": outcome.alarms, "folder": str(folder.path)})
+
+
+def _own_settings(options: argparse.Namespace) -> list[Setting]:
+    """Return the command's own options as changes of the scenario."""
+    settings = [
+        Setting(WILDCARD, name, value, f"--{name} {value}")
+        for name in ("pacing", "duration", "seed")
+        if (value := getattr(options, name)) is not None
+    ]
+    if options.external:
+        source = " ".join(f"--external {node}" for node in options.external)
+        settings.append(Setting(WILDCARD, "external", options.external, source))
+    return settings
+
+
+def _substitutes(settings: Sequence[str]) -> dict[str, Path]:
+    """Return which bag is played in whose place, from the command's NODE=BAG texts."""
+    from heave_bringup.bag_paths import bag_folders
+
+    chosen: dict[str, Path] = {}
+    for setting in settings:
+        node, _, bag = setting.partition("=")
+        if node not in NODE_BY_NAME or not bag:
+            raise ParameterError(f"--from-bag {setting}: must be NODE=BAG, NODE one of {', '.join(NODE_BY_NAME)}")
+        (chosen[node],) = bag_folders([Path(bag).resolve()])
+        if not chosen[node].exists():
+            raise ParameterError(f"--from-bag {setting}: there is no {bag}")
+    return chosen
+
+
+def _alarm_lines(alarms: Sequence[str]) -> list[str]:
+    return ["errors that the nodes reported:", *(f"  {alarm}" for alarm in alarms), ""] if alarms else []
+
+
+COMMAND = Command(
+    name="run",
+    summary="Run a scenario: start its nodes, record every topic, print the figures of merit, write a report.",
+    examples=("heave run b2_calm_300 --duration 600 --set system.sea.peak_period=7",),
+    add_arguments=add_arguments,
+    execute=execute,
+)

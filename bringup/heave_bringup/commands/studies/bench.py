@@ -1,0 +1,62 @@
+"""`heave bench`: how fast the suite is on this machine, beside a peer where there is one."""
+
+from __future__ import annotations
+
+import argparse
+import math
+import os
+from typing import Any
+
+from heave_node.parameters import ParameterError
+
+from heave_bringup.commands.command import Command
+
+PARTS = ("plant", "loop", "controller", "recorder")
+SEGMENTS = (20, 50, 100, 200)
+LONGEST_RECORDING = 20.0
+"""The recorder's load is constant: more of it says nothing new [s]."""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the command's own arguments."""
+    parser.add_argument("--only", nargs="+", choices=PARTS, default=PARTS, metavar="PART", help=", ".join(PARTS))
+    parser.add_argument("--seconds", type=float, default=120.0, metavar="S", help="length of each measurement")
+
+
+def execute(options: argparse.Namespace) -> None:
+    """Measure what was asked for, one after the other, and print it."""
+    from heave_bringup.bench.report import has_peer, tables
+    from heave_bringup.output import write_result
+    from heave_bringup.progress import ProgressLine
+
+    if not 0.0 < options.seconds < math.inf:
+        raise ParameterError(f"--seconds {options.seconds:g}: must be a number above 0")
+    result: dict[str, Any] = {"processors": os.cpu_count()}
+    with ProgressLine() as progress:
+        if "plant" in options.only:
+            from cable_sim_node.peers.benchmark import measure_plant
+
+            progress.show("plant: beside MoorDyn" if has_peer() else "plant")
+            result["plant"] = measure_plant(SEGMENTS, peer=has_peer())
+        if "loop" in options.only:
+            from heave_bringup.bench.loop import measure_loop
+
+            result["loop"] = measure_loop(options.seconds, progress.show)
+        if "controller" in options.only:
+            from heave_bringup.bench.controller import measure_controller
+
+            result["controller"] = measure_controller(options.seconds, progress.show)
+        if "recorder" in options.only:
+            from heave_bringup.bench.recorder import measure_recorder
+
+            result["recorder"] = measure_recorder(min(options.seconds, LONGEST_RECORDING), progress.show)
+    write_result(options, tables(result), result)
+
+
+COMMAND = Command(
+    name="bench",
+    summary="Measure the speed of plant (beside MoorDyn), loop over ROS, controller and recorder on this machine.",
+    examples=("heave bench --only loop controller --json bench.json",),
+    add_arguments=add_arguments,
+    execute=execute,
+)

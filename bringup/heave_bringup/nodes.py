@@ -1,0 +1,44 @@
+"""The nodes of the suite: where each one's process and parameter set are. One definition for launching and checking."""
+
+from __future__ import annotations
+
+import importlib
+from dataclasses import dataclass
+from typing import Any
+
+MASTER = "cable_sim"
+
+
+@dataclass(frozen=True)
+class NodeEntry:
+    """A node of the suite.
+
+    Attributes
+    ----------
+    name : node name
+    module : that runs it (`python -m module`)
+    parameters : its parameter set, as "module:class"
+    """
+
+    name: str
+    module: str
+    parameters: str
+
+    def parameters_type(self) -> type[Any]:
+        """Return the parameter set's class; imported only when asked for, since plants and controllers are heavy."""
+        module, name = self.parameters.split(":")
+        return getattr(importlib.import_module(module), name)  # type: ignore[no-any-return]
+
+
+NODES: tuple[NodeEntry, ...] = (
+    NodeEntry("cable_sim", "cable_sim_node.node", "cable_sim_node.node_parameters:CableSimNodeParameters"),
+    NodeEntry("wave_vessel", "wave_vessel_node.node", "wave_vessel_node.parameters:WaveVesselParameters"),
+    NodeEntry("virtual_winch", "cable_sim_node.winch_node", "cable_sim_node.winch.parameters:WinchParameters"),
+    NodeEntry(
+        "winch_controller",
+        "winch_controller_node.node",
+        "winch_controller_node.parameters.controller:WinchControllerParameters",
+    ),
+    NodeEntry("recorder", "heave_bags.record.recorder_node", "heave_bags.record.parameters:RecorderParameters"),
+)
+NODE_BY_NAME = {node.name: node for node in NODES}

@@ -1,0 +1,55 @@
+"""A scenario as a run stores it: every value in force, each said once, and fit to be run again."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from heave_node.criteria import WANTED
+from heave_node.parameters import ParameterError, Value, describe, flatten
+from heave_node.scenario import WILDCARD, Sections
+from heave_node.system_parameters import owned_names, system_names
+
+from heave_bringup.nodes import NODES
+from heave_bringup.scenarios import Scenario, description_of
+
+
+def stored_sections(scenario: Scenario) -> Sections:
+    """Return all values of a scenario as sections of a parameter file.
+
+    `/**` holds the run, the system and what is wanted; a node's section holds its own parameters, and of the shared
+    ones those in which it differs from the system.
+
+    Raises ParameterError for an empty list where the default is not empty: a ROS 2 parameter file cannot hold one.
+    """
+    own = {node.name: flatten(scenario.parameters[node.name]) for node in NODES}
+    system: dict[str, Value] = {}
+    for node, values in own.items():
+        system |= {name: values[mine] for name, mine in owned_names(node, values).items()}
+    for node, values in own.items():
+        for name, mine in system_names(node, values).items():
+            if values[mine] == system[name]:
+                del values[mine]
+    shared: dict[str, object] = {**flatten(scenario.run), **dict(sorted(system.items()))}
+    shared |= {f"{WANTED}{criterion.kpi}": criterion.text for criterion in scenario.wanted}
+    _refuse_lost_lists(scenario)
+    sections: Sections = {WILDCARD: shared}
+    for node, values in own.items():
+        sections[f"{WILDCARD}/{node}"] = dict(values)
+    return sections
+
+
+def stored_title(scenario: Scenario) -> str:
+    """Return the comment at the top of a stored scenario."""
+    return f"{description_of(scenario.path) or scenario.name}\nAll values in force in one run, defaults among them."
+
+
+def _refuse_lost_lists(scenario: Scenario) -> None:
+    sets: dict[str, Any] = {WILDCARD: scenario.run, **scenario.parameters}
+    for node, parameters in sets.items():
+        values = flatten(parameters)
+        for info in describe(type(parameters)):
+            if values[info.name] == () and info.default != ():
+                raise ParameterError(
+                    f"{scenario.path}: {node}: {info.name} = [] is not possible: ROS 2 has no empty lists in parameter "
+                    f"files; its default is {list(info.default)}"  # type: ignore[arg-type]
+                )

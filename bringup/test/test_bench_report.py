@@ -1,0 +1,30 @@
+"""What `heave bench` prints of its measurements."""
+
+import math
+
+from heave_bringup.bench.report import HOW_TO_GET_THE_PEER, tables
+
+ROW = {"segments": 20, "ms_per_simulated_s": 2.0, "error_percent": 0.05, "ratio_to_moordyn": 11.0}
+
+
+def test_without_the_peer_one_line_says_what_to_install():
+    (_, line) = tables({"plant": [{**ROW, "ratio_to_moordyn": math.nan}]})
+    assert line == HOW_TO_GET_THE_PEER
+    assert "pip install moordyn" in line
+    assert "\n" not in line
+    assert len(tables({"plant": [ROW]})) == 1
+
+
+def test_the_processes_of_the_loop_bound_its_speed():
+    loop = {
+        "processes": 2,
+        "ticks_per_s": 400.0,
+        "real_time_factor": 20.0,
+        "loop_age_p50_s": 1e-3,
+        "loop_age_p99_s": 2e-3,
+        "cpu_ms_per_tick": {"a": 1.0, "b": 3.0},
+    }
+    head, table, bound = tables({"loop": loop})
+    assert head.startswith("loop over ROS, 2 processes, recorded: 400 ticks/s, 20.0 x real time")
+    assert table.row_count == 3
+    assert bound.startswith("that allows at most ")

@@ -1,0 +1,49 @@
+"""Every command line in the documents and in the help is one that the command takes."""
+
+from __future__ import annotations
+
+import re
+import shlex
+from pathlib import Path
+
+import pytest
+from heave_bringup.parser import COMMANDS, make_parser
+from heave_bringup.scenarios import load_scenario, shipped_scenarios
+
+REPOSITORY = Path(__file__).parents[2]
+DOCUMENTS = sorted([*REPOSITORY.glob("*.md"), *REPOSITORY.glob("*/README.md")])
+PLACEHOLDER = re.compile(r"\b(SCENARIO|BAG|CAMPAIGN|FILE|COMMAND|NODE|PARAM|DIR|NAME)\b|\.\.\.|--help")
+
+
+def command_lines(text: str) -> list[str]:
+    """Return what stands as a `heave` command in a block or between backquotes, a comment after it taken off."""
+    between = re.findall(r"`(heave [^`]*)`", text.replace("\n", " "))
+    in_blocks = [line for block in re.findall(r"```sh\n(.*?)```", text, re.S) for line in block.splitlines()]
+    lines = [*between, *(line for line in in_blocks if line.startswith("heave "))]
+    return [line for line in lines if not PLACEHOLDER.search(line) and len(line.split()) > 1]
+
+
+DOCUMENTED = sorted({line for path in DOCUMENTS for line in command_lines(path.read_text(encoding="utf-8"))})
+
+
+@pytest.mark.parametrize("line", [*(example for command in COMMANDS for example in command.examples), *DOCUMENTED])
+def test_a_documented_command_line_is_understood(line: str) -> None:
+    arguments = shlex.split(line, comments=True)[1:]
+    if len(arguments) == 1 and arguments[0] != "list":
+        assert arguments[0] in {command.name for command in COMMANDS}  # the command is named, not given
+        return
+    options = make_parser().parse_args(arguments)
+    if options.command in ("run", "static", "design", "identify"):
+        name = options.scenario if options.command != "identify" else options.source
+        load_scenario(name, settings=options.set)
+
+
+def test_there_are_documented_command_lines() -> None:
+    assert len(DOCUMENTED) > 10
+
+
+@pytest.mark.parametrize("name", sorted(shipped_scenarios()))
+def test_a_setting_that_a_scenario_recommends_is_one_that_it_takes(name: str) -> None:
+    comments = [line for line in shipped_scenarios()[name].read_text().splitlines() if line.startswith("#")]
+    settings = re.findall(r"--set (\S+)", " ".join(comments))
+    load_scenario(name, settings=settings)

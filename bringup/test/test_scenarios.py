@@ -1,0 +1,216 @@
+"""Scenarios: a file, the user's changes on top of it, and what is refused."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from heave_bringup.scenarios import load_scenario, make_scenario, shipped_scenarios
+from heave_bringup.settings import Setting, make_setting, parse_setting
+from heave_bringup.stored_scenario import stored_sections, stored_title
+from heave_node.criteria import Criterion
+from heave_node.parameters import ParameterError, flatten
+from heave_node.scenario import read_sections, write_sections
+from heave_node.system_parameters import system_names
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+OLD_FORM = """
+/**: {ros__parameters: {seed: 4}}
+wave_vessel: {ros__parameters: {peak_period: 9.0}}
+winch_controller: {ros__parameters: {sea: {peak_period: 9.0}}}
+"""
+
+
+@pytest.fixture
+def file(tmp_path: Path) -> Path:
+    return tmp_path / "own.yaml"
+
+
+def sea_periods(scenario):
+    return scenario.parameters["wave_vessel"].peak_period, scenario.parameters["winch_controller"].sea.peak_period
+
+
+def test_a_change_of_the_system_changes_the_sea_and_the_belief_of_it_and_a_change_of_a_node_the_truth_alone() -> None:
+    assert sea_periods(load_scenario("b2_calm_300", settings=["system.sea.peak_period=8"])) == (8.0, 8.0)
+    assert sea_periods(load_scenario("b2_calm_300", settings=["wave_vessel.peak_period=8"])) == (8.0, 6.0)
+    assert sea_periods(load_scenario("b2_calm_300", settings=["winch_controller.sea.peak_period=8"])) == (6.0, 8.0)
+
+
+@pytest.mark.parametrize(
+    ("setting", "node", "name", "value"),
+    [
+        ("system.length=310", "cable_sim", "length", 310.0),
+        ("system.length=310", "winch_controller", "length", 310.0),
+        ("system.winch.speed_limit=1.5", "virtual_winch", "speed_limit", 1.5),
+        ("system.winch.speed_limit=1.5", "winch_controller", "winch.speed_limit", 1.5),
+        ("system.unit.added_mass=[1, 2, 3]", "cable_sim", "unit.added_mass", (1.0, 2.0, 3.0)),
+        ("system.unit.added_mass=[1, 2, 3]", "winch_controller", "unit.added_mass", (1.0, 2.0, 3.0)),
+        ("system.boom_tip_height=15", "wave_vessel", "boom_tip_height", 15.0),
+        ("system.boom_tip_height=15", "cable_sim", "boom_tip_height", 15.0),
+        ("system.vessel.pitch_gain=1", "wave_vessel", "vessel.pitch_gain", 1.0),
+        ("system.sensors.mru.noise=0.05", "wave_vessel", "mru.noise", 0.05),
+        ("system.sensors.mru.noise=0.05", "winch_controller", "sensors.mru.noise", 0.05),
+    ],
+)
+def test_a_shared_value_reaches_every_node_that_has_it(setting, node, name, value) -> None:
+    assert flatten(load_scenario("b2_calm_300", settings=[setting]).parameters[node])[name] == value
+
+
+def test_a_file_of_the_old_form_is_read_as_before(file) -> None:
+    file.write_text(OLD_FORM)
+    scenario = load_scenario(str(file))
+    assert scenario.run.seed == 4
+    assert sea_periods(scenario) == (9.0, 9.0)
+
+
+def test_a_section_may_name_its_node_in_any_namespace_or_in_none(file) -> None:
+    for section in ("wave_vessel", "/wave_vessel", "/**/wave_vessel"):
+        file.write_text(f"{section}: {{ros__parameters: {{peak_period: 9.0}}}}\n")
+        assert sea_periods(load_scenario(str(file))) == (9.0, 8.0)
+
+
+@pytest.mark.parametrize("setting", ["system.sea.peak_period=8", "all.seed=5"])
+def test_a_change_for_all_nodes_that_one_of_them_would_not_take_is_refused(file, setting) -> None:
+    file.write_text(OLD_FORM)
+    if setting.startswith("all"):
+        assert load_scenario(str(file), settings=[setting]).run.seed == 5
+        return
+    with pytest.raises(ParameterError) as refusal:
+        load_scenario(str(file), settings=[setting])
+    assert str(refusal.value) == (
+        f"--set {setting}: {file}: /wave_vessel: peak_period = 9.0 stands there and wins; set wave_vessel.peak_period "
+        "as well"
+    )
+    both = [setting, "wave_vessel.peak_period=7", "winch_controller.sea.peak_period=6"]
+    assert sea_periods(load_scenario(str(file), settings=both)) == (7.0, 6.0)
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("wave_vesel: {ros__parameters: {a: 1}}", "there is no node wave_vesel; did you mean /**/wave_vessel?"),
+        ("/ship/wave_vessel: {ros__parameters: {a: 1}}", "there is no node ship/wave_vessel; did you mean /**/wave_v"),
+        ("/**: {ros__parameters: {length: 3.0}}", "/**: there is no parameter length; did you mean system.length?"),
+        ("/**: {ros__parameters: {system: {sea: {peak: 3.0}}}}", "/**: there is no parameter system.sea.peak; did"),
+        ("cable_sim: {ros__parameters: {seed: 3}}", "/cable_sim: all nodes share seed: it stands under /**"),
+        ("cable_sim: {ros__parameters: {system: {length: 3.0}}}", "/cable_sim: all nodes share system.length: it"),
+        ("cable_sim: {ros__parameters: {wanted: {kappa: '< 2'}}}", "/cable_sim: all nodes share wanted.kappa: it"),
+        ("/**: {ros__parameters: {wanted: {kappa: 2}}}", "/**: wanted.kappa = 2 is not allowed"),
+        (
+            "cable_sim: {ros__parameters: {length: 3.0}}\n/**/cable_sim: {ros__parameters: {length: 4.0}}",
+            "length stands twice, in two sections for cable_sim",
+        ),
+        (
+            "/**: {ros__parameters: {system: {vessel: {gain: 0.0}}}}",
+            "/**: system.vessel.gain = 0.0 is not allowed for winch_controller: it must be a number from 0.001 to 10",
+        ),
+        (
+            "winch_controller: {ros__parameters: {winch: {payout_minimum: 60.0}}}",
+            "own.yaml: winch_controller: winch.payout_minimum = 60 m must be below",
+        ),
+    ],
+)
+def test_what_is_wrong_with_a_file_is_told_in_one_line(file, text, words) -> None:
+    file.write_text(text)
+    with pytest.raises(ParameterError) as refusal:
+        load_scenario(str(file))
+    assert str(refusal.value).startswith(str(file))
+    assert words in str(refusal.value)
+    assert "\n" not in str(refusal.value)
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("wave_vessel.peak_period", "must be NODE.PARAM=VALUE, for example system.sea.peak_period=9"),
+        ("peak_period=9", "peak_period is no parameter; write NODE.PARAM or system.PARAM"),
+        ("wave_vesel.peak_period=9", "there is no node wave_vesel; did you mean wave_vessel?"),
+        ("xyz.peak_period=9", "there is no node xyz; known: system, wanted, all, cable_sim"),
+        ("wave_vessel.peak_period=[1", "'[1' is no YAML value"),
+        ("wave_vessel.peak_perid=9", "there is no parameter peak_perid; did you mean peak_period?"),
+        (
+            "system.sea.peak_perid=9",
+            "there is no parameter system.sea.peak_perid; did you mean system.sea.peak_period?",
+        ),
+        ("all.length=9", "there is no parameter length; did you mean system.length?"),
+        ("wave_vessel.peak_period=99", "peak_period = 99.0 is not allowed: it must be a number from 1 to 40 [s]"),
+        ("cable_sim.seed=2", "all nodes share seed: it stands under /**"),
+    ],
+)
+def test_what_is_wrong_with_a_setting_is_told_with_the_setting(text, words) -> None:
+    with pytest.raises(ParameterError) as refusal:
+        load_scenario("b2_calm_300", settings=[text])
+    assert str(refusal.value).startswith(f"--set {text}: ")
+    assert words in str(refusal.value)
+    assert "\n" not in str(refusal.value)
+
+
+def test_what_contradicts_itself_is_told_with_the_settings_that_take_part() -> None:
+    with pytest.raises(ParameterError) as refusal:
+        load_scenario("b2_calm_300", settings=["wave_vessel.boom_tip_source=file"])
+    assert ": wave_vessel with --set wave_vessel.boom_tip_source=file: boom_tip_source = file needs" in str(
+        refusal.value
+    )
+
+
+def test_settings_name_nodes_the_system_the_run_and_criteria() -> None:
+    assert parse_setting("cable_sim.length=3") == Setting("cable_sim", "length", 3, "--set cable_sim.length=3")
+    assert make_setting("system.length", 3, "x") == Setting("/**", "system.length", 3, "x")
+    assert make_setting("all.seed", 3, "x") == Setting("/**", "seed", 3, "x")
+    scenario = load_scenario("b2_calm_300", settings=["wanted.kappa='<= 2'"])
+    assert Criterion("kappa", "<=", 2.0) in scenario.wanted
+
+
+@pytest.mark.parametrize("name", sorted(shipped_scenarios()))
+def test_the_stored_scenario_has_every_value_in_force_once_and_runs_again(name, file) -> None:
+    scenario = load_scenario(name, settings=["wave_vessel.peak_period=9.5", "all.seed=11"])
+    write_sections(stored_sections(scenario), file, title=stored_title(scenario))
+    again = load_scenario(str(file))
+    assert (again.run, again.parameters, again.wanted) == (scenario.run, scenario.parameters, scenario.wanted)
+    sections = read_sections(file)
+    for node, parameters in scenario.parameters.items():
+        in_force = {name: value for name, value in flatten(parameters).items() if value != ()}
+        own, shared = sections[f"/**/{node}"].keys(), system_names(node, in_force)
+        assert own | {mine for name, mine in shared.items() if name in sections["/**"]} == in_force.keys()
+    assert sections["/**"]["system.sea.peak_period"] == 9.5
+    assert file.read_text().startswith(f"# {stored_title(scenario).splitlines()[0]}\n# All values in force")
+    changed = load_scenario(str(file), settings=["system.length=123"])
+    assert changed.parameters["cable_sim"].length == changed.parameters["winch_controller"].length == 123.0
+
+
+@settings(max_examples=20)
+@given(
+    st.fixed_dictionaries(
+        {},
+        optional={
+            "wave_vessel.peak_period": st.floats(1.0, 40.0),
+            "winch_controller.sea.peak_period": st.floats(1.0, 40.0),
+            "system.winch.speed_limit": st.floats(0.001, 100.0),
+            "virtual_winch.speed_limit": st.floats(0.001, 100.0),
+            "cable_sim.unit.added_mass": st.lists(st.floats(0.0, 1e6), min_size=3, max_size=3),
+            "winch_controller.programme.modes": st.just([]),
+            "all.pacing": st.sampled_from(["lockstep", "realtime"]),
+        },
+    )
+)
+def test_any_scenario_survives_being_stored(tmp_path_factory, changes) -> None:
+    made = [make_setting(place, value, place) for place, value in changes.items()]
+    scenario = load_scenario("b2_calm_300", settings=made)
+    path = tmp_path_factory.mktemp("stored") / "scenario.yaml"
+    write_sections(stored_sections(scenario), path)
+    again = load_scenario(str(path))
+    assert (again.run, again.parameters) == (scenario.run, scenario.parameters)
+
+
+def test_an_empty_list_in_the_place_of_a_default_cannot_be_stored_and_is_refused() -> None:
+    scenario = load_scenario("b2_calm_300", settings=["recorder.exclude=[]"])
+    with pytest.raises(ParameterError, match=r"recorder: exclude = \[\] is not possible: ROS 2 has no empty lists"):
+        stored_sections(scenario)
+
+
+def test_a_scenario_of_values_is_checked_like_a_file() -> None:
+    scenario = make_scenario({"/**": {"seed": 5, "system.length": 500.0}, "cable_sim": {"segments": 7}})
+    assert (scenario.run.seed, scenario.parameters["winch_controller"].length) == (5, 500.0)
+    with pytest.raises(ParameterError, match=r"^cable_sim: segments = 0 is not allowed"):
+        make_scenario({"cable_sim": {"segments": 0}})

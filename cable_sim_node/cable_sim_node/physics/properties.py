@@ -1,0 +1,159 @@
+"""Cable, unit and bodies as every model needs them: mass, weight in the fluid, drag per speed squared."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+from heave_node.arrays import Array
+from heave_node.hydrostatics import weight_in_fluid
+
+from cable_sim_node.parameters import CableParameters, CableSimParameters
+
+
+@dataclass(frozen=True)
+class CableProperties:
+    """A uniform cable, per unstretched metre.
+
+    Attributes
+    ----------
+    axial_stiffness, quadratic, cubic : EA [N] and the coefficients of the tension law, see `tension_law`
+    internal_damping : tension per strain rate [N s]
+    mass, added_mass, displaced_mass : of the cable, added normal to it, and of the displaced fluid [kg/m]
+    weight : in the fluid, positive down [N/m]
+    normal_drag, tangential_drag : N and T of `drag` [N s2/m3]
+    bending_stiffness : EI [N m2]
+    """
+
+    axial_stiffness: float
+    quadratic: float
+    cubic: float
+    internal_damping: float
+    mass: float
+    added_mass: float
+    displaced_mass: float
+    weight: float
+    normal_drag: float
+    tangential_drag: float
+    bending_stiffness: float
+
+
+@dataclass(frozen=True)
+class CableSection:
+    """A piece of uniform cable.
+
+    Attributes
+    ----------
+    start : unstretched length from the unit to its lower end [m]
+    length : unstretched [m]; infinite for the main cable, which the winch feeds
+    cable : what it is made of
+    """
+
+    start: float
+    length: float
+    cable: CableProperties
+
+
+@dataclass(frozen=True)
+class UnitProperties:
+    """The unit along x, y, z; each of shape (3,).
+
+    Attributes
+    ----------
+    inertia : mass and added mass [kg]
+    drag : (1/2) rho C_D S [kg/m]
+    force : thrust, and weight in the fluid [N]
+    fluid : displaced and added mass, which moving water accelerates [kg]
+    """
+
+    inertia: Array
+    drag: Array
+    force: Array
+    fluid: Array
+
+
+@dataclass(frozen=True)
+class BodyProperties:
+    """A body clamped on the cable.
+
+    Attributes
+    ----------
+    label : unstretched length from the unit [m]
+    mass, added_mass, displaced_mass : [kg]
+    weight : in the fluid, positive down [N]
+    drag : (1/2) rho C_D A, alike from all sides [kg/m]
+    """
+
+    label: float
+    mass: float
+    added_mass: float
+    displaced_mass: float
+    weight: float
+    drag: float
+
+
+def cable_sections(parameters: CableSimParameters) -> list[CableSection]:
+    """Return the sections of the parameters' cable from the unit upwards; the last one is the main cable."""
+    main, given = parameters.cable, parameters.sections
+    sections = []
+    start = 0.0
+    for i, length in enumerate(given.length):
+        cable = replace(
+            main,
+            diameter=given.diameter[i],
+            displaced_diameter=given.displaced_diameter[i] if given.displaced_diameter else 0.0,
+            mass_per_length=given.mass_per_length[i],
+            axial_stiffness=given.axial_stiffness[i],
+        )
+        sections.append(CableSection(start, length, _cable_properties(parameters, cable)))
+        start += length
+    return [*sections, CableSection(start, math.inf, _cable_properties(parameters, main))]
+
+
+def unit_properties(parameters: CableSimParameters) -> UnitProperties:
+    """Return the unit of the parameters."""
+    unit, density = parameters.unit, parameters.water_density
+    added = np.array(unit.added_mass) if density > 0.0 else np.zeros(3)
+    weight = unit.weight_in_fluid(density, parameters.gravity)
+    return UnitProperties(
+        inertia=unit.mass + added,
+        drag=0.5 * density * np.array(unit.drag_coefficient) * np.array(unit.drag_area),
+        force=np.array(unit.thrust) - np.array([0.0, 0.0, weight]),
+        fluid=density * unit.volume + added,
+    )
+
+
+def body_properties(parameters: CableSimParameters) -> list[BodyProperties]:
+    """Return the bodies on the parameters' cable, in the order in which they were given."""
+    clumps, density = parameters.clumps, parameters.water_density
+    return [
+        BodyProperties(
+            label=label,
+            mass=mass,
+            added_mass=added_mass if density > 0.0 else 0.0,
+            displaced_mass=density * volume,
+            weight=weight_in_fluid(mass, volume, density, parameters.gravity),
+            drag=0.5 * density * drag_area,
+        )
+        for label, mass, volume, added_mass, drag_area in zip(
+            clumps.position, clumps.mass, clumps.volume, clumps.added_mass, clumps.drag_area, strict=True
+        )
+    ]
+
+
+def _cable_properties(parameters: CableSimParameters, cable: CableParameters) -> CableProperties:
+    density = parameters.water_density
+    return CableProperties(
+        axial_stiffness=cable.axial_stiffness,
+        quadratic=cable.stiffness_quadratic,
+        cubic=cable.stiffness_cubic,
+        internal_damping=cable.internal_damping,
+        mass=cable.mass_per_length,
+        added_mass=density * cable.added_mass * cable.displaced_area,
+        displaced_mass=density * cable.displaced_area,
+        weight=cable.weight_in_fluid(density, parameters.gravity),
+        normal_drag=0.5 * density * cable.normal_drag * cable.diameter,
+        tangential_drag=0.5 * math.pi * density * cable.tangential_drag * cable.diameter,
+        bending_stiffness=cable.bending_stiffness,
+    )

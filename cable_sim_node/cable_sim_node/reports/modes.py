@@ -1,0 +1,310 @@
+"""How unit and cable swing by themselves: natural periods, mode shapes, and the lengths at which a sea meets them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+from heave_node.arrays import Array
+from scipy.optimize import brentq
+
+from cable_sim_node.errors import LinearisationError
+from cable_sim_node.line.linearised import LinearLine, LineResponse, linearise
+from cable_sim_node.parameters import CableSimParameters, CompensatorParameters, SeabedParameters
+from cable_sim_node.reports.report import columns, labelled_rows
+from cable_sim_node.vertical.axial_line import AxialLine, axial_line
+from cable_sim_node.vertical.linear import ResonanceMap, mode_shape, natural_frequencies, resonance_map, resonant_length
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+MOST_SEGMENTS = 100
+"""Segments of the line whose modes are sought: enough for the lowest dozens, few enough for dense matrices."""
+
+SHORTEST_SHARE = 0.05
+MAP_LENGTHS, MAP_PERIODS = 40, 120
+"""The resonance map reaches from SHORTEST_SHARE of the longest length to all of it, in so many steps."""
+
+LONGEST_PERIOD = 25.0
+SHORTEST_PERIOD = 2.0
+"""Range of periods of the map [s]: waves and swell."""
+
+
+@dataclass(frozen=True)
+class HeaveMode:
+    """A mode of vertical motion with the boom tip held, undamped.
+
+    Attributes
+    ----------
+    period : [s]
+    labels : unstretched length from the unit [m]
+    shape : heave there, largest 1
+    """
+
+    period: float
+    labels: Array
+    shape: Array
+
+
+@dataclass(frozen=True)
+class LineMode:
+    """A mode of the line in space with the boom tip held.
+
+    Attributes
+    ----------
+    period : without damping [s]
+    damping_ratio : of the mode by itself: its damping over twice its inertia and frequency [-]
+    direction : "heave", or "sway" where most of it is horizontal
+    unit_share : motion of the unit over the largest one of the line [-]
+    shape : displacements, largest 1, shape (N + 1, 3)
+    """
+
+    period: float
+    damping_ratio: float
+    direction: str
+    unit_share: float
+    shape: Array
+
+
+@dataclass(frozen=True)
+class ModesReport:
+    """Free and forced small motion of unit and cable.
+
+    Attributes
+    ----------
+    length : of cable out [m]
+    amplitude : of the boom tip, for which drag is made linear [m]
+    sea_period : at which the sea is asked for [s]
+    heave : modes of the exact axial bar
+    line : modes of the line in space, in its current
+    labels : unstretched length from the unit to the nodes of `line` [m]
+    is_stable : whether all free motion of the line dies out in its current
+    response : of unit and top tension to motion of the boom tip, over frequency
+    resonances : motion of the unit over that of the boom tip, over length and frequency
+    natural_periods : of the first heave mode at the lengths of `resonances` [s]
+    critical_length : length at which the first heave mode has `sea_period` [m]; None outside the map
+    critical_estimate : the same by EA/(w^2 (M + Ma)) (thesis 3.3.5) [m]
+    """
+
+    length: float
+    amplitude: float
+    sea_period: float
+    heave: tuple[HeaveMode, ...]
+    line: tuple[LineMode, ...]
+    labels: Array
+    is_stable: bool
+    response: LineResponse
+    resonances: ResonanceMap
+    natural_periods: Array
+    critical_length: float | None
+    critical_estimate: float
+
+    def values(self) -> dict[str, object]:
+        """Return the numbers with units in their names, for a machine."""
+        return {
+            "length_m": self.length,
+            "amplitude_m": self.amplitude,
+            "sea_period_s": self.sea_period,
+            "heave_periods_s": [mode.period for mode in self.heave],
+            "line_modes": [
+                {
+                    "period_s": mode.period,
+                    "damping_ratio": mode.damping_ratio,
+                    "direction": mode.direction,
+                    "unit_share": mode.unit_share,
+                }
+                for mode in self.line
+            ],
+            "is_stable": self.is_stable,
+            "response": [
+                {
+                    "period_s": 2.0 * math.pi / float(omega),
+                    "heave": float(abs(unit[2, 2])),
+                    "sway": float(abs(unit[0, 0])),
+                }
+                for omega, unit in zip(self.response.omegas, self.response.unit, strict=True)
+            ],
+            "resonance": [
+                {"length_m": float(length), "natural_period_s": float(period)}
+                for length, period in zip(self.resonances.lengths, self.natural_periods, strict=True)
+            ],
+            "critical_length_m": self.critical_length,
+            "critical_length_estimate_m": self.critical_estimate,
+        }
+
+    def table(self) -> str:
+        """Return the report as text for a person."""
+        where = "none on the map" if self.critical_length is None else f"{self.critical_length:.1f} m"
+        rows = [
+            ("cable out", f"{self.length:g} m"),
+            ("boom-tip amplitude for linear drag", f"{self.amplitude:g} m"),
+            ("free motion in this current", "dies out" if self.is_stable else "GROWS: the line is not stable"),
+            (f"length in resonance with {self.sea_period:.4g} s", where),
+            ("the same from EA/(w^2 (M + Ma))", f"{self.critical_estimate:.1f} m"),
+        ]
+        heave = columns(
+            ("heave mode", "period s"), [(f"{i + 1}", f"{mode.period:.4g}") for i, mode in enumerate(self.heave)]
+        )
+        line = columns(
+            ("line mode", "period s", "damping ratio", "motion", "unit's share"),
+            [
+                (
+                    f"{i + 1}",
+                    f"{mode.period:.4g}",
+                    f"{mode.damping_ratio:.3f}",
+                    mode.direction,
+                    f"{mode.unit_share:.3f}",
+                )
+                for i, mode in enumerate(self.line)
+            ],
+        )
+        return f"{labelled_rows(rows)}\n\n{heave}\n\n{line}"
+
+    def draw(self, figure: Figure) -> None:
+        """Draw the mode shapes, and the unit's answer over period and over length."""
+        panels = figure.subplot_mosaic([["heave", "sway", "map"], ["answer", "answer", "map"]], width_ratios=(1, 1, 2))
+        heave, sway = panels["heave"], panels["sway"]
+        for mode in self.heave:
+            heave.plot(mode.shape, mode.labels, label=f"{mode.period:.3g} s")
+        for swing in self.line:
+            if swing.direction == "sway":
+                size = swing.shape @ _main_direction(swing.shape)
+                sway.plot(size / np.abs(size).max(), self.labels, label=f"{swing.period:.3g} s")
+        for axis, title in ((heave, "heave modes"), (sway, "sway modes")):
+            axis.set(xlabel="displacement, largest 1", ylabel="cable from the unit [m]", title=title)
+            axis.grid(alpha=0.3)
+            if axis.lines:
+                axis.legend(fontsize="x-small")
+        self._draw_answer(panels["answer"])
+        self._draw_map(figure, panels["map"])
+
+    def _draw_answer(self, axis: Axes) -> None:
+        periods = 2.0 * math.pi / self.response.omegas
+        for column, name in ((2, "heave"), (0, "sway along x")):
+            axis.semilogy(periods, np.abs(self.response.unit[:, column, column]), label=name)
+        axis.axvline(self.sea_period, color="0.5", linestyle=":", label=f"{self.sea_period:.4g} s")
+        axis.set(xlabel="period [s]", title=f"unit over boom tip, {self.length:g} m out")
+        axis.grid(alpha=0.3)
+        axis.legend(fontsize="x-small")
+
+    def _draw_map(self, figure: Figure, axis: Axes) -> None:
+        periods = 2.0 * math.pi / self.resonances.omegas
+        answer = np.log10(np.maximum(self.resonances.unit_heave.T, 1e-3))
+        colours = axis.pcolormesh(
+            *(self.resonances.lengths, periods, answer), vmin=-1.0, vmax=1.0, shading="nearest", rasterized=True
+        )
+        axis.plot(self.resonances.lengths, self.natural_periods, "w-", label="natural period")
+        axis.axhline(self.sea_period, color="w", linestyle=":", label=f"{self.sea_period:.4g} s")
+        axis.axvline(self.length, color="w", linestyle="--", label=f"{self.length:g} m")
+        axis.set(xlabel="cable out [m]", ylabel="period [s]", title="unit heave over boom-tip heave")
+        axis.set_ylim(SHORTEST_PERIOD, LONGEST_PERIOD)
+        axis.legend(loc="lower right", fontsize="x-small", facecolor="0.3", labelcolor="w")
+        figure.colorbar(colours, ax=axis, label="log10")
+
+
+def modes_report(
+    parameters: CableSimParameters,
+    *,
+    sea_period: float,
+    amplitude: float = 0.5,
+    count: int = 4,
+    longest: float | None = None,
+    boom_tip: Sequence[float] = (0.0, 0.0, 0.0),
+) -> ModesReport:
+    """Return natural periods, mode shapes and the resonance map of a plant's cable and unit.
+
+    Parameters
+    ----------
+    parameters : of the plant; seabed, bending stiffness, waves and the compensator have no part in it
+    sea_period : whose resonant length is sought [s]
+    amplitude : of the boom tip, at `sea_period` for the line and at every period for the map, for which drag is made
+        linear [m]
+    count : modes of heave; of the line twice as many, since most come in pairs across one another
+    longest : greatest length of the map [m]; the parameters' length if None
+    boom_tip : position [m], which matters in a current that changes with depth
+
+    Raises
+    ------
+    LinearisationError
+        for a count, amplitude or length that is not positive.
+    NoEquilibriumError, PlantError
+        where the line does not hang.
+    """
+    longest = parameters.length if longest is None else longest
+    if not (sea_period > 0.0 and amplitude > 0.0 and longest > 0.0 and count >= 1):
+        raise LinearisationError("period, amplitude, longest length and number of modes must be positive")
+    speed = 2.0 * math.pi / sea_period * amplitude
+    free = replace(
+        parameters,
+        segments=min(parameters.segments, MOST_SEGMENTS),
+        seabed=SeabedParameters(),
+        compensator=CompensatorParameters(),
+        cable=replace(parameters.cable, bending_stiffness=0.0),
+    )
+    line = linearise(free, boom_tip, speed_amplitude=speed)
+    axial = axial_line(parameters)
+    lengths = np.linspace(SHORTEST_SHARE * longest, longest, MAP_LENGTHS, dtype=np.float64)
+    omegas = 2.0 * math.pi / np.linspace(SHORTEST_PERIOD, LONGEST_PERIOD, MAP_PERIODS, dtype=np.float64)
+    return ModesReport(
+        length=parameters.length,
+        amplitude=amplitude,
+        sea_period=sea_period,
+        heave=_heave_modes(axial, parameters.length, count),
+        line=_line_modes(line, min(2 * count, len(line.mass) - 3)),
+        labels=line.labels,
+        is_stable=bool(line.poles().real.max() <= 0.0),
+        response=line.response(omegas),
+        resonances=resonance_map(axial, lengths, omegas, amplitude=amplitude),
+        natural_periods=np.array([_natural_period(axial, float(length)) for length in lengths]),
+        critical_length=_critical_length(axial, sea_period, float(lengths[0]), longest),
+        critical_estimate=resonant_length(axial, 2.0 * math.pi / sea_period),
+    )
+
+
+def _heave_modes(line: AxialLine, length: float, count: int) -> tuple[HeaveMode, ...]:
+    modes = []
+    for omega in natural_frequencies(line, length, count):
+        labels, shape = mode_shape(line, length, float(omega))
+        modes.append(HeaveMode(2.0 * math.pi / float(omega), labels, shape))
+    return tuple(modes)
+
+
+def _line_modes(line: LinearLine, count: int) -> tuple[LineMode, ...]:
+    omegas, shapes = line.natural_frequencies(count)
+    modes = []
+    for omega, shape in zip(omegas, shapes, strict=True):
+        vector = shape.ravel()
+        inertia = float(vector @ line.mass @ vector)
+        damping = float(vector @ line.damping @ vector)
+        sizes = np.abs(shape).max(axis=0)
+        modes.append(
+            LineMode(
+                period=2.0 * math.pi / float(omega) if omega > 0.0 else math.inf,
+                damping_ratio=damping / (2.0 * float(omega) * inertia) if omega > 0.0 else math.inf,
+                direction="heave" if sizes[2] > max(sizes[0], sizes[1]) else "sway",
+                unit_share=float(np.linalg.norm(shape[0]) / np.linalg.norm(shape, axis=1).max()),
+                shape=shape,
+            )
+        )
+    return tuple(modes)
+
+
+def _main_direction(shape: Array) -> Array:
+    """Return the unit vector along which a mode moves most."""
+    largest = shape[int(np.argmax(np.linalg.norm(shape, axis=1)))]
+    return np.asarray(largest / np.linalg.norm(largest))
+
+
+def _natural_period(line: AxialLine, length: float) -> float:
+    return 2.0 * math.pi / float(natural_frequencies(line, length, 1)[0])
+
+
+def _critical_length(line: AxialLine, period: float, shortest: float, longest: float) -> float | None:
+    """Return the length at which the first heave mode has `period`; the period grows with the length."""
+    if not _natural_period(line, shortest) <= period <= _natural_period(line, longest):
+        return None
+    return float(brentq(lambda length: _natural_period(line, length) - period, shortest, longest, xtol=1e-3))

@@ -1,0 +1,221 @@
+"""The sensors on the unit and the cable: the parameters of each, and its view of the truth.
+
+To add one, write a class here and name it in `SensorsParameters`; its name is that of the table `heave_node.sensors`.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from heave_node.arrays import Array
+from heave_node.faults import FaultParameters
+from heave_node.parameters import group, parameter
+
+
+@dataclass(frozen=True)
+class SensorTruth:
+    """What the sensors look at.
+
+    Attributes
+    ----------
+    position, velocity, acceleration : of the unit, shape (3,), frame `world` [m], [m/s], [m/s^2]
+    top_tension, static_top_tension : now, and at rest at the start [N]
+    height_above_seabed : of the unit [m]; infinite without a seabed
+    gravity : [m/s^2]
+    """
+
+    position: Array
+    velocity: Array
+    acceleration: Array
+    top_tension: float
+    static_top_tension: float
+    height_above_seabed: float
+    gravity: float
+
+
+@dataclass(frozen=True)
+class View:
+    """What a sensor without noise would say at one time, and how good it is then.
+
+    Attributes
+    ----------
+    value : shape (n,), SI units
+    sigma : standard deviation of the white noise of each value, or of all
+    bias : constant error of each value, or of all
+    extra_latency : of a sample taken now, beyond the sensor's own [s]
+    is_available : False: the sensor cannot measure now
+    """
+
+    value: Array
+    sigma: Array | float
+    bias: Array | float = 0.0
+    extra_latency: float = 0.0
+    is_available: bool = True
+
+
+@dataclass(frozen=True)
+class SensorParameters:
+    """What every sensor has: when it measures, when its readings arrive, and its scheduled faults.
+
+    Samples are taken at ticks: the first one at or after each whole multiple of 1/rate. A rate above the tick rate
+    gives one sample a tick.
+    """
+
+    fitted: bool = parameter(
+        True, unit="", description="Whether the unit has this sensor; of others nothing is published."
+    )
+    rate: float = parameter(10.0, unit="Hz", minimum=1e-3, maximum=10_000.0, description="Samples per second.")
+    latency: float = parameter(
+        0.0, unit="s", minimum=0.0, maximum=600.0, description="From the measurement (its stamp) to its delivery."
+    )
+    scale_error: float = parameter(
+        0.0, unit="", minimum=-1.0, maximum=1.0, description="Relative error of the scale: 0.05 reads 5 % too much."
+    )
+    faults: FaultParameters = group(FaultParameters)
+
+    def view(self, truth: SensorTruth) -> View:
+        """Return what this sensor sees of the truth."""
+        raise NotImplementedError
+
+
+@dataclass(frozen=True)
+class DepthSensorParameters(SensorParameters):
+    """Pressure sensor of the unit. The pressure is that of still water above it: waves do not reach the unit."""
+
+    latency: float = parameter(
+        0.1, unit="s", minimum=0.0, maximum=600.0, description="From the measurement (its stamp) to its delivery."
+    )
+    noise: float = parameter(
+        0.02, unit="m", minimum=0.0, maximum=100.0, description="Standard deviation of white noise, in depth."
+    )
+    bias: float = parameter(0.0, unit="m", minimum=-1000.0, maximum=1000.0, description="Constant error, in depth.")
+
+    def view(self, truth: SensorTruth) -> View:
+        """See the depth, positive down from still water [m]."""
+        return View(-truth.position[2:], self.noise, self.bias)
+
+
+@dataclass(frozen=True)
+class VelocitySensorParameters(SensorParameters):
+    """Doppler velocity log (DVL): velocity over ground of the unit."""
+
+    rate: float = parameter(5.0, unit="Hz", minimum=1e-3, maximum=10_000.0, description="Samples per second.")
+    latency: float = parameter(
+        0.1, unit="s", minimum=0.0, maximum=600.0, description="From the measurement (its stamp) to its delivery."
+    )
+    noise: float = parameter(
+        0.01, unit="m/s", minimum=0.0, maximum=100.0, description="Standard deviation of white noise on each axis."
+    )
+    bias: float = parameter(0.0, unit="m/s", minimum=-100.0, maximum=100.0, description="Constant error on each axis.")
+    bottom_range: float = parameter(
+        0.0,
+        unit="m",
+        minimum=0.0,
+        maximum=20_000.0,
+        description="Largest height above the seabed at which there is bottom lock; 0 means lock everywhere.",
+    )
+
+    def view(self, truth: SensorTruth) -> View:
+        """See the velocity over ground x, y, z [m/s], where there is bottom lock."""
+        has_lock = self.bottom_range == 0.0 or truth.height_above_seabed <= self.bottom_range
+        return View(truth.velocity, self.noise, self.bias, is_available=has_lock)
+
+
+@dataclass(frozen=True)
+class ImuParameters(SensorParameters):
+    """Inertial measurement unit of the unit: specific force, world axes (the unit does not turn)."""
+
+    rate: float = parameter(20.0, unit="Hz", minimum=1e-3, maximum=10_000.0, description="Samples per second.")
+    noise: float = parameter(
+        0.005, unit="m/s^2", minimum=0.0, maximum=100.0, description="Standard deviation of white noise on each axis."
+    )
+    bias: float = parameter(
+        0.0, unit="m/s^2", minimum=-100.0, maximum=100.0, description="Constant error on each axis."
+    )
+    gyro_noise: float = parameter(
+        0.0005, unit="rad/s", minimum=0.0, maximum=10.0, description="Standard deviation of the turn-rate noise."
+    )
+
+    def view(self, truth: SensorTruth) -> View:
+        """See acceleration less gravity x, y, z [m/s^2] and the turn rate of a unit that does not turn [rad/s]."""
+        x, y, z = truth.acceleration
+        return View(
+            np.array([x, y, z + truth.gravity, 0.0, 0.0, 0.0]),
+            np.array([self.noise] * 3 + [self.gyro_noise] * 3),
+            np.array([self.bias] * 3 + [0.0] * 3),
+        )
+
+
+@dataclass(frozen=True)
+class UsblParameters(SensorParameters):
+    """Acoustic position (USBL) of the unit, from a transceiver below the mean boom tip.
+
+    The noise grows with the slant range, and the reading comes later by the two-way travel of sound.
+    """
+
+    rate: float = parameter(0.5, unit="Hz", minimum=1e-3, maximum=10_000.0, description="Samples per second.")
+    latency: float = parameter(
+        0.3,
+        unit="s",
+        minimum=0.0,
+        maximum=600.0,
+        description="Processing, from the arrival of the answer to the delivery of the reading.",
+    )
+    noise: float = parameter(
+        0.1, unit="m", minimum=0.0, maximum=1000.0, description="Standard deviation on each axis at zero range."
+    )
+    range_noise: float = parameter(
+        0.003, unit="", minimum=0.0, maximum=1.0, description="Standard deviation on each axis per slant range."
+    )
+    bias: float = parameter(0.0, unit="m", minimum=-1000.0, maximum=1000.0, description="Constant error on each axis.")
+    sound_speed: float = parameter(1500.0, unit="m/s", minimum=100.0, maximum=10_000.0, description="Speed of sound.")
+
+    def view(self, truth: SensorTruth) -> View:
+        """See the position x, y, z [m], later by the way of the sound."""
+        slant_range = float(np.linalg.norm(truth.position))
+        sigma = math.hypot(self.noise, self.range_noise * slant_range)
+        return View(truth.position, sigma, self.bias, extra_latency=2.0 * slant_range / self.sound_speed)
+
+
+@dataclass(frozen=True)
+class LoadCellParameters(SensorParameters):
+    """Load cell at the boom tip: top tension."""
+
+    rate: float = parameter(20.0, unit="Hz", minimum=1e-3, maximum=10_000.0, description="Samples per second.")
+    relative_noise: float = parameter(
+        0.005,
+        unit="",
+        minimum=0.0,
+        maximum=1.0,
+        description="Standard deviation of white noise, of the static tension at the start.",
+    )
+    bias: float = parameter(0.0, unit="N", minimum=-1e9, maximum=1e9, description="Constant error.")
+
+    def view(self, truth: SensorTruth) -> View:
+        """See the top tension [N]."""
+        return View(np.array([truth.top_tension]), self.relative_noise * truth.static_top_tension, self.bias)
+
+
+@dataclass(frozen=True)
+class SensorsParameters:
+    """All sensors on the unit and the cable, with the defaults of the benchmark scenarios; those fit the depth sensor
+    and the load cell alone.
+    """
+
+    depth: DepthSensorParameters = group(DepthSensorParameters)
+    velocity: VelocitySensorParameters = group(VelocitySensorParameters)
+    imu: ImuParameters = group(ImuParameters)
+    usbl: UsblParameters = group(UsblParameters)
+    load_cell: LoadCellParameters = group(LoadCellParameters)
+
+    def __post_init__(self) -> None:
+        """Refuse faults that a sensor cannot have."""
+        for name, parameters in self.by_name().items():
+            parameters.faults.check(f"sensors.{name}.faults", "sensor")
+
+    def by_name(self) -> dict[str, SensorParameters]:
+        """Return the parameters of each sensor, in the order of the table."""
+        return {field.name: getattr(self, field.name) for field in dataclasses.fields(self)}

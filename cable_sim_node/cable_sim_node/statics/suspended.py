@@ -1,0 +1,106 @@
+"""From the parameters of a plant to the cable that statics solves: its sections, unit, bodies and tension law."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+from heave_node.arrays import Array
+
+from cable_sim_node.errors import NoEquilibriumError
+from cable_sim_node.parameters import CableSimParameters
+from cable_sim_node.physics.properties import body_properties, cable_sections, unit_properties
+from cable_sim_node.physics.tension_law import stiffening
+from cable_sim_node.statics.shape import StaticShape
+from cable_sim_node.statics.system import PointLoad, StaticCable, StaticSection, static_cable
+from cable_sim_node.statics.tables import STIFFNESS
+
+FEWEST_SEGMENTS = 100
+STIFFNESS_ITERATIONS = 50
+
+
+def suspended_cable(parameters: CableSimParameters, end_load: PointLoad | None = None) -> StaticCable:
+    """Return the cable with its bodies, cut into `segments` but 100 at least.
+
+    Parameters
+    ----------
+    parameters : of the plant
+    end_load : what is at s = 0; the unit with its weight, thrust and drag if None
+
+    Raises
+    ------
+    StaticsError
+        if sections or bodies do not fit on the cable.
+    """
+    loads = [unit_load(parameters) if end_load is None else end_load]
+    loads += [PointLoad(b.label, (0.0, 0.0, -b.weight), body_drag=b.drag) for b in body_properties(parameters)]
+    segments = max(parameters.segments, FEWEST_SEGMENTS)
+    return static_cable(static_sections(parameters), loads, segments=segments)
+
+
+def unit_load(parameters: CableSimParameters, *, is_carried: bool = False) -> PointLoad:
+    """Return the unit of the parameters as a load at s = 0.
+
+    One that something else carries (`is_carried`) has its drag alone.
+    """
+    unit = unit_properties(parameters)
+    force = np.zeros(3) if is_carried else unit.force
+    return PointLoad(0.0, _triple(force), _triple(unit.drag))
+
+
+def static_sections(parameters: CableSimParameters) -> list[StaticSection]:
+    """Return the sections of the parameters' cable that is out, from the unit upwards."""
+    return [
+        StaticSection(
+            length=min(section.length, parameters.length - section.start),
+            axial_stiffness=section.cable.axial_stiffness,
+            weight=section.cable.weight,
+            normal_drag=section.cable.normal_drag,
+            tangential_drag=section.cable.tangential_drag,
+        )
+        for section in cable_sections(parameters)
+        if section.start < parameters.length
+    ]
+
+
+def with_tension_law(
+    parameters: CableSimParameters, cable: StaticCable, solve: Callable[[StaticCable], StaticShape]
+) -> StaticShape:
+    """Return the shape that a solver finds under the tension law of the parameters.
+
+    Parameters
+    ----------
+    parameters : of the plant
+    cable : with the stiffness of small strain
+    solve : solver, which takes each segment's tension law as linear; where it is not, it is called again and again with
+        every segment's secant stiffness at its mean tension, until that settles
+
+    Raises
+    ------
+    NoEquilibriumError
+        if the law carries no load at the static strain, or the strain does not settle.
+    """
+    quadratic, cubic = parameters.cable.stiffness_quadratic, parameters.cable.stiffness_cubic
+    shape = solve(cable)
+    if quadratic == 0.0 and cubic == 0.0:
+        return shape
+    small_strain = cable.segments[:, STIFFNESS].copy()
+    for _ in range(STIFFNESS_ITERATIONS):
+        tension = 0.5 * (np.linalg.norm(shape.lower, axis=1) + np.linalg.norm(shape.upper, axis=1))
+        strain = tension / cable.segments[:, STIFFNESS]
+        wanted = small_strain * stiffening.py_func(quadratic, cubic, strain)
+        if not np.all(wanted > 0.0):
+            raise NoEquilibriumError("the cable's tension law carries no load at the static strain")
+        segments = cable.segments.copy()
+        segments[:, STIFFNESS] = wanted
+        settled = float(np.max(np.abs(wanted / cable.segments[:, STIFFNESS] - 1.0))) < 1e-12
+        cable = replace(cable, segments=segments)
+        shape = solve(cable)
+        if settled:
+            return shape
+    raise NoEquilibriumError("the static strain does not converge under the cable's tension law")
+
+
+def _triple(values: Array) -> tuple[float, float, float]:
+    return float(values[0]), float(values[1]), float(values[2])

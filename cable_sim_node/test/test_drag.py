@@ -1,0 +1,68 @@
+import math
+
+import numpy as np
+import pytest
+from cable_sim_node.physics.drag import HARMONIC_DRAG, linear_drag, segment_drag
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+from scipy.integrate import quad
+
+NORMAL, TANGENTIAL = 20.0, 3.0
+COMPONENT = st.floats(-1.0, 1.0).map(lambda value: round(value, 6))
+VECTOR = st.tuples(COMPONENT, COMPONENT, COMPONENT)
+
+
+def drag(chord, flow, feed=0.0):
+    scratch = np.empty((3, 3)), np.empty((3, 3))
+    return np.array(segment_drag(np.asarray(chord, float), tuple(map(float, flow)), feed, NORMAL, TANGENTIAL, *scratch))
+
+
+def test_drag_across_and_along_follows_the_printed_formulae():
+    # thesis Eq. 2.46, 2.47 by hand: flow 45 degrees to a vertical cable
+    assert drag([0.0, 0.0, 2.0], [0.5, 0.0, 0.5]) == pytest.approx([20.0 * 0.25, 0.0, 3.0 * 0.25])
+
+
+@given(VECTOR, VECTOR)
+def test_drag_is_that_of_the_two_components_in_any_direction(chord, flow):
+    assume(np.linalg.norm(chord) > 0.1)
+    e = np.array(chord) / np.linalg.norm(chord)
+    along = e * (e @ flow)
+    across = flow - along
+    expected = NORMAL * np.linalg.norm(across) * across + TANGENTIAL * np.linalg.norm(along) * along
+    assert drag(chord, flow) == pytest.approx(expected, abs=1e-12)
+
+
+@settings(max_examples=60, deadline=None)
+@given(VECTOR, VECTOR, st.floats(-1.0, 1.0))
+def test_drag_derivatives_are_those_of_finite_differences(chord, flow, feed):
+    chord, flow = 3.0 * np.array(chord), np.array(flow)
+    assume(np.linalg.norm(chord) > 0.5)
+    along = float(flow @ chord) / np.linalg.norm(chord)
+    across = np.linalg.norm(flow - along * chord / np.linalg.norm(chord))
+    assume(across > 0.05 and abs(along + feed) > 0.05)
+    by_chord, by_flow = np.empty((3, 3)), np.empty((3, 3))
+    segment_drag(chord, tuple(map(float, flow)), feed, NORMAL, TANGENTIAL, by_chord, by_flow)
+    step = 1e-5
+    for axis, unit in enumerate(np.eye(3)):
+        change = drag(chord + step * unit, flow, feed) - drag(chord - step * unit, flow, feed)
+        assert by_chord[:, axis] == pytest.approx(change / (2.0 * step), abs=1e-4)
+        change = drag(chord, flow + step * unit, feed) - drag(chord, flow - step * unit, feed)
+        assert by_flow[:, axis] == pytest.approx(change / (2.0 * step), abs=1e-4)
+
+
+@given(VECTOR, VECTOR)
+def test_without_oscillation_the_linear_drag_is_the_derivative_by_the_flow(chord, flow):
+    assume(np.linalg.norm(chord) > 0.1)
+    damping, by_chord, by_flow = np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3))
+    linear_drag(np.array(chord), flow, 0.0, NORMAL, TANGENTIAL, damping)
+    segment_drag(np.array(chord), flow, 0.0, NORMAL, TANGENTIAL, by_chord, by_flow)
+    assert damping == pytest.approx(by_flow, abs=1e-9)
+
+
+@given(st.floats(0.01, 3.0))
+def test_in_still_water_the_linear_drag_takes_the_energy_of_the_quadratic_one(speed):
+    damping = np.empty((3, 3))
+    linear_drag(np.array([0.0, 0.0, 1.0]), (0.0, 0.0, 0.0), HARMONIC_DRAG * speed, NORMAL, TANGENTIAL, damping)
+    work, _ = quad(lambda phase: abs(speed * math.sin(phase)) ** 3, 0.0, 2.0 * math.pi)
+    linear_work = math.pi * speed**2
+    assert np.diag(damping) * linear_work == pytest.approx([NORMAL * work, NORMAL * work, TANGENTIAL * work], rel=1e-7)

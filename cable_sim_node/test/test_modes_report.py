@@ -1,0 +1,104 @@
+import dataclasses
+import math
+
+import numpy as np
+import pytest
+from cable_sim_node.errors import LinearisationError
+from cable_sim_node.parameters import CableParameters, SeabedParameters
+from cable_sim_node.peers.reference_systems import s900
+from cable_sim_node.reports.modes import modes_report
+from scipy.optimize import brentq
+
+
+@pytest.fixture(scope="module")
+def deep():
+    return modes_report(s900(40), sea_period=10.0)
+
+
+def test_the_first_heave_period_of_the_900_m_system_is_that_of_the_cot_equation(deep):
+    # k L tan(k L) = m L/M for a bar with a mass below
+    length, mass, inertia, stiffness = 900.0, 7.2, 125e3, 1.57706e7
+    x = brentq(lambda x: x * math.tan(x) - mass * length / inertia, 1e-6, 1.5)
+    omega = x / length * math.sqrt(stiffness / mass)
+    assert deep.heave[0].period == pytest.approx(2.0 * math.pi / omega, rel=1e-6)
+    assert deep.heave[0].period == pytest.approx(16.9, abs=0.05)  # thesis 6.2.6
+
+
+def test_at_the_critical_length_the_cable_resonates_with_the_sea(deep):
+    # near 320 m a 10 s swell is in resonance (the peers' figure)
+    assert deep.critical_length == pytest.approx(320.0, abs=5.0)
+    there = modes_report(dataclasses.replace(s900(10), length=deep.critical_length), sea_period=10.0, longest=900.0)
+    assert there.heave[0].period == pytest.approx(10.0, abs=1e-3)
+    # the cable's own mass is a third of 2.3 t beside 125 t
+    assert deep.critical_estimate == pytest.approx(deep.critical_length, rel=0.01)
+
+
+def test_the_line_in_space_has_the_heave_mode_of_the_bar(deep):
+    (heave,) = (mode for mode in deep.line if mode.direction == "heave")
+    assert heave.period == pytest.approx(deep.heave[0].period, rel=1e-3)
+    assert heave.unit_share == pytest.approx(1.0)
+    # (8/3 pi) rho/2 C_D S v over twice inertia and frequency, and a trace from the cable
+    unit = 8.0 / (3.0 * math.pi) * 512.5 * 0.5 * 2.0 * math.pi / 10.0 / (2.0 * 125e3 * 2.0 * math.pi / heave.period)
+    assert unit < heave.damping_ratio < 3.0 * unit
+
+
+def test_the_slowest_sway_is_the_pendulum_in_both_directions():
+    # a heavy unit on a light cable: w^2 = W/(M L)
+    plant = dataclasses.replace(s900(20), cable=CableParameters(diameter=0.01, mass_per_length=0.1))
+    report = modes_report(plant, sea_period=10.0)
+    weight = plant.unit.weight_in_fluid(1025.0)
+    expected = 2.0 * math.pi * math.sqrt(125e3 * 900.0 / weight)
+    assert [mode.period for mode in report.line[:2]] == pytest.approx([expected] * 2, rel=1e-2)
+    assert {mode.direction for mode in report.line[:2]} == {"sway"}
+
+
+def test_the_ridge_of_the_map_is_the_natural_period(deep):
+    periods = 2.0 * math.pi / deep.resonances.omegas
+    ridge = periods[np.argmax(deep.resonances.unit_heave, axis=1)]
+    inside = (deep.natural_periods > 4.0) & (deep.natural_periods < 24.0)
+    assert inside.sum() > 20
+    assert ridge[inside] == pytest.approx(deep.natural_periods[inside], abs=abs(periods[1] - periods[0]))
+
+
+def test_the_line_answers_in_heave_as_the_bar_does(deep):
+    # two linear models: the lumped line with one linear drag, the exact bar with that of each period's own answer; away
+    # from the resonance drag hardly matters
+    periods = 2.0 * math.pi / deep.response.omegas
+    far = np.abs(periods - deep.heave[0].period) > 3.0
+    assert np.abs(deep.response.unit[far, 2, 2]) == pytest.approx(
+        deep.resonances.unit_heave[-1, far], rel=5e-3, abs=2e-3
+    )
+    assert np.abs(deep.response.unit[~far, 2, 2]).max() > 10.0
+    # far below its period of 252 s a pendulum hardly follows its upper end
+    assert np.all(np.abs(deep.response.unit[:, 0, 0]) < 0.2)
+
+
+def test_seabed_and_bending_have_no_part_in_it(deep):
+    stiff = dataclasses.replace(
+        s900(40),
+        seabed=SeabedParameters(depth=800.0),
+        cable=dataclasses.replace(s900().cable, bending_stiffness=1e4),
+    )
+    assert modes_report(stiff, sea_period=10.0).line[0].period == pytest.approx(deep.line[0].period)
+
+
+def test_table_and_values_name_every_mode(deep):
+    values, table = deep.values(), deep.table()
+    assert len(values["heave_periods_s"]) == 4
+    assert len(values["line_modes"]) == 8
+    assert values["is_stable"] is True
+    assert len(values["response"]) == len(deep.response.omegas)
+    assert "dies out" in table
+    assert f"{deep.critical_length:.1f} m" in table
+
+
+def test_a_period_beyond_the_map_has_no_resonant_length():
+    report = modes_report(s900(10), sea_period=25.0)
+    assert report.critical_length is None
+    assert "none on the map" in report.table()
+
+
+@pytest.mark.parametrize("wrong", [{"sea_period": 0.0}, {"sea_period": 10.0, "count": 0}, {"sea_period": math.nan}])
+def test_what_cannot_be_is_refused(wrong):
+    with pytest.raises(LinearisationError, match="must be positive"):
+        modes_report(s900(10), **wrong)

@@ -1,0 +1,253 @@
+"""Faults of simulated devices, scheduled by simulated time or injected during a run: one vocabulary for all of them.
+
+A kind of device is "sensor" (on the unit or the cable), "mru" (the motion reference unit), "encoder" (of the drum) or
+"winch". To add a fault, add its kind to FAULTS and let the devices that know it do it.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from heave_node.arrays import Array
+from heave_node.parameters import parameter
+
+TIME_TOLERANCE = 1e-9
+"""Times nearer than this are the same time [s]: tick times are rounded sums."""
+
+
+@dataclass(frozen=True)
+class FaultKind:
+    """A kind of fault.
+
+    Attributes
+    ----------
+    meaning : what happens from the start for the duration
+    devices : kinds of device that know it
+    magnitude : what the magnitude is, with its unit; empty: not used
+    """
+
+    meaning: str
+    devices: tuple[str, ...]
+    magnitude: str = ""
+
+
+_SENSORS = ("sensor", "mru")
+_ALL = (*_SENSORS, "encoder", "winch")
+
+FAULTS: dict[str, FaultKind] = {
+    "freeze": FaultKind("repeats the values of the last sample, with fresh stamps", (*_SENSORS, "encoder")),
+    "gap": FaultKind("no samples; winch: commands are lost", (*_SENSORS, "winch")),
+    "spike": FaultKind(
+        "the first sample is off, on all axes (mru: in heave)", (*_SENSORS, "encoder"), "error, in the sensor's unit"
+    ),
+    "jump": FaultKind(
+        "every sample is off, on all axes (mru: in heave)", (*_SENSORS, "encoder"), "error, in the sensor's unit"
+    ),
+    "nan": FaultKind("every sample is not a number", (*_SENSORS, "encoder")),
+    "rate": FaultKind("samples are taken at another rate", _SENSORS, "rate, above 0 [Hz]"),
+    "delay": FaultKind(
+        "samples or commands come later, samples with their true stamp",
+        (*_SENSORS, "winch"),
+        "further delay, at least 0 and for the mru at most 10 [s]",
+    ),
+    "restart": FaultKind("silent (0: for `restart_duration`), then settling: its high-pass begins anew", ("mru",)),
+    "drive": FaultKind("the drive trips", ("winch",)),
+    "emergency_stop": FaultKind("the emergency stop is pressed", ("winch",)),
+    "clear": FaultKind("ends the faults of the device that are active at its start; later ones stay", _ALL),
+}
+"""The vocabulary: every kind of fault by its name."""
+
+LARGEST_DELAY = {"mru": 10.0}
+"""Largest magnitude of a delay [s], of devices that keep no longer record."""
+
+
+def faults_of(device: str) -> tuple[str, ...]:
+    """Return the kinds of fault that a kind of device knows."""
+    return tuple(kind for kind, fault in FAULTS.items() if device in fault.devices)
+
+
+@dataclass(frozen=True)
+class FaultParameters:
+    """The scheduled faults of a device, one per position of four lists: parameter files have no lists of records."""
+
+    kind: tuple[str, ...] = parameter((), unit="", choices=tuple(FAULTS), description="Kinds of the scheduled faults.")
+    start: tuple[float, ...] = parameter((), unit="s", minimum=0.0, description="Start of each fault, simulated time.")
+    duration: tuple[float, ...] = parameter(
+        (), unit="s", minimum=0.0, description="Duration of each fault; 0 means until cleared or to the end of the run."
+    )
+    magnitude: tuple[float, ...] = parameter(
+        (), unit="", description="Magnitude of each fault: sensor's unit for spike and jump, Hz for rate, s for delay."
+    )
+
+    def check(self, name: str, device: str) -> None:
+        """Raise ValueError, opened by `name`, where these are no faults that a kind of `device` can have."""
+        FaultSchedule(self, name=name, device=device)
+
+
+@dataclass
+class Fault:
+    """One fault of one device.
+
+    Attributes
+    ----------
+    kind : of FAULTS
+    start, end : simulated time [s]; the fault is active at times t with start <= t < end
+    magnitude : in the unit of its kind
+    is_taken : whether a fault that happens once has happened
+    """
+
+    kind: str
+    start: float
+    end: float
+    magnitude: float
+    is_taken: bool = False
+
+    def has_begun(self, time: float) -> bool:
+        """Tell whether the fault has begun by simulated `time` [s]."""
+        return self.start - TIME_TOLERANCE <= time
+
+    def is_active(self, time: float) -> bool:
+        """Tell whether the fault is active at simulated `time` [s]."""
+        return self.has_begun(time) and time < self.end - TIME_TOLERANCE
+
+
+class FaultSchedule:
+    """The faults of one device, from its parameters and from injections during the run.
+
+    Parameters
+    ----------
+    parameters : the scheduled faults
+    name : of the device, for messages
+    device : kind of the device
+    usual_duration : by kind, the duration [s] where 0 does not mean until cleared
+
+    Raises ValueError for lists of unequal length, and as `inject` does.
+    """
+
+    def __init__(
+        self,
+        parameters: FaultParameters,
+        *,
+        name: str,
+        device: str,
+        usual_duration: Mapping[str, float] | None = None,
+    ) -> None:
+        self._name = name
+        self._device = device
+        self._usual_duration = usual_duration or {}
+        self._faults: list[Fault] = []
+        columns = (parameters.kind, parameters.start, parameters.duration, parameters.magnitude)
+        lengths = [len(column) for column in columns]
+        if len(set(lengths)) > 1:
+            raise ValueError(
+                f"{name}: the lists kind, start, duration and magnitude must have the same length; "
+                f"got {', '.join(map(str, lengths))}"
+            )
+        # in order of time, so that a clear finds what it ends
+        for kind, start, duration, magnitude in sorted(zip(*columns, strict=True), key=lambda fault: fault[1]):
+            self.inject(kind, start=start, duration=duration, magnitude=magnitude)
+
+    def inject(self, kind: str, *, start: float, duration: float = 0.0, magnitude: float = 0.0) -> None:
+        """Add a fault, or clear those that are active at `start`.
+
+        Parameters
+        ----------
+        kind : of FAULTS
+        start : simulated time [s]
+        duration : [s]; 0: until cleared or to the end of the run
+        magnitude : in the unit of its kind
+
+        Raises ValueError for a kind that this device does not know and for numbers that a fault cannot have.
+        """
+        self._check(kind, start, duration, magnitude)
+        if kind == "clear":
+            for fault in self._faults:
+                if fault.is_active(start):
+                    fault.end, fault.is_taken = start, True
+            return
+        lasting = duration if duration > 0.0 else self._usual_duration.get(kind, math.inf)
+        self._faults.append(Fault(kind, start, start + lasting, magnitude))
+
+    def _check(self, kind: str, start: float, duration: float, magnitude: float) -> None:
+        known = faults_of(self._device)
+        largest_delay = LARGEST_DELAY.get(self._device, math.inf)
+        wrong = ""
+        if kind not in known:
+            wrong = f"a fault of kind {kind} is not known here; known: {', '.join(known)}"
+        elif not all(math.isfinite(number) for number in (start, duration, magnitude)) or duration < 0.0:
+            wrong = (
+                "a fault needs a finite start, a duration of at least 0 s and a finite magnitude; "
+                f"got {start}, {duration}, {magnitude}"
+            )
+        elif kind == "rate" and magnitude <= 0.0:
+            wrong = f"the magnitude of kind rate must be above 0 Hz; got {magnitude:g}"
+        elif kind == "delay" and not 0.0 <= magnitude <= largest_delay:
+            wrong = f"the magnitude of kind delay must be from 0 to {largest_delay:g} s; got {magnitude:g}"
+        if wrong:
+            raise ValueError(f"{self._name}: {wrong}")
+
+    def is_active(self, kind: str, time: float) -> bool:
+        """Tell whether a fault of `kind` is active at `time` [s]."""
+        return any(fault.kind == kind and fault.is_active(time) for fault in self._faults)
+
+    def any_active(self, time: float) -> bool:
+        """Tell whether any fault is active at `time` [s]."""
+        return any(fault.is_active(time) for fault in self._faults)
+
+    def total(self, kind: str, time: float) -> float:
+        """Return the sum of the magnitudes of the active faults of `kind`; 0 without one."""
+        return sum(fault.magnitude for fault in self._faults if fault.kind == kind and fault.is_active(time))
+
+    def newest(self, kind: str, time: float) -> float | None:
+        """Return the magnitude of the active fault of `kind` that was added last, or None."""
+        active = [fault.magnitude for fault in self._faults if fault.kind == kind and fault.is_active(time)]
+        return active[-1] if active else None
+
+    def take_once(self, kind: str, time: float) -> float:
+        """Return the summed magnitudes of the active faults of `kind` not taken before, and mark them as taken."""
+        total = 0.0
+        for fault in self._faults:
+            if fault.kind == kind and not fault.is_taken and fault.is_active(time):
+                fault.is_taken = True
+                total += fault.magnitude
+        return total
+
+    def take_begun(self, kind: str, time: float) -> Fault | None:
+        """Return a fault of `kind` that has begun by `time` [s] and was not taken before, and mark it as taken."""
+        for fault in self._faults:
+            if fault.kind == kind and not fault.is_taken and fault.has_begun(time):
+                fault.is_taken = True
+                return fault
+        return None
+
+    def next_start(self, kinds: tuple[str, ...], after: float) -> float:
+        """Return the first start of a fault of one of `kinds` later than `after` [s]; infinity without one."""
+        starts = [f.start for f in self._faults if f.kind in kinds and f.start > after + TIME_TOLERANCE]
+        return min(starts, default=math.inf)
+
+
+class FaultyValues:
+    """What freeze, spike, jump and nan make of the values of a device, sample by sample.
+
+    Parameters
+    ----------
+    faults : of the device
+    axes : shape (n,) or a number, what share of a spike or jump each value gets
+    """
+
+    def __init__(self, faults: FaultSchedule, axes: Array | float = 1.0) -> None:
+        self._faults = faults
+        self._axes = axes
+        self._last: Array | None = None
+
+    def apply(self, time: float, values: Array) -> Array:
+        """Return what the device says at `time` [s] in place of `values`, shape (n,); call it once per sample."""
+        faults = self._faults
+        if faults.any_active(time):
+            values = values + self._axes * (faults.total("jump", time) + faults.take_once("spike", time))
+            if faults.is_active("freeze", time) and self._last is not None:
+                values = self._last
+        self._last = values
+        return values * math.nan if faults.is_active("nan", time) else values

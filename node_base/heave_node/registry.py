@@ -1,0 +1,37 @@
+"""Registries: what a parameter may name, one line each, loaded when it is asked for.
+
+A registry is a dict of entries by name. The parameter's choices, its help and whoever builds the thing named all read
+it, so that one more spectrum, say, is its own file and one line. Reading a registry loads nothing: parameters can be
+checked without the models that they name.
+"""
+
+from __future__ import annotations
+
+import importlib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+
+@dataclass(frozen=True)
+class Entry:
+    """One line of a registry.
+
+    Attributes
+    ----------
+    location : "module:name" of what builds the thing
+    description : a phrase for the help of the parameter
+    """
+
+    location: str
+    description: str
+
+    def load(self) -> Any:
+        """Return what stands at the location. Raises ImportError or AttributeError where nothing does."""
+        module, name = self.location.split(":")
+        return getattr(importlib.import_module(module), name)
+
+
+def describe_choices(registry: Mapping[str, Entry]) -> str:
+    """Return names and descriptions of a `registry` as one phrase: `regular (a sine), file (a recording)`."""
+    return ", ".join(f"{name} ({entry.description})" for name, entry in registry.items())

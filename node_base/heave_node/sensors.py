@@ -1,0 +1,272 @@
+"""The sensors of the suite: name and topic of each, and what its readings are on the wire, both ways.
+
+On the wire a reading is a stamp in whole nanoseconds and the numbers in certain fields of a message. `Sensor.to_wire`
+makes them of what the sensor says in the water that really is; the controller decodes them by the water it believes
+in. Fields are named by text, so that this table is pure; `messages` puts the numbers into messages and takes
+them out again. The loop in one process hands over what is on the wire and leaves only the message out: it reads what
+the loop over ROS reads, to the last bit.
+
+>>> reading = Reading(0.05, np.array([300.0]), np.array([0.02]))
+>>> on_wire = DEPTH.to_wire(reading, Water(density=1030.0, gravity=9.80665))
+>>> DEPTH.decode(on_wire.numbers, Water(density=1025.0, gravity=9.80665))[0]
+301.4634146341463
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from operator import attrgetter
+from typing import Any
+
+import numpy as np
+
+from heave_node.arrays import Array
+from heave_node.codes import MruStatus
+from heave_node.constants import ATMOSPHERIC_PRESSURE, SEAWATER_DENSITY, STANDARD_GRAVITY
+from heave_node.topic import Topic
+
+UNKNOWN_VARIANCE = 1e6
+"""Variance [SI] of what a sensor does not measure, in messages that cannot leave it out."""
+
+Numbers = tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class Water:
+    """The still water that a pressure is a depth in: density [kg/m^3] and gravity [m/s^2]."""
+
+    density: float
+    gravity: float
+
+    @property
+    def pressure_per_metre(self) -> float:
+        """Pressure gained per metre of depth [Pa/m]."""
+        return self.density * self.gravity
+
+
+STANDARD_WATER = Water(SEAWATER_DENSITY, STANDARD_GRAVITY)
+"""For readings that no water has a part in."""
+
+
+@dataclass(frozen=True)
+class Reading:
+    """One reading of a sensor on the unit or the cable.
+
+    Attributes
+    ----------
+    time : of the measurement, simulated [s]
+    value : shape (n,), SI units; NaN under a nan fault
+    sigma : shape (n,), stated standard deviation
+    """
+
+    time: float
+    value: Array
+    sigma: Array
+
+
+@dataclass(frozen=True)
+class MruReading:
+    """One sample of the motion reference unit: the boom tip's heave about its mean, positive up, and the attitude.
+
+    Attributes
+    ----------
+    time : of the measurement as the unit states it [s]
+    heave, heave_rate, heave_acceleration : [m], [m/s], [m/s^2]
+    roll, pitch : of the vessel [rad]
+    status : what the unit says of the sample
+    sequence : counts samples from 1; a gap is a lost sample
+    heave_sigma, heave_rate_sigma : accuracy that the unit states, one standard deviation [m], [m/s]
+    """
+
+    time: float
+    heave: float
+    heave_rate: float
+    roll: float = 0.0
+    pitch: float = 0.0
+    status: int = MruStatus.OK
+    sequence: int = 0
+    heave_acceleration: float = np.nan
+    heave_sigma: float = np.nan
+    heave_rate_sigma: float = np.nan
+
+
+@dataclass(frozen=True)
+class WireReading:
+    """A reading as it travels: stamp [ns] and the numbers of the message's fields, values first."""
+
+    stamp: int
+    numbers: Numbers
+
+    @property
+    def time(self) -> float:
+        """Time of the measurement as its receiver sees it [s]."""
+        return self.stamp * 1e-9
+
+
+def values_and_variances(reading: Reading, _: Water) -> Numbers:
+    """Encode the values as they are, and the squares of their standard deviations."""
+    return (*reading.value.tolist(), *(reading.sigma**2).tolist())
+
+
+def values_alone(numbers: Sequence[float], _: Water) -> Numbers:
+    """Decode values that travel as they are."""
+    return tuple(numbers)
+
+
+@dataclass(frozen=True)
+class Sensor:
+    """A sensor of the suite.
+
+    Attributes
+    ----------
+    name : in parameters, faults, health and alarms
+    topic : of its readings; the type is that of the message
+    frame : of the message's header
+    values : fields of the message that hold the values, in order
+    accuracies : fields that hold their variance or standard deviation
+    constants : fields that always hold the same, with what they hold
+    encode : (reading, water) to the numbers of `values` and `accuracies`
+    decode : (numbers of `values`, water believed in) to the values of the reading
+    """
+
+    name: str
+    topic: Topic
+    frame: str
+    values: tuple[str, ...]
+    accuracies: tuple[str, ...] = ()
+    constants: tuple[tuple[str, float], ...] = ()
+    encode: Callable[[Any, Water], Numbers] = values_and_variances
+    decode: Callable[[Sequence[float], Water], Numbers] = values_alone
+
+    @property
+    def width(self) -> int:
+        """Number of values of a reading."""
+        return len(self.values)
+
+    def to_wire(self, reading: Reading | MruReading, water: Water) -> WireReading:
+        """Return a reading taken in `water` as it travels."""
+        return WireReading(round(reading.time * 1e9), self.encode(reading, water))
+
+    def from_wire(self, reading: WireReading, water: Water) -> Numbers:
+        """Return the values of a reading as one who believes in `water` sees them."""
+        return self.decode(reading.numbers[: self.width], water)
+
+
+def _vector(field: str) -> tuple[str, ...]:
+    return tuple(f"{field}.{axis}" for axis in "xyz")
+
+
+def _diagonal(field: str, size: int, entries: Iterable[int]) -> tuple[str, ...]:
+    """Return the names of diagonal entries of a row-major size x size matrix."""
+    return tuple(f"{field}[{entry * (size + 1)}]" for entry in entries)
+
+
+def _unknown(field: str) -> tuple[tuple[str, float], ...]:
+    """Return the variances of the three turns in a 6x6 covariance, where a sensor does not measure them."""
+    return tuple((name, UNKNOWN_VARIANCE) for name in _diagonal(field, 6, range(3, 6)))
+
+
+def _encode_depth(reading: Reading, water: Water) -> Numbers:
+    """Absolute pressure [Pa] of the atmosphere and the still water above, and its variance."""
+    depth, sigma = float(reading.value[0]), float(reading.sigma[0])
+    return ATMOSPHERIC_PRESSURE + water.pressure_per_metre * depth, (water.pressure_per_metre * sigma) ** 2
+
+
+def _decode_depth(numbers: Sequence[float], water: Water) -> Numbers:
+    # who believes in no water cannot read a depth
+    per_metre = water.pressure_per_metre or np.nan
+    return ((numbers[0] - ATMOSPHERIC_PRESSURE) / per_metre,)
+
+
+def _encode_load_cell(reading: Reading, _: Water) -> Numbers:
+    return float(reading.value[0]), float(reading.sigma[0])
+
+
+_MRU_FIELDS = (
+    *("heave", "heave_rate", "roll", "pitch", "status", "sequence"),
+    *("heave_acceleration", "heave_sigma", "heave_rate_sigma"),
+)
+"""Of the message, and in this order of `MruReading` after its time."""
+
+_numbers_of_mru = attrgetter(*_MRU_FIELDS)
+
+
+def _encode_mru(reading: MruReading, _: Water) -> Numbers:
+    return _numbers_of_mru(reading)  # type: ignore[no-any-return]
+
+
+def mru_reading(reading: WireReading) -> MruReading:
+    """Return the sample of the motion reference unit that travelled."""
+    return MruReading(reading.time, *reading.numbers)  # type: ignore[arg-type]  # status and sequence are whole numbers
+
+
+MRU = Sensor(
+    name="mru",
+    topic=Topic("mru", "heave_msgs/msg/MruSample", "wave_vessel", is_needed=True),
+    frame="world",
+    values=_MRU_FIELDS,
+    encode=_encode_mru,
+)
+"""Motion reference unit: the boom tip; its readings are `MruReading`."""
+
+DEPTH = Sensor(
+    name="depth",
+    topic=Topic("unit/pressure", "sensor_msgs/msg/FluidPressure", "cable_sim"),
+    frame="unit",
+    values=("fluid_pressure",),
+    accuracies=("variance",),
+    encode=_encode_depth,
+    decode=_decode_depth,
+)
+"""Pressure sensor: depth of the unit, positive down [m]."""
+
+VELOCITY = Sensor(
+    name="velocity",
+    topic=Topic("unit/velocity", "geometry_msgs/msg/TwistWithCovarianceStamped", "cable_sim"),
+    frame="unit",
+    values=_vector("twist.twist.linear"),
+    accuracies=_diagonal("twist.covariance", 6, range(3)),
+    constants=_unknown("twist.covariance"),
+)
+"""Doppler velocity log (DVL): velocity of the unit over ground, x, y, z [m/s]."""
+
+IMU = Sensor(
+    name="imu",
+    topic=Topic("unit/imu", "sensor_msgs/msg/Imu", "cable_sim"),
+    frame="unit",
+    values=_vector("linear_acceleration") + _vector("angular_velocity"),
+    accuracies=_diagonal("linear_acceleration_covariance", 3, range(3))
+    + _diagonal("angular_velocity_covariance", 3, range(3)),
+    # orientation is not measured: covariance -1, REP-145
+    constants=(("orientation.w", 1.0), ("orientation_covariance[0]", -1.0)),
+)
+"""Inertial measurement unit: specific force x, y, z [m/s^2] (gravity upwards at rest), turn rate x, y, z [rad/s]."""
+
+USBL = Sensor(
+    name="usbl",
+    topic=Topic("unit/usbl", "geometry_msgs/msg/PoseWithCovarianceStamped", "cable_sim"),
+    frame="world",
+    values=_vector("pose.pose.position"),
+    accuracies=_diagonal("pose.covariance", 6, range(3)),
+    constants=(("pose.pose.orientation.w", 1.0), *_unknown("pose.covariance")),
+)
+"""Acoustic position of the unit, x, y, z [m]."""
+
+LOAD_CELL = Sensor(
+    name="load_cell",
+    topic=Topic("winch/load_cell", "heave_msgs/msg/LoadCell", "cable_sim"),
+    frame="",
+    values=("tension",),
+    accuracies=("tension_sigma",),
+    encode=_encode_load_cell,
+)
+"""Load cell at the boom tip: top tension [N]."""
+
+SENSORS: dict[str, Sensor] = {sensor.name: sensor for sensor in (MRU, DEPTH, VELOCITY, IMU, USBL, LOAD_CELL)}
+"""Every sensor with a topic of its own, by name; the drum's encoder travels in `winch/state`."""
+
+
+def all_to_wire(readings: Mapping[str, Iterable[Reading]], water: Water) -> dict[str, list[WireReading]]:
+    """Return the readings of each sensor, by its name, as they travel."""
+    return {name: [SENSORS[name].to_wire(reading, water) for reading in taken] for name, taken in readings.items()}

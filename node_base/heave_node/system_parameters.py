@@ -1,0 +1,170 @@
+"""The words under `system.`: what the simulated ship and the controller's belief share, each under one name.
+
+A scenario says once, under `/**`, what the cable, the unit, the winch, the sea and the vessel are. Every node receives
+these values and takes those that it has a parameter for, under its own name: `system.sea.peak_period` is `peak_period`
+of `wave_vessel` and `sea.peak_period` of `winch_controller`. A value in a node's own section wins: that is how a
+belief is made wrong on purpose.
+
+>>> own = ("sea.peak_period", "factor")
+>>> system_names("winch_controller", own)
+{'system.sea.peak_period': 'sea.peak_period'}
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, replace
+
+from heave_node.parameters import Given, unknown_parameter
+
+SYSTEM = "system."
+"""Prefix of the shared names."""
+
+_WINCH = (
+    *("law", "time_constant", "position_gain", "position_rate", "command_delay"),
+    *("speed_limit", "acceleration_limit", "payout_minimum", "payout_maximum", "power_limit"),
+)
+_SEA = (
+    *("spectrum", "significant_wave_height", "peak_period", "peak_enhancement", "shape", "direction"),
+    *("spectrum_file", "spectrum_record", "spectrum_time"),
+)
+_MRU = ("noise", "rate_noise", "high_pass_period", "high_pass_damping")
+_DEPTH = ("noise", "rate", "latency")
+
+
+@dataclass(frozen=True)
+class Shared:
+    """A word of the system: one parameter, or a whole group where it ends with a point.
+
+    Attributes
+    ----------
+    word : name after `system.`
+    own : what each node calls it; the first node owns the word: it has every parameter of the group
+    """
+
+    word: str
+    own: Mapping[str, str]
+
+    @property
+    def owner(self) -> str:
+        """Node that refuses a name it does not know."""
+        return next(iter(self.own))
+
+    def covers(self, word: str) -> bool:
+        """Tell whether a name after `system.` is this word, or belongs to this group."""
+        return word.startswith(self.word) if self.word.endswith(".") else word == self.word
+
+
+def _shared(word: str, **own: str) -> Shared:
+    return Shared(word, own)
+
+
+SHARED: tuple[Shared, ...] = (
+    _shared("length", cable_sim="length", winch_controller="length"),
+    _shared("water_density", cable_sim="water_density", winch_controller="water_density"),
+    _shared("gravity", cable_sim="gravity", winch_controller="gravity"),
+    _shared("boom_tip_height", wave_vessel="boom_tip_height", cable_sim="boom_tip_height"),
+    _shared("cable.", cable_sim="cable.", winch_controller="cable."),
+    _shared("linear.inertia", cable_sim="linear.inertia", winch_controller="cable_model.inertia"),
+    _shared("linear.damping", cable_sim="linear.damping", winch_controller="cable_model.damping"),
+    _shared("unit.", cable_sim="unit.", winch_controller="unit."),
+    *(_shared(f"winch.{name}", virtual_winch=name, winch_controller=f"winch.{name}") for name in _WINCH),
+    *(_shared(f"sea.{name}", wave_vessel=name, winch_controller=f"sea.{name}") for name in _SEA),
+    _shared("sea.swell.", wave_vessel="swell.", winch_controller="sea.swell."),
+    _shared("sea.spreading.", wave_vessel="spreading.", winch_controller="sea.spreading."),
+    _shared("sea.filter_form", wave_vessel="filter.form", winch_controller="sea.filter_form"),
+    _shared("sea.filter_states", wave_vessel="filter.states", winch_controller="sea.filter_states"),
+    _shared("vessel.", wave_vessel="vessel.", winch_controller="vessel."),
+    *(
+        _shared(f"sensors.mru.{name}", wave_vessel=f"mru.{name}", winch_controller=f"sensors.mru.{name}")
+        for name in _MRU
+    ),
+    *(
+        _shared(f"sensors.depth.{name}", cable_sim=f"sensors.depth.{name}", winch_controller=f"sensors.depth.{name}")
+        for name in _DEPTH
+    ),
+)
+"""The one table of shared names."""
+
+
+def system_names(node: str, own_names: Collection[str]) -> dict[str, str]:
+    """Return the shared names that a node takes, each with the node's own name for it.
+
+    Parameters
+    ----------
+    node : name of the node
+    own_names : dotted names of its parameters
+    """
+    names: dict[str, str] = {}
+    for shared in (shared for shared in SHARED if node in shared.own):
+        mine = shared.own[node]
+        for name in own_names:
+            if name == mine or (mine.endswith(".") and name.startswith(mine)):
+                names[f"{SYSTEM}{shared.word}{name.removeprefix(mine)}"] = name
+    return names
+
+
+def own_name(node: str, name: str) -> str:
+    """Return a node's own name for a shared one; "" where it takes none.
+
+    Parameters
+    ----------
+    node : name of the node
+    name : with `system.`
+    """
+    word = name.removeprefix(SYSTEM) if name.startswith(SYSTEM) else ""
+    for shared in SHARED:
+        if node in shared.own and shared.covers(word):
+            return shared.own[node] + word.removeprefix(shared.word)
+    return ""
+
+
+def owned_names(node: str, own_names: Collection[str]) -> dict[str, str]:
+    """Return the shared names that a node owns, each with the node's own name for it.
+
+    Parameters
+    ----------
+    node : name of the node
+    own_names : dotted names of its parameters
+    """
+    owned = [shared for shared in SHARED if shared.owner == node]
+    names = system_names(node, own_names)
+    return {
+        name: own for name, own in names.items() if any(shared.covers(name.removeprefix(SYSTEM)) for shared in owned)
+    }
+
+
+def take_system(node: str, own_names: Collection[str], given: Mapping[str, Given]) -> dict[str, Given]:
+    """Return the values of one node by its own names: its own ones, and the shared ones that it has a parameter for.
+
+    Parameters
+    ----------
+    node : name of the node
+    own_names : dotted names of its parameters
+    given : what it was given, shared names among them
+
+    Raises
+    ------
+    ParameterError
+        For a shared name that no node knows, or that this node should know as its owner.
+    """
+    names = system_names(node, own_names)
+    own = {name: value for name, value in given.items() if not name.startswith(SYSTEM)}
+    for name, value in given.items():
+        if not name.startswith(SYSTEM):
+            continue
+        if name in names:
+            own.setdefault(names[name], replace(value, reader=node))
+        elif _is_unknown(name, to=node if names else ""):
+            raise unknown_parameter(value, {*names, *(SYSTEM + shared.word for shared in SHARED)})
+    return own
+
+
+def _is_unknown(name: str, *, to: str) -> bool:
+    """Tell whether a shared name that a node has no parameter for is a mistake, or another node's business.
+
+    A node that takes no shared name at all owns none, whatever it is called: a bag that is played in the place of
+    `wave_vessel`, for one.
+    """
+    owners = {shared.owner for shared in SHARED if shared.covers(name.removeprefix(SYSTEM))}
+    return not owners or to in owners

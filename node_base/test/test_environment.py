@@ -1,0 +1,142 @@
+"""Who can reach a node is decided by a few variables: what comes of each of the user's settings."""
+
+import os
+import sys
+from importlib import resources
+from xml.etree import ElementTree
+
+import pytest
+from heave_node.ros.environment import (
+    PROFILE_VARIABLE,
+    is_bound_to_loopback,
+    is_open_to_network,
+    open_to_network,
+    prepare_environment,
+)
+
+RANGE = "ROS_AUTOMATIC_DISCOVERY_RANGE"
+PROFILE = "FASTDDS_DEFAULT_PROFILES_FILE"
+PROFILES = resources.files("heave_node") / "fastdds_profiles"
+
+
+@pytest.fixture(autouse=True)
+def environment(monkeypatch, tmp_path):
+    """An environment in which the user has set nothing, with Fast DDS 3 installed."""
+    (tmp_path / "share" / "fastdds").mkdir(parents=True)
+    given = {
+        name: value
+        for name, value in os.environ.items()
+        if not name.startswith(("ROS_", "RMW_", "FASTDDS_", "FASTRTPS_"))
+    }
+    monkeypatch.setattr(os, "environ", {**given, "AMENT_PREFIX_PATH": str(tmp_path)})
+    return os.environ
+
+
+@pytest.mark.parametrize("asked", [None, "LOCALHOST", "OFF", "localhost", "nonsense"])
+def test_without_being_asked_a_node_is_on_loopback(environment, asked):
+    if asked:
+        environment[RANGE] = asked
+    assert prepare_environment() == ""
+    assert environment[PROFILE] == str(PROFILES / "heave_loopback_3.xml")
+    assert environment[RANGE] == "SYSTEM_DEFAULT", "ROS's own ranges would add a transport on every interface"
+    assert is_bound_to_loopback()
+
+
+def test_the_network_is_opened_by_the_command_and_said(environment):
+    environment["ROS_LOCALHOST_ONLY"] = "1"
+    environment["ROS_DOMAIN_ID"] = "7"
+    open_to_network()
+    assert "any host of the subnet can join ROS domain 7" in prepare_environment()
+    assert environment[PROFILE] == str(PROFILES / "heave_network_3.xml")
+    assert environment[RANGE] == "SUBNET"
+    assert not is_bound_to_loopback()
+
+
+@pytest.mark.parametrize("asked", ["SUBNET", "SYSTEM_DEFAULT"])
+def test_the_network_is_opened_by_ros_own_variable_and_said(environment, asked):
+    environment[RANGE] = asked
+    assert "open to the network" in prepare_environment()
+    assert environment[PROFILE] == str(PROFILES / "heave_network_3.xml")
+    assert environment[RANGE] == asked
+
+
+@pytest.mark.parametrize("is_open", [False, True])
+def test_what_a_command_has_set_holds_for_the_processes_that_it_starts(environment, is_open):
+    if is_open:
+        open_to_network()
+    notice = prepare_environment()
+    before = dict(environment)
+    assert prepare_environment() == notice
+    assert environment == before
+    assert is_open_to_network() is is_open
+
+
+def test_a_command_on_loopback_can_be_opened_and_closed_again(environment):
+    prepare_environment()
+    open_to_network()
+    assert "open to the network" in prepare_environment()
+    environment[RANGE] = "LOCALHOST"
+    assert prepare_environment() == ""
+    assert is_bound_to_loopback()
+
+
+def test_ros_localhost_only_goes_before_the_range(environment):
+    environment.update({"ROS_LOCALHOST_ONLY": "1", RANGE: "SUBNET"})
+    assert prepare_environment() == ""
+    assert "ROS_LOCALHOST_ONLY" not in environment, "it would add a transport on every interface"
+    assert is_bound_to_loopback()
+
+
+def test_static_peers_are_not_used_on_loopback_and_the_user_hears_it(environment):
+    environment["ROS_STATIC_PEERS"] = "192.0.2.1"
+    assert "ROS_STATIC_PEERS is not used" in prepare_environment()
+    assert is_bound_to_loopback()
+
+
+@pytest.mark.parametrize(
+    ("name", "value"), [(PROFILE, "/etc/our_ship.xml"), ("RMW_IMPLEMENTATION", "rmw_cyclonedds_cpp")]
+)
+def test_a_transport_of_the_users_own_is_left_alone_and_said(environment, name, value):
+    environment[name] = value
+    assert f"{name}={value}" in prepare_environment()
+    assert environment[name] == value
+    assert environment[RANGE] == "LOCALHOST"
+    assert not is_bound_to_loopback()
+
+
+def test_fast_dds_2_gets_its_own_variable_and_profile(environment, tmp_path):
+    old = tmp_path / "jazzy"
+    (old / "share" / "fastrtps").mkdir(parents=True)
+    environment["AMENT_PREFIX_PATH"] = os.pathsep.join([str(old), str(tmp_path)])
+    prepare_environment()
+    assert environment["FASTRTPS_DEFAULT_PROFILES_FILE"] == str(PROFILES / "heave_loopback_2.xml")
+    assert PROFILE not in environment
+
+
+def test_where_no_fast_dds_is_seen_the_newest_is_taken_for_granted(environment):
+    del environment["AMENT_PREFIX_PATH"]
+    prepare_environment()
+    assert environment["AMENT_PREFIX_PATH"] == sys.prefix
+    assert environment[PROFILE].endswith("_3.xml")
+
+
+# The tags of the times of a writer, by major version of Fast DDS: resources/xsd/fastRTPS_profiles.xsd of 2.14.4 and
+# resources/xsd/fastdds_profiles.xsd of 3.2.2.
+TAGS = {
+    2: ("heartbeatPeriod", "nackSupressionDuration"),
+    3: ("heartbeat_period", "nack_supression_duration"),
+}
+
+
+@pytest.mark.parametrize("reach", ["loopback", "network"])
+def test_the_profiles_differ_between_versions_of_fast_dds_in_the_names_of_tags_only(reach):
+    contents = {}
+    for version in PROFILE_VARIABLE:
+        text = (PROFILES / f"heave_{reach}_{version}.xml").read_text(encoding="utf-8")
+        root = ElementTree.fromstring(text)
+        namespace = root.tag.removesuffix("profiles")
+        assert [tag.tag.removeprefix(namespace) for tag in root.find(f".//{namespace}times")] == list(TAGS[version])
+        for tag, common in zip(TAGS[version], TAGS[3], strict=True):
+            text = text.replace(tag, common)
+        contents[version] = text.replace(namespace.strip("{}"), "namespace")
+    assert contents[2] == contents[3]

@@ -1,0 +1,35 @@
+"""What users import from the packages themselves."""
+
+import ast
+import importlib
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+PACKAGES = ("heave_node", "wave_vessel_node", "cable_sim_node", "winch_controller_node", "heave_bags", "heave_bringup")
+HEAVY = ("rclpy", "numpy", "numba", "scipy", "pandas", "matplotlib")
+
+
+@pytest.mark.parametrize("package", PACKAGES)
+def test_every_name_of_a_face_is_there_and_is_what_type_checkers_are_told(package):
+    module = importlib.import_module(package)
+    told = {
+        alias.name: node.module
+        for node in ast.walk(ast.parse(Path(module.__file__).read_text(encoding="utf-8")))
+        if isinstance(node, ast.ImportFrom) and (node.module or "").startswith(f"{package}.")
+        for alias in node.names
+    }
+    told.pop("lazy_face", None)
+    assert sorted(module.__all__) == sorted(told)
+    for name, source in told.items():
+        assert getattr(module, name) is getattr(importlib.import_module(source), name)
+    with pytest.raises(AttributeError, match=f"module '{package}' has no attribute 'nothing'"):
+        _ = module.nothing
+
+
+def test_importing_the_packages_loads_nothing_heavy():
+    program = f"import sys, {', '.join(PACKAGES)}; print([name for name in {HEAVY} if name in sys.modules])"
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    assert done.stdout == "[]\n"

@@ -1,0 +1,131 @@
+"""The rules of the house: arrows between packages and between the wings of a package run one way, and few know ROS."""
+
+from __future__ import annotations
+
+import ast
+import graphlib
+from collections import defaultdict
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+
+MAY_IMPORT = {
+    "heave_node": (),
+    "wave_vessel_node": ("heave_node",),
+    "cable_sim_node": ("heave_node",),
+    "winch_controller_node": ("heave_node", "wave_vessel_node", "cable_sim_node"),
+    "heave_bags": ("heave_node",),
+    "heave_bringup": ("heave_node", "wave_vessel_node", "cable_sim_node", "winch_controller_node", "heave_bags"),
+}
+"""What each package may import of the others; all may import the messages."""
+
+FOLDERS = {"heave_node": "node_base", "heave_bags": "bags", "heave_bringup": "bringup"}
+"""Where a package lies whose folder has another name."""
+
+KNOWS_ROS = ("heave_node.ros", "heave_bags", "heave_bringup", "winch_controller_node.move_action")
+"""Beside the modules of nodes (`node`, `winch_node`), the only places that may import rclpy."""
+
+UPWARDS = {
+    ("wave_vessel_node.vessel", "wave_vessel_node.mru"),  # the oscillator
+    ("heave_bags.cdr", "heave_bags.mcap"),
+    ("heave_bringup.scenarios", "heave_bringup.run"),  # the table of nodes
+}
+"""Arrows that still run the wrong way. An arrow that is turned leaves this list; none is added."""
+
+
+def source_of(package: str) -> Path:
+    return ROOT / FOLDERS.get(package, package) / package
+
+
+def modules(package: str) -> dict[str, Path]:
+    """Return the files of a package by module name."""
+    found = {}
+    for path in sorted(source_of(package).rglob("*.py")):
+        parts = path.relative_to(source_of(package).parent).with_suffix("").parts
+        found[".".join(parts[:-1] if parts[-1] == "__init__" else parts)] = path
+    return found
+
+
+def imports(path: Path, known: set[str]) -> Iterator[str]:
+    """Yield the modules that a file imports, wherever in it; a name that is not in `known` stands for its parent."""
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            assert node.level == 0, f"{path}: relative import"
+            for alias in node.names:
+                member = f"{node.module}.{alias.name}"
+                yield member if member in known else str(node.module)
+
+
+def wing(module: str) -> str:
+    """Return the wing of a module, or the module itself where it stands at the package's face."""
+    return ".".join(module.split(".")[:2])
+
+
+@pytest.mark.parametrize("package", MAY_IMPORT)
+def test_no_two_wings_of_a_package_import_each_other_in_a_circle(package):
+    files = modules(package)
+    arrows = defaultdict(set)
+    for module, path in files.items():
+        for target in imports(path, set(files)):
+            arrow = (wing(module), wing(target))
+            if target.startswith(f"{package}.") and arrow[0] != arrow[1] and arrow not in UPWARDS:
+                arrows[arrow[0]].add(arrow[1])
+    try:
+        graphlib.TopologicalSorter(arrows).prepare()
+    except graphlib.CycleError as error:
+        pytest.fail(" imports ".join(reversed(error.args[1])))
+
+
+@pytest.mark.parametrize("package", MAY_IMPORT)
+def test_a_package_imports_only_the_packages_below_it(package):
+    files = modules(package)
+    others = set(MAY_IMPORT) - {package, *MAY_IMPORT[package]}
+    wrong = {
+        f"{module} imports {target}"
+        for module, path in files.items()
+        for target in imports(path, set(files))
+        if target.split(".")[0] in others
+    }
+    assert wrong == set()
+
+
+@pytest.mark.parametrize("package", MAY_IMPORT)
+def test_only_the_shells_of_nodes_know_ros(package):
+    files = modules(package)
+    wrong = {
+        module
+        for module, path in files.items()
+        if any(target.split(".")[0] == "rclpy" for target in imports(path, set(files)))
+        and not module.endswith((".node", ".winch_node"))
+        and not any(f"{module}.".startswith(f"{place}.") for place in KNOWS_ROS)
+    }
+    assert wrong == set()
+
+
+@pytest.mark.parametrize("package", MAY_IMPORT)
+def test_nodes_never_import_each_others_node(package):
+    files = modules(package)
+    shells = {f"{name}.{module}" for name in MAY_IMPORT for module in ("node", "winch_node")}
+    wrong = {
+        f"{module} imports {target}"
+        for module, path in files.items()
+        for target in imports(path, shells)
+        if target in shells and package != "heave_bringup"
+    }
+    assert wrong == set()
+
+
+def test_the_scan_sees_what_there_is():
+    # a scan that finds nothing would pass everything above
+    known = set(modules("cable_sim_node"))
+    found = set(imports(ROOT / "cable_sim_node" / "cable_sim_node" / "component.py", known))
+    assert {"cable_sim_node.line.dynamics", "heave_node.kinematics", "numpy"} <= found
+    shell = set(imports(ROOT / "node_base" / "heave_node" / "ros" / "spin.py", set(modules("heave_node"))))
+    assert any(target.split(".")[0] == "rclpy" for target in shell)
+    assert wing("cable_sim_node.line.dynamics") == "cable_sim_node.line"
+    assert wing("cable_sim_node.errors") == "cable_sim_node.errors"

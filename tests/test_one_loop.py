@@ -1,0 +1,60 @@
+"""The loop in one process is the loop over ROS: a bag holds its numbers, to the last bit."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from heave_bags.analyse import kpi_set
+from heave_bags.analyse.run_record import read_run
+from heave_bags.mcap.reader import Bag
+from heave_bringup.campaign.runs import loop_parameters, run_signals
+from heave_bringup.closed_loop import ClosedLoop
+from heave_bringup.scenarios import load_scenario
+
+from tests.loop_runs import run_scenario
+
+NOT_OF_ONE_PROCESS = {"nis_in_band_percent", "real_time_factor", "missed_deadlines"}
+OTHER_WATER = {
+    "cable_sim.water_density": "1030",
+    "cable_sim.gravity": "9.83",
+    "cable_sim.sensors.imu.fitted": "true",
+    "virtual_winch.acceleration_limit": "0.3",
+    "virtual_winch.stop_deceleration": "0.3",
+    "winch_controller.gravity": "9.82",
+    "winch_controller.sensors.use": "[mru, depth, encoder, imu]",
+    "winch_controller.modes.settling_time": "5",
+    "winch_controller.modes.fade_in_time": "5",
+}
+
+
+def compare(bag: Path) -> None:
+    """Run the scenario that the run in `bag` stored again in one process, and compare."""
+    scenario = load_scenario(bag.parent / "scenario.yaml", settings={}, common={}, source="test")
+    parameters = loop_parameters(scenario)
+    outputs = []
+    record = ClosedLoop(parameters).run(lambda _, of_tick: outputs.append(of_tick))
+    recorded = Bag(bag)
+    commands = [m for _, m in recorded.decoded(["winch/command"])]
+    for name in ("sequence", "payout", "payout_rate", "brake"):
+        assert [getattr(m, name) for m in commands] == [getattr(o.order, name) for o in outputs], name
+    estimates = [list(m.estimate) for _, m in recorded.decoded(["controller/state"])]
+    assert estimates == [list(o.report.estimate) for o in outputs]
+    unit = [m.pose.pose.position.z for _, m in recorded.decoded(["unit/odometry"])]
+    np.testing.assert_array_equal(unit, record.column("unit"))
+    start, end = 0.5 * scenario.run.duration, scenario.run.duration
+    of_bag = read_run(bag).kpis(start, end)
+    of_loop = kpi_set.evaluate(run_signals(record, parameters), start, end)
+    known = [key for key in of_bag if np.isfinite(of_bag[key]) and not key.startswith("loop_age")]
+    assert len(known) > 20
+    for key in set(known) - NOT_OF_ONE_PROCESS:
+        assert of_loop[key] == of_bag[key], key
+
+
+def test_a_run_over_ros_is_the_run_in_one_process(calm_bag):
+    compare(calm_bag)
+
+
+@pytest.mark.slow
+def test_so_it_is_in_water_and_gravity_other_than_believed_and_at_the_limits_of_the_winch(tmp_path):
+    options = [part for name, value in OTHER_WATER.items() for part in ("--set", f"{name}={value}")]
+    compare(run_scenario(tmp_path / "run", duration=25.0, options=options))

@@ -1,0 +1,87 @@
+"""Measured wave spectra: the records of a file, in order of time."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from datetime import datetime, timedelta, timezone
+
+from heave_node.arrays import Array
+
+from wave_vessel_node.sea.spectra import TabulatedSpectrum
+
+
+class SpectrumFileError(ValueError):
+    """A spectrum file that cannot be used; the message names file, line and what was wanted."""
+
+
+@dataclass(frozen=True)
+class SpectrumRecord:
+    """One measured spectrum.
+
+    Attributes
+    ----------
+    time : of the observation, UTC
+    spectrum : of the elevation
+    """
+
+    time: datetime
+    spectrum: TabulatedSpectrum
+
+
+@dataclass(frozen=True)
+class SpectrumFile:
+    """What a file of spectra holds.
+
+    Attributes
+    ----------
+    path : as given
+    records : in order of time
+    warnings : what was repaired or left out, one line each
+    """
+
+    path: str
+    records: tuple[SpectrumRecord, ...]
+    warnings: tuple[str, ...]
+
+    def select(self, index: int) -> SpectrumRecord:
+        """Return record number `index`, from 0. Raises SpectrumFileError beyond the last."""
+        if not 0 <= index < len(self.records):
+            raise SpectrumFileError(
+                f"{self.path}: there is no record {index}: the file has 0 to {len(self.records) - 1}"
+            )
+        return self.records[index]
+
+    def nearest(self, time: str) -> SpectrumRecord:
+        """Return the record nearest to `time`, ISO 8601, UTC where no zone is given.
+
+        Raises SpectrumFileError for a text that is no time, or one more than a day before the first or after the last
+        record.
+        """
+        try:
+            wanted = datetime.fromisoformat(time.replace("Z", "+00:00"))
+        except ValueError as error:
+            raise SpectrumFileError(f"{self.path}: {time!r} is not a time like 1996-06-14T18:00") from error
+        if wanted.tzinfo is None:
+            wanted = wanted.replace(tzinfo=timezone.utc)
+        record = min(self.records, key=lambda candidate: abs(candidate.time - wanted))
+        if abs(record.time - wanted) > timedelta(days=1):
+            first, last = self.records[0].time, self.records[-1].time
+            raise SpectrumFileError(
+                f"{self.path}: no record within a day of {time}: it reaches from {first:%Y-%m-%d} to {last:%Y-%m-%d}"
+            )
+        return record
+
+
+def tabulated_from_hertz(frequency: Array, density: Array, *, name: str) -> TabulatedSpectrum:
+    """Return the spectrum of densities per hertz: S(omega) = S(f) / (2 pi).
+
+    Parameters
+    ----------
+    frequency : [Hz], rising, shape (n,)
+    density : [m^2/Hz], shape (n,)
+    name : opens the message of an error
+
+    Raises SpectrumError for numbers that are no spectrum.
+    """
+    return TabulatedSpectrum(2.0 * math.pi * frequency, density / (2.0 * math.pi), name=name)

@@ -1,0 +1,62 @@
+"""The sources of the vessel's motion: one line each, with what the rest must know of a source.
+
+A source's module has `build(Scene) -> MotionSource`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from heave_node.registry import Entry
+
+if TYPE_CHECKING:
+    from wave_vessel_node.parameters import WaveVesselParameters
+
+
+def _check_nothing(_: WaveVesselParameters) -> None:
+    """Take any parameters."""
+
+
+def _check_filter(parameters: WaveVesselParameters) -> None:
+    if parameters.vessel.model == "rao":
+        raise ValueError("boom_tip_source = filter goes with vessel.model second_order, fitted or direct, not with rao")
+    if parameters.vessel.pitch_gain > 0.0:
+        raise ValueError("vessel.pitch_gain goes with boom_tip_source = spectrum: filtered noise has no wave slope")
+
+
+def _check_recording(parameters: WaveVesselParameters) -> None:
+    if not parameters.recording_file:
+        raise ValueError("boom_tip_source = file needs recording_file: name the CSV file or the bag")
+    if parameters.recording_kind == "elevation" and parameters.vessel.model not in ("second_order", "direct"):
+        raise ValueError(
+            "recording_kind = elevation goes with vessel.model second_order or direct: a recorded elevation has "
+            "neither direction nor spectrum"
+        )
+
+
+@dataclass(frozen=True)
+class SourceEntry(Entry):
+    """A motion source.
+
+    Attributes
+    ----------
+    has_sea : a sea with a spectrum moves the vessel: it has a course, and a response to waves
+    check : raises ValueError where the other parameters contradict this source
+    """
+
+    has_sea: bool
+    check: Callable[[WaveVesselParameters], None] = _check_nothing
+
+
+SOURCES: dict[str, SourceEntry] = {
+    "spectrum": SourceEntry("wave_vessel_node.sources.components:build", "sum of components", has_sea=True),
+    "filter": SourceEntry(
+        "wave_vessel_node.sources.filtered:build", "shaped white noise", has_sea=True, check=_check_filter
+    ),
+    "regular": SourceEntry("wave_vessel_node.sources.regular:build", "a sine", has_sea=False),
+    "file": SourceEntry(
+        "wave_vessel_node.sources.recorded:build", "a recording", has_sea=False, check=_check_recording
+    ),
+}

@@ -1,0 +1,122 @@
+"""Components through a table of RAOs, on a course: encounter frequency, heading and speed, and manoeuvres."""
+
+from __future__ import annotations
+
+import numpy as np
+from heave_node.arrays import Array, ComplexArray
+from heave_node.compiled import kernel
+from heave_node.constants import STANDARD_GRAVITY
+
+from wave_vessel_node.sea.realisation import HarmonicSum, WaveComponents
+from wave_vessel_node.sources.motion_source import MotionSource
+from wave_vessel_node.vessel.course import Course, Leg
+from wave_vessel_node.vessel.motion import VesselMotion
+from wave_vessel_node.vessel.rao import ResponseTable
+
+_DIFFERENCE = 0.02  # s, step of the central differences that give rates within manoeuvres
+
+
+class RaoSource(MotionSource):
+    """Motion in six degrees of freedom.
+
+    On a leg (heading and speed hold) each component answers at its encounter frequency, exactly. Within a manoeuvre
+    the response is that of the heading and speed of the moment, the phases stay continuous, and rates are differences
+    of what was summed.
+
+    Parameters
+    ----------
+    components : of the sea, at the place of the vessel at time 0
+    table : RAOs of the vessel
+    course : of the vessel
+    arm : boom tip from the reference point [m], shape (3,): where the elevation is taken
+    tick_period : [s]
+    """
+
+    def __init__(
+        self, components: WaveComponents, table: ResponseTable, course: Course, arm: Array, tick_period: float
+    ) -> None:
+        self._components = components
+        self._course = course
+        self._arm = arm
+        self._response = table.sampled(components.frequency)
+        self._tick_period = tick_period
+        self._legs = [self._leg_sum(leg) for leg in course.legs]
+        if len(course.legs) > 1:
+            self._sum_at(0.0)  # compiles now what a tick should not wait for
+
+    def motion(self, tick: int) -> VesselMotion:
+        """See MotionSource."""
+        time = tick * self._tick_period
+        leg = self._course.leg_at(time)
+        values = self._in_manoeuvre(time) if leg is None else self._legs[leg].at(tick)
+        return VesselMotion(
+            time,
+            displacement=values[0, :6].copy(),
+            velocity=values[1, :6].copy(),
+            acceleration=values[2, :6].copy(),
+            elevation=float(values[0, 6]),
+        )
+
+    def _leg_sum(self, leg: Leg) -> HarmonicSum:
+        """Return the sum that holds on a leg: phases omega t - k . X(t) with X linear in time."""
+        sea = self._components
+        heading, velocity = self._course.heading(leg.start), self._course.velocity(leg.start)
+        if np.isinf(leg.end):
+            at = leg.start
+        else:
+            at = 0.5 * (leg.start + leg.end)
+            heading, velocity = self._course.heading(at), self._course.velocity(at)
+        along = np.column_stack((np.cos(sea.direction), np.sin(sea.direction)))
+        start = self._course.place(at) - velocity * at
+        encounter = sea.frequency - sea.wave_number * (along @ velocity)
+        phasor = sea.amplitude * np.exp(1j * (sea.phase - sea.wave_number * (along @ start)))
+        relative = sea.direction - heading
+        response = self._response.at(relative, self._course.speed(at))
+        arm_phase = sea.wave_number * (self._arm[0] * np.cos(relative) + self._arm[1] * np.sin(relative))
+        rows = np.vstack((response, np.exp(-1j * arm_phase)))
+        return HarmonicSum(encounter, phasor * rows, self._tick_period)
+
+    def _in_manoeuvre(self, time: float) -> Array:
+        before, here, after = (self._sum_at(time + step) for step in (-_DIFFERENCE, 0.0, _DIFFERENCE))
+        rate = (after - before) / (2.0 * _DIFFERENCE)
+        acceleration = (after - 2.0 * here + before) / _DIFFERENCE**2
+        return np.stack((here, rate, acceleration))
+
+    def _sum_at(self, time: float) -> Array:
+        sea = self._components
+        x, y = self._course.place(time)
+        weights = self._response.speed_weights(self._course.speed(time))
+        out = np.zeros(7)
+        _sum(
+            sea.frequency, sea.amplitude, sea.phase, sea.direction, self._response.knots,
+            self._response.coefficients, weights,
+            time, x, y, self._course.heading(time), self._arm[0], self._arm[1], out,
+        )  # fmt: skip
+        return out
+
+
+@kernel
+def _sum(
+    frequency: Array, amplitude: Array, phase: Array, direction: Array, knots: Array,
+    coefficients: ComplexArray, weights: Array,
+    time: float, x: float, y: float, heading: float, arm_x: float, arm_y: float, out: Array,
+) -> None:  # fmt: skip
+    """Sum six motions and the elevation at one time into out (7,)."""
+    cells = knots.size - 1
+    for n in range(frequency.size):
+        wave_number = frequency[n] * frequency[n] / STANDARD_GRAVITY
+        along = x * np.cos(direction[n]) + y * np.sin(direction[n])
+        angle = frequency[n] * time - wave_number * along + phase[n]
+        relative = (direction[n] - heading) % (2.0 * np.pi)
+        cell = min(cells - 1, max(0, np.searchsorted(knots, relative, side="right") - 1))
+        step = relative - knots[cell]
+        wave = amplitude[n] * np.exp(1j * angle)
+        for motion in range(6):
+            response = 0.0j
+            for power in range(4):
+                response *= step
+                for s in range(weights.size):
+                    response += weights[s] * coefficients[s, n, cell, motion, power]
+            out[motion] += (response * wave).real
+        arm = wave_number * (arm_x * np.cos(relative) + arm_y * np.sin(relative))
+        out[6] += (np.exp(-1j * arm) * wave).real

@@ -1,0 +1,67 @@
+"""A recording as the source of the vessel's motion."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+from wave_vessel_node.mru.oscillator import DrivenOscillator
+from wave_vessel_node.sources.motion_source import MotionSource
+from wave_vessel_node.sources.recording import Recording, RecordingError, read_recording
+from wave_vessel_node.sources.scene import Scene
+from wave_vessel_node.vessel.motion import HEAVE, VesselMotion
+from wave_vessel_node.vessel.second_order import SecondOrderVessel
+
+
+def build(scene: Scene) -> MotionSource:
+    """Return the source `file` of a scene; what was repaired in the file is added to the scene's warnings."""
+    recording = read_recording(scene.parameters.recording_file, scene.parameters.recording_topic)
+    scene.warnings.extend(recording.warnings)
+    vessel = scene.vessel if scene.parameters.recording_kind == "elevation" else None
+    return RecordedSource(recording, vessel, scene.tick_period)
+
+
+class RecordedSource(MotionSource):
+    """Motion of the boom tip as it was recorded, or recorded elevation through the vessel.
+
+    Between samples a cubic spline gives position, velocity and acceleration that fit one another.
+
+    Parameters
+    ----------
+    recording : motion of the boom tip, or elevation
+    vessel : second-order vessel that elevation goes through; None where the recording is the motion, or the boom tip
+        follows the surface
+    tick_period : [s]
+    """
+
+    def __init__(self, recording: Recording, vessel: SecondOrderVessel | None, tick_period: float) -> None:
+        self._recording = recording
+        self._spline = CubicSpline(recording.time, recording.position)
+        self._tick_period = tick_period
+        self._oscillator: DrivenOscillator | None = None
+        if vessel is not None:
+            gain = vessel.gain * vessel.natural_frequency**2
+            self._oscillator = DrivenOscillator(
+                vessel.natural_frequency, vessel.damping_ratio, value_gain=gain, rate_gain=0.0, period=tick_period
+            )
+        self._begun = False
+
+    def motion(self, tick: int) -> VesselMotion:
+        """See MotionSource. Raises RecordingError beyond the end of the recording."""
+        time = tick * self._tick_period
+        if time > self._recording.time[-1] + 1e-9:
+            end = math.floor(self._recording.time[-1] / self._tick_period) * self._tick_period
+            raise RecordingError(f"{self._recording.path}: ends after {end:g} s: give a shorter duration")
+        position, velocity, acceleration = (np.asarray(self._spline(time, order)) for order in range(3))
+        motion = VesselMotion(time, elevation=float(position[2]))
+        if self._oscillator is None:
+            motion.displacement[:3], motion.velocity[:3], motion.acceleration[:3] = position, velocity, acceleration
+            return motion
+        if not self._begun:
+            self._oscillator.start(position[2], velocity[2])
+            self._begun = True
+        values = self._oscillator.step(position[2], velocity[2])
+        motion.displacement[HEAVE], motion.velocity[HEAVE], motion.acceleration[HEAVE] = values
+        return motion

@@ -1,0 +1,48 @@
+"""The boom tip moved as a sine, to compare the plant with theory and with others."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from wave_vessel_node.sources.motion_source import MotionSource
+from wave_vessel_node.sources.scene import Scene
+from wave_vessel_node.vessel.motion import HEAVE, VesselMotion
+
+
+def build(scene: Scene) -> MotionSource:
+    """Return the source `regular` of a scene."""
+    return RegularSource(scene.parameters.amplitude, scene.parameters.period, scene.tick_period)
+
+
+class RegularSource(MotionSource):
+    """Boom tip moved as a_i sin(omega t) along world x, y, z; the sea surface follows z.
+
+    Parameters
+    ----------
+    amplitude : a [m], three numbers
+    period : of the sine [s]
+    tick_period : [s]
+    """
+
+    def __init__(self, amplitude: tuple[float, ...], period: float, tick_period: float) -> None:
+        self._amplitude = np.array(amplitude)
+        self._period = period
+        self._omega = 2.0 * math.pi / period
+        self._tick_period = tick_period
+
+    def motion(self, tick: int) -> VesselMotion:
+        """See MotionSource."""
+        time = tick * self._tick_period
+        sine, cosine = math.sin(self._omega * time), math.cos(self._omega * time)
+        motion = VesselMotion(time)
+        motion.displacement[:3] = self._amplitude * sine
+        motion.velocity[:3] = self._amplitude * (self._omega * cosine)
+        motion.acceleration[:3] = self._amplitude * (-self._omega * self._omega * sine)
+        motion.elevation = float(motion.displacement[HEAVE])
+        return motion
+
+    def nominal_sea(self) -> tuple[float, float]:
+        """See MotionSource: the height of a sea with the variance of the sine, and its period."""
+        return 2.0 * math.sqrt(2.0) * abs(float(self._amplitude[2])), self._period

@@ -1,0 +1,62 @@
+"""Constant tension: the filter of the load cell, the ramp of the set-point, and the law."""
+
+import math
+
+import numpy as np
+import pytest
+from winch_controller_node.design.design import design_controller
+from winch_controller_node.estimation.tension_filter import FILTER_SHARE, TensionFilter
+from winch_controller_node.laws.constant_tension import ConstantTension, TensionSetPoint
+from winch_controller_node.laws.loop_state import LoopState, Reference
+from winch_controller_node.parameters.controller import WinchControllerParameters
+from winch_controller_node.parameters.laws import TensionLawParameters
+
+DT = 0.05
+
+
+def test_the_filter_answers_a_step_as_a_first_order_lag_does():
+    """1 - exp(-t/T); the filter's own step is that of implicit Euler, first order in dt/T."""
+    time_constant = 8.0
+    tension = TensionFilter(time_constant / FILTER_SHARE, tick_period=DT)
+    tension.add(0.0)
+    trace = []
+    for _ in range(400):
+        tension.add(1000.0)
+        trace.append(tension.value)
+    exact = 1000.0 * (1.0 - np.exp(-DT * np.arange(1, 401) / time_constant))
+    np.testing.assert_allclose(trace, exact, atol=1000.0 * DT / time_constant)
+
+
+def test_the_filter_begins_at_the_first_reading():
+    tension = TensionFilter(2.0, tick_period=DT)
+    assert math.isnan(tension.value)
+    tension.add(50e3)
+    assert tension.value == 50e3
+
+
+def test_the_set_point_takes_the_time_of_the_ramp_whatever_the_distance():
+    set_point = TensionSetPoint(TensionLawParameters(ramp_time=8.0), tick_period=DT)
+    set_point.begin(50e3)
+    set_point.hold(10e3)
+    trace = [set_point.advance() for _ in range(200)]
+    assert trace[159] == pytest.approx(10e3)
+    assert trace[79] == pytest.approx(30e3, rel=1e-6)
+    assert trace[-1] == 10e3
+
+
+def test_the_law_pays_out_under_too_much_tension_and_no_faster_than_its_limit():
+    design = design_controller(WinchControllerParameters(), tick_period=DT)
+    parameters = TensionLawParameters(time_constant=2.0, speed_limit=0.3)
+    set_point = TensionSetPoint(parameters, tick_period=DT)
+    set_point.begin(design.cable.static_tension)
+    law = ConstantTension(design.model, design.cable, design.parameters.winch, parameters, set_point)
+
+    def rate(stretch):
+        """Return the rate command for a cable that is stretched by so much more than at rest [m]."""
+        tension = design.cable.static_tension + design.cable.stiffness * stretch
+        return law.command(LoopState(np.zeros(design.model.order), Reference(), 0.0, tension)).value
+
+    assert rate(0.0) == 0.0
+    assert rate(0.1) == pytest.approx(0.1 / 2.0)
+    assert rate(-0.1) == pytest.approx(-0.1 / 2.0)
+    assert rate(50.0) == 0.3

@@ -1,0 +1,46 @@
+"""The design in force and its successors."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+from winch_controller_node.design_in_force import DesignInForce
+from winch_controller_node.model.lqr import DesignError
+from winch_controller_node.parameters.controller import WinchControllerParameters
+
+DT = 0.05
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (
+            lambda p: dataclasses.replace(p, winch=dataclasses.replace(p.winch, command_delay=0.4)),
+            "payout_rate_command_5",
+        ),
+        (lambda p: dataclasses.replace(p, weights=dataclasses.replace(p.weights, command=0.0)), "weights.command"),
+        (lambda p: dataclasses.replace(p, mpc=dataclasses.replace(p.mpc, horizon=0.1)), "mpc.horizon"),
+    ],
+    ids=["other states", "no cost", "no law"],
+)
+def test_what_cannot_be_redesigned_leaves_everything_as_it_was(change, message):
+    in_force = DesignInForce(WinchControllerParameters(), tick_period=DT)
+    before = in_force.parameters, in_force.design, in_force.law
+    with pytest.raises(DesignError, match=message):
+        in_force.redesign(change(in_force.parameters), 0.0)
+    assert all(
+        now is then for now, then in zip((in_force.parameters, in_force.design, in_force.law), before, strict=True)
+    )
+
+
+def test_another_winch_keeps_every_state_and_repeats_the_oldest_command():
+    in_force = DesignInForce(WinchControllerParameters(), tick_period=DT)
+    old = in_force.design.model
+    winch = dataclasses.replace(in_force.parameters.winch, command_delay=0.3)
+    matrix = in_force.take_winch(dataclasses.replace(in_force.parameters, winch=winch))
+    new, x = in_force.design.model, np.random.default_rng(1).standard_normal(old.order)
+    carried = matrix @ x
+    for name in old.state_names:
+        assert carried[new.state(name)] == x[old.state(name)]
+    for index in (5, 6):
+        assert carried[new.state(f"payout_rate_command_{index}")] == x[old.state("payout_rate_command_4")]

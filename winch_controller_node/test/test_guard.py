@@ -1,0 +1,143 @@
+"""The guard: what it takes for harm, what it leaves alone, and how it tries again."""
+
+import math
+
+import numpy as np
+import pytest
+from winch_controller_node.estimation.loop_tick import Motion
+from winch_controller_node.laws.winch_limits import WinchLimits
+from winch_controller_node.parameters.laws import GuardParameters
+from winch_controller_node.supervision.guard import GuardedLoop, GuardedMotions, HarmGuard
+
+DT = 0.05
+
+
+def make_guard():
+    limits = WinchLimits(2.0, 1.5, -50.0, 50.0)
+    return HarmGuard(GuardParameters(window=20.0, hold_time=30.0, floor=0.02), GuardedLoop(limits), tick_period=DT)
+
+
+def feed_guard(guard, residual, uncompensated, seconds, authority=1.0, rate=0.3):
+    for k in range(round(seconds / DT)):
+        wave = np.sin(0.7 * k * DT)
+        motions = GuardedMotions(
+            Motion(residual * wave, 0.0), Motion(uncompensated * wave, 0.0), Motion(0.0, rate * wave), rate * wave
+        )
+        guard.update(motions, authority)
+
+
+def test_the_guard_tolerates_a_small_residual_and_stops_a_harmful_one():
+    guard = make_guard()
+    feed_guard(guard, 0.02, 0.01, 100.0)
+    assert not guard.inhibits
+    feed_guard(guard, 0.2, 0.5, 100.0)
+    assert not guard.inhibits
+    feed_guard(guard, 0.8, 0.5, 60.0)
+    assert guard.inhibits
+    assert "does harm" in guard.reason
+
+
+def test_the_guard_lets_compensation_be_tried_again_and_waits_longer_each_time():
+    guard = make_guard()
+    feed_guard(guard, 0.8, 0.5, 40.0)
+    feed_guard(guard, 0.0, 0.5, 29.0, authority=0.0)
+    assert guard.inhibits
+    feed_guard(guard, 0.0, 0.5, 2.0, authority=0.0)
+    assert not guard.inhibits
+    feed_guard(guard, 0.8, 0.5, 40.0)
+    feed_guard(guard, 0.0, 0.5, 31.0, authority=0.0)
+    assert guard.inhibits
+
+
+def test_the_guard_waits_while_the_sea_asks_for_far_more_than_the_winch_can_give():
+    """Demand: significant amplitude 2 sigma of speed or acceleration over the limit; sin amplitude A has A/sqrt(2)."""
+    guard = make_guard()
+    feed_guard(guard, 0.8, 0.5, 40.0, rate=10.0)
+    feed_guard(guard, 0.0, 0.5, 200.0, authority=0.0, rate=10.0)
+    assert guard.demand == pytest.approx(2.0 * 10.0 / np.sqrt(2.0) / 2.0, rel=0.1)
+    assert guard.inhibits
+
+
+def test_a_swing_above_the_sea_is_noticed_within_seconds_and_one_below_never():
+    """A lost loop: the swing becomes three times the uncompensated one; half the window would be 10 s."""
+    guard = make_guard()
+    feed_guard(guard, 0.5, 0.5, 60.0, authority=0.0)
+    feed_guard(guard, 0.4, 0.5, 30.0, authority=0.5)
+    assert not guard.inhibits
+    feed_guard(guard, 1.5, 0.5, 5.0, authority=0.5)
+    assert guard.inhibits
+    assert "swings" in guard.reason
+
+
+def watch_waves(
+    guard, seconds, *, rate_error=0.0, depth=lambda time: None, residual=0.01, uncompensated=0.5, authority=1.0
+):
+    """Give the guard an estimate in which all is well, next to what drum and depth sensor show."""
+    for k in range(round(seconds / DT)):
+        wave = uncompensated * np.sin(0.7 * k * DT)
+        beat = rate_error * np.sin(2.0 * k * DT)
+        unit = wave if authority == 0.0 else residual * np.sin(0.7 * k * DT)
+        tip = Motion(0.0, 0.7 * wave)
+        motions = GuardedMotions(Motion(unit, 0.0), Motion(wave, 0.0), tip, authority * tip.rate + beat, depth(k * DT))
+        guard.update(motions, authority)
+        if guard.inhibits:
+            return k * DT
+    return None
+
+
+def test_a_drum_that_runs_wild_is_noticed_before_the_unit_has_answered():
+    """Twice the boom tip's speed of 0.35 m/s, which the law did not mean: within seconds, not within a wave of 9 s."""
+    guard = make_guard()
+    watch_waves(guard, 60.0, authority=0.0)
+    assert watch_waves(guard, 60.0, rate_error=0.2) is None
+    noticed = watch_waves(guard, 60.0, rate_error=0.7)
+    assert noticed is not None and noticed < 5.0
+    assert "drum" in guard.reason
+
+
+def test_a_depth_sensor_that_sees_twice_the_uncompensated_motion_is_believed_against_the_estimate():
+    """As a motion reference unit of the wrong sign would have it: payout the wrong way, twice the motion."""
+    guard = make_guard()
+    watch_waves(guard, 60.0, authority=0.0)
+    assert watch_waves(guard, 60.0, residual=0.4, depth=lambda time: 0.4 * math.sin(0.7 * time)) is None
+    noticed = watch_waves(guard, 60.0, residual=0.4, depth=lambda time: 1.0 * math.sin(0.7 * time))
+    assert noticed is not None and noticed < 15.0
+    assert "depth sensor" in guard.reason
+
+
+@pytest.mark.parametrize("fault", [lambda time: 2.0 * (time > 20.0), lambda time: 3.0 * (abs(time - 20.0) < 0.01)])
+def test_a_jump_or_a_spike_of_the_depth_sensor_is_no_harm(fault):
+    guard = make_guard()
+    watch_waves(guard, 60.0, authority=0.0)
+    assert watch_waves(guard, 60.0, depth=lambda time: fault(time) + 0.02 * math.sin(0.7 * time)) is None
+
+
+def test_authority_falls_when_a_group_of_waves_comes_before_the_mean_of_the_sea_has_grown():
+    """Amplitudes of 0.5 and 2 m/s at 0.7 rad/s: the latter asks for 1.4 m/s^2, the limit is 1.5 m/s^2."""
+    guard = make_guard()
+    watch_waves(guard, 120.0, uncompensated=0.5 / 0.7)
+    calm = guard.authority_limit
+    watch_waves(guard, 9.0, uncompensated=2.0 / 0.7, authority=0.0)
+    assert calm == 1.0
+    # sigma 1.0 m/s^2 at the end of the group, its first waves not quite forgotten: 0.85 * 1.5 / (2.2 * 1.0) = 0.58
+    assert guard.authority_limit < 0.8
+
+
+def test_a_reason_that_is_certain_keeps_compensation_off_for_the_hold_time_after_it():
+    guard = make_guard()
+    for _ in range(round(100.0 / DT)):
+        guard.inhibit("commands are late")
+        guard.update(GuardedMotions(Motion(0.0, 0.0), Motion(0.0, 0.0), Motion(0.0, 0.0)), 0.0)
+    assert guard.inhibits and guard.reason == "commands are late"
+    feed_guard(guard, 0.0, 0.5, 29.0, authority=0.0)
+    assert guard.inhibits
+    feed_guard(guard, 0.0, 0.5, 2.0, authority=0.0)
+    assert not guard.inhibits and guard.reason == ""
+
+
+def test_the_drum_is_not_checked_while_the_law_catches_up():
+    guard = make_guard()
+    watch_waves(guard, 60.0, authority=0.0)
+    guard.allow_catch_up()
+    assert watch_waves(guard, 14.0, rate_error=0.7) is None
+    assert watch_waves(guard, 10.0, rate_error=0.7) is not None

@@ -1,0 +1,142 @@
+"""The house of the controller: what it needs of the other packages, and which wing may use which."""
+
+import ast
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from winch_controller_node.laws.registry import LAWS
+
+PACKAGE = Path(__file__).parents[1] / "winch_controller_node"
+
+SIMULATORS = (
+    "cable_sim_node.component",
+    "cable_sim_node.node",
+    "cable_sim_node.peers",
+    "cable_sim_node.sensors",
+    "cable_sim_node.winch",
+    "cable_sim_node.winch_node",
+    "heave_bags",
+    "heave_bringup",
+    "moordyn",
+    "wave_vessel_node.component",
+    "wave_vessel_node.motion_sources",
+    "wave_vessel_node.mru",
+    "wave_vessel_node.node",
+)
+"""A ship has none of these."""
+
+PROGRAM = f"""
+import sys
+
+class Refusal:
+    def find_spec(self, name, path=None, target=None):
+        if any(name == blocked or name.startswith(blocked + ".") for blocked in {SIMULATORS!r}):
+            raise ImportError("blocked: " + name)
+
+sys.meta_path.insert(0, Refusal())
+import {{module}}
+from winch_controller_node.component import WinchController
+from winch_controller_node.interface.readings import Measurements
+from winch_controller_node.parameters.controller import WinchControllerParameters
+controller = WinchController(WinchControllerParameters(), tick_period=0.05)
+print(controller.step(1, Measurements()).report.mode)
+"""
+
+
+@pytest.mark.parametrize("module", ["winch_controller_node.node", "winch_controller_node.design.report"])
+def test_the_controller_runs_without_simulators_sensors_and_recorder(module):
+    if module.endswith(".node"):
+        pytest.importorskip("rclpy")
+    done = subprocess.run(
+        [sys.executable, "-c", PROGRAM.format(module=module)], capture_output=True, text=True, check=False, timeout=120
+    )
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.strip() == "standby"
+
+
+WINGS = (
+    ("parameters.laws", "parameters.model", "interface"),
+    ("model",),
+    ("motion",),
+    ("laws",),
+    ("parameters.controller",),
+    ("design",),
+    ("estimation",),
+    ("identification",),
+    ("supervision",),
+)
+"""From the bottom up; what stands in no wing is at the face of the package, above all of them."""
+
+
+def height_of(module):
+    """Return the height at which a module of the package stands, without the package's name."""
+    for height, wings in enumerate(WINGS):
+        if any(module == wing or module.startswith(wing + ".") for wing in wings):
+            return height
+    return len(WINGS)
+
+
+def imports_of(path):
+    """Return the modules of this package that a file imports, without the package's name."""
+    prefix = "winch_controller_node."
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.ImportFrom) and (node.module or "").startswith(prefix):
+            yield node.module.removeprefix(prefix)
+
+
+def test_arrows_between_the_wings_run_downwards():
+    upward = []
+    for path in PACKAGE.rglob("*.py"):
+        module = ".".join(path.relative_to(PACKAGE).with_suffix("").parts)
+        upward += [f"{module} -> {name}" for name in imports_of(path) if height_of(name) > height_of(module)]
+    assert not upward
+
+
+def test_no_function_asks_for_more_than_ten_arguments():
+    long = []
+    for path in PACKAGE.rglob("*.py"):
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.FunctionDef):
+                arguments = node.args
+                count = len(arguments.posonlyargs) + len(arguments.args) + len(arguments.kwonlyargs)
+                long += [f"{path.name}: {node.name}"] if count > 10 else []
+    assert not long
+
+
+def test_a_law_is_named_by_its_own_file_and_nowhere_else():
+    """What the rest must know of a law, the law says: nobody asks for it by name."""
+    own = {Path(sys.modules[law.__module__].__file__) for law in LAWS.values()}
+    named = []
+    for path in set(PACKAGE.rglob("*.py")) - own:
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.Compare):
+                words = {item.value for item in ast.walk(node) if isinstance(item, ast.Constant)}
+                named += [f"{path.name}:{node.lineno}" for law in LAWS if law in words]
+    assert not named
+
+
+SHELL = ("node", "move_action", "interface", "model", "identification")
+"""ROS messages and the estimator's own records are filled in there."""
+
+LIBRARY = ("self._solver.settings",)
+"""daqp takes its settings so."""
+
+
+def written_attributes(path):
+    """Return the attributes of anything but `self` that a module assigns to."""
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Attribute) and isinstance(node.ctx, ast.Store):
+            words = ast.unparse(node)
+            if ast.unparse(node.value) != "self" and words not in LIBRARY:
+                yield f"{path.name}: {words}"
+
+
+def test_nobody_writes_into_the_attributes_of_another():
+    """Each helper owns its state; what others must know of it is passed down as a value."""
+    modules = [
+        path for path in PACKAGE.rglob("*.py") if path.relative_to(PACKAGE).with_suffix("").parts[0] not in SHELL
+    ]
+    assert len(modules) > 30
+    assert [write for path in modules for write in written_attributes(path)] == []

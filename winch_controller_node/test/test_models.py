@@ -1,0 +1,46 @@
+"""The blocks of the controller's model."""
+
+import math
+
+import numpy as np
+import pytest
+from heave_node.linear_model import interconnect, is_stable
+from winch_controller_node.interface.sensors import MruModelParameters
+from winch_controller_node.model.blocks import CableModel, cable_block, mru_block, winch_block
+from winch_controller_node.model.models import shadow_model
+from winch_controller_node.parameters.model import WinchModelParameters
+
+
+def test_the_mru_states_are_its_high_pass():
+    mru = mru_block(MruModelParameters(high_pass_period=60.0, high_pass_damping=0.7))
+    cut_off = 2.0 * math.pi / 60.0
+    for omega in (0.05, 0.2, 0.8):
+        s = 1j * omega
+        inputs = np.array([1.0, s])  # heave and its rate
+        outputs = mru.C @ np.linalg.solve(s * np.eye(2) - mru.A, mru.B @ inputs) + mru.D @ inputs
+        exact = s**2 / (s**2 + 2.0 * 0.7 * cut_off * s + cut_off**2)
+        assert outputs == pytest.approx([exact, s * exact], rel=1e-9)
+
+
+def test_the_shadow_unit_follows_the_cables_transfer_function():
+    cable = CableModel(2.0, 0.3)
+    model = shadow_model(cable, 0.05)
+    omega = 0.7
+    t = 0.05 * np.arange(4000)
+    heave, rate = np.sin(omega * t), omega * np.cos(omega * t)
+    x = np.zeros(2)
+    trace = []
+    for inputs in zip(heave, rate, strict=True):
+        trace.append(x[0])
+        x = model.A @ x + model.B @ np.array(inputs)
+    basis = np.column_stack([np.sin(omega * t), np.cos(omega * t)])[2000:]
+    amplitude = np.hypot(*np.linalg.lstsq(basis, np.array(trace)[2000:], rcond=None)[0])
+    assert amplitude == pytest.approx(abs(1.0 / (1.0 - 2.0 * omega**2 + 0.3j * omega)), rel=1e-3)
+
+
+def test_payout_lowers_the_unit_by_as_much_in_the_long_run():
+    model = interconnect([cable_block(CableModel(2.0, 1.5)), winch_block(WinchModelParameters(law="first_order"))])
+    assert is_stable(model)
+    steady = -np.linalg.solve(model.A, model.B[:, list(model.input_names).index("payout_command")])
+    assert steady[model.state("unit_heave")] == pytest.approx(-1.0)
+    assert steady[model.state("payout")] == pytest.approx(1.0)

@@ -1,0 +1,151 @@
+"""One tick of the loop as a value: what the sensors said, and what is known of all motions. Nothing in it changes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from heave_node.arrays import Array
+
+from winch_controller_node.model.estimator import Innovation
+from winch_controller_node.model.loop_rows import LoopRows
+
+
+class Motion(NamedTuple):
+    """Heave [m] and heave rate [m/s] of a point, positive up."""
+
+    heave: float
+    rate: float
+
+
+@dataclass(frozen=True, slots=True)
+class Sensed:
+    """What the sensors said in a tick, after the gates.
+
+    Attributes
+    ----------
+    payout : encoder reading, jumps taken off [m]; None: none came
+    mru_rate : newest heave rate of the MRU [m/s]
+    tension, filtered_tension : newest top tension, and that low-passed [N]; NaN before the first
+    depths : depth readings of the tick: stamp [s] and depth, positive down [m]
+    depth_heave : the newest of them as heave about the mean payout's share [m]; None: none came
+    depth_innovation : its innovation over the standard deviation of that [-]; None: there is none
+    has_depth : there is a depth sensor, and its readings come
+    has_encoder : a reading of the encoder has been accepted since the start
+    innovations : what each reading said against its prediction, by measurement
+    lost : why each lost sensor counts as lost, by name
+    faults : sensors that have become worse in this tick, in words
+    """
+
+    payout: float | None
+    mru_rate: float
+    tension: float
+    filtered_tension: float
+    depths: tuple[tuple[float, float], ...]
+    depth_heave: float | None
+    depth_innovation: float | None
+    has_depth: bool
+    has_encoder: bool
+    innovations: Mapping[str, Innovation]
+    lost: Mapping[str, str]
+    faults: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class CommandShares:
+    """A command in the terms of the model, in two shares: what compensates, and what moves the mean payout."""
+
+    compensating: float = 0.0
+    mean: float = 0.0
+
+    @property
+    def total(self) -> float:
+        """The command."""
+        return self.compensating + self.mean
+
+
+@dataclass(frozen=True, slots=True)
+class LoopTick:
+    """What is known of the loop at a tick.
+
+    By linearity its motion is the sum of what the mean payout brings about, which is known exactly, and of the rest,
+    which is estimated.
+
+    Attributes
+    ----------
+    number : of the tick
+    sensed : after the gates
+    rows : of the model whose states these are
+    command : in force until now
+    estimate : state of the loop without the mean payout's own motion, shape (n,)
+    mean_state : state that the mean payout alone brings about, shape (n,)
+    mean_command : share of the next command that moves the mean payout, in the terms of the model
+    left_over : payout left over from before a stop, on its way to the mean [m]
+    uncompensated : heave [m] and rate [m/s] of the unit with the winch locked, shape (2,)
+    """
+
+    number: int
+    sensed: Sensed
+    rows: LoopRows
+    command: CommandShares
+    estimate: Array
+    mean_state: Array
+    mean_command: float
+    left_over: float
+    uncompensated: Array
+
+    @property
+    def total_state(self) -> Array:
+        """State of the loop, the mean payout's own motion included, shape (n,)."""
+        return self.estimate + self.mean_state
+
+    @property
+    def mean_swing(self) -> Array:
+        """Heave and rate of the unit about the mean payout that this itself brings about, shape (2,)."""
+        rows = self.rows
+        return rows.winch @ self.mean_state + self.mean_state[rows.unit_states]
+
+    @property
+    def unit(self) -> Motion:
+        """Motion of the unit about where the mean payout would have it at rest: what compensation has left."""
+        heave, rate = self.mean_swing + self.estimate[self.rows.unit_states]
+        return Motion(float(heave), float(rate))
+
+    @property
+    def free_unit(self) -> Motion:
+        """Motion of the unit with the winch locked."""
+        return Motion(float(self.uncompensated[0]), float(self.uncompensated[1]))
+
+    @property
+    def boom_tip(self) -> Motion:
+        """Motion of the boom tip."""
+        heave, rate = self.rows.tip @ self.estimate
+        return Motion(float(heave), float(rate))
+
+    @property
+    def payout(self) -> float:
+        """Payout of the drum without that of the mean payout [m]."""
+        return float(self.rows.payout @ self.estimate)
+
+    @property
+    def payout_rate(self) -> float:
+        """Speed of the drum without that of the mean payout [m/s]."""
+        return float(self.rows.payout_rate @ self.estimate) + self.rows.payout_rate_through * self.command.compensating
+
+    @property
+    def total_payout_rate(self) -> float:
+        """Speed of the drum [m/s]."""
+        return float(self.rows.payout_rate @ self.total_state) + self.rows.payout_rate_through * self.command.total
+
+    @property
+    def measured_unit_heave(self) -> float | None:
+        """Heave of the unit as the depth sensor reads it, counted as that of `unit` [m]; None: no reading came."""
+        heave = self.sensed.depth_heave
+        return None if heave is None else heave + float(self.mean_swing[0])
+
+    @property
+    def unit_offset(self) -> Array:
+        """Heave and rate of the unit about its uncompensated motion, payout that is out taken off, shape (2,)."""
+        rows = self.rows
+        return self.estimate[rows.unit_states] + rows.winch @ self.estimate - self.uncompensated

@@ -1,0 +1,344 @@
+"""The sensors as the controller sees them: what it believes of each, and what of its readings the estimator is told.
+
+To add one, write a class here and name it in `KnownSensors`; its name is that of the table `heave_node.sensors`, which
+says what its readings are. Inputs of the node, gates, health, measurements of the estimator, parameters and
+predictions follow from here.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from dataclasses import dataclass
+from enum import Enum
+from typing import ClassVar
+
+from heave_node.parameters import group, parameter
+from heave_node.sensors import MRU, SENSORS
+
+MRU_SCALE = "mru_scale"
+LEVER_ARM_X, LEVER_ARM_Y = "lever_arm_x", "lever_arm_y"
+DEPTH_BIAS = "depth_bias"
+LOAD_CELL_BIAS = "load_cell_bias"
+
+SCALE_DRIFT = 1e-5
+"""Random walk of the MRU's scale [1/sqrt(s)]: 0.1 % in three hours; keeps the filter awake."""
+
+LEVER_ARM_DRIFT = 1e-5
+"""Random walk of the lever arm [m/sqrt(s)]."""
+
+
+@dataclass(frozen=True)
+class MeasurementRow:
+    """A scalar that the estimator is told: (1 + scale_state) (output + state), with white noise.
+
+    Attributes
+    ----------
+    name : of the measurement
+    output : of the augmented model
+    sigma : standard deviation of the noise, in the sensor's unit
+    state : slow state of the sensor that adds to the output, where the model has it; empty: none
+    scale_state : slow state that is its relative error of scale, where the model has it; empty: none
+    is_gated : False: never refused for being far off its prediction
+    """
+
+    name: str
+    output: str
+    sigma: float
+    state: str = ""
+    scale_state: str = ""
+    is_gated: bool = True
+
+
+@dataclass(frozen=True)
+class SlowState:
+    """An error of a sensor that the estimator follows.
+
+    Attributes
+    ----------
+    name : of the state
+    drift : its random walk, in the sensor's unit over sqrt(s)
+    sigma : standard deviation at the start, in the sensor's unit
+    """
+
+    name: str
+    drift: float
+    sigma: float
+
+
+class Zero(Enum):
+    """What a reading counts from."""
+
+    OWN = "own"
+    """As it is."""
+    FIRST_READING = "first_reading"
+    """The first reading is zero, as the mean depth is not known."""
+    STATIC_TENSION = "static_tension"
+    """The static tension of the cable believed in, which is also the unit of noise and slow states."""
+
+
+@dataclass(frozen=True)
+class SensorModelParameters:
+    """What is believed of a sensor: a class of its own for each.
+
+    Class attributes
+    ----------------
+    sees : what it tells of: boom_tip, unit, cable or drum
+    component : which value of a reading counts
+    includes_gravity : at rest that value is the acceleration of gravity
+    zero : what it counts from
+    sign : of the value in the model over that of the reading
+    is_always_watched : it has a gate also where the estimator does not take it
+    """
+
+    sees: ClassVar[str]
+    component: ClassVar[int] = 0
+    includes_gravity: ClassVar[bool] = False
+    zero: ClassVar[Zero] = Zero.OWN
+    sign: ClassVar[float] = 1.0
+    is_always_watched: ClassVar[bool] = False
+
+    def period(self, tick_period: float) -> float:
+        """Return the time between readings [s]: one comes in each tick."""
+        return tick_period
+
+    def age(self) -> float:
+        """Return the usual age of a reading when it arrives [s]."""
+        return 0.0
+
+    def rows(self) -> tuple[MeasurementRow, ...]:
+        """Return what the estimator is told."""
+        raise NotImplementedError
+
+    def slow_states(self) -> tuple[SlowState, ...]:
+        """Return the sensor's errors that the estimator follows."""
+        return ()
+
+    def unit(self, static_tension: float) -> float:
+        """Return the size of the sensor's unit in that of the model, for a cable of this static tension [N]."""
+        return static_tension if self.zero is Zero.STATIC_TENSION else 1.0
+
+
+@dataclass(frozen=True)
+class SampledSensorParameters(SensorModelParameters):
+    """A sensor with samples and a latency of its own."""
+
+    rate: float = parameter(20.0, unit="Hz", minimum=0.01, maximum=1000.0, description="Readings per second.")
+    latency: float = parameter(
+        0.0, unit="s", minimum=0.0, maximum=5.0, description="Usual age of a reading when it arrives."
+    )
+
+    def period(self, tick_period: float) -> float:
+        """Return the time between readings [s]."""
+        return max(1.0 / self.rate, tick_period)
+
+    def age(self) -> float:
+        """Return the usual age of a reading when it arrives [s]."""
+        return self.latency
+
+
+@dataclass(frozen=True)
+class MruModelParameters(SampledSensorParameters):
+    """The motion reference unit: heave and heave rate of the boom tip; its readings have a type of their own."""
+
+    sees: ClassVar[str] = "boom_tip"
+
+    noise: float = parameter(0.01, unit="m", minimum=1e-5, maximum=10.0, description="White noise of heave, 1 sigma.")
+    rate_noise: float = parameter(
+        0.01, unit="m/s", minimum=1e-5, maximum=10.0, description="White noise of heave rate, 1 sigma."
+    )
+    high_pass_period: float = parameter(
+        0.0, unit="s", minimum=0.0, maximum=300.0, description="Cut-off period of its high-pass; 0 is none."
+    )
+    high_pass_damping: float = parameter(
+        0.7071, unit="", minimum=0.2, maximum=2.0, description="Damping ratio of its high-pass."
+    )
+    scale_sigma: float = parameter(
+        0.0, unit="", minimum=0.0, maximum=0.5, description="Possible scale error, 1 sigma; 0 does not estimate it."
+    )
+    lever_arm_sigma: float = parameter(
+        0.0,
+        unit="m",
+        minimum=0.0,
+        maximum=10.0,
+        description="Possible lever-arm error, 1 sigma along x and y; 0 does not estimate it.",
+    )
+
+    def rows(self) -> tuple[MeasurementRow, ...]:
+        """Tell heave and heave rate; the high-pass is in the model."""
+        return (
+            MeasurementRow("mru_heave", "mru_heave", self.noise, scale_state=MRU_SCALE),
+            MeasurementRow("mru_heave_rate", "mru_heave_rate", self.rate_noise, scale_state=MRU_SCALE),
+        )
+
+    def slow_states(self) -> tuple[SlowState, ...]:
+        """Follow scale and lever arm, where they are in doubt."""
+        states: list[SlowState] = []
+        if self.scale_sigma > 0.0:
+            states.append(SlowState(MRU_SCALE, SCALE_DRIFT, self.scale_sigma))
+        if self.lever_arm_sigma > 0.0:
+            states += [SlowState(name, LEVER_ARM_DRIFT, self.lever_arm_sigma) for name in (LEVER_ARM_X, LEVER_ARM_Y)]
+        return tuple(states)
+
+
+@dataclass(frozen=True)
+class DepthModelParameters(SampledSensorParameters):
+    """The depth sensor: heave of the unit about its first reading."""
+
+    sees: ClassVar[str] = "unit"
+    zero: ClassVar[Zero] = Zero.FIRST_READING
+    sign: ClassVar[float] = -1.0
+
+    noise: float = parameter(0.02, unit="m", minimum=1e-5, maximum=100.0, description="White noise, 1 sigma.")
+    rate: float = parameter(10.0, unit="Hz", minimum=0.01, maximum=1000.0, description="Readings per second.")
+    latency: float = parameter(
+        0.1, unit="s", minimum=0.0, maximum=5.0, description="Usual age of a reading when it arrives."
+    )
+    bias_sigma: float = parameter(
+        1.0, unit="m", minimum=0.0, maximum=100.0, description="Unknown of the mean depth at the start, 1 sigma."
+    )
+    bias_drift: float = parameter(
+        2e-4,
+        unit="m/sqrt(s)",
+        minimum=0.0,
+        maximum=1.0,
+        description="Random walk of the mean depth: tide, sensor drift, stretch.",
+    )
+
+    def rows(self) -> tuple[MeasurementRow, ...]:
+        """Tell the heave of the unit, with an unknown mean."""
+        return (MeasurementRow("unit_heave", "unit_heave", self.noise, state=DEPTH_BIAS),)
+
+    def slow_states(self) -> tuple[SlowState, ...]:
+        """Follow the mean."""
+        return (SlowState(DEPTH_BIAS, self.bias_drift, self.bias_sigma),) if self.bias_sigma > 0.0 else ()
+
+
+@dataclass(frozen=True)
+class EncoderModelParameters(SensorModelParameters):
+    """The encoder of the drum, read with every state of the winch."""
+
+    sees: ClassVar[str] = "drum"
+
+    noise: float = parameter(
+        3e-4, unit="m", minimum=1e-6, maximum=1.0, description="Noise of the encoder; 1 mm steps are 0.29 mm, 1 sigma."
+    )
+
+    def rows(self) -> tuple[MeasurementRow, ...]:
+        """Tell the payout.
+
+        A servo other than believed moves the drum otherwise, at the winch's limits by centimetres in a second: refusing
+        the encoder would leave the loop blind when it is needed most; jumps are found by a gate of its own.
+        """
+        return (MeasurementRow("payout", "payout", self.noise, is_gated=False),)
+
+
+@dataclass(frozen=True)
+class VelocityModelParameters(SampledSensorParameters):
+    """The Doppler velocity log: vertical velocity of the unit."""
+
+    sees: ClassVar[str] = "unit"
+    component: ClassVar[int] = 2
+
+    noise: float = parameter(0.01, unit="m/s", minimum=1e-5, maximum=10.0, description="White noise, 1 sigma.")
+    rate: float = parameter(5.0, unit="Hz", minimum=0.01, maximum=1000.0, description="Readings per second.")
+
+    def rows(self) -> tuple[MeasurementRow, ...]:
+        """Tell the unit's heave rate."""
+        return (MeasurementRow("unit_velocity", "unit_heave_rate", self.noise),)
+
+
+@dataclass(frozen=True)
+class ImuModelParameters(SampledSensorParameters):
+    """The inertial measurement unit: vertical acceleration of the unit."""
+
+    sees: ClassVar[str] = "unit"
+    component: ClassVar[int] = 2
+    includes_gravity: ClassVar[bool] = True
+
+    noise: float = parameter(0.02, unit="m/s^2", minimum=1e-5, maximum=10.0, description="White noise, 1 sigma.")
+
+    def rows(self) -> tuple[MeasurementRow, ...]:
+        """Tell the unit's acceleration."""
+        return (MeasurementRow("unit_acceleration", "unit_heave_acceleration", self.noise),)
+
+
+@dataclass(frozen=True)
+class LoadCellModelParameters(SampledSensorParameters):
+    """The load cell: top tension about the static one. Constant tension, landing and lift-off need it always."""
+
+    sees: ClassVar[str] = "cable"
+    zero: ClassVar[Zero] = Zero.STATIC_TENSION
+    is_always_watched: ClassVar[bool] = True
+
+    noise: float = parameter(
+        0.005, unit="", minimum=1e-6, maximum=1.0, description="White noise over the static tension, 1 sigma."
+    )
+    model_error: float = parameter(
+        0.01,
+        unit="",
+        minimum=0.0,
+        maximum=1.0,
+        description="What the two-state cable does not know of the tension, over the static one, 1 sigma.",
+    )
+    bias_sigma: float = parameter(
+        0.05, unit="", minimum=0.0, maximum=1.0, description="Unknown of the static tension at the start, 1 sigma."
+    )
+    bias_drift: float = parameter(
+        2e-4,
+        unit="1/sqrt(s)",
+        minimum=0.0,
+        maximum=1.0,
+        description="Random walk of the static tension: cable paid out, drift of the cell.",
+    )
+
+    def rows(self) -> tuple[MeasurementRow, ...]:
+        """Tell the tension less the static one."""
+        return (MeasurementRow("tension", "tension", math.hypot(self.noise, self.model_error), state=LOAD_CELL_BIAS),)
+
+    def slow_states(self) -> tuple[SlowState, ...]:
+        """Follow the static tension."""
+        return (SlowState(LOAD_CELL_BIAS, self.bias_drift, self.bias_sigma),) if self.bias_sigma > 0.0 else ()
+
+
+@dataclass(frozen=True)
+class KnownSensors:
+    """Every sensor that the controller knows, with what it believes of it."""
+
+    mru: MruModelParameters = group(MruModelParameters)
+    depth: DepthModelParameters = group(DepthModelParameters)
+    encoder: EncoderModelParameters = group(EncoderModelParameters)
+    velocity: VelocityModelParameters = group(VelocityModelParameters)
+    imu: ImuModelParameters = group(ImuModelParameters)
+    load_cell: LoadCellModelParameters = group(LoadCellModelParameters)
+
+    def by_name(self) -> dict[str, SensorModelParameters]:
+        """Return what is believed of each sensor, in the order of this table."""
+        return {name: getattr(self, name) for name in KNOWN_SENSORS}
+
+
+KNOWN_SENSORS = tuple(field.name for field in dataclasses.fields(KnownSensors))
+
+INPUTS = tuple(name for name in KNOWN_SENSORS if name in SENSORS)
+"""Sensors that the controller listens to; the encoder comes with the state of the winch."""
+
+SCALAR_SENSORS = tuple(name for name in INPUTS if name != MRU.name)
+"""Those of which one value counts."""
+
+
+def those_that_see(*seen: str) -> list[str]:
+    """Return the names of the sensors that tell of the boom_tip, the unit, the cable or the drum."""
+    return [name for name, sensor in KnownSensors().by_name().items() if sensor.sees in seen]
+
+
+@dataclass(frozen=True)
+class SensorsModelParameters(KnownSensors):
+    """Which sensors the estimator uses, and what it believes of them."""
+
+    use: tuple[str, ...] = parameter(
+        ("mru", "depth", "encoder"), unit="", choices=KNOWN_SENSORS, description="Sensors the estimator takes."
+    )
+
+    def in_use(self) -> dict[str, SensorModelParameters]:
+        """Return what is believed of the sensors that the estimator takes."""
+        return {name: sensor for name, sensor in self.by_name().items() if name in self.use}

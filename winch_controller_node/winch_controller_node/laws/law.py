@@ -1,0 +1,104 @@
+"""What a control law is: the class that each law derives from, what it is made for, and what it gives.
+
+A law is one file with one class. The class itself says what the rest of the controller must know of it; `registry`
+lists the classes, and nothing else names them.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+from heave_node.arrays import Array
+from heave_node.linear_model import LinearModel
+
+from winch_controller_node.laws.effort import Effort
+from winch_controller_node.laws.loop_state import LoopState
+from winch_controller_node.laws.winch_limits import WinchLimits
+from winch_controller_node.parameters.model import WeightParameters, WinchModelParameters
+
+
+@dataclass(frozen=True)
+class LawDesign:
+    """What a law is made for.
+
+    Attributes
+    ----------
+    model : augmented model, sampled at the ticks; one input, the command
+    winch : the winch that it describes
+    limits : of that winch, to be kept
+    weights : of the quadratic cost
+    gain : optimal gain of all states under these weights, u = -gain x, shape (n,); scheduled over length where there
+        is a schedule
+    """
+
+    model: LinearModel
+    winch: WinchModelParameters
+    limits: WinchLimits
+    weights: WeightParameters
+    gain: Array
+
+
+@dataclass(frozen=True, slots=True)
+class LawCommand:
+    """What a law asks for.
+
+    Attributes
+    ----------
+    value : share of the command that compensates [m/s] (or [m], first-order winch)
+    status : of the solver, empty for laws without one
+    iterations : of the solver
+    active : limits that shape the plan
+    """
+
+    value: float
+    status: str = ""
+    iterations: int = 0
+    active: tuple[str, ...] = ()
+
+
+class ControlLaw(ABC):
+    """A control law: from the state of the loop to one winch command per tick.
+
+    Parameters
+    ----------
+    design : what the law is made for
+    parameters : the law's own, of the type `parameters_type`; None where that is None
+
+    Raises DesignError where the winch cannot be driven by this law.
+
+    Attributes
+    ----------
+    name : value of the parameter `law` that selects it; also the name of the group of its own parameters
+    summary : what it does, in a few words
+    parameters_type : class of its own parameters; None: it has none
+    required_sensors : must be in `sensors.use`
+    moves_winch : False: the brake stays on
+    feeds_back_unit : it feeds the motion of the unit back, so that a wrong model can make the loop unstable
+    keeps_limits : it keeps the limits of the winch by itself; other laws are given no more of a sea than the winch can
+        follow
+    gain : u = -gain x, shape (n,), where the law is a linear state feedback while no limit acts; else empty
+    effort : what it asks of the winch, relative to a drum that follows the boom tip
+    """
+
+    name: ClassVar[str]
+    summary: ClassVar[str]
+    parameters_type: ClassVar[type | None] = None
+    required_sensors: ClassVar[tuple[str, ...]] = ()
+    moves_winch: ClassVar[bool] = True
+    feeds_back_unit: ClassVar[bool] = True
+    keeps_limits: ClassVar[bool] = False
+
+    def __init__(self, design: LawDesign, parameters: Any) -> None:
+        del design, parameters
+        self.gain: Array = np.zeros(0)
+        self.effort = Effort()
+
+    @abstractmethod
+    def command(self, state: LoopState) -> LawCommand:
+        """Return the command at `state`."""
+
+    def reset(self) -> None:  # noqa: B027  # most laws remember nothing
+        """Begin anew; a law that remembers nothing has nothing to do."""

@@ -1,0 +1,325 @@
+"""Law mpc: model predictive control with the limits of the winch in the plan, on the same estimate as law lqg.
+
+The command is u = -G x + c with a correction c over the horizon, zero after it. For the LQR gain G the cost of any c is
+J = J_LQR + W sum c^2 exactly, W = R + B' P B: the best correction is the smallest that keeps the limits, and where the
+LQR keeps them by itself there is none. The QP then has the identity for a Hessian (in a basis of hat functions), its
+matrices never change, and each tick only its bounds are new. Constraints are soft, with a weight that makes a
+violation dear: a QP without a solution does not exist. DAQP (dual active set, warm-started from the last active set)
+solves it in some tens of microseconds; its iterations are capped, so that it is as repeatable as it is fast.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import ClassVar
+
+import daqp
+import numpy as np
+from heave_node.arrays import Array
+from heave_node.linear_model import LinearModel
+from heave_node.parameters import parameter
+
+from winch_controller_node.laws.governor import (
+    ACCELERATION,
+    PAYOUT,
+    POWER,
+    SPEED,
+    TENSION,
+    SpeedServo,
+    drum_ahead,
+)
+from winch_controller_node.laws.law import ControlLaw, LawCommand, LawDesign
+from winch_controller_node.laws.loop_state import LoopState
+from winch_controller_node.model.lqr import DesignError
+from winch_controller_node.model.regulator import output_gain
+from winch_controller_node.parameters.model import WinchModelParameters
+
+SOFT = 8
+"""DAQP's mark of a soft constraint."""
+
+ACTIVE_TOLERANCE = 1e-3
+"""A limit shapes the plan when the plan comes this near to it, relative to the limit."""
+
+
+@dataclass(frozen=True)
+class MpcParameters:
+    """The constrained law."""
+
+    horizon: float = parameter(10.0, unit="s", minimum=1.0, maximum=60.0, description="Prediction horizon.")
+    solve_ticks: int = parameter(1, unit="", minimum=1, maximum=20, description="Ticks from one solution to the next.")
+    iteration_limit: int = parameter(
+        200, unit="", minimum=5, maximum=100_000, description="Iterations after which the last good plan is followed."
+    )
+    unit_heave: float = parameter(
+        0.01, unit="m", minimum=1e-4, maximum=10.0, description="Size of unit heave in this law's own quadratic cost."
+    )
+    payout_acceleration: float = parameter(
+        0.5, unit="m/s^2", minimum=0.0, maximum=1e3, description="Size of payout acceleration there; 0 leaves it out."
+    )
+    payout: float = parameter(50.0, unit="m", minimum=0.0, maximum=1e5, description="Size of payout there.")
+    command: float = parameter(0.3, unit="m/s", minimum=1e-3, maximum=1e3, description="Size of the command there.")
+    softness: float = parameter(
+        1e-7, unit="", minimum=1e-12, maximum=1.0, description="Reciprocal weight of a violated constraint."
+    )
+
+
+def constrained_gain(model: LinearModel, parameters: MpcParameters) -> Array:
+    """Return the LQR gain of the constrained law, shape (n,).
+
+    It can be sharper than that of a law whose command is clipped: the limits are in the plan.
+    """
+    sizes = {
+        "unit_heave": parameters.unit_heave,
+        "payout": parameters.payout,
+        "payout_acceleration": parameters.payout_acceleration,
+    }
+    return output_gain(model, sizes, parameters.command)
+
+
+def correction_knots(horizon: float, dt: float) -> list[int]:
+    """Return the ticks of the hat functions: dense where the next commands are made, sparse far ahead.
+
+    `horizon` [s], `dt` : tick period [s].
+    """
+    knots, time = [0], 0.0
+    while time < horizon - 1e-9:
+        time += 0.1 if time < 0.5 else 0.25 if time < 3.0 else 0.35
+        tick = round(min(time, horizon) / dt)
+        if tick > knots[-1]:
+            knots.append(tick)
+    return knots
+
+
+def constrained_ticks(first: int, horizon_ticks: int, dt: float) -> list[int]:
+    """Return the ticks from `first` up to `horizon_ticks` at which limits are kept: each one soon, some later.
+
+    `dt` : tick period [s].
+    """
+    ticks: list[int] = []
+    tick = first
+    while tick < horizon_ticks:
+        ticks.append(tick)
+        ahead = (tick - first) * dt
+        tick += max(1, round((0.05 if ahead < 2.3 else 0.1 if ahead < 4.8 else 0.15) / dt))
+    return ticks
+
+
+@dataclass(frozen=True)
+class _Rows:
+    """Rows of one kind of constraint: which rows, and when [s from now]."""
+
+    name: str
+    rows: slice
+    times: Array
+
+
+class ConstrainedLaw(ControlLaw):
+    """MPC with limits on winch speed, acceleration, power, payout and tension.
+
+    Parameters
+    ----------
+    design : what the law is made for; its winch is a speed servo
+    parameters : horizon, ticks between solutions, caps, cost
+
+    Raises DesignError for a first-order winch and for a horizon that the delay fills.
+
+    Attributes
+    ----------
+    gain : LQR gain of the law's own cost, shape (n,)
+    limits : that are kept
+    """
+
+    name: ClassVar[str] = "mpc"
+    summary: ClassVar[str] = "feedback of all states with the limits in the plan"
+    parameters_type: ClassVar[type | None] = MpcParameters
+    keeps_limits: ClassVar[bool] = True
+
+    def __init__(self, design: LawDesign, parameters: MpcParameters) -> None:
+        super().__init__(design, parameters)
+        model, winch = design.model, design.winch
+        if "payout_acceleration" not in model.output_names:
+            raise DesignError("law mpc bounds the winch's acceleration: set winch.law to speed_servo")
+        assert model.dt is not None
+        self.gain = constrained_gain(model, parameters)
+        self.limits = design.limits
+        self._acceleration = SpeedServo(winch.time_constant, self.limits.acceleration, model.dt).linear_acceleration
+        self._parameters = parameters
+        horizon_ticks = round(parameters.horizon / model.dt)
+        command = model.input_names[0]
+        delay = sum(name.startswith(command + "_") for name in model.state_names)
+        if delay >= horizon_ticks:
+            raise DesignError(
+                f"mpc.horizon = {parameters.horizon:g} s must be longer than the command delay ({delay * model.dt:g} s)"
+            )
+        self._basis = _hat_functions(correction_knots(parameters.horizon, model.dt), horizon_ticks)
+        self._build_rows(model, winch, delay, horizon_ticks)
+        self._setup_cost(model.dt)
+        self.reset()
+
+    def _build_rows(self, model: LinearModel, winch: WinchModelParameters, delay: int, horizon_ticks: int) -> None:
+        assert model.dt is not None
+        dense = constrained_ticks(delay, horizon_ticks, model.dt)
+        sparse = dense[::3]
+        responses = _responses(model, self.gain, self._basis, horizon_ticks)
+        commanded = [tick - delay for tick in dense]
+        blocks = [
+            _output_rows(model, self.gain, "payout_rate", dense, responses),
+            self._acceleration_rows(model, winch, commanded, responses),
+            _output_rows(model, self.gain, "payout", sparse, responses),
+            _output_rows(model, self.gain, "tension", sparse, responses),
+        ]
+        self._rows, start = [], 0
+        for name, ticks in ((SPEED, dense), (ACCELERATION, dense), (PAYOUT, sparse), (TENSION, sparse)):
+            self._rows.append(_Rows(name, slice(start, start + len(ticks)), np.array(ticks) * model.dt))
+            start += len(ticks)
+        self._free = np.vstack([free for free, _ in blocks])
+        self._forced = np.vstack([forced for _, forced in blocks])
+
+    def _acceleration_rows(
+        self, model: LinearModel, winch: WinchModelParameters, ticks: list[int], responses: _Responses
+    ) -> tuple[Array, Array]:
+        """Return rows of the acceleration at the moment each command takes effect, which may be within a tick."""
+        payout, rate = drum_ahead(model, winch)
+        feedback = -(self.gain + rate + winch.position_gain * payout) / winch.time_constant
+        through = self._basis / winch.time_constant
+        return (
+            np.array([feedback @ responses.free[k] for k in ticks]),
+            np.array([feedback @ responses.forced[k] + through[k] for k in ticks]),
+        )
+
+    def _setup_cost(self, dt: float) -> None:
+        hessian = self._basis.T @ self._basis * dt
+        scale = 1.0 / np.sqrt(np.diag(hessian))
+        self._scale = scale
+        self._scaled_hessian = np.ascontiguousarray(hessian * scale[:, None] * scale[None, :])
+        self._scaled_forced = np.ascontiguousarray(self._forced * scale[None, :])
+        self._sense = np.full(len(self._forced), SOFT, dtype=np.int32)
+
+    def reset(self) -> None:
+        """Forget the plan and the solver's warm start."""
+        self._start_solver()
+        self._plan = np.zeros(self._basis.shape[1])
+        self._plan_age = 0
+        self._since_solution = 0
+        self._last = LawCommand(0.0, "no solution yet")
+
+    def _start_solver(self) -> None:
+        """Start a solver without a warm start."""
+        count = len(self._forced)
+        self._solver = daqp.Model()
+        self._solver.settings = {
+            "iter_limit": self._parameters.iteration_limit,
+            "rho_soft": self._parameters.softness,
+        }
+        self._solver.setup(
+            self._scaled_hessian,
+            np.zeros(self._basis.shape[1]),
+            self._scaled_forced,
+            np.full(count, 1e30),
+            np.full(count, -1e30),
+            self._sense,
+        )
+
+    def command(self, state: LoopState) -> LawCommand:
+        """Return the command at `state`: solve when it is time, else follow the plan."""
+        if self._since_solution == 0:
+            self._solve(state)
+        else:
+            self._plan_age += 1
+        self._since_solution = (self._since_solution + 1) % self._parameters.solve_ticks
+        correction = 0.0
+        if self._plan_age < len(self._basis):
+            correction = float(self._basis[self._plan_age] @ self._plan)
+        last = self._last
+        return LawCommand(correction - float(self.gain @ state.x), last.status, last.iterations, last.active)
+
+    def _solve(self, state: LoopState) -> None:
+        free = self._free @ state.x
+        lower, upper = self._bounds(state)
+        if np.all(free <= upper) and np.all(free >= lower):
+            self._plan[:] = 0.0
+            self._plan_age = 0
+            self._last = LawCommand(0.0, "free")
+            return
+        self._solver.update(bupper=upper - free, blower=lower - free)
+        solution, _, flag, info = self._solver.solve()
+        iterations = int(info["iterations"])
+        if flag > 0 and np.all(np.isfinite(solution)):
+            self._plan = np.asarray(solution) * self._scale
+            self._plan_age = 0
+            planned = free + self._forced @ self._plan
+            self._last = LawCommand(0.0, "solved", iterations, self._active(planned, lower, upper))
+        else:
+            self._plan_age += 1
+            status = f"not solved in {iterations} iterations: plan of {self._plan_age} ticks ago followed"
+            self._last = LawCommand(0.0, status, iterations, self._last.active)
+            # a solver that stopped in mid-way starts afresh
+            self._start_solver()
+
+    def _bounds(self, state: LoopState) -> tuple[Array, Array]:
+        """Return lower and upper bounds of the constrained outputs, the mean payout's share taken off."""
+        limits, reference = self.limits, state.reference
+        count = len(self._forced)
+        lower, upper = np.full(count, -1e30), np.full(count, 1e30)
+        largest_tension = state.static_tension + max(float(np.max(self._free[self._rows[3].rows] @ state.x)), 0.0)
+        speed = limits.speed_under(largest_tension)
+        for kind in self._rows:
+            if kind.name == SPEED:
+                lower[kind.rows], upper[kind.rows] = -speed - reference.rate, speed - reference.rate
+            elif kind.name == ACCELERATION:
+                lower[kind.rows], upper[kind.rows] = -self._acceleration, self._acceleration
+            elif kind.name == PAYOUT:
+                mean = reference.payout + reference.rate * kind.times
+                lower[kind.rows], upper[kind.rows] = limits.payout_minimum - mean, limits.payout_maximum - mean
+            elif limits.minimum_tension > 0.0:
+                lower[kind.rows] = limits.minimum_tension - state.static_tension
+        return lower, upper
+
+    def _active(self, planned: Array, lower: Array, upper: Array) -> tuple[str, ...]:
+        active = []
+        for kind in self._rows:
+            values, low, high = planned[kind.rows], lower[kind.rows], upper[kind.rows]
+            if np.any(values >= high - ACTIVE_TOLERANCE * np.abs(high)) or np.any(
+                values <= low + ACTIVE_TOLERANCE * np.abs(low)
+            ):
+                is_power = kind.name == SPEED and math.isfinite(self.limits.power)
+                active.append(POWER if is_power and float(np.max(high)) < self.limits.speed else kind.name)
+        return tuple(active)
+
+
+def _hat_functions(knots: list[int], ticks: int) -> Array:
+    """Return the basis of the correction, shape (ticks, knots): linear between knots."""
+    time = np.arange(ticks)
+    return np.column_stack([np.interp(time, knots, np.eye(len(knots))[j]) for j in range(len(knots))])
+
+
+@dataclass(frozen=True)
+class _Responses:
+    """Per tick 0..ticks the free response of the closed loop (n, n) and that to each basis function (n, m)."""
+
+    free: list[Array]
+    forced: list[Array]
+    basis: Array
+
+
+def _responses(model: LinearModel, gain: Array, basis: Array, ticks: int) -> _Responses:
+    closed = model.A - model.B @ gain[None, :]
+    free, forced = [np.eye(model.order)], [np.zeros((model.order, basis.shape[1]))]
+    for k in range(ticks):
+        free.append(closed @ free[-1])
+        forced.append(closed @ forced[-1] + model.B @ basis[k][None, :])
+    return _Responses(free, forced, basis)
+
+
+def _output_rows(
+    model: LinearModel, gain: Array, output: str, ticks: list[int], responses: _Responses
+) -> tuple[Array, Array]:
+    """Return rows that give an output at `ticks` from the state now and from the correction."""
+    row, through = model.row(output), float(model.D[model.output_names.index(output), 0])
+    feedback = row - through * gain
+    basis = responses.basis
+    return (
+        np.array([feedback @ responses.free[k] for k in ticks]),
+        np.array([feedback @ responses.forced[k] + through * basis[min(k, len(basis) - 1)] for k in ticks]),
+    )

@@ -1,0 +1,138 @@
+"""Running statistics of motions, and the check of one amplitude against another."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+SLOW_MEAN_FACTOR = 3.0
+"""The mean about which motion is judged is followed this many times more slowly than the variance."""
+
+DETREND_TIME = 5.0
+"""Time constant with which the mean of a sensor's heave is followed [s]."""
+
+LARGEST_STEP, LARGEST_SPEED = 0.2, 4.0
+"""A step beyond the first [m] plus the second [m/s] times the time since the last reading is a fault of the sensor."""
+
+
+class RunningSigma:
+    """Exponentially weighted standard deviation about a slow mean.
+
+    Parameters
+    ----------
+    time_constant : memory [s]
+    tick_period : [s]
+    """
+
+    def __init__(self, time_constant: float, tick_period: float) -> None:
+        self._weight = tick_period / time_constant
+        self._count = 0
+        self._mean = 0.0
+        self._variance = 0.0
+
+    def add(self, value: float) -> None:
+        """Take a value in; the first ones weigh as in a plain average."""
+        self._count += 1
+        weight = max(self._weight, 1.0 / self._count)
+        self._mean += max(self._weight / SLOW_MEAN_FACTOR, 1.0 / self._count) * (value - self._mean)
+        self._variance += weight * ((value - self._mean) ** 2 - self._variance)
+
+    @property
+    def sigma(self) -> float:
+        """Standard deviation, in the unit of the values."""
+        return math.sqrt(self._variance)
+
+
+class DetrendedHeave:
+    """Heave from the readings of a depth sensor: without their mean, spikes and jumps.
+
+    Parameters
+    ----------
+    tick_period : [s]
+    """
+
+    def __init__(self, tick_period: float) -> None:
+        self._dt = tick_period
+        self._last: float | None = None
+        self._ticks = 0
+        self.value = 0.0
+
+    def add(self, reading: float | None) -> None:
+        """Take in the reading of a tick [m]; None: none came."""
+        self._ticks += 1
+        self.value *= 1.0 - self._dt / DETREND_TIME
+        if reading is None:
+            return
+        step = 0.0 if self._last is None else reading - self._last
+        if abs(step) <= LARGEST_STEP + LARGEST_SPEED * self._ticks * self._dt:
+            self.value += step
+        self._last, self._ticks = reading, 0
+
+
+@dataclass(frozen=True)
+class AmplitudeLimit:
+    """When an amplitude is too large.
+
+    Attributes
+    ----------
+    time : memory of the amplitude [s]
+    ratio : largest amplitude over that of the reference
+    floor : amplitude that is never too large
+    noise : standard deviation of the sensor's noise, which is taken off
+    """
+
+    time: float
+    ratio: float
+    floor: float
+    noise: float = 0.0
+
+
+class AmplitudeCheck:
+    """Checks the amplitude of a motion against that of a reference, over seconds.
+
+    The reference is the larger of its amplitude now and that over the last waves: the pause between two groups of
+    waves is no reason to find a motion too large.
+
+    Parameters
+    ----------
+    limit : when it is too large
+    window : memory of the waves [s]
+    tick_period : [s]
+    """
+
+    def __init__(self, limit: AmplitudeLimit, window: float, tick_period: float) -> None:
+        self._limit = limit
+        self._short_weight, self._long_weight = tick_period / limit.time, tick_period / window
+        self._count = 0
+        self._ticks_needed = round(0.5 * window / tick_period)
+        self._mean_square = self._reference_now = self._reference_waves = 0.0
+
+    def add(self, square: float, reference_square: float) -> None:
+        """Take in the `square` of the motion and the `reference_square` at a tick."""
+        self._count += 1
+        least = 1.0 / self._count
+        short, long = max(self._short_weight, least), max(self._long_weight, least)
+        self._reference_now += short * (reference_square - self._reference_now)
+        self._reference_waves += long * (reference_square - self._reference_waves)
+        self._mean_square += short * (square - self._mean_square)
+
+    def restart(self, mean_square: float = 0.0) -> None:
+        """Go on as if the motion's mean square had been `mean_square` until now; the reference stays."""
+        self._mean_square = mean_square
+
+    @property
+    def reference(self) -> float:
+        """Mean square of the reference."""
+        return max(self._reference_now, self._reference_waves)
+
+    @property
+    def amplitude(self) -> float:
+        """Root mean square of the motion, noise taken off."""
+        return math.sqrt(max(self._mean_square - self._limit.noise**2, 0.0))
+
+    @property
+    def is_exceeded(self) -> bool:
+        """Tell whether the motion is too large; never before some waves have been seen."""
+        if self._count < self._ticks_needed:
+            return False
+        return self.amplitude > max(self._limit.floor, self._limit.ratio * math.sqrt(self.reference))

@@ -1,0 +1,170 @@
+"""Supervision of a tick: the guard's judgement, the mode, and landing, in this order."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from winch_controller_node.design.design import ControllerDesign
+from winch_controller_node.estimation.loop_tick import LoopTick
+from winch_controller_node.laws.law import ControlLaw
+from winch_controller_node.supervision.guard import GuardedLoop, GuardedMotions, HarmGuard
+from winch_controller_node.supervision.landing import Landing, LandingEvent
+from winch_controller_node.supervision.modes import Mode, ModeMachine, ModeOutput, Situation
+
+
+@dataclass(frozen=True, slots=True)
+class WinchSituation:
+    """What supervision is told of the winch and its commands.
+
+    Attributes
+    ----------
+    fault : the winch's own, 0 without
+    speed : as commanded [m/s], absolute
+    lowering_rate : of the mean payout [m/s]
+    settled_swing : swing of the unit at which a fade-out may end [m]
+    inhibition : why compensation must be off; empty: it need not
+    """
+
+    fault: int
+    speed: float
+    lowering_rate: float
+    settled_swing: float
+    inhibition: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Decision:
+    """What supervision has decided in a tick.
+
+    Attributes
+    ----------
+    mode : with authority and brake
+    is_inhibited : the guard keeps compensation off
+    trusts_estimate : the depth sensor agrees with the estimate
+    landing : what has just happened to the unit; None: nothing
+    alarms : in words
+    """
+
+    mode: ModeOutput
+    is_inhibited: bool
+    trusts_estimate: bool
+    landing: LandingEvent | None
+    alarms: tuple[str, ...]
+
+
+class Supervisor:
+    """Decides what the controller does.
+
+    Parameters
+    ----------
+    design : in force; law : of it
+
+    Attributes
+    ----------
+    modes : for requests of the operator
+    guard : whether compensation does harm
+    landing : whether the unit stands
+    """
+
+    def __init__(self, design: ControllerDesign, law: ControlLaw) -> None:
+        parameters, dt = design.parameters, design.tick_period
+        self.modes = ModeMachine(
+            parameters.modes, moves_winch=law.moves_winch, factor=parameters.factor, tick_period=dt
+        )
+        self.guard = HarmGuard(
+            parameters.guard,
+            guarded_loop(design, law),
+            tick_period=dt,
+            depth_noise=parameters.sensors.depth.noise,
+        )
+        self.landing = Landing(parameters.tension)
+        self._reason_before = ""
+        self._refer_to(design, law)
+
+    def take_design(self, design: ControllerDesign, law: ControlLaw) -> None:
+        """Supervise another design and its law from now on."""
+        self.guard.take_loop(guarded_loop(design, law))
+        self._refer_to(design, law)
+
+    def _refer_to(self, design: ControllerDesign, law: ControlLaw) -> None:
+        self._static_tension, self._unit_weight = design.cable.static_tension, design.unit_weight
+        self._inertia = design.cable.a
+        self._keeps_limits = law.keeps_limits
+
+    def decide(self, tick: LoopTick, winch: WinchSituation) -> Decision:
+        """Return what is to be done in a tick with the `winch` in this situation."""
+        self.landing.observe(tick.sensed)
+        if winch.inhibition:
+            self.guard.inhibit(winch.inhibition)
+        alarms = self._judge(tick)
+        mode = self.modes.step(
+            Situation(
+                lost=self._lost(tick),
+                has_estimate=tick.sensed.has_encoder,
+                winch_fault=winch.fault,
+                harm=self.guard.reason,
+                speed=winch.speed,
+                authority_limit=1.0 if self._keeps_limits else self.guard.authority_limit,
+                is_settled=self._is_settled(tick, winch.settled_swing),
+            )
+        )
+        if mode.before is not None:
+            alarms += (f"mode {mode.mode.value}: {mode.reason}",)
+        if mode.mode is Mode.COMPENSATING and mode.before is Mode.FADE_OUT:
+            self.guard.allow_catch_up()
+        return Decision(
+            mode=mode,
+            is_inhibited=self.guard.inhibits,
+            trusts_estimate=self.guard.trusts_estimate,
+            landing=self._watch_landing(tick, mode, winch.lowering_rate),
+            alarms=alarms,
+        )
+
+    def _judge(self, tick: LoopTick) -> tuple[str, ...]:
+        """Have the guard judge the tick; return its reason when the brake is on and no change of mode would tell it."""
+        is_judged = not self.landing.unit_stands and self.modes.mode is not Mode.CONSTANT_TENSION
+        motions = GuardedMotions(
+            unit=tick.unit,
+            free_unit=tick.free_unit,
+            boom_tip=tick.boom_tip,
+            payout_rate=tick.payout_rate,
+            measured_heave=tick.measured_unit_heave,
+        )
+        self.guard.update(motions, self.modes.authority if is_judged else 0.0, self.modes.target)
+        reason, before = self.guard.reason, self._reason_before
+        self._reason_before = reason
+        return (reason,) if self.modes.brake and reason and reason != before else ()
+
+    def _lost(self, tick: LoopTick) -> str:
+        """Return which of the required sensors are lost and why; empty when none."""
+        required = ["mru", "encoder"] + (["load_cell"] if self.modes.mode is Mode.CONSTANT_TENSION else [])
+        lost = tick.sensed.lost
+        return ", ".join(f"{name} {lost[name]}" for name in required if name in lost)
+
+    def _is_settled(self, tick: LoopTick, settled_swing: float) -> bool:
+        """Tell whether the unit swings no more, after a loop that was unstable: the winch may stop."""
+        if not (self.guard.inhibits and self.guard.trusts_estimate):
+            return True
+        heave, rate = tick.unit_offset
+        return math.hypot(heave, math.sqrt(self._inertia) * rate) < settled_swing
+
+    def _watch_landing(self, tick: LoopTick, mode: ModeOutput, lowering_rate: float) -> LandingEvent | None:
+        """Notice touchdown while lowering, and that the unit hangs again after lift-off."""
+        tension = tick.sensed.filtered_tension
+        if not math.isfinite(tension):
+            return None
+        weight_share = (tension - self._static_tension) / self._unit_weight + 1.0
+        return self.landing.update(tick.sensed, weight_share, mode, lowering_rate)
+
+
+def guarded_loop(design: ControllerDesign, law: ControlLaw) -> GuardedLoop:
+    """Return what the guard must know of a design and its law."""
+    modes = design.parameters.modes
+    return GuardedLoop(
+        limits=design.limits,
+        effort=law.effort,
+        inertia=design.cable.a,
+        feeds_back_unit=law.feeds_back_unit,
+        fade_time=min(modes.fade_in_time, modes.fade_out_time),
+    )

@@ -1,0 +1,60 @@
+"""What the sea that is seen now asks of the winch, and so what share of it a law may be given."""
+
+from __future__ import annotations
+
+from winch_controller_node.laws.effort import Effort
+from winch_controller_node.laws.winch_limits import WinchLimits
+from winch_controller_node.supervision.checks import RunningSigma
+
+PEAK = 3.0
+"""Peak amplitude over standard deviation of a sea, over some minutes."""
+
+SIGNIFICANT = 2.0
+"""Significant amplitude over standard deviation of a narrow-banded sea."""
+
+GROUP_TIME, GROUP_PEAK = 8.0, 2.2
+"""Memory that sees a group of high waves come [s], and peak amplitude over standard deviation within one."""
+
+
+class WinchDemand:
+    """Speed and acceleration of the boom tip over the last waves and within the present group of waves.
+
+    Parameters
+    ----------
+    window : memory of the waves [s]
+    tick_period : [s]
+    """
+
+    def __init__(self, window: float, *, tick_period: float) -> None:
+        self._dt = tick_period
+        self._rate = RunningSigma(window, tick_period)
+        self._acceleration = RunningSigma(window, tick_period)
+        self._group_rate = RunningSigma(GROUP_TIME, tick_period)
+        self._group_acceleration = RunningSigma(GROUP_TIME, tick_period)
+        self._last_rate: float | None = None
+
+    def add(self, rate: float) -> None:
+        """Take in the heave rate of the boom tip at a tick [m/s]."""
+        self._rate.add(rate)
+        self._group_rate.add(rate)
+        if self._last_rate is not None:
+            acceleration = (rate - self._last_rate) / self._dt
+            self._acceleration.add(acceleration)
+            self._group_acceleration.add(acceleration)
+        self._last_rate = rate
+
+    def significant(self, limits: WinchLimits) -> float:
+        """Return the significant amplitude over its limit in `limits`, the larger of speed and acceleration [-]."""
+        speed = SIGNIFICANT * self._rate.sigma / limits.speed
+        acceleration = SIGNIFICANT * self._acceleration.sigma / limits.acceleration
+        return max(speed, acceleration)
+
+    def largest_share(self, limits: WinchLimits, effort: Effort, limit_use: float) -> float:
+        """Return the largest share of the sea, up to 1, whose peaks take up no more than `limit_use` of the limits.
+
+        `effort` is that of the law, over what the boom tip's own motion asks for.
+        """
+        speed = max(PEAK * self._rate.sigma, GROUP_PEAK * self._group_rate.sigma)
+        acceleration = max(PEAK * self._acceleration.sigma, GROUP_PEAK * self._group_acceleration.sigma)
+        peak = max(effort.speed * speed / limits.speed, effort.acceleration * acceleration / limits.acceleration)
+        return min(1.0, limit_use / peak) if peak > 0.0 else 1.0
