@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import argparse
 import json
 import re
 from importlib import resources
@@ -13,7 +12,7 @@ import pytest
 from heave_bringup.benchmark.entrants.table import SHIPPED, Named
 from heave_bringup.benchmark.records import find_record, read_record, records_folder
 from heave_bringup.benchmark.run import all_cases
-from heave_bringup.commands import benchmark
+from heave_bringup.parser import make_parser
 from heave_node.parameters import ParameterError
 from scipy.io import savemat
 
@@ -22,10 +21,8 @@ QUICK = ("--cases", "u2_hold", "--seeds", "2", "--duration", "75", "--processes"
 
 
 def heave_benchmark(*arguments: str) -> None:
-    parser = argparse.ArgumentParser()
-    parser.add_argument("--json")
-    benchmark.add_arguments(parser)
-    benchmark.execute(parser.parse_args(arguments))
+    options = make_parser().parse_args(["benchmark", *arguments])
+    options.execute(options)
 
 
 @pytest.fixture

@@ -12,8 +12,7 @@ from heave_bringup.benchmark.interface import Command, Facts, Measurement
 from heave_bringup.benchmark.outcome import figures_of
 from heave_bringup.benchmark.scenario_world import ScenarioWorld
 from heave_bringup.benchmark.suite_cases import suite_cases
-from heave_bringup.campaign.runs import loop_parameters
-from heave_bringup.closed_loop import ClosedLoop
+from heave_bringup.closed_loop import ClosedLoop, loop_parameters
 from heave_bringup.scenarios import load_scenario
 
 CASES = {case.name: case for case in suite_cases()}
@@ -24,7 +23,7 @@ def test_a_law_of_the_suite_gives_the_same_numbers_by_the_entrants_door() -> Non
     entrant = Named("suite:lqg").load()(problem.facts)
     outcome = problem.world.run(entrant)
     assert isinstance(problem.world, ScenarioWorld)
-    scenario = load_scenario("b2_calm_300", settings=["winch_controller.law=lqg"], common={"seed": 3, "duration": 40.0})
+    scenario = load_scenario("b2_calm_300", settings=["winch_controller.law=lqg", "all.seed=3", "all.duration=40"])
     record = ClosedLoop(loop_parameters(scenario)).run()
     np.testing.assert_array_equal(outcome.signals.payout_rate.value, record.column("payout_rate"))
     np.testing.assert_array_equal(outcome.signals.tension.value, record.column("top_tension"))

@@ -35,6 +35,8 @@ class MruReading:
     roll, pitch : of the vessel [rad]
     status : MRU_OK, MRU_SETTLING or MRU_INVALID
     sequence : counts readings; a gap is a lost one
+    heave_sigma, heave_rate_sigma : accuracy that the unit states, one standard deviation [m], [m/s]; NaN where it
+        states none
     """
 
     time: float
@@ -45,6 +47,8 @@ class MruReading:
     pitch: float = 0.0
     status: int = MRU_OK
     sequence: int = 0
+    heave_sigma: float = float("nan")
+    heave_rate_sigma: float = float("nan")
 
 
 @dataclass(frozen=True)
@@ -76,6 +80,10 @@ class WinchReading:
     limits: int = 0
     command: int = 0
     instruments: Mapping[str, float] = field(default_factory=dict)
+
+
+WINCH_NOT_YET_HEARD = WinchReading(payout=0.0, payout_rate=0.0, brake=True)
+"""Stands in the first measurement of a run where the winch has said nothing yet."""
 
 
 @dataclass(frozen=True)

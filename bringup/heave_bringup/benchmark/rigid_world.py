@@ -7,10 +7,11 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from cable_sim_node.sensors.parameters import SensorParameters
+from cable_sim_node.sensors.instruments import DepthSensorParameters, SensorParameters, SensorTruth, View
 from cable_sim_node.sensors.sensor import Sensor
 from heave_bags.analyse.kpi_set import RunSignals, Signal
 from heave_node.arrays import Array
+from heave_node.constants import STANDARD_GRAVITY
 
 from heave_bringup.benchmark.interface import Controller, Measurement, MruReading, Reading, SensorFacts
 from heave_bringup.benchmark.loads import Kinematics, Load
@@ -129,28 +130,31 @@ class RigidWorld:
 Readings = tuple[tuple[MruReading, ...], tuple[Reading, ...], tuple[Reading, ...]]
 
 
+@dataclass(frozen=True)
+class _TipSensor(SensorParameters):
+    """Motion reference unit on the boom tip: heave, rate and acceleration with white noise of these sigmas."""
+
+    sigma: tuple[float, float, float] = (0.0, 0.0, 0.0)
+
+    def view(self, truth: SensorTruth) -> View:
+        """See the boom tip."""
+        return View(np.array([truth.position[2], truth.velocity[2], truth.acceleration[2]]), np.array(self.sigma))
+
+
 class _Sensors:
     """MRU, depth sensor and load cell; perfect ones read the truth at every sample time."""
 
     def __init__(self, facts: SensorFacts, seed: int, sample_time: float) -> None:
         self._dt = sample_time
         rate = 1.0 / sample_time
-
-        def sensor(name: str, sigma: list[float], rate: float, latency: float) -> Sensor | None:
-            if not any(sigma) and latency == 0.0:
-                return None
-            return Sensor(
-                SensorParameters(rate=rate, latency=latency),
-                name=name,
-                sigma=np.array(sigma),
-                bias=np.zeros(len(sigma)),
-                seed=seed,
-                tick_period=sample_time,
-            )
-
-        noise = [facts.mru_noise, facts.mru_rate_noise, facts.mru_acceleration_noise]
-        self._mru = sensor("mru", noise, rate, 0.0)
-        self._depth = sensor("depth", [facts.depth_noise], DEPTH_RATE, facts.depth_latency)
+        noise = facts.mru_noise, facts.mru_rate_noise, facts.mru_acceleration_noise
+        self._mru = self._depth = None
+        if any(noise):
+            unit = _TipSensor(rate=rate, latency=0.0, sigma=noise)
+            self._mru = Sensor(unit, name="mru", width=3, seed=seed, tick_period=sample_time)
+        if facts.depth_noise or facts.depth_latency:
+            gauge = DepthSensorParameters(rate=DEPTH_RATE, latency=facts.depth_latency, noise=facts.depth_noise)
+            self._depth = Sensor(gauge, name="depth", width=1, seed=seed, tick_period=sample_time)
 
     def measure(self, tick: int, tip: Array, unit: float, tension: float) -> Readings:
         """Return what MRU, depth sensor and load cell deliver at `tick`."""
@@ -158,13 +162,26 @@ class _Sensors:
         if self._mru is None:
             mru: tuple[MruReading, ...] = (_mru_reading(time, tip, tick),)
         else:
-            mru = tuple(_mru_reading(r.stamp, r.value, tick) for r in self._mru.step(tick, tip))
+            mru = tuple(_mru_reading(r.time, r.value, tick) for r in self._mru.step(tick, _truth(*tip.tolist())))
         depth = MEAN_DEPTH - unit
         if self._depth is None:
             depths: tuple[Reading, ...] = (Reading(time, depth),)
         else:
-            depths = tuple(Reading(r.stamp, float(r.value[0])) for r in self._depth.step(tick, np.array([depth])))
+            depths = tuple(Reading(r.time, float(r.value[0])) for r in self._depth.step(tick, _truth(-depth)))
         return mru, depths, (Reading(time, tension),)
+
+
+def _truth(position: float, speed: float = 0.0, acceleration: float = 0.0) -> SensorTruth:
+    """Return what a sensor of vertical motion looks at, positive up."""
+    return SensorTruth(
+        position=np.array([0.0, 0.0, position]),
+        velocity=np.array([0.0, 0.0, speed]),
+        acceleration=np.array([0.0, 0.0, acceleration]),
+        top_tension=0.0,
+        static_top_tension=0.0,
+        height_above_seabed=math.inf,
+        gravity=STANDARD_GRAVITY,
+    )
 
 
 def _mru_reading(time: float, values: Array, sequence: int) -> MruReading:

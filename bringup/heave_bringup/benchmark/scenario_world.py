@@ -7,13 +7,22 @@ from typing import Any, cast
 
 import numpy as np
 from heave_node.arrays import Array
+from heave_node.sensors import DEPTH, LOAD_CELL
 from winch_controller_node.interface.readings import Measurements, Outputs, WinchOrder
 
-from heave_bringup.benchmark.interface import Controller, Measurement, MruReading, Reading, Target, WinchReading
+from heave_bringup.benchmark.interface import (
+    WINCH_NOT_YET_HEARD,
+    Controller,
+    Measurement,
+    MruReading,
+    Reading,
+    Target,
+    WinchReading,
+)
 from heave_bringup.benchmark.outcome import Outcome
 from heave_bringup.benchmark.target import TargetProgramme
-from heave_bringup.campaign.runs import loop_parameters, run_signals
-from heave_bringup.closed_loop import ClosedLoop
+from heave_bringup.campaign.runs import run_signals
+from heave_bringup.closed_loop import ClosedLoop, loop_parameters
 from heave_bringup.scenarios import Scenario
 
 
@@ -91,7 +100,7 @@ def _end_of_landing(scenario: Scenario) -> float:
 def measurement_of(time: float, delivered: Measurements, target: Target) -> Measurement:
     """Return what an entrant gets of the readings that the loop delivers."""
     winch = delivered.winch
-    reading = WinchReading(0.0, 0.0, brake=True)
+    reading = WINCH_NOT_YET_HEARD
     if winch is not None:
         reading = WinchReading(
             winch.encoder_payout,
@@ -104,11 +113,22 @@ def measurement_of(time: float, delivered: Measurements, target: Target) -> Meas
     return Measurement(
         time=time,
         mru=tuple(
-            MruReading(r.time, r.heave, r.heave_rate, float("nan"), r.roll, r.pitch, r.status, r.sequence)
+            MruReading(
+                r.time,
+                r.heave,
+                r.heave_rate,
+                r.heave_acceleration,
+                r.roll,
+                r.pitch,
+                r.status,
+                r.sequence,
+                r.heave_sigma,
+                r.heave_rate_sigma,
+            )
             for r in delivered.mru
         ),
-        depth=tuple(Reading(r.time, r.value) for r in delivered.depth),
-        load_cell=tuple(Reading(r.time, r.value) for r in delivered.load_cell),
+        depth=tuple(Reading(r.time, r.value) for r in delivered.of(DEPTH.name)),
+        load_cell=tuple(Reading(r.time, r.value) for r in delivered.of(LOAD_CELL.name)),
         winch=reading,
         target=target,
     )

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 from heave_node.parameters import flatten
+from heave_node.scenario import WILDCARD
 from winch_controller_node.parameters.controller import WinchControllerParameters
 
 from heave_bringup.benchmark.case import Case, Problem
 from heave_bringup.benchmark.interface import Facts, SeaFacts, SensorFacts, WinchFacts
 from heave_bringup.benchmark.scenario_world import ScenarioWorld
-from heave_bringup.campaign.plan import as_settings, find_campaign, read_campaign
+from heave_bringup.campaign.plan import find_campaign, read_campaign
 from heave_bringup.scenarios import Scenario, load_scenario
+from heave_bringup.settings import Setting
 
 JUDGED = 600.0
 """Time judged of a run without a programme of its own [s]."""
@@ -33,41 +36,38 @@ def suite_cases() -> list[Case]:
 def _case(name: str, scenario: Scenario, *, judged: float | None = None) -> Case:
     run = scenario.run
     duration = run.duration if judged is None else run.transient + judged
-    make = _maker(name, name, lambda seed: {"seed": seed}, lambda _: ())
+    make = _maker(name, name, lambda seed: [_of_all(name, "seed", seed)])
     return Case(name, _title(name), SEEDS, run.transient, duration, duration, make)
 
 
 def _model_error() -> Case:
     """Return b9: draw k of the campaign for seed k, the belief being that of b3."""
-    campaign = read_campaign(find_campaign("b9_model_error"))
+    campaign = replace(read_campaign(find_campaign("b9_model_error")), duration=None)
     drawn = [case for case in campaign.cases() if not case.is_nominal]
 
-    def settings(seed: int) -> list[str]:
-        return as_settings({**campaign.common, **drawn[(seed - 1) % len(drawn)].settings})
+    def settings(seed: int) -> list[Setting]:
+        return campaign.settings_of(drawn[(seed - 1) % len(drawn)])
 
-    make = _maker("b9_model_error", campaign.scenario, lambda _: {"seed": campaign.seeds[0]}, settings)
+    make = _maker("b9_model_error", campaign.scenario, settings)
     run = load_scenario(campaign.scenario).run
     duration = run.transient + JUDGED
     return Case("b9_model_error", _title("b9_model_error"), SEEDS, run.transient, duration, duration, make)
 
 
 def _maker(
-    name: str,
-    scenario_name: str,
-    common: Callable[[int], Mapping[str, object]],
-    settings: Callable[[int], Iterable[str]],
+    name: str, scenario_name: str, settings: Callable[[int], Sequence[Setting]]
 ) -> Callable[[int, float], Problem]:
     def make(seed: int, duration: float) -> Problem:
-        scenario = load_scenario(
-            scenario_name,
-            settings=settings(seed),
-            common={**common(seed), "duration": duration},
-            source=f"case {name}",
-        )
+        scenario = load_scenario(scenario_name, settings=[*settings(seed), _of_all(name, "duration", duration)])
         definition = {"parameters": {node: flatten(values) for node, values in _world_of(scenario).items()}}
         return Problem(facts_of(name, scenario), ScenarioWorld(scenario), {**definition, "seed": seed})
 
     return make
+
+
+def _of_all(case: str, name: str, value: object) -> Setting:
+    """Return a change of what all nodes share."""
+    return Setting(WILDCARD, name, value, f"case {case}")
 
 
 def _world_of(scenario: Scenario) -> dict[str, object]:

@@ -105,7 +105,7 @@ class VirtualWinchUnderTest:
     def motion(self) -> RopeMotion:
         """Motion of the rope now."""
         state = self._winch.state
-        return RopeMotion(state.payout, state.payout_rate, state.payout_acceleration, int(state.limits))
+        return RopeMotion(state.payout, state.payout_rate, state.payout_acceleration, int(state.limits_hit))
 
     def reading(self) -> WinchReading:
         """Return the reading now."""
@@ -115,7 +115,7 @@ class VirtualWinchUnderTest:
             state.encoder_payout_rate,
             state.brake,
             int(state.fault),
-            int(state.limits),
+            int(state.limits_hit),
             state.command_sequence,
         )
 

@@ -9,11 +9,13 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from heave_node.parameters import build_parameters
+from heave_node.sensors import DEPTH, LOAD_CELL, MruReading
 from winch_controller_node.component import WinchController
-from winch_controller_node.interface.readings import Measurements, MruReading, ScalarReading, WinchReading
+from winch_controller_node.interface.readings import Measurements, ScalarReading, WinchReading
 from winch_controller_node.parameters.controller import WinchControllerParameters
 
-from heave_bringup.benchmark.interface import Command, Facts, Measurement, Reading
+from heave_bringup.benchmark import interface
+from heave_bringup.benchmark.interface import WINCH_NOT_YET_HEARD, Command, Facts, Measurement, Reading
 
 TICK_PERIOD = 0.05
 KNOWN_LIMITS = 15
@@ -52,25 +54,39 @@ class SuiteController:
         return self._command
 
     def _measurements(self, given: Measurement) -> Measurements:
-        winch = given.winch
+        return Measurements(
+            mru=tuple(_mru(r) for r in given.mru),
+            scalar={DEPTH.name: _scalars(given.depth), LOAD_CELL.name: _scalars(given.load_cell)},
+            winch=None if given.winch is WINCH_NOT_YET_HEARD else self._winch(given.time, given.winch),
+        )
+
+    def _winch(self, time: float, winch: interface.WinchReading) -> WinchReading:
         rate = winch.payout_rate if self._every == 1 else (winch.payout - self._payout) / self._dt
         self._payout = winch.payout
-        return Measurements(
-            mru=tuple(
-                MruReading(r.time, r.heave, r.heave_rate, r.roll, r.pitch, r.status, r.sequence) for r in given.mru
-            ),
-            depth=_scalars(given.depth),
-            load_cell=_scalars(given.load_cell),
-            winch=WinchReading(
-                given.time,
-                winch.payout,
-                rate,
-                winch.brake,
-                winch.fault,
-                winch.command if self._every == 1 else self._taken,
-                winch.limits & KNOWN_LIMITS,
-            ),
+        return WinchReading(
+            time=time,
+            encoder_payout=winch.payout,
+            encoder_payout_rate=rate,
+            brake=winch.brake,
+            fault=winch.fault,
+            command_sequence=winch.command if self._every == 1 else self._taken,
+            limits_hit=winch.limits & KNOWN_LIMITS,
         )
+
+
+def _mru(r: interface.MruReading) -> MruReading:
+    return MruReading(
+        time=r.time,
+        heave=r.heave,
+        heave_rate=r.heave_rate,
+        roll=r.roll,
+        pitch=r.pitch,
+        status=r.status,
+        sequence=r.sequence,
+        heave_acceleration=r.heave_acceleration,
+        heave_sigma=r.heave_sigma,
+        heave_rate_sigma=r.heave_rate_sigma,
+    )
 
 
 def _scalars(readings: tuple[Reading, ...]) -> tuple[ScalarReading, ...]:

@@ -6,22 +6,19 @@ import argparse
 import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from heave_node.parameters import ParameterError
 
-from heave_bringup.benchmark.case import Case
-from heave_bringup.benchmark.entrants.table import SHIPPED, Named
-from heave_bringup.benchmark.records import HOW, find_record, records_folder
-from heave_bringup.benchmark.results import document, summarise, table
-from heave_bringup.benchmark.run import Result, Task, all_cases, check, run_all
-from heave_bringup.output import write_result
-from heave_bringup.progress import ProgressLine
+from heave_bringup.commands.command import Command
 
-EXAMPLE = "heave benchmark run my_controller.py:MyController industrial --cases b3_deep_900 u2_hold --seeds 2"
+if TYPE_CHECKING:
+    from heave_bringup.benchmark.case import Case
+    from heave_bringup.benchmark.run import Result, Task
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add what `heave benchmark` takes beside `--json`."""
+    """Add the command's own arguments."""
     parser.add_argument("action", choices=("run", "list"), help="run entrants, or list cases and entrants")
     parser.add_argument(
         "entrants",
@@ -38,6 +35,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def execute(options: argparse.Namespace) -> None:
     """List, or run every entrant on every case and print one table."""
+    from heave_bringup.benchmark.records import HOW, records_folder
+    from heave_bringup.benchmark.results import document, summarise, table
+    from heave_bringup.benchmark.run import all_cases, check
+    from heave_bringup.output import write_result
+
     folder = records_folder(options.records)
     cases = all_cases(folder)
     if options.action == "list":
@@ -69,10 +71,15 @@ def _chosen(cases: Mapping[str, Case], names: Sequence[str] | None, folder: Path
 
 
 def _is_at_hand(name: str, folder: Path | None) -> bool:
+    from heave_bringup.benchmark.records import find_record
+
     return not name.startswith("z_") or find_record(folder, name.split("_")[1]) is not None
 
 
 def _tasks(options: argparse.Namespace, cases: Mapping[str, Case], folder: Path | None) -> list[Task]:
+    from heave_bringup.benchmark.entrants.table import Named
+    from heave_bringup.benchmark.run import Task
+
     if not options.entrants:
         raise ParameterError("heave benchmark run: name at least one ENTRANT (heave benchmark list)")
     if options.seeds is not None and options.seeds < 1:
@@ -92,21 +99,23 @@ def _tasks(options: argparse.Namespace, cases: Mapping[str, Case], folder: Path 
 
 def _run(tasks: Sequence[Task], processes: int | None) -> list[Result]:
     """Run all tasks; results in the order of the tasks, however they came."""
-    progress, done = ProgressLine(), {}
-    try:
-        progress.show(f"{len(tasks)} runs")
+    from heave_bringup.benchmark.run import run_all
+    from heave_bringup.progress import ProgressLine
+
+    done = {}
+    with ProgressLine() as progress:
+        progress.show(f"{len(tasks)} runs", 0.0)
         for result in run_all(tasks, processes):
-            done[result.task] = result
             task = result.task
-            progress.show(
-                f"run {len(done)} of {len(tasks)}: {task.entrant.short_name} on {task.case}, seed {task.seed}"
-            )
-    finally:
-        progress.close()
+            done[task] = result
+            words = f"run {len(done)} of {len(tasks)}: {task.entrant.short_name} on {task.case}, seed {task.seed}"
+            progress.show(words, len(done) / len(tasks))
     return [done[task] for task in tasks]
 
 
 def _listing(cases: Mapping[str, Case], folder: Path | None) -> str:
+    from heave_bringup.benchmark.entrants.table import SHIPPED
+
     width = max(len(name) for name in (*cases, *SHIPPED))
     lines = ["cases"]
     for case in cases.values():
@@ -119,6 +128,8 @@ def _listing(cases: Mapping[str, Case], folder: Path | None) -> str:
 
 
 def _listed(cases: Mapping[str, Case]) -> dict[str, object]:
+    from heave_bringup.benchmark.entrants.table import SHIPPED
+
     return {
         "cases": [
             {
@@ -132,3 +143,15 @@ def _listed(cases: Mapping[str, Case]) -> dict[str, object]:
         ],
         "entrants": {name: words for name, (_, words) in SHIPPED.items()},
     }
+
+
+COMMAND = Command(
+    name="benchmark",
+    summary="Run anyone's controller on the open benchmark of heave compensation, without ROS, and print one table.",
+    examples=(
+        "heave benchmark list",
+        "heave benchmark run my_controller.py:MyController industrial --cases b3_deep_900 u2_hold --seeds 2",
+    ),
+    add_arguments=add_arguments,
+    execute=execute,
+)
