@@ -45,6 +45,11 @@ QUICK = 0.005
 RAMP = 10.0
 """Time over which a sea or a wave of the benchmark's own making grows [s]."""
 
+ROLL_OFF = 3.0
+"""Frequency above which a boom tip is believed to follow the waves less and less, over the peak frequency."""
+MAS409_PEAK_PERIOD = 10.0 / (0.8 * 0.44) ** 0.25
+"""Of the spectrum A/w^5 exp(-B/w^4) with B = 0.44 w1^4 and a mean period T1 = 10 s: w_p^4 = 4 B/5 [s]."""
+
 ZINAGE_SEAS: dict[str, tuple[float, float, dict[str, float]]] = {
     "slight": (0.11, 6.0, {}),
     "moderate": (1.0, 9.0, {"PID": 0.02740, "LQI": 0.03177}),
@@ -113,7 +118,8 @@ def _problem(
 def _belief(winch: WinchFacts, sea: SeaFacts, sensors: SensorFacts, mass: float, **more: object) -> dict[str, object]:
     """Return what this suite's controller is told: a load on a short stiff rope in air, the winch and the sea.
 
-    The boom tip is said to move as a sea of that height would, which is what its heave is expected to be.
+    The boom tip is said to move as a sea of that height would, which is what its heave is expected to be, but not with
+    waves far shorter than the longest: a hull does not follow waves shorter than itself.
     """
     values: dict[str, object] = {
         "length": 20.0,
@@ -127,7 +133,10 @@ def _belief(winch: WinchFacts, sea: SeaFacts, sensors: SensorFacts, mass: float,
         "winch.payout_maximum": winch.payout_maximum,
         "sea.significant_wave_height": sea.significant_wave_height,
         "sea.peak_period": sea.peak_period,
-        "vessel.model": "direct",
+        "vessel.model": "second_order",
+        "vessel.natural_frequency": ROLL_OFF * 2.0 * math.pi / sea.peak_period,
+        "vessel.damping_ratio": 0.7,
+        "vessel.gain": 1.0,
         "sensors.mru.noise": max(sensors.mru_noise, 1e-3),
         "sensors.mru.rate_noise": max(sensors.mru_rate_noise, 1e-3),
         "sensors.depth.noise": max(sensors.depth_noise, 1e-3),
@@ -252,7 +261,7 @@ def _mas409_cases() -> list[Case]:
 
 def _mas409_maker(name: str, load: WetLoad, programme: dict[str, object]) -> Callable[[int, float], Problem]:
     def make(seed: int, duration: float) -> Problem:
-        parameters, sea = WinchParameters(), SeaFacts(1.7, 10.0)
+        parameters, sea = WinchParameters(), SeaFacts(1.7, MAS409_PEAK_PERIOD)
         winch = WinchFacts(
             time_constant=parameters.time_constant,
             command_delay=parameters.command_delay,

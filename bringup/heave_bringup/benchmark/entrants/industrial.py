@@ -4,7 +4,7 @@ What makers of winches do: a filter makes position, speed and acceleration of th
 they are predicted over the command's delay; the winch's lag is inverted; a position loop takes care of what is left.
 Nothing is known of cable and unit, and nothing is tuned but by the winch's stated lag T and delay tau:
 
-    v_set = v_d + T a_d,   v_d = v + k (x - p),   a_d = a + k (v - p'),   k = 1/(4 (tau + T/4)) and at most 2/s
+    v_set = v_d + T a_d,   v_d = v + k (x - p),   a_d = a + k (v - p'),   k by `rule_gain` of the law of that name
 
 x, v, a of the boom tip (and of the operator's target) and the payout p, all at t + tau. p is predicted by a model of
 the winch driven by the commands that are still on their way (Smith predictor). tau holds half a sample time, for which
@@ -23,13 +23,12 @@ from collections import deque
 import numpy as np
 from heave_node.arrays import Array
 from scipy.linalg import expm, solve_discrete_are
+from winch_controller_node.laws.industrial import rule_gain
 
 from heave_bringup.benchmark.interface import MRU_INVALID, WINCH_OK, Command, Facts, Measurement, MruReading
 
 DAMPING = 0.3
 """Damping ratio of the oscillator that the heave acceleration is taken for: a broad sea."""
-LARGEST_GAIN = 2.0
-"""Of the position loop [1/s]."""
 QUIETEST = 1e-3
 """Smallest noise that is believed of a sensor [m], [m/s], [m/s^2]."""
 SPIKE = 0.5
@@ -61,7 +60,7 @@ class Industrial:
         self._dt = facts.sample_time
         self._winch = winch
         self._delay = winch.command_delay + 0.5 * self._dt
-        self._gain = min(1.0 / (4.0 * (self._delay + 0.25 * winch.time_constant)), LARGEST_GAIN)
+        self._gain = rule_gain(self._delay, winch.time_constant)
         self._tip = BoomTip(facts)
         self._model = WinchModel(facts)
         self._landing = Landing(facts.sample_time)

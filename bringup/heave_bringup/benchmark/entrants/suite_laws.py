@@ -28,7 +28,7 @@ class SuiteController:
     Parameters
     ----------
     facts : of the case; the belief holds the controller's parameters
-    law : lqg, mpc, feedforward or lqr
+    law : by its name in the registry of laws
     """
 
     def __init__(self, facts: Facts, law: str) -> None:

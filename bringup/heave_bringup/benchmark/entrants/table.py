@@ -23,6 +23,7 @@ SHIPPED: dict[str, tuple[Entrant, str]] = {
     "industrial": (Industrial, "feed-forward and outlet position loop, tuned by rule"),
     "suite:lqg": (suite_law("lqg"), "this suite's LQG law"),
     "suite:mpc": (suite_law("mpc"), "this suite's constrained law"),
+    "suite:industrial": (suite_law("industrial"), "the same baseline on this suite's estimator"),
     "suite:feedforward": (suite_law("feedforward"), "this suite's speed feed-forward"),
     "published:pid": (ZinagePid, "PID of Zinage & Somayajula"),
     "published:lqi": (ZinageLqi, "LQI of Zinage & Somayajula"),
