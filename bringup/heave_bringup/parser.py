@@ -10,13 +10,13 @@ from heave_bringup.commands.command import Command
 from heave_bringup.commands.models import design, identify, modes, static
 from heave_bringup.commands.runs import run
 from heave_bringup.commands.scenarios import list_scenarios
-from heave_bringup.commands.studies import bench, campaign
+from heave_bringup.commands.studies import bench, benchmark, campaign
 
 COMMANDS: tuple[Command, ...] = (
     *(run.COMMAND, list_scenarios.COMMAND),
     *(report.COMMAND, kpi.COMMAND, record.COMMAND, replay.COMMAND, import_sea.COMMAND, repair.COMMAND),
     *(design.COMMAND, identify.COMMAND, static.COMMAND, modes.COMMAND),
-    *(campaign.COMMAND, bench.COMMAND),
+    *(campaign.COMMAND, benchmark.COMMAND, bench.COMMAND),
 )
 """All subcommands, in the order of the help."""
 

@@ -471,3 +471,16 @@ def test_a_landed_unit_under_a_brake_is_lifted_off_at_constant_tension():
     assert loop.controller.mode.value == "standby"
     assert "lifting off" in loop.controller.set_mode("compensating")
     assert loop.step()[0].report.mode == "constant_tension"
+
+
+def test_a_slow_winch_is_followed_by_the_baseline_that_inverts_its_lag():
+    """A servo of 1 s at 0.7 rad/s: the feed-forward alone is left with the lag's gain, the inversion is not."""
+    left = {}
+    for law in ("feedforward", "industrial"):
+        parameters = loop_parameters(law=law, duration=90.0, height=1.0, **{"winch.time_constant": 1.0})
+        winch = dataclasses.replace(parameters.winch, time_constant=1.0)
+        record = ClosedLoop(dataclasses.replace(parameters, winch=winch)).run()
+        tip = record.column("boom_tip", after=40.0)
+        left[law] = float(np.std(tip - record.column("payout", after=40.0)) / np.std(tip))
+    assert left["feedforward"] > 0.15
+    assert left["industrial"] < 0.06

@@ -1,4 +1,4 @@
-"""Law feedforward: the winch follows the boom tip's rate. What industry does, and the baseline of every better law.
+"""Law feedforward: the winch follows the boom tip's rate, its lag not inverted; the baseline is law industrial.
 
 Without prediction the MRU's heave rate is commanded as it is read, and delay and lag of the winch leave their phase.
 With prediction the Kalman filter's boom tip is taken forward to when the command has come through delay and lag.
@@ -21,7 +21,7 @@ from winch_controller_node.model.lqr import DesignError
 
 @dataclass(frozen=True)
 class FeedforwardParameters:
-    """The speed feed-forward of the MRU: what industry does."""
+    """The speed feed-forward of the MRU."""
 
     prediction: bool = parameter(
         True, unit="", description="Predict the boom tip over the winch's delay and lag; false: command the MRU's rate."

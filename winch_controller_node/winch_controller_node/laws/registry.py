@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from winch_controller_node.laws.feedforward import SpeedFeedforward
+from winch_controller_node.laws.industrial import IndustrialBaseline
 from winch_controller_node.laws.law import ControlLaw, LawDesign
 from winch_controller_node.laws.lqg import FullStateFeedback
 from winch_controller_node.laws.lqr import UnitRegulator
@@ -16,6 +17,7 @@ LAWS: dict[str, type[ControlLaw]] = {
         UnitRegulator,
         FullStateFeedback,
         SpeedFeedforward,
+        IndustrialBaseline,
         ConstrainedLaw,
     )
 }

@@ -1,0 +1,1 @@
+"""Entrants that come with the benchmark: baselines, published laws, and this suite's own laws by the same door."""

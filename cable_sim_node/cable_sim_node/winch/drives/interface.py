@@ -1,0 +1,132 @@
+"""What a winch asks of its drive, and what every drive answers.
+
+A drive is the part between the set-points and the rope: motor, gear, drum, and the loop that makes the drum follow a
+speed. It knows neither ROS nor time-outs nor encoders; those are the winch's.
+"""
+
+from __future__ import annotations
+
+import enum
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Protocol
+
+from cable_sim_node.winch import drive
+from cable_sim_node.winch.drives import mechanics
+
+
+class DriveLimit(enum.IntFlag):
+    """Limits that acted; the first four are the numbers of heave_msgs/WinchState."""
+
+    NONE = 0
+    SPEED = drive.LIMIT_SPEED
+    ACCELERATION = drive.LIMIT_ACCELERATION
+    PAYOUT = drive.LIMIT_PAYOUT
+    POWER = drive.LIMIT_POWER
+    TORQUE = mechanics.LIMIT_TORQUE
+    """The largest torque of an electric motor."""
+    PRESSURE = mechanics.LIMIT_PRESSURE
+    """A relief valve."""
+    FLOW = mechanics.LIMIT_FLOW
+    """The largest flow: a valve fully open, or a pump at full stroke."""
+
+
+@dataclass(frozen=True)
+class DriveCommand:
+    """Set-points, held over a step.
+
+    Attributes
+    ----------
+    payout_rate : [m/s], positive pays out
+    payout : [m]; has an effect only where the drive has a position gain
+    brake : the service brake stops the drum at a bounded deceleration and holds it
+
+    Raises ValueError for a set-point that is not a finite number.
+    """
+
+    payout_rate: float = 0.0
+    payout: float = 0.0
+    brake: bool = False
+
+    def __post_init__(self) -> None:
+        if not (math.isfinite(self.payout_rate) and math.isfinite(self.payout)):
+            raise ValueError(f"set-points must be finite numbers, got {self.payout_rate} m/s and {self.payout} m")
+
+
+@dataclass(frozen=True)
+class DriveState:
+    """State at the end of a step.
+
+    Attributes
+    ----------
+    payout, payout_rate, payout_acceleration : of the rope [m], [m/s], [m/s^2], positive pays out
+    power : -tension*payout_rate at the end, positive when hauling in [W]
+    supply_power : drawn from the ship's supply, mean over the step [W]; negative where the drive feeds it back
+    limits : limits that acted within the step
+    brake : the brake holds the drum
+    """
+
+    payout: float
+    payout_rate: float
+    payout_acceleration: float
+    power: float
+    supply_power: float
+    limits: DriveLimit
+    brake: bool
+
+
+@dataclass(frozen=True)
+class DriveEnergy:
+    """Energy since the start [J]: what went in is what was lost and what is stored.
+
+    Attributes
+    ----------
+    supplied : by the ship's supply, net
+    from_load : by the rope, the integral of tension times payout rate
+    lost : as heat, in motor, fluid, friction and brake
+    stored : kinetic, in compressed fluid and gas; less what was stored at the start
+    """
+
+    supplied: float
+    from_load: float
+    lost: float
+    stored: float
+
+    @property
+    def imbalance(self) -> float:
+        """Energy that the books miss [J]; 0 but for the error of the integration."""
+        return self.supplied + self.from_load - self.lost - self.stored
+
+
+class Drive(Protocol):
+    """A drive: set-points and tension in, motion of the rope out."""
+
+    @property
+    def state(self) -> DriveState:
+        """State now."""
+        ...
+
+    @property
+    def energy(self) -> DriveEnergy:
+        """The books since the start."""
+        ...
+
+    def instruments(self) -> Mapping[str, float]:
+        """Return what the drive's own instruments read, by name with unit (`swash`, `pressure_pa`)."""
+        ...
+
+    def step(self, command: DriveCommand, duration: float, tension: float) -> DriveState:
+        """Advance by `duration` [s] under a constant command and a constant tension at the drum [N].
+
+        Raises ValueError for a duration that is not above 0 or a tension that is not finite.
+        """
+        ...
+
+
+def check_step(duration: float, tension: float) -> None:
+    """Refuse a step that no drive can make; raises ValueError."""
+    if not (duration > 0.0 and math.isfinite(duration)):
+        raise ValueError(f"a step must last longer than 0 s, got {duration} s")
+    if not math.isfinite(tension):
+        raise ValueError(f"the tension at the drum must be a finite number, got {tension} N")

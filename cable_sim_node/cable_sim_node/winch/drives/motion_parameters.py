@@ -1,0 +1,75 @@
+"""Parameters that every physical drive has: range, brake, friction at the rope."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from heave_node.parameters import parameter
+
+from cable_sim_node.winch.drives.mechanics import NO_LIMIT, Bounds, Friction
+
+
+@dataclass(frozen=True)
+class MotionParameters:
+    """What the rope's motion is kept within."""
+
+    speed_limit: float = parameter(
+        2.0, unit="m/s", minimum=1e-3, maximum=100.0, description="Largest speed set-point that is followed."
+    )
+    overspeed: float = parameter(
+        1.1,
+        unit="",
+        minimum=0.0,
+        maximum=10.0,
+        description="The brake catches the drum at so many times speed_limit; 0: no such brake.",
+    )
+    payout_minimum: float = parameter(
+        -50.0, unit="m", minimum=-20_000.0, maximum=20_000.0, description="Lower end of the payout range."
+    )
+    payout_maximum: float = parameter(
+        50.0, unit="m", minimum=-20_000.0, maximum=20_000.0, description="Upper end of the payout range."
+    )
+    stop_deceleration: float = parameter(
+        1.5, unit="m/s^2", minimum=1e-3, maximum=1e6, description="Deceleration of the brake, and before an end stop."
+    )
+    position_gain: float = parameter(
+        0.0, unit="1/s", minimum=0.0, maximum=100.0, description="Gain from payout error to speed; 0: rate alone."
+    )
+
+    def __post_init__(self) -> None:
+        if not self.payout_minimum <= 0.0 <= self.payout_maximum or self.payout_minimum == self.payout_maximum:
+            raise ValueError(
+                f"payout 0, where the drive starts, must be from payout_minimum = {self.payout_minimum:g} m to "
+                f"payout_maximum = {self.payout_maximum:g} m, and these must differ"
+            )
+        if 0.0 < self.overspeed < 1.0:
+            raise ValueError(f"overspeed = {self.overspeed:g} must be 0 or at least 1: it is above speed_limit")
+
+    def bounds(self) -> Bounds:
+        """Return the bounds in numbers."""
+        overspeed = self.overspeed * self.speed_limit if self.overspeed > 0.0 else NO_LIMIT
+        return Bounds(self.speed_limit, overspeed, self.payout_minimum, self.payout_maximum, self.stop_deceleration)
+
+
+@dataclass(frozen=True)
+class FrictionParameters:
+    """Friction of bearings, gear and sheaves, as a force at the rope, against the motion."""
+
+    coulomb: float = parameter(
+        0.0, unit="N", minimum=0.0, maximum=1e9, description="Part that does not depend on load."
+    )
+    load: float = parameter(
+        0.0, unit="", minimum=0.0, maximum=1.0, description="Part that is so many times the tension."
+    )
+    slip_speed: float = parameter(
+        0.01, unit="m/s", minimum=1e-6, maximum=100.0, description="Rope speed at which both reach 76 %."
+    )
+    viscous: float = parameter(0.0, unit="N s/m", minimum=0.0, maximum=1e9, description="Part that grows with speed.")
+
+    def rate(self, tension: float, mass: float) -> float:
+        """Return how fast friction alone would stop `mass` [kg] near rest under `tension` [N], as 1/time [1/s]."""
+        return ((self.coulomb + self.load * tension) / self.slip_speed + self.viscous) / mass
+
+    def friction(self) -> Friction:
+        """Return the friction in numbers."""
+        return Friction(self.coulomb, self.load, self.slip_speed, self.viscous)

@@ -1,0 +1,69 @@
+"""The speed servo of the virtual winch behind the interface of the drives: ideal, without mass, losses or supply.
+
+v' = clip((v_set - v)/T, acceleration_limit), v_set = clip(payout_rate + k_p (payout - u), speed_limit), solved by
+`cable_sim_node.winch.drive`. What the rope takes or gives the supply gives or takes.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+from cable_sim_node.winch import drive
+from cable_sim_node.winch.drives.interface import DriveCommand, DriveEnergy, DriveLimit, DriveState, check_step
+from cable_sim_node.winch.parameters import WinchParameters
+
+
+class SpeedServo:
+    """The servo, at rest. Of the parameters those of brake, faults, delay and encoder are the winch's, not used here.
+
+    Parameters
+    ----------
+    parameters : the winch
+    """
+
+    def __init__(self, parameters: WinchParameters) -> None:
+        self._p = parameters
+        self._from_load = 0.0
+        self.state = DriveState(0.0, 0.0, 0.0, 0.0, 0.0, DriveLimit.NONE, False)
+
+    @property
+    def energy(self) -> DriveEnergy:
+        """The books since the start."""
+        return DriveEnergy(-self._from_load, self._from_load, 0.0, 0.0)
+
+    def instruments(self) -> Mapping[str, float]:
+        """Return nothing: the servo has no insides."""
+        return {}
+
+    def step(self, command: DriveCommand, duration: float, tension: float) -> DriveState:
+        """Advance; see `Drive.step`."""
+        check_step(duration, tension)
+        p, before = self._p, self.state
+        mode = drive.FOLLOW_SPEED if p.law == "speed_servo" else drive.FOLLOW_POSITION
+        if command.brake:
+            mode = drive.HOLD if before.payout_rate == 0.0 else drive.STOP
+        power_speed = p.power_limit / tension if p.power_limit > 0.0 and tension > 0.0 else math.inf
+        payout, rate, acceleration, limits = drive.advance_drum(
+            before.payout,
+            before.payout_rate,
+            duration,
+            mode,
+            command.payout,
+            command.payout_rate,
+            p.speed_limit,
+            power_speed,
+            p.acceleration_limit,
+            p.stop_deceleration,
+            p.time_constant,
+            p.position_gain,
+            p.position_rate,
+            p.payout_minimum,
+            p.payout_maximum,
+        )
+        moved = payout - before.payout
+        self._from_load += tension * moved
+        brake = command.brake and rate == 0.0
+        supply = -tension * moved / duration
+        self.state = DriveState(payout, rate, acceleration, -tension * rate, supply, DriveLimit(limits), brake)
+        return self.state
