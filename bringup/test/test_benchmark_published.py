@@ -22,7 +22,7 @@ from heave_bringup.benchmark.records import FOLDER_VARIABLE, find_record
 from heave_bringup.benchmark.rigid_world import RigidProblem, RigidWorld
 from heave_bringup.benchmark.target import TargetProgramme
 from heave_bringup.benchmark.winches import DrivenWinch
-from winch_controller_node.parameters.controller import WinchControllerParameters
+from winch_controller_node.node_parameters import WinchControllerParameters
 
 RECORDS = Path(os.environ.get(FOLDER_VARIABLE, "/nowhere"))
 needs_records = pytest.mark.skipif(

@@ -11,7 +11,7 @@ from winch_controller_node.design.design import design_controller
 from winch_controller_node.laws.industrial import rule_gain
 from winch_controller_node.laws.loop_state import LoopState, Reference
 from winch_controller_node.model.lqr import DesignError
-from winch_controller_node.parameters.controller import WinchControllerParameters
+from winch_controller_node.node_parameters import WinchControllerParameters
 
 DT = 0.05
 

@@ -23,7 +23,7 @@ from cable_sim_node.winch.drives.valve_controlled import (
 )
 from cable_sim_node.winch.parameters import WinchParameters
 from heave_node.parameters import ParameterError, build_parameters, flatten
-from winch_controller_node.parameters.controller import WinchControllerParameters
+from winch_controller_node.node_parameters import WinchControllerParameters
 
 from heave_bringup.benchmark.case import Case, Problem
 from heave_bringup.benchmark.interface import Facts, SeaFacts, SensorFacts, WinchFacts

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from heave_node.parameters import flatten
 from heave_node.scenario import WILDCARD
-from winch_controller_node.parameters.controller import WinchControllerParameters
+from winch_controller_node.node_parameters import WinchControllerParameters
 
 from heave_bringup.benchmark.case import Case, Problem
 from heave_bringup.benchmark.interface import Facts, SeaFacts, SensorFacts, WinchFacts

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from winch_controller_node.motion.programme import Programme
 from winch_controller_node.motion.trajectory import MeanPayout
-from winch_controller_node.parameters.controller import WinchControllerParameters
+from winch_controller_node.node_parameters import WinchControllerParameters
 
 from heave_bringup.benchmark.interface import Target
 

@@ -12,7 +12,7 @@ from heave_node.parameters import build_parameters
 from heave_node.sensors import DEPTH, LOAD_CELL, MruReading
 from winch_controller_node.component import WinchController
 from winch_controller_node.interface.readings import Measurements, ScalarReading, WinchReading
-from winch_controller_node.parameters.controller import WinchControllerParameters
+from winch_controller_node.node_parameters import WinchControllerParameters
 
 from heave_bringup.benchmark import interface
 from heave_bringup.benchmark.interface import WINCH_NOT_YET_HEARD, Command, Facts, Measurement, Reading
