@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 from heave_bags.analyse import kpi_set
-from heave_bags.analyse.kpi_set import RunSignals
+from heave_bags.signals import RunSignals
 from heave_node import kpi
 from heave_node.arrays import Array
 

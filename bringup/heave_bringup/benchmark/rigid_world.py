@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from cable_sim_node.sensors.instruments import DepthSensorParameters, SensorParameters, SensorTruth, View
 from cable_sim_node.sensors.sensor import Sensor
-from heave_bags.analyse.kpi_set import RunSignals, Signal
+from heave_bags.signals import RunSignals, Signal
 from heave_node.arrays import Array
 from heave_node.constants import STANDARD_GRAVITY
 

@@ -62,7 +62,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def execute(options: argparse.Namespace) -> None:
     """Run, check, analyse, report, as `options` say."""
-    from heave_bringup.errors import CommandError
     from heave_bringup.network import set_up_transport
     from heave_bringup.output import write_result
     from heave_bringup.run.criteria import refuse_unknown
