@@ -122,3 +122,26 @@ def test_the_scan_sees_what_there_is():
     assert any(target.split(".")[0] == "rclpy" for target in shell)
     assert wing("cable_sim_node.line.dynamics") == "cable_sim_node.line"
     assert wing("cable_sim_node.errors") == "cable_sim_node.errors"
+
+
+def arguments_of(function: ast.FunctionDef) -> int:
+    """Return how many arguments the caller of a function gives at most."""
+    given = function.args
+    names = [argument.arg for argument in (*given.posonlyargs, *given.args, *given.kwonlyargs)]
+    return len([name for name in names if name not in ("self", "cls")])
+
+
+def is_inner_kernel(function: ast.FunctionDef) -> bool:
+    """Tell whether only kernels call a function: what they hand on costs nothing, and a group of it would."""
+    return any(isinstance(mark, ast.Name) and mark.id == "inner_kernel" for mark in function.decorator_list)
+
+
+@pytest.mark.parametrize("package", MAY_IMPORT)
+def test_no_function_has_more_than_ten_arguments(package):
+    wrong = [
+        f"{path.name}:{node.lineno}: {node.name} has {arguments_of(node)}"
+        for path in modules(package).values()
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        if isinstance(node, ast.FunctionDef) and arguments_of(node) > 10 and not is_inner_kernel(node)
+    ]
+    assert wrong == []

@@ -21,7 +21,7 @@ SIMULATORS = (
     "heave_bringup",
     "moordyn",
     "wave_vessel_node.component",
-    "wave_vessel_node.motion_sources",
+    "wave_vessel_node.sources",
     "wave_vessel_node.mru",
     "wave_vessel_node.node",
 )

@@ -133,6 +133,16 @@ class VirtualWinch:
 
     def __init__(self, parameters: WinchParameters, *, tick_period: float) -> None:
         self._parameters = parameters
+        self._drive = drive.DriveSettings(
+            speed_limit=parameters.speed_limit,
+            acceleration_limit=parameters.acceleration_limit,
+            stop_deceleration=parameters.stop_deceleration,
+            time_constant=parameters.time_constant,
+            position_gain=parameters.position_gain,
+            position_rate=parameters.position_rate,
+            u_min=parameters.payout_minimum,
+            u_max=parameters.payout_maximum,
+        )
         self._tick_period = tick_period
         self.faults = FaultSchedule(parameters.faults, name="winch", device="winch")
         self.encoder = Encoder(parameters.encoder)
@@ -270,15 +280,8 @@ class VirtualWinch:
             self._mode,
             self._command.payout,
             self._command.payout_rate,
-            p.speed_limit,
             power_speed,
-            p.acceleration_limit,
-            p.stop_deceleration,
-            p.time_constant,
-            p.position_gain,
-            p.position_rate,
-            p.payout_minimum,
-            p.payout_maximum,
+            self._drive,
         )
         if self._mode == drive.STOP and self._rate == 0.0:
             self._mode = drive.HOLD

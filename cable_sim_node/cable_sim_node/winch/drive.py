@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 from heave_node.codes import WinchLimit
 from numba import njit
@@ -93,6 +94,26 @@ def _stay_in_range(
     return u + 0.5 * (v + bounded_v) * h, bounded_v, True
 
 
+class DriveSettings(NamedTuple):
+    """What holds for a drive at all times.
+
+    Attributes
+    ----------
+    speed_limit, acceleration_limit, stop_deceleration : [m/s], [m/s^2], [m/s^2]
+    time_constant, position_gain, position_rate : T [s], k_p [1/s], K [1/s]
+    u_min, u_max : payout range [m]
+    """
+
+    speed_limit: float
+    acceleration_limit: float
+    stop_deceleration: float
+    time_constant: float
+    position_gain: float
+    position_rate: float
+    u_min: float
+    u_max: float
+
+
 @njit(cache=True)
 def advance_drum(
     u: float,
@@ -101,15 +122,8 @@ def advance_drum(
     mode: int,
     payout_set: float,
     rate_set: float,
-    speed_limit: float,
     power_speed: float,
-    acceleration_limit: float,
-    stop_deceleration: float,
-    time_constant: float,
-    position_gain: float,
-    position_rate: float,
-    u_min: float,
-    u_max: float,
+    settings: DriveSettings,
 ) -> tuple[float, float, float, int]:
     """Advance the drum by `duration` with constant set-points.
 
@@ -119,10 +133,8 @@ def advance_drum(
     duration : [s], above 0
     mode : FOLLOW_SPEED, FOLLOW_POSITION, STOP or HOLD
     payout_set, rate_set : set-points [m], [m/s]
-    speed_limit, acceleration_limit, stop_deceleration : [m/s], [m/s^2], [m/s^2]
     power_speed : largest speed that the power limit allows at the present tension [m/s]
-    time_constant, position_gain, position_rate : T [s], k_p [1/s], K [1/s]
-    u_min, u_max : payout range [m]
+    settings : of the drive
 
     Returns
     -------
@@ -132,6 +144,9 @@ def advance_drum(
         return u, 0.0, 0.0, 0
     substeps = max(1, math.ceil(duration / LONGEST_SUBSTEP - 1e-6))
     h = duration / substeps
+    speed_limit, acceleration_limit, stop_deceleration, time_constant, position_gain, position_rate, u_min, u_max = (
+        settings
+    )
     largest_speed = min(speed_limit, power_speed)
     limits = 0
     acceleration = 0.0

@@ -87,21 +87,30 @@ class RaoSource(MotionSource):
         x, y = self._course.place(time)
         weights = self._response.speed_weights(self._course.speed(time))
         out = np.zeros(7)
-        _sum(
-            sea.frequency, sea.amplitude, sea.phase, sea.direction, self._response.knots,
-            self._response.coefficients, weights,
-            time, x, y, self._course.heading(time), self._arm[0], self._arm[1], out,
-        )  # fmt: skip
+        waves = (sea.frequency, sea.amplitude, sea.phase, sea.direction)
+        pose = (float(x), float(y), self._course.heading(time))
+        response = self._response
+        _sum(waves, response.knots, response.coefficients, weights, time, pose, (self._arm[0], self._arm[1]), out)
         return out
 
 
 @kernel
 def _sum(
-    frequency: Array, amplitude: Array, phase: Array, direction: Array, knots: Array,
-    coefficients: ComplexArray, weights: Array,
-    time: float, x: float, y: float, heading: float, arm_x: float, arm_y: float, out: Array,
-) -> None:  # fmt: skip
-    """Sum six motions and the elevation at one time into out (7,)."""
+    waves: tuple[Array, Array, Array, Array],
+    knots: Array,
+    coefficients: ComplexArray,
+    weights: Array,
+    time: float,
+    pose: tuple[float, float, float],
+    arm: tuple[float, float],
+    out: Array,
+) -> None:
+    """Sum six motions and the elevation at one time into out (7,).
+
+    `waves` are frequency, amplitude, phase and direction; `pose` is x, y and heading of the vessel, `arm` x and y.
+    """
+    frequency, amplitude, phase, direction = waves
+    x, y, heading = pose
     cells = knots.size - 1
     for n in range(frequency.size):
         wave_number = frequency[n] * frequency[n] / STANDARD_GRAVITY
@@ -118,5 +127,5 @@ def _sum(
                 for s in range(weights.size):
                     response += weights[s] * coefficients[s, n, cell, motion, power]
             out[motion] += (response * wave).real
-        arm = wave_number * (arm_x * np.cos(relative) + arm_y * np.sin(relative))
-        out[6] += (np.exp(-1j * arm) * wave).real
+        lag = wave_number * (arm[0] * np.cos(relative) + arm[1] * np.sin(relative))
+        out[6] += (np.exp(-1j * lag) * wave).real
