@@ -11,18 +11,29 @@ class Role(Enum):
 
     STREAM = "stream"
     """Reliable, volatile, a queue deep enough for a slow recorder."""
+    COMMAND = "command"
+    """Reliable, volatile, also from hardware. The reader takes the newest one of its owner that is not too old: a short
+    queue would not do, since a stranger's message would push the owner's out of it.
+    """
     LATCHED = "latched"
     """Reliable, transient local: late subscribers get the last message."""
 
 
 @dataclass(frozen=True)
 class Topic:
-    """A topic of the suite."""
+    """A topic of the suite.
+
+    Attributes
+    ----------
+    name : relative, or absolute for one that ROS has fixed
+    type : of its messages, for example "heave_msgs/msg/MruSample"
+    publisher : node that publishes it; "" for many
+    role : how it is carried
+    is_needed : the loop does not close without it: where its publisher is external, the start waits for it
+    """
 
     name: str
     type: str
     publisher: str
-    """Node that publishes it; "" for many."""
     role: Role = Role.STREAM
     is_needed: bool = False
-    """The loop does not close without it: where its publisher is external, the start waits for it."""

@@ -28,6 +28,11 @@ _LOCK = re.compile(r"(?P<guarded>fastdds_(?:[0-9a-f]{16}|port[0-9]{1,5}))_[es]l"
 def remove_dead_segments(folder: Path = SHARED_MEMORY, minimum_age: float = MINIMUM_AGE) -> list[str]:
     """Remove what processes of this user that are dead left in shared memory; return the names, sorted.
 
+    Parameters
+    ----------
+    folder : of the shared memory
+    minimum_age : younger files are left [s]
+
     Nothing of a living process or of another user is touched. Does nothing on systems without `folder`.
     """
     removed = []
