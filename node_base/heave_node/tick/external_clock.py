@@ -50,7 +50,7 @@ class ExternalClock:
 
     Parameters
     ----------
-    rule : declared for it
+    declared : rule for it
 
     Attributes
     ----------
@@ -59,8 +59,8 @@ class ExternalClock:
     violations : messages that did not fit
     """
 
-    def __init__(self, rule: ClockRule = ClockRule.DETECT) -> None:
-        self.rule = rule
+    def __init__(self, declared: ClockRule = ClockRule.DETECT) -> None:
+        self.rule = declared
         self.violation = ""
         self.violations = 0
         self._second = -1
