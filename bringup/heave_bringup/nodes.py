@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 MASTER = "cable_sim"
+RECORDER = "recorder"
 
 
 @dataclass(frozen=True)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import difflib
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from importlib import resources
 from pathlib import Path
 from typing import Any
@@ -20,6 +20,8 @@ from heave_bringup.nodes import MASTER, NODE_BY_NAME, NODES
 from heave_bringup.settings import Setting, parse_setting
 
 SCENARIO_FOLDER = "scenarios"
+QOS_OVERRIDES = "qos_overrides."
+"""Parameters of ROS itself in a node's section: the node checks them when it makes its topics."""
 
 _RUN_NAMES = frozenset(info.name for info in describe(RunParameters))
 
@@ -37,6 +39,7 @@ class Scenario:
     run : parameters that all nodes share
     parameters : parameter set of each node, by node name
     wanted : criteria that a run should meet
+    quality_of_service : what a node's section changes of it, `qos_overrides.`, by node and dotted name
     """
 
     name: str
@@ -44,6 +47,7 @@ class Scenario:
     run: RunParameters
     parameters: Mapping[str, Any]
     wanted: tuple[Criterion, ...] = ()
+    quality_of_service: Mapping[str, Mapping[str, object]] = field(default_factory=dict)
 
     @property
     def moves_winch(self) -> bool:
@@ -128,13 +132,17 @@ def _checked(name: str, path: Path, in_file: Values, settings: Iterable[Setting 
     _check_shared_names(shared)
     _refuse_overruled(changes, in_file)
     built: dict[str, NodeParameters] = {}
+    quality_of_service: dict[str, dict[str, object]] = {}
     for node in NODES:
         own = _given(node.name, in_file, changes)
+        of_ros = {name: own.pop(name).value for name in list(own) if name.startswith(QOS_OVERRIDES)}
+        quality_of_service |= {node.name: of_ros} if of_ros else {}
         _check_own_names(own)
         where = _where(path, node.name, changes)
         built[node.name] = build_node_parameters(node.name, node.parameters_type(), {**shared, **own}, where=where)
     of_all = built[MASTER]
-    return Scenario(name, path, of_all.run, {node: of.own for node, of in built.items()}, of_all.wanted)
+    own_sets = {node: of.own for node, of in built.items()}
+    return Scenario(name, path, of_all.run, own_sets, of_all.wanted, quality_of_service)
 
 
 def _read(path: Path) -> Values:

@@ -34,7 +34,7 @@ def stored_sections(scenario: Scenario) -> Sections:
     _refuse_lost_lists(scenario)
     sections: Sections = {WILDCARD: shared}
     for node, values in own.items():
-        sections[f"{WILDCARD}/{node}"] = dict(values)
+        sections[f"{WILDCARD}/{node}"] = {**values, **scenario.quality_of_service.get(node, {})}
     return sections
 
 

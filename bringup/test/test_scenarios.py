@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+import yaml
 from heave_bringup.scenarios import load_scenario, make_scenario, shipped_scenarios
 from heave_bringup.settings import Setting, make_setting, parse_setting
 from heave_bringup.stored_scenario import stored_sections, stored_title
@@ -214,3 +215,13 @@ def test_a_scenario_of_values_is_checked_like_a_file() -> None:
     assert (scenario.run.seed, scenario.parameters["winch_controller"].length) == (5, 500.0)
     with pytest.raises(ParameterError, match=r"^cable_sim: segments = 0 is not allowed"):
         make_scenario({"cable_sim": {"segments": 0}})
+
+
+def test_a_quality_of_service_of_ros_is_kept_for_its_node(file) -> None:
+    overrides = {"qos_overrides": {"/winch/state": {"publisher": {"depth": 7}}}}
+    file.write_text(yaml.safe_dump({"/**/virtual_winch": {"ros__parameters": overrides}}))
+    scenario = load_scenario(str(file))
+    stored = stored_sections(scenario)
+    assert stored["/**/virtual_winch"]["qos_overrides./winch/state.publisher.depth"] == 7
+    write_sections(stored, file)
+    assert load_scenario(str(file)).quality_of_service == scenario.quality_of_service

@@ -2,22 +2,18 @@
 
 from __future__ import annotations
 
-import dataclasses
 import sys
 from functools import partial
 
 from heave_node import topics
-from heave_node.kinematics import PointMotion
 from heave_node.messages import SensorMessages
 from heave_node.ros.diagnostics import Health, Level
 from heave_node.ros.fault_service import FaultService
 from heave_node.ros.master import ClockMasterNode
 from heave_node.ros.node import NodeError
-from heave_node.ros.ports import Input
 from heave_node.ros.process import run_node
 from heave_node.sensors import SENSORS, all_to_wire
 from heave_node.tick.tick import Tick
-from heave_node.topic import Topic
 
 from cable_sim_node import conversions
 from cable_sim_node.component import CableSim, PlantState
@@ -50,8 +46,8 @@ class CableSimNode(ClockMasterNode):
         self.unit_odometry = self.add_output(topics.UNIT_ODOMETRY)
         self.uncompensated = self.add_output(topics.UNIT_UNCOMPENSATED)
         self.markers = self.add_output(topics.MARKERS)
-        self.boom_tip = self._add_motion_input(topics.BOOM_TIP)
-        self.winch_state = self._add_motion_input(topics.WINCH_STATE)
+        self.boom_tip = self.add_input(topics.BOOM_TIP)
+        self.winch_state = self.add_input(topics.WINCH_STATE)
         # it takes time to read, and only a shadow that is lowered asks for it
         follows = self.parameters.shadow_follows_programme
         self.controller_state = self.add_input(topics.CONTROLLER_STATE) if follows else None
@@ -90,11 +86,9 @@ class CableSimNode(ClockMasterNode):
     def on_advance(self, tick: Tick) -> None:
         """Integrate from `tick` k to t_{k+1} with what is here of then; what is missing is bridged and counted."""
         for message in self.take(self.boom_tip):
-            self.newest_tip.put(self._in_simulated_time(topics.BOOM_TIP, conversions.point_motion_of(message), tick))
+            self.newest_tip.put(conversions.point_motion_of(message))
         for message in self.take(self.winch_state):
-            self.newest_payout.put(
-                self._in_simulated_time(topics.WINCH_STATE, conversions.drum_motion_of(message), tick)
-            )
+            self.newest_payout.put(conversions.drum_motion_of(message))
         end = tick.end_nanoseconds * 1e-9
         drum = self.newest_payout.at(end)
         try:
@@ -127,15 +121,6 @@ class CableSimNode(ClockMasterNode):
             Health("cable", Level.WARN, f"{slack} segments are slack") if slack else Health("cable", Level.OK, "taut")
         )
         return parts
-
-    def _add_motion_input(self, topic: Topic) -> Input:
-        """Add an input; hardware stamps by a clock of its own, so its stamps are not looked at."""
-        return self.add_input(topic, check_stamps=topic.publisher not in self.run.external)
-
-    def _in_simulated_time(self, topic: Topic, motion: PointMotion, tick: Tick) -> PointMotion:
-        """Return the motion; that of hardware is taken to be of the end of the tick in which it came."""
-        is_external = topic.publisher in self.run.external
-        return dataclasses.replace(motion, time=tick.end_nanoseconds * 1e-9) if is_external else motion
 
     def _make_plant(self) -> CableSim:
         try:

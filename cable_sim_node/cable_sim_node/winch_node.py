@@ -29,9 +29,8 @@ class VirtualWinchNode(ParticipantNode):
         self._make_winch().step(0, None)
         self.winch = self._make_winch()
         self.state = self.add_output(topics.WINCH_STATE)
-        # a controller on other hardware stamps by a clock of its own; sequence numbers tell what is fresh
-        is_foreign = topics.WINCH_COMMAND.publisher in self.run.external
-        self.command = self.add_input(topics.WINCH_COMMAND, check_stamps=not is_foreign)
+        # what is older than the watchdog's time must not feed it: a controller that was stalled answers for old ticks
+        self.command = self.add_input(topics.WINCH_COMMAND, lifespan=self.parameters.command_timeout)
         self.cable_state = self.add_input(topics.CABLE_STATE)
         FaultService(self, lambda: {"winch": self.winch.faults, "encoder": self.winch.encoder.faults})
 

@@ -60,7 +60,7 @@ RELEASE_WORDS = {
 
 
 def fault_words(code: int) -> str:
-    """Return the fault `code` of a winch in words; a number that is not in the table is given as it is."""
+    """Return the fault of a winch, given by its `code`, in words; a number that hardware made up is told as such."""
     try:
         return WinchFault(code).name.lower().replace("_", " ")
     except ValueError:

@@ -13,6 +13,7 @@ from typing import Any
 from heave_node.criteria import WANTED, Criterion, parse_criterion
 from heave_node.parameters import Given, build_given, describe, parameter
 from heave_node.system_parameters import take_system
+from heave_node.tick.external_clock import ClockRule, parse_clock
 
 LOCKSTEP = "lockstep"
 REALTIME = "realtime"
@@ -42,6 +43,12 @@ class RunParameters:
     external: tuple[str, ...] = parameter(
         (), unit="", description="Nodes replaced by hardware or other programs: used as they come, real time only."
     )
+    external_clocks: tuple[str, ...] = parameter(
+        (),
+        unit="",
+        description="How external nodes stamp, each NODE=CLOCK: simulated (use_sim_time), own (a clock of their own), "
+        "none (stamp 0: time of arrival), detect (by the first message; so for all that are not named).",
+    )
     autostart: bool = parameter(True, unit="", description="Configure and activate without a lifecycle manager.")
     start_timeout: float = parameter(
         300.0, unit="s", minimum=1.0, maximum=3600.0, description="Wall time to wait for all nodes before tick 1."
@@ -69,6 +76,14 @@ class RunParameters:
             raise ValueError(
                 f"external = {list(self.external)} needs pacing: realtime, since hardware waits for no simulation"
             )
+
+        for node, _ in map(parse_clock, self.external_clocks):
+            if node not in self.external:
+                raise ValueError(f"external_clocks names {node}, which is not external: {list(self.external)}")
+
+    def clock_rule(self, node: str) -> ClockRule:
+        """Return how an external `node` stamps, as declared."""
+        return dict(map(parse_clock, self.external_clocks)).get(node, ClockRule.DETECT)
 
     @property
     def tick_nanoseconds(self) -> int:

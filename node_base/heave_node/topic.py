@@ -11,6 +11,10 @@ class Role(Enum):
 
     STREAM = "stream"
     """Reliable, volatile, a queue deep enough for a slow recorder."""
+    COMMAND = "command"
+    """Reliable, volatile, also from hardware. The reader takes the newest one of its owner that is not too old: a short
+    queue would not do, since a stranger's message would push the owner's out of it.
+    """
     LATCHED = "latched"
     """Reliable, transient local: late subscribers get the last message."""
 
@@ -21,8 +25,8 @@ class Topic:
 
     Attributes
     ----------
-    name : relative to the namespace of the suite
-    type : of its messages, such as "heave_msgs/msg/MruSample"
+    name : relative, or absolute for one that ROS has fixed
+    type : of its messages, for example "heave_msgs/msg/MruSample"
     publisher : node that publishes it; "" for many
     role : how it is carried
     is_needed : the loop does not close without it: where its publisher is external, the start waits for it

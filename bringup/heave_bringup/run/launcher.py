@@ -78,6 +78,7 @@ class Launcher:
 
     def __init__(self) -> None:
         self.nodes: list[NodeProcess] = []
+        self._is_hurried = False
 
     def start(
         self, names: Sequence[str], scenario_file: Path, logs: Path, substitutes: Mapping[str, Path] | None = None
@@ -122,13 +123,17 @@ class Launcher:
         """Tell whether no node runs any more."""
         return not self.running()
 
+    def hurry(self, *_: object) -> None:
+        """End nodes without grace from now on; a signal handler."""
+        self._is_hurried = True
+
     def stop(self, grace: float = GRACE) -> None:
         """End every node: SIGINT, then `grace` seconds of wall time to close files, then SIGKILL."""
         for node in self.nodes:
             if node.process.poll() is None:
                 node.process.send_signal(signal.SIGINT)
         deadline = time.monotonic() + grace
-        while not self.all_ended() and time.monotonic() < deadline:
+        while not self.all_ended() and not self._is_hurried and time.monotonic() < deadline:
             time.sleep(0.02)
         for node in self.nodes:
             if node.process.poll() is None:

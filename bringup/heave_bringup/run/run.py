@@ -2,7 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+import fcntl
+import itertools
+import os
+import signal
+import tempfile
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -12,7 +18,7 @@ from heave_node.ros.shared_memory import remove_dead_segments
 from heave_node.scenario import write_sections
 
 from heave_bringup.errors import CommandError
-from heave_bringup.nodes import MASTER, NODES
+from heave_bringup.nodes import MASTER, NODES, RECORDER
 from heave_bringup.progress import ProgressLine
 from heave_bringup.run.launcher import Launcher, NodeProcess
 from heave_bringup.run.monitor import Monitor
@@ -62,16 +68,20 @@ def new_run_folder(name: str, chosen: Path | None) -> RunFolder:
     name : of the scenario
     chosen : folder that the user named; None takes the next free `runs/NAME-NNN`
 
+    It is made at once: of two runs that begin together only one can have it.
+
     Raises CommandError where the chosen folder is not empty.
     """
     if chosen is not None:
         if chosen.exists() and any(chosen.iterdir()):
             raise CommandError(f"{chosen}: is not empty; name another folder or remove it")
-        path = chosen
-    else:
-        number = 1
-        while (path := Path("runs") / f"{name}-{number:03d}").exists():
-            number += 1
+        chosen.mkdir(parents=True, exist_ok=True)
+        return RunFolder(chosen.resolve())
+    for number in itertools.count(1):
+        path = Path("runs") / f"{name}-{number:03d}"
+        with suppress(FileExistsError):
+            path.mkdir(parents=True)
+            break
     return RunFolder(path.resolve())
 
 
@@ -115,22 +125,65 @@ def run_scenario(
     """
     prepare_environment()
     remove_dead_segments()
-    monitor = _listen()
-    launcher = Launcher()
-    progress = ProgressLine()
-    try:
-        if monitor.another_run():
+    with only_run_in_domain() as is_only:
+        if not is_only:
+            _give_back(folder)
             raise CommandError(ANOTHER_RUN)
-        store_scenario(scenario, folder)
-        launcher.start(nodes_to_start(scenario), folder.scenario, folder.logs, substitutes)
-        status = _watch(scenario, folder, launcher, monitor, progress, on_look)
-        return Outcome(status, monitor.alarms, list(monitor.strangers))
-    except KeyboardInterrupt:
-        raise CommandError(f"interrupted; {_where_to_look(folder)}") from None
+        monitor = _listen()
+        launcher = Launcher()
+        progress = ProgressLine()
+        try:
+            if monitor.another_run():
+                _give_back(folder)
+                raise CommandError(ANOTHER_RUN)
+            store_scenario(scenario, folder)
+            launcher.start(nodes_to_start(scenario), folder.scenario, folder.logs, substitutes)
+            status = _watch(scenario, folder, launcher, monitor, progress, on_look)
+            return Outcome(status, monitor.alarms, list(monitor.strangers))
+        except KeyboardInterrupt:
+            raise CommandError(f"interrupted; {_where_to_look(folder)}") from None
+        finally:
+            with interrupts_hurry(launcher):
+                progress.close()
+                launcher.stop()
+                monitor.close()
+
+
+def _give_back(folder: RunFolder) -> None:
+    """Remove the folder of a run that never began."""
+    with suppress(OSError):  # not empty: it was there before
+        folder.path.rmdir()
+
+
+@contextmanager
+def only_run_in_domain() -> Iterator[bool]:
+    """Claim a ROS domain of this user on this machine, and tell whether no other run has it.
+
+    Runs that begin together do not see each other yet; the lock of a file, which ends with its process, tells which one
+    was first.
+    """
+    name = f"heave-{os.getuid()}-domain-{os.environ.get('ROS_DOMAIN_ID', '0')}.lock"
+    descriptor = os.open(Path(tempfile.gettempdir()) / name, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW, 0o600)
+    try:
+        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        is_only = True
+    except OSError:
+        is_only = False
+    try:
+        yield is_only
     finally:
-        progress.close()
-        launcher.stop()
-        monitor.close()
+        os.close(descriptor)
+
+
+@contextmanager
+def interrupts_hurry(launcher: Launcher) -> Iterator[None]:
+    """Let a further Ctrl-C, while the nodes of a launcher end, end them at once in place of leaving them behind."""
+    before = {number: signal.signal(number, launcher.hurry) for number in (signal.SIGINT, signal.SIGTERM)}
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
 
 
 def _listen() -> Monitor:
@@ -182,7 +235,8 @@ def _watch(
         _show_progress(scenario, monitor, progress)
         failed = launcher.failed() or _left_early(launcher, monitor)
         if failed:
-            cause = _cause([node.how_it_ended() for node in failed], monitor)
+            monitor.spin_until_over(END_NEWS_WAIT)  # the master may know why
+            cause = _cause(failed, monitor)
             _record_the_stop(scenario, monitor)
             _report_alarms(monitor, progress)
             raise CommandError(f"{cause}; {_where_to_look(folder)}")
@@ -190,8 +244,6 @@ def _watch(
             break
         if monitor.is_over_for > SHUTDOWN_WAIT:
             raise CommandError(f"{', '.join(launcher.running())} did not end within {SHUTDOWN_WAIT:g} s after the run")
-        if monitor.masters() > 1:  # on a busy machine it may show itself late
-            raise CommandError(ANOTHER_RUN)
     status = monitor.status
     if status is None or status.state != TickStatus.ENDED:
         raise CommandError(f"the nodes ended, but the run was never reported as over; {_where_to_look(folder)}")
@@ -220,10 +272,18 @@ def _record_the_stop(scenario: Scenario, monitor: Monitor) -> None:
         monitor.spin(STOP_RECORDING_TIME)
 
 
-def _cause(endings: Sequence[str], monitor: Monitor) -> str:
-    """Return the line that says why a run failed: a node that was killed goes before those that only missed it."""
-    killed = [text for text in endings if "was killed by" in text]
-    cause = (killed or endings)[0]
+def _cause(failed: Sequence[NodeProcess], monitor: Monitor) -> str:
+    """Return the line that says why a run failed.
+
+    A node that was killed goes before those that only missed it, then what a node says of itself, then whom the clock
+    master missed. What the recorder did not get is the last of the consequences.
+    """
+    endings = {node.name: node.how_it_ended() for node in failed}
+    killed = [text for text in endings.values() if "was killed by" in text]
+    own = [text for name, text in endings.items() if name not in (MASTER, RECORDER)]
+    status = monitor.status
+    missed = [f"{MASTER}: {status.reason}"] if status and status.state == TickStatus.FAILED and status.reason else []
+    cause = next(iter([*killed, *own, *missed, *endings.values()]))
     when = f" at t = {monitor.status.simulated_time:.2f} s" if monitor.status and " t = " not in cause else ""
     return cause + when
 

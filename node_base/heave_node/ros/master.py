@@ -18,8 +18,9 @@ from rosgraph_msgs.msg import Clock
 from std_srvs.srv import SetBool, Trigger
 
 from heave_node import topics
-from heave_node.ros.identity import identity_of_endpoint
+from heave_node.ros.identity import describe_sender, identity_of_endpoint
 from heave_node.ros.node import HeaveNode, ProtocolError, expect_no, expect_sender, steady_clock
+from heave_node.ros.qos import mismatches
 from heave_node.tick import malformed
 from heave_node.tick.loop_timing import LoopTiming
 from heave_node.tick.roster import Participant, Roster
@@ -120,8 +121,30 @@ class ClockMasterNode(HeaveNode):
         wanted = [topic for topic in topics.ALL_TOPICS if topic.publisher in self.run.external and topic.is_needed]
         return {topic.name: self.count_publishers(topic.name) for topic in wanted}
 
+    def _mismatch_of_external(self) -> str:
+        """Return in words why an external node and a node of the run cannot hear each other; "" where they can."""
+        found: list[str] = []
+        for topic in topics.ALL_TOPICS:
+            if topic.publisher in self.run.external:
+                found += mismatches(self, self.resolve_topic_name(topic.name), self.roster.expected)
+        return "; ".join(found)
+
+    def _rivals(self) -> list[str]:
+        """Return in words on which topics several external processes publish: nobody could say whom to obey."""
+        found = []
+        for name in (self.resolve_topic_name(t.name) for t in topics.ALL_TOPICS if t.publisher in self.run.external):
+            identities = {identity_of_endpoint(info) for info in self.get_publishers_info_by_topic(name)}
+            if len(identities) > 1:
+                who = " and ".join(describe_sender(self, name, one, self.identity) for one in sorted(identities))
+                found.append(f"{who} to agree who publishes {name}")
+        return found
+
     def _try_to_start(self) -> None:
-        lacking = self.roster.missing(self._external_topics())
+        mismatch = self._mismatch_of_external()
+        if mismatch:
+            self._end(TickStatus.FAILED, mismatch)
+            return
+        lacking = [*self.roster.missing(self._external_topics()), *self._rivals()]
         self._reason = "; ".join(lacking)
         if not lacking:
             self.roster.freeze()
@@ -179,6 +202,7 @@ class ClockMasterNode(HeaveNode):
     def _begin_tick(self, number: int) -> None:
         tick = Tick(number, self.epoch, self.run.tick_nanoseconds)
         self.tick, self._stepped = tick, False
+        self.newest_start = (tick.start_nanoseconds, time.monotonic_ns())
         self.timing.tick_began()
         self.begin_outputs()
         self._clock_output.publish_deferred(lambda: Clock(clock=tick.stamp))
@@ -383,6 +407,7 @@ class ClockMasterNode(HeaveNode):
             self._resend_wait *= 2.0  # a slow machine must not get more to do each time
             self.timing.resends += 1
             self.resend_outputs()
+            self._publish_roster()
             self._start_publisher.publish(self._start_message)
         behind = self.roster.unanswered(self.tick_number, flush=self._is_flushing)
         text = "; ".join(

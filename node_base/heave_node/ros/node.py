@@ -6,7 +6,9 @@ Nodes do not derive from `HeaveNode` but from `participant.ParticipantNode` or, 
 
 from __future__ import annotations
 
+import math
 import socket
+import time
 import traceback
 from collections.abc import Callable
 from typing import Any, ClassVar
@@ -16,6 +18,7 @@ from heave_msgs.msg import TickJoin, TickStatus
 from rclpy.clock import Clock, ClockType
 from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackReturn
 from rclpy.publisher import Publisher
+from rclpy.qos_overriding_options import InvalidQosOverridesError
 from rclpy.serialization import deserialize_message
 from rclpy.subscription import Subscription
 from rclpy.task import Future
@@ -26,13 +29,14 @@ from heave_node.ros.diagnostics import Health, Level, diagnostic_array
 from heave_node.ros.identity import own_identity
 from heave_node.ros.node_parameters import read_parameters
 from heave_node.ros.ports import Input, Output
-from heave_node.ros.qos import qos_of
+from heave_node.ros.qos import PUBLISHER, SUBSCRIPTION, overriding_options, qos_of, reader_qos_of, unused_overrides
 from heave_node.ros.spin import sender_callback
 from heave_node.ros.strangers import Strangers
 from heave_node.run_parameters import RunParameters
+from heave_node.tick.external_clock import ExternalClock
 from heave_node.tick.gate import Inbox, TickGate
 from heave_node.tick.speakers import ANYONE
-from heave_node.tick.tick import Tick
+from heave_node.tick.tick import Tick, nanoseconds_of, stamp_of
 from heave_node.topic import Topic
 
 JOIN_PERIOD = 0.05
@@ -79,6 +83,8 @@ class HeaveNode(LifecycleNode):
     tick, epoch : the tick and the run the node is in
     failure : why the node ended, "" while nothing went wrong
     identity : of this node's process, as the others see it on each of its messages
+    clocks : of the external inputs, by topic
+    newest_start : when the newest tick began: simulated time, and monotonic wall time [ns]
     strangers : who was noticed that has no part in the run
     """
 
@@ -101,6 +107,8 @@ class HeaveNode(LifecycleNode):
         self.tick: Tick | None = None
         self.epoch = 0
         self.has_started = False
+        self.clocks: dict[str, ExternalClock] = {}
+        self.newest_start = (0, 0)
         self.is_active = False
         self._outputs: list[Output] = []
         self._inputs: list[Input] = []
@@ -133,17 +141,46 @@ class HeaveNode(LifecycleNode):
 
     def add_output(self, topic: Topic) -> Output:
         """Publish `topic` within ticks."""
-        output = Output(self, topic)
+        output = Output(self, topic, is_lockstep=self.run.is_lockstep)
         self._outputs.append(output)
         return output
 
-    def add_input(self, topic: Topic, *, check_stamps: bool = True) -> Input:
-        """Read `topic` within ticks; `check_stamps` refuses messages that are stamped in the future or out of order."""
-        port = Input(self, topic, self.gate, check_stamps=check_stamps)
+    def add_input(self, topic: Topic, *, check_stamps: bool = True, lifespan: float = math.inf) -> Input:
+        """Read a topic within ticks.
+
+        Messages of hardware get stamps of simulated time by the rule of its clock, and are never refused for them.
+
+        Parameters
+        ----------
+        topic : its name, type, publisher and role
+        check_stamps : refuse messages that are stamped in the future or out of order
+        lifespan : real time: messages older than this are late and not used [s]
+        """
+        is_external = topic.publisher in self.run.external
+        life = math.inf if self.run.is_lockstep else lifespan
+        port = Input(self, topic, self.gate, check_stamps=check_stamps and not is_external, lifespan=life)
         self._inputs.append(port)
         kind = message_type(topic.type)
-        self.add_raw_input(topic, lambda data: deserialize_message(data, kind))
+
+        def decode(data: bytes) -> Any:
+            return deserialize_message(data, kind)
+
+        def decode_external(data: bytes) -> Any:
+            message = decode(data)
+            if hasattr(message, "header"):
+                stamp = clock.simulated_time(nanoseconds_of(message.header.stamp), self.simulated_now())
+                message.header.stamp = stamp_of(max(0, stamp))
+            return message
+
+        if is_external:
+            clock = self.clocks[port.name] = ExternalClock(self.run.clock_rule(topic.publisher))
+        self.add_raw_input(topic, decode_external if is_external else decode)
         return port
+
+    def simulated_now(self) -> int:
+        """Return the simulated time now, carried on by the wall clock since the last tick began [ns]."""
+        start, wall = self.newest_start
+        return start + (time.monotonic_ns() - wall if wall else 0)
 
     def add_raw_input(
         self,
@@ -170,6 +207,8 @@ class HeaveNode(LifecycleNode):
         inbox = self.gate.add_inbox(Inbox(name, decode, is_external=is_external, on_stranger=on_stranger or refuse))
 
         def on_data(data: bytes, identity: str) -> None:
+            if is_external and not self.has_started:
+                return  # there is no simulated time yet
             try:
                 is_new = inbox.put(data, identity)
             except (RuntimeError, ValueError):
@@ -179,13 +218,18 @@ class HeaveNode(LifecycleNode):
                 self._advance()
 
         self._input_subscriptions[name] = self.create_subscription(
-            message_type(topic.type), name, sender_callback(on_data), qos_of(topic.role), raw=True
+            message_type(topic.type),
+            name,
+            sender_callback(on_data),
+            reader_qos_of(topic.role, is_external=is_external),
+            raw=True,
+            qos_overriding_options=overriding_options(self, name, SUBSCRIPTION, is_lockstep=self.run.is_lockstep),
         )
 
     def take(self, port: Input) -> list[Any]:
         """Return the new messages of this tick on the input `port`, oldest first."""
         assert self.tick is not None
-        return port.take(self.tick.end_nanoseconds)
+        return port.take(self.tick)
 
     def create_protocol_subscription(self, topic: Topic, callback: Callable[[Any, str], None]) -> None:
         """Subscribe to a topic of the tick protocol.
@@ -209,7 +253,8 @@ class HeaveNode(LifecycleNode):
             except ProtocolError as error:
                 self.strangers.refuse(name, identity, str(error))
 
-        self.create_subscription(kind, name, sender_callback(on_data), qos_of(topic.role), raw=True)
+        qos = reader_qos_of(topic.role, is_external=False)
+        self.create_subscription(kind, name, sender_callback(on_data), qos, raw=True)
 
     def create_protocol_publisher(self, topic: Topic) -> Publisher[Any]:
         """Return a publisher of a `topic` of the tick protocol."""
@@ -223,12 +268,24 @@ class HeaveNode(LifecycleNode):
             self._diagnostics = self.add_output(topics.DIAGNOSTICS)
             self.join_protocol()
             self.on_build()
+            self._refuse_unused_overrides()
         except Exception as error:  # rclpy would swallow it and say only that the transition failed
             self.fail(one_line(error), error)
             return TransitionCallbackReturn.ERROR
         self._join = self.create_protocol_publisher(topics.TICK_JOIN)
         self._join_timer = self.create_timer(JOIN_PERIOD, self._publish_join_until_started, clock=steady_clock())
         return super().on_configure(state)
+
+    def _refuse_unused_overrides(self) -> None:
+        """Refuse a quality of service for a topic that this node has not: it would be lost in silence."""
+        publishers = {(output.topic, PUBLISHER) for output in self._outputs}
+        readers = {(topic, SUBSCRIPTION) for topic in self._input_subscriptions}
+        unused = unused_overrides(self, publishers | readers)
+        if unused:
+            known = sorted({topic for topic, _ in publishers | readers})
+            raise NodeError(
+                f"{unused[0]}: {self.name} has no such publisher or subscription; topics: {', '.join(known)}"
+            )
 
     def on_activate(self, state: LifecycleState) -> TransitionCallbackReturn:
         """Take part in the run from now on, also in one that is under way; `state` is the lifecycle state before."""
@@ -323,11 +380,21 @@ class HeaveNode(LifecycleNode):
         self._diagnostics.publisher.publish(diagnostic_array(self.name, Time(), [part]))
 
     def _diagnose_inputs(self) -> list[Health]:
-        return [
-            Health(f"input {port.name}", Level.WARN, f"{port.wrong_stamps} messages with a wrong stamp refused")
-            for port in self._inputs
-            if port.wrong_stamps
+        parts = [
+            Health(
+                f"clock of {topic}", Level.ERROR if clock.violation else Level.OK, clock.violation or clock.describe()
+            )
+            for topic, clock in self.clocks.items()
         ]
+        for port in self._inputs:
+            if port.early:
+                text = f"{port.early} messages refused, stamped in the future"
+                parts.append(Health(f"input {port.name}", Level.WARN, text))
+            if port.late:
+                parts.append(
+                    Health(f"input {port.name}", Level.WARN, f"{port.late} messages came late and were not used")
+                )
+        return parts
 
     # Ends ----------------------------------------------------------------------------------------------------------
 
@@ -364,7 +431,11 @@ class HeaveNode(LifecycleNode):
 def one_line(error: BaseException) -> str:
     """Return `error` as one line: its text alone where it was foreseen, with its type where not."""
     text = " ".join(str(error).split())
-    return text if isinstance(error, NodeError | ValueError) and text else f"{type(error).__name__}: {text}"
+    return (
+        text
+        if isinstance(error, NodeError | ValueError | InvalidQosOverridesError) and text
+        else f"{type(error).__name__}: {text}"
+    )
 
 
 def steady_clock() -> Clock:

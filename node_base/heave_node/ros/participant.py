@@ -13,7 +13,7 @@ from heave_node import topics
 from heave_node.ros.node import HeaveNode, ProtocolError, expect_no, expect_sender, steady_clock
 from heave_node.tick import malformed
 from heave_node.tick.speakers import ANYONE
-from heave_node.tick.tick import Tick
+from heave_node.tick.tick import Tick, nanoseconds_of
 
 HELD_MESSAGES = 1000
 """Messages of the protocol that wait at most for the roster to say who may speak."""
@@ -37,6 +37,7 @@ class ParticipantNode(HeaveNode):
         self._starts: deque[TickStart] = deque()
         self._answered: TickStart | None = None
         self._roster_epoch = 0
+        self._roster: TickRoster | None = None
         self._identities: dict[str, str] = {}
         self._output_counts: dict[str, int] = {}
         self._master = self._other_master = ""
@@ -70,10 +71,12 @@ class ParticipantNode(HeaveNode):
         expect_no(malformed.fault_in_roster(message))
         if self.has_started:
             expect_sender(identity, self._master)
+            if message == self._roster:
+                return  # sent again for one that has not got it
         elif (self.name, self.identity) not in zip(message.nodes, message.identities, strict=True):
             self._other_master = identity
             return
-        self._master = identity
+        self._master, self._roster = identity, message
         self._identities = dict(zip(message.nodes, message.identities, strict=True))
         self._output_counts = {node: list(message.nodes).count(node) for node in self._identities}
         self._entries = len(message.nodes)
@@ -108,6 +111,7 @@ class ParticipantNode(HeaveNode):
         newest = self._starts[-1] if self._starts else self._answered
         if newest is None or _order(message) > _order(newest):
             self._starts.append(message)
+            self.newest_start = (nanoseconds_of(message.stamp), time.monotonic_ns())
             if len(self._starts) == 1:
                 self._begin_next()
             elif not self.run.is_lockstep:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import Any
 
@@ -10,8 +11,9 @@ from rclpy.publisher import Publisher
 from rclpy.serialization import serialize_message
 
 from heave_node.messages import message_type
-from heave_node.ros.qos import qos_of
+from heave_node.ros.qos import PUBLISHER, overriding_options, qos_of
 from heave_node.tick.gate import TickGate
+from heave_node.tick.tick import Tick, nanoseconds_of
 from heave_node.topic import Topic
 
 
@@ -25,6 +27,7 @@ class Output:
     ----------
     node : that publishes
     topic : its name, type and role; the attribute of this name is the resolved name
+    is_lockstep : refuses a quality of service, chosen by the user, that could lose a message
 
     Attributes
     ----------
@@ -32,8 +35,14 @@ class Output:
     published : messages since the start, deferred ones included
     """
 
-    def __init__(self, node: Node, topic: Topic) -> None:
-        self.publisher: Publisher[Any] = node.create_publisher(message_type(topic.type), topic.name, qos_of(topic.role))
+    def __init__(self, node: Node, topic: Topic, *, is_lockstep: bool = True) -> None:
+        name = node.resolve_topic_name(topic.name)
+        self.publisher: Publisher[Any] = node.create_publisher(
+            message_type(topic.type),
+            name,
+            qos_of(topic.role),
+            qos_overriding_options=overriding_options(node, name, PUBLISHER, is_lockstep=is_lockstep),
+        )
         self.topic = self.publisher.topic_name
         self.published = 0
         self._sent_this_tick: list[bytes] = []
@@ -85,34 +94,40 @@ class Input:
     topic : its name and type; the attribute of this name is the resolved name
     gate : holds the messages until their tick
     check_stamps : refuse messages that are stamped in the future or out of order
+    lifespan : messages older than this at the start of the tick are not used [s]
 
     Attributes
     ----------
     name : of the topic, relative
-    wrong_stamps : messages refused so far
+    early, late : messages refused so far: stamped in the future; older than one before them or than the lifespan
     latest : last message taken, None before the first
     """
 
-    def __init__(self, node: Node, topic: Topic, gate: TickGate, *, check_stamps: bool = True) -> None:
+    def __init__(
+        self, node: Node, topic: Topic, gate: TickGate, *, check_stamps: bool = True, lifespan: float = math.inf
+    ) -> None:
         self.name = topic.name
         self.topic = node.resolve_topic_name(topic.name)
         self.check_stamps = check_stamps
-        self.wrong_stamps = 0
+        self.lifespan = lifespan
+        self.early = self.late = 0
         self.latest: Any = None
         self._gate = gate
         self._last_stamp = 0
 
-    def take(self, latest_legal_stamp: int) -> list[Any]:
+    def take(self, tick: Tick) -> list[Any]:
         """Return the new messages of this tick, oldest first; `latest` holds the last one afterwards.
 
         Parameters
         ----------
-        latest_legal_stamp : end of the tick [ns]. A message with a header that is stamped later, or not after the one
-            before it, is refused and counted in `wrong_stamps`, where `check_stamps` is on
+        tick : in which they are used. A message with a header that is stamped after its end, or not after the one
+            before it, is refused and counted, where `check_stamps` is on; so is one that is older than the lifespan
         """
         messages = self._gate.take(self.topic)
         if self.check_stamps:
-            messages = [message for message in messages if self._is_stamp_legal(message, latest_legal_stamp)]
+            messages = [message for message in messages if self._is_stamp_legal(message, tick.end_nanoseconds)]
+        if self.lifespan != math.inf:
+            messages = [message for message in messages if self._is_young(message, tick.start_nanoseconds)]
         if messages:
             self.latest = messages[-1]
         return messages
@@ -125,9 +140,15 @@ class Input:
     def _is_stamp_legal(self, message: Any, latest_legal_stamp: int) -> bool:
         if not hasattr(message, "header"):
             return True
-        stamp = message.header.stamp.sec * 1_000_000_000 + message.header.stamp.nanosec
+        stamp = nanoseconds_of(message.header.stamp)
+        self.early += stamp > latest_legal_stamp
+        self.late += stamp <= self._last_stamp
         if not self._last_stamp < stamp <= latest_legal_stamp:
-            self.wrong_stamps += 1
             return False
         self._last_stamp = stamp
         return True
+
+    def _is_young(self, message: Any, now: int) -> bool:
+        is_old = nanoseconds_of(message.header.stamp) < now - round(self.lifespan * 1e9)
+        self.late += is_old
+        return not is_old

@@ -97,7 +97,7 @@ class Strangers:
                 self._notice(topic, identity, "")
 
     def has_left(self, topic: str, speakers: Speakers) -> bool:
-        """Tell whether no one of its `speakers` publishes on an external `topic` any more; checked twice a second."""
+        """Tell whether none of the `speakers` of an external `topic` is there any more; looked at twice a second."""
         now = time.monotonic()
         if not speakers.is_external or now - self._left_looked_at < _LOOK_AGAIN:
             return False

@@ -72,7 +72,8 @@ class Inbox:
         -------
         False where the message was dropped, or waits for the roster to say whether its sender may speak.
         """
-        if data[_STAMP] == _NO_STAMP:
+        is_external = self.speakers.is_external  # hardware need not stamp, and may well say the same thing twice
+        if data[_STAMP] == _NO_STAMP and not is_external:
             return False
         standing = self.speakers.standing(identity)
         if standing is Standing.UNKNOWN:
@@ -82,7 +83,7 @@ class Inbox:
             if self._on_stranger is not None:
                 self._on_stranger(identity, data)
             return False
-        if data in self._recent:
+        if data in self._recent and not is_external:
             self.duplicates += 1
             return False
         self._recent.append(data)

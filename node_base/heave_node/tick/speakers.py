@@ -41,7 +41,7 @@ class Speakers:
             self.identities = None
 
     def standing(self, identity: str) -> Standing:
-        """Return the standing of an `identity` here; the first one heard on an external topic becomes its owner."""
+        """Return what the process of an `identity` is here; the first one heard on an external topic owns it."""
         if identity == ANYONE:
             return Standing.LAWFUL
         if self.identities is None:

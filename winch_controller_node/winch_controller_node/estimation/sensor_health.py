@@ -121,8 +121,10 @@ class SensorGate:
     def _fault(self, now: float, time: float, values: Sequence[float], status: str) -> str:
         if not all(math.isfinite(value) for value in values):
             return "nan"
-        if not math.isfinite(time) or time > now + self._parameters.stamp_tolerance or time <= self._newest_stamp:
+        if not math.isfinite(time) or time > now + self._parameters.stamp_tolerance:
             return "wrong stamp"
+        if time <= self._newest_stamp:
+            return "late"
         if status:
             return status
         same = self._last_value is not None and values[0] == self._last_value

@@ -37,9 +37,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--external",
         action="append",
         default=[],
-        metavar="NODE",
-        choices=tuple(NODE_BY_NAME),
-        help="do not start NODE: hardware or another program takes its place (real time)",
+        metavar="NODE[=CLOCK]",
+        help="do not start NODE: hardware or another program takes its place (real time). CLOCK says how it stamps: "
+        "simulated (use_sim_time), own (a clock of its own), none; detected where it is not said",
     )
     parser.add_argument(
         "--from-bag",
@@ -110,7 +110,14 @@ def _own_settings(options: argparse.Namespace) -> list[Setting]:
     ]
     if options.external:
         source = " ".join(f"--external {node}" for node in options.external)
-        settings.append(Setting(WILDCARD, "external", options.external, source))
+        nodes = [text.partition("=")[0] for text in options.external]
+        for node in nodes:
+            if node not in NODE_BY_NAME:
+                raise ParameterError(f"{source}: there is no node {node}; known: {', '.join(NODE_BY_NAME)}")
+        settings.append(Setting(WILDCARD, "external", nodes, source))
+        clocks = [text for text in options.external if "=" in text]
+        if clocks:
+            settings.append(Setting(WILDCARD, "external_clocks", clocks, source))
     return settings
 
 

@@ -1,0 +1,80 @@
+"""What a run does around its nodes: its folder, its ROS domain, the reason it gives, a second Ctrl-C."""
+
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+from concurrent.futures import ThreadPoolExecutor
+from types import SimpleNamespace
+
+import pytest
+from heave_bringup.run import run
+from heave_bringup.run.launcher import Launcher, NodeProcess
+from heave_msgs.msg import TickStatus
+
+
+def failed(name: str, words: str) -> SimpleNamespace:
+    return SimpleNamespace(name=name, how_it_ended=lambda: words)
+
+
+LOST = failed("recorder", "recorder: messages were lost: /mru 3 of 40")
+HUNG = "wave_vessel has not finished tick 20: gave up after waiting 10 s at t = 1.0 s"
+
+
+@pytest.mark.parametrize(
+    ("nodes", "reason", "cause"),
+    [
+        ([LOST], HUNG, f"cable_sim: {HUNG}"),
+        ([LOST], "", "recorder: messages were lost: /mru 3 of 40 at t = 1.05 s"),
+        ([LOST, failed("mru", "mru was killed by SIGKILL")], HUNG, "mru was killed by SIGKILL at t = 1.05 s"),
+        (
+            [LOST, failed("virtual_winch", "virtual_winch: gave up at t = 1.0 s")],
+            HUNG,
+            "virtual_winch: gave up at t = 1.0 s",
+        ),
+    ],
+)
+def test_the_cause_that_is_told_is_the_first_one_and_not_what_followed(nodes, reason, cause):
+    state = TickStatus.FAILED if reason else TickStatus.RUNNING
+    monitor = SimpleNamespace(status=TickStatus(state=state, reason=reason, simulated_time=1.05))
+    assert run._cause(nodes, monitor) == cause
+
+
+def test_runs_that_begin_together_get_folders_of_their_own(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    with ThreadPoolExecutor(8) as pool:
+        folders = list(pool.map(lambda _: run.new_run_folder("calm", None).path, range(24)))
+    assert sorted(folder.name for folder in folders) == [f"calm-{number:03d}" for number in range(1, 25)]
+
+
+def test_of_two_runs_in_one_domain_the_second_is_told_and_after_the_first_it_may_run(monkeypatch):
+    monkeypatch.setenv("ROS_DOMAIN_ID", "231")
+    with run.only_run_in_domain() as first:
+        with run.only_run_in_domain() as second:
+            assert (first, second) == (True, False)
+        monkeypatch.setenv("ROS_DOMAIN_ID", "232")
+        with run.only_run_in_domain() as elsewhere:
+            assert elsewhere
+        monkeypatch.setenv("ROS_DOMAIN_ID", "231")
+    with run.only_run_in_domain() as after:
+        assert after
+
+
+def test_a_second_interrupt_leaves_no_process(tmp_path):
+    program = (
+        "import signal, time; signal.signal(signal.SIGINT, signal.SIG_IGN); print('on', flush=True); time.sleep(60)"
+    )
+    process = subprocess.Popen([sys.executable, "-c", program], stdout=subprocess.PIPE)
+    process.stdout.read(2)
+    launcher = Launcher()
+    launcher.nodes.append(NodeProcess("wave_vessel", process, tmp_path / "log"))
+    interrupts = threading.Timer(0.3, lambda: os.kill(os.getpid(), signal.SIGINT))
+    interrupts.start()
+    began = time.monotonic()
+    with run.interrupts_hurry(launcher):
+        launcher.stop(grace=50.0)
+    assert process.poll() == -signal.SIGKILL
+    assert time.monotonic() - began < 40.0, "it does not wait for the grace"
+    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler

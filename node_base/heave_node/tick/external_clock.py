@@ -1,0 +1,206 @@
+"""The time of messages of hardware in simulated time: one rule for every external publisher, declared or detected, and
+checked.
+
+A message of an external node says when it was measured in one of three ways. `simulated`: its stamp is simulated
+time (`use_sim_time`). `own`: its stamp is of a clock of its own, whose offset and drift are estimated here. `none`: its
+stamp is 0, and the time of its arrival counts.
+
+Estimate of an own clock: stamp and arrival differ by the offset of the clocks and by the delay of the message, which is
+never negative. So in each second the message with the smallest difference is the one with the least delay, and a
+straight line through these smallest differences of the last minute is offset and drift (the lower envelope: S. Moon,
+P. Skelly, D. Towsley, "Estimation and removal of clock skew from network delay measurements", INFOCOM 1999). The least
+delay itself cannot be told from the offset: it counts as zero.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from collections.abc import Sequence
+from enum import Enum
+
+import numpy as np
+
+_SECOND = 1_000_000_000
+_WINDOW = 60
+"""Smallest differences that the line goes through: one per second."""
+_DRIFT_AFTER = 10
+"""Seconds after which a drift is estimated; before, the clock is taken to run true."""
+_NEAR = _SECOND
+"""A stamp that differs less from simulated time at its arrival is simulated time [ns]."""
+_JITTER_SAMPLES = 1000
+_STEP_BACK, _STEP_AHEAD = 0.05, 1.0
+"""Delays below minus the one, or of _STEPPED messages in a row above the other [s], are of a clock that was set, or of
+a run that was paused: the estimate begins anew."""
+_STEPPED = 10
+
+
+class ClockRule(Enum):
+    """How the stamps of an external node are read."""
+
+    DETECT = "detect"
+    """By its first message."""
+    SIMULATED = "simulated"
+    OWN = "own"
+    NONE = "none"
+
+
+class ExternalClock:
+    """Turns stamps of one external publisher into simulated time.
+
+    Parameters
+    ----------
+    declared : rule for it
+
+    Attributes
+    ----------
+    rule : in force; DETECT until the first message
+    violation : why what comes does not fit the rule, in words; "" while it fits
+    violations : messages that did not fit
+    """
+
+    def __init__(self, declared: ClockRule = ClockRule.DETECT) -> None:
+        self.rule = declared
+        self.violation = ""
+        self.violations = 0
+        self._second = -1
+        self._least = 0
+        self._envelope: deque[tuple[float, float]] = deque(maxlen=_WINDOW)
+        self._reference: int | None = None
+        self._offset, self._drift = 0.0, 0.0
+        self._delays: deque[float] = deque(maxlen=_JITTER_SAMPLES)
+        self._far_in_a_row = 0
+
+    def simulated_time(self, stamp: int, arrival: int) -> int:
+        """Return when a message was measured, in simulated time [ns].
+
+        Parameters
+        ----------
+        stamp : of the message [ns]
+        arrival : simulated time at which it came [ns]
+        """
+        if self.rule is ClockRule.DETECT:
+            self.rule = detect(stamp, arrival)
+        self._check(stamp, arrival)
+        if self.rule is ClockRule.NONE or stamp == 0:
+            return arrival
+        if self.rule is ClockRule.SIMULATED:
+            self._delays.append((arrival - stamp) / _SECOND)
+            return stamp
+        return self._of_own_clock(stamp, arrival)
+
+    def _check(self, stamp: int, arrival: int) -> None:
+        if self.rule is ClockRule.NONE:
+            self.violation = (
+                "its messages have stamps, which are not used: it is declared to have none" if stamp else ""
+            )
+        elif stamp == 0:
+            self.violation = "its messages have no stamp: the time of their arrival is used"
+        elif self.rule is ClockRule.SIMULATED and abs(stamp - arrival) > _NEAR:
+            ahead = (stamp - arrival) / _SECOND
+            self.violation = f"its stamps are {abs(ahead):.6g} s {'ahead of' if ahead > 0 else 'behind'} simulated time"
+        else:
+            self.violation = ""
+        self.violations += bool(self.violation)
+
+    def _of_own_clock(self, stamp: int, arrival: int) -> int:
+        if self._reference is None or self._has_stepped(stamp, arrival):
+            self._reference = arrival - stamp
+            self._envelope.clear()
+            self._second, self._far_in_a_row = -1, 0
+        # small numbers, so that doubles hold nanoseconds
+        difference = (arrival - stamp) - self._reference
+        self._note(arrival, difference)
+        offset = self._offset + self._drift * arrival / _SECOND
+        delay = difference / _SECOND - offset
+        self._delays.append(max(0.0, delay))
+        return min(arrival, stamp + self._reference + round(offset * _SECOND))
+
+    def _has_stepped(self, stamp: int, arrival: int) -> bool:
+        assert self._reference is not None
+        offset = self._offset + self._drift * arrival / _SECOND
+        delay = (arrival - stamp - self._reference) / _SECOND - offset
+        self._far_in_a_row = self._far_in_a_row + 1 if delay > _STEP_AHEAD else 0
+        return delay < -_STEP_BACK or self._far_in_a_row >= _STEPPED
+
+    def _note(self, arrival: int, difference: int) -> None:
+        """Keep the smallest difference of each second, and lay the line anew when a second is over."""
+        second = arrival // _SECOND
+        if second != self._second:
+            self._second, self._least = second, difference
+            self._envelope.append((arrival / _SECOND, difference / _SECOND))
+            self._fit()
+        elif difference < self._least:
+            self._least = difference
+            self._envelope[-1] = (arrival / _SECOND, difference / _SECOND)
+            self._fit()
+
+    def _fit(self) -> None:
+        times, least = np.array(self._envelope).T
+        if len(times) <= _DRIFT_AFTER:
+            self._offset, self._drift = float(least.min()), 0.0
+            return
+        middle = times.mean()
+        centred = times - middle
+        self._drift = float(centred @ (least - least.mean()) / (centred @ centred))
+        self._offset = float((least - self._drift * times).min())
+
+    @property
+    def offset(self) -> float:
+        """What must be added to a stamp of an own clock now [s]."""
+        if self._reference is None:
+            return 0.0
+        now = self._envelope[-1][0] if self._envelope else 0.0
+        return self._reference / _SECOND + self._offset + self._drift * now
+
+    @property
+    def drift(self) -> float:
+        """How much faster simulated time runs than an own clock [-]."""
+        return self._drift
+
+    @property
+    def jitter(self) -> float:
+        """Standard deviation of the delay of the last messages [s]."""
+        return float(np.std(self._delays)) if self._delays else 0.0
+
+    @property
+    def largest_delay(self) -> float:
+        """Largest delay of the last messages beyond the least one [s]."""
+        return _spread(self._delays)
+
+    def describe(self) -> str:
+        """Return the rule in force, and what was estimated, in words."""
+        if self.rule is ClockRule.DETECT:
+            return "nothing heard yet"
+        if self.rule is ClockRule.NONE:
+            return "no stamp: time of arrival"
+        spread = f"jitter {1e3 * self.jitter:.1f} ms, at most {1e3 * self.largest_delay:.1f} ms late"
+        if self.rule is ClockRule.SIMULATED:
+            return f"simulated time; {spread}"
+        return f"own clock: offset {self.offset:.3f} s, drift {1e6 * self.drift:.1f} ppm; {spread}"
+
+
+def detect(stamp: int, arrival: int) -> ClockRule:
+    """Return the rule that a first message follows.
+
+    Parameters
+    ----------
+    stamp : of the message [ns]
+    arrival : simulated time at which it came [ns]
+    """
+    if stamp == 0:
+        return ClockRule.NONE
+    return ClockRule.SIMULATED if abs(stamp - arrival) <= _NEAR else ClockRule.OWN
+
+
+def parse_clock(text: str) -> tuple[str, ClockRule]:
+    """Return node and rule of a declaration, `text`, like `virtual_winch=own`; raise ValueError for any other."""
+    node, _, rule = text.partition("=")
+    rules = [rule.value for rule in ClockRule]
+    if not node or rule not in rules:
+        raise ValueError(f"external_clocks: {text} must be NODE=CLOCK, CLOCK one of {', '.join(rules)}")
+    return node, ClockRule(rule)
+
+
+def _spread(delays: Sequence[float]) -> float:
+    return max(delays) - min(delays) if delays and all(map(math.isfinite, delays)) else 0.0

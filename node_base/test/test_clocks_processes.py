@@ -1,0 +1,79 @@
+"""Hardware in the loop that stamps by simulated time, by a clock of its own, or not at all: each closes the loop."""
+
+import signal
+import subprocess
+import sys
+
+import pytest
+from loop_processes import start_all
+
+EXTERNAL_WINCH = """
+import sys, time
+import rclpy
+from diagnostic_msgs.msg import DiagnosticArray
+from heave_msgs.msg import WinchCommand, WinchState
+from heave_node import topics
+from heave_node.ros.environment import prepare_environment
+from heave_node.ros.qos import qos_of
+prepare_environment()
+rclpy.init()
+node = rclpy.create_node("hardware")
+state = node.create_publisher(WinchState, "winch/state", 10)
+said = {}
+def on_command(message):
+    answer = WinchState(payout=1.0)
+    if sys.argv[1] == "simulated":
+        answer.header.stamp = message.header.stamp
+    elif sys.argv[1] == "own":
+        answer.header.stamp.sec, answer.header.stamp.nanosec = divmod(time.time_ns(), 1_000_000_000)
+    state.publish(answer)
+def on_diagnostics(message):
+    said.update({part.name: part.message for part in message.status})
+node.create_subscription(WinchCommand, "winch/command", on_command, 10)
+node.create_subscription(DiagnosticArray, "/diagnostics", on_diagnostics, qos_of(topics.DIAGNOSTICS.role))
+try:
+    rclpy.spin(node)
+except (KeyboardInterrupt, rclpy.executors.ExternalShutdownException):
+    pass
+print(said.get("cable_sim: clock of winch/state"))
+"""
+
+
+def run_with_winch(loop, stamps: str, **parameters: object) -> tuple[str, str]:
+    """Run the loop with a winch of somebody else; return what the plant printed, and what it said of the clock."""
+    hardware = subprocess.Popen(
+        [sys.executable, "-c", EXTERNAL_WINCH, stamps], env=loop.environment, stdout=subprocess.PIPE, text=True
+    )
+    start = {"pacing": "realtime", "external": "[virtual_winch]", "strict": False, "start_timeout": 20.0}
+    try:
+        for name in ("cable_sim", "wave_vessel", "winch_controller"):
+            loop.start(name, **start, duration=3.0, **parameters)
+        status, out, err = loop.end("cable_sim")
+    finally:
+        hardware.send_signal(signal.SIGINT)
+        said, _ = hardware.communicate(timeout=10.0)
+    assert status == 0, err
+    return out, said.strip()
+
+
+@pytest.mark.parametrize(
+    ("stamps", "words"),
+    [("simulated", "simulated time; jitter "), ("own", "own clock: offset -"), ("none", "no stamp: time of arrival")],
+)
+def test_whatever_its_clock_every_reading_of_hardware_is_used(loop, stamps, words):
+    out, said = run_with_winch(loop, stamps)
+    assert float(out.split("sum=")[1].split()[0]) > 40.0, "one meter for each of 60 readings, but for a few"
+    assert said.startswith(words)
+
+
+def test_stamps_that_do_not_fit_the_declared_clock_are_an_error_in_words(loop):
+    _, said = run_with_winch(loop, "own", external_clocks="['virtual_winch=simulated']")
+    assert said.startswith("its stamps are ")
+    assert said.endswith(" s ahead of simulated time")
+
+
+def test_a_clock_for_a_node_that_is_not_external_is_refused(loop):
+    start_all(loop, external_clocks="['virtual_winch=own']")
+    status, _, err = loop.end("cable_sim")
+    assert status == 2
+    assert "external_clocks names virtual_winch, which is not external" in err.splitlines()[-1]

@@ -1,0 +1,90 @@
+"""Stamps of hardware in simulated time, against clocks whose offset, drift and delays are made up here."""
+
+import numpy as np
+import pytest
+from heave_node.tick.external_clock import ClockRule, ExternalClock, parse_clock
+from hypothesis import given
+from hypothesis import strategies as st
+
+SECOND = 1_000_000_000
+
+
+def play(clock: ExternalClock, *, offset: float, drift: float, delays: np.ndarray, rate: float = 20.0) -> np.ndarray:
+    """Return by how much the clock's answers differ from the true times of measurement [s].
+
+    Hardware whose clock shows (t - offset)/(1 + drift) measures at `rate` [Hz]; each message comes after its delay [s].
+    """
+    errors = []
+    for k, delay in enumerate(delays, start=1):
+        time = k / rate
+        stamp = round((time - offset) / (1.0 + drift) * SECOND)
+        errors.append(clock.simulated_time(stamp, round((time + delay) * SECOND)) / SECOND - time)
+    return np.array(errors)
+
+
+@given(
+    offset=st.floats(-2e9, -100.0),
+    drift=st.floats(-100e-6, 100e-6),
+    least=st.floats(0.0, 0.02),
+    seed=st.integers(0, 1000),
+)
+def test_an_own_clock_is_read_to_within_its_least_delay_and_a_millisecond(offset, drift, least, seed):
+    # delays of a busy machine: exponential beyond the least one (mean 2 ms); the least of 20 is 0.1 ms above it
+    delays = least + np.random.default_rng(seed).exponential(0.002, 20 * 60)
+    clock = ExternalClock()
+    errors = play(clock, offset=offset, drift=drift, delays=delays)
+    assert clock.rule is ClockRule.OWN
+    assert np.abs(errors[400:] - least).max() < 1e-3
+    assert clock.drift == pytest.approx(drift, abs=20e-6)
+    assert clock.jitter == pytest.approx(0.002, rel=0.3), "the standard deviation of that distribution is its mean"
+
+
+def test_a_drift_of_days_does_not_add_up():
+    clock = ExternalClock(ClockRule.OWN)
+    errors = play(clock, offset=-1.7e9, drift=50e-6, delays=np.zeros(200_000), rate=1.0)
+    assert np.abs(errors[100:]).max() < 1e-5
+
+
+@pytest.mark.parametrize("step", [-5.0, 5.0, 3600.0])
+def test_a_clock_that_is_set_is_read_anew_within_ten_messages(step):
+    clock = ExternalClock(ClockRule.OWN)
+    play(clock, offset=-1e9, drift=0.0, delays=np.full(200, 0.01))
+    errors = play(clock, offset=-1e9 - step, drift=0.0, delays=np.full(200, 0.01))
+    assert np.abs(errors[10:]).max() < 0.02
+
+
+def test_simulated_time_passes_unchanged_and_its_delay_is_shown():
+    clock = ExternalClock()
+    errors = play(clock, offset=0.0, drift=0.0, delays=np.tile([0.01, 0.03], 100))
+    assert clock.rule is ClockRule.SIMULATED
+    assert np.abs(errors).max() < 1e-9
+    assert clock.jitter == pytest.approx(0.01, rel=0.05)
+    assert clock.violations == 0
+
+
+def test_a_message_without_stamp_is_of_its_arrival():
+    clock = ExternalClock()
+    assert clock.simulated_time(0, 7 * SECOND) == 7 * SECOND
+    assert clock.rule is ClockRule.NONE
+
+
+@pytest.mark.parametrize(
+    ("declared", "stamp", "words"),
+    [
+        ("simulated", 1_700_000_000 * SECOND, "its stamps are 1.69999e+09 s ahead of simulated time"),
+        ("simulated", 0, "its messages have no stamp: the time of their arrival is used"),
+        ("own", 0, "its messages have no stamp: the time of their arrival is used"),
+        ("none", SECOND, "its messages have stamps, which are not used: it is declared to have none"),
+    ],
+)
+def test_what_does_not_fit_the_declaration_is_said(declared, stamp, words):
+    clock = ExternalClock(ClockRule(declared))
+    clock.simulated_time(stamp, 10_000 * SECOND)
+    assert clock.violation == words
+    assert clock.violations == 1
+
+
+def test_a_declaration_names_node_and_clock():
+    assert parse_clock("virtual_winch=own") == ("virtual_winch", ClockRule.OWN)
+    with pytest.raises(ValueError, match="must be NODE=CLOCK, CLOCK one of detect, simulated, own, none"):
+        parse_clock("virtual_winch=utc")

@@ -1,0 +1,88 @@
+"""Quality of service at the start barrier: what matches is used, what cannot match is refused with topic and policy."""
+
+import signal
+import subprocess
+import sys
+
+import pytest
+from loop_processes import start_all
+
+EXTERNAL = """
+import sys
+import rclpy
+from rclpy.qos import QoSProfile, ReliabilityPolicy, qos_profile_sensor_data
+from heave_msgs.msg import WinchCommand, WinchState
+from heave_node.ros.environment import prepare_environment
+from rosgraph_msgs.msg import Clock
+prepare_environment()
+rclpy.init()
+node = rclpy.create_node("hardware")
+kind, topic = {"winch": (WinchState, "winch/state"), "controller": (WinchCommand, "winch/command")}[sys.argv[1]]
+publisher = node.create_publisher(kind, topic, qos_profile_sensor_data)
+sequence = 0
+def on_clock(message):
+    global sequence
+    sequence += 1
+    answer = kind(payout=1.0)
+    answer.header.stamp = message.clock
+    publisher.publish(answer)
+node.create_subscription(Clock, "/clock", on_clock, 10)
+try:
+    rclpy.spin(node)
+except (KeyboardInterrupt, rclpy.executors.ExternalShutdownException):
+    pass
+"""
+
+
+@pytest.fixture
+def external(loop):
+    """Start a node of somebody else that publishes as sensors usually do: best effort, depth 5."""
+    started = []
+
+    def start(kind: str) -> None:
+        started.append(subprocess.Popen([sys.executable, "-c", EXTERNAL, kind], env=loop.environment))
+
+    yield start
+    for process in started:
+        process.send_signal(signal.SIGINT)
+        process.wait(10.0)
+
+
+def start_around(loop, node: str, **parameters: object) -> None:
+    """Start all nodes but one, which is external."""
+    start = {"pacing": "realtime", "external": f"[{node}]", "strict": False, "start_timeout": 20.0, **parameters}
+    for name in {"cable_sim", "wave_vessel", "winch_controller", "virtual_winch"} - {node}:
+        loop.start(name, **start)
+
+
+def test_readings_published_best_effort_are_taken(loop, external):
+    external("winch")
+    start_around(loop, "virtual_winch")
+    status, out, err = loop.end("cable_sim")
+    assert status == 0, err
+    assert float(out.split("sum=")[1].split()[0]) > 20.0, "one meter per reading"
+
+
+def test_commands_published_best_effort_are_refused_with_topic_and_policy(loop, external):
+    external("controller")
+    start_around(loop, "winch_controller")
+    status, _, err = loop.end("cable_sim")
+    assert status == 1
+    assert (
+        "/hardware and /virtual_winch do not match on /winch/command: Best effort publisher and reliable subscription"
+    ) in err.splitlines()[-1]
+
+
+def test_a_quality_of_service_that_the_user_chose_is_in_force(loop):
+    topic = "qos_overrides./winch/state.publisher"
+    start_all(loop, **{f"{topic}.reliability": "best_effort"})
+    status, _, err = loop.end("virtual_winch")
+    assert status == 1
+    assert "lockstep needs reliability: reliable" in err.splitlines()[-1]
+
+
+def test_a_quality_of_service_for_a_topic_that_the_node_has_not_is_refused(loop):
+    loop.start("virtual_winch", **{"qos_overrides./winch/stat.publisher.depth": 7})
+    status, _, err = loop.end("virtual_winch")
+    assert status == 1
+    assert "qos_overrides./winch/stat.publisher.depth: virtual_winch has no such publisher" in err.splitlines()[-1]
