@@ -17,6 +17,7 @@ import math
 from heave_node.arrays import Array
 from heave_node.compiled import inner_kernel
 
+from cable_sim_node.line.direction import direction_of
 from cable_sim_node.line.layout import (
     ACCELERATION,
     ADDED_MASS,
@@ -214,11 +215,12 @@ def assemble_segments(
             wy, gy = sheave_material(ey, wy, gy, low[VY], length, top[RATE], top[ACCELERATION])
             wz, gz = sheave_material(ez, wz, gz, low[VZ], length, top[RATE], top[ACCELERATION])
         stretched = math.sqrt(ex * ex + ey * ey + ez * ez)
-        inverse = 1.0 / (stretched + 1e-300)
-        ex, ey, ez = ex * inverse, ey * inverse, ez * inverse
-        per_length = 1.0 / length
+        inverse, per_length = 1.0 / (stretched + 1e-300), 1.0 / length
         strain = stretched * per_length - 1.0
         least = min(least, strain)
+        # of a folded segment, which has no direction of its own, the smooth one; it carries no tension
+        size = per_length * direction_of(stretched * per_length)[0] if strain < 0.0 else inverse
+        ex, ey, ez = ex * size, ey * size, ez * size
         strain_rate = (ex * (wx - low[VX]) + ey * (wy - low[VY]) + ez * (wz - low[VZ])) * per_length
         tension, slope, viscous = tension_of(
             part[STIFFNESS], part[QUADRATIC], part[CUBIC], part[DAMPING], strain, strain_rate
@@ -384,12 +386,14 @@ def add_compensator(node: Array, top: Array, settings: Array, c_mass: float, c_v
 
 
 @inner_kernel
-def solve_blocks(count: int, equations: Array) -> None:
+def solve_blocks(count: int, equations: Array) -> float:
     """Solve the symmetric block-tridiagonal system J correction = -residual for rows 0..count-1 by block elimination.
 
     Diagonal blocks and residuals in `equations` are used up. The correction of row `count` must be what is prescribed
-    there.
+    there. Returns -residual . correction, from the products that the elimination makes; it is positive where J is
+    positive definite.
     """
+    decrease = 0.0
     for i in range(count):
         row, above = equations[i], equations[i + 1]
         a0, a1, a2, a3, a4, a5 = row[DXX], row[DXY], row[DXZ], row[DYY], row[DYZ], row[DZZ]
@@ -406,6 +410,7 @@ def solve_blocks(count: int, equations: Array) -> None:
         y1 = i1 * r0 + i3 * r1 + i4 * r2
         y2 = i2 * r0 + i4 * r1 + i5 * r2
         row[CX], row[CY], row[CZ] = y0, y1, y2
+        decrease += r0 * y0 + r1 * y1 + r2 * y2
         if i == count - 1:
             break
         u0, u1, u2, u3, u4, u5 = row[UXX], row[UXY], row[UXZ], row[UYY], row[UYZ], row[UZZ]
@@ -436,3 +441,4 @@ def solve_blocks(count: int, equations: Array) -> None:
         row[CX] -= row[SWEEP] * z0 + row[SWEEP + 1] * z1 + row[SWEEP + 2] * z2
         row[CY] -= row[SWEEP + 3] * z0 + row[SWEEP + 4] * z1 + row[SWEEP + 5] * z2
         row[CZ] -= row[SWEEP + 6] * z0 + row[SWEEP + 7] * z1 + row[SWEEP + 8] * z2
+    return decrease

@@ -176,6 +176,11 @@ class CableDynamics:
         return int(self._line.counters[at.SEGMENTS])
 
     @property
+    def newton_iterations(self) -> int:
+        """Newton iterations since the start: what the computing time follows, on any machine."""
+        return int(self._line.counters[at.NEWTON])
+
+    @property
     def node_positions(self) -> Array:
         """Positions [m], shape (N + 1, 3); row 0 the unit, row N the top end."""
         return self._line.x[: self.segments + 1].copy()

@@ -58,7 +58,8 @@ EQUATION_COLUMNS = 28
 CENTRE, RIGHT = 8, 17
 BAND_COLUMNS = 18
 
-# Settings: generalised-alpha, Newton, contact plane, wave, compensator.
+# Settings: generalised-alpha, Newton, contact plane, wave, compensator; the largest step, and the one that the next
+# interval begins with (0: the largest).
 (
     ALPHA_F,
     ALPHA_M,
@@ -91,12 +92,13 @@ BAND_COLUMNS = 18
     SPRING_PRELOAD,
     BENDING_ON,
     STEP,
-) = range(31)
-SETTING_COLUMNS = 31
+    RESUMED_STEP,
+) = range(32)
+SETTING_COLUMNS = 32
 
-# Counters that a kernel writes: segments in use.
-SEGMENTS = 0
-COUNTER_COLUMNS = 1
+# Counters that a kernel writes: segments in use; Newton iterations, steps taken and steps refused since the start.
+SEGMENTS, NEWTON, STEPS, REFUSED = range(4)
+COUNTER_COLUMNS = 4
 
 # Outcomes of an advance.
 DONE, NOT_CONVERGED, TOO_SHORT = range(3)
