@@ -17,6 +17,7 @@ import math
 from heave_node.arrays import Array
 from heave_node.compiled import inner_kernel
 
+from cable_sim_node.line.contact import add_contact
 from cable_sim_node.line.direction import direction_of
 from cable_sim_node.line.layout import (
     ACCELERATION,
@@ -24,16 +25,7 @@ from cable_sim_node.line.layout import (
     AX,
     AY,
     AZ,
-    BED_DAMPING,
-    BED_DEPTH,
-    BED_FRICTION,
     BED_ON,
-    BED_SLIP,
-    BED_SLOPE_X,
-    BED_SLOPE_Y,
-    BED_STIFFNESS,
-    BED_UNIT_DAMPING,
-    BED_UNIT_STIFFNESS,
     CUBIC,
     CX,
     CY,
@@ -311,50 +303,6 @@ def assemble_nodes(
         for i in range(n):
             touching |= add_contact(i, nodes, parts, settings, c_velocity, equations)
     return touching
-
-
-@inner_kernel
-def add_contact(i: int, nodes: Array, parts: Array, settings: Array, c_velocity: float, equations: Array) -> bool:
-    """Add the seabed's push and friction on node i; return whether it touches.
-
-    Normal to the plane z = -depth + slope . (x, y): N = k d + c d' while positive, d the depth of penetration.
-    Friction mu N tanh(v_t / v_s) against the sliding velocity.
-    """
-    node, out = nodes[i], equations[i]
-    sx, sy = settings[BED_SLOPE_X], settings[BED_SLOPE_Y]
-    norm = 1.0 / math.sqrt(1.0 + sx * sx + sy * sy)
-    depth = (-settings[BED_DEPTH] + sx * node[X] + sy * node[Y] - node[Z]) * norm
-    if depth <= 0.0:
-        return False
-    if i == 0:
-        stiffness, damping = settings[BED_UNIT_STIFFNESS], settings[BED_UNIT_DAMPING]
-    else:
-        share = 0.5 * (parts[i - 1, LENGTH] + parts[i, LENGTH])
-        stiffness, damping = settings[BED_STIFFNESS] * share, settings[BED_DAMPING] * share
-    mx, my, mz = -sx * norm, -sy * norm, norm
-    vn = node[VX] * mx + node[VY] * my + node[VZ] * mz
-    # damping sets in over the first centimetre of penetration: no jump in force at first touch
-    grown = min(depth / 0.01, 1.0)
-    push = stiffness * depth - damping * grown * vn
-    if push <= 0.0:
-        return True
-    tx, ty, tz = node[VX] - vn * mx, node[VY] - vn * my, node[VZ] - vn * mz
-    speed = math.sqrt(tx * tx + ty * ty + tz * tz)
-    ratio = speed / settings[BED_SLIP]
-    # tanh(r)/r is 1 at rest
-    per_speed = settings[BED_FRICTION] * push / settings[BED_SLIP] * (math.tanh(ratio) / ratio if ratio > 1e-6 else 1.0)
-    out[RX] += per_speed * tx - push * mx
-    out[RY] += per_speed * ty - push * my
-    out[RZ] += per_speed * tz - push * mz
-    hard = stiffness + c_velocity * damping * grown
-    soft = c_velocity * per_speed
-    out[DXX] += soft + (hard - soft) * mx * mx
-    out[DXY] += (hard - soft) * mx * my
-    out[DXZ] += (hard - soft) * mx * mz
-    out[DYY] += soft + (hard - soft) * my * my
-    out[DYZ] += (hard - soft) * my * mz
-    out[DZZ] += soft + (hard - soft) * mz * mz
-    return True
 
 
 @inner_kernel

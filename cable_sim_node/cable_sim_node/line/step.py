@@ -16,10 +16,13 @@ from heave_node.compiled import inner_kernel, kernel
 from cable_sim_node.line.arrays import LineArrays
 from cable_sim_node.line.assembly import add_compensator, assemble_nodes, assemble_segments, solve_blocks
 from cable_sim_node.line.bending import add_bending, solve_with_bending
+from cable_sim_node.line.contact import carry_holds
+from cable_sim_node.line.direction import direction_of
 from cable_sim_node.line.feed import feed, set_top_segment
 from cable_sim_node.line.flow import set_flow
 from cable_sim_node.line.layout import (
     ACCELERATION,
+    ADDED_MASS,
     ALPHA_F,
     ALPHA_M,
     AX,
@@ -33,6 +36,7 @@ from cable_sim_node.line.layout import (
     DONE,
     END,
     GAMMA,
+    HOLD_X,
     ITERATIONS,
     LENGTH,
     LUMP_MASS,
@@ -161,6 +165,7 @@ def predict(line: LineArrays, n: int, count: int, h: float) -> None:
             goal[X + k] = start[X + k] + share * (start[VX + k] + 0.5 * h * a)
             goal[VX + k] = start[VX + k] + share * a
             goal[AX + k] = a
+            goal[HOLD_X + k] = start[HOLD_X + k]
     hold_top(line.middle[n], middle, count > n)
     set_top_segment(n, middle[TOTAL], line.grid, line.parts)
     set_flow(n, middle[TIME], line.middle, line.settings, line.current, line.schedule, line.flow)
@@ -181,6 +186,7 @@ def finish(line: LineArrays, n: int, count: int, h: float) -> None:
     take_end(line.top)
     hold_top(line.now[n], line.top[NOW], count > n)
     set_top_segment(n, line.top[NOW, TOTAL], line.grid, line.parts)
+    carry_holds(line, n)
 
 
 @inner_kernel
@@ -371,3 +377,28 @@ def evaluate(line: LineArrays) -> float:
     set_flow(n, line.top[NOW, TIME], line.now, line.settings, line.current, line.schedule, line.flow)
     least, _ = assemble(line, n, 0.0, 0.0)
     return least
+
+
+@kernel
+def unit_acceleration(line: LineArrays, out: Array) -> None:
+    """Set `out` to the acceleration [m/s^2] that the forces on the unit give it now, after `evaluate`.
+
+    The integrator's own acceleration a leaves the residual R = M a - F there. M = D - A e e', with A the added mass of
+    half of the lowest segment, is inverted by the formula of Sherman and Morrison.
+    """
+    low, high, part, row = line.now[0], line.now[1], line.parts[0], line.equations[0]
+    length = part[LENGTH]
+    dx, dy, dz = (high[X] - low[X]) / length, (high[Y] - low[Y]) / length, (high[Z] - low[Z]) / length
+    factor = direction_of(math.sqrt(dx * dx + dy * dy + dz * dz) + 1e-300)[0]
+    e = (factor * dx, factor * dy, factor * dz)
+    added = 0.5 * part[ADDED_MASS] * length
+    by_e, e_by_e = 0.0, 0.0
+    for k in range(3):
+        inertia = line.unit[UNIT_INERTIA + k] + 0.5 * part[MASS] * length + added
+        out[k] = row[RX + k] / inertia
+        by_e += e[k] * out[k]
+        e_by_e += e[k] * e[k] / inertia
+    by_e *= added / (1.0 - added * e_by_e)
+    for k in range(3):
+        inertia = line.unit[UNIT_INERTIA + k] + 0.5 * part[MASS] * length + added
+        out[k] = low[AX + k] - out[k] - by_e * e[k] / inertia
