@@ -141,7 +141,10 @@ class UnitParameters:
 
 @dataclass(frozen=True)
 class SeabedParameters:
-    """A plane seabed, elastic with friction. Contact forces of the cable are per unstretched metre."""
+    """A plane seabed, elastic with friction. Contact forces of the cable are per unstretched metre.
+
+    Stiffness and damping hold along the bottom as well, up to the Coulomb force: what stands within it stays at rest.
+    """
 
     depth: float = parameter(0.0, unit="m", minimum=0.0, description="Water depth below the origin; 0 means no seabed.")
     slope: tuple[float, ...] = parameter(
@@ -154,12 +157,6 @@ class SeabedParameters:
     friction: float = parameter(0.5, unit="", minimum=0.0, maximum=5.0, description="Coulomb coefficient.")
     unit_stiffness: float = parameter(1e6, unit="N/m", minimum=1.0, description="Normal stiffness under the unit.")
     unit_damping: float = parameter(1e5, unit="N s/m", minimum=0.0, description="Normal damping under the unit.")
-    slip_velocity: float = parameter(
-        0.01,
-        unit="m/s",
-        minimum=1e-6,
-        description="Sliding velocity at which friction reaches 76 % of its Coulomb value.",
-    )
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,6 @@ It reads the arrays that the solver moves, but takes nothing from the solver's e
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -102,7 +101,7 @@ def power_lost(plant: CableDynamics) -> PowerLost:
 
 
 def _seabed_power(line: LineArrays, n: int) -> float:
-    """Return the power of the seabed's damping and friction [W]."""
+    """Return the power of the seabed's damping and friction [W]; what touches it slides."""
     s = line.settings
     if s[at.BED_ON] == 0.0:
         return 0.0
@@ -120,5 +119,5 @@ def _seabed_power(line: LineArrays, n: int) -> float:
         push = max(stiffness * depth - damping * min(depth / 0.01, 1.0) * speed, 0.0)
         slide = float(np.linalg.norm(line.v[i] - speed * normal))
         power += (stiffness * depth - push) * speed
-        power += s[at.BED_FRICTION] * push * math.tanh(slide / s[at.BED_SLIP]) * slide
+        power += s[at.BED_FRICTION] * push * slide
     return power

@@ -17,22 +17,15 @@ import math
 from heave_node.arrays import Array
 from heave_node.compiled import inner_kernel
 
+from cable_sim_node.line.contact import add_contact
+from cable_sim_node.line.direction import direction_of
 from cable_sim_node.line.layout import (
     ACCELERATION,
     ADDED_MASS,
     AX,
     AY,
     AZ,
-    BED_DAMPING,
-    BED_DEPTH,
-    BED_FRICTION,
     BED_ON,
-    BED_SLIP,
-    BED_SLOPE_X,
-    BED_SLOPE_Y,
-    BED_STIFFNESS,
-    BED_UNIT_DAMPING,
-    BED_UNIT_STIFFNESS,
     CUBIC,
     CX,
     CY,
@@ -214,11 +207,12 @@ def assemble_segments(
             wy, gy = sheave_material(ey, wy, gy, low[VY], length, top[RATE], top[ACCELERATION])
             wz, gz = sheave_material(ez, wz, gz, low[VZ], length, top[RATE], top[ACCELERATION])
         stretched = math.sqrt(ex * ex + ey * ey + ez * ez)
-        inverse = 1.0 / (stretched + 1e-300)
-        ex, ey, ez = ex * inverse, ey * inverse, ez * inverse
-        per_length = 1.0 / length
+        inverse, per_length = 1.0 / (stretched + 1e-300), 1.0 / length
         strain = stretched * per_length - 1.0
         least = min(least, strain)
+        # of a folded segment, which has no direction of its own, the smooth one; it carries no tension
+        size = per_length * direction_of(stretched * per_length)[0] if strain < 0.0 else inverse
+        ex, ey, ez = ex * size, ey * size, ez * size
         strain_rate = (ex * (wx - low[VX]) + ey * (wy - low[VY]) + ez * (wz - low[VZ])) * per_length
         tension, slope, viscous = tension_of(
             part[STIFFNESS], part[QUADRATIC], part[CUBIC], part[DAMPING], strain, strain_rate
@@ -312,50 +306,6 @@ def assemble_nodes(
 
 
 @inner_kernel
-def add_contact(i: int, nodes: Array, parts: Array, settings: Array, c_velocity: float, equations: Array) -> bool:
-    """Add the seabed's push and friction on node i; return whether it touches.
-
-    Normal to the plane z = -depth + slope . (x, y): N = k d + c d' while positive, d the depth of penetration.
-    Friction mu N tanh(v_t / v_s) against the sliding velocity.
-    """
-    node, out = nodes[i], equations[i]
-    sx, sy = settings[BED_SLOPE_X], settings[BED_SLOPE_Y]
-    norm = 1.0 / math.sqrt(1.0 + sx * sx + sy * sy)
-    depth = (-settings[BED_DEPTH] + sx * node[X] + sy * node[Y] - node[Z]) * norm
-    if depth <= 0.0:
-        return False
-    if i == 0:
-        stiffness, damping = settings[BED_UNIT_STIFFNESS], settings[BED_UNIT_DAMPING]
-    else:
-        share = 0.5 * (parts[i - 1, LENGTH] + parts[i, LENGTH])
-        stiffness, damping = settings[BED_STIFFNESS] * share, settings[BED_DAMPING] * share
-    mx, my, mz = -sx * norm, -sy * norm, norm
-    vn = node[VX] * mx + node[VY] * my + node[VZ] * mz
-    # damping sets in over the first centimetre of penetration: no jump in force at first touch
-    grown = min(depth / 0.01, 1.0)
-    push = stiffness * depth - damping * grown * vn
-    if push <= 0.0:
-        return True
-    tx, ty, tz = node[VX] - vn * mx, node[VY] - vn * my, node[VZ] - vn * mz
-    speed = math.sqrt(tx * tx + ty * ty + tz * tz)
-    ratio = speed / settings[BED_SLIP]
-    # tanh(r)/r is 1 at rest
-    per_speed = settings[BED_FRICTION] * push / settings[BED_SLIP] * (math.tanh(ratio) / ratio if ratio > 1e-6 else 1.0)
-    out[RX] += per_speed * tx - push * mx
-    out[RY] += per_speed * ty - push * my
-    out[RZ] += per_speed * tz - push * mz
-    hard = stiffness + c_velocity * damping * grown
-    soft = c_velocity * per_speed
-    out[DXX] += soft + (hard - soft) * mx * mx
-    out[DXY] += (hard - soft) * mx * my
-    out[DXZ] += (hard - soft) * mx * mz
-    out[DYY] += soft + (hard - soft) * my * my
-    out[DYZ] += (hard - soft) * my * mz
-    out[DZZ] += soft + (hard - soft) * mz * mz
-    return True
-
-
-@inner_kernel
 def add_compensator(node: Array, top: Array, settings: Array, c_mass: float, c_velocity: float, out: Array) -> bool:
     """Make `node` the sheave on a passive compensator, free along z only; `top` is a row, `out` the node's equations.
 
@@ -384,12 +334,14 @@ def add_compensator(node: Array, top: Array, settings: Array, c_mass: float, c_v
 
 
 @inner_kernel
-def solve_blocks(count: int, equations: Array) -> None:
+def solve_blocks(count: int, equations: Array) -> float:
     """Solve the symmetric block-tridiagonal system J correction = -residual for rows 0..count-1 by block elimination.
 
     Diagonal blocks and residuals in `equations` are used up. The correction of row `count` must be what is prescribed
-    there.
+    there. Returns -residual . correction, from the products that the elimination makes; it is positive where J is
+    positive definite.
     """
+    decrease = 0.0
     for i in range(count):
         row, above = equations[i], equations[i + 1]
         a0, a1, a2, a3, a4, a5 = row[DXX], row[DXY], row[DXZ], row[DYY], row[DYZ], row[DZZ]
@@ -406,6 +358,7 @@ def solve_blocks(count: int, equations: Array) -> None:
         y1 = i1 * r0 + i3 * r1 + i4 * r2
         y2 = i2 * r0 + i4 * r1 + i5 * r2
         row[CX], row[CY], row[CZ] = y0, y1, y2
+        decrease += r0 * y0 + r1 * y1 + r2 * y2
         if i == count - 1:
             break
         u0, u1, u2, u3, u4, u5 = row[UXX], row[UXY], row[UXZ], row[UYY], row[UYZ], row[UZZ]
@@ -436,3 +389,4 @@ def solve_blocks(count: int, equations: Array) -> None:
         row[CX] -= row[SWEEP] * z0 + row[SWEEP + 1] * z1 + row[SWEEP + 2] * z2
         row[CY] -= row[SWEEP + 3] * z0 + row[SWEEP + 4] * z1 + row[SWEEP + 5] * z2
         row[CZ] -= row[SWEEP + 6] * z0 + row[SWEEP + 7] * z1 + row[SWEEP + 8] * z2
+    return decrease

@@ -1,7 +1,8 @@
 """Bending stiffness of the line: a hinge spring at each inner node (Pinto; thesis appendix 12.4.6), and its solver.
 
 Energy of the hinge at node i between segments of lengths l and m: (1/2) B |e_i - e_{i-1}|^2 with B = EI / ((l + m)/2),
-e the unit vectors along the segments; |e_i - e_{i-1}| / ((l + m)/2) is the curvature. Arguments as in `assembly`.
+e the directions of the segments (`line.direction`); |e_i - e_{i-1}| / ((l + m)/2) is the curvature. Arguments as in
+`assembly`.
 """
 
 from __future__ import annotations
@@ -11,6 +12,7 @@ import math
 from heave_node.arrays import Array
 from heave_node.compiled import inner_kernel
 
+from cable_sim_node.line.direction import direction_of
 from cable_sim_node.line.layout import (
     BENDING,
     CENTRE,
@@ -40,16 +42,17 @@ def add_bending(n: int, nodes: Array, parts: Array, equations: Array, band: Arra
         low, node, high = nodes[i - 1], nodes[i], nodes[i + 1]
         ax, ay, az = node[X] - low[X], node[Y] - low[Y], node[Z] - low[Z]
         bx, by, bz = high[X] - node[X], high[Y] - node[Y], high[Z] - node[Z]
-        la, lb = math.sqrt(ax * ax + ay * ay + az * az), math.sqrt(bx * bx + by * by + bz * bz)
-        ea = (ax / la, ay / la, az / la)
-        eb = (bx / lb, by / lb, bz / lb)
-        span = 0.5 * (parts[i - 1, LENGTH] + parts[i, LENGTH])
+        la, lb = parts[i - 1, LENGTH], parts[i, LENGTH]
+        wa, wb = (ax / la, ay / la, az / la), (bx / lb, by / lb, bz / lb)
+        fa, ta = direction_of(math.sqrt(wa[0] ** 2 + wa[1] ** 2 + wa[2] ** 2))
+        fb, tb = direction_of(math.sqrt(wb[0] ** 2 + wb[1] ** 2 + wb[2] ** 2))
+        span = 0.5 * (la + lb)
         stiffness = 0.5 * (parts[i - 1, BENDING] + parts[i, BENDING]) / span
         for p in range(3):
             for q in range(3):
                 one = 1.0 if p == q else 0.0
-                pa = (one - ea[p] * ea[q]) / la
-                pb = (one - eb[p] * eb[q]) / lb
+                pa = (fa * one + ta * wa[p] * wa[q]) / la
+                pb = (fb * one + tb * wb[p] * wb[q]) / lb
                 band[hinge + p, q] = pa
                 band[hinge + p, 3 + q] = -pa - pb
                 band[hinge + p, 6 + q] = pb
@@ -57,7 +60,7 @@ def add_bending(n: int, nodes: Array, parts: Array, equations: Array, band: Arra
         for r in range(9):
             force = 0.0
             for p in range(3):
-                force += band[hinge + p, r] * (eb[p] - ea[p])
+                force += band[hinge + p, r] * (fb * wb[p] - fa * wa[p])
             equations[i - 1 + r // 3, RX + r % 3] += stiffness * force
             for c in range(9):
                 total = 0.0
@@ -74,12 +77,13 @@ def _entry(p: int, q: int) -> int:
 
 
 @inner_kernel
-def solve_with_bending(count: int, equations: Array, band: Array) -> None:
+def solve_with_bending(count: int, equations: Array, band: Array) -> float:
     """Solve (blocks + band) correction = -residual for nodes 0..count-1 by banded elimination.
 
-    Blocks and residuals are those of `equations`. The system is definite, so nothing is pivoted.
+    Blocks and residuals are those of `equations`. The system is definite, so nothing is pivoted. Returns what
+    `solve_blocks` does.
     """
-    size = 3 * count
+    size, decrease = 3 * count, 0.0
     for i in range(count):
         for p in range(3):
             row = 3 * i + p
@@ -91,6 +95,7 @@ def solve_with_bending(count: int, equations: Array, band: Array) -> None:
                     band[row + 3, CENTRE - 3 + q - p] += equations[i, UXX + _entry(p, q)]
     for row in range(size):
         pivot = 1.0 / band[row, CENTRE]
+        decrease += band[row, RIGHT] * band[row, RIGHT] * pivot
         end = min(row + CENTRE + 1, size)
         for below in range(row + 1, end):
             factor = band[below, CENTRE + row - below] * pivot
@@ -105,3 +110,4 @@ def solve_with_bending(count: int, equations: Array, band: Array) -> None:
             value -= band[row, CENTRE + column - row] * band[column, RIGHT]
         band[row, RIGHT] = value / band[row, CENTRE]
         equations[row // 3, CX + row % 3] = band[row, RIGHT]
+    return decrease

@@ -25,11 +25,11 @@ from cable_sim_node.errors import (
     refuse_jump,
 )
 from cable_sim_node.line import layout as at
-from cable_sim_node.line.assembly import add_contact
+from cable_sim_node.line.contact import hold_here, seabed_force_on_unit
 from cable_sim_node.line.equilibrium import hang
 from cable_sim_node.line.feed import set_top_segment
 from cable_sim_node.line.grid import build_line, settings_row
-from cable_sim_node.line.step import advance, evaluate
+from cable_sim_node.line.step import advance, evaluate, unit_acceleration
 from cable_sim_node.parameters import CableSimParameters
 from cable_sim_node.physics.properties import unit_properties
 
@@ -104,6 +104,7 @@ class CableDynamics:
         line.counters[at.SEGMENTS] = n
         set_top_segment(n, total, line.grid, line.parts)
         hang(line, boom_tip)
+        hold_here(line, n)
         if line.x[0, 2] > boom_tip[2]:
             raise NoEquilibriumError(
                 "the line does not hang: the weight of unit and cable in water must exceed what lifts them"
@@ -176,6 +177,11 @@ class CableDynamics:
         return int(self._line.counters[at.SEGMENTS])
 
     @property
+    def newton_iterations(self) -> int:
+        """Newton iterations since the start: what the computing time follows, on any machine."""
+        return int(self._line.counters[at.NEWTON])
+
+    @property
     def node_positions(self) -> Array:
         """Positions [m], shape (N + 1, 3); row 0 the unit, row N the top end."""
         return self._line.x[: self.segments + 1].copy()
@@ -224,8 +230,14 @@ class CableDynamics:
 
     @property
     def unit_acceleration(self) -> Array:
-        """Acceleration of the unit [m/s^2], shape (3,)."""
-        return self._line.a[0].copy()
+        """Acceleration of the unit [m/s^2], shape (3,): what its forces give it now.
+
+        That of the time integration belongs to another moment of the step.
+        """
+        self._evaluate()
+        acceleration = np.zeros(3)
+        unit_acceleration(self._line, acceleration)
+        return acceleration
 
     @property
     def unstretched_length(self) -> float:
@@ -248,11 +260,7 @@ class CableDynamics:
     def touchdown_force(self) -> float:
         """Vertical force of the seabed on the unit, positive up [N]; 0 off the seabed."""
         line = self._line
-        if line.settings[at.BED_ON] == 0.0:
-            return 0.0
-        equations = np.zeros((1, at.EQUATION_COLUMNS))
-        add_contact.py_func(0, line.now, line.parts, line.settings, 0.0, equations)
-        return float(-equations[0, at.RZ])
+        return float(seabed_force_on_unit(line)[2]) if line.settings[at.BED_ON] > 0.0 else 0.0
 
     @property
     def compensator_stroke(self) -> float:
@@ -308,6 +316,7 @@ class CableDynamics:
                 f"half its stroke of {spring.stroke:g} m; the static top tension is {-self.top_force[2]:.0f} N"
             )
         self._line.x[: self.segments + 1, 2] -= stroke
+        hold_here(self._line, self.segments)
         self._fresh = False
 
     def _check_clear_of_seabed(self) -> None:

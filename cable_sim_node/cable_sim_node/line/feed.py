@@ -27,6 +27,7 @@ from cable_sim_node.line.layout import (
     DYY,
     DYZ,
     DZZ,
+    HOLD_X,
     LENGTH,
     LUMP_MASS,
     LUMP_WEIGHT,
@@ -127,6 +128,7 @@ def split_top(n: int, now: Array, top: Array, grid: Array, parts: Array) -> int:
         born[X + k] = low[X + k] + share * (sheave[X + k] - low[X + k])
         born[VX + k] = low[VX + k] + share * (velocity - low[VX + k])
         born[AX + k] = low[AX + k] + share * (acceleration - low[AX + k])
+        born[HOLD_X + k] = born[X + k]
     for c in range(PART_COLUMNS):
         parts[n - 1, c] = grid[n - 1, c]
     return n + 1

@@ -101,7 +101,6 @@ def settings_row(parameters: CableSimParameters) -> Array:
     row[at.BED_SLOPE_X], row[at.BED_SLOPE_Y] = bed.slope
     row[at.BED_STIFFNESS], row[at.BED_DAMPING], row[at.BED_FRICTION] = bed.stiffness, bed.damping, bed.friction
     row[at.BED_UNIT_STIFFNESS], row[at.BED_UNIT_DAMPING] = bed.unit_stiffness, bed.unit_damping
-    row[at.BED_SLIP] = bed.slip_velocity
     omega = 2.0 * math.pi / wave.period
     row[at.WAVE_AMPLITUDE], row[at.WAVE_FREQUENCY] = wave.amplitude, omega
     row[at.WAVE_NUMBER] = omega**2 / parameters.gravity if parameters.gravity > 0.0 else 0.0

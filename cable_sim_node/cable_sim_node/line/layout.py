@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-# A node: position [m], velocity [m/s], acceleration [m/s^2].
-X, Y, Z, VX, VY, VZ, AX, AY, AZ = range(9)
-NODE_COLUMNS = 9
+# A node: position [m], velocity [m/s], acceleration [m/s^2]; the place on the seabed that it holds to [m].
+X, Y, Z, VX, VY, VZ, AX, AY, AZ, HOLD_X, HOLD_Y, HOLD_Z = range(12)
+NODE_COLUMNS = 12
 
-# The top end: rows now, where the equations hold, and at the end of the step; columns the boom tip as a node, time [s],
-# unstretched length [m], its rate and acceleration.
+# The top end: rows now, where the equations hold, and at the end of the step; columns the boom tip's motion as a
+# node's, time [s], unstretched length [m], its rate and acceleration.
 NOW, MIDDLE, END = range(3)
 TIME, TOTAL, RATE, ACCELERATION = range(9, 13)
 TOP_COLUMNS = 13
@@ -58,7 +58,8 @@ EQUATION_COLUMNS = 28
 CENTRE, RIGHT = 8, 17
 BAND_COLUMNS = 18
 
-# Settings: generalised-alpha, Newton, contact plane, wave, compensator.
+# Settings: generalised-alpha, Newton, contact plane, wave, compensator; the largest step, and the one that the next
+# interval begins with (0: the largest).
 (
     ALPHA_F,
     ALPHA_M,
@@ -75,7 +76,6 @@ BAND_COLUMNS = 18
     BED_FRICTION,
     BED_UNIT_STIFFNESS,
     BED_UNIT_DAMPING,
-    BED_SLIP,
     WAVE_AMPLITUDE,
     WAVE_FREQUENCY,
     WAVE_NUMBER,
@@ -91,12 +91,13 @@ BAND_COLUMNS = 18
     SPRING_PRELOAD,
     BENDING_ON,
     STEP,
+    RESUMED_STEP,
 ) = range(31)
 SETTING_COLUMNS = 31
 
-# Counters that a kernel writes: segments in use.
-SEGMENTS = 0
-COUNTER_COLUMNS = 1
+# Counters that a kernel writes: segments in use; Newton iterations, steps taken and steps refused since the start.
+SEGMENTS, NEWTON, STEPS, REFUSED = range(4)
+COUNTER_COLUMNS = 4
 
 # Outcomes of an advance.
 DONE, NOT_CONVERGED, TOO_SHORT = range(3)

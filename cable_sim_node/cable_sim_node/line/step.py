@@ -16,10 +16,13 @@ from heave_node.compiled import inner_kernel, kernel
 from cable_sim_node.line.arrays import LineArrays
 from cable_sim_node.line.assembly import add_compensator, assemble_nodes, assemble_segments, solve_blocks
 from cable_sim_node.line.bending import add_bending, solve_with_bending
+from cable_sim_node.line.contact import carry_holds
+from cable_sim_node.line.direction import direction_of
 from cable_sim_node.line.feed import feed, set_top_segment
 from cable_sim_node.line.flow import set_flow
 from cable_sim_node.line.layout import (
     ACCELERATION,
+    ADDED_MASS,
     ALPHA_F,
     ALPHA_M,
     AX,
@@ -33,22 +36,34 @@ from cable_sim_node.line.layout import (
     DONE,
     END,
     GAMMA,
+    HOLD_X,
     ITERATIONS,
     LENGTH,
+    LUMP_MASS,
+    MASS,
     MERGE_AT,
     MIDDLE,
+    NEWTON,
     NOT_CONVERGED,
     NOW,
     RATE,
+    REFUSED,
+    RESUMED_STEP,
+    RX,
+    RY,
+    RZ,
     SEGMENTS,
     SPRING_ON,
     START,
     STEP,
+    STEPS,
+    STIFFNESS,
     TIME,
     TOLERANCE,
     TOO_SHORT,
     TOP_COLUMNS,
     TOTAL,
+    UNIT_INERTIA,
     VX,
     VY,
     VZ,
@@ -59,8 +74,17 @@ from cable_sim_node.line.layout import (
 
 _SMALLEST_SHARE = 2.0**-16
 """A step is halved at most so far before the advance is given up."""
-_LONGEST_SLACK_STEP = 0.0125
-"""Steps with a slack segment are halved down to this [s]."""
+_STEPS_PER_PERIOD = 180.0
+"""While a segment is slack, steps are at most the heave period of the unit on its cable by this: peak tensions of snaps
+are then good to 1 to 3 %..."""
+_SHORTEST_SLACK_STEP, _LONGEST_SLACK_STEP = 0.001, 0.0125
+"""...but within these [s]: what snaps faster is a cable of a few metres; waves run along soft ones in between."""
+_PATIENCE = 4
+"""Steps that must succeed after a refused one before a longer one is tried."""
+_OVERSHOOT = 0.5
+"""A correction is shortened where the residual along it, which was to vanish, turns to more than this share..."""
+_SMALLEST_PART = 1e-3
+"""...but not below this part of it."""
 _FAILED, _TAUT, _SLACK, _SLACK_REFUSED = range(4)
 """How a step ended."""
 
@@ -141,6 +165,7 @@ def predict(line: LineArrays, n: int, count: int, h: float) -> None:
             goal[X + k] = start[X + k] + share * (start[VX + k] + 0.5 * h * a)
             goal[VX + k] = start[VX + k] + share * a
             goal[AX + k] = a
+            goal[HOLD_X + k] = start[HOLD_X + k]
     hold_top(line.middle[n], middle, count > n)
     set_top_segment(n, middle[TOTAL], line.grid, line.parts)
     set_flow(n, middle[TIME], line.middle, line.settings, line.current, line.schedule, line.flow)
@@ -161,6 +186,7 @@ def finish(line: LineArrays, n: int, count: int, h: float) -> None:
     take_end(line.top)
     hold_top(line.now[n], line.top[NOW], count > n)
     set_top_segment(n, line.top[NOW, TOTAL], line.grid, line.parts)
+    carry_holds(line, n)
 
 
 @inner_kernel
@@ -171,11 +197,55 @@ def take_end(top: Array) -> None:
 
 
 @inner_kernel
-def step(line: LineArrays, n: int, h: float) -> int:
-    """Make one step of `h` seconds to row END of `top`; return whether the line was taut or slack in it.
+def clear_corrections(n: int, equations: Array) -> None:
+    """Set the corrections of nodes 0..n to zero."""
+    for i in range(n + 1):
+        equations[i, CX] = equations[i, CY] = equations[i, CZ] = 0.0
 
-    _FAILED: Newton finds no solution; _SLACK_REFUSED: a segment is slack, which wants short steps of the dissipative
-    scheme. The state is then as it was.
+
+@inner_kernel
+def along_correction(count: int, equations: Array) -> float:
+    """Return the residual's part along the corrections of nodes 0..count-1: their scalar product."""
+    total = 0.0
+    for i in range(count):
+        row = equations[i]
+        total += row[RX] * row[CX] + row[RY] * row[CY] + row[RZ] * row[CZ]
+    return total
+
+
+@inner_kernel
+def move(nodes: Array, count: int, equations: Array, part: float, c_velocity: float, c_mass: float) -> None:
+    """Add `part` of the corrections to nodes 0..count-1, in position, velocity and acceleration."""
+    for i in range(count):
+        node = nodes[i]
+        for k in range(3):
+            c = part * equations[i, CX + k]
+            node[X + k] += c
+            node[VX + k] += c_velocity * c
+            node[AX + k] += c_mass * c
+
+
+@inner_kernel
+def slack_step(line: LineArrays, n: int) -> float:
+    """Return the longest step [s] while a segment is slack, from the heave period of the unit on its cable.
+
+    Rayleigh's estimate: a third of the cable's mass moves with the unit.
+    """
+    mass, compliance = 0.0, 0.0
+    for i in range(n):
+        part = line.parts[i]
+        mass += (part[MASS] * part[LENGTH] + part[LUMP_MASS]) / 3.0
+        compliance += part[LENGTH] / part[STIFFNESS]
+    period = 2.0 * math.pi * math.sqrt((line.unit[UNIT_INERTIA + 2] + mass) * compliance)
+    return min(max(period / _STEPS_PER_PERIOD, _SHORTEST_SLACK_STEP), _LONGEST_SLACK_STEP)
+
+
+@inner_kernel
+def step(line: LineArrays, n: int, h: float, longest_slack: float) -> int:
+    """Make one step of `h` [s] to row END of `top`; return whether the line was taut or slack in it.
+
+    _FAILED: Newton finds no solution; _SLACK_REFUSED: a segment is slack, which wants steps of at most `longest_slack`
+    [s] in the dissipative scheme. The state is then as it was.
     """
     settings, equations = line.settings, line.equations
     af, am, beta, gamma = settings[ALPHA_F], settings[ALPHA_M], settings[BETA], settings[GAMMA]
@@ -184,32 +254,32 @@ def step(line: LineArrays, n: int, h: float) -> int:
     count = n if settings[SPRING_ON] == 0.0 else n + 1
     predict(line, n, count, h)
     tolerance = settings[TOLERANCE]
-    equations[n, CX] = equations[n, CY] = equations[n, CZ] = 0.0
-    last, part = 1e300, 1.0
+    clear_corrections(n, equations)
+    part, decrease = 1.0, 0.0
     for _ in range(int(settings[ITERATIONS])):
+        line.counters[NEWTON] += 1
         least, near_kink = assemble(line, n, c_mass, c_velocity)
+        overshoot = along_correction(count, equations)
+        if overshoot > _OVERSHOOT * decrease and part > _SMALLEST_PART:
+            # beyond a kink (a segment that comes taut) the residual works against the correction: go back on it
+            shorter = part * max(decrease / (decrease + overshoot), 0.1)
+            move(line.middle, count, equations, shorter - part, c_velocity, c_mass)
+            part = shorter
+            continue
         if settings[BENDING_ON] > 0.0:
-            solve_with_bending(count, equations, line.band)
+            decrease = solve_with_bending(count, equations, line.band)
         else:
-            solve_blocks(count, equations)
+            decrease = solve_blocks(count, equations)
         size = largest_relative_correction(n, line.parts, equations)
         if not size < 10.0:
             return _FAILED
-        # a correction that does not shrink oscillates across a kink (a segment that comes taut): take part of it
-        part = 0.5 * part if size > 0.5 * last else min(2.0 * part, 1.0)
-        last = size
-        for i in range(count):
-            node = line.middle[i]
-            for k in range(3):
-                c = part * equations[i, CX + k]
-                node[X + k] += c
-                node[VX + k] += c_velocity * c
-                node[AX + k] += c_mass * c
+        part = 1.0
+        move(line.middle, count, equations, part, c_velocity, c_mass)
         # where a segment is or may become slack, or the seabed is touched, the equations have a kink: be stricter
         smooth = least > 4.0 * size and not near_kink
         if size < (tolerance if smooth else min(tolerance, 1e-2 * tolerance)):
             # the margin is for rounding: a step that was shortened because of slack is not refused again for its length
-            if least <= 0.0 and (h > 1.001 * _LONGEST_SLACK_STEP or af > 0.0):
+            if least <= 0.0 and (h > 1.001 * longest_slack or af > 0.0):
                 return _SLACK_REFUSED
             finish(line, n, count, h)
             return _SLACK if least <= 0.0 else _TAUT
@@ -242,10 +312,13 @@ def advance(line: LineArrays, duration: float, ends: Array) -> int:
     load_end(0.0, duration, start_time, ends, end)
     take_end(line.top)
     hold_top(line.now[n], now, line.settings[SPRING_ON] > 0.0)
-    outcome = DONE
+    outcome, patience = DONE, 0
+    longest_slack = slack_step(line, n)
+    resumed = line.settings[RESUMED_STEP] / duration
+    size = nominal if resumed == 0.0 else min(nominal, resumed)
     alpha_m, alpha_f = line.settings[ALPHA_M], line.settings[ALPHA_F]
     for j in range(shares):
-        done, size = j * nominal, nominal
+        done = j * nominal
         goal = 1.0 if j == shares - 1 else (j + 1) * nominal
         while done < goal:
             at = goal if done + size > goal - 1e-12 else done + size
@@ -253,18 +326,24 @@ def advance(line: LineArrays, duration: float, ends: Array) -> int:
             if end[TOTAL] < MERGE_AT * line.grid[1, START]:
                 outcome = TOO_SHORT
                 break
-            ended = step(line, n, (at - done) * duration)
+            ended = step(line, n, (at - done) * duration, longest_slack)
             if ended in (_TAUT, _SLACK):
                 done = at
-                size = min(2.0 * size, nominal)
+                patience -= 1
+                if patience <= 0:
+                    size = min(2.0 * size, nominal)
                 n = feed(line, n)
+                line.counters[STEPS] += 1
                 if ended == _TAUT:
                     set_scheme(line.settings, alpha_m, alpha_f)
             elif ended == _SLACK_REFUSED:
                 set_scheme(line.settings, -1.0, 0.0)
-                while size * duration > _LONGEST_SLACK_STEP:
+                while size * duration > 1.001 * longest_slack:
                     size *= 0.5
             else:
+                line.counters[REFUSED] += 1
+                set_scheme(line.settings, -1.0, 0.0)
+                patience = _PATIENCE
                 size *= 0.5
                 if size < nominal * _SMALLEST_SHARE:
                     outcome = NOT_CONVERGED
@@ -272,6 +351,7 @@ def advance(line: LineArrays, duration: float, ends: Array) -> int:
         if outcome != DONE:
             break
     set_scheme(line.settings, alpha_m, alpha_f)
+    line.settings[RESUMED_STEP] = 0.0 if size == nominal else size * duration
     line.counters[SEGMENTS] = n
     set_top_segment(n, now[TOTAL], line.grid, line.parts)
     return outcome
@@ -300,3 +380,28 @@ def evaluate(line: LineArrays) -> float:
     set_flow(n, line.top[NOW, TIME], line.now, line.settings, line.current, line.schedule, line.flow)
     least, _ = assemble(line, n, 0.0, 0.0)
     return least
+
+
+@kernel
+def unit_acceleration(line: LineArrays, out: Array) -> None:
+    """Set `out` to the acceleration [m/s^2] that the forces on the unit give it now, after `evaluate`.
+
+    The integrator's own acceleration a leaves the residual R = M a - F there. M = D - A e e', with A the added mass of
+    half of the lowest segment, is inverted by the formula of Sherman and Morrison.
+    """
+    low, high, part, row = line.now[0], line.now[1], line.parts[0], line.equations[0]
+    length = part[LENGTH]
+    dx, dy, dz = (high[X] - low[X]) / length, (high[Y] - low[Y]) / length, (high[Z] - low[Z]) / length
+    factor = direction_of(math.sqrt(dx * dx + dy * dy + dz * dz) + 1e-300)[0]
+    e = (factor * dx, factor * dy, factor * dz)
+    added = 0.5 * part[ADDED_MASS] * length
+    by_e, e_by_e = 0.0, 0.0
+    for k in range(3):
+        inertia = line.unit[UNIT_INERTIA + k] + 0.5 * part[MASS] * length + added
+        out[k] = row[RX + k] / inertia
+        by_e += e[k] * out[k]
+        e_by_e += e[k] * e[k] / inertia
+    by_e *= added / (1.0 - added * e_by_e)
+    for k in range(3):
+        inertia = line.unit[UNIT_INERTIA + k] + 0.5 * part[MASS] * length + added
+        out[k] = low[AX + k] - out[k] - by_e * e[k] / inertia
