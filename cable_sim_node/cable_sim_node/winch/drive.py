@@ -29,6 +29,17 @@ def _clip(value: float, largest: float) -> float:
 
 
 @njit(cache=True)
+def _limited(value: float, largest_up: float, largest_down: float) -> float:
+    return min(max(value, -largest_down), largest_up)
+
+
+@njit(cache=True)
+def _beyond_deadband(value: float, deadband: float) -> float:
+    """Return what a valve with a dead zone passes on: nothing within it, what is beyond it otherwise."""
+    return math.copysign(max(abs(value) - deadband, 0.0), value)
+
+
+@njit(cache=True)
 def _stop_substep(u: float, v: float, deceleration: float, h: float) -> tuple[float, float]:
     """Return payout and rate after `h` seconds of constant deceleration that ends at rest."""
     time_to_rest = abs(v) / deceleration
@@ -110,6 +121,10 @@ def advance_drum(
     position_rate: float,
     u_min: float,
     u_max: float,
+    speed_gain: float,
+    deadband: float,
+    hauling_speed_share: float,
+    hauling_acceleration_share: float,
 ) -> tuple[float, float, float, int]:
     """Advance the drum by `duration` with constant set-points.
 
@@ -123,6 +138,8 @@ def advance_drum(
     power_speed : largest speed that the power limit allows at the present tension [m/s]
     time_constant, position_gain, position_rate : T [s], k_p [1/s], K [1/s]
     u_min, u_max : payout range [m]
+    speed_gain, deadband : of the servo: what it makes of a set-point [-], and below which one it does nothing [m/s]
+    hauling_speed_share, hauling_acceleration_share : limits towards hauling in over those towards paying out [-]
 
     Returns
     -------
@@ -133,6 +150,7 @@ def advance_drum(
     substeps = max(1, math.ceil(duration / LONGEST_SUBSTEP - 1e-6))
     h = duration / substeps
     largest_speed = min(speed_limit, power_speed)
+    largest_hauling = min(hauling_speed_share * speed_limit, power_speed)
     limits = 0
     acceleration = 0.0
     for _ in range(substeps):
@@ -140,10 +158,13 @@ def advance_drum(
             next_u, next_v = _stop_substep(u, v, stop_deceleration, h)
         elif mode == FOLLOW_SPEED:
             demand = rate_set + position_gain * (payout_set - u - 0.5 * v * h)
-            v_set = _clip(demand, largest_speed)
+            demand = speed_gain * _beyond_deadband(demand, deadband)
+            v_set = _limited(demand, largest_speed, largest_hauling)
             if v_set != demand:
-                limits |= LIMIT_POWER if power_speed < speed_limit else LIMIT_SPEED
-            next_u, next_v, is_limited = _servo_substep(u, v, v_set, time_constant, acceleration_limit, h)
+                reached = speed_limit if demand > 0.0 else hauling_speed_share * speed_limit
+                limits |= LIMIT_POWER if power_speed < reached else LIMIT_SPEED
+            largest = acceleration_limit if v_set > v else hauling_acceleration_share * acceleration_limit
+            next_u, next_v, is_limited = _servo_substep(u, v, v_set, time_constant, largest, h)
             if is_limited:
                 limits |= LIMIT_ACCELERATION
         else:
