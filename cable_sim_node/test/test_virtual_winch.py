@@ -319,6 +319,62 @@ def test_parameters_that_contradict_each_other_are_refused(change: dict[str, obj
         dataclasses.replace(WinchParameters(), **change)
 
 
+# What a drive does otherwise than its controller believes.
+
+
+def test_hauling_in_has_limits_of_its_own() -> None:
+    weak = dataclasses.replace(WinchParameters(), hauling_speed_share=0.5, hauling_acceleration_share=0.4)
+    out = run(VirtualWinch(weak, tick_period=TICK), 100, rate=5.0)
+    hauling = run(VirtualWinch(weak, tick_period=TICK), 100, rate=-5.0)
+    assert max(s.payout_acceleration for s in out) == pytest.approx(1.5)
+    assert min(s.payout_acceleration for s in hauling) == pytest.approx(-0.4 * 1.5)
+    assert out[-1].payout_rate == pytest.approx(2.0)
+    assert hauling[-1].payout_rate == pytest.approx(-0.5 * 2.0)
+    assert hauling[-1].limits_hit == WinchLimit.SPEED
+
+
+def test_acceleration_has_its_sign_whichever_way_the_drum_turns() -> None:
+    winch = VirtualWinch(dataclasses.replace(WinchParameters(), hauling_acceleration_share=0.4), tick_period=TICK)
+    run(winch, 100, rate=2.0)
+    slowing = run(winch, 10, rate=0.0)
+    assert slowing[8].payout_rate - slowing[6].payout_rate == pytest.approx(-0.4 * 1.5 * 2 * TICK)
+
+
+def test_servo_settles_at_its_gain_beyond_the_dead_zone() -> None:
+    drive = dataclasses.replace(IDEAL, speed_gain=0.8, speed_deadband=0.05)
+    assert run(VirtualWinch(drive, tick_period=TICK), 100, rate=0.04)[-1].payout == 0.0
+    assert run(VirtualWinch(drive, tick_period=TICK), 100, rate=-0.55)[-1].payout_rate == pytest.approx(-0.8 * 0.5)
+
+
+def test_cable_moves_by_the_radius_it_lies_at_and_the_encoder_counts_by_the_nominal_one() -> None:
+    true, nominal = (
+        run(VirtualWinch(dataclasses.replace(IDEAL, drum_radius_error=e), tick_period=TICK), 40, rate=0.5, tension=1e5)
+        for e in (0.05, 0.0)
+    )
+    for state, plain in zip(true, nominal, strict=True):
+        assert state.payout == pytest.approx(1.05 * plain.payout)
+        assert state.payout_rate == pytest.approx(1.05 * plain.payout_rate)
+        assert state.encoder_payout == plain.encoder_payout
+        assert state.power == pytest.approx(-1e5 * state.payout_rate)
+
+
+def test_power_limit_is_that_of_the_cable_not_of_the_nominal_drum() -> None:
+    drive = dataclasses.replace(WinchParameters(), power_limit=1e5, drum_radius_error=0.05)
+    state = run(VirtualWinch(drive, tick_period=TICK), 100, rate=2.0, tension=1e5)[-1]
+    assert state.payout_rate == pytest.approx(1.0)
+    assert state.limits_hit == WinchLimit.POWER
+
+
+def test_reading_lags_by_half_the_play_of_the_gear_either_way() -> None:
+    winch = VirtualWinch(
+        dataclasses.replace(IDEAL, encoder=EncoderParameters(resolution=0.0, backlash=0.02)), tick_period=TICK
+    )
+    out = run(winch, 40, rate=0.5)[-1]
+    back = run(winch, 60, rate=-0.5)[-1]
+    assert out.encoder_payout == pytest.approx(out.payout - 0.01)
+    assert back.encoder_payout == pytest.approx(back.payout + 0.01)
+
+
 SET_POINT = st.one_of(
     st.floats(-60.0, 60.0), st.floats(allow_nan=True, allow_infinity=True), st.sampled_from([0.0, 2.0, -2.0])
 )

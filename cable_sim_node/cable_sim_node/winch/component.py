@@ -13,6 +13,10 @@ the moment a command takes effect:
 
 The command of tick k takes effect exactly at t_k + tau, tau = command_delay, also where that falls inside a tick.
 
+What a drive may do otherwise than its controller believes: limits towards hauling in that are lower than those towards
+paying out, a gain other than 1 from set-point to speed, a dead zone of the set-point, play in the encoder's gear, and
+a cable that lies at another radius than the drive and its encoder count by (limits then hold at the nominal radius).
+
 What no command can make the winch do: exceed speed_limit, acceleration_limit or the payout range. A power limit
 bounds the speed to power_limit/tension; where tension rises in motion the winch slows down to that speed within its
 acceleration limit.
@@ -108,12 +112,15 @@ class Encoder:
 
     def __init__(self, parameters: EncoderParameters) -> None:
         self._resolution = parameters.resolution
+        self._play = 0.5 * parameters.backlash
+        self._position = 0.0
         self.faults = FaultSchedule(parameters.faults, name="encoder", device="encoder")
         self._faulty_values = FaultyValues(self.faults)
 
     def read(self, time: float, payout: float) -> float:
         """Return the reading [m] of the true `payout` [m] at `time` [s]; NaN under a nan fault."""
-        value = float(self._faulty_values.apply(time, np.array([payout]))[0])
+        self._position = min(max(self._position, payout - self._play), payout + self._play)
+        value = float(self._faulty_values.apply(time, np.array([self._position]))[0])
         return value if self._resolution == 0.0 else self._resolution * float(np.rint(value / self._resolution))
 
 
@@ -133,17 +140,9 @@ class VirtualWinch:
 
     def __init__(self, parameters: WinchParameters, *, tick_period: float) -> None:
         self._parameters = parameters
-        self._drive = drive.DriveSettings(
-            speed_limit=parameters.speed_limit,
-            acceleration_limit=parameters.acceleration_limit,
-            stop_deceleration=parameters.stop_deceleration,
-            time_constant=parameters.time_constant,
-            position_gain=parameters.position_gain,
-            position_rate=parameters.position_rate,
-            u_min=parameters.payout_minimum,
-            u_max=parameters.payout_maximum,
-        )
+        self._drive = drive.settings_of(parameters)
         self._tick_period = tick_period
+        self._cable_per_drum = 1.0 + parameters.drum_radius_error
         self.faults = FaultSchedule(parameters.faults, name="winch", device="winch")
         self.encoder = Encoder(parameters.encoder)
         self.refused_commands = 0
@@ -272,7 +271,9 @@ class VirtualWinch:
     def _move(self, duration: float, tension: float) -> tuple[int, float]:
         """Move the drum for `duration` [s] under the present command; return limits that acted and the acceleration."""
         p = self._parameters
-        power_speed = p.power_limit / tension if p.power_limit > 0.0 and tension > 0.0 else math.inf
+        power_speed = math.inf
+        if p.power_limit > 0.0 and tension > 0.0:
+            power_speed = p.power_limit / (tension * self._cable_per_drum)
         self._payout, self._rate, acceleration, limits = drive.advance_drum(
             self._payout,
             self._rate,
@@ -291,13 +292,13 @@ class VirtualWinch:
         return WinchState(
             time=self._now * self._tick_period,
             command_sequence=self._command.sequence,
-            payout=self._payout,
-            payout_rate=self._rate,
-            payout_acceleration=acceleration,
+            payout=self._cable_per_drum * self._payout,
+            payout_rate=self._cable_per_drum * self._rate,
+            payout_acceleration=self._cable_per_drum * acceleration,
             encoder_payout=self._reading,
             encoder_payout_rate=encoder_rate,
             tension=tension,
-            power=-tension * self._rate,
+            power=-tension * self._cable_per_drum * self._rate,
             limits_hit=limits,
             brake=self._mode == drive.HOLD,
             fault=self._fault,

@@ -8,6 +8,8 @@ from typing import NamedTuple
 from heave_node.codes import WinchLimit
 from numba import njit
 
+from cable_sim_node.winch.parameters import WinchParameters
+
 FOLLOW_SPEED = 0
 """Speed servo: v' = (v_set - v)/T with v_set = rate_setpoint + k_p (payout_setpoint - u)."""
 FOLLOW_POSITION = 1
@@ -27,6 +29,17 @@ LONGEST_SUBSTEP = 0.001
 @njit(cache=True)
 def _clip(value: float, largest: float) -> float:
     return min(max(value, -largest), largest)
+
+
+@njit(cache=True)
+def _limited(value: float, largest_up: float, largest_down: float) -> float:
+    return min(max(value, -largest_down), largest_up)
+
+
+@njit(cache=True)
+def _beyond_deadband(value: float, deadband: float) -> float:
+    """Return what a valve with a dead zone passes on: nothing within it, what is beyond it otherwise."""
+    return math.copysign(max(abs(value) - deadband, 0.0), value)
 
 
 @njit(cache=True)
@@ -102,6 +115,8 @@ class DriveSettings(NamedTuple):
     speed_limit, acceleration_limit, stop_deceleration : [m/s], [m/s^2], [m/s^2]
     time_constant, position_gain, position_rate : T [s], k_p [1/s], K [1/s]
     u_min, u_max : payout range [m]
+    speed_gain, deadband : of the servo: what it makes of a set-point [-], and below which one it does nothing [m/s]
+    hauling_speed_share, hauling_acceleration_share : limits towards hauling in over those towards paying out [-]
     """
 
     speed_limit: float
@@ -112,6 +127,29 @@ class DriveSettings(NamedTuple):
     position_rate: float
     u_min: float
     u_max: float
+    speed_gain: float
+    deadband: float
+    hauling_speed_share: float
+    hauling_acceleration_share: float
+
+
+def settings_of(parameters: WinchParameters) -> DriveSettings:
+    """Return the settings that the `parameters` of a winch stand for."""
+    p = parameters
+    return DriveSettings(
+        speed_limit=p.speed_limit,
+        acceleration_limit=p.acceleration_limit,
+        stop_deceleration=p.stop_deceleration,
+        time_constant=p.time_constant,
+        position_gain=p.position_gain,
+        position_rate=p.position_rate,
+        u_min=p.payout_minimum,
+        u_max=p.payout_maximum,
+        speed_gain=p.speed_gain,
+        deadband=p.speed_deadband,
+        hauling_speed_share=p.hauling_speed_share,
+        hauling_acceleration_share=p.hauling_acceleration_share,
+    )
 
 
 @njit(cache=True)
@@ -144,35 +182,42 @@ def advance_drum(
         return u, 0.0, 0.0, 0
     substeps = max(1, math.ceil(duration / LONGEST_SUBSTEP - 1e-6))
     h = duration / substeps
-    speed_limit, acceleration_limit, stop_deceleration, time_constant, position_gain, position_rate, u_min, u_max = (
-        settings
-    )
-    largest_speed = min(speed_limit, power_speed)
+    largest_speed = min(settings.speed_limit, power_speed)
+    largest_hauling = min(settings.hauling_speed_share * settings.speed_limit, power_speed)
     limits = 0
     acceleration = 0.0
     for _ in range(substeps):
         if mode == STOP:
-            next_u, next_v = _stop_substep(u, v, stop_deceleration, h)
+            next_u, next_v = _stop_substep(u, v, settings.stop_deceleration, h)
         elif mode == FOLLOW_SPEED:
-            demand = rate_set + position_gain * (payout_set - u - 0.5 * v * h)
-            v_set = _clip(demand, largest_speed)
+            demand = rate_set + settings.position_gain * (payout_set - u - 0.5 * v * h)
+            demand = settings.speed_gain * _beyond_deadband(demand, settings.deadband)
+            v_set = _limited(demand, largest_speed, largest_hauling)
             if v_set != demand:
-                limits |= LIMIT_POWER if power_speed < speed_limit else LIMIT_SPEED
-            next_u, next_v, is_limited = _servo_substep(u, v, v_set, time_constant, acceleration_limit, h)
+                reached = settings.speed_limit if demand > 0.0 else settings.hauling_speed_share * settings.speed_limit
+                limits |= LIMIT_POWER if power_speed < reached else LIMIT_SPEED
+            largest = (
+                settings.acceleration_limit
+                if v_set > v
+                else settings.hauling_acceleration_share * settings.acceleration_limit
+            )
+            next_u, next_v, is_limited = _servo_substep(u, v, v_set, settings.time_constant, largest, h)
             if is_limited:
                 limits |= LIMIT_ACCELERATION
         else:
             next_u, next_v, acted = _position_substep(
-                u, v, payout_set, position_rate, largest_speed, acceleration_limit, h
+                u, v, payout_set, settings.position_rate, largest_speed, settings.acceleration_limit, h
             )
-            if acted & LIMIT_SPEED and power_speed < speed_limit:
+            if acted & LIMIT_SPEED and power_speed < settings.speed_limit:
                 acted = acted - LIMIT_SPEED + LIMIT_POWER
             limits |= acted
         if mode != STOP:
-            next_u, next_v, is_limited = _stay_in_range(u, v, next_u, next_v, u_min, u_max, stop_deceleration, h)
+            next_u, next_v, is_limited = _stay_in_range(
+                u, v, next_u, next_v, settings.u_min, settings.u_max, settings.stop_deceleration, h
+            )
             if is_limited:
                 limits |= LIMIT_PAYOUT
         acceleration = (next_v - v) / h
-        u = min(max(next_u, u_min), u_max)
+        u = min(max(next_u, settings.u_min), settings.u_max)
         v = next_v
     return u, v, acceleration, limits

@@ -16,6 +16,9 @@ class EncoderParameters:
         0.001, unit="m", minimum=0.0, maximum=1.0, description="Quantisation of the encoder's payout; 0 means none."
     )
     faults: FaultParameters = group(FaultParameters)
+    backlash: float = parameter(
+        0.0, unit="m", minimum=0.0, maximum=1.0, description="Play of its gear: the reading lags by half of it."
+    )
 
     def __post_init__(self) -> None:
         """Refuse faults that an encoder cannot have."""
@@ -62,6 +65,34 @@ class WinchParameters:
         minimum=1e-3,
         maximum=1e6,
         description="Deceleration of a stop (brake request, watchdog, fault); not above acceleration_limit.",
+    )
+    hauling_speed_share: float = parameter(
+        1.0, unit="", minimum=0.05, maximum=1.0, description="Speed servo: largest hauling speed over speed_limit."
+    )
+    hauling_acceleration_share: float = parameter(
+        1.0,
+        unit="",
+        minimum=0.05,
+        maximum=1.0,
+        description="Speed servo: largest acceleration towards hauling in over acceleration_limit.",
+    )
+    speed_gain: float = parameter(
+        1.0, unit="", minimum=0.1, maximum=3.0, description="Speed servo: speed it settles at over its set-point."
+    )
+    speed_deadband: float = parameter(
+        0.0,
+        unit="m/s",
+        minimum=0.0,
+        maximum=1.0,
+        description="Speed servo: dead zone; of a set-point only what is beyond it counts.",
+    )
+    drum_radius_error: float = parameter(
+        0.0,
+        unit="",
+        minimum=-0.5,
+        maximum=0.5,
+        description="Radius that the cable has on the drum over the nominal one, less 1: the cable moves by so much "
+        "more than the drum, by whose nominal radius drive and encoder count.",
     )
     payout_minimum: float = parameter(
         -50.0, unit="m", minimum=-20_000.0, maximum=20_000.0, description="Lower end of the payout range."

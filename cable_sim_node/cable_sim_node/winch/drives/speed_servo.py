@@ -24,6 +24,7 @@ class SpeedServo:
 
     def __init__(self, parameters: WinchParameters) -> None:
         self._p = parameters
+        self._settings = drive.settings_of(parameters)
         self._from_load = 0.0
         self.state = DriveState(0.0, 0.0, 0.0, 0.0, 0.0, DriveLimit.NONE, False)
 
@@ -51,15 +52,8 @@ class SpeedServo:
             mode,
             command.payout,
             command.payout_rate,
-            p.speed_limit,
             power_speed,
-            p.acceleration_limit,
-            p.stop_deceleration,
-            p.time_constant,
-            p.position_gain,
-            p.position_rate,
-            p.payout_minimum,
-            p.payout_maximum,
+            self._settings,
         )
         moved = payout - before.payout
         self._from_load += tension * moved
