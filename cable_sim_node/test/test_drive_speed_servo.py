@@ -19,7 +19,7 @@ def test_servo_moves_as_the_virtual_winch_does() -> None:
         expected = winch.step(tick, WinchCommand(tick + 1, 0.0, rate), tension)
         state = servo.step(DriveCommand(rate), 0.05, tension)
         assert (state.payout, state.payout_rate) == (expected.payout, expected.payout_rate)
-        assert int(state.limits) == int(expected.limits)
+        assert int(state.limits) == int(expected.limits_hit)
         assert state.power == expected.power
 
 
