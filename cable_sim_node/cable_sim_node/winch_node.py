@@ -51,7 +51,7 @@ class VirtualWinchNode(ParticipantNode):
         self.state.publish(winch_state_message(state, tick.end_stamp))
 
     def on_inactive_tick(self, tick: Tick) -> None:
-        """Take no commands: the watchdog stops the drum."""
+        """See ParticipantNode. Commands are not taken: the watchdog stops the drum."""
         self.winch.step(tick.number, None)
 
     def diagnose(self) -> list[Health]:

@@ -1,8 +1,8 @@
 """Bending stiffness of the line: a hinge spring at each inner node (Pinto; thesis appendix 12.4.6), and its solver.
 
 Energy of the hinge at node i between segments of lengths l and m: (1/2) B |e_i - e_{i-1}|^2 with B = EI / ((l + m)/2),
-e the directions of the segments (`line.direction`); |e_i - e_{i-1}| / ((l + m)/2) is the curvature. Arguments as in
-`assembly`.
+e the directions of the segments (`line.direction`); |e_i - e_{i-1}| / ((l + m)/2) is the curvature.
+Arguments as in `assembly`.
 """
 
 from __future__ import annotations

@@ -3,7 +3,8 @@
 Normal to the plane z = -depth + slope . (x, y): N = k d + c d' while positive, d the depth of penetration. Along it the
 node holds to a place h by the same k and c, F = k (x - h) + c v, at most mu N; beyond that it slips at mu N and takes
 its hold along, so that k |x - h| is mu N (Coulomb friction as return mapping: Simo & Hughes 1998, section 1.4). What
-sticks is therefore at rest for good, within mu N/k of where it came to hold. Arguments as in `assembly`.
+sticks is therefore at rest for good, within mu N/k of where it came to hold. Arguments as in `assembly`;
+`line` is the `LineArrays`, `normal` the unit vector normal to the seabed, upwards.
 """
 
 from __future__ import annotations
@@ -84,7 +85,10 @@ def across(vector: Vector, normal: Vector) -> Vector:
 
 @inner_kernel
 def push_of(node: Array, depth: float, normal: Vector, stiffness: float, damping: float) -> float:
-    """Return the normal force [N] on a node that is `depth` [m] deep; never negative."""
+    """Return the normal force [N] on a node that is `depth` [m] deep; never negative.
+
+    The ground there has `stiffness` [N/m] and `damping` [N s/m].
+    """
     vn = node[VX] * normal[0] + node[VY] * normal[1] + node[VZ] * normal[2]
     return max(stiffness * depth - damping * min(depth / _FIRM_DEPTH, 1.0) * vn, 0.0)
 

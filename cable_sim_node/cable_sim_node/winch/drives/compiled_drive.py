@@ -39,7 +39,7 @@ class CompiledDrive(abc.ABC):
         return DriveEnergy(float(x[SUPPLIED]), float(x[FROM_LOAD]), float(x[LOST]), stored)
 
     def step(self, command: DriveCommand, duration: float, tension: float) -> DriveState:
-        """Advance; see `Drive.step`."""
+        """See `Drive.step`."""
         check_step(duration, tension)
         tension = float(tension)
         substeps = max(1, math.ceil(duration * self._fastest_rate(abs(tension)) / self._substep - 1e-9))

@@ -1,4 +1,8 @@
-"""Equations of the electric drive, compiled; `electric` says what they are."""
+"""Equations of the electric drive, compiled; `electric` says what they are.
+
+Arguments: `x` the state, shape (SIZE,), rows as numbered here and in `mechanics`; `work` room for the steps, shape
+(STAGES, SIZE); `plant` and `spool` the drive in numbers; all others as in `mechanics`.
+"""
 
 from __future__ import annotations
 
@@ -32,16 +36,32 @@ SIZE = OWN + 3
 
 
 class ElectricPlant(NamedTuple):
-    """The electric drive in numbers, SI units."""
+    """The electric drive in numbers.
 
-    inertia: float  # of the drum and of what turns with it, motor included
+    Attributes
+    ----------
+    inertia : about the drum's axis, of the drum and of what turns with it, motor included [kg m^2]
+    load_mass : rigidly on the rope [kg]
+    gear_ratio : turns of the motor for one of the drum [-]
+    torque_limit : of the motor [N m]
+    motoring_limit, regeneration_limit : largest power that the motor gives to the shaft, and takes from it [W]
+    torque_time : lag of the torque [s]
+    copper_loss : at torque_limit [W]; it goes with the torque squared
+    acceleration_limit : of the reference, at the rope [m/s^2]
+    reference_time : lag of the reference behind the set-point [s]
+    bandwidth : of the speed loop [1/s]
+    integral_time : of the speed loop [s]
+    feed_forward : share of the tension that is fed forward [-]
+    """
+
+    inertia: float
     load_mass: float
     gear_ratio: float
     torque_limit: float
     motoring_limit: float
     regeneration_limit: float
     torque_time: float
-    copper_loss: float  # at torque_limit
+    copper_loss: float
     acceleration_limit: float
     reference_time: float
     bandwidth: float
@@ -51,7 +71,7 @@ class ElectricPlant(NamedTuple):
 
 @inner_kernel
 def rope_mass(plant: ElectricPlant, spool: Spool, payout: float) -> tuple[float, float, float]:
-    """Return the mass that the rope feels [kg], its change with payout [kg/m], and motor radians per metre."""
+    """Return the mass [kg] that the rope feels at `payout` [m], its change [kg/m], and the motor's turn [rad/m]."""
     arm, arm_slope = arm_at(spool, payout)
     mass = plant.inertia / arm**2 + plant.load_mass
     return mass, -2.0 * plant.inertia * arm_slope / arm**3, plant.gear_ratio / arm
@@ -124,7 +144,7 @@ def advance_electric(
     substeps: int,
     h: float,
 ) -> tuple[float, int]:
-    """Advance the state by `substeps` of `h` [s]; return the last acceleration and the limits that acted."""
+    """Advance the state by `substeps` of `h` [s]; return the last acceleration [m/s^2] and the limits that acted."""
     limits, acceleration = 0, 0.0
     at = work[4]
     for _ in range(substeps):

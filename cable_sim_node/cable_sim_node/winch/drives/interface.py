@@ -125,7 +125,7 @@ class Drive(Protocol):
 
 
 def check_step(duration: float, tension: float) -> None:
-    """Refuse a step that no drive can make; raises ValueError."""
+    """Raise ValueError for a step that no drive can make: of `duration` [s] under `tension` [N]; see `Drive.step`."""
     if not (duration > 0.0 and math.isfinite(duration)):
         raise ValueError(f"a step must last longer than 0 s, got {duration} s")
     if not math.isfinite(tension):

@@ -6,6 +6,10 @@ the tension, R friction. Kinetic energy is M v^2/2, so that its rate is (F + T -
 
 Under the brake the drum decelerates at a set rate whatever the load, with the drive's help where the load alone would
 stop it harder, and is held at rest.
+
+Arguments have the same names everywhere: `state` and its `slope`, shape (n,), rows as numbered below; `mass` M [kg] and
+`mass_slope` M' [kg/m]; `force` of the drive and `tension` [N]; `friction`, `bounds` and `order` as described with their
+types; `brake` whether it is on, and its `deceleration` [m/s^2]; `substeps` how many steps of `h` [s].
 """
 
 from __future__ import annotations
@@ -32,9 +36,14 @@ BOOST_TIME = 0.1
 
 
 class Bounds(NamedTuple):
-    """What the rope's motion is kept within: [m/s], [m/s], [m], [m], [m/s^2].
+    """What the rope's motion is kept within.
 
-    Set-points are kept to `speed`; at `overspeed` the brake catches the drum.
+    Attributes
+    ----------
+    speed : that set-points are kept to, in both directions [m/s]
+    overspeed : at which the brake catches the drum, in both directions [m/s]
+    payout_minimum, payout_maximum : end stops [m]
+    deceleration : of the brake, and of the approach to an end stop [m/s^2]
     """
 
     speed: float
@@ -54,7 +63,14 @@ class Friction(NamedTuple):
 
 
 class Order(NamedTuple):
-    """A command in numbers: set-points [m/s], [m], position gain [1/s], brake."""
+    """A command in numbers.
+
+    Attributes
+    ----------
+    payout_rate, payout : set-points [m/s], [m], positive pays out
+    position_gain : from payout error to speed [1/s]; 0: the payout set-point has no effect
+    brake : is to be on
+    """
 
     payout_rate: float
     payout: float
@@ -128,7 +144,7 @@ def keep_in_bounds(state: Array, mass: float, rate_before: float, h: float, brak
     """After a substep of `h` [s], bring the braked drum to rest and no further, catch an overspeed, and end the motion
     at the end stops; return the limits that acted.
 
-    What kinetic energy this takes is lost in the brake.
+    `rate_before` is the rate before the substep [m/s]. What kinetic energy this takes is lost in the brake.
     """
     v, limits = state[RATE], 0
     if brake:

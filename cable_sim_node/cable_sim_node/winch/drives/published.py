@@ -47,7 +47,7 @@ def zinage_drive() -> PumpDriveParameters:
 
 
 def mas410_radians_per_metre(sheaves: int, gear: float) -> float:
-    """Return the turn of the motors per metre of the payload [rad/m].
+    """Return the turn of the motors per metre of the payload [rad/m], with n_sh `sheaves` and a `gear` of ratio i_g.
 
     4 n_sh d_R i_g/(d_D d_P) of the drawworks of course MAS410 (University of Agder): drum 0.45 m, gear rim 0.5 m,
     pinion 0.15 m.

@@ -1,4 +1,8 @@
-"""Equations of the pump-controlled hydraulic drive, compiled; `pump_controlled` says what they are."""
+"""Equations of the pump-controlled hydraulic drive, compiled; `pump_controlled` says what they are.
+
+Arguments: `x` the state, shape (SIZE,), rows as numbered here and in `mechanics`; `work` room for the steps, shape
+(STAGES, SIZE); `plant` the drive in numbers; all others as in `mechanics`.
+"""
 
 from __future__ import annotations
 
@@ -33,12 +37,32 @@ SIZE = OWN + 4
 
 
 class PumpPlant(NamedTuple):
-    """The pump-controlled drive in numbers, SI units."""
+    """The pump-controlled drive in numbers.
+
+    Attributes
+    ----------
+    mass : that the rope feels [kg]
+    flow : of the pump at full swash [m^3/s]
+    area : flow of the motors per rope speed at full displacement [m^2]
+    stiffness : of the fluid, pressure per volume [Pa/m^3]
+    swash_time : lag of the swash plate [s]
+    swash_input_limit : largest input of the swash's servo, over full swash [-]
+    leakage : of pump and motors [m^3/s/Pa]
+    efficiency : of motors and gear, mechanical [-]
+    is_passive : what efficiency takes is friction; false: it is a constant factor
+    relief_pressure : at which the relief valves open, in both directions [Pa]
+    power_limit : of the pump, hydraulic [W]
+    motor_minimum : smallest displacement of the motors over full [-]; 1 is a fixed motor
+    motor_time : lag of the motors' displacement [s]
+    overdrive : times the speed limit that a set-point may ask for [-]
+    gain : of the speed loop, from speed error over full speed to swash [-]
+    integral_time : of the speed loop [s]
+    """
 
     mass: float
-    flow: float  # of the pump at full swash
-    area: float  # flow of the motor per rope speed at full displacement
-    stiffness: float  # pressure per volume
+    flow: float
+    area: float
+    stiffness: float
     swash_time: float
     swash_input_limit: float
     leakage: float
@@ -129,7 +153,7 @@ def advance_pump(
     substeps: int,
     h: float,
 ) -> tuple[float, int]:
-    """Advance the state by `substeps` of `h` [s]; return the last acceleration and the limits that acted."""
+    """Advance the state by `substeps` of `h` [s]; return the last acceleration [m/s^2] and the limits that acted."""
     limits, acceleration = 0, 0.0
     at = work[4]
     for _ in range(substeps):

@@ -38,7 +38,7 @@ class SpeedServo:
         return {}
 
     def step(self, command: DriveCommand, duration: float, tension: float) -> DriveState:
-        """Advance; see `Drive.step`."""
+        """See `Drive.step`."""
         check_step(duration, tension)
         p, before = self._p, self.state
         mode = drive.FOLLOW_SPEED if p.law == "speed_servo" else drive.FOLLOW_POSITION

@@ -44,7 +44,15 @@ class SpoolParameters:
 
 
 class Spool(NamedTuple):
-    """The same in numbers: rope on the drum at which each layer is full [m], its radius [m], rope at payout 0 [m]."""
+    """The same in numbers.
+
+    Attributes
+    ----------
+    full : rope on the drum at which each layer is full [m], shape (layers,)
+    radius : of the rope's centre line in each layer [m], shape (layers,)
+    rope_at_zero : rope on the drum at payout 0 [m]
+    falls : parts of rope that carry the load [-]
+    """
 
     full: Array
     radius: Array
@@ -53,7 +61,10 @@ class Spool(NamedTuple):
 
 
 def make_spool(parameters: SpoolParameters, payout_minimum: float, payout_maximum: float) -> Spool:
-    """Return the spool; raises ValueError where payout_maximum [m] needs more rope than there is."""
+    """Return the spool of `parameters`, with layers enough for all the rope on the drum at `payout_minimum` [m].
+
+    Raises ValueError where `payout_maximum` [m] needs more rope than there is.
+    """
     falls = float(parameters.falls)
     if parameters.turns_per_layer == 0:
         radius = np.array([parameters.radius_of_layer(0)])
@@ -74,7 +85,7 @@ def make_spool(parameters: SpoolParameters, payout_minimum: float, payout_maximu
 
 @inner_kernel
 def arm_at(spool: Spool, payout: float) -> tuple[float, float]:
-    """Return the arm [m], metres of payout per radian of the drum, and its change with payout [-]."""
+    """Return the arm of `spool` [m], metres of payout per radian of the drum, and its change with `payout` [-]."""
     rope = spool.rope_at_zero - spool.falls * payout
     layer, top = 0, spool.radius.size - 1
     while layer < top and rope > spool.full[layer]:

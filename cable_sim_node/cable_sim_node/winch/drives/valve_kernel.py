@@ -1,4 +1,9 @@
-"""Equations of the valve-controlled hydraulic drive, compiled; `valve_controlled` says what they are."""
+"""Equations of the valve-controlled hydraulic drive, compiled; `valve_controlled` says what they are.
+
+Arguments: `x` the state, shape (SIZE,), rows as numbered here and in `mechanics`; `work` room for the steps, shape
+(STAGES, SIZE); `plant` and `fluid` the drive in numbers; `oil` in the accumulator [m^3], negative below empty; all
+others as in `mechanics`.
+"""
 
 from __future__ import annotations
 
@@ -37,39 +42,66 @@ DRY_SHARE = 0.01
 
 
 class Fluid(NamedTuple):
-    """Oil with trapped air: bulk modulus [Pa], share of air at atmospheric pressure [-]."""
+    """Oil with trapped air.
+
+    Attributes
+    ----------
+    bulk_modulus : of the oil alone [Pa]
+    air : share of air in the volume, at atmospheric pressure [-]
+    """
 
     bulk_modulus: float
     air: float
 
 
 class ValvePlant(NamedTuple):
-    """The valve-controlled drive in numbers, SI units."""
+    """The valve-controlled drive in numbers.
+
+    Attributes
+    ----------
+    mass : that the rope feels [kg]
+    area : flow of the motors per rope speed [m^2]
+    line_volume : of each of the two lines [m^3]
+    leakage : of the motors [m^3/s/Pa]
+    valve_gain : flow of an edge over the root of the pressure drop, fully open [m^3/s/Pa^0.5]
+    valve_frequency, valve_damping : natural frequency [rad/s] and damping ratio [-] of the spool
+    spool_input_limit : largest spool set-point over full [-]
+    laminar_pressure : drop below which an edge's flow turns linear [Pa]
+    gain, feed_forward : spool over full per speed error, and per speed set-point [s/m]
+    integral_time : of the speed loop [s]
+    supply_pressure : set pressure of the supply [Pa]
+    pump_flow : largest flow of the pump [m^3/s]
+    pump_rate : reciprocal of the lag of the pump's flow [1/s]
+    droop : so far below its set pressure the pump gives all it can [Pa]
+    accumulator_volume : of the gas at precharge [m^3]; 0: the supply's pressure is constant
+    precharge : pressure of the gas in the empty accumulator [Pa]
+    fullest : oil in the accumulator at which the supply's relief valve opens [m^3]
+    """
 
     mass: float
     area: float
     line_volume: float
     leakage: float
-    valve_gain: float  # flow over root of pressure, fully open
+    valve_gain: float
     valve_frequency: float
     valve_damping: float
     spool_input_limit: float
     laminar_pressure: float
-    gain: float  # spool per m/s
-    feed_forward: float  # spool per m/s
+    gain: float
+    feed_forward: float
     integral_time: float
     supply_pressure: float
     pump_flow: float
-    pump_rate: float  # 1/s
+    pump_rate: float
     droop: float
-    accumulator_volume: float  # 0: constant pressure
+    accumulator_volume: float
     precharge: float
-    fullest: float  # oil at which the supply's relief valve opens
+    fullest: float
 
 
 @inner_kernel
 def bulk_modulus(pressure: float, fluid: Fluid) -> float:
-    """Return the bulk modulus of oil with trapped air [Pa]; `pressure` is above atmospheric."""
+    """Return the bulk modulus of oil with trapped air [Pa], at a `pressure` above atmospheric [Pa]."""
     absolute = max(pressure + ATMOSPHERE, 0.01 * ATMOSPHERE)
     air = fluid.air * (ATMOSPHERE / absolute) ** (1.0 / GAS_EXPONENT)
     return (1.0 + air) / (1.0 / fluid.bulk_modulus + air / (GAS_EXPONENT * absolute))
@@ -193,7 +225,7 @@ def advance_valve(
     substeps: int,
     h: float,
 ) -> tuple[float, int]:
-    """Advance the state by `substeps` of `h` [s]; return the last acceleration and the limits that acted."""
+    """Advance the state by `substeps` of `h` [s]; return the last acceleration [m/s^2] and the limits that acted."""
     limits, acceleration = 0, 0.0
     at = work[4]
     for _ in range(substeps):
@@ -228,7 +260,10 @@ def pressure_of_supply(x: Array, plant: ValvePlant) -> float:
 
 @kernel
 def fluid_energy(pressure: float, volume: float, fluid: Fluid) -> float:
-    """Return the energy of a line's fluid at `pressure`, the integral of V p/E(p) dp from 0 [J] (Simpson's rule)."""
+    """Return the energy of a line's fluid at `pressure` [Pa], the integral of V p/E(p) dp from 0 [J] (Simpson's rule).
+
+    `volume` is V [m^3].
+    """
     panels = 2000
     h = pressure / panels
     total = pressure / bulk_modulus(pressure, fluid)
