@@ -29,6 +29,9 @@ class Problem:
 
     Attributes
     ----------
+    facts : what the entrant is told
+    world : to run once
+    definition : all that defines the world, for the digest; the facts come to it
     motion : of the boom tip, for references that may look ahead; None where there is none to give
     """
 
@@ -58,7 +61,8 @@ class Case:
     ----------
     name, title : in tables
     seeds : of the standard; the same for every entrant
-    start, end : judged window [s]; the run ends at `duration`
+    start, end : judged window [s]
+    duration : of the run [s]
     make : makes the problem of a seed, so long [s]; raises ParameterError where something is missing
     published : what others have reached, by whom [m]
     """
@@ -73,7 +77,7 @@ class Case:
     published: Mapping[str, float] = field(default_factory=dict)
 
     def shortened(self, duration: float) -> Case:
-        """Return the case with a shorter run [s]; raises ValueError where nothing is left to be judged."""
+        """Return the case with a run of at most `duration` [s]; raises ValueError where nothing is left to judge."""
         if duration <= self.start:
             raise ValueError(
                 f"{duration:g} s leaves nothing of case {self.name}, which is judged from {self.start:g} s"
@@ -82,7 +86,7 @@ class Case:
 
 
 def definition_of(case: Case, problem: Problem) -> dict[str, object]:
-    """Return all that defines a run of a case, entrant and versions apart."""
+    """Return all that defines a run of `problem` in `case`, entrant and versions apart."""
     facts = asdict(replace(problem.facts, preview=None))
     window = {"start": case.start, "end": case.end, "duration": case.duration}
     return {"case": case.name, "window": window, "facts": facts, **problem.definition}

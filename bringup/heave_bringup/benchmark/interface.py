@@ -88,7 +88,12 @@ WINCH_NOT_YET_HEARD = WinchReading(payout=0.0, payout_rate=0.0, brake=True)
 
 @dataclass(frozen=True)
 class Target:
-    """Where the operator wants the unit: mean payout [m] and its rate [m/s]. Compensation works about it."""
+    """Where the operator wants the unit. Compensation works about it.
+
+    Attributes
+    ----------
+    payout, payout_rate : mean payout [m] and its rate [m/s], positive lowers
+    """
 
     payout: float = 0.0
     payout_rate: float = 0.0
@@ -120,9 +125,13 @@ class Measurement:
 
 @dataclass(frozen=True)
 class Command:
-    """What the winch shall do until the next command: speed set-point [m/s], payout set-point [m], brake.
+    """What the winch shall do until the next command.
 
-    The payout set-point has an effect only where the winch has a position gain (`WinchFacts.position_gain`).
+    Attributes
+    ----------
+    payout_rate : set-point [m/s], positive pays out
+    payout : set-point [m]; it has an effect only where the winch has a position gain (`WinchFacts.position_gain`)
+    brake : is to be on
     """
 
     payout_rate: float = 0.0
@@ -177,7 +186,13 @@ class SensorFacts:
 
 @dataclass(frozen=True)
 class SeaFacts:
-    """The sea that is expected: significant wave height [m] and peak period [s]."""
+    """The sea that is expected.
+
+    Attributes
+    ----------
+    significant_wave_height : [m]
+    peak_period : [s]
+    """
 
     significant_wave_height: float
     peak_period: float
@@ -213,7 +228,7 @@ class Controller(Protocol):
     """An entrant, made for one run."""
 
     def step(self, measurement: Measurement) -> Command:
-        """Return the command until the next sample time."""
+        """Return the command until the next sample time, given the `measurement` of this one."""
         ...
 
 

@@ -20,7 +20,12 @@ NEAR = 0.5
 
 
 class Kinematics(NamedTuple):
-    """Position [m], speed [m/s] and acceleration [m/s^2] of the rope's lower end, positive up."""
+    """Motion of the rope's lower end, positive up.
+
+    Attributes
+    ----------
+    position, speed, acceleration : [m], [m/s], [m/s^2]
+    """
 
     position: float
     speed: float
@@ -29,7 +34,14 @@ class Kinematics(NamedTuple):
 
 @dataclass(frozen=True)
 class LoadState:
-    """Heave of the unit from where it starts [m], its rate [m/s], tension in the rope [N], force of the bottom [N]."""
+    """State of the load.
+
+    Attributes
+    ----------
+    heave, rate : of the unit, from where it starts, positive up [m], [m/s]
+    tension : in the rope [N]
+    bottom_force : of the bottom on the unit, upwards [N]
+    """
 
     heave: float
     rate: float
@@ -51,14 +63,20 @@ class Load(Protocol):
 
 
 class CarriedLoad:
-    """A load whose inertia is the drive's business: the rope feels a constant tension [N]."""
+    """A load whose inertia is the drive's business: the rope feels a constant tension.
+
+    Parameters
+    ----------
+    tension : [N]
+    start : of the rope's lower end
+    """
 
     def __init__(self, tension: float, start: Kinematics) -> None:
         self._tension = tension
         self.state = LoadState(start.position, start.speed, tension)
 
     def step(self, end: Kinematics, duration: float) -> None:
-        """Move with the rope."""
+        """See `Load.step`. The load moves with the rope."""
         del duration
         self.state = LoadState(end.position, end.speed, self._tension)
 
@@ -77,7 +95,7 @@ class WetLoad(NamedTuple):
 
 
 def mas409_load(height: float) -> WetLoad:
-    """Return the payload and travelling block of course MAS409 (University of Agder), so high above the bottom [m].
+    """Return the payload and travelling block of course MAS409 (University of Agder), `height` above the bottom [m].
 
     12 t and 600 kg, 2 m^3, 1.5 m^2 at C_d 1.8; contact 1.8e6 d + 6.5e5 d' sqrt(d). Added mass is not part of it.
     """
@@ -101,7 +119,7 @@ class HangingLoad:
         self.state = LoadState(start.position, start.speed, load.weight)
 
     def step(self, end: Kinematics, duration: float) -> None:
-        """Move the rope's lower end; see `Load`."""
+        """See `Load.step`."""
         substeps = max(1, math.ceil(duration / LONGEST_SUBSTEP - 1e-9))
         before = self.state
         heave, rate, tension, force = _advance(

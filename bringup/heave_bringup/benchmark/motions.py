@@ -20,7 +20,7 @@ class Motion(Protocol):
     """The boom tip."""
 
     def at(self, time: Array, order: int) -> Array:
-        """Return heave [m] and its derivatives up to `order` at the times [s], shape (order + 1, n)."""
+        """Return heave [m] and its derivatives up to `order`, shape (order + 1, n), at each `time` [s], shape (n,)."""
         ...
 
 
@@ -38,7 +38,7 @@ class RecordedMotion:
         self._parts = [cubic, cubic.derivative(1), cubic.derivative(2), smooth.derivative(3), smooth.derivative(4)]
 
     def at(self, time: Array, order: int) -> Array:
-        """Return heave and derivatives; beyond the record's end those of its end."""
+        """See `Motion.at`. Beyond the record's end the values are those of its end."""
         t = np.minimum(time, self._end)
         return np.array([part(t) for part in self._parts[: order + 1]])
 
@@ -57,7 +57,7 @@ class HarmonicMotion:
         self._ramp = ramp
 
     def at(self, time: Array, order: int) -> Array:
-        """Return heave and derivatives."""
+        """See `Motion.at`."""
         turned = self._a * np.exp(1j * (np.outer(time, self._w) + self._p))
         waves = np.array([np.sum(turned * (1j * self._w) ** k, axis=1).imag for k in range(order + 1)])
         if self._ramp == 0.0:
@@ -84,7 +84,8 @@ def sine(amplitude: float, period: float, *, ramp: float) -> HarmonicMotion:
 def mas409_sea(seed: int, *, ramp: float) -> HarmonicMotion:
     """Return the sea of course MAS409 (University of Agder): Hs 1.7 m, T1 10 s, 20 components from 0.1 to 2 rad/s.
 
-    S = A/w^5 exp(-B/w^4), A = 0.11 Hs^2 w1^4, B = 0.44 w1^4, w1 = 2 pi/T1; amplitudes sqrt(2 S dw), random phases.
+    S = A/w^5 exp(-B/w^4), A = 0.11 Hs^2 w1^4, B = 0.44 w1^4, w1 = 2 pi/T1; amplitudes sqrt(2 S dw), random phases
+    that `seed` fixes. It grows from rest over `ramp` [s].
     """
     frequency = np.linspace(0.1, 2.0, 20)
     mean = 2.0 * math.pi / 10.0

@@ -42,6 +42,7 @@ class Outcome:
 
     Attributes
     ----------
+    time : of the samples [s], shape (n,), equally spaced
     signals : what the KPI set is computed from
     error : distance of the unit from where it is wanted, positive up [m]; empty where it cannot be known
     bottom_force, unit_rate : for landings, empty where there is no bottom
@@ -57,7 +58,7 @@ class Outcome:
 
 
 def figures_of(outcome: Outcome, start: float, end: float) -> dict[str, float]:
-    """Return the figures over the window start..end [s]; NaN for what a case does not have."""
+    """Return the figures of `outcome` over the window start..end [s]; NaN for what a case does not have."""
     values = kpi_set.evaluate(outcome.signals, start, end)
     chosen = {name: values.get(name, math.nan) for name in FIGURES}
     inside = (outcome.time >= start) & (outcome.time <= end)
@@ -80,7 +81,7 @@ def _landing(outcome: Outcome) -> tuple[float, float]:
 
 
 def is_lost(figures: dict[str, float]) -> bool:
-    """Tell whether compensation did harm: more motion than without, or snaps that it added."""
+    """Tell from `figures` of a run whether compensation did harm: more motion than without, or snaps that it added."""
     ratio = kpi.worse([figures["unit_sigma_m"]], [figures["uncompensated_sigma_m"]])
     added = figures["snaps"] > figures["uncompensated_snaps"]
     return not ratio <= 1.0 or bool(added)

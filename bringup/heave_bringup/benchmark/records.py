@@ -29,7 +29,14 @@ HOW = (
 
 @dataclass(frozen=True)
 class HeaveRecord:
-    """Times [s], equally spaced from 0, and heave [m]; `digest` tells records apart."""
+    """A record.
+
+    Attributes
+    ----------
+    time : [s], shape (n,), equally spaced from 0
+    heave : [m], shape (n,), positive up
+    digest : tells records apart
+    """
 
     time: Array
     heave: Array
@@ -49,7 +56,7 @@ def records_folder(option: Path | None) -> Path | None:
 
 
 def find_record(folder: Path | None, name: str) -> Path | None:
-    """Return the file of the record `name`, None where there is none."""
+    """Return the file of the record `name` anywhere below `folder`, None where there is none."""
     if folder is None:
         return None
     files = [*sorted(folder.rglob(f"zinage_{name}.csv")), *sorted(folder.rglob(f"{name}.mat"))]
@@ -57,7 +64,7 @@ def find_record(folder: Path | None, name: str) -> Path | None:
 
 
 def read_record(path: Path) -> HeaveRecord:
-    """Read a record; raises ParameterError, naming the file, for one that is none."""
+    """Return the record in the file `path`; raises ParameterError, naming the file, for one that is none."""
     try:
         table = _read_matlab(path) if path.suffix == ".mat" else np.loadtxt(path, delimiter=",", skiprows=1, ndmin=2)
     except (OSError, ValueError, KeyError, NotImplementedError) as error:

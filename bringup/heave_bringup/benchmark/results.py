@@ -28,9 +28,16 @@ class Summary:
 
     Attributes
     ----------
-    residual : root mean square over seeds of the unit's standard deviation [m]; the same of the locked winch: off
-    worst : largest of the seeds' [m]; largest : largest error of all, about the target where it is known [m]
+    case, entrant : by name
+    seeds : how many were run
+    residual : root mean square over seeds of the unit's standard deviation [m]
+    off : the same of the unit without compensation [m]
+    worst : largest of the seeds' standard deviations [m]
+    largest : largest error of all, about the target where it is known [m]
     lost : seeds in which compensation did harm, or failed
+    failures : why runs failed, each reason once
+    figures : the worst of each of FIGURES over the seeds, NaN where it is not known
+    is_reference : the entrant was given the future
     """
 
     case: str
@@ -52,12 +59,12 @@ class Summary:
 
 
 def rounded(value: float) -> float | None:
-    """Return a figure to DIGITS significant digits, None where it is not known."""
+    """Return the figure `value` to DIGITS significant digits, None where it is not known."""
     return float(f"{value:.{DIGITS - 1}e}") if math.isfinite(value) else None
 
 
 def summarise(results: Sequence[Result]) -> list[Summary]:
-    """Return a summary of each entrant on each case, in the order of first appearance."""
+    """Return a summary of `results` for each entrant on each case, in the order of first appearance."""
     groups: dict[tuple[str, str], list[Result]] = {}
     for result in results:
         groups.setdefault((result.task.case, result.task.entrant.short_name), []).append(result)
@@ -149,7 +156,7 @@ def software_versions() -> dict[str, str]:
 
 
 def table(summaries: Sequence[Summary], cases: Mapping[str, Case]) -> str:
-    """Return the one table, a row for each entrant on each case."""
+    """Return the one table, a row for each of `summaries`; `cases`, by name, tell what has been published of them."""
     names = max(len(summary.case) for summary in summaries)
     entrants = max(len(summary.entrant) for summary in summaries) + 1
     lines = [

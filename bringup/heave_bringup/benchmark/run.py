@@ -27,7 +27,15 @@ def all_cases(records: Path | None) -> dict[str, Case]:
 
 @dataclass(frozen=True)
 class Task:
-    """One run: entrant, case, seed, and what the user changed."""
+    """One run: entrant, case, seed, and what the user changed.
+
+    Attributes
+    ----------
+    entrant, case : by name
+    seed : one of the case's
+    duration : of the run at most [s]; None: the case's own
+    records : folder of the published records; None: there is none
+    """
 
     entrant: Named
     case: str
@@ -47,6 +55,7 @@ class Result:
 
     Attributes
     ----------
+    task : the run
     figures : of the run; empty where it failed
     failure : why it failed, in one line
     problem : digest of what defines the run, the entrant apart
@@ -61,7 +70,7 @@ class Result:
 
 
 def check(tasks: Sequence[Task]) -> None:
-    """Make every problem and load every entrant once; raises ParameterError for the first that cannot be."""
+    """Load every entrant of `tasks`, and make each case once; raises ParameterError for the first that cannot be."""
     for entrant in {task.entrant.name: task.entrant for task in tasks}.values():
         entrant.load()
     for task in {(task.case): task for task in tasks}.values():
@@ -73,7 +82,7 @@ def check(tasks: Sequence[Task]) -> None:
 
 
 def run_all(tasks: Sequence[Task], processes: int | None) -> Iterator[Result]:
-    """Run every task and yield the results as they come."""
+    """Run `tasks` in so many `processes` (None: one per processor) and yield the results as they come."""
     workers = min(len(tasks), processes or os.cpu_count() or 1)
     if workers <= 1:
         yield from map(run_one, tasks)

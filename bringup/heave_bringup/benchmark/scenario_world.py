@@ -98,7 +98,7 @@ def _end_of_landing(scenario: Scenario) -> float:
 
 
 def measurement_of(time: float, delivered: Measurements, target: Target) -> Measurement:
-    """Return what an entrant gets of the readings that the loop delivers."""
+    """Return what an entrant gets at `time` [s]: the readings `delivered` by the loop, and the operator's `target`."""
     winch = delivered.winch
     reading = WINCH_NOT_YET_HEARD
     if winch is not None:

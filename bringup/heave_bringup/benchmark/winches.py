@@ -77,7 +77,7 @@ class DrivenWinch:
         )
 
     def step(self, tick: int, command: Command, tension: float) -> None:
-        """Go to the next tick; a set-point that is no number stops the drum with the brake."""
+        """See `Winch.step`. A set-point that is no number stops the drum with the brake."""
         self._taken = tick + 1
         good = math.isfinite(command.payout_rate) and math.isfinite(command.payout)
         order = DriveCommand(command.payout_rate, command.payout, command.brake) if good else DriveCommand(brake=True)
@@ -120,6 +120,6 @@ class VirtualWinchUnderTest:
         )
 
     def step(self, tick: int, command: Command, tension: float) -> None:
-        """Go to the next tick."""
+        """See `Winch.step`."""
         order = WinchCommand(tick + 1, command.payout, command.payout_rate, command.brake)
         self._winch.step(tick, order, tension)

@@ -12,7 +12,7 @@ _REQUIREMENT = re.compile(r"\s*(\w+)\s*([<>]=?.*)")
 
 
 def parse_requirement(text: str) -> Criterion:
-    """Return the criterion of an option `--require KPI<VALUE`.
+    """Return the criterion that `text` is, the value of an option `--require KPI<VALUE`.
 
     Raises ParameterError for what is none, or names no figure of merit.
     """

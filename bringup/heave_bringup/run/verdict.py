@@ -130,7 +130,10 @@ def judge(
 
 
 def time_in_modes(record: RunRecord) -> dict[str, float]:
-    """Return the share of the evaluation window that the controller spent in each mode; empty where none is known."""
+    """Return the share of the evaluation window of `record` that the controller spent in each mode, the largest first.
+
+    Empty where no mode is known.
+    """
     shares: dict[str, float] = {}
     for mode in record.modes:
         part = min(mode.end, record.end) - max(mode.start, record.start)

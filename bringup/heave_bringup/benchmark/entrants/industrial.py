@@ -67,7 +67,7 @@ class Industrial:
         self._faulty = 0
 
     def step(self, measurement: Measurement) -> Command:
-        """Return the command."""
+        """See `Controller.step`."""
         self._tip.step(measurement.time, measurement.mru)
         target = self._landing.bounded(measurement)
         self._faulty = self._faulty + 1 if measurement.winch.fault != WINCH_OK else 0
@@ -117,7 +117,7 @@ class BoomTip:
         self._repeated = self._refused = 0
 
     def step(self, time: float, readings: tuple[MruReading, ...]) -> None:
-        """Go to `time` [s] with what was delivered."""
+        """Go to `time` [s] with the `readings` delivered there."""
         self._time = time
         self._x = self._f @ self._x
         for reading in readings:
@@ -179,7 +179,7 @@ class WinchModel:
         return payout + self._payout - self._past[0], self._rate
 
     def step(self, order: float) -> None:
-        """Take the command of now [m/s]."""
+        """Take `order`, the speed set-point of now [m/s]."""
         winch, before = self._winch, self._rate
         change = (min(max(order, -winch.speed_limit), winch.speed_limit) - before) * (1.0 - self._decay)
         if winch.set_point_limit > winch.speed_limit:
@@ -205,7 +205,7 @@ class Landing:
         self._held = math.inf
 
     def bounded(self, measurement: Measurement) -> tuple[float, float]:
-        """Return payout and rate of the target, no lower than where the unit landed."""
+        """Return payout [m] and rate [m/s] of the target of `measurement`, no lower than where the unit landed."""
         target = measurement.target
         for reading in measurement.load_cell:
             if math.isfinite(reading.value):

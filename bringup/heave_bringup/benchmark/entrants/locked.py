@@ -17,7 +17,7 @@ class Locked:
         del facts
 
     def step(self, measurement: Measurement) -> Command:
-        """Return the command."""
+        """See `Controller.step`."""
         target = measurement.target
         pull = 0.2 * (target.payout - measurement.winch.payout)
         return Command(target.payout_rate + pull, target.payout)

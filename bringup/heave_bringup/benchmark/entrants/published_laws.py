@@ -47,7 +47,7 @@ class ZinagePid(_OfZinage):
         self._filtered = 0.0
 
     def step(self, measurement: Measurement) -> Command:
-        """Return the command."""
+        """See `Controller.step`."""
         e = self._error(measurement)
         slope = 33.33 * (e - self._filtered)
         u = 5.86 * e + 0.711 * self._integral + 5.46 * slope
@@ -74,7 +74,7 @@ class ZinageLqi(_OfZinage):
         self._integral = 0.0
 
     def step(self, measurement: Measurement) -> Command:
-        """Return the command."""
+        """See `Controller.step`."""
         winch = measurement.winch
         seen = winch.instruments
         state = -np.array([seen["swash"], seen["pressure_pa"], winch.payout_rate, winch.payout])
@@ -104,7 +104,7 @@ class ZinageInversion:
         self._drive = zinage_drive()
 
     def step(self, measurement: Measurement) -> Command:
-        """Return the command."""
+        """See `Controller.step`."""
         p = self._drive
         _, v, a, j, s = self._preview(measurement.time + self._half)
         friction, force = p.friction.viscous, p.area * p.motor_efficiency
@@ -131,7 +131,7 @@ class Mas410Law:
         self._heave = self._rate = 0.0
 
     def step(self, measurement: Measurement) -> Command:
-        """Return the command."""
+        """See `Controller.step`."""
         if measurement.mru:
             self._heave, self._rate = measurement.mru[-1].heave, measurement.mru[-1].heave_rate
         return Command(self._rate + 16.0 * (self._heave - measurement.winch.payout))

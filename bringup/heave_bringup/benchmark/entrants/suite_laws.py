@@ -43,7 +43,7 @@ class SuiteController:
         self._command = Command(brake=True)
 
     def step(self, measurement: Measurement) -> Command:
-        """Return the command."""
+        """See `Controller.step`."""
         due = self._samples % self._every == 0
         self._samples += 1
         if due:

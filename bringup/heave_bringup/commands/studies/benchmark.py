@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the command's own arguments."""
+    """Add the command's own arguments to `parser`."""
     parser.add_argument("action", choices=("run", "list"), help="run entrants, or list cases and entrants")
     parser.add_argument(
         "entrants",
@@ -34,7 +34,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def execute(options: argparse.Namespace) -> None:
-    """List, or run every entrant on every case and print one table."""
+    """List, or run every entrant on every case and print one table, as `options` say."""
     from heave_bringup.benchmark.records import HOW, records_folder
     from heave_bringup.benchmark.results import document, summarise, table
     from heave_bringup.benchmark.run import all_cases, check
