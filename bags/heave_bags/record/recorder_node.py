@@ -235,7 +235,7 @@ class RecorderNode(ParticipantNode):
     # Ticks ---------------------------------------------------------------------------------------------------------
 
     def on_roster(self, message: TickRoster) -> None:
-        """Learn which nodes publish what: it fixes the order of the bag."""
+        """Learn from `message` which nodes publish what: it fixes the order of the bag."""
         publishers: dict[str, set[str]] = {}
         for node, topic in zip(message.nodes, message.topics, strict=True):
             if node != self.name:

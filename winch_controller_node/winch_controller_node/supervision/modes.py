@@ -8,6 +8,8 @@ emergency_stop: brake at once, and it stays until another mode is requested.
 `TABLE` has a row for each (mode, event, guard). Requests are events that come from an operator; all others are looked
 for each tick, in the order of `TICK_EVENTS`. The first row whose guard holds is taken. A request without such a row is
 refused with the words of the guards that did not hold. `mode_picture` draws the table.
+
+Arguments: `view` is what events, guards and actions may look at. An action returns the new memory of the machine.
 """
 
 from __future__ import annotations
