@@ -94,7 +94,10 @@ class SensorState:
 
 @dataclass(frozen=True)
 class Report:
-    """What the controller believes and does, as published in heave_msgs/ControllerState; names as there."""
+    """What the controller believes and does, as published in heave_msgs/ControllerState; names as there.
+
+    `is_inhibited`, for diagnostics: compensation does harm, or would, and is kept off.
+    """
 
     mode: str
     law: str
@@ -118,6 +121,7 @@ class Report:
     solver_status: str
     solver_iterations: int
     sensors: tuple[SensorState, ...]
+    is_inhibited: bool = False
 
 
 @dataclass(frozen=True)
