@@ -184,6 +184,54 @@ def test_a_move_lowers_the_unit_while_it_is_compensated():
     assert np.std(rows[-200:, 2]) < 0.01
 
 
+def test_an_operator_lowers_the_unit_while_it_is_compensated_and_a_joystick_that_falls_silent_stops_it():
+    loop = ClosedLoop(loop_parameters(duration=60.0))
+    for _ in range(700):
+        loop.step()
+    controller = loop.controller
+    rows = []
+    for _ in range(200):
+        controller.operate(0.4)
+        rows.append(loop.step()[1])
+    # at the 0.05 m/s^2 of a move it is there after 8 s, and the ease of 2 s at either end
+    assert controller.mean.point.rate == pytest.approx(0.4, abs=0.08)
+    rows += [loop.step()[1] for _ in range(600)]
+    assert controller.mean.point.rate == 0.0
+    rows = np.array(rows)
+    # benchmark B3's 0.5 cm twice, while the mean comes to rest
+    assert np.std((rows[:, 2] + rows[:, 9])[500:]) < 0.01
+    assert np.max(np.abs(np.diff(rows[:, 5]))) <= 1.5 * DT + 1e-9
+    controller.operate(5.0)
+    loop.step()
+    for _ in range(500):
+        controller.operate(5.0)
+        loop.step()
+    # 30 % of 2 m/s are the operator's
+    assert controller.mean.point.rate == pytest.approx(0.3 * 2.0, abs=0.02)
+
+
+def test_manual_speed_moves_the_winch_alone_and_stops_before_the_end_of_its_range():
+    loop = ClosedLoop(loop_parameters(duration=60.0, height=0.01, **{"modes.start": "standby"}))
+    for _ in range(100):
+        loop.step()
+    controller = loop.controller
+    with pytest.raises(ModeError, match="needs mode compensating or manual; the mode is standby"):
+        controller.operate(0.3)
+    controller.set_mode("manual")
+    rows = []
+    for _ in range(2400):
+        controller.operate(0.6)
+        rows.append(loop.step()[1])
+    rows = np.array(rows)
+    # 50 m less the margin of 1 m
+    assert rows[-1, 4] == pytest.approx(49.0, abs=0.5)
+    assert np.max(rows[:, 4]) < 49.0 + 0.05
+    assert np.max(rows[:, 5]) == pytest.approx(0.6, abs=0.01)
+    controller.set_mode("stopped")
+    modes = [loop.step()[0].report.mode for _ in range(40)]
+    assert modes[-1] == "stopped"
+
+
 def test_moves_out_of_reach_or_without_compensation_are_refused_in_words():
     controller = WinchController(loop_parameters().controller, tick_period=DT)
     with pytest.raises(ModeError, match="needs the depth sensor"):
@@ -394,7 +442,7 @@ def test_what_is_reported_of_a_tick_is_of_that_tick_while_the_mean_moves():
 
 def test_a_change_from_constant_tension_to_compensation_makes_no_step_in_the_command():
     """Speed servo and sea stay below the winch's 1.5 m/s^2; the estimate is counted from another mean in that tick."""
-    loop = ClosedLoop(loop_parameters(duration=60.0, law="lqg"))
+    loop = ClosedLoop(loop_parameters(duration=60.0, law="lqg", **{"tension.hanging": True}))
     for _ in range(600):
         loop.step()
     loop.controller.set_mode("constant_tension")
@@ -443,7 +491,7 @@ def test_a_touchdown_while_the_mru_is_lost_for_a_moment_is_acted_upon(monkeypatc
 
 def test_constant_tension_begins_at_the_measured_tension_each_time():
     """Between two spells at constant tension the unit may have been moved: an old set-point means nothing."""
-    loop = ClosedLoop(loop_parameters(duration=200.0))
+    loop = ClosedLoop(loop_parameters(duration=200.0, **{"tension.hanging": True}))
     for _ in range(600):
         loop.step()
     static = loop.controller.design.cable.static_tension
@@ -458,6 +506,31 @@ def test_constant_tension_begins_at_the_measured_tension_each_time():
     measured = loop.controller._estimation.filtered_tension
     assert abs(measured - 0.8 * static) > 0.05 * static
     assert loop.controller._command._tension.value == measured
+
+
+def test_constant_tension_refuses_a_hanging_unit_and_says_what_to_do():
+    loop = ClosedLoop(loop_parameters(duration=60.0))
+    for _ in range(600):
+        loop.step()
+    with pytest.raises(ModeError, match=r"the unit hangs: the cable carries (9\d|10\d) % of its weight.*land it first"):
+        loop.controller.set_mode("constant_tension")
+    assert loop.step()[0].report.mode == "compensating"
+
+
+def test_a_hanging_unit_at_constant_tension_travels_no_further_than_its_bound_and_that_is_an_alarm():
+    """A set-point below its weight lets a hanging unit go for ever."""
+    bound = {"tension.hanging": True, "tension.travel": 1.0}
+    loop = ClosedLoop(loop_parameters(duration=60.0, **bound))
+    for _ in range(600):
+        loop.step()
+    cable = loop.controller.design.cable
+    loop.controller.set_mode("constant_tension", 0.9 * cable.static_tension)
+    outputs, rows = zip(*(loop.step() for _ in range(1600)), strict=True)
+    payout = np.array(rows)[:, 4] - np.array(rows)[:, 1]
+    # the change of tension needs a tenth of the stretch; the average over 5 s is late at the largest speed of 0.3 m/s
+    allowed = 1.0 + 0.1 * cable.static_tension / cable.stiffness + 5.0 * 0.3
+    assert np.max(np.abs(payout - payout[0])) < allowed + 0.2
+    assert any("constant tension has travelled 1 m" in words for tick in outputs for words in tick.alarms)
 
 
 def test_a_landed_unit_under_a_brake_is_lifted_off_at_constant_tension():

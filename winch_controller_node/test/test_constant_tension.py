@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from winch_controller_node.design.design import design_controller
 from winch_controller_node.estimation.tension_filter import FILTER_SHARE, TensionFilter
-from winch_controller_node.laws.constant_tension import ConstantTension, TensionSetPoint
+from winch_controller_node.laws.constant_tension import ALONE_LAGS, ConstantTension, TensionSetPoint, Travel
 from winch_controller_node.laws.loop_state import LoopState, Reference
 from winch_controller_node.node_parameters import WinchControllerParameters
 from winch_controller_node.parameters.laws import TensionLawParameters
@@ -49,14 +49,31 @@ def test_the_law_pays_out_under_too_much_tension_and_no_faster_than_its_limit():
     parameters = TensionLawParameters(time_constant=2.0, speed_limit=0.3)
     set_point = TensionSetPoint(parameters, tick_period=DT)
     set_point.begin(design.cable.static_tension)
-    law = ConstantTension(design.model, design.cable, design.parameters.winch, parameters, set_point)
+    travel = Travel(tick_period=DT)
+    law = ConstantTension(design.model, design.cable, design.parameters.winch, parameters, set_point, travel)
 
-    def rate(stretch):
+    def rate(stretch, *, follows_tip=True):
         """Return the rate command for a cable that is stretched by so much more than at rest [m]."""
         tension = design.cable.static_tension + design.cable.stiffness * stretch
-        return law.command(LoopState(np.zeros(design.model.order), Reference(), 0.0, tension)).value
+        state = LoopState(np.zeros(design.model.order), Reference(), 0.0, tension)
+        return law.command(state, tension, follows_tip=follows_tip).value
 
     assert rate(0.0) == 0.0
     assert rate(0.1) == pytest.approx(0.1 / 2.0)
     assert rate(-0.1) == pytest.approx(-0.1 / 2.0)
     assert rate(50.0) == 0.3
+    for _ in range(100):
+        rate(0.0, follows_tip=False)
+    # 0.2 s of delay and 0.15 s of lag; the tension alone leads twice as slowly
+    assert rate(0.1, follows_tip=False) == pytest.approx(0.1 / (ALONE_LAGS * 0.35))
+
+
+def test_travel_ends_at_its_bound_and_the_way_back_stays_open():
+    travel = Travel(tick_period=DT)
+    travel.begin(1.0)
+    outlet = 5.0
+    for _ in range(4000):
+        outlet += DT * travel.bounded(0.1, outlet)
+    # at 0.1 m/s the average over 5 s is 0.5 m behind
+    assert 1.0 <= outlet - 5.0 <= 1.5 + 0.1 * DT
+    assert travel.bounded(-0.1, outlet) == -0.1

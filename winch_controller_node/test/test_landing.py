@@ -1,58 +1,33 @@
-"""Landing: whether the unit stands, told from depth readings alone; touchdown and lift-off."""
+"""Landing: touchdown, told from the trends of depth, tension and mean payout; lift-off."""
+
+import math
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from winch_controller_node.estimation.loop_tick import Sensed
 from winch_controller_node.parameters.laws import TensionLawParameters
-from winch_controller_node.supervision.landing import FallRate, Landing, LandingEvent
+from winch_controller_node.supervision.landing import HangingLoad, Landing, LandingEvent, Trend
 from winch_controller_node.supervision.modes import Mode, ModeOutput
 
-NOISE = 0.02
-"""Depth sensor of the benchmarks: 2 cm, 10 Hz."""
+DT = 0.05
+DEPTH_NOISE = 0.02
+"""Depth sensor of the benchmarks: 2 cm, 10 Hz, 0.1 s late."""
 
+TENSION_NOISE = 0.005
+"""Load cell of the benchmarks, of the tension."""
 
-def watched(depth_of, seed=1, end=3.0):
-    watch, noise = FallRate(), np.random.default_rng(seed)
-    for time in np.arange(0.0, end, 0.1):
-        watch.add(float(time), depth_of(time) + NOISE * noise.standard_normal())
-    return watch
-
-
-@pytest.mark.parametrize("rate", [0.2, 0.5, 1.0])
-def test_a_unit_on_the_bottom_stands_and_one_that_is_lowered_does_not(rate):
-    for seed in range(20):
-        assert watched(lambda time: 600.0, seed).shows_standing(rate)
-        assert not watched(lambda time: 600.0 + rate * time, seed).shows_standing(rate)
-
-
-def test_a_swing_unloads_the_cable_where_the_unit_falls_with_the_winch():
-    """x = A cos(w t) about the mean: the cable is least loaded at the top of the swing, where x' = 0 about the mean."""
-    amplitude, omega, rate = 1.0, 0.4, 1.0
-    for seed in range(20):
-        watch = watched(lambda time: rate * time - amplitude * np.cos(omega * (time - 3.0)), seed)
-        assert watch.value == pytest.approx(rate, abs=0.3)
-        assert not watch.shows_standing(rate)
-
-
-def test_the_speed_is_that_of_the_last_second_only():
-    watch = watched(lambda time: 600.0 + min(time, 1.5), end=3.0)
-    assert abs(watch.value) < 0.1
-
-
-def test_without_readings_nothing_is_known_and_the_tension_decides():
-    assert FallRate().shows_standing(0.5)
-
-
-LOWERING = ModeOutput(Mode.COMPENSATING, "", 1.0, brake=False)
+COMPENSATING = ModeOutput(Mode.COMPENSATING, "", 1.0, brake=False)
 HOLDING = ModeOutput(Mode.CONSTANT_TENSION, "", 0.0, brake=False)
 
 
-def sensed(*, depths=(), innovation=None, has_depth=True):
+def sensed(*, tension, depths=(), innovation=None, has_depth=True, filtered=None):
     return Sensed(
         payout=0.0,
         mru_rate=0.0,
-        tension=1.0,
-        filtered_tension=1.0,
+        tension=tension,
+        filtered_tension=tension if filtered is None else filtered,
         depths=tuple(depths),
         depth_heave=None,
         depth_innovation=innovation,
@@ -64,42 +39,150 @@ def sensed(*, depths=(), innovation=None, has_depth=True):
     )
 
 
-def landed():
-    landing = Landing(TensionLawParameters())
-    landing.observe(sensed(depths=[(0.1 * k, 600.0) for k in range(12)], innovation=5.0))
-    assert landing.update(sensed(), 0.3, LOWERING, 0.2) is LandingEvent.TOUCHDOWN
-    return landing
+def test_a_trend_is_the_least_squares_line_with_its_standard_error():
+    """numpy.polyfit has the same line, and its covariance the same error."""
+    random = np.random.default_rng(1)
+    times = np.arange(0.0, 3.0, 0.1)
+    values = 2.0 + 0.3 * times + 0.02 * random.standard_normal(times.size)
+    trend = Trend()
+    for time, value in zip(times, values, strict=True):
+        trend.add(float(time), float(value))
+    within = times > times[-1] - 1.95
+    (slope, _), covariance = np.polyfit(times[within], values[within], 1, cov=True)
+    found = trend.slope(1.95)
+    assert found.value == pytest.approx(slope)
+    assert found.error == pytest.approx(math.sqrt(covariance[0, 0]))
 
 
-def test_a_unit_lands_once_and_hangs_again_only_when_it_is_lifted():
-    landing = landed()
-    assert landing.unit_stands
-    assert landing.update(sensed(), 0.3, LOWERING, 0.2) is None
-    assert landing.update(sensed(), 1.1, HOLDING, 0.0) is None
-    landing.begin_lift_off()
-    assert landing.update(sensed(), 0.9, HOLDING, 0.0) is None
-    assert landing.update(sensed(), 1.1, HOLDING, 0.0) is LandingEvent.LIFTED_OFF
-    assert not landing.unit_stands
-    assert landing.update(sensed(), 1.1, HOLDING, 0.0) is None
+def test_a_trend_says_nothing_before_its_window_is_full():
+    trend = Trend()
+    trend.add(0.0, 1.0)
+    trend.add(0.1, 1.0)
+    assert trend.slope(1.0) is None
+
+
+class Lowering:
+    """A unit of 50 kN that is lowered on a cable, as its sensors see it; it touches the bottom at a time."""
+
+    def __init__(self, *, stiffness, speed, contact, seed=1, swing=(0.0, 1.0), weight=50e3):
+        self.load = HangingLoad(static_tension=1.2 * weight, weight=weight, stiffness=stiffness)
+        self.landing = Landing(TensionLawParameters(), self.load)
+        self._speed, self._contact, self._swing = speed, contact, swing
+        self._random = np.random.default_rng(seed)
+        self._tick = 0
+
+    def depth(self, time):
+        amplitude, omega = self._swing
+        return min(self._speed * time, self._speed * self._contact) - amplitude * math.cos(omega * time)
+
+    def tension(self, time):
+        """Relieved by what the winch lowers after the contact, and by the inertia of a unit that swings."""
+        amplitude, omega = self._swing
+        slack = self.load.stiffness * self._speed * max(time - self._contact, 0.0)
+        inertia = self.load.weight / 9.81 * 1.8 * amplitude * omega**2 * math.cos(omega * time)
+        carried = max(self.load.weight - slack, 0.0) - inertia
+        return self.load.static_tension - self.load.weight + max(carried, 0.0)
+
+    def run(self, duration, mode=COMPENSATING, *, has_depth=True, innovation=5.0):
+        """Return the time of the touchdown; None: there was none."""
+        noise = self._random.standard_normal
+        while self._tick * DT < duration:
+            self._tick += 1
+            time = self._tick * DT
+            stamp = time - 0.1
+            has_reading = self._tick % 2 == 0 and stamp > 0.0
+            depths = [(stamp, self.depth(stamp) + DEPTH_NOISE * noise())] if has_reading else []
+            tension = self.tension(time) * (1.0 + TENSION_NOISE * noise())
+            now = sensed(tension=tension, depths=depths, innovation=innovation, has_depth=has_depth)
+            self.landing.observe(time, now, self._speed * time)
+            if self.landing.update(time, now, mode) is LandingEvent.TOUCHDOWN:
+                return time
+        return None
+
+
+@settings(max_examples=30, deadline=None)
+@given(
+    stiffness=st.floats(math.log(5e3), math.log(5e6)).map(math.exp),
+    speed=st.floats(0.05, 0.5),
+    seed=st.integers(0, 1000),
+)
+def test_a_landing_is_known_before_the_winch_has_lowered_by_half_a_metre_on_soft_and_stiff_cables(
+    stiffness, speed, seed
+):
+    contact = 12.0
+    touchdown = Lowering(stiffness=stiffness, speed=speed, contact=contact, seed=seed).run(contact + 10.0)
+    assert touchdown is not None
+    assert contact < touchdown
+    assert (touchdown - contact) * speed < 0.5
+
+
+@settings(max_examples=15, deadline=None)
+@given(speed=st.floats(0.05, 1.0), seed=st.integers(0, 1000), stiffness=st.sampled_from([5e3, 50e3, 5e6]))
+def test_a_unit_that_is_lowered_through_the_water_never_lands(speed, seed, stiffness):
+    assert Lowering(stiffness=stiffness, speed=speed, contact=math.inf, seed=seed).run(30.0) is None
+
+
+@pytest.mark.parametrize("speed", [0.1, 0.3, 0.5])
+@pytest.mark.parametrize("amplitude", [0.5, 1.0, 3.0])
+def test_a_unit_that_swings_never_lands(speed, amplitude):
+    """At the top of its swing the cable is least loaded and the unit stands for a moment, but nothing stays so."""
+    for seed in range(3):
+        swinging = Lowering(stiffness=27e3, speed=speed, contact=math.inf, seed=seed, swing=(amplitude, 0.4))
+        assert swinging.run(60.0) is None
 
 
 @pytest.mark.parametrize(
-    ("share", "mode", "rate", "innovation"),
-    [
-        (0.7, LOWERING, 0.2, 5.0),
-        (0.3, HOLDING, 0.2, 5.0),
-        (0.3, LOWERING, 0.0, 5.0),
-        (0.3, LOWERING, 0.2, 2.0),
-        (0.3, ModeOutput(Mode.COMPENSATING, "", 0.4, brake=False), 0.2, 5.0),
-    ],
-    ids=["carried", "not compensating", "not lowered", "where a hanging unit would be", "little authority"],
+    "mode",
+    [HOLDING, ModeOutput(Mode.COMPENSATING, "", 0.4, brake=False)],
+    ids=["not compensating", "little authority"],
 )
-def test_what_is_no_landing(share, mode, rate, innovation):
-    landing = Landing(TensionLawParameters())
-    landing.observe(sensed(depths=[(0.1 * k, 600.0) for k in range(12)], innovation=innovation))
-    assert landing.update(sensed(), share, mode, rate) is None
+def test_only_a_unit_that_is_compensated_lands(mode):
+    assert Lowering(stiffness=27e3, speed=0.2, contact=20.0).run(30.0, mode) is None
+
+
+def test_a_landing_is_suspected_before_it_is_known_and_a_suspicion_does_not_last():
+    lowering = Lowering(stiffness=5e3, speed=0.05, contact=20.0)
+    lowering.run(20.0)
+    assert not lowering.landing.is_suspected
+    suspected = [lowering.run(20.0 + DT * k) is None and lowering.landing.is_suspected for k in range(1, 100)]
+    assert any(suspected)
+    assert not lowering.landing.is_suspected
 
 
 def test_without_a_depth_sensor_the_tension_alone_tells():
-    landing = Landing(TensionLawParameters())
-    assert landing.update(sensed(has_depth=False), 0.3, LOWERING, 0.2) is LandingEvent.TOUCHDOWN
+    lowering = Lowering(stiffness=100e3, speed=0.2, contact=20.0)
+    # 40 % of 50 kN are off after 1 s
+    assert lowering.run(30.0, has_depth=False) == pytest.approx(21.0, abs=0.2)
+
+
+def test_a_unit_lands_once_and_hangs_again_only_when_it_is_lifted():
+    lowering = Lowering(stiffness=27e3, speed=0.2, contact=20.0)
+    time = lowering.run(30.0)
+    landing, load = lowering.landing, lowering.load
+    assert landing.unit_stands
+    hanging = sensed(tension=load.static_tension + 0.1 * load.weight)
+    standing = sensed(tension=load.static_tension - 0.1 * load.weight)
+    assert landing.update(time, hanging, HOLDING) is None
+    landing.begin_lift_off()
+    assert landing.update(time, standing, HOLDING) is None
+    assert landing.update(time, hanging, HOLDING) is LandingEvent.LIFTED_OFF
+    assert not landing.unit_stands
+    assert landing.update(time, hanging, HOLDING) is None
+
+
+def test_a_unit_that_is_where_a_hanging_one_is_expected_has_not_landed():
+    assert Lowering(stiffness=27e3, speed=0.2, contact=20.0).run(30.0, innovation=0.5) is None
+
+
+def test_a_winch_that_begins_to_lower_relieves_the_cable_by_the_inertia_of_the_unit_and_that_is_no_landing():
+    """It stays behind a mean payout that speeds up at a = 0.05 m/s^2 by m a over the stiffness, m of 100 t."""
+    load = HangingLoad(static_tension=600e3, weight=490e3, stiffness=270e3)
+    landing = Landing(TensionLawParameters(), load)
+    for tick in range(1, 200):
+        time = tick * DT
+        payout = 0.5 * 0.05 * max(time - 3.0, 0.0) ** 2
+        depth = max(payout - 100e3 * 0.05 / 270e3, 0.0)
+        depths = [(time - 0.1, depth)] if tick % 2 == 0 else []
+        now = sensed(tension=load.static_tension - load.stiffness * (payout - depth), depths=depths, innovation=5.0)
+        landing.observe(time, now, payout)
+        assert landing.update(time, now, COMPENSATING) is None

@@ -73,3 +73,18 @@ def test_a_programme_that_contradicts_itself_is_refused_in_words():
         ProgrammeParameters(move_times=(1.0,))
     with pytest.raises(ValueError, match="must be ascending"):
         ProgrammeParameters(mode_times=(2.0, 1.0), modes=("standby", "standby"))
+
+
+def test_a_halt_takes_its_deceleration_and_no_longer():
+    """From v at a: v/a of time and v^2/(2 a) of way."""
+    mean = MeanPayout(MoveParameters(), tick_period=0.05)
+    mean.move_to(100.0, 0.5)
+    while mean.point.rate < 0.499:
+        mean.advance()
+    start = mean.point
+    mean.halt(0.5)
+    points = [mean.advance() for _ in range(30)]
+    ticks = sum(point.rate > 0.0 for point in points)
+    assert ticks * 0.05 == pytest.approx(start.rate / 0.5, abs=0.05)
+    assert points[-1].payout - start.payout == pytest.approx(start.rate**2 / (2.0 * 0.5), abs=0.5 * 0.05)
+    assert not mean.is_moving

@@ -9,6 +9,8 @@ from __future__ import annotations
 
 import math
 
+from heave_node.codes import WinchLimit
+
 from winch_controller_node.design.design import ControllerDesign
 from winch_controller_node.design.prediction import predict_loop
 from winch_controller_node.design_in_force import DesignInForce
@@ -16,19 +18,28 @@ from winch_controller_node.estimation.loop_estimation import LoopEstimation
 from winch_controller_node.estimation.loop_tick import LoopTick
 from winch_controller_node.estimation.observation import Observer
 from winch_controller_node.interface.readings import Measurements, Outputs, RollingKpi, WinchReading
-from winch_controller_node.loop_command import LoopCommand
+from winch_controller_node.laws.constant_tension import TRAVEL
+from winch_controller_node.loop_command import LoopCommand, TickCommand
 from winch_controller_node.model.estimator import KalmanEstimator
 from winch_controller_node.model.lqr import DesignError
+from winch_controller_node.motion.operator_speed import OperatorRange, OperatorSpeed
 from winch_controller_node.motion.programme import Programme, ProgrammeStep
 from winch_controller_node.motion.trajectory import MeanPayout
 from winch_controller_node.node_parameters import WinchControllerParameters
 from winch_controller_node.state_report import ControllerTick, state_report
 from winch_controller_node.supervision.landing import LandingEvent
+from winch_controller_node.supervision.load_watch import Episode, LoadWatch
 from winch_controller_node.supervision.mode_machine import ModeMachine
 from winch_controller_node.supervision.modes import BRAKED, Mode, ModeError, ModeOutput
 from winch_controller_node.supervision.rolling_kpi import KpiWindow
 from winch_controller_node.supervision.supervisor import Decision, Supervisor, WinchSituation
 from winch_controller_node.supervision.winch_watch import WinchWatch, identifies_winch
+
+DYNAMIC_LIMITS = WinchLimit.SPEED | WinchLimit.ACCELERATION | WinchLimit.POWER
+"""Limits of the winch that a sea takes it to."""
+
+OPERATED = (Mode.COMPENSATING, Mode.MANUAL)
+"""Modes in which an operator may ask for a speed."""
 
 LIFTING_SURPLUS = 0.06
 """Tension above the static one that lifts a unit off, in weights of the unit: more than the load cell may err."""
@@ -55,7 +66,10 @@ class WinchController:
         self._supervisor = Supervisor(design, law)
         self._command = LoopCommand(design, law)
         self._winch = WinchWatch(design)
+        self._load = LoadWatch(parameters.alarms, tick_period=tick_period)
+        self._travel_end = Episode(tick_period)
         self._programme = Programme(parameters.programme)
+        self._operator = OperatorSpeed(parameters.operator, tick_period=tick_period)
         self._kpi = KpiWindow(parameters.kpi_window, parameters.winch, tick_period=tick_period)
         self._alarms: list[str] = []
 
@@ -157,6 +171,38 @@ class WinchController:
             )
         self.mean.move_to(payout, speed)
 
+    @property
+    def is_operated(self) -> bool:
+        """Tell whether an operator asks for a speed of the mean payout."""
+        return self._operator.is_asked
+
+    def operate(self, speed: float) -> None:
+        """Lower at a `speed` [m/s], negative lifts, for `operator.timeout`; ends a move that is under way.
+
+        Raises ModeError where the winch neither compensates nor is in mode manual.
+        """
+        if self.mode not in OPERATED:
+            raise ModeError(f"an operator's speed needs mode compensating or manual; the mode is {self.mode.value}")
+        if not math.isfinite(speed):
+            raise ModeError(f"a speed must be a number; got {speed} m/s")
+        self._operator.ask(speed)
+
+    def _follow_operator(self) -> None:
+        """Drive the mean payout as the operator asks, and bring it to rest when that has lapsed."""
+        if not self._operator.is_asked:
+            return
+        if self.mode not in OPERATED:
+            self._operator.drop()
+            return
+        limits, parameters = self._command.governor.limits, self.parameters.operator
+        bounds = OperatorRange(
+            parameters.speed_share * limits.speed,
+            self.parameters.move.acceleration,
+            limits.payout_minimum,
+            limits.payout_maximum,
+        )
+        self.mean.drive(self._operator.advance(self.mean.point, bounds))
+
     def cancel_move(self) -> None:
         """Bring the mean payout to rest smoothly."""
         self.mean.stop()
@@ -181,7 +227,6 @@ class WinchController:
 
     def _hold_tension(self, tension: float, *, was: Mode) -> None:
         """Go to a tension [N] from the measured one, or from that held if the mode `was` constant tension already."""
-        self.mean.stop()
         if was is not Mode.CONSTANT_TENSION:
             self._command.begin_tension(self._estimation.filtered_tension)
         self._command.hold_tension(tension)
@@ -199,6 +244,7 @@ class WinchController:
         """Do tick k: take the `measurements` of t_k, return the order for [t_k, t_{k+1}] and what is known."""
         self._alarms = []
         self._run_programme(tick * self._dt)
+        self._follow_operator()
         self._follow_winch(tick)
         self._follow_length()
         loop = self._estimation.step(
@@ -211,6 +257,7 @@ class WinchController:
         loop = self._estimation.refreshed(loop)
         command = self._command.command(loop, decision)
         self._estimation.advance_mean(command.shares.mean, is_braked=self.modes.brake)
+        self._watch_load(loop, measurements.winch, command)
         order = self._command.order(command, decision.mode, self._estimation.motion.set_point)
         self._winch.give(order)
         self._note_kpi(loop)
@@ -226,7 +273,7 @@ class WinchController:
             WinchSituation(
                 fault=0 if winch is None else winch.fault,
                 speed=self._command.speed(loop),
-                lowering_rate=self.mean.point.rate,
+                mean_payout=self.mean.point.payout,
                 settled_swing=self._command.settled_swing,
                 inhibition=transport.inhibition,
             ),
@@ -234,6 +281,16 @@ class WinchController:
         self._alarms += [transport.alarm] if transport.alarm else []
         self._alarms += decision.alarms
         return decision
+
+    def _watch_load(self, loop: LoopTick, winch: WinchReading | None, command: TickCommand) -> None:
+        """Give the alarms of tension and winch."""
+        is_at_limit = winch is not None and bool(winch.limits_hit & DYNAMIC_LIMITS)
+        static_tension = self.design.cable.static_tension
+        self._alarms += self._load.update(loop.sensed.tension, static_tension, is_at_limit=is_at_limit)
+        if self._travel_end.begins(TRAVEL in command.asked.active):
+            self._alarms.append(
+                f"constant tension has travelled {self.parameters.tension.travel:g} m: the load gives way, or is gone"
+            )
 
     def _note_kpi(self, loop: LoopTick) -> None:
         self._kpi.add(
@@ -273,6 +330,7 @@ class WinchController:
         if landing is LandingEvent.TOUCHDOWN:
             was = self.mode
             self.modes.touch_down()
+            self.mean.halt(self.parameters.modes.stop_deceleration)
             relief = (1.0 - parameters.landing_ratio) * self.design.unit_weight
             self._hold_tension(self.design.cable.static_tension - relief, was=was)
         else:

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from heave_node.arrays import Array
 
 from winch_controller_node.design.design import ControllerDesign
 from winch_controller_node.estimation.loop_tick import CommandShares, LoopTick
 from winch_controller_node.interface.readings import WinchOrder
-from winch_controller_node.laws.constant_tension import ConstantTension, TensionSetPoint
-from winch_controller_node.laws.governor import GovernedCommand
+from winch_controller_node.laws.constant_tension import ConstantTension, TensionSetPoint, Travel
+from winch_controller_node.laws.governor import TENSION, GovernedCommand
 from winch_controller_node.laws.law import ControlLaw, LawCommand
 from winch_controller_node.laws.loop_state import AuthorityShift, LoopState, Reference
 from winch_controller_node.laws.outlet_hold import OutletHold
@@ -20,6 +20,9 @@ from winch_controller_node.supervision.modes import Mode, ModeOutput
 from winch_controller_node.supervision.supervisor import Decision
 
 IDLE = LawCommand(0.0)
+
+GIVING_TIME = 1.0
+"""A winch gives way to a tension above the highest one within this time [s], and no quicker than twice its lag."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,6 +64,7 @@ class LoopCommand:
         self._sequence = 0
         self.last = NO_COMMAND
         self._tension = TensionSetPoint(design.parameters.tension, tick_period=design.tick_period)
+        self._travel = Travel(tick_period=design.tick_period)
         self.take_design(design, law)
 
     def take_design(self, design: ControllerDesign, law: ControlLaw) -> None:
@@ -78,8 +82,10 @@ class LoopCommand:
         self._fade_out = OutletHold(model, parameters.winch, 0.0) if rate_driven else None
         self._settling = OutletHold(model, parameters.winch, design.cable.a) if rate_driven else None
         self._constant_tension = ConstantTension(
-            model, design.cable, parameters.winch, parameters.tension, self._tension
+            model, design.cable, parameters.winch, parameters.tension, self._tension, self._travel
         )
+        self._stiffness, self._travel_bound = design.cable.stiffness, parameters.tension.travel
+        self._giving_time = max(GIVING_TIME, 2.0 * (parameters.winch.command_delay + parameters.winch.time_constant))
         self._shift = AuthorityShift(model, design.sea_states)
         self._payout_state, self._unit_state = model.state("payout"), model.state("unit_heave")
 
@@ -94,6 +100,7 @@ class LoopCommand:
 
     def hold_tension(self, tension: float) -> None:
         """Go to another tension [N] from the one that is held."""
+        self._travel.begin(self._travel_bound + abs(tension - self._tension.value) / self._stiffness)
         self._tension.hold(tension)
 
     def speed(self, tick: LoopTick) -> float:
@@ -118,7 +125,7 @@ class LoopCommand:
             measured_tension=tick.sensed.filtered_tension,
             mru_rate=mode.authority * tick.sensed.mru_rate,
         )
-        asked = self._ask(state, standing, decision)
+        asked = self._give_way(self._ask(tick, state, standing, decision), tick, mode)
         if mode.brake:
             governed = GovernedCommand(standing, (), standing)
         else:
@@ -165,13 +172,26 @@ class LoopCommand:
             x[self._unit_state] += tick.left_over
         return x
 
-    def _ask(self, state: LoopState, standing: float, decision: Decision) -> LawCommand:
+    def _give_way(self, asked: LawCommand, tick: LoopTick, mode: ModeOutput) -> LawCommand:
+        """Pay out more than is asked for where the tension is above the highest one."""
+        over = tick.sensed.tension - self.governor.limits.maximum_tension
+        if mode.brake or self._is_first_order or not over > 0.0:
+            return asked
+        more = over / (self._stiffness * self._giving_time)
+        return replace(asked, value=asked.value + more, active=(*asked.active, TENSION))
+
+    def _ask(self, tick: LoopTick, state: LoopState, standing: float, decision: Decision) -> LawCommand:
         """Ask the law that the mode calls for."""
         mode = decision.mode.mode
         if mode is Mode.CONSTANT_TENSION:
-            return self._constant_tension.command(state)
+            tension = tick.sensed.tension if math.isfinite(tick.sensed.tension) else state.measured_tension
+            return self._constant_tension.command(state, tension, follows_tip="mru" not in tick.sensed.lost)
         if mode is Mode.COMPENSATING:
             return self._law.command(state)
+        if mode is Mode.MANUAL:
+            # the drum stays where it is about the mean payout, which the operator moves
+            gain = 1.0 if self._is_first_order else self._winch.position_gain
+            return LawCommand(standing - gain * state.reference.payout)
         if mode is Mode.STOPPING:
             return self._slow_down(state, standing)
         if mode is Mode.FADE_OUT:

@@ -55,6 +55,8 @@ class MoveAction:
             return
         if controller.mode is not Mode.COMPENSATING:
             self._end("aborted", f"mode {controller.mode.value}: {controller.modes.reason}")
+        elif controller.is_operated:
+            self._end("aborted", "the operator's speed has taken over")
         elif not controller.mean.is_moving:
             self._end("succeeded", "arrived")
         elif time >= self._next_feedback:

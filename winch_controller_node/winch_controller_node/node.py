@@ -6,6 +6,7 @@ import dataclasses
 import math
 import sys
 
+from geometry_msgs.msg import TwistStamped
 from heave_msgs.srv import Redesign, SetMode
 from heave_node import topics
 from heave_node.codes import SensorLevel
@@ -35,8 +36,8 @@ LEVELS = {SensorLevel.OK: Level.OK, SensorLevel.SUSPECT: Level.WARN, SensorLevel
 class WinchControllerNode(ParticipantNode):
     """Publishes in tick k the command for [t_k, t_{k+1}] from all readings delivered by t_k.
 
-    It subscribes to sensors only. Services `controller/set_mode`, `controller/redesign`; action
-    `controller/move_to_depth`.
+    It subscribes to sensors, and to the joystick of an operator (`controller/operator_speed`). Services
+    `controller/set_mode`, `controller/redesign`; action `controller/move_to_depth`.
     """
 
     name = "winch_controller"
@@ -63,6 +64,7 @@ class WinchControllerNode(ParticipantNode):
         self.create_service(SetMode, "controller/set_mode", self._serve_set_mode)
         self.create_service(Redesign, "controller/redesign", self._serve_redesign)
         self.move = MoveAction(self, lambda: self.controller)
+        self.create_subscription(TwistStamped, "controller/operator_speed", self._take_operator_speed, 1)
 
     def on_activate(self, state: LifecycleState) -> TransitionCallbackReturn:
         """Begin anew in a run that is under way; `state` is the lifecycle state before."""
@@ -113,7 +115,8 @@ class WinchControllerNode(ParticipantNode):
         if self.outputs_of_tick is None:
             return [Health("mode", Level.OK, self.controller.mode.value)]
         report = self.outputs_of_tick.report
-        is_stopped = report.mode in ("stopped", "emergency_stop", "stopping")
+        # standing by after harm is no rest
+        is_stopped = report.mode in ("stopped", "emergency_stop", "stopping") or report.is_inhibited
         level = Level.ERROR if is_stopped else Level.WARN if report.mode == "fade_out" else Level.OK
         text = f"{report.mode}: {report.reason}" if report.reason else report.mode
         parts = [Health("mode", level, text, {"authority": f"{report.authority:.2f}"})]
@@ -129,6 +132,13 @@ class WinchControllerNode(ParticipantNode):
             return WinchController(self.parameters, tick_period=self.run.tick_period, seed=self.run.seed)
         except (DesignError, ModelError) as error:
             raise NodeError(f"{self.name}: {error}") from error
+
+    def _take_operator_speed(self, twist: TwistStamped) -> None:
+        """Take an operator's speed: linear.z, positive up as all heave, so that pulling up lifts the unit [m/s]."""
+        try:
+            self.controller.operate(-twist.twist.linear.z)
+        except ModeError as error:
+            self.get_logger().warning(str(error), throttle_duration_sec=5.0)
 
     def _serve_set_mode(self, request: SetMode.Request, response: SetMode.Response) -> SetMode.Response:
         if not self.is_active:

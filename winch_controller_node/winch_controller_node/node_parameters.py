@@ -12,12 +12,15 @@ from heave_node.parameters import ParameterError, group, parameter
 from winch_controller_node.interface.sensors import KNOWN_SENSORS, SensorsModelParameters
 from winch_controller_node.laws.registry import LAWS, describe_laws
 from winch_controller_node.parameters.laws import (
+    AlarmParameters,
+    EntryParameters,
     GuardParameters,
     HealthParameters,
     LagParameters,
     LimitParameters,
     ModeParameters,
     MoveParameters,
+    OperatorParameters,
     ProgrammeParameters,
     TensionLawParameters,
 )
@@ -85,7 +88,10 @@ class WinchControllerParameters(LawGroups):
     lag: LagParameters = group(LagParameters)
     modes: ModeParameters = group(ModeParameters)
     tension: TensionLawParameters = group(TensionLawParameters)
+    alarms: AlarmParameters = group(AlarmParameters)
+    entry: EntryParameters = group(EntryParameters)
     move: MoveParameters = group(MoveParameters)
+    operator: OperatorParameters = group(OperatorParameters)
     programme: ProgrammeParameters = group(ProgrammeParameters)
     health: HealthParameters = group(HealthParameters)
     kpi_window: float = parameter(

@@ -62,4 +62,5 @@ def state_report(tick: ControllerTick, estimation: LoopEstimation, in_force: Des
         solver_status=command.asked.status,
         solver_iterations=command.asked.iterations,
         sensors=estimation.observer.states(loop.number),
+        is_inhibited=tick.decision.is_inhibited,
     )

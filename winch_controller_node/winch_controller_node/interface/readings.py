@@ -101,7 +101,10 @@ class SensorState:
 
 @dataclass(frozen=True)
 class Report:
-    """See heave_msgs/ControllerState, whose names these are: what the controller believes and does."""
+    """See heave_msgs/ControllerState, whose names these are: what the controller believes and does.
+
+    `is_inhibited`, for diagnostics: compensation does harm, or would, and is kept off.
+    """
 
     mode: str
     law: str
@@ -125,6 +128,7 @@ class Report:
     solver_status: str
     solver_iterations: int
     sensors: tuple[SensorState, ...]
+    is_inhibited: bool = False
 
 
 @dataclass(frozen=True)

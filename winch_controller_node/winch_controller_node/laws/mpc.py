@@ -272,8 +272,11 @@ class ConstrainedLaw(ControlLaw):
             elif kind.name == PAYOUT:
                 mean = reference.payout + reference.rate * kind.times
                 lower[kind.rows], upper[kind.rows] = limits.payout_minimum - mean, limits.payout_maximum - mean
-            elif limits.minimum_tension > 0.0:
-                lower[kind.rows] = limits.minimum_tension - state.static_tension
+            else:
+                if limits.minimum_tension > 0.0:
+                    lower[kind.rows] = limits.minimum_tension - state.static_tension
+                if math.isfinite(limits.maximum_tension):
+                    upper[kind.rows] = limits.maximum_tension - state.static_tension
         return lower, upper
 
     def _active(self, planned: Array, lower: Array, upper: Array) -> tuple[str, ...]:

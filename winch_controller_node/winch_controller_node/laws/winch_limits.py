@@ -19,6 +19,7 @@ class WinchLimits:
     payout_minimum, payout_maximum : ends of the range that is used [m]
     power : largest [W]; infinite without a limit
     minimum_tension : least tension at the top that a plan may have [N]
+    maximum_tension : highest; above it the winch gives way [N]
     """
 
     speed: float
@@ -27,6 +28,7 @@ class WinchLimits:
     payout_maximum: float
     power: float = math.inf
     minimum_tension: float = 0.0
+    maximum_tension: float = math.inf
 
     def speed_under(self, tension: float) -> float:
         """Return the speed limit [m/s] under `tension` [N], the power limit included."""
@@ -38,6 +40,7 @@ class WinchLimits:
 def winch_limits(winch: WinchModelParameters, limits: LimitParameters, static_tension: float) -> WinchLimits:
     """Return the limits in force for a `winch`, of which `limits` are used, under a `static_tension` at the top [N]."""
     span = winch.payout_maximum - winch.payout_minimum
+    highest = limits.maximum_tension_ratio
     margin = min(limits.payout_margin, 0.25 * span)
     return WinchLimits(
         speed=winch.speed_limit * limits.speed_use,
@@ -46,4 +49,5 @@ def winch_limits(winch: WinchModelParameters, limits: LimitParameters, static_te
         payout_maximum=winch.payout_maximum - margin,
         power=winch.power_limit if winch.power_limit > 0.0 else math.inf,
         minimum_tension=limits.minimum_tension_ratio * static_tension,
+        maximum_tension=highest * static_tension if highest > 0.0 else math.inf,
     )

@@ -43,10 +43,14 @@ class MeanPayout:
         self.target = 0.0
         self._speed = parameters.speed
         self._is_stopping = False
+        self._deceleration = 0.0
+        self._driven: float | None = None
 
     @property
     def is_moving(self) -> bool:
         """Tell whether a move is under way."""
+        if self._driven is not None:
+            return True
         if self._is_stopping:
             return abs(self.point.rate) > ARRIVED_SPEED
         return abs(self.target - self.point.payout) > ARRIVED_DISTANCE or abs(self.point.rate) > ARRIVED_SPEED
@@ -65,20 +69,33 @@ class MeanPayout:
             raise ValueError(f"a move needs a finite payout and a speed of at least 0; got {payout} m, {speed} m/s")
         self.target = payout
         self._speed = speed if speed > 0.0 else self._parameters.speed
-        self._is_stopping = False
+        self._is_stopping, self._deceleration, self._driven = False, 0.0, None
 
     def stop(self) -> None:
         """Come to rest smoothly, wherever that is."""
+        self._is_stopping, self._driven = True, None
+
+    def halt(self, deceleration: float) -> None:
+        """Come to rest at a `deceleration` [m/s^2], without the ease of a move."""
         self._is_stopping = True
+        self._deceleration, self._driven = deceleration, None
+
+    def drive(self, rate: float) -> None:
+        """Go to a `rate` [m/s] as smoothly as a move does, and keep it until told otherwise; 0 ends the motion."""
+        self.stop()
+        if rate != 0.0:
+            self._is_stopping, self._driven = False, rate
 
     def jump_to(self, payout: float) -> None:
         """Take the mean payout to be here, at rest: for when the winch stands there."""
         self.point = MovePoint(payout, 0.0, 0.0)
         self.target = payout
-        self._is_stopping = False
+        self._is_stopping, self._deceleration, self._driven = False, 0.0, None
 
     def advance(self) -> MovePoint:
         """Return the point of the next tick."""
+        if self._deceleration > 0.0:
+            return self._brake()
         limit = self._parameters.acceleration
         wanted = 0.0 if self._is_stopping else self._wanted_rate()
         acceleration = (wanted - self.point.rate) / self._lag
@@ -96,8 +113,21 @@ class MeanPayout:
         self.point = MovePoint(payout, rate, acceleration)
         return self.point
 
+    def _brake(self) -> MovePoint:
+        """Return the next point of a halt."""
+        before, step = self.point, self._deceleration * self._dt
+        rate = math.copysign(max(abs(before.rate) - step, 0.0), before.rate)
+        payout = before.payout + 0.5 * (before.rate + rate) * self._dt
+        if rate == 0.0:
+            self.jump_to(payout)
+        else:
+            self.point = MovePoint(payout, rate, (rate - before.rate) / self._dt)
+        return self.point
+
     def _wanted_rate(self) -> float:
-        """Return the rate from which half the acceleration is enough to stop at the target."""
+        """Return the rate that is driven, or from which half the acceleration is enough to stop at the target."""
+        if self._driven is not None:
+            return self._driven
         distance = self.target - self.point.payout
         braking = math.sqrt(self._parameters.acceleration * abs(distance))
         near = abs(distance) / (4.0 * self._lag)

@@ -23,6 +23,13 @@ class LimitParameters:
     minimum_tension_ratio: float = parameter(
         0.1, unit="", minimum=0.0, maximum=0.95, description="Least tension over static tension; 0 means no bound."
     )
+    maximum_tension_ratio: float = parameter(
+        0.0,
+        unit="",
+        minimum=0.0,
+        maximum=100.0,
+        description="Highest tension over static tension: plans keep it, and above it the winch gives way; 0: none.",
+    )
 
 
 @dataclass(frozen=True)
@@ -156,6 +163,53 @@ class TensionLawParameters:
         0.3, unit="m/s", minimum=0.001, maximum=10.0, description="Largest correction on top of the boom-tip rate."
     )
 
+    travel: float = parameter(
+        3.0,
+        unit="m",
+        minimum=0.01,
+        maximum=1000.0,
+        description="Cable that constant tension may pay out or take in, beside what the change of tension needs.",
+    )
+    hanging: bool = parameter(
+        False, unit="", description="Constant tension may be asked for while the unit hangs, which it does not hold."
+    )
+
+
+@dataclass(frozen=True)
+class AlarmParameters:
+    """Alarms of tension and winch."""
+
+    slack_ratio: float = parameter(
+        0.05, unit="", minimum=0.0, maximum=1.0, description="Alarm below this tension over the static one; 0: none."
+    )
+    tension_ratio: float = parameter(
+        1.5, unit="", minimum=0.0, maximum=100.0, description="Alarm above this tension over the static one; 0: none."
+    )
+    saturation_share: float = parameter(
+        0.25, unit="", minimum=0.0, maximum=1.0, description="Alarm when the winch is at its limits for more than this."
+    )
+    saturation_time: float = parameter(60.0, unit="s", minimum=1.0, maximum=3600.0, description="Memory of that share.")
+
+
+@dataclass(frozen=True)
+class EntryParameters:
+    """What must hold before the winch begins to follow the sea."""
+
+    innovation: float = parameter(
+        4.0,
+        unit="",
+        minimum=1.0,
+        maximum=1000.0,
+        description="No compensation while a sensor is further off its estimate than this, in standard deviations.",
+    )
+    peak_use: float = parameter(
+        0.8,
+        unit="",
+        minimum=0.01,
+        maximum=10.0,
+        description="No constant tension while the peaks of the boom tip take more than this share of the limits.",
+    )
+
 
 @dataclass(frozen=True)
 class MoveParameters:
@@ -167,6 +221,18 @@ class MoveParameters:
     )
     jerk_time: float = parameter(
         2.0, unit="s", minimum=0.0, maximum=60.0, description="Time over which acceleration builds up."
+    )
+
+
+@dataclass(frozen=True)
+class OperatorParameters:
+    """The operator's own speed, as from a joystick, at `move.acceleration`; compensation has the rest of the winch."""
+
+    speed_share: float = parameter(
+        0.3, unit="", minimum=0.0, maximum=1.0, description="Share of the winch's speed that an operator may ask for."
+    )
+    timeout: float = parameter(
+        0.5, unit="s", minimum=0.05, maximum=60.0, description="An operator's speed holds so long, then it is zero."
     )
 
 

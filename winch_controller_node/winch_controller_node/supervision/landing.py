@@ -1,33 +1,59 @@
 """Whether a unit that is lowered has landed, and whether one that is lifted off hangs again.
 
-A cable is unloaded by the seabed, and by a unit that swings. A landed unit stands still, a swinging one falls faster
-than it is lowered: the depth sensor alone tells, without a model of the cable, and so also where the model is wrong, as
-an unstable loop shows it to be.
+A cable is unloaded by the seabed, and by a unit that swings. While the winch lowers at speed v, a landed unit stands
+still and its cable of stiffness k loses k v of tension each second, until it is slack; a swinging unit never does both
+at once. Depth sensor, load cell and the mean payout tell, each by its trend over a window in which the winch lowers by
+some centimetres. Soft and long cables are known to have landed long before they are unloaded. While lowering changes
+its speed, the inertia of a hanging unit does the same for a moment, but that is what the estimate expects: the depth
+sensor must read a landed unit above it.
 """
 
 from __future__ import annotations
 
-from collections import deque
+import math
+from dataclasses import dataclass
 from enum import Enum
 
 import numpy as np
+from heave_node.arrays import Array
 
 from winch_controller_node.estimation.loop_tick import Sensed
-from winch_controller_node.motion.mean_motion import RETURN_SPEED
 from winch_controller_node.parameters.laws import TensionLawParameters
 from winch_controller_node.supervision.modes import Mode, ModeOutput
 
-INNOVATION_ABOVE = 3.0
-"""Standard deviations by which the depth sensor reads a landed unit above a hanging one, at least."""
+LOWERED = 0.15
+"""A window is as long as the winch takes to lower by this [m]: some standard deviations of a depth sensor..."""
 
-WINDOW = 1.0
-"""Time over which the speed is measured [s]; readings of 2 cm at 10 Hz give it to 2 cm/s."""
+SHORTEST, LONGEST = 0.6, 8.0
+"""...but at least and at most so long [s]."""
 
-STANDING_SHARE = 0.25
-"""A unit stands that falls more slowly than this share of the speed at which it is lowered..."""
+WINDOWS = (1.0, 2.0, 3.0)
+"""Windows that are looked at, longer ones for noisier sensors."""
 
-STANDING_SPEED = 0.05
-"""...or than this, which noise alone may show [m/s]."""
+LEAST_RATE = 0.01
+"""The winch lowers above this speed [m/s]."""
+
+STEADY_SHARE = 0.85
+"""Lowering is steady over a window whose mean speed is at least this share of the speed now."""
+
+STANDING_SHARE = 0.4
+"""A unit stands that moves at no more than this share of the speed at which it is lowered."""
+
+RELIEF_SHARE = 0.5
+"""A cable is relieved by a standing unit that loses at least this share of what its stiffness makes of the lowering."""
+
+CERTAIN = 3.0
+"""Standard errors by which a trend must be more than nothing."""
+
+INNOVATION_ABOVE = 1.0
+"""Standard deviations by which the depth sensor reads a landed unit above a hanging one, on average over a window."""
+
+SUSPICION_TIME = 3.0
+"""A suspicion lasts no longer than so many windows: then compensation is judged again."""
+
+
+REMEMBERED, LEAST_READINGS = 4096, 4
+"""Readings of a trend that are kept, at least, and that a slope needs."""
 
 
 class LandingEvent(Enum):
@@ -37,74 +63,120 @@ class LandingEvent(Enum):
     LIFTED_OFF = "unit hangs"
 
 
-class FallRate:
-    """Speed of the unit from the depth readings of the last second alone."""
+@dataclass(frozen=True, slots=True)
+class Slope:
+    """Slope of a straight line through readings and its standard error, in units of the readings per second."""
+
+    value: float
+    error: float
+
+
+class Trend:
+    """The newest readings, in the order of their times."""
 
     def __init__(self) -> None:
-        self._readings: deque[tuple[float, float]] = deque()
+        self._times: Array = np.empty(2 * REMEMBERED)
+        self._values: Array = np.empty(2 * REMEMBERED)
+        self._count = 0
 
-    def add(self, time: float, depth: float) -> None:
-        """Take a good reading in: its stamp `time` [s] and `depth`, positive down [m]."""
-        self._readings.append((time, depth))
-        while time - self._readings[0][0] > WINDOW and len(self._readings) > 2:
-            self._readings.popleft()
+    def add(self, time: float, value: float) -> None:
+        """Take in a reading and its time [s]; one that is no later than the last one is left out."""
+        if self._count and time <= self._times[self._count - 1]:
+            return
+        if self._count == self._times.size:
+            for array in (self._times, self._values):
+                array[:REMEMBERED] = array[REMEMBERED:]
+            self._count = REMEMBERED
+        self._times[self._count], self._values[self._count] = time, value
+        self._count += 1
 
-    @property
-    def value(self) -> float:
-        """Speed of the unit, positive down [m/s], the slope of a straight line; 0 before there are two readings."""
-        times, depths = np.array(self._readings).reshape(-1, 2).T
-        if times.size < 2 or times[-1] <= times[0]:
+    def mean(self, window: float) -> float:
+        """Return the mean over the last `window` seconds; 0 without readings."""
+        if not self._count:
             return 0.0
-        about = times - times.mean()
-        return float(about @ depths / (about @ about))
+        times = self._times[: self._count]
+        return float(np.mean(self._values[np.searchsorted(times, times[-1] - window) : self._count]))
 
-    def shows_standing(self, lowering_rate: float) -> bool:
-        """Tell whether the unit stands while it is lowered at `lowering_rate` [m/s]."""
-        return self.value < max(STANDING_SHARE * lowering_rate, STANDING_SPEED)
+    def slope(self, window: float) -> Slope | None:
+        """Return the slope over the last `window` seconds; None: they hold too few readings."""
+        times, values = self._times[: self._count], self._values[: self._count]
+        if times.size < LEAST_READINGS or times[-1] - times[0] < 0.9 * window:
+            return None
+        first = np.searchsorted(times, times[-1] - window)
+        times, values = times[first:], values[first:]
+        if times.size < LEAST_READINGS:
+            return None
+        about = times - times.mean()
+        spread = float(about @ about)
+        slope = float(about @ values) / spread
+        rest = values - values.mean() - slope * about
+        return Slope(slope, math.sqrt(float(rest @ rest) / (times.size - 2) / spread))
+
+
+@dataclass(frozen=True, slots=True)
+class HangingLoad:
+    """What is known of the load and its cable.
+
+    Attributes
+    ----------
+    static_tension : at the top while the unit hangs [N]
+    weight : of the unit in water [N]
+    stiffness : of the cable [N/m]
+    """
+
+    static_tension: float
+    weight: float
+    stiffness: float
+
+    def weight_share(self, tension: float) -> float:
+        """Return the share of the unit's weight that the cable carries under a `tension` at the top [N]."""
+        return (tension - self.static_tension) / self.weight + 1.0
 
 
 class Landing:
-    """Where the unit is between hanging and standing, by its weight and by what the depth sensor sees.
+    """Where the unit is between hanging and standing.
 
     Parameters
     ----------
     parameters : shares of the weight at which it has landed, and hangs again
+    load : on the cable
 
     Attributes
     ----------
     unit_stands : on the seabed
+    is_suspected : the unit may just have landed: the estimate of a hanging unit is not to be judged by it
     """
 
-    def __init__(self, parameters: TensionLawParameters) -> None:
+    def __init__(self, parameters: TensionLawParameters, load: HangingLoad) -> None:
         self._parameters = parameters
+        self._load = load
         self.unit_stands = False
+        self.is_suspected = False
         self._is_lifting = False
-        self._fall_rate = FallRate()
-        self._depth_innovation = 0.0
+        self._depth, self._tension, self._payout, self._innovation = Trend(), Trend(), Trend(), Trend()
+        self._suspected_time = -math.inf
 
-    def observe(self, sensed: Sensed) -> None:
-        """Take in what the depth sensor `sensed` in a tick."""
-        for time, depth in sensed.depths:
-            self._fall_rate.add(time, depth)
+    def take_load(self, load: HangingLoad) -> None:
+        """Judge another load, or another length of its cable, from now on."""
+        self._load = load
+
+    def observe(self, time: float, sensed: Sensed, mean_payout: float) -> None:
+        """Take in what was `sensed` at a `time` [s], and the mean payout [m] of the drum."""
+        for stamp, depth in sensed.depths:
+            self._depth.add(stamp, depth)
+        if math.isfinite(sensed.tension):
+            self._tension.add(time, sensed.tension)
+        self._payout.add(time, mean_payout)
         if sensed.depth_innovation is not None:
-            self._depth_innovation = sensed.depth_innovation
+            self._innovation.add(time, sensed.depth_innovation)
 
-    def update(
-        self, sensed: Sensed, weight_share: float, mode: ModeOutput, lowering_rate: float
-    ) -> LandingEvent | None:
-        """Return what has happened in this tick; None: nothing.
-
-        Parameters
-        ----------
-        sensed : readings of the tick
-        weight_share : share of the unit's weight that the cable carries, as measured
-        mode : of the tick
-        lowering_rate : of the mean payout [m/s]
-        """
-        if self._touches_down(sensed, weight_share, mode, lowering_rate):
-            self.unit_stands, self._is_lifting = True, False
+    def update(self, time: float, sensed: Sensed, mode: ModeOutput) -> LandingEvent | None:
+        """Return what has happened in this tick at `time` [s]; None: nothing."""
+        share = self._load.weight_share(sensed.filtered_tension)
+        if not self.unit_stands and self._touches_down(time, sensed, share, mode):
+            self.unit_stands, self.is_suspected, self._is_lifting = True, False, False
             return LandingEvent.TOUCHDOWN
-        if self._is_lifting and weight_share > self._parameters.lift_off_ratio:
+        if self._is_lifting and share > self._parameters.lift_off_ratio:
             self.unit_stands, self._is_lifting = False, False
             return LandingEvent.LIFTED_OFF
         return None
@@ -113,19 +185,46 @@ class Landing:
         """Expect a standing unit to be lifted off from now on."""
         self._is_lifting = True
 
-    def _touches_down(self, sensed: Sensed, weight_share: float, mode: ModeOutput, lowering_rate: float) -> bool:
-        if self.unit_stands:
+    def _touches_down(self, time: float, sensed: Sensed, share: float, mode: ModeOutput) -> bool:
+        rate = self._lowering_rate()
+        if mode.mode is not Mode.COMPENSATING or mode.authority <= 0.5 or rate < LEAST_RATE:
+            self.is_suspected = False
             return False
-        is_lowering = mode.mode is Mode.COMPENSATING and lowering_rate > RETURN_SPEED
-        is_relieved = mode.authority > 0.5 and weight_share < self._parameters.touchdown_ratio
-        return is_lowering and is_relieved and self._stands(sensed, lowering_rate)
-
-    def _stands(self, sensed: Sensed, lowering_rate: float) -> bool:
-        """Tell whether the depth sensor sees the unit stand, above where a hanging one would have fallen.
-
-        A unit that swings unloads the cable too, but falls as the model says, and falls in any case. Without a depth
-        sensor the tension alone tells.
-        """
         if not sensed.has_depth:
-            return True
-        return self._depth_innovation > INNOVATION_ABOVE and self._fall_rate.shows_standing(lowering_rate)
+            return share < self._parameters.touchdown_ratio
+        if not sensed.depths:
+            return False
+        window = min(max(LOWERED / rate, SHORTEST), LONGEST)
+        self._suspect(time, window, rate)
+        return any(self._shows_landing(factor * window, rate, share) for factor in WINDOWS)
+
+    def _lowering_rate(self) -> float:
+        """Return the speed at which the winch lowers [m/s]; 0 before that is known."""
+        slope = self._payout.slope(SHORTEST)
+        return 0.0 if slope is None else slope.value
+
+    def _shows_landing(self, window: float, rate: float, share: float) -> bool:
+        """Tell whether the unit has stood for a `window` [s] in which the winch lowered and the cable was relieved.
+
+        `rate` is that of lowering now [m/s]: while it grows, the inertia of a hanging unit relieves the cable too.
+        """
+        depth, payout, tension = (trend.slope(window) for trend in (self._depth, self._payout, self._tension))
+        if depth is None or payout is None or payout.value < max(LEAST_RATE, STEADY_SHARE * rate):
+            return False
+        if abs(depth.value) > STANDING_SHARE * payout.value or payout.value - depth.value < CERTAIN * depth.error:
+            return False
+        if self._innovation.mean(window) < INNOVATION_ABOVE:
+            return False
+        relief = RELIEF_SHARE * self._load.stiffness * payout.value
+        is_relieved = tension is not None and -tension.value > max(relief, CERTAIN * tension.error)
+        return is_relieved or share < self._parameters.touchdown_ratio
+
+    def _suspect(self, time: float, window: float, rate: float) -> None:
+        """Notice within half a window that the unit may have landed."""
+        depth, tension = self._depth.slope(0.5 * window), self._tension.slope(0.5 * window)
+        stands = depth is not None and abs(depth.value) < STANDING_SHARE * rate
+        relieved = tension is None or tension.value < 0.0
+        is_suspected = stands and relieved and self._innovation.mean(0.5 * window) > INNOVATION_ABOVE
+        if is_suspected and time - self._suspected_time > 4.0 * SUSPICION_TIME * window:
+            self._suspected_time = time
+        self.is_suspected = is_suspected and time - self._suspected_time < SUSPICION_TIME * window

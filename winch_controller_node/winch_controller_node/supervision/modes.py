@@ -241,7 +241,7 @@ GATES_OPEN = Guard(
     "entry gates open", lambda view: not view.situation.closed_gates, lambda view: view.situation.closed_gates
 )
 MAY_HOLD_TENSION = Guard(
-    "a load that stands or is held",
+    "a load that stands or is held, and a winch that can follow",
     lambda view: not view.situation.tension_refusal,
     lambda v: v.situation.tension_refusal,
 )
@@ -356,14 +356,14 @@ TABLE: tuple[Transition, ...] = (
         (_STANDBY, _STOPPED),
         Event.ASK_CONSTANT_TENSION,
         _TENSION,
-        (SENSORS_WELL, BRAKE_HELD, MAY_HOLD_TENSION),
+        (HAS_ENCODER, BRAKE_HELD, MAY_HOLD_TENSION),
         (want_rest, compensate_nothing),
     ),
     Transition(
         (_COMPENSATING, _TENSION, _FADE_OUT),
         Event.ASK_CONSTANT_TENSION,
         _TENSION,
-        (SENSORS_WELL, MAY_HOLD_TENSION),
+        (HAS_ENCODER, MAY_HOLD_TENSION),
         (want_rest, compensate_nothing),
     ),
     Transition((_STANDBY, _STOPPED), Event.ASK_MANUAL, _MANUAL, (HAS_ENCODER, BRAKE_HELD), (want_rest,)),

@@ -8,10 +8,20 @@ from dataclasses import dataclass
 from winch_controller_node.design.design import ControllerDesign
 from winch_controller_node.estimation.loop_tick import LoopTick
 from winch_controller_node.laws.law import ControlLaw
+from winch_controller_node.supervision.entry_gates import EntryGates
 from winch_controller_node.supervision.guard import GuardedLoop, GuardedMotions, HarmGuard
-from winch_controller_node.supervision.landing import Landing, LandingEvent
+from winch_controller_node.supervision.landing import HangingLoad, Landing, LandingEvent
 from winch_controller_node.supervision.mode_machine import ModeMachine
 from winch_controller_node.supervision.modes import Mode, ModeOutput, Situation
+
+REQUIRED_SENSORS = {
+    Mode.CONSTANT_TENSION: ("load_cell", "encoder"),
+    Mode.MANUAL: ("encoder",),
+}
+"""Sensors without which a mode cannot go on; all others need MRU and encoder."""
+
+HANGING_SHARES = (0.7, 1.3)
+"""A unit hangs whose cable carries a share of its weight between these, and that has not landed."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -22,14 +32,14 @@ class WinchSituation:
     ----------
     fault : the winch's own, 0 without
     speed : as commanded [m/s], absolute
-    lowering_rate : of the mean payout [m/s]
+    mean_payout : that the winch goes to [m]
     settled_swing : swing of the unit at which a fade-out may end [m]
     inhibition : why compensation must be off; empty: it need not
     """
 
     fault: int
     speed: float
-    lowering_rate: float
+    mean_payout: float
     settled_swing: float
     inhibition: str = ""
 
@@ -81,7 +91,10 @@ class Supervisor:
             tick_period=dt,
             depth_noise=parameters.sensors.depth.noise,
         )
-        self.landing = Landing(parameters.tension)
+        self.landing = Landing(parameters.tension, hanging_load(design))
+        self._gates = EntryGates(parameters.entry, window=parameters.guard.window, tick_period=dt)
+        self._holds_hanging = parameters.tension.hanging
+        self._largest_demand = parameters.guard.demand_ratio
         self._reason_before = ""
         self._fades_by_law = False
         self._refer_to(design, law)
@@ -89,19 +102,24 @@ class Supervisor:
     def take_design(self, design: ControllerDesign, law: ControlLaw) -> None:
         """Supervise another design and its law from now on."""
         self.guard.take_loop(guarded_loop(design, law))
+        self.landing.take_load(hanging_load(design))
         self._refer_to(design, law)
 
     def _refer_to(self, design: ControllerDesign, law: ControlLaw) -> None:
-        self._static_tension, self._unit_weight = design.cable.static_tension, design.unit_weight
+        self._dt = design.tick_period
         self._inertia = design.cable.a
+        self._load, self._limits = hanging_load(design), design.limits
         self._keeps_limits = law.keeps_limits
 
     def decide(self, tick: LoopTick, winch: WinchSituation) -> Decision:
         """Return what is to be done in a tick with the `winch` in this situation."""
-        self.landing.observe(tick.sensed)
+        time = tick.number * self._dt
+        # where the drum is, not where its command is
+        self.landing.observe(time, tick.sensed, float(tick.rows.payout @ tick.mean_state))
         if winch.inhibition:
             self.guard.inhibit(winch.inhibition)
         alarms = self._judge(tick)
+        self._gates.observe(tick)
         lost = self._lost(tick)
         mode = self.modes.step(
             Situation(
@@ -112,6 +130,10 @@ class Supervisor:
                 speed=winch.speed,
                 authority_limit=1.0 if self._keeps_limits else self.guard.authority_limit,
                 is_settled=self._is_settled(tick, winch.settled_swing),
+                closed_gates=self._gates.for_compensation(
+                    winch.mean_payout, self._limits, self.guard.demand, self._largest_demand
+                ),
+                tension_refusal=self._why_no_tension(tick, winch.mean_payout),
             )
         )
         if mode.before is not None:
@@ -127,19 +149,21 @@ class Supervisor:
             is_inhibited=self.guard.inhibits,
             trusts_estimate=self.guard.trusts_estimate,
             fades_by_law=self._fades_by_law,
-            landing=self._watch_landing(tick, mode, winch.lowering_rate),
+            landing=self._watch_landing(time, tick, mode),
             alarms=alarms,
         )
 
     def _judge(self, tick: LoopTick) -> tuple[str, ...]:
         """Have the guard judge the tick; return its reason when the brake is on and no change of mode would tell it."""
-        is_judged = not self.landing.unit_stands and self.modes.mode is not Mode.CONSTANT_TENSION
+        # the estimate is that of a hanging unit
+        hangs = not (self.landing.unit_stands or self.landing.is_suspected)
+        is_judged = hangs and self.modes.mode is not Mode.CONSTANT_TENSION
         motions = GuardedMotions(
             unit=tick.unit,
             free_unit=tick.free_unit,
             boom_tip=tick.boom_tip,
             payout_rate=tick.payout_rate,
-            measured_heave=tick.measured_unit_heave,
+            measured_heave=tick.measured_unit_heave if hangs else None,
         )
         self.guard.update(motions, self.modes.authority if is_judged else 0.0, self.modes.target)
         reason, before = self.guard.reason, self._reason_before
@@ -148,9 +172,22 @@ class Supervisor:
 
     def _lost(self, tick: LoopTick) -> str:
         """Return which of the required sensors are lost and why; empty when none."""
-        required = ["mru", "encoder"] + (["load_cell"] if self.modes.mode is Mode.CONSTANT_TENSION else [])
+        required = REQUIRED_SENSORS.get(self.modes.mode, ("mru", "encoder"))
         lost = tick.sensed.lost
         return ", ".join(f"{name} {lost[name]}" for name in required if name in lost)
+
+    def _why_no_tension(self, tick: LoopTick, payout: float) -> str:
+        """Return why constant tension may not be asked for; empty when it may."""
+        if "load_cell" in tick.sensed.lost:
+            return f"the load cell is {tick.sensed.lost['load_cell']}"
+        share = self._load.weight_share(tick.sensed.filtered_tension)
+        least, most = HANGING_SHARES
+        if not self._holds_hanging and not self.landing.unit_stands and least < share < most:
+            return (
+                f"the unit hangs: the cable carries {100.0 * share:.0f} % of its weight, and constant tension would "
+                "let it go; land it first, or set tension.hanging"
+            )
+        return self._gates.for_tension(payout, self._limits, self.guard.demand)
 
     def _is_settled(self, tick: LoopTick, settled_swing: float) -> bool:
         """Tell whether the unit swings no more, after a loop that was unstable: the winch may stop."""
@@ -159,13 +196,17 @@ class Supervisor:
         heave, rate = tick.unit_offset
         return math.hypot(heave, math.sqrt(self._inertia) * rate) < settled_swing
 
-    def _watch_landing(self, tick: LoopTick, mode: ModeOutput, lowering_rate: float) -> LandingEvent | None:
+    def _watch_landing(self, time: float, tick: LoopTick, mode: ModeOutput) -> LandingEvent | None:
         """Notice touchdown while lowering, and that the unit hangs again after lift-off."""
-        tension = tick.sensed.filtered_tension
-        if not math.isfinite(tension):
+        if not math.isfinite(tick.sensed.filtered_tension):
             return None
-        weight_share = (tension - self._static_tension) / self._unit_weight + 1.0
-        return self.landing.update(tick.sensed, weight_share, mode, lowering_rate)
+        return self.landing.update(time, tick.sensed, mode)
+
+
+def hanging_load(design: ControllerDesign) -> HangingLoad:
+    """Return what landing must know of the load of a design."""
+    cable = design.cable
+    return HangingLoad(cable.static_tension, design.unit_weight, cable.stiffness)
 
 
 def guarded_loop(design: ControllerDesign, law: ControlLaw) -> GuardedLoop:

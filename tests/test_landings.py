@@ -1,0 +1,23 @@
+"""Landings from the campaign `tests.campaigns.landings`: a sample, and the case that began it."""
+
+from dataclasses import replace
+
+import pytest
+from heave_bringup.closed_loop import ClosedLoop, loop_parameters
+
+from tests.campaigns.landings import Draw, draw, figures, scenario
+
+SOFT = Draw(1, stiffness=4.0e7 / 1500.0, mass=12e3, length=1500.0, speed=0.3, wave_height=1.0, peak_period=9.0)
+"""12 t on 1,500 m of 28 mm wire at 0.3 m/s: the wire needs 12 s to unload."""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("one", [SOFT, replace(draw(12), number=12)], ids=["soft wire", "2.4 t on 14 kN/m"])
+def test_a_landing_on_a_soft_wire_is_known_and_held_at_constant_tension(one):
+    """Benchmark B13: none lost, and a rebound of at most 2 cm beyond the 2 cm by which the bottom gives way."""
+    found = figures(ClosedLoop(loop_parameters(scenario(one))).run(), one.weight)
+    assert not found.is_lost
+    assert found.time_to_tension * one.speed < 0.5
+    assert found.rebound < 0.02
+    # b7: `tension.landing_ratio` of the weight
+    assert found.tension_share == pytest.approx(0.2, abs=0.06)

@@ -1,0 +1,67 @@
+"""The operator's speed of the mean payout, as from a joystick: bounded by its share of the winch, and short-lived."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from winch_controller_node.motion.trajectory import MovePoint
+from winch_controller_node.parameters.laws import OperatorParameters
+
+
+@dataclass(frozen=True, slots=True)
+class OperatorRange:
+    """What the operator may use of the winch.
+
+    Attributes
+    ----------
+    speed, acceleration : largest [m/s], [m/s^2]
+    payout_minimum, payout_maximum : ends of the range [m]
+    """
+
+    speed: float
+    acceleration: float
+    payout_minimum: float
+    payout_maximum: float
+
+    def nearest(self, speed: float, payout: float) -> float:
+        """Return the nearest speed to the one asked for from which half the acceleration stops within the range."""
+        down, up = self.payout_maximum - payout, payout - self.payout_minimum
+        lowering, lifting = (math.sqrt(self.acceleration * max(room, 0.0)) for room in (down, up))
+        return float(np.clip(speed, -min(self.speed, lifting), min(self.speed, lowering)))
+
+
+class OperatorSpeed:
+    """The speed that was asked for last; it lapses when it is not asked for again.
+
+    Parameters
+    ----------
+    parameters : how long it holds
+    tick_period : [s]
+    """
+
+    def __init__(self, parameters: OperatorParameters, *, tick_period: float) -> None:
+        self._dt = tick_period
+        self._timeout = parameters.timeout
+        self._asked = 0.0
+        self._age = math.inf
+
+    @property
+    def is_asked(self) -> bool:
+        """Tell whether an operator asks for a speed now, zero included."""
+        return self._age <= self._timeout
+
+    def ask(self, speed: float) -> None:
+        """Ask for a `speed` of the mean payout, positive lowers [m/s]."""
+        self._asked, self._age = speed, 0.0
+
+    def drop(self) -> None:
+        """Forget what was asked for."""
+        self._asked, self._age = 0.0, math.inf
+
+    def advance(self, point: MovePoint, bounds: OperatorRange) -> float:
+        """Return the speed of the next tick [m/s] at a `point` of the mean payout; zero when it has lapsed."""
+        self._age += self._dt
+        return bounds.nearest(self._asked, point.payout) if self.is_asked else 0.0

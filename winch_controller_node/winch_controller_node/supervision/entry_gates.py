@@ -1,0 +1,90 @@
+"""What must hold before the winch begins to follow the sea; a closed gate says which it is and by how much."""
+
+from __future__ import annotations
+
+import math
+
+from winch_controller_node.estimation.loop_tick import LoopTick
+from winch_controller_node.laws.winch_limits import WinchLimits
+from winch_controller_node.parameters.laws import EntryParameters
+from winch_controller_node.supervision.checks import RunningSigma
+
+PEAK = 3.0
+"""Peak amplitude over standard deviation of a sea, over some minutes."""
+
+PEAK_OVER_SIGNIFICANT = PEAK / 2.0
+"""Peak over significant amplitude."""
+
+INNOVATION_WEIGHT = 0.02
+"""Weight of the newest normalised innovation in its running mean square."""
+
+ENCODER_ROW = "payout"
+"""Readings of the encoder are never far off for long: the winch is identified by them."""
+
+
+class EntryGates:
+    """Watches sea and estimate while the winch stands.
+
+    Parameters
+    ----------
+    parameters : thresholds
+    window : memory of the waves [s]
+    tick_period : [s]
+    """
+
+    def __init__(self, parameters: EntryParameters, *, window: float, tick_period: float) -> None:
+        self._parameters = parameters
+        self._heave = RunningSigma(window, tick_period)
+        self._mean_squares: dict[str, float] = {}
+
+    def observe(self, tick: LoopTick) -> None:
+        """Take a tick in."""
+        self._heave.add(tick.boom_tip.heave)
+        for name, innovation in tick.sensed.innovations.items():
+            if name != ENCODER_ROW and math.isfinite(innovation.nis):
+                before = self._mean_squares.get(name, 1.0)
+                self._mean_squares[name] = before + INNOVATION_WEIGHT * (innovation.nis - before)
+
+    def for_compensation(self, payout: float, limits: WinchLimits, demand: float, largest_demand: float) -> str:
+        """Return why compensation may not begin, in words; empty when it may.
+
+        Parameters
+        ----------
+        payout : mean, about which it would work [m]
+        limits : of the winch
+        demand, largest_demand : significant amplitude of the boom tip over the winch's limits, and the most of it
+        """
+        reasons = [self._innovations(), self._range(payout, limits)]
+        if demand > largest_demand:
+            reasons.append(f"the sea asks for {demand:.1f} times the winch's limits, {largest_demand:g} are the most")
+        return "; ".join(reason for reason in reasons if reason)
+
+    def for_tension(self, payout: float, limits: WinchLimits, demand: float) -> str:
+        """Return why constant tension may not begin: the winch must follow the whole boom tip; see above."""
+        peak, most = PEAK_OVER_SIGNIFICANT * demand, self._parameters.peak_use
+        reasons = [self._range(payout, limits)]
+        if peak > most:
+            reasons.append(
+                f"peaks of the boom tip take {100 * peak:.0f} % of the winch's limits, {100 * most:.0f} % are the most"
+            )
+        return "; ".join(reason for reason in reasons if reason)
+
+    def _innovations(self) -> str:
+        """Return which readings are too far from what the estimator expects."""
+        most = self._parameters.innovation
+        far = {name: math.sqrt(value) for name, value in self._mean_squares.items() if value > most**2}
+        return "; ".join(
+            f"innovations of {name} are {value:.1f} standard deviations, {most:g} are the most"
+            for name, value in far.items()
+        )
+
+    def _range(self, payout: float, limits: WinchLimits) -> str:
+        """Return how the range of payout does not hold the waves."""
+        amplitude = PEAK * self._heave.sigma
+        room = min(payout - limits.payout_minimum, limits.payout_maximum - payout)
+        if room >= amplitude:
+            return ""
+        return (
+            f"a payout of {payout:.1f} m leaves {max(room, 0.0):.1f} m to the end of the range, the sea needs "
+            f"{amplitude:.1f} m"
+        )
