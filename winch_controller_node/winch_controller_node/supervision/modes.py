@@ -38,6 +38,9 @@ BRAKED = (Mode.OFF, Mode.STANDBY, Mode.STOPPED, Mode.EMERGENCY_STOP)
 RELEASE_TIME = 0.5
 """Time that the brake stays on before a braked winch is moved [s]: it acknowledges a latched fault."""
 
+RELEASED_TIME = 2.0
+"""A fault that was latched may still be told for so long after the brake was released [s]: commands take time."""
+
 BACK_TIME = 1.0
 """A lost sensor that has been back for so long [s] ends the fade-out that its loss has caused."""
 
@@ -123,6 +126,7 @@ class ModeMachine:
         self._wants_compensation = parameters.start == "compensating"
         self._after_fade = Mode.STANDBY
         self._may_resume = True
+        self._known_fault = int(WinchFault.NONE)
 
     @property
     def brake(self) -> bool:
@@ -182,7 +186,10 @@ class ModeMachine:
         self._lost_time = self._lost_time + self._dt if situation.lost else 0.0
         self._well_time = 0.0 if situation.lost or not situation.has_estimate else self._well_time + self._dt
         if situation.winch_fault and self.mode not in (Mode.OFF, Mode.EMERGENCY_STOP):
-            self._trip(situation)
+            if situation.winch_fault != self._known_fault or self._time > RELEASED_TIME:
+                self._trip(situation)
+        else:
+            self._known_fault = WinchFault.NONE
         {
             Mode.STANDBY: self._standby,
             Mode.COMPENSATING: self._compensating,
@@ -200,6 +207,7 @@ class ModeMachine:
 
     def _trip(self, situation: Situation) -> None:
         """The winch has stopped by itself: brake on until an operator requests another mode."""
+        self._known_fault = situation.winch_fault
         if self.mode in (Mode.STANDBY, Mode.STOPPED):
             return
         is_stop = situation.winch_fault == WinchFault.EMERGENCY_STOP

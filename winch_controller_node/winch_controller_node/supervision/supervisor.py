@@ -8,9 +8,13 @@ from dataclasses import dataclass
 from winch_controller_node.design.design import ControllerDesign
 from winch_controller_node.estimation.loop_tick import LoopTick
 from winch_controller_node.laws.law import ControlLaw
+from winch_controller_node.supervision.command_timeouts import Advice, CommandTimeouts
 from winch_controller_node.supervision.guard import GuardedLoop, GuardedMotions, HarmGuard
 from winch_controller_node.supervision.landing import Landing, LandingEvent
 from winch_controller_node.supervision.modes import Mode, ModeMachine, ModeOutput, Situation
+
+TRANSPORT_HOLD = 5.0
+"""Time for which compensation stays off after commands were late for long [s]: the transport is not the loop's harm."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,6 +69,7 @@ class Supervisor:
     modes : for requests of the operator
     guard : whether compensation does harm
     landing : whether the unit stands
+    timeouts : whether compensation goes on after a command timeout of the winch
     """
 
     def __init__(self, design: ControllerDesign, law: ControlLaw) -> None:
@@ -79,6 +84,7 @@ class Supervisor:
             depth_noise=parameters.sensors.depth.noise,
         )
         self.landing = Landing(parameters.tension)
+        self.timeouts = CommandTimeouts(dt, resumes=parameters.modes.resume)
         self._reason_before = ""
         self._refer_to(design, law)
 
@@ -96,8 +102,8 @@ class Supervisor:
         """Return what is to be done in a tick with the `winch` in this situation."""
         self.landing.observe(tick.sensed)
         if winch.inhibition:
-            self.guard.inhibit(winch.inhibition)
-        alarms = self._judge(tick)
+            self.guard.inhibit(winch.inhibition, TRANSPORT_HOLD)
+        alarms = self._judge(tick) + self._resume_after_timeout(tick, winch.fault)
         mode = self.modes.step(
             Situation(
                 lost=self._lost(tick),
@@ -120,6 +126,20 @@ class Supervisor:
             landing=self._watch_landing(tick, mode, winch.lowering_rate),
             alarms=alarms,
         )
+
+    def _resume_after_timeout(self, tick: LoopTick, fault: int) -> tuple[str, ...]:
+        """Ask for compensation again where only late commands ended it; return what is to be told."""
+        is_compensating = self.modes.mode is Mode.COMPENSATING
+        advice = self.timeouts.update(
+            fault,
+            was_compensating=is_compensating or (self.modes.mode is Mode.FADE_OUT and self.guard.inhibits),
+            is_stopped=self.modes.mode is Mode.STOPPED,
+            is_well=not self._lost(tick),
+        )
+        if advice is Advice.RESUME:
+            self.modes.request(Mode.COMPENSATING.value)
+            self.guard.allow_release()
+        return (advice.value,) if advice else ()
 
     def _judge(self, tick: LoopTick) -> tuple[str, ...]:
         """Have the guard judge the tick; return its reason when the brake is on and no change of mode would tell it."""
