@@ -21,6 +21,7 @@ from rclpy.task import Future
 
 from heave_node import topics
 from heave_node.ros.diagnostics import Health, Level, diagnostic_array
+from heave_node.ros.input_timing import InputTiming
 from heave_node.ros.node_parameters import read_parameters
 from heave_node.ros.ports import Input, Output, message_type
 from heave_node.ros.qos import qos_of
@@ -79,6 +80,7 @@ class HeaveNode(LifecycleNode):
         self.is_active = False
         self._outputs: list[Output] = []
         self._inputs: list[Input] = []
+        self._input_timings: dict[str, InputTiming] = {}
         self._input_subscriptions: dict[str, Subscription[Any]] = {}
 
     # What a node fills in ------------------------------------------------------------------------------------------
@@ -117,7 +119,16 @@ class HeaveNode(LifecycleNode):
         port = Input(self, topic, self.gate, check_stamps=check_stamps)
         self._inputs.append(port)
         kind = message_type(topic.type)
-        self.add_raw_input(topic, lambda data: deserialize_message(data, kind))
+        is_external = topic.publisher in self.run.external
+        if is_external:
+            self._input_timings[port.name] = InputTiming(port.name)
+
+        def decode(data: bytes) -> Any:
+            if is_external:
+                self._input_timings[port.name].arrived()
+            return deserialize_message(data, kind)
+
+        self.add_raw_input(topic, decode)
         return port
 
     def add_raw_input(self, topic: Topic, decode: Callable[[bytes], Any] = bytes) -> None:
@@ -136,6 +147,8 @@ class HeaveNode(LifecycleNode):
     def take(self, port: Input) -> list[Any]:
         """Return the new messages of this tick on the input `port`, oldest first."""
         assert self.tick is not None
+        if port.name in self._input_timings:
+            self._input_timings[port.name].used()
         return port.take(self.tick.end_nanoseconds)
 
     def create_protocol_subscription(self, topic: Topic, callback: Callable[[Any], None]) -> None:
@@ -240,7 +253,7 @@ class HeaveNode(LifecycleNode):
         """Publish the health of this node if it is due at `tick`: once per simulated second."""
         every = max(1, round(DIAGNOSTICS_PERIOD / self.run.tick_period))
         if tick.number % every == 1 % every:
-            parts = [*self.diagnose(), *self._diagnose_inputs()] or [Health("node")]
+            parts = [*self.diagnose(), *self._diagnose_inputs(), *self.diagnose_timing()] or [Health("node")]
             self._diagnostics.publish_deferred(lambda: diagnostic_array(self.name, tick.stamp, parts))
 
     def publish_protocol_error(self, text: str) -> None:
@@ -250,6 +263,10 @@ class HeaveNode(LifecycleNode):
         """
         part = Health("tick protocol", Level.ERROR, text)
         self._diagnostics.publisher.publish(diagnostic_array(self.name, Time(), [part]))
+
+    def diagnose_timing(self) -> list[Health]:
+        """Return how the messages of external nodes come in, in wall time; nothing in lockstep."""
+        return [part for timing in self._input_timings.values() for part in timing.diagnose()]
 
     def _diagnose_inputs(self) -> list[Health]:
         return [
