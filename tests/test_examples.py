@@ -1,5 +1,6 @@
 """The nodes of `examples/` take the places of the suite's, and `heave check` finds them as the contract says."""
 
+import json
 import signal
 import subprocess
 import sys
@@ -51,6 +52,23 @@ def test_the_loop_closes_with_the_examples_in_place_of_its_nodes(nodes, tmp_path
     columns = Bag(tmp_path / "run" / "bag").columns(topics)
     unit, free = (columns[topic][fields[0]][columns[topic]["time"] > 30.0] for topic, fields in topics.items())
     assert np.std(unit) < 0.5 * np.std(free), "an untuned loop removes more than half of the heave"
+
+
+@pytest.mark.slow
+def test_the_plant_may_be_the_ship_itself(tmp_path):
+    """MRU and winch are external too, and nobody knows the truth: the suite is the clock, controller and recorder."""
+    nodes = ["wave_vessel", "virtual_winch"]
+    options = ["--pacing", "realtime", "--duration", "25", "--json", str(tmp_path / "kpi.json")]
+    options += ["--set", "all.transient=15.0", "--set", "winch_controller.modes.settling_time=5.0"]
+    options += [word for node in (*nodes, "cable_sim") for word in ("--external", node)]
+    with domain_id() as domain, running(nodes, domain):
+        run = give(domain, "run", "b2_calm_300", "--bag", str(tmp_path / "run"), *options)
+    assert run.returncode == 0, run.stderr
+    figures = json.loads((tmp_path / "kpi.json").read_text())
+    assert figures["sources"]["unit heave"] == "estimated"
+    assert figures["sources"]["payout"] == "measured"
+    assert figures["unit_sigma_m"] > 0.0
+    assert "winch_controller: interval winch/state" in (tmp_path / "run" / "report.html").read_text()
 
 
 @pytest.mark.slow
