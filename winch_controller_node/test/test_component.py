@@ -138,6 +138,27 @@ def test_a_short_gap_of_the_mru_does_not_end_compensation():
     assert "fade_out" not in record.modes
 
 
+def loop_with_lost_commands(start: float, duration: float) -> ClosedLoop:
+    parameters = loop_parameters(duration=130.0)
+    faults = FaultParameters(kind=("gap",), start=(start,), duration=(duration,), magnitude=(0.0,))
+    return ClosedLoop(dataclasses.replace(parameters, winch=dataclasses.replace(parameters.winch, faults=faults)))
+
+
+def test_commands_that_are_late_for_a_moment_do_not_end_compensation():
+    record = loop_with_lost_commands(60.0, 0.3).run()
+    assert set(record.modes[round(20.0 / DT) :]) == {"compensating"}
+
+
+def test_after_a_hiccup_that_trips_the_watchdog_compensation_is_back_within_a_minute():
+    """1 s without commands, twice the winch's watchdog of 0.5 s."""
+    loop = loop_with_lost_commands(60.0, 1.0)
+    record = loop.run()
+    assert "stopped" in record.modes
+    assert set(record.modes[round(70.0 / DT) :]) == {"compensating"}
+    assert loop.winch.state.fault is WinchFault.NONE
+    assert record.unit_sigma(100.0) < 0.005, "as before: the swing that the sudden stop has left is taken out"
+
+
 def test_an_emergency_stop_brakes_within_the_deceleration_of_the_winch():
     """From at most 2 m/s at 1.5 m/s^2, after the command delay of 0.2 s."""
     loop = ClosedLoop(loop_parameters(duration=60.0))
@@ -296,7 +317,7 @@ def test_an_identified_winch_that_cannot_be_designed_for_is_an_alarm_and_the_loo
     def refuse(parameters):
         raise DesignError("no gain for that winch")
 
-    monkeypatch.setattr(loop.controller._in_force, "take_winch", refuse)
+    monkeypatch.setattr(loop.controller._in_force, "prepared_for_winch", refuse)
     outputs = [loop.step()[0] for _ in range(800)]
     assert any("identified winch not used: no gain for that winch" in tick.alarms for tick in outputs)
     assert outputs[-1].report.mode == "compensating"

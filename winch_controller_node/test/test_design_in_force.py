@@ -27,7 +27,7 @@ def test_what_cannot_be_redesigned_leaves_everything_as_it_was(change, message):
     in_force = DesignInForce(WinchControllerParameters(), tick_period=DT)
     before = in_force.parameters, in_force.design, in_force.law
     with pytest.raises(DesignError, match=message):
-        in_force.redesign(change(in_force.parameters), 0.0)
+        in_force.take(in_force.prepared(change(in_force.parameters), 0.0))
     assert all(
         now is then for now, then in zip((in_force.parameters, in_force.design, in_force.law), before, strict=True)
     )
@@ -37,7 +37,8 @@ def test_another_winch_keeps_every_state_and_repeats_the_oldest_command():
     in_force = DesignInForce(WinchControllerParameters(), tick_period=DT)
     old = in_force.design.model
     winch = dataclasses.replace(in_force.parameters.winch, command_delay=0.3)
-    matrix = in_force.take_winch(dataclasses.replace(in_force.parameters, winch=winch))
+    prepared = in_force.prepared_for_winch(dataclasses.replace(in_force.parameters, winch=winch))
+    matrix = in_force.take_winch(prepared)
     new, x = in_force.design.model, np.random.default_rng(1).standard_normal(old.order)
     carried = matrix @ x
     for name in old.state_names:

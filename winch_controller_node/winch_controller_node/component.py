@@ -8,12 +8,14 @@ command) and the rest, which is what the estimator and the laws deal with; the t
 from __future__ import annotations
 
 import math
+from concurrent.futures import Executor
 
 from heave_node.codes import WinchLimit
 
 from winch_controller_node.design.design import ControllerDesign
 from winch_controller_node.design.prediction import predict_loop
-from winch_controller_node.design_in_force import DesignInForce
+from winch_controller_node.design.work import DesignWork
+from winch_controller_node.design_in_force import DesignInForce, PreparedDesign
 from winch_controller_node.estimation.loop_estimation import LoopEstimation
 from winch_controller_node.estimation.loop_tick import LoopTick
 from winch_controller_node.estimation.observation import Observer
@@ -41,6 +43,9 @@ DYNAMIC_LIMITS = WinchLimit.SPEED | WinchLimit.ACCELERATION | WinchLimit.POWER
 OPERATED = (Mode.COMPENSATING, Mode.MANUAL)
 """Modes in which an operator may ask for a speed."""
 
+DESIGN_TIME = 1.0
+"""A design that the loop asks for takes effect so long after it was begun [s], also where it is made at once."""
+
 LIFTING_SURPLUS = 0.06
 """Tension above the static one that lifts a unit off, in weights of the unit: more than the load cell may err."""
 
@@ -53,11 +58,19 @@ class WinchController:
     parameters : what it believes and how it works
     tick_period : [s]
     seed : taken like every component's; the controller itself draws no random number
+    designer : makes designs beside the ticks, in real time; None: at once, so that a run depends on its seed alone
 
     Raises DesignError where no controller can be designed from the parameters.
     """
 
-    def __init__(self, parameters: WinchControllerParameters, *, tick_period: float, seed: int = 0) -> None:
+    def __init__(
+        self,
+        parameters: WinchControllerParameters,
+        *,
+        tick_period: float,
+        seed: int = 0,
+        designer: Executor | None = None,
+    ) -> None:
         del seed
         self._dt = tick_period
         self._in_force = DesignInForce(parameters, tick_period=tick_period)
@@ -71,6 +84,8 @@ class WinchController:
         self._programme = Programme(parameters.programme)
         self._operator = OperatorSpeed(parameters.operator, tick_period=tick_period)
         self._kpi = KpiWindow(parameters.kpi_window, parameters.winch, tick_period=tick_period)
+        ticks = max(1, round(DESIGN_TIME / tick_period))
+        self._winch_work: DesignWork[PreparedDesign] = DesignWork(ticks, designer)
         self._alarms: list[str] = []
 
     @property
@@ -129,6 +144,7 @@ class WinchController:
 
         Returns the mode taken in words. Raises ModeError, saying why, where it cannot be taken.
         """
+        self._supervisor.timeouts.cancel()
         if name == Mode.CONSTANT_TENSION.value:
             measured = self._estimation.filtered_tension
             if not math.isfinite(measured):
@@ -346,31 +362,51 @@ class WinchController:
 
     # another design
 
-    def redesign(self, parameters: WinchControllerParameters) -> ControllerDesign:
-        """Design again from `parameters` and go on with the new design; states must be the same.
+    def prepare_redesign(self, parameters: WinchControllerParameters) -> PreparedDesign:
+        """Design again from `parameters` and change nothing yet: this may be done beside the ticks.
 
-        Raises DesignError; the old design then stays.
+        Raises DesignError; states must be the same.
         """
-        factors = self._in_force.redesign(parameters, self.mean.point.payout)
+        return self._in_force.prepared(parameters, self.mean.point.payout)
+
+    def take_redesign(self, prepared: PreparedDesign) -> ControllerDesign:
+        """Go on with a design that was prepared; called between two ticks."""
+        self._winch_work.drop()
+        factors = self._in_force.take(prepared)
         self._estimation.take_design(self.design, factors)
         self._take_law()
         return self.design
 
+    def redesign(self, parameters: WinchControllerParameters) -> ControllerDesign:
+        """Design again from `parameters` and go on with the new design at once.
+
+        Raises DesignError; the old design then stays.
+        """
+        return self.take_redesign(self.prepare_redesign(parameters))
+
     def _follow_winch(self, tick: int) -> None:
         """Design anew where the winch is found to follow its set-points otherwise than its model."""
-        if not identifies_winch(self.parameters) or self.mode is not Mode.COMPENSATING:
-            return
-        improved = self._winch.improved_parameters(tick, self.parameters)
-        if improved is None:
-            return
         try:
-            matrix = self._in_force.take_winch(improved)
+            prepared = self._winch_work.take(tick)
         except DesignError as error:
             self._alarms.append(f"identified winch not used: {error}")
             return
+        if prepared is not None:
+            self._take_winch(prepared, tick)
+        elif not self._winch_work.is_under_way and self.mode is Mode.COMPENSATING:
+            self._begin_to_follow_winch(tick)
+
+    def _begin_to_follow_winch(self, tick: int) -> None:
+        improved = self._winch.improved_parameters(tick, self.parameters) if identifies_winch(self.parameters) else None
+        if improved is not None:
+            in_force = self._in_force
+            self._winch_work.begin(tick, lambda: in_force.prepared_for_winch(improved))
+
+    def _take_winch(self, prepared: PreparedDesign, tick: int) -> None:
+        matrix = self._in_force.take_winch(prepared)
         self._estimation.carry(self.design, matrix, tick - 1)
         self._take_law()
-        winch = improved.winch
+        winch = prepared.parameters.winch
         self._alarms.append(
             f"winch model updated: time constant {winch.time_constant:.3f} s, command delay {winch.command_delay:.3f} s"
         )

@@ -2,12 +2,32 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 from heave_node.arrays import Array
 
 from winch_controller_node.design.design import ControllerDesign, carry_by_name, carry_over, design_controller
 from winch_controller_node.design.schedule import FOLLOW, GainSchedule, design_schedule, is_scheduled
+from winch_controller_node.laws.law import ControlLaw
 from winch_controller_node.model.lqr import DesignError
 from winch_controller_node.node_parameters import WinchControllerParameters
+
+
+@dataclass(frozen=True)
+class PreparedDesign:
+    """A design that could be in force.
+
+    Attributes
+    ----------
+    parameters : that it was made from
+    design, law : the law at its initial state
+    schedule : over length; None: none is asked for
+    """
+
+    parameters: WinchControllerParameters
+    design: ControllerDesign
+    law: ControlLaw
+    schedule: GainSchedule | None = None
 
 
 class DesignInForce:
@@ -32,21 +52,36 @@ class DesignInForce:
         self._schedule, self.design = self._designed(parameters, 0.0)
         self.law = self.design.make_law()
 
-    def redesign(self, parameters: WinchControllerParameters, payout: float) -> Array:
-        """Design again from `parameters` for a mean `payout` [m]; the states must stay the same.
+    def prepared(self, parameters: WinchControllerParameters, payout: float) -> PreparedDesign:
+        """Design again from `parameters` for a mean `payout` [m], changing nothing yet; takes longer than a tick.
+
+        Raises DesignError where that cannot be designed or has other states.
+        """
+        schedule, design = self._designed(parameters, payout)
+        self._check_states(design)
+        return PreparedDesign(parameters, design, design.make_law(), schedule)
+
+    def take(self, prepared: PreparedDesign) -> Array:
+        """Put a `prepared` design in force.
 
         Returns by what each state estimated so far is to be multiplied, shape (n,).
 
-        Raises DesignError where that cannot be designed or has other states; the old design then stays.
+        Raises DesignError where the states of the design in force have changed meanwhile; that stays.
         """
-        schedule, design = self._designed(parameters, payout)
+        self._check_states(prepared.design)
+        factors = carry_over(self.design, prepared.design)
+        self._schedule = prepared.schedule
+        self._put_in_force(prepared)
+        return factors
+
+    def _check_states(self, design: ControllerDesign) -> None:
         old, new = self.design.model.state_names, design.model.state_names
         if old != new:
             changed = ", ".join(sorted(set(old) ^ set(new))) or "their order"
             raise DesignError(f"the redesign changes the states of the model ({changed}): restart the controller")
-        factors, law = carry_over(self.design, design), design.make_law()
-        self.parameters, self._schedule, self.design, self.law = parameters, schedule, design, law
-        return factors
+
+    def _put_in_force(self, prepared: PreparedDesign) -> None:
+        self.parameters, self.design, self.law = prepared.parameters, prepared.design, prepared.law
 
     def follow_length(self, payout: float) -> bool:
         """Take the scheduled design of the length that is out at a mean payout [m], when it has changed enough.
@@ -62,15 +97,22 @@ class DesignInForce:
         self.law = self.design.make_law()
         return True
 
-    def take_winch(self, parameters: WinchControllerParameters) -> Array:
-        """Design again for the winch of `parameters`.
+    def prepared_for_winch(self, parameters: WinchControllerParameters) -> PreparedDesign:
+        """Design for the winch of `parameters`, and change nothing yet; takes longer than a tick.
+
+        Raises DesignError where that cannot be designed.
+        """
+        design = design_controller(parameters, tick_period=self._dt, cable=self.design.cable)
+        return PreparedDesign(parameters, design, design.make_law())
+
+    def take_winch(self, prepared: PreparedDesign) -> Array:
+        """Put a `prepared` design for another winch in force.
 
         Returns the matrix that takes a present state to one of the new design, shape (n_new, n): every state keeps its
         meaning, the chain of commands its newest.
         """
-        design = design_controller(parameters, tick_period=self._dt, cable=self.design.cable)
-        matrix = carry_by_name(self.design, design)
-        self.parameters, self.design, self.law = parameters, design, design.make_law()
+        matrix = carry_by_name(self.design, prepared.design)
+        self._put_in_force(prepared)
         return matrix
 
     def _designed(

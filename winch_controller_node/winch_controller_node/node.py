@@ -5,6 +5,8 @@ from __future__ import annotations
 import dataclasses
 import math
 import sys
+from concurrent import futures
+from concurrent.futures import ThreadPoolExecutor
 
 from geometry_msgs.msg import TwistStamped
 from heave_msgs.srv import Redesign, SetMode
@@ -19,8 +21,11 @@ from heave_node.ros.process import run_node
 from heave_node.sensors import SENSORS, Water
 from heave_node.tick.tick import Tick, nanoseconds_of
 from rclpy.lifecycle import LifecycleState, TransitionCallbackReturn
+from rclpy.task import Future
 
 from winch_controller_node.component import WinchController
+from winch_controller_node.design.design import ControllerDesign
+from winch_controller_node.design_in_force import PreparedDesign
 from winch_controller_node.interface import conversions
 from winch_controller_node.interface.readings import Measurements, Outputs
 from winch_controller_node.interface.sensors import INPUTS
@@ -43,6 +48,11 @@ class WinchControllerNode(ParticipantNode):
     name = "winch_controller"
     parameters_type = WinchControllerParameters
     after = ("wave_vessel",)
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._designer = ThreadPoolExecutor(1, thread_name_prefix="designer")
+        self._redesign_wanted: tuple[futures.Future[PreparedDesign], Future[None]] | None = None
 
     def on_build(self) -> None:
         """Make the controller, its outputs and inputs; a few ticks of a throw-away one warm everything up."""
@@ -90,6 +100,7 @@ class WinchControllerNode(ParticipantNode):
 
     def on_tick(self, tick: Tick) -> None:
         """Step the controller with what was delivered by `tick`."""
+        self._take_redesign()
         delivered = {
             name: [messages.reading(message) for message in self.take(port)]
             for name, (port, messages) in self.sensors.items()
@@ -110,6 +121,10 @@ class WinchControllerNode(ParticipantNode):
             self.get_logger().warning(f"t = {tick.time:.2f} s: {words}")
         self.move.on_tick(tick.time)
 
+    def on_exit(self) -> None:
+        """End without waiting for a design that nobody takes any more."""
+        self._designer.shutdown(wait=False, cancel_futures=True)
+
     def diagnose(self) -> list[Health]:
         """Say which sensor is how, the mode and why, and how the solver does."""
         if self.outputs_of_tick is None:
@@ -129,7 +144,12 @@ class WinchControllerNode(ParticipantNode):
 
     def _make_controller(self) -> WinchController:
         try:
-            return WinchController(self.parameters, tick_period=self.run.tick_period, seed=self.run.seed)
+            return WinchController(
+                self.parameters,
+                tick_period=self.run.tick_period,
+                seed=self.run.seed,
+                designer=None if self.run.is_lockstep else self._designer,
+            )
         except (DesignError, ModelError) as error:
             raise NodeError(f"{self.name}: {error}") from error
 
@@ -151,7 +171,7 @@ class WinchControllerNode(ParticipantNode):
             response.message = str(error)
         return response
 
-    def _serve_redesign(self, request: Redesign.Request, response: Redesign.Response) -> Redesign.Response:
+    async def _serve_redesign(self, request: Redesign.Request, response: Redesign.Response) -> Redesign.Response:
         if not self.is_active:
             response.message = INACTIVE
             return response
@@ -168,7 +188,7 @@ class WinchControllerNode(ParticipantNode):
         )
         new = dataclasses.replace(old, sea=sea, length=request.length or old.length)
         try:
-            design = self.controller.redesign(new)
+            design = await self._redesign(new)
         except ValueError as error:
             response.message = str(error)
             return response
@@ -179,6 +199,29 @@ class WinchControllerNode(ParticipantNode):
             f"sigma {response.predicted_unit_sigma:.4g} m"
         )
         return response
+
+    async def _redesign(self, parameters: WinchControllerParameters) -> ControllerDesign:
+        """Design beside the ticks, in real time, and return the design once it is in force."""
+        if self.run.is_lockstep:
+            return self.controller.redesign(parameters)
+        if self._redesign_wanted is not None:
+            raise ModeError("another redesign is under way")
+        controller = self.controller
+        in_force: Future[None] = Future()
+        self._redesign_wanted = (self._designer.submit(controller.prepare_redesign, parameters), in_force)
+        await in_force
+        return self.controller.design
+
+    def _take_redesign(self) -> None:
+        """Put a design that has been prepared in force, between two ticks."""
+        if self._redesign_wanted is None or not self._redesign_wanted[0].done():
+            return
+        (prepared, in_force), self._redesign_wanted = self._redesign_wanted, None
+        try:
+            self.controller.take_redesign(prepared.result())
+            in_force.set_result(None)
+        except ValueError as error:
+            in_force.set_exception(error)
 
     def _sea_in_force(self) -> tuple[float, float]:
         """Return Hs [m] and Tp [s] as estimated from the MRU; while there is no valid estimate, those of the design."""

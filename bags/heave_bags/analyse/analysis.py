@@ -150,6 +150,7 @@ def to_json(record: RunRecord, window: float | None = None) -> dict[str, Any]:
     ]
     content["snap_times_s"] = snaps(record)
     content["run"], content["outcome"] = dict(record.run), dict(record.outcome)
+    content["sources"] = dict(record.sources)
     content["losses"] = [str(loss) for loss in record.losses]
     content["notes"] = list(record.notes)
     if window is not None:
@@ -162,7 +163,8 @@ def to_json(record: RunRecord, window: float | None = None) -> dict[str, Any]:
 
 def table(records: Sequence[RunRecord]) -> str:
     """Return the KPIs of the runs `records` side by side as text, and below them what a reader of them must know."""
-    lines = [kpi_set.table({record.name: record.kpis() for record in records})]
+    sources = {record.name: record.sources for record in records}
+    lines = [kpi_set.table({record.name: record.kpis() for record in records}, sources)]
     for record in records:
         lines += [f"{record.name}: {text}" for text in record.remarks()]
     return "\n".join(lines)

@@ -10,6 +10,7 @@ import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from types import MappingProxyType
 
 import numpy as np
 from heave_node import kpi
@@ -19,6 +20,8 @@ from numpy.typing import NDArray
 from heave_bags.signals import RunSignals, Signal
 
 NOT_KNOWN = math.nan
+SOURCES = ("estimated", "measured", "true")
+"""What a motion may come from, the least certain first."""
 
 
 class Window:
@@ -414,6 +417,32 @@ KPI_DEFINITIONS: tuple[KpiDefinition, ...] = (
 )
 """All KPIs in the order of a table."""
 
+UNIT_HEAVE, FREE_HEAVE, TIP_HEAVE = "unit heave", "uncompensated unit heave", "boom-tip heave"
+TOP_TENSION, PAYOUT = "top tension", "payout"
+_OF_TENSION = (
+    *("tension_min_n", "tension_mean_n", "tension_max_n", "tension_sigma_n", "tension_ratio_min"),
+    *("dynamic_amplification", "snaps", "top_tension_mean_n", "top_tension_amplitude_n"),
+)
+MOTIONS_OF: Mapping[str, tuple[str, ...]] = {
+    **dict.fromkeys(("unit_sigma_m", "significant_residual_m", "max_abs_heave_m", "heave_p999_m"), (UNIT_HEAVE,)),
+    **dict.fromkeys(("uncompensated_sigma_m", "uncompensated_max_abs_heave_m"), (FREE_HEAVE,)),
+    **dict.fromkeys(("outlet_sigma_m", "outlet_efficiency"), (TIP_HEAVE, PAYOUT)),
+    **dict.fromkeys(("boom_tip_sigma_m",), (TIP_HEAVE,)),
+    **dict.fromkeys(("kappa", "unit_heave_amplitude_m"), (UNIT_HEAVE,)),
+    "unit_efficiency": (UNIT_HEAVE, FREE_HEAVE),
+    "unit_heave_phase_deg": (UNIT_HEAVE, TIP_HEAVE),
+    **dict.fromkeys(_OF_TENSION, (TOP_TENSION,)),
+    **dict.fromkeys(("winch_speed_max_mps", "winch_acceleration_max_mps2"), (PAYOUT,)),
+}
+"""Motions that figures are made from, by key."""
+
+
+def source_of(key: str, sources: Mapping[str, str]) -> str:
+    """Return what a figure is made from, by the sources of a run's motions: the least certain; "" for others."""
+    found = [sources[motion] for motion in MOTIONS_OF.get(key, ()) if motion in sources]
+    return next((source for source in SOURCES if source in found), "")
+
+
 DEFINITION_OF: Mapping[str, KpiDefinition] = {definition.key: definition for definition in KPI_DEFINITIONS}
 
 
@@ -434,13 +463,23 @@ def to_json(values: Mapping[str, float]) -> dict[str, float | int | None]:
     }
 
 
-def table(columns: Mapping[str, Mapping[str, float]]) -> str:
-    """Return KPIs of one or several runs as a text table, `columns` by name; rows nobody knows are left out."""
+def table(
+    columns: Mapping[str, Mapping[str, float]], sources: Mapping[str, Mapping[str, str]] = MappingProxyType({})
+) -> str:
+    """Return KPIs as a text table; rows nobody knows are left out.
+
+    Parameters
+    ----------
+    columns : KPIs of one or several runs, by name
+    sources : where the motions of each run come from; a figure that is not made from the truth says so
+    """
     rows = [("", "", *columns)]
     for definition in KPI_DEFINITIONS:
         cells = [definition.text(values.get(definition.key, math.nan)) for values in columns.values()]
         if any(cell != "-" for cell in cells):
-            rows.append((definition.title, definition.unit, *cells))
+            marks = {source_of(definition.key, of_run) for of_run in sources.values()} - {"", SOURCES[-1]}
+            unit = f"{definition.unit}  {', '.join(sorted(marks))}" if marks else definition.unit
+            rows.append((definition.title, unit, *cells))
     widths = [max(len(row[column]) for row in rows) for column in range(len(rows[0]))]
     lines = [
         f"{row[0]:<{widths[0]}}  "

@@ -130,7 +130,8 @@ def _heading(title: str, records: Sequence[RunRecord]) -> str:
 def _kpi_section(records: Sequence[RunRecord]) -> str:
     columns = [record.kpis() for record in records]
     names = "".join(f'<th class="number">{html.escape(record.name)}</th>' for record in records)
-    groups = [_kpi_group(group, columns) for group in kpi_set.GROUPS]
+    sources = [record.sources for record in records]
+    groups = [_kpi_group(group, columns, sources) for group in kpi_set.GROUPS]
     window = "; ".join(f"{record.start:.2f} s to {record.end:.2f} s" for record in records)
     return (
         f'<h2>Figures of merit</h2>\n<p class="caption">Evaluation window: {window}.</p>\n'
@@ -140,13 +141,19 @@ def _kpi_section(records: Sequence[RunRecord]) -> str:
     )
 
 
-def _kpi_group(group: str, columns: Sequence[Mapping[str, float]]) -> str:
-    """Return the rows of one group of KPIs under its heading; "" where none of them is known."""
+def _kpi_group(group: str, columns: Sequence[Mapping[str, float]], sources: Sequence[Mapping[str, str]]) -> str:
+    """Return the rows of one group of KPIs under its heading, with what each is made from; "" where none is known."""
     rows = []
     for definition in kpi_set.KPI_DEFINITIONS:
         values = [column[definition.key] for column in columns]
         if definition.group == group and any(math.isfinite(value) for value in values):
-            cells = "".join(f'<td class="number">{definition.text(value)}</td>' for value in values)
+            made_from = [kpi_set.source_of(definition.key, of_run) for of_run in sources]
+            titles = [f' title="{source}"' if source else "" for source in made_from]
+            marks = ["" if source in ("", "true") else f" <small>{source}</small>" for source in made_from]
+            cells = "".join(
+                f'<td class="number"{title}>{definition.text(value)}{mark}</td>'
+                for value, title, mark in zip(values, titles, marks, strict=True)
+            )
             rows.append(f"<tr><td>{html.escape(definition.title)}</td>{cells}<td>{definition.unit}</td></tr>")
     if not rows:
         return ""

@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 from heave_node.arrays import Array
+from heave_node.tick.durations import EDGES, LAST
 
 from heave_bags.analyse.events import Interval
 from heave_bags.analyse.run_record import Innovation, RunRecord
@@ -420,6 +421,29 @@ def _settled_range(row: Innovation, record: RunRecord) -> list[float]:
     return [-reach, reach]
 
 
+def timing_figure(record: RunRecord) -> Figure | None:
+    """Return the histograms of durations in wall time: loop age, and how messages of external nodes came in."""
+    if not record.timings:
+        return None
+    traces = [
+        {
+            "type": "bar",
+            "name": name,
+            "x": [f"<= {edge}" if edge != LAST else LAST for edge in counts],
+            "y": list(counts.values()),
+        }
+        for name, counts in record.timings.items()
+    ]
+    edges = [f"<= {1e3 * edge:g}" for edge in EDGES]
+    layout = {
+        "xaxis": {"title": {"text": "wall time [ms]"}, "categoryorder": "array", "categoryarray": [*edges, LAST]},
+        "yaxis": {"title": {"text": "count"}, "type": "log"},
+        "barmode": "group",
+    }
+    caption = "Every tick counts, those that missed their deadline with the time until their last answer."
+    return Figure("Timing", caption, traces, layout, is_over_time=False)
+
+
 def run_figures(record: RunRecord) -> list[Figure]:
     """Return the figures of the run `record`; those nobody recorded the signals of are left out."""
     signals = record.signals
@@ -429,6 +453,7 @@ def run_figures(record: RunRecord) -> list[Figure]:
     figures.append(winch_figure(record) if signals.payout_rate.size else None)
     figures.append(spectrum_figure(record) if spectrum_lines(record) else None)
     figures.append(innovation_figure(record))
+    figures.append(timing_figure(record))
     return [figure for figure in figures if figure is not None]
 
 

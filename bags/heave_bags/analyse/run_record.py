@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -14,7 +14,9 @@ from heave_node.arrays import Array
 from heave_node.constants import SEAWATER_DENSITY, STANDARD_GRAVITY
 from heave_node.hydrostatics import displaced_area, weight_in_fluid
 from heave_node.parameters import ParameterError
+from heave_node.run_parameters import REALTIME
 from heave_node.scenario import parse_sections, values_of_node
+from heave_node.tick.durations import parse_histogram
 
 from heave_bags.analyse import events, kpi_set
 from heave_bags.analyse.depth_programme import SPAN, take_out_programme
@@ -32,6 +34,7 @@ NIS_BAND = (0.000982069, 5.02388619)
 
 UNIT, UNCOMPENSATED = topics.UNIT_ODOMETRY.name, topics.UNIT_UNCOMPENSATED.name
 BOOM_TIP, WINCH, LOAD_CELL = topics.BOOM_TIP.name, topics.WINCH_STATE.name, topics.LOAD_CELL.name
+MRU = topics.MRU.name
 CABLE, CONTROLLER, DIAGNOSTICS = topics.CABLE_STATE.name, topics.CONTROLLER_STATE.name, topics.DIAGNOSTICS.name
 
 SELECTION: dict[str, tuple[str, ...]] = {
@@ -60,8 +63,11 @@ SELECTION: dict[str, tuple[str, ...]] = {
         "nis",
         "active_limits",
         "depth_set_point",
+        "predicted_unit_heave",
+        "predicted_uncompensated_heave",
         "sensors",
     ),
+    MRU: ("heave",),
     DIAGNOSTICS: ("status[].level", "status[].name", "status[].message"),
 }
 """The topics and fields that KPIs and reports are made from."""
@@ -111,6 +117,8 @@ class RunRecord:
     run, outcome : the bag's own words on the run
     losses : what of the bag could not be read
     notes : what a reader of the figures must know
+    sources : where each motion comes from: TRUE, MEASURED or ESTIMATED
+    timings : histograms of durations in wall time by name, real time only: upper edge [ms] -> count
     is_past_transient : the run went on after its transient; False: the figures are of its start-up
     """
 
@@ -126,6 +134,8 @@ class RunRecord:
     outcome: Mapping[str, str] = field(default_factory=dict)
     losses: list[Loss] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
+    sources: dict[str, str] = field(default_factory=dict)
+    timings: dict[str, dict[str, int]] = field(default_factory=dict)
     is_past_transient: bool = True
 
     def remarks(self) -> list[str]:
@@ -140,6 +150,12 @@ class RunRecord:
 NodeParameters = Mapping[str, Mapping[str, Any]]
 """Parameters of nodes: node -> dotted name -> value. Those of all nodes stand under ALL_NODES."""
 ALL_NODES = "**"
+TRUE, MEASURED, ESTIMATED = "true", "measured", "estimated"
+"""What a figure is made from: what only a simulator knows, a sensor, or the controller's estimate."""
+LAST_WORDS = 5_000_000_000
+"""Time before the end of a bag within which every node publishes diagnostics [ns]."""
+TIMING_PREFIX = "timing "
+"""Begins the name of a diagnostic status with a histogram of durations in wall time."""
 
 
 def read_run(
@@ -183,7 +199,21 @@ def read_run(
         transient = _as_number(bag.run.get("transient_s"), of_all)
     _set_window(record, transient)
     _refuse_nothing(record, bag)
+    if bag.run.get("pacing") == REALTIME and bag.has(DIAGNOSTICS):
+        record.timings = _timings(bag)
     return record
+
+
+def _timings(bag: Bag) -> dict[str, dict[str, int]]:
+    """Return the histograms that the nodes published last: each holds all durations of the run up to then."""
+    found: dict[str, dict[str, int]] = {}
+    for _, message in bag.decoded([DIAGNOSTICS], start=bag.end_time - LAST_WORDS):
+        for status in message.status:
+            values = {value.key: value.value for value in status.values}
+            node, _, name = status.name.partition(": ")
+            if name.startswith(TIMING_PREFIX) and "histogram_ms" in values:
+                found[f"{node}: {name.removeprefix(TIMING_PREFIX)}"] = parse_histogram(values["histogram_ms"])
+    return found
 
 
 def _name(path: Path) -> str:
@@ -193,7 +223,8 @@ def _name(path: Path) -> str:
 
 def _fill(record: RunRecord, fields: Mapping[str, Fields], parameters: NodeParameters) -> None:
     """Fill a record with what the topics tell."""
-    _fill_motion(record.signals, fields)
+    _fill_motion(record, fields)
+    _note_sources(record)
     _fill_winch(record, fields[WINCH])
     _fill_controller(record, fields[CONTROLLER])
     set_point = fields[CONTROLLER].signal("depth_set_point")
@@ -235,20 +266,53 @@ def _refuse_nothing(record: RunRecord, bag: Bag) -> None:
         raise BagError(f"{bag.path}: no figure can be computed from it: its topics hold no motion or tension{lost}")
 
 
-def _fill_motion(signals: RunSignals, fields: Mapping[str, Fields]) -> None:
-    signals.unit_heave = fields[UNIT].signal("pose.pose.position.z")
-    signals.uncompensated_heave = fields[UNCOMPENSATED].signal("position.z")
-    signals.boom_tip_heave = fields[BOOM_TIP].signal("position.z")
+def _best(record: RunRecord, name: str, known: Sequence[tuple[str, Signal]]) -> Signal:
+    """Return the first signal that was recorded, and note where it comes from."""
+    for source, signal in known:
+        if signal.size > 1 or (signal.size and source == TRUE):
+            record.sources[name] = source
+            return signal
+    return Signal()
+
+
+def _fill_motion(record: RunRecord, fields: Mapping[str, Fields]) -> None:
+    signals = record.signals
+    state = fields[CONTROLLER]
+    signals.unit_heave = _best(
+        record,
+        "unit heave",
+        ((TRUE, fields[UNIT].signal("pose.pose.position.z")), (ESTIMATED, state.signal("predicted_unit_heave"))),
+    )
+    signals.uncompensated_heave = _best(
+        record,
+        "uncompensated unit heave",
+        (
+            (TRUE, fields[UNCOMPENSATED].signal("position.z")),
+            (ESTIMATED, state.signal("predicted_uncompensated_heave")),
+        ),
+    )
+    signals.boom_tip_heave = _best(
+        record,
+        "boom-tip heave",
+        ((TRUE, fields[BOOM_TIP].signal("position.z")), (MEASURED, fields[MRU].signal("heave"))),
+    )
     slack = fields[CABLE].signal("slack_segments")
     signals.slack = Signal(slack.time, (slack.value > 0.0).astype(float))
     tensions = (
-        fields[CABLE].signal("top_tension"),
-        fields[LOAD_CELL].signal("tension"),
-        fields[WINCH].signal("tension"),
+        (TRUE, fields[CABLE].signal("top_tension")),
+        (MEASURED, fields[LOAD_CELL].signal("tension")),
+        (MEASURED, fields[WINCH].signal("tension")),
     )
-    signals.tension = next((tension for tension in tensions if tension.size), Signal())
+    signals.tension = _best(record, "top tension", tensions)
     if signals.tension.size and signals.tension.time[0] < START:
         signals.static_tension = Signal(signals.tension.time[:1], signals.tension.value[:1])
+
+
+def _note_sources(record: RunRecord) -> None:
+    """Say which motions are not the truth, as on a ship: nobody knows it there."""
+    other = [f"{name} is {source}" for name, source in record.sources.items() if source != TRUE]
+    if other:
+        record.notes.append(f"no truth was recorded: {', '.join(other)}")
 
 
 def _fill_winch(record: RunRecord, winch: Fields) -> None:
@@ -261,6 +325,7 @@ def _fill_winch(record: RunRecord, winch: Fields) -> None:
     if not signals.payout.size:
         signals.payout = winch.signal("encoder_payout")
         signals.payout_rate = winch.signal("encoder_payout_rate")
+        record.sources["payout"] = MEASURED
         record.notes.append("payout is the encoder's reading: the winch does not know the truth")
     signals.winch_limited = Signal(winch.time, (winch.codes("limits_hit") != 0).astype(float))
     record.limits += events.winch_limits(winch)
@@ -270,7 +335,7 @@ def _fill_winch(record: RunRecord, winch: Fields) -> None:
 def _fill_controller(record: RunRecord, state: Fields) -> None:
     record.modes = events.modes(state)
     names = state.texts("mode")
-    if names is not None and not all(mode.name == events.OFF for mode in record.modes):
+    if names is not None and names.size > 1 and not all(mode.name == events.OFF for mode in record.modes):
         record.signals.compensating = Signal(state.time, np.isin(names, events.COMPENSATES).astype(float))
     record.alarms += events.sensor_alarms(state)
     record.innovations = _innovations(state)

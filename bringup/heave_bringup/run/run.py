@@ -18,7 +18,7 @@ from heave_node.ros.shared_memory import remove_dead_segments
 from heave_node.scenario import write_sections
 
 from heave_bringup.errors import CommandError
-from heave_bringup.nodes import MASTER, NODES, RECORDER
+from heave_bringup.nodes import MASTER, NODES, RECORDER, SHIP_CLOCK
 from heave_bringup.progress import ProgressLine
 from heave_bringup.run.launcher import Launcher, NodeProcess
 from heave_bringup.run.monitor import Monitor
@@ -196,7 +196,8 @@ def _listen() -> Monitor:
 def nodes_to_start(scenario: Scenario) -> list[str]:
     """Return the nodes of a `scenario` that are not replaced by hardware or left out of the run."""
     wanted = {MASTER, *scenario.run.participants} - set(scenario.run.external)
-    return [node.name for node in NODES if node.name in wanted]
+    clock = [SHIP_CLOCK.name] if MASTER in scenario.run.external else []
+    return clock + [node.name for node in NODES if node.name in wanted]
 
 
 def store_scenario(scenario: Scenario, folder: RunFolder) -> None:

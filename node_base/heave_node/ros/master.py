@@ -18,7 +18,9 @@ from rosgraph_msgs.msg import Clock
 from std_srvs.srv import SetBool, Trigger
 
 from heave_node import topics
+from heave_node.ros.diagnostics import Health
 from heave_node.ros.identity import describe_sender, identity_of_endpoint
+from heave_node.ros.input_timing import timing_health
 from heave_node.ros.node import HeaveNode, ProtocolError, expect_no, expect_sender, steady_clock
 from heave_node.ros.qos import mismatches
 from heave_node.tick import malformed
@@ -192,6 +194,13 @@ class ClockMasterNode(HeaveNode):
                 speakers[self.resolve_topic_name(name)].appoint(identities)
         return speakers
 
+    def diagnose_timing(self) -> list[Health]:
+        """Add the loop age of every tick, those that missed their deadline too."""
+        if self.run.is_lockstep or not len(self.timing.ages):
+            return []
+        values = {**self.timing.ages.to_values(), "missed_deadlines": str(self.timing.missed_deadlines)}
+        return [timing_health("loop age", values), *super().diagnose_timing()]
+
     # Ticks ---------------------------------------------------------------------------------------------------------
 
     @property
@@ -203,7 +212,7 @@ class ClockMasterNode(HeaveNode):
         tick = Tick(number, self.epoch, self.run.tick_nanoseconds)
         self.tick, self._stepped = tick, False
         self.newest_start = (tick.start_nanoseconds, time.monotonic_ns())
-        self.timing.tick_began()
+        self.timing.tick_began(number)
         self.begin_outputs()
         self._clock_output.publish_deferred(lambda: Clock(clock=tick.stamp))
         self.fail_on_error(lambda: self._publish_readings(tick))
@@ -240,6 +249,7 @@ class ClockMasterNode(HeaveNode):
             if message.epoch == self.epoch:
                 self.roster.answer(node, message.tick, message.published)
                 self.gate.peer_done(node, message.epoch, message.tick, message.published)
+                self.timing.answered_up_to(self.roster.answered_by_all())
                 self._advance()
 
         return on_done
@@ -255,7 +265,6 @@ class ClockMasterNode(HeaveNode):
         if self._is_flushing:
             self._end_of_flush()
             return
-        self.timing.tick_answered()
         if self.run.is_lockstep:
             self.fail_on_error(lambda: self.on_advance(tick))
             self._begin_what_follows()
@@ -354,7 +363,7 @@ class ClockMasterNode(HeaveNode):
         self.tick = Tick(self.tick_number + 1, self.epoch, self.run.tick_nanoseconds)
         self._stepped = False
         self.begin_outputs()
-        self.timing.tick_began()
+        self.timing.wait_began()
         self._send_start(self.tick, flush=True)
 
     def _end_of_flush(self) -> None:

@@ -27,6 +27,7 @@ from heave_node import topics
 from heave_node.messages import message_type
 from heave_node.ros.diagnostics import Health, Level, diagnostic_array
 from heave_node.ros.identity import own_identity
+from heave_node.ros.input_timing import InputTiming
 from heave_node.ros.node_parameters import read_parameters
 from heave_node.ros.ports import Input, Output
 from heave_node.ros.qos import PUBLISHER, SUBSCRIPTION, overriding_options, qos_of, reader_qos_of, unused_overrides
@@ -112,6 +113,7 @@ class HeaveNode(LifecycleNode):
         self.is_active = False
         self._outputs: list[Output] = []
         self._inputs: list[Input] = []
+        self._input_timings: dict[str, InputTiming] = {}
         self._input_subscriptions: dict[str, Subscription[Any]] = {}
 
     # What a node fills in ------------------------------------------------------------------------------------------
@@ -166,6 +168,7 @@ class HeaveNode(LifecycleNode):
             return deserialize_message(data, kind)
 
         def decode_external(data: bytes) -> Any:
+            self._input_timings[port.name].arrived()
             message = decode(data)
             if hasattr(message, "header"):
                 stamp = clock.simulated_time(nanoseconds_of(message.header.stamp), self.simulated_now())
@@ -173,6 +176,7 @@ class HeaveNode(LifecycleNode):
             return message
 
         if is_external:
+            self._input_timings[port.name] = InputTiming(port.name)
             clock = self.clocks[port.name] = ExternalClock(self.run.clock_rule(topic.publisher))
         self.add_raw_input(topic, decode_external if is_external else decode)
         return port
@@ -229,6 +233,8 @@ class HeaveNode(LifecycleNode):
     def take(self, port: Input) -> list[Any]:
         """Return the new messages of this tick on the input `port`, oldest first."""
         assert self.tick is not None
+        if port.name in self._input_timings:
+            self._input_timings[port.name].used()
         return port.take(self.tick)
 
     def create_protocol_subscription(self, topic: Topic, callback: Callable[[Any, str], None]) -> None:
@@ -368,7 +374,9 @@ class HeaveNode(LifecycleNode):
         """Publish the health of this node if it is due at `tick`: once per simulated second, strangers at once."""
         every = max(1, round(DIAGNOSTICS_PERIOD / self.run.tick_period))
         if tick.number % every == 1 % every or self.strangers.has_news:
-            parts = [*self.diagnose(), *self._diagnose_inputs(), *self.strangers.health()] or [Health("node")]
+            parts = [*self.diagnose(), *self._diagnose_inputs(), *self.diagnose_timing(), *self.strangers.health()] or [
+                Health("node")
+            ]
             self._diagnostics.publish_deferred(lambda: diagnostic_array(self.name, tick.stamp, parts))
 
     def publish_protocol_error(self, text: str) -> None:
@@ -378,6 +386,10 @@ class HeaveNode(LifecycleNode):
         """
         part = Health("tick protocol", Level.ERROR, text)
         self._diagnostics.publisher.publish(diagnostic_array(self.name, Time(), [part]))
+
+    def diagnose_timing(self) -> list[Health]:
+        """Return how the messages of external nodes come in, in wall time; nothing in lockstep."""
+        return [part for timing in self._input_timings.values() for part in timing.diagnose()]
 
     def _diagnose_inputs(self) -> list[Health]:
         parts = [

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import time
-from array import array
+from collections import deque
 from dataclasses import dataclass
 
-import numpy as np
+from heave_node.tick.durations import Durations
 
 
 @dataclass(frozen=True)
@@ -24,12 +24,20 @@ class LoopAge:
 
 
 class LoopTiming:
-    """Collects the loop age of every tick, and measures the speed of the run."""
+    """Collects the loop age of every tick, those that missed their deadline too, and measures the speed of the run.
+
+    Attributes
+    ----------
+    missed_deadlines : ticks that were over before all had answered
+    resends : ticks that were sent again
+    ages : loop age of every tick that was answered
+    """
 
     def __init__(self) -> None:
         self.missed_deadlines = 0
         self.resends = 0
-        self._ages = array("d")
+        self.ages = Durations()
+        self._open: deque[tuple[int, float]] = deque()
         self._began = self._run_began = self._last_wall = time.monotonic()
         self._last_simulated = 0.0
 
@@ -37,14 +45,22 @@ class LoopTiming:
         """Note the start of a run."""
         self._run_began = self._last_wall = time.monotonic()
         self._last_simulated = 0.0
+        self._open.clear()
 
-    def tick_began(self) -> None:
-        """Note the start of a tick."""
+    def wait_began(self) -> None:
+        """Note the start of a wait that is no tick."""
         self._began = time.monotonic()
 
-    def tick_answered(self) -> None:
-        """Note the last answer to the tick."""
-        self._ages.append(time.monotonic() - self._began)
+    def tick_began(self, number: int) -> None:
+        """Note the start of tick `number`."""
+        self.wait_began()
+        self._open.append((number, self._began))
+
+    def answered_up_to(self, number: int) -> None:
+        """Note that all have answered tick `number` and those before: their loop age is known, late as it may be."""
+        now = time.monotonic()
+        while self._open and self._open[0][0] <= number:
+            self.ages.add(now - self._open.popleft()[1])
 
     @property
     def age_of_tick(self) -> float:
@@ -52,12 +68,13 @@ class LoopTiming:
         return time.monotonic() - self._began
 
     def loop_age(self, last: int | None = None) -> LoopAge:
-        """Return the loop age over the `last` ticks; None takes all ticks so far."""
-        if not self._ages:
-            return LoopAge()
-        ages = np.array(self._ages if last is None else self._ages[-last:])
-        p50, p99 = np.percentile(ages, [50, 99])
-        return LoopAge(float(p50), float(p99), float(ages.max()))
+        """Return the loop age over the `last` ticks; None takes all ticks so far.
+
+        A tick that is past its deadline and has no answer yet counts with the time that it has waited.
+        """
+        now = time.monotonic()
+        waiting = tuple(now - began for _, began in list(self._open)[:-1])
+        return LoopAge(*self.ages.percentiles(last, waiting))
 
     def overall_factor(self, simulated_time: float) -> float:
         """Return `simulated_time` [s] over wall time since the run began."""

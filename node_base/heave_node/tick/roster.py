@@ -131,6 +131,10 @@ class Roster:
         """Return the participants that have not answered `tick`; without a `flush`, those that may lag have time."""
         return [p for p in self._present() if p.answered < tick - (0 if flush else p.lag)]
 
+    def answered_by_all(self) -> int:
+        """Return the last tick that all have answered; those that may lag do not count."""
+        return min((p.answered for p in self._present() if p.lag == 0), default=0)
+
     def restart(self) -> None:
         """Count ticks from 1 again; message counters go on."""
         for participant in self._present():

@@ -47,6 +47,9 @@ RESOLUTION = 3e-4
 LATE_TICKS = 2
 """Ticks in a row with a command overdue that raise the alarm."""
 
+LATE_WINDOW = 2.0
+"""Commands of so many seconds are judged together: one hiccup of a machine is no slow transport."""
+
 SMALLEST_LAG = 0.005
 """Least time constant of a servo [s]."""
 
@@ -188,21 +191,25 @@ class WinchIdentifier:
 class LateCommands:
     """Notices that the winch takes commands later than modelled, by the sequence numbers that it acknowledges.
 
-    A transport that becomes slower is seen so within three ticks, long before the record of the drum tells.
+    A transport that becomes slower is seen so within three ticks, long before the record of the drum tells; that it
+    stays so is judged by the median over some seconds.
 
     Parameters
     ----------
     tick_period : [s]
-
-    Attributes
-    ----------
-    overdue : time by which commands are later than modelled, at least [s]
     """
 
     def __init__(self, tick_period: float) -> None:
         self._dt = tick_period
         self._late = 0
-        self.overdue = 0.0
+        self._overdue: deque[float] = deque(maxlen=max(1, round(LATE_WINDOW / tick_period)))
+
+    @property
+    def overdue(self) -> float:
+        """Time by which more than half of the commands of the last seconds were later than modelled, at least [s]."""
+        window = self._overdue.maxlen or 1
+        later = sorted(self._overdue, reverse=True)
+        return later[window // 2] if len(later) > window // 2 else 0.0
 
     def update(self, given: int, taken: int, delay: float) -> str:
         """Return what is wrong in words, once each time; empty when nothing is.
@@ -213,9 +220,10 @@ class LateCommands:
         delay : of the model [s]
         """
         due = math.ceil(delay / self._dt - 1e-6) - 1
-        is_late = taken > 0 and given - taken > due + 1
+        late_ticks = given - taken - due - 1
+        is_late = taken > 0 and late_ticks > 0
         self._late = self._late + 1 if is_late else 0
-        self.overdue = (given - taken - due - 1) * self._dt if self._late >= LATE_TICKS else 0.0
+        self._overdue.append(late_ticks * self._dt if is_late else 0.0)
         if self._late != LATE_TICKS:
             return ""
-        return f"winch commands take effect at least {self.overdue:.2f} s later than modelled"
+        return f"winch commands take effect at least {late_ticks * self._dt:.2f} s later than modelled"

@@ -35,6 +35,9 @@ RATE_ERROR = AmplitudeLimit(time=2.0, ratio=1.5, floor=0.1)
 CATCH_UP_TIME = 15.0
 """Time that the drum is not checked after a lost sensor is back [s]: the law has to catch up with what it missed."""
 
+RELEASE_TIME = 30.0
+"""Time that a swing is not judged after a sudden stop of the winch [s]: compensation fades in and takes it out."""
+
 SWING_WORK = 2.0
 """Speed of the drum that stops a swinging unit, over the speed of the unit."""
 
@@ -124,6 +127,7 @@ class HarmGuard:
         self.trusts_estimate = True
         self.reason = ""
         self._hold_time = parameters.hold_time
+        self._hold: float | None = None
         self._off_time = 0.0
         self._judged_time = 0.0
         self._authority_before = 0.0
@@ -148,6 +152,7 @@ class HarmGuard:
         self._mismatch = DetrendedHeave(self._dt)
         self._exchanged_swing = 0.0
         self._catch_up = 0.0
+        self._released = 0.0
 
     @property
     def demand(self) -> float:
@@ -167,11 +172,21 @@ class HarmGuard:
         """Do not check the drum for some seconds: the law has to catch up with what it could not see."""
         self._catch_up = CATCH_UP_TIME
 
-    def inhibit(self, reason: str) -> None:
-        """Keep compensation off while there is a `reason` that is certain, and for the hold time after it."""
+    def allow_release(self) -> None:
+        """Do not judge the unit's swing for some seconds: the winch stood suddenly, and compensation begins again."""
+        self._released = RELEASE_TIME
+
+    def inhibit(self, reason: str, hold: float | None = None) -> None:
+        """Keep compensation off while there is a `reason` that is certain, and for a time after it.
+
+        Parameters
+        ----------
+        reason : in words
+        hold : time after it [s]; None: the hold time of harm, which becomes longer each time
+        """
         self._off_time = 0.0
         if not self.inhibits:
-            self._begin_inhibiting(reason)
+            self._begin_inhibiting(reason, hold)
 
     def update(self, motions: GuardedMotions, authority: float, target: float = 1.0) -> None:
         """Take one tick in.
@@ -209,6 +224,7 @@ class HarmGuard:
         swing, free_swing = self._swing(motions.unit), self._swing(motions.free_unit)
         self._check_rate(motions, authority, change, swing, free_swing)
         self._swing_check.add(swing, free_swing)
+        self._check_release()
         # the mean square of a heave is half that of its swing
         free_heave = 0.5 * free_swing
         heave = motions.measured_heave
@@ -220,6 +236,13 @@ class HarmGuard:
             self._rate_check.restart()
             self._swing_check.restart(self._swing_check.reference)
             self._depth_check.restart()
+
+    def _check_release(self) -> None:
+        """Do not hold against the loop the swing that a sudden stop of the winch has left, while it takes that out."""
+        self._released = max(self._released - self._dt, 0.0)
+        if self._released > 0.0:
+            self._swing_check.restart(self._swing_check.reference)
+            self._rate_check.restart()
 
     def _swing(self, motion: Motion) -> float:
         """Return z^2 + a z'^2 [m^2]: the squared amplitude of a unit that swings by itself."""
@@ -288,8 +311,9 @@ class HarmGuard:
 
     # while it inhibits
 
-    def _begin_inhibiting(self, reason: str) -> None:
+    def _begin_inhibiting(self, reason: str, hold: float | None = None) -> None:
         self.inhibits = True
+        self._hold = hold
         self._off_time = 0.0
         self.reason = reason
 
@@ -298,10 +322,12 @@ class HarmGuard:
         if authority > 0.0:
             return
         self._off_time += self._dt
-        if self._off_time >= self._hold_time and self.demand <= self._parameters.demand_ratio:
+        hold = self._hold_time if self._hold is None else self._hold
+        if self._off_time >= hold and self.demand <= self._parameters.demand_ratio:
             self.inhibits = False
             self.trusts_estimate = True
             self.reason = ""
-            self._hold_time = min(HOLD_GROWTH * self._hold_time, self._parameters.hold_time_limit)
+            if self._hold is None:
+                self._hold_time = min(HOLD_GROWTH * self._hold_time, self._parameters.hold_time_limit)
             self._judged_time = 0.0
             self._make_comparison()

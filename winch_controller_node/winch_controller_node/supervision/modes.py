@@ -46,7 +46,7 @@ MOVING = (Mode.COMPENSATING, Mode.CONSTANT_TENSION, Mode.MANUAL, Mode.FADE_OUT, 
 RELEASE_TIME = 0.5
 """Time that the brake stays on before a braked winch is moved [s]: it acknowledges a latched fault."""
 
-RELEASED_TIME = 1.0
+RELEASED_TIME = 2.0
 """A fault that was latched may still be told for so long after the brake was released [s]: commands take time."""
 
 BACK_TIME = 1.0

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from winch_controller_node.design.design import ControllerDesign
 from winch_controller_node.estimation.loop_tick import LoopTick
 from winch_controller_node.laws.law import ControlLaw
+from winch_controller_node.supervision.command_timeouts import Advice, CommandTimeouts
 from winch_controller_node.supervision.entry_gates import EntryGates
 from winch_controller_node.supervision.guard import GuardedLoop, GuardedMotions, HarmGuard
 from winch_controller_node.supervision.landing import HangingLoad, Landing, LandingEvent
@@ -22,6 +23,9 @@ REQUIRED_SENSORS = {
 
 HANGING_SHARES = (0.7, 1.3)
 """A unit hangs whose cable carries a share of its weight between these, and that has not landed."""
+
+TRANSPORT_HOLD = 5.0
+"""Time for which compensation stays off after commands were late for long [s]: the transport is not the loop's harm."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,6 +82,7 @@ class Supervisor:
     modes : for requests of the operator
     guard : whether compensation does harm
     landing : whether the unit stands
+    timeouts : whether compensation goes on after a command timeout of the winch
     """
 
     def __init__(self, design: ControllerDesign, law: ControlLaw) -> None:
@@ -95,6 +100,7 @@ class Supervisor:
         self._gates = EntryGates(parameters.entry, window=parameters.guard.window, tick_period=dt)
         self._holds_hanging = parameters.tension.hanging
         self._largest_demand = parameters.guard.demand_ratio
+        self.timeouts = CommandTimeouts(dt, resumes=parameters.modes.resume)
         self._reason_before = ""
         self._fades_by_law = False
         self._refer_to(design, law)
@@ -117,8 +123,8 @@ class Supervisor:
         # where the drum is, not where its command is
         self.landing.observe(time, tick.sensed, float(tick.rows.payout @ tick.mean_state))
         if winch.inhibition:
-            self.guard.inhibit(winch.inhibition)
-        alarms = self._judge(tick)
+            self.guard.inhibit(winch.inhibition, TRANSPORT_HOLD)
+        alarms = self._judge(tick) + self._resume_after_timeout(tick, winch.fault)
         self._gates.observe(tick)
         lost = self._lost(tick)
         mode = self.modes.step(
@@ -152,6 +158,20 @@ class Supervisor:
             landing=self._watch_landing(time, tick, mode),
             alarms=alarms,
         )
+
+    def _resume_after_timeout(self, tick: LoopTick, fault: int) -> tuple[str, ...]:
+        """Ask for compensation again where only late commands ended it; return what is to be told."""
+        is_compensating = self.modes.mode is Mode.COMPENSATING
+        advice = self.timeouts.update(
+            fault,
+            was_compensating=is_compensating or (self.modes.mode is Mode.FADE_OUT and self.guard.inhibits),
+            is_stopped=self.modes.mode is Mode.STOPPED,
+            is_well=not self._lost(tick),
+        )
+        if advice is Advice.RESUME:
+            self.modes.request(Mode.COMPENSATING.value)
+            self.guard.allow_release()
+        return (advice.value,) if advice else ()
 
     def _judge(self, tick: LoopTick) -> tuple[str, ...]:
         """Have the guard judge the tick; return its reason when the brake is on and no change of mode would tell it."""

@@ -1,0 +1,84 @@
+"""A bag of a ship, on which nobody knows the truth: its figures come from sensors and estimates, and say so."""
+
+import math
+from pathlib import Path
+
+import pytest
+from heave_bags.analyse import analysis, kpi_set
+from heave_bags.analyse.report import render
+from heave_bags.analyse.run_record import read_run
+from heave_bags.mcap.bag_writer import BagWriter
+from heave_msgs.msg import ControllerState, LoadCell, MruSample, WinchState
+from heave_node.tick.tick import stamp_of
+from rclpy.serialization import serialize_message
+
+TICK, DURATION, OMEGA = 0.05, 60.0, 2.0 * math.pi / 10.0
+UNIT, FREE, TIP = 0.02, 0.4, 1.0
+"""Amplitudes of the estimated and the uncompensated unit and of the measured boom tip [m]; s = amplitude/sqrt(2)."""
+TYPES = {
+    "/controller/state": ControllerState,
+    "/mru": MruSample,
+    "/winch/state": WinchState,
+    "/winch/load_cell": LoadCell,
+}
+
+
+@pytest.fixture(scope="module")
+def sea_trial(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("trial") / "bag"
+    writer = BagWriter(folder)
+    for topic, kind in TYPES.items():
+        writer.add_topic(topic, f"heave_msgs/msg/{kind.__name__}")
+    for number in range(1, round(DURATION / TICK) + 1):
+        time = number * TICK
+        wave, wave_rate = math.sin(OMEGA * time), OMEGA * math.cos(OMEGA * time)
+        state = ControllerState(mode="compensating")
+        state.predicted_unit_heave, state.predicted_uncompensated_heave = UNIT * wave, FREE * wave
+        winch = WinchState(payout=math.nan, payout_rate=math.nan, payout_acceleration=math.nan, tension=math.nan)
+        winch.encoder_payout, winch.encoder_payout_rate = 0.9 * wave, 0.9 * wave_rate
+        messages = [state, MruSample(heave=TIP * wave), winch, LoadCell(tension=1e5 + 1e3 * wave)]
+        for topic, message in zip(TYPES, messages, strict=True):
+            message.header.stamp = stamp_of(round(time * 1e9))
+            writer.write(topic, round(time * 1e9), bytes(serialize_message(message)))
+    writer.close()
+    return folder
+
+
+def test_every_figure_of_merit_of_a_ship_is_known_without_the_truth(sea_trial):
+    values = read_run(sea_trial).kpis()
+    # of sines over whole periods
+    assert values["unit_sigma_m"] == pytest.approx(UNIT / math.sqrt(2.0), rel=1e-3)
+    assert values["unit_efficiency"] == pytest.approx(1.0 - UNIT / FREE, rel=1e-3)
+    assert values["outlet_efficiency"] == pytest.approx(0.9, rel=1e-3)
+    assert values["tension_max_n"] == pytest.approx(1.01e5, rel=1e-4)
+    assert values["winch_speed_max_mps"] == pytest.approx(0.9 * OMEGA, rel=1e-3)
+    assert values["compensating_percent"] == 100.0
+
+
+def test_each_figure_says_what_it_is_made_from(sea_trial):
+    record = read_run(sea_trial)
+    assert record.sources == {
+        "unit heave": "estimated",
+        "uncompensated unit heave": "estimated",
+        "boom-tip heave": "measured",
+        "top tension": "measured",
+        "payout": "measured",
+    }
+    rows = {line[:40].strip(): line for line in analysis.table([record]).splitlines()}
+    assert any("unit efficiency" in name and line.endswith("%  estimated") for name, line in rows.items())
+    assert any("outlet efficiency" in name and line.endswith("%  measured") for name, line in rows.items())
+    assert "no truth was recorded" in analysis.table([record])
+    assert "<small>estimated</small>" in render([record])
+    assert analysis.to_json(record)["sources"] == record.sources
+
+
+def test_a_figure_is_as_certain_as_the_least_certain_of_its_motions():
+    sources = {"unit heave": "true", "uncompensated unit heave": "estimated"}
+    assert kpi_set.source_of("unit_efficiency", sources) == "estimated"
+    assert kpi_set.source_of("unit_sigma_m", sources) == "true"
+    assert kpi_set.source_of("missed_deadlines", sources) == ""
+
+
+def test_every_name_of_a_figure_with_a_source_is_one():
+    assert set(kpi_set.MOTIONS_OF) <= set(kpi_set.DEFINITION_OF)
+    assert all(kpi_set.MOTIONS_OF.values())

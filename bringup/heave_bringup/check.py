@@ -1,0 +1,190 @@
+"""What was heard of a live external node, held against its contract; without ROS."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from heave_bringup.contract import Port
+
+SLOW = 0.8
+"""A rate below this share of the wanted one is too low."""
+OLD, FUTURE = 0.5, 0.1
+"""A stamp may be so much older, or newer, than the clock at the arrival of its message [s]."""
+REACTION = 1.5
+"""Time within which a winch must have done what it was told, or have noticed that it is told nothing [s]."""
+
+
+@dataclass
+class Heard:
+    """What came on one topic.
+
+    Attributes
+    ----------
+    publishers : names of the nodes that publish it, each with its host-wide unique namespace
+    types : of these publishers
+    refusals : quality of service that does not match, in words
+    arrivals, stamps, clock : of each message [s]: wall time, its stamp, simulated time when it came
+    bad : fields that were no plausible number, with how often
+    counter : values of the field that counts
+    """
+
+    publishers: list[str] = field(default_factory=list)
+    types: list[str] = field(default_factory=list)
+    refusals: list[str] = field(default_factory=list)
+    arrivals: list[float] = field(default_factory=list)
+    stamps: list[float] = field(default_factory=list)
+    clock: list[float] = field(default_factory=list)
+    bad: dict[str, int] = field(default_factory=dict)
+    counter: list[int] = field(default_factory=list)
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One line of the table: what was looked at, whether it is as the contract says, and what was found."""
+
+    topic: str
+    what: str
+    is_good: bool
+    words: str
+
+
+def judge_topic(port: Port, heard: Heard) -> list[Finding]:
+    """Return what is to be said of one topic that a node publishes."""
+    name = port.topic.name
+
+    def finding(what: str, is_good: bool, words: str) -> Finding:
+        return Finding(name, what, is_good, words)
+
+    if not heard.publishers:
+        return [finding("publisher", not port.is_required, "nobody publishes it")]
+    found = [finding("publisher", len(heard.publishers) == 1, ", ".join(heard.publishers))]
+    wrong = sorted(set(heard.types) - {port.topic.type})
+    found.append(finding("type", not wrong, ", ".join(wrong) or port.topic.type))
+    found.append(finding("quality of service", not heard.refusals, "; ".join(heard.refusals) or "matches"))
+    if wrong or heard.refusals:
+        return found
+    if not heard.arrivals:
+        return [*found, finding("messages", False, "none came: does the node hear /clock?")]
+    return [*found, _rate(port, heard), _stamps(port, heard), _numbers(port, heard), *_counter(port, heard)]
+
+
+def _rate(port: Port, heard: Heard) -> Finding:
+    intervals = np.diff(heard.arrivals)
+    if not intervals.size:
+        return Finding(port.topic.name, "rate", False, "one message only")
+    rate, jitter = 1.0 / float(np.mean(intervals)), float(np.std(intervals))
+    words = f"{rate:.1f} Hz (wanted {port.rate:g}), jitter {1e3 * jitter:.1f} ms, "
+    words += f"largest gap {1e3 * intervals.max():.0f} ms"
+    return Finding(port.topic.name, "rate", rate >= SLOW * port.rate, words)
+
+
+def _stamps(port: Port, heard: Heard) -> Finding:
+    ages = np.subtract(heard.clock, heard.stamps)
+    name = port.topic.name
+    if not np.any(heard.stamps):
+        return Finding(name, "clock", False, "messages are not stamped: stamp them with the newest /clock")
+    oldest, newest = float(ages.max()), float(ages.min())
+    if newest < -FUTURE or oldest > OLD:
+        words = f"stamps are {newest:.3g} to {oldest:.3g} s older than /clock: is use_sim_time set?"
+        return Finding(name, "clock", False, words)
+    p50, p99 = np.percentile(ages, [50, 99])
+    is_ordered = bool(np.all(np.diff(heard.stamps) > 0.0))
+    order = "" if is_ordered else "; stamps do not grow"
+    return Finding(
+        name, "clock", is_ordered, f"simulated time, age p50 {1e3 * p50:.0f} ms, p99 {1e3 * p99:.0f} ms{order}"
+    )
+
+
+def _numbers(port: Port, heard: Heard) -> Finding:
+    words = ", ".join(f"{field} {count} times" for field, count in heard.bad.items())
+    return Finding(
+        port.topic.name, "numbers", not words, f"not plausible: {words}" if words else "finite and plausible"
+    )
+
+
+def _counter(port: Port, heard: Heard) -> list[Finding]:
+    if not port.counter:
+        return []
+    steps = np.diff(heard.counter)
+    gaps = int(np.count_nonzero(steps != 1))
+    words = (
+        f"{gaps} of {steps.size} steps are not 1" if gaps else f"counts up, {heard.counter[0]} to {heard.counter[-1]}"
+    )
+    return [Finding(port.topic.name, port.counter, not gaps, words)]
+
+
+def is_plausible(value: float, largest: float) -> bool:
+    """Tell whether a value is a number of at most that magnitude."""
+    return math.isfinite(value) and abs(value) <= largest
+
+
+@dataclass(frozen=True)
+class WinchTrial:
+    """What a winch said at one time while it was told to brake, released, and left alone.
+
+    Attributes
+    ----------
+    time : since the trial began [s]
+    told : number of the newest command sent
+    taken : number of the newest command it has taken
+    brake, fault : as it says
+    """
+
+    time: float
+    told: int
+    taken: int
+    brake: bool
+    fault: int
+
+
+@dataclass(frozen=True)
+class Plan:
+    """When a winch is braked, released, left alone, braked and released again: ends of the phases [s]."""
+
+    braked: float
+    released: float
+    silent: float
+    acknowledged: float
+    end: float
+
+    def phase(self, time: float) -> str:
+        """Return the phase at `time` [s]."""
+        ends = {
+            "braked": self.braked,
+            "released": self.released,
+            "silent": self.silent,
+            "braked again": self.acknowledged,
+        }
+        return next((name for name, end in ends.items() if time < end), "released again")
+
+
+def judge_winch(plan: Plan, trial: Sequence[WinchTrial]) -> list[Finding]:
+    """Return how a winch behaved on brake, release and silence; it is never told to move."""
+
+    def late(start: float, end: float) -> list[WinchTrial]:
+        return [said for said in trial if min(start + REACTION, end - 0.2) <= said.time < end]
+
+    def finding(what: str, said: list[WinchTrial], good: bool, wrong: str) -> Finding:
+        return Finding(
+            "winch/state", what, bool(said) and good, ("nothing was heard" if not said else "yes" if good else wrong)
+        )
+
+    braked, released = late(0.0, plan.braked), late(plan.braked, plan.released)
+    silent, again = late(plan.released, plan.silent), late(plan.acknowledged, plan.end)
+    lag = max((said.told - said.taken for said in released), default=0)
+    return [
+        finding("brakes when told", braked, all(s.brake for s in braked), "the brake is off while commands say brake"),
+        finding("releases when told", released, not any(s.brake or s.fault for s in released), "brake on, or a fault"),
+        finding("echoes command numbers", released, lag <= 20, f"command_sequence is up to {lag} commands behind"),
+        finding("stops without commands", silent, all(s.brake for s in silent), "the brake is off without commands"),
+        finding(
+            "says why it stopped", silent, all(s.fault == 1 for s in silent), "fault is not 1, FAULT_COMMAND_TIMEOUT"
+        ),
+        finding(
+            "is released from a fault", again, not any(s.fault or s.brake for s in again), "the fault or brake stays"
+        ),
+    ]

@@ -1,0 +1,59 @@
+"""`heave check`: a live external node held against its contract."""
+
+from __future__ import annotations
+
+import argparse
+import math
+
+from heave_node.parameters import ParameterError
+
+from heave_bringup.commands.arguments import add_network
+from heave_bringup.commands.command import Command
+from heave_bringup.errors import CommandError
+
+REPLACEABLE = ("winch_controller", "virtual_winch", "wave_vessel")
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the command's own arguments."""
+    parser.add_argument(
+        "--external", required=True, metavar="NODE", choices=REPLACEABLE, help="node of the suite whose place is taken"
+    )
+    parser.add_argument("--seconds", type=float, default=4.0, metavar="S", help="time of each phase (default: 4)")
+    add_network(parser)
+
+
+def execute(options: argparse.Namespace) -> None:
+    """Listen, print the table and the verdict."""
+    from heave_bringup.contract import CONTRACT_OF
+    from heave_bringup.live_check import check_node
+    from heave_bringup.network import set_up_transport
+    from heave_bringup.output import make_table, write_result
+
+    if not (math.isfinite(options.seconds) and options.seconds >= 2.0):
+        raise ParameterError(f"--seconds {options.seconds:g}: must be at least 2")
+    set_up_transport(network=options.network)
+    findings = check_node(CONTRACT_OF[options.external], options.seconds)
+    wrong = [finding for finding in findings if not finding.is_good]
+    rows = [[f.topic, f.what, "ok" if f.is_good else "WRONG", f.words] for f in findings]
+    verdict = (
+        f"verdict: {len(wrong)} of {len(findings)} are not as the contract says"
+        if wrong
+        else "verdict: as the contract says"
+    )
+    write_result(
+        options,
+        [make_table(("topic", "what", "result", "found"), rows, texts=("what", "result", "found")), verdict],
+        {"external": options.external, "good": not wrong, "findings": [vars(finding) for finding in findings]},
+    )
+    if wrong:
+        raise CommandError(f"{options.external}: {wrong[0].topic}: {wrong[0].what}: {wrong[0].words}")
+
+
+COMMAND = Command(
+    name="check",
+    summary="Hold a live external node against the contract; a winch is braked and released, never moved.",
+    examples=("heave check --external virtual_winch",),
+    add_arguments=add_arguments,
+    execute=execute,
+)

@@ -1,0 +1,103 @@
+"""An external node held against its contract, and the page that says what the contract is."""
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+from heave_bringup import contract
+from heave_bringup.check import Heard, Plan, WinchTrial, judge_topic, judge_winch
+from heave_bringup.contract import COMMAND, CONTRACTS, MRU, STATE
+from heave_node.topics import ALL_TOPICS
+
+PAGE = Path(__file__).parents[2] / "docs" / "contract.md"
+
+
+def heard(**changes) -> Heard:
+    """Return what a node says that does everything right: 20 Hz for 5 s, stamps 20 ms old."""
+    times = np.arange(100) * 0.05
+    values = {
+        "publishers": ["/mine"],
+        "types": ["heave_msgs/msg/MruSample"],
+        "arrivals": list(times),
+        "clock": list(times + 0.05),
+        "stamps": list(times + 0.03),
+        "counter": list(range(1, 101)),
+    }
+    return Heard(**(values | changes))
+
+
+def test_a_node_that_does_everything_right_is_as_the_contract_says():
+    assert all(finding.is_good for finding in judge_topic(MRU, heard()))
+
+
+@pytest.mark.parametrize(
+    ("changes", "what", "words"),
+    [
+        ({"publishers": []}, "publisher", "nobody publishes it"),
+        ({"publishers": ["/mine", "/other"]}, "publisher", "/mine, /other"),
+        ({"types": ["std_msgs/msg/String"]}, "type", "std_msgs/msg/String"),
+        ({"refusals": ["Best effort publisher and reliable subscription"]}, "quality of service", "Best effort"),
+        ({"arrivals": []}, "messages", "none came"),
+        ({"arrivals": list(np.arange(100) * 0.2)}, "rate", "5.0 Hz (wanted 10)"),
+        ({"stamps": [0.0] * 100}, "clock", "not stamped"),
+        ({"stamps": list(1.7e9 + np.arange(100) * 0.05)}, "clock", "is use_sim_time set?"),
+        ({"stamps": list(4.9 + np.arange(100) * -1e-3), "clock": [4.92] * 100}, "clock", "stamps do not grow"),
+        ({"bad": {"heave": 3}}, "numbers", "heave 3 times"),
+        ({"counter": [1, 2, *range(4, 102)]}, "sequence", "1 of 99 steps are not 1"),
+    ],
+)
+def test_what_is_wrong_is_named(changes, what, words):
+    (wrong,) = [finding for finding in judge_topic(MRU, heard(**changes)) if not finding.is_good]
+    assert wrong.what == what
+    assert words in wrong.words
+
+
+PLAN = Plan(braked=4.0, released=8.0, silent=10.5, acknowledged=11.5, end=14.0)
+
+
+def trial(fault_of_silence: int = 1, *, brakes_alone: bool = True, obeys: bool = True) -> list[WinchTrial]:
+    """Return what a winch says that reacts within 0.7 s."""
+    said = []
+    for time in np.arange(0.0, PLAN.end, 0.05):
+        phase = PLAN.phase(time - 0.7)
+        is_alone = phase in ("silent", "braked again")
+        brake = (phase.startswith("braked") or (is_alone and brakes_alone)) if obeys else False
+        told = round(time / 0.05)
+        said.append(WinchTrial(float(time), told, told - 4, brake, fault_of_silence if is_alone else 0))
+    return said
+
+
+def test_a_winch_that_brakes_releases_and_stops_by_itself_is_as_the_contract_says():
+    assert all(finding.is_good for finding in judge_winch(PLAN, trial()))
+
+
+@pytest.mark.parametrize(
+    ("said", "what"),
+    [
+        (trial(brakes_alone=False), "stops without commands"),
+        (trial(fault_of_silence=0), "says why it stopped"),
+        (trial(obeys=False), "brakes when told"),
+        ([], "brakes when told"),
+    ],
+)
+def test_a_winch_that_does_not_do_as_it_must_is_named(said, what):
+    assert what in [finding.what for finding in judge_winch(PLAN, said) if not finding.is_good]
+
+
+def test_the_page_is_what_the_code_says():
+    assert PAGE.read_text() == contract.page(), "python -m heave_bringup.contract > docs/contract.md"
+
+
+def test_every_topic_that_the_loop_needs_of_a_node_stands_in_its_contract():
+    for one in CONTRACTS:
+        needed = {topic for topic in ALL_TOPICS if topic.publisher == one.node and topic.is_needed}
+        assert {port.topic for port in one.publishes if port.is_required} == needed
+
+
+def test_every_field_that_is_checked_is_one_of_its_message():
+    for port in (COMMAND, STATE, MRU):
+        text = contract.schema_text(port.topic.type)
+        for name, largest in port.numbers:
+            assert f"float64 {name}" in text
+            assert math.isfinite(largest)

@@ -1,0 +1,72 @@
+"""Durations in wall time, collected one by one: percentiles, and a histogram that fits into a message."""
+
+from __future__ import annotations
+
+from array import array
+from collections.abc import Mapping
+
+import numpy as np
+
+EDGES = tuple(round(factor * 10.0**power, 9) for power in range(-4, 2) for factor in (1.0, 2.0, 5.0))
+"""Upper edges of the classes of a histogram [s]: 0.1 ms to 50 s; what is longer has a class of its own."""
+LAST = "more"
+
+
+class Durations:
+    """Durations [s] in order."""
+
+    def __init__(self) -> None:
+        self._values = array("d")
+
+    def __len__(self) -> int:
+        return len(self._values)
+
+    def add(self, value: float) -> None:
+        """Take one in [s]."""
+        self._values.append(value)
+
+    def clear(self) -> None:
+        """Begin anew."""
+        del self._values[:]
+
+    def percentiles(self, last: int | None = None, more: tuple[float, ...] = ()) -> tuple[float, float, float]:
+        """Return p50, p99 and the largest [s]; zeros without any.
+
+        Parameters
+        ----------
+        last : number of the newest ones that count; None: all
+        more : that count as well [s]
+        """
+        values = np.array([*(self._values if last is None else self._values[-last:]), *more])
+        if not values.size:
+            return 0.0, 0.0, 0.0
+        p50, p99 = np.percentile(values, [50, 99])
+        return float(p50), float(p99), float(values.max())
+
+    def histogram(self) -> dict[str, int]:
+        """Return how many lie in each class that is not empty, by its upper edge in milliseconds."""
+        counts = np.bincount(np.searchsorted(EDGES, self._values), minlength=len(EDGES) + 1)
+        names = [*(f"{1e3 * edge:g}" for edge in EDGES), LAST]
+        return {name: int(count) for name, count in zip(names, counts, strict=True) if count}
+
+    def to_values(self) -> dict[str, str]:
+        """Return figures and histogram as values of a diagnostic status."""
+        p50, p99, largest = self.percentiles()
+        return {
+            "count": str(len(self)),
+            "p50_ms": f"{1e3 * p50:.2f}",
+            "p99_ms": f"{1e3 * p99:.2f}",
+            "max_ms": f"{1e3 * largest:.2f}",
+            "histogram_ms": histogram_text(self.histogram()),
+        }
+
+
+def histogram_text(counts: Mapping[str, int]) -> str:
+    """Return a histogram as text: `upper edge:count`, one behind the other."""
+    return " ".join(f"{edge}:{count}" for edge, count in counts.items())
+
+
+def parse_histogram(text: str) -> dict[str, int]:
+    """Return the histogram that a text gives; what is none of its parts is left out."""
+    parts = (part.partition(":") for part in text.split())
+    return {edge: int(count) for edge, _, count in parts if count.isdigit()}

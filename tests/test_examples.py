@@ -1,0 +1,95 @@
+"""The nodes of `examples/` take the places of the suite's, and `heave check` finds them as the contract says."""
+
+import json
+import signal
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import numpy as np
+import pytest
+from domain_coordinator import domain_id
+from heave_bags.mcap.reader import Bag
+
+from tests.loop_runs import command, environment
+
+EXAMPLES = Path(__file__).parents[1] / "examples"
+PROGRAM = {"virtual_winch": "winch.py", "wave_vessel": "vessel.py", "winch_controller": "controller.py"}
+
+
+@contextmanager
+def running(nodes: list[str], domain: int) -> Iterator[None]:
+    programs = [
+        subprocess.Popen([sys.executable, str(EXAMPLES / PROGRAM[node])], env=environment(domain)) for node in nodes
+    ]
+    try:
+        yield
+    finally:
+        for program in programs:
+            program.send_signal(signal.SIGINT)
+        for program in programs:
+            program.wait(10.0)
+
+
+def give(domain: int, *arguments: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        command(*arguments), env=environment(domain), capture_output=True, text=True, timeout=150.0, check=False
+    )
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("nodes", [["virtual_winch"], ["wave_vessel", "winch_controller"]], ids=" and ".join)
+def test_the_loop_closes_with_the_examples_in_place_of_its_nodes(nodes, tmp_path):
+    options = ["--pacing", "realtime", "--duration", "45", "--no-report", "--set", "all.transient=30.0"]
+    options += ["--set", "winch_controller.modes.settling_time=5.0", "--set", "wave_vessel.ramp=5.0"]
+    options += [word for node in nodes for word in ("--external", node)]
+    with domain_id() as domain, running(nodes, domain):
+        run = give(domain, "run", "b2_calm_300", "--bag", str(tmp_path / "run"), *options)
+    assert run.returncode == 0, run.stderr
+    topics = {"/unit/odometry": ["pose.pose.position.z"], "/unit_uncompensated": ["position.z"]}
+    columns = Bag(tmp_path / "run" / "bag").columns(topics)
+    unit, free = (columns[topic][fields[0]][columns[topic]["time"] > 30.0] for topic, fields in topics.items())
+    assert np.std(unit) < 0.5 * np.std(free), "an untuned loop removes more than half of the heave"
+
+
+@pytest.mark.slow
+def test_the_plant_may_be_the_ship_itself(tmp_path):
+    """MRU and winch are external too, and nobody knows the truth: the suite is the clock, controller and recorder."""
+    nodes = ["wave_vessel", "virtual_winch"]
+    options = ["--pacing", "realtime", "--duration", "25", "--json", str(tmp_path / "kpi.json")]
+    options += ["--set", "all.transient=15.0", "--set", "winch_controller.modes.settling_time=5.0"]
+    options += [word for node in (*nodes, "cable_sim") for word in ("--external", node)]
+    with domain_id() as domain, running(nodes, domain):
+        run = give(domain, "run", "b2_calm_300", "--bag", str(tmp_path / "run"), *options)
+    assert run.returncode == 0, run.stderr
+    figures = json.loads((tmp_path / "kpi.json").read_text())
+    assert figures["sources"]["unit heave"] == "estimated"
+    assert figures["sources"]["payout"] == "measured"
+    assert figures["unit_sigma_m"] > 0.0
+    assert "winch_controller: interval winch/state" in (tmp_path / "run" / "report.html").read_text()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("node", PROGRAM)
+def test_each_example_is_as_the_contract_says(node):
+    with domain_id() as domain, running([node], domain):
+        check = give(domain, "check", "--external", node, "--seconds", "3")
+    assert check.returncode == 0, check.stdout + check.stderr
+    assert check.stdout.strip().endswith("verdict: as the contract says")
+
+
+def test_a_node_that_is_not_there_is_named():
+    with domain_id() as domain:
+        check = give(domain, "check", "--external", "wave_vessel", "--seconds", "2")
+    assert check.returncode == 1
+    assert check.stderr == "heave: wave_vessel: mru: publisher: nobody publishes it\n"
+
+
+@pytest.mark.parametrize("program", PROGRAM.values())
+def test_an_example_is_a_page_of_rclpy_and_nothing_of_the_suite_but_its_messages(program):
+    text = (EXAMPLES / program).read_text()
+    assert len(text.splitlines()) <= 65
+    assert "heave_node" not in text
+    assert "heave_bringup" not in text

@@ -1,0 +1,56 @@
+"""A hiccup between controller and winch: compensation goes on by itself, unless it comes again and again."""
+
+from heave_node.codes import WinchFault
+from winch_controller_node.identification.winch import LATE_WINDOW, LateCommands
+from winch_controller_node.supervision.command_timeouts import MOST, WAIT, Advice, CommandTimeouts
+
+DT = 0.05
+
+
+def test_a_transport_that_stays_slow_is_told_by_its_median():
+    """One command in a tick: sequence k is given in tick k, and taken with so many ticks of delay."""
+    late = LateCommands(DT)
+    window = round(LATE_WINDOW / DT)
+    for tick in range(100, 100 + window // 2):
+        late.update(tick, tick - 11, 0.2)
+    assert late.overdue == 0.0, "a second of late commands is no slow transport"
+    for tick in range(200, 200 + window // 2 + 1):
+        late.update(tick, tick - 11, 0.2)
+    # of a command that is due after 0.2 s, 4 ticks, at most tick - 4 is taken; 7 ticks more are 0.35 s
+    assert abs(late.overdue - 0.35) < 1e-9 + DT
+
+
+def feed(timeouts: CommandTimeouts, seconds: float, fault: WinchFault, **situation: bool) -> list[Advice]:
+    given = {"was_compensating": False, "is_stopped": True, "is_well": True} | situation
+    found = [timeouts.update(int(fault), **given) for _ in range(round(seconds / DT))]
+    return [advice for advice in found if advice]
+
+
+def time_out(timeouts: CommandTimeouts) -> list[Advice]:
+    """Let a compensating winch time out, wait, and release it."""
+    told = [timeouts.update(int(WinchFault.COMMAND_TIMEOUT), was_compensating=True, is_stopped=False, is_well=True)]
+    told += feed(timeouts, 2.0 * WAIT, WinchFault.COMMAND_TIMEOUT)
+    feed(timeouts, 1.0, WinchFault.NONE)
+    return [advice for advice in told if advice]
+
+
+def test_the_fourth_timeout_in_ten_minutes_waits_for_an_operator():
+    timeouts = CommandTimeouts(DT, resumes=True)
+    for _ in range(MOST):
+        assert time_out(timeouts) == [Advice.RESUME]
+    assert time_out(timeouts) == [Advice.GIVE_UP]
+
+
+def test_nothing_goes_on_while_a_sensor_is_lost_or_after_an_operator_has_spoken():
+    timeouts = CommandTimeouts(DT, resumes=True)
+    timeouts.update(int(WinchFault.COMMAND_TIMEOUT), was_compensating=True, is_stopped=False, is_well=True)
+    assert feed(timeouts, 3.0 * WAIT, WinchFault.COMMAND_TIMEOUT, is_well=False) == []
+    timeouts.cancel()
+    assert feed(timeouts, 3.0 * WAIT, WinchFault.COMMAND_TIMEOUT) == []
+
+
+def test_a_winch_that_did_not_compensate_or_must_not_resume_stays_where_it_is():
+    for resumes, compensated in ((True, False), (False, True)):
+        timeouts = CommandTimeouts(DT, resumes=resumes)
+        timeouts.update(int(WinchFault.COMMAND_TIMEOUT), was_compensating=compensated, is_stopped=False, is_well=True)
+        assert feed(timeouts, 3.0 * WAIT, WinchFault.COMMAND_TIMEOUT) == []

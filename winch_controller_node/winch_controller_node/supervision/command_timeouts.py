@@ -1,0 +1,78 @@
+"""What follows when the winch has stopped by itself because no command came in time.
+
+A hiccup of the machine between controller and winch is over when commands are taken again: compensation then goes on by
+itself. Where it comes back again and again the machine is not fit for the loop, and an operator decides.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from enum import Enum
+
+from heave_node.codes import WinchFault
+
+WAIT = 3.0
+"""Time that the winch stands with all sensors well before compensation is tried again [s]."""
+MOST, PERIOD = 3, 600.0
+"""Compensation is tried again after so many timeouts within so long [s], and no more."""
+
+
+class Advice(Enum):
+    """What is to be done, and told, about a command timeout."""
+
+    RESUME = "commands come again after a command timeout of the winch: compensation is tried again"
+    GIVE_UP = f"more than {MOST} command timeouts of the winch within {PERIOD:g} s: the winch waits for an operator"
+
+
+class CommandTimeouts:
+    """Watches for command timeouts of the winch.
+
+    Parameters
+    ----------
+    tick_period : [s]
+    resumes : compensation may go on by itself
+    """
+
+    def __init__(self, tick_period: float, *, resumes: bool) -> None:
+        self._dt = tick_period
+        self._resumes = resumes
+        self._time = 0.0
+        self._timeouts: deque[float] = deque(maxlen=MOST + 1)
+        self._fault_before = int(WinchFault.NONE)
+        self._is_pending = False
+        self._well_time = 0.0
+
+    def cancel(self) -> None:
+        """Leave it to the operator, who has asked for something."""
+        self._is_pending = False
+
+    def update(self, fault: int, *, was_compensating: bool, is_stopped: bool, is_well: bool) -> Advice | None:
+        """Take in a tick and return what is to be done; None: nothing.
+
+        Parameters
+        ----------
+        fault : of the winch
+        was_compensating : the winch was moved to compensate up to now
+        is_stopped : the mode is stopped
+        is_well : all sensors are well
+        """
+        self._time += self._dt
+        is_new = fault == WinchFault.COMMAND_TIMEOUT and self._fault_before != fault
+        self._fault_before = fault
+        if is_new and was_compensating and self._resumes:
+            return self._note()
+        if not self._is_pending:
+            return None
+        self._is_pending = fault == WinchFault.COMMAND_TIMEOUT
+        self._well_time = self._well_time + self._dt if is_stopped and is_well else 0.0
+        if not self._is_pending or self._well_time < WAIT:
+            return None
+        self._is_pending = False
+        return Advice.RESUME
+
+    def _note(self) -> Advice | None:
+        """Note a timeout that ended compensation."""
+        self._timeouts.append(self._time)
+        is_often = len(self._timeouts) > MOST and self._time - self._timeouts[0] < PERIOD
+        self._is_pending, self._well_time = not is_often, 0.0
+        return Advice.GIVE_UP if is_often else None
