@@ -2,7 +2,8 @@
 
 import numpy as np
 import pytest
-from heave_node.tick.external_clock import ClockRule, ExternalClock, parse_clock
+from heave_node.tick.clock_rule import ClockRule, parse_clock
+from heave_node.tick.external_clock import ExternalClock
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
