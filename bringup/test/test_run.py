@@ -5,7 +5,6 @@ import signal
 import subprocess
 import sys
 import threading
-import time
 from concurrent.futures import ThreadPoolExecutor
 from types import SimpleNamespace
 
@@ -72,9 +71,7 @@ def test_a_second_interrupt_leaves_no_process(tmp_path):
     launcher.nodes.append(NodeProcess("wave_vessel", process, tmp_path / "log"))
     interrupts = threading.Timer(0.3, lambda: os.kill(os.getpid(), signal.SIGINT))
     interrupts.start()
-    began = time.monotonic()
     with run.interrupts_hurry(launcher):
-        launcher.stop(grace=50.0)
+        launcher.stop(grace=1e6)
     assert process.poll() == -signal.SIGKILL
-    assert time.monotonic() - began < 40.0, "it does not wait for the grace"
     assert signal.getsignal(signal.SIGINT) is signal.default_int_handler

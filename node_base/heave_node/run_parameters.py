@@ -13,7 +13,7 @@ from typing import Any
 from heave_node.criteria import WANTED, Criterion, parse_criterion
 from heave_node.parameters import Given, build_given, describe, parameter
 from heave_node.system_parameters import take_system
-from heave_node.tick.external_clock import ClockRule, parse_clock
+from heave_node.tick.clock_rule import ClockRule, parse_clock
 
 LOCKSTEP = "lockstep"
 REALTIME = "realtime"

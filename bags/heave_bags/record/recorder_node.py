@@ -149,8 +149,9 @@ class RecorderNode(ParticipantNode):
         self._looked_at = time.monotonic()
         promised = self._promised()
         self.watch.look()
+        other_systems = self._other_systems()
         for topic in self.watch.types:
-            if topic in self._taken:
+            if topic in self._taken or not self._is_of_this_system(topic, other_systems):
                 continue
             if topic in promised and not self.has_started:
                 self._subscribe_ticked(topic)
@@ -160,6 +161,19 @@ class RecorderNode(ParticipantNode):
             self.watch.unsubscribe(topic)
             self._subscribe_foreign(topic)
         self.survey.ask(node for node in self._joined if node != self.name)
+
+    def _other_systems(self) -> tuple[str, ...]:
+        """Return what the topics of other runs in this ROS domain begin with: each has a clock master."""
+        own = self.resolve_topic_name(topics.TICK_START.name)
+        names = [name for name, _ in self.get_topic_names_and_types()]
+        return tuple(name.removesuffix(topics.TICK_START.name) for name in names if _is_start_of_another(name, own))
+
+    def _is_of_this_system(self, topic: str, other_systems: tuple[str, ...]) -> bool:
+        """Tell whether a topic belongs to this run: of a run in a namespace are the topics in it, and no others."""
+        namespace = self.get_namespace().rstrip("/")
+        if namespace:
+            return topic.startswith(f"{namespace}/")
+        return not topic.startswith(other_systems)
 
     def _take_topic(self, topic: str) -> None:
         self._taken.add(topic)
@@ -364,6 +378,10 @@ class RecorderNode(ParticipantNode):
             return ""
         published = {topic: count for topic, count in self._expected.items() if topic != self._diagnostics_topic}
         return missing_messages(published, self.session.counts())
+
+
+def _is_start_of_another(name: str, own: str) -> bool:
+    return name.endswith(f"/{topics.TICK_START.name}") and name != own
 
 
 def _open_at_once(path: Path) -> Storage:

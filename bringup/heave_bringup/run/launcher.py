@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from heave_bags.play import substitute_node
-from heave_node.ros.process import EXIT_FAILED, EXIT_OK, EXIT_REFUSED, EXIT_STUCK, LAUNCHER_VARIABLE
+from heave_node.ros.process import EXIT_FAILED, EXIT_OK, EXIT_REFUSED, EXIT_STUCK, LAUNCHER_VARIABLE, in_namespace
 
 from heave_bringup.nodes import NODE_BY_NAME, SHIP_CLOCK
 
@@ -81,7 +81,12 @@ class Launcher:
         self._is_hurried = False
 
     def start(
-        self, names: Sequence[str], scenario_file: Path, logs: Path, substitutes: Mapping[str, Path] | None = None
+        self,
+        names: Sequence[str],
+        scenario_file: Path,
+        logs: Path,
+        substitutes: Mapping[str, Path] | None = None,
+        namespace: str = "",
     ) -> None:
         """Start nodes with one parameter file.
 
@@ -91,11 +96,12 @@ class Launcher:
         scenario_file : parameter file for all of them
         logs : folder; what each node prints goes to NAME.log in it
         substitutes : bags by node: that node is not started, what it published in the bag is played in its place
+        namespace : in which the nodes live, with a clock of their own; "" for none
         """
         logs.mkdir(parents=True, exist_ok=True)
         for name in names:
             log = logs / f"{name}.log"
-            command = _command(name, scenario_file, (substitutes or {}).get(name))
+            command = [*_command(name, scenario_file, (substitutes or {}).get(name)), *in_namespace(namespace)]
             with log.open("wb") as sink:
                 process = subprocess.Popen(
                     command,

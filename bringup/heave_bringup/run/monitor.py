@@ -10,6 +10,7 @@ from builtin_interfaces.msg import Time
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from heave_msgs.msg import CompensationKpi, TickStatus
 from heave_node import topics
+from heave_node.ros.process import in_namespace
 from heave_node.ros.qos import qos_of
 from heave_node.ros.spin import Spinner
 from heave_node.ros.strangers import PART as STRANGERS
@@ -30,6 +31,10 @@ _FIGURES = re.compile(r"[0-9.]+")
 class Monitor:
     """Listens to a run from outside; takes no part in it.
 
+    Parameters
+    ----------
+    namespace : of the run; "" for none
+
     Attributes
     ----------
     status, kpi : the newest of each
@@ -37,10 +42,12 @@ class Monitor:
     strangers : what they said of processes that publish where only others may, in order
     """
 
-    def __init__(self) -> None:
+    def __init__(self, namespace: str = "") -> None:
         # The command handles Ctrl-C itself: it must end the nodes in order.
         rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
-        self._node = Node("heave_command", start_parameter_services=False)
+        self._node = Node(
+            "heave_command", namespace=namespace, cli_args=in_namespace(namespace), start_parameter_services=False
+        )
         self.status: TickStatus | None = None
         self.kpi: CompensationKpi | None = None
         self.alarms: list[str] = []

@@ -110,6 +110,7 @@ def run_scenario(
     *,
     substitutes: Mapping[str, Path] | None = None,
     on_look: OnLook | None = None,
+    namespace: str = "",
 ) -> Outcome:
     """Run a scenario to its end and return how it went.
 
@@ -119,17 +120,18 @@ def run_scenario(
     folder : where the run leaves its files
     substitutes : bags by the node in whose place each is played
     on_look : called a few times per second while the run lasts
+    namespace : of its nodes and topics; "" for none. Runs in different ones share a ROS domain
 
     Raises CommandError, in one line, where the run does not reach its end. Whatever happens, no node process is left
     behind, and the bag is closed.
     """
     prepare_environment()
     remove_dead_segments()
-    with only_run_in_domain() as is_only:
+    with only_run_in_domain(namespace) as is_only:
         if not is_only:
             _give_back(folder)
             raise CommandError(ANOTHER_RUN)
-        monitor = _listen()
+        monitor = _listen(namespace)
         launcher = Launcher()
         progress = ProgressLine()
         try:
@@ -137,7 +139,7 @@ def run_scenario(
                 _give_back(folder)
                 raise CommandError(ANOTHER_RUN)
             store_scenario(scenario, folder)
-            launcher.start(nodes_to_start(scenario), folder.scenario, folder.logs, substitutes)
+            launcher.start(nodes_to_start(scenario), folder.scenario, folder.logs, substitutes, namespace)
             status = _watch(scenario, folder, launcher, monitor, progress, on_look)
             return Outcome(status, monitor.alarms, list(monitor.strangers))
         except KeyboardInterrupt:
@@ -156,13 +158,14 @@ def _give_back(folder: RunFolder) -> None:
 
 
 @contextmanager
-def only_run_in_domain() -> Iterator[bool]:
-    """Claim a ROS domain of this user on this machine, and tell whether no other run has it.
+def only_run_in_domain(namespace: str = "") -> Iterator[bool]:
+    """Claim a ROS domain, or a `namespace` in it, of this user on this machine; tell whether no other run has it.
 
     Runs that begin together do not see each other yet; the lock of a file, which ends with its process, tells which one
     was first.
     """
-    name = f"heave-{os.getuid()}-domain-{os.environ.get('ROS_DOMAIN_ID', '0')}.lock"
+    place = "-".join([os.environ.get("ROS_DOMAIN_ID", "0"), *namespace.strip("/").split("/")]).rstrip("-")
+    name = f"heave-{os.getuid()}-domain-{place}.lock"
     descriptor = os.open(Path(tempfile.gettempdir()) / name, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW, 0o600)
     try:
         fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
@@ -186,9 +189,9 @@ def interrupts_hurry(launcher: Launcher) -> Iterator[None]:
             signal.signal(number, handler)
 
 
-def _listen() -> Monitor:
+def _listen(namespace: str) -> Monitor:
     try:
-        return Monitor()
+        return Monitor(namespace)
     except RuntimeError as error:  # of rclpy: no keys in the keystore, no such middleware
         raise CommandError(f"ROS does not start: {' '.join(str(error).split())}") from None
 

@@ -13,6 +13,7 @@ from rclpy.lifecycle import TransitionCallbackReturn
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
+from heave_node import topics
 from heave_node.parameters import ParameterError
 from heave_node.ros.environment import is_bound_to_loopback, prepare_environment
 from heave_node.ros.exposure import exposed_ports
@@ -76,6 +77,16 @@ def run_node(node_type: type[HeaveNode], args: list[str] | None = None) -> int:
     status = _exit_with_message(f"{node.name}: {node.failure}", EXIT_FAILED) if node.failure else EXIT_OK
     shut_down(node)
     return status
+
+
+def in_namespace(namespace: str) -> list[str]:
+    """Return the ROS arguments that put a node, with its clock and its diagnostics, into a `namespace`; none for ""."""
+    if not namespace:
+        return []
+    place = f"/{namespace.strip('/')}"
+    own = [(topic.name, f"{place}{topic.name}") for topic in (topics.CLOCK, topics.DIAGNOSTICS)]
+    rules = [("__ns", place), *own]
+    return ["--ros-args", *(part for name, new in rules for part in ("-r", f"{name}:={new}"))]
 
 
 def shut_down(node: Node) -> None:

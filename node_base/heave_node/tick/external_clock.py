@@ -17,9 +17,10 @@ from __future__ import annotations
 import math
 from collections import deque
 from collections.abc import Sequence
-from enum import Enum
 
 import numpy as np
+
+from heave_node.tick.clock_rule import ClockRule
 
 _SECOND = 1_000_000_000
 _WINDOW = 60
@@ -33,16 +34,6 @@ _STEP_BACK, _STEP_AHEAD = 0.05, 1.0
 """Delays below minus the one, or of _STEPPED messages in a row above the other [s], are of a clock that was set, or of
 a run that was paused: the estimate begins anew."""
 _STEPPED = 10
-
-
-class ClockRule(Enum):
-    """How the stamps of an external node are read."""
-
-    DETECT = "detect"
-    """By its first message."""
-    SIMULATED = "simulated"
-    OWN = "own"
-    NONE = "none"
 
 
 class ExternalClock:
@@ -191,15 +182,6 @@ def detect(stamp: int, arrival: int) -> ClockRule:
     if stamp == 0:
         return ClockRule.NONE
     return ClockRule.SIMULATED if abs(stamp - arrival) <= _NEAR else ClockRule.OWN
-
-
-def parse_clock(text: str) -> tuple[str, ClockRule]:
-    """Return node and rule of a declaration, `text`, like `virtual_winch=own`; raise ValueError for any other."""
-    node, _, rule = text.partition("=")
-    rules = [rule.value for rule in ClockRule]
-    if not node or rule not in rules:
-        raise ValueError(f"external_clocks: {text} must be NODE=CLOCK, CLOCK one of {', '.join(rules)}")
-    return node, ClockRule(rule)
 
 
 def _spread(delays: Sequence[float]) -> float:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import importlib
+import re
 import threading
 from collections.abc import Sequence
 from pathlib import Path
@@ -48,6 +49,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="NODE=BAG",
         help="play what NODE published in BAG in its place; the other nodes run live",
     )
+    parser.add_argument(
+        "--namespace",
+        type=_namespace,
+        metavar="NAME",
+        help="put the nodes and topics of the run, its clock too, under /NAME: runs side by side in one ROS domain",
+    )
     add_network(parser)
     parser.add_argument(
         "--require",
@@ -76,7 +83,9 @@ def execute(options: argparse.Namespace) -> None:
     folder = new_run_folder(scenario.name, options.bag)
     # What judges the run takes seconds to load: time that the nodes need to find each other.
     threading.Thread(target=importlib.import_module, args=(EVALUATION,)).start()
-    outcome = run_scenario(scenario, folder, substitutes=_substitutes(options.from_bag))
+    outcome = run_scenario(
+        scenario, folder, substitutes=_substitutes(options.from_bag), namespace=options.namespace or ""
+    )
     evaluation = importlib.import_module(EVALUATION)
     if scenario.run.is_lockstep:
         evaluation.check_complete(folder.bag, outcome.status)
@@ -99,6 +108,12 @@ def _required(texts: Sequence[str]) -> list[Criterion]:
     from heave_bringup.run.criteria import parse_requirement
 
     return [parse_requirement(text) for text in texts if text != WANTED]
+
+
+def _namespace(text: str) -> str:
+    if re.fullmatch(r"/?[A-Za-z][A-Za-z0-9_]*(/[A-Za-z][A-Za-z0-9_]*)*", text) is None:
+        raise argparse.ArgumentTypeError(f"{text!r} is no namespace of ROS: letters, digits and _, parts split by /")
+    return text
 
 
 def _own_settings(options: argparse.Namespace) -> list[Setting]:
