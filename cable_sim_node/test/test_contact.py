@@ -52,7 +52,9 @@ def test_a_unit_on_a_slope_that_friction_holds_is_at_rest_for_good():
 
 @pytest.mark.parametrize("share", [0.8, 1.02])
 def test_a_push_below_the_coulomb_force_is_held_and_one_above_it_moves_the_unit_off(share):
-    """Below mu N, by more than a sudden push overshoots: F/k, and back when it ends. Above: x'' = (F - mu N)/M, exact for a unit without drag."""
+    """Below mu N, by more than a sudden push overshoots: F/k, and back when it ends.
+
+    Above: x'' = (F - mu N)/M, exact for a unit without drag."""
     plant = landed(drag_coefficient=(0.0,) * 3)
     weight = plant.touchdown_force
     start = plant.unit_position
