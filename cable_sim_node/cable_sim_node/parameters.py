@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 from heave_node import hydrostatics
 from heave_node.constants import SEAWATER_DENSITY, STANDARD_GRAVITY
-from heave_node.parameters import group, parameter
+from heave_node.parameters import check_ranges, group, parameter
 
 
 @dataclass(frozen=True)
@@ -49,6 +49,9 @@ class CableParameters:
     )
     added_mass: float = parameter(1.0, unit="", minimum=0.0, description="Added-mass coefficient normal to the cable.")
 
+    def __post_init__(self) -> None:
+        check_ranges(self)
+
     @property
     def displaced_area(self) -> float:
         """Cross-section of the displaced water [m^2]."""
@@ -82,6 +85,7 @@ class SectionsParameters:
     axial_stiffness: tuple[float, ...] = parameter((), unit="N", minimum=1e-3, description="EA of each section.")
 
     def __post_init__(self) -> None:
+        check_ranges(self)
         for name in ("diameter", "mass_per_length", "axial_stiffness"):
             count = len(getattr(self, name))
             if count != len(self.length):
@@ -107,6 +111,7 @@ class ClumpsParameters:
     )
 
     def __post_init__(self) -> None:
+        check_ranges(self)
         for name in ("mass", "volume", "added_mass", "drag_area"):
             count = len(getattr(self, name))
             if count != len(self.position):
@@ -130,9 +135,25 @@ class UnitParameters:
     drag_area: tuple[float, ...] = parameter(
         (0.5, 0.5, 0.5), unit="m^2", minimum=0.0, length=3, description="Projected area along x, y, z."
     )
+    drag_law: str = parameter(
+        "per_axis",
+        unit="",
+        choices=("per_axis", "isotropic"),
+        description="Drag along each axis by its own speed (thesis 5.2.2), or alike from all sides along the flow.",
+    )
     thrust: tuple[float, ...] = parameter(
         (0.0, 0.0, 0.0), unit="N", length=3, description="Constant thruster force on the unit, x, y, z."
     )
+
+    def __post_init__(self) -> None:
+        check_ranges(self)
+        if self.drag_law == "isotropic":
+            products = {c * s for c, s in zip(self.drag_coefficient, self.drag_area, strict=True)}
+            if len(products) > 1:
+                raise ValueError(
+                    "unit.drag_law = isotropic needs the same drag_coefficient times drag_area along x, y and z, got "
+                    f"{list(self.drag_coefficient)} and {list(self.drag_area)}"
+                )
 
     def weight_in_fluid(self, density: float, gravity: float = STANDARD_GRAVITY) -> float:
         """Return weight minus buoyancy [N] in a fluid of `density` [kg/m^3] under `gravity` [m/s^2]."""
@@ -158,6 +179,9 @@ class SeabedParameters:
     unit_stiffness: float = parameter(1e6, unit="N/m", minimum=1.0, description="Normal stiffness under the unit.")
     unit_damping: float = parameter(1e5, unit="N s/m", minimum=0.0, description="Normal damping under the unit.")
 
+    def __post_init__(self) -> None:
+        check_ranges(self)
+
 
 @dataclass(frozen=True)
 class CurrentProfileParameters:
@@ -172,6 +196,7 @@ class CurrentProfileParameters:
     factor: tuple[float, ...] = parameter((), unit="", description="What the current is multiplied by at each time.")
 
     def __post_init__(self) -> None:
+        check_ranges(self)
         if not len(self.depth) == len(self.velocity_x) == len(self.velocity_y):
             raise ValueError("current_profile.depth, .velocity_x and .velocity_y must have the same number of values")
         if len(self.time) != len(self.factor):
@@ -189,6 +214,9 @@ class WaveKinematicsParameters:
     amplitude: float = parameter(0.0, unit="m", minimum=0.0, description="Wave amplitude; 0 means still water.")
     period: float = parameter(10.0, unit="s", minimum=0.5, description="Wave period.")
     direction: float = parameter(0.0, unit="rad", description="Direction the wave travels to, from x towards y.")
+
+    def __post_init__(self) -> None:
+        check_ranges(self)
 
 
 @dataclass(frozen=True)
@@ -211,6 +239,9 @@ class CompensatorParameters:
         minimum=0.0,
         description="Force at mid-stroke; 0 means the static top tension at the start of the run.",
     )
+
+    def __post_init__(self) -> None:
+        check_ranges(self)
 
 
 @dataclass(frozen=True)
@@ -241,6 +272,9 @@ class SolverParameters:
     iterations: int = parameter(
         12, unit="", minimum=2, maximum=100, description="Newton iterations before a step is halved."
     )
+
+    def __post_init__(self) -> None:
+        check_ranges(self)
 
 
 @dataclass(frozen=True)
@@ -280,3 +314,6 @@ class CableSimParameters:
     wave: WaveKinematicsParameters = group(WaveKinematicsParameters)
     compensator: CompensatorParameters = group(CompensatorParameters)
     solver: SolverParameters = group(SolverParameters)
+
+    def __post_init__(self) -> None:
+        check_ranges(self)

@@ -200,9 +200,37 @@ def _infos(parameters_type: type, prefix: str, defaults: object) -> Iterator[Par
             assert isinstance(hint, type)
             yield from _infos(hint, f"{prefix}{field.name}.", default)
             continue
-        is_array = typing.get_origin(hint) is tuple
-        element = typing.get_args(hint)[0] if is_array else hint
-        yield ParameterInfo(prefix + field.name, element, is_array, default, **field.metadata["parameter"])
+        yield _info(field, hint, prefix + field.name, default)
+
+
+def check_ranges(parameters: object) -> None:
+    """Raise ParameterError for a value of a set's own that is of a wrong type or out of range; for `__post_init__`.
+
+    So the ranges hold wherever a set is made, not only where it is read from a file. Groups check themselves.
+
+    Parameters
+    ----------
+    parameters : the parameter set
+    """
+    own: type = type(parameters)
+    for info in _own_infos(own):
+        info.check(getattr(parameters, info.name), where=own.__name__)
+
+
+@functools.cache
+def _own_infos(parameters_type: type) -> tuple[ParameterInfo, ...]:
+    hints = typing.get_type_hints(parameters_type)
+    return tuple(
+        _info(field, hints[field.name], field.name, field.default)
+        for field in dataclasses.fields(parameters_type)
+        if "parameter" in field.metadata
+    )
+
+
+def _info(field: dataclasses.Field[Any], hint: Any, name: str, default: Any) -> ParameterInfo:
+    is_array = typing.get_origin(hint) is tuple
+    element = typing.get_args(hint)[0] if is_array else hint
+    return ParameterInfo(name, element, is_array, default, **field.metadata["parameter"])
 
 
 def flatten(parameters: object, prefix: str = "") -> dict[str, Value]:

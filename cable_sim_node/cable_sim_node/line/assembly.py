@@ -68,6 +68,7 @@ from cable_sim_node.line.layout import (
     SWEEP,
     TANGENTIAL_DRAG,
     TENSION,
+    UNIT_BODY_DRAG,
     UNIT_DRAG,
     UNIT_FLUID,
     UNIT_FORCE,
@@ -272,15 +273,20 @@ def assemble_nodes(
 ) -> bool:
     """Add unit, lumps and seabed to the residual and the Jacobian; return whether anything touches the seabed.
 
-    The unit's drag works along each axis by itself (thesis 5.2.2): (1/2) rho C_Dx S_x abs(u_x) u_x, and so on.
+    The unit's drag works along each axis by itself (thesis 5.2.2): (1/2) rho C_Dx S_x abs(u_x) u_x, and so on; that of
+    a unit alike from all sides is (1/2) rho C_D S abs(u) u.
     """
+    speed = 0.0
+    for k in range(3):
+        speed += (nodes[0, VX + k] - flow[0, FLOW_X + k]) ** 2
+    body_drag = unit[UNIT_BODY_DRAG] * math.sqrt(speed)
     for k in range(3):
         u = nodes[0, VX + k] - flow[0, FLOW_X + k]
-        force = unit[UNIT_INERTIA + k] * nodes[0, AX + k] + unit[UNIT_DRAG + k] * abs(u) * u - unit[UNIT_FORCE + k]
-        equations[0, RX + k] += force
+        drag = unit[UNIT_DRAG + k] * abs(u) + body_drag
+        equations[0, RX + k] += unit[UNIT_INERTIA + k] * nodes[0, AX + k] + drag * u - unit[UNIT_FORCE + k]
         equations[0, RX + k] -= unit[UNIT_FLUID + k] * flow[0, FLOW_AX + k]
         entry = DXX if k == 0 else (DYY if k == 1 else DZZ)
-        equations[0, entry] += c_mass * unit[UNIT_INERTIA + k] + c_velocity * 2.0 * unit[UNIT_DRAG + k] * abs(u)
+        equations[0, entry] += c_mass * unit[UNIT_INERTIA + k] + c_velocity * 2.0 * drag
     for i in range(1, n + 1):
         lump = parts[i]
         inertia = lump[LUMP_MASS] + lump[LUMP_ADDED_MASS]

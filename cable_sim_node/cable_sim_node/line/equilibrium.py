@@ -37,6 +37,7 @@ from cable_sim_node.line.layout import (
     STIFFNESS,
     TANGENTIAL_DRAG,
     TIME,
+    UNIT_BODY_DRAG,
     UNIT_DRAG,
     UNIT_FORCE,
     WAVE_AMPLITUDE,
@@ -115,10 +116,12 @@ def march(line: LineArrays, n: int) -> bool:
     now, parts, unit = line.now, line.parts, line.unit
     set_flow(n, line.top[NOW, TIME], now, line.settings, line.current, line.schedule, line.flow)
     force, drag, direction = line.middle[0], line.middle[1], line.middle[2]  # free until the first step
+    water = line.flow[0]
+    speed = math.sqrt(water[FLOW_X] ** 2 + water[FLOW_Y] ** 2 + water[FLOW_Z] ** 2)
     for k in range(3):
-        u = line.flow[0, FLOW_X + k]
+        u = water[FLOW_X + k]
         # what the line above must hold: minus all steady forces below
-        force[k] = -(unit[UNIT_FORCE + k] + unit[UNIT_DRAG + k] * abs(u) * u)
+        force[k] = -(unit[UNIT_FORCE + k] + (unit[UNIT_DRAG + k] * abs(u) + unit[UNIT_BODY_DRAG] * speed) * u)
     for i in range(n):
         part, water = parts[i], line.flow[i + 1]
         length = part[LENGTH]

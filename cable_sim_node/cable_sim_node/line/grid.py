@@ -79,6 +79,7 @@ def unit_row(parameters: CableSimParameters) -> Array:
     row = np.zeros(at.UNIT_COLUMNS)
     row[at.UNIT_INERTIA : at.UNIT_INERTIA + 3] = unit.inertia
     row[at.UNIT_DRAG : at.UNIT_DRAG + 3] = unit.drag
+    row[at.UNIT_BODY_DRAG] = unit.body_drag
     row[at.UNIT_FORCE : at.UNIT_FORCE + 3] = unit.force
     row[at.UNIT_FLUID : at.UNIT_FLUID + 3] = unit.fluid
     return row

@@ -43,9 +43,9 @@ START = 17
 GRID_COLUMNS = 18
 
 # The unit, three columns each: inertia along each axis [kg], (1/2) rho C_D S [kg/m], steady force [N], displaced and
-# added mass [kg].
-UNIT_INERTIA, UNIT_DRAG, UNIT_FORCE, UNIT_FLUID = 0, 3, 6, 9
-UNIT_COLUMNS = 12
+# added mass [kg]; then (1/2) rho C_D S of a unit alike from all sides.
+UNIT_INERTIA, UNIT_DRAG, UNIT_FORCE, UNIT_FLUID, UNIT_BODY_DRAG = 0, 3, 6, 9, 12
+UNIT_COLUMNS = 13
 
 # The equations of a node: symmetric blocks on the diagonal and above it, residual [N], correction [m] of its position;
 # scratch of the elimination; tension [N] of the segment above it.

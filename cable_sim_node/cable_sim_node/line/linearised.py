@@ -213,15 +213,20 @@ class _Matrices:
             self.mass[axis, axis] += unit.inertia[axis]
             self.damping[axis, axis] += drag * math.hypot(2.0 * flow[axis], self._drag_speed)
             self.drag_stiffness[axis, 2] += 2.0 * drag * abs(flow[axis]) * gradient[axis]
+        self._add_round_drag(slice(0, 3), unit.body_drag, flow, gradient)
 
     def add_body(self, node: int, body: BodyProperties, position: Array) -> None:
         """Add a body that is clamped on the cable at `node`, which is at `position` [m]."""
         flow, gradient = self._flow(float(position[2]))
-        speed = math.hypot(float(np.linalg.norm(flow)), self._drag_speed)
-        by_flow = body.drag * speed * np.eye(3)
-        if speed > 0.0:
-            by_flow += body.drag * np.outer(flow, flow) / speed
         block = slice(3 * node, 3 * node + 3)
         self.mass[block, block] += (body.mass + body.added_mass) * np.eye(3)
+        self._add_round_drag(block, body.drag, flow, gradient)
+
+    def _add_round_drag(self, block: slice, drag: float, flow: Array, gradient: Array) -> None:
+        """Add drag alike from all sides, (1/2) rho C_D S = `drag`, at the node of rows `block`."""
+        speed = math.hypot(float(np.linalg.norm(flow)), self._drag_speed)
+        by_flow = drag * speed * np.eye(3)
+        if speed > 0.0:
+            by_flow += drag * np.outer(flow, flow) / speed
         self.damping[block, block] += by_flow
-        self.drag_stiffness[block, 3 * node + 2] += by_flow @ gradient
+        self.drag_stiffness[block, block.start + 2] += by_flow @ gradient

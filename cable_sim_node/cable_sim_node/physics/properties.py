@@ -62,15 +62,22 @@ class UnitProperties:
     Attributes
     ----------
     inertia : mass and added mass [kg]
-    drag : (1/2) rho C_D S [kg/m]
+    drag : (1/2) rho C_D S [kg/m], each with its own component of the flow
+    body_drag : the same of a unit alike from all sides, along the flow [kg/m]; one of both is zero
     force : thrust, and weight in the fluid [N]
     fluid : displaced and added mass, which moving water accelerates [kg]
     """
 
     inertia: Array
     drag: Array
+    body_drag: float
     force: Array
     fluid: Array
+
+    @property
+    def vertical_drag(self) -> float:
+        """(1/2) rho C_D S of vertical motion in still water [kg/m]."""
+        return float(self.drag[2]) + self.body_drag
 
 
 @dataclass(frozen=True)
@@ -116,9 +123,12 @@ def unit_properties(parameters: CableSimParameters) -> UnitProperties:
     unit, density = parameters.unit, parameters.water_density
     added = np.array(unit.added_mass) if density > 0.0 else np.zeros(3)
     weight = unit.weight_in_fluid(density, parameters.gravity)
+    drag = 0.5 * density * np.array(unit.drag_coefficient) * np.array(unit.drag_area)
+    is_isotropic = unit.drag_law == "isotropic"
     return UnitProperties(
         inertia=unit.mass + added,
-        drag=0.5 * density * np.array(unit.drag_coefficient) * np.array(unit.drag_area),
+        drag=np.zeros(3) if is_isotropic else drag,
+        body_drag=float(drag[0]) if is_isotropic else 0.0,
         force=np.array(unit.thrust) - np.array([0.0, 0.0, weight]),
         fluid=density * unit.volume + added,
     )

@@ -46,7 +46,7 @@ def unit_load(parameters: CableSimParameters, *, is_carried: bool = False) -> Po
     """
     unit = unit_properties(parameters)
     force = np.zeros(3) if is_carried else unit.force
-    return PointLoad(0.0, _triple(force), _triple(unit.drag))
+    return PointLoad(0.0, _triple(force), _triple(unit.drag), unit.body_drag)
 
 
 def static_sections(parameters: CableSimParameters) -> list[StaticSection]:

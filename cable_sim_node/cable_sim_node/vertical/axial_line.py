@@ -190,7 +190,7 @@ def axial_line(parameters: CableSimParameters) -> AxialLine:
     ]
     line = AxialLine(
         tuple(sections),
-        AxialUnit(float(unit.inertia[2]), -float(unit.force[2]), float(unit.drag[2])),
+        AxialUnit(float(unit.inertia[2]), -float(unit.force[2]), unit.vertical_drag),
         tuple(sorted(bodies, key=lambda body: body.label)),
     )
     cable = parameters.cable

@@ -8,7 +8,7 @@ the moment a command takes effect:
   With k_p = 0 and inside the limits V(s)/V_set(s) = exp(-s tau)/(1 + T s); the payout set-point then has no effect.
   With k_p > 0, U(s)/U_set(s) = k_p exp(-s tau)/(T s^2 + s + k_p) for a payout_rate of 0, and
   (s + k_p) exp(-s tau)/(T s^2 + s + k_p) when payout_rate is the derivative of payout; it is stable for every k_p and
-  overdamped for k_p < 1/(4 T).
+  overdamped for k_p < 1/(4 T). Far from the set-point the speed towards it is bounded to what the drum can brake from.
 - `first_order`: u' = K (u_0 - u), thesis Eq. 6.1, u_0 the payout set-point; payout_rate has no effect.
 
 The command of tick k takes effect exactly at t_k + tau, tau = command_delay, also where that falls inside a tick.

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from heave_node.faults import FaultParameters
-from heave_node.parameters import group, parameter
+from heave_node.parameters import check_ranges, group, parameter
 
 
 @dataclass(frozen=True)
@@ -21,7 +21,8 @@ class EncoderParameters:
     )
 
     def __post_init__(self) -> None:
-        """Refuse faults that an encoder cannot have."""
+        """Refuse what is out of range, and faults that an encoder cannot have."""
+        check_ranges(self)
         self.faults.check("encoder.faults", "encoder")
 
 
@@ -119,7 +120,8 @@ class WinchParameters:
     """Faults of the command line (`gap`, `delay`), of the drive (`drive`), and the `emergency_stop`."""
 
     def __post_init__(self) -> None:
-        """Refuse a set that contradicts itself."""
+        """Refuse what is out of range, and a set that contradicts itself."""
+        check_ranges(self)
         if self.payout_minimum >= self.payout_maximum:
             raise ValueError(
                 f"payout_minimum = {self.payout_minimum:g} m must be below payout_maximum = {self.payout_maximum:g} m"
