@@ -21,12 +21,11 @@ import numpy as np
 from heave_bags.analyse import kpi_set
 from heave_bringup.campaign.runs import run_signals
 from heave_bringup.closed_loop import ClosedLoop, LoopRecord, loop_parameters
-from heave_bringup.run.kappa import LONGEST
+from heave_bringup.run.kappa import bounds_of
 from heave_bringup.scenarios import Scenario, load_scenario
 from heave_bringup.settings import Setting, make_setting
 from heave_node.kpi import kappa
-from winch_controller_node.design.bounds import BOUND_STEP, WinchLimits, actuator_bound
-from winch_controller_node.design.prediction import estimation_bound
+from winch_controller_node.design.bounds import BOUND_STEP
 from winch_controller_node.interface.readings import Measurements, Outputs
 
 
@@ -90,7 +89,7 @@ def run_once(scenario: Scenario) -> Figures:
     loop.controller.step = timed  # type: ignore[method-assign]
     record = loop.run()
     found = kpi_set.evaluate(run_signals(record, parameters), transient)
-    bounds = estimation_bound(loop.controller.design), _actuator_bound(loop, record, transient)
+    bounds = _bounds(scenario, record)
     return Figures(
         scenario=scenario.name,
         law=parameters.controller.law,
@@ -113,15 +112,12 @@ def run_once(scenario: Scenario) -> Figures:
     )
 
 
-def _actuator_bound(loop: ClosedLoop, record: LoopRecord, transient: float) -> float:
-    design = loop.controller.design
-    winch = design.parameters.winch
-    tip = record.column("boom_tip", after=transient)[: round(LONGEST / design.tick_period)]
-    tip = tip[:: round(BOUND_STEP / design.tick_period)]
+def _bounds(scenario: Scenario, record: LoopRecord) -> tuple[float, float]:
+    tip = record.column("boom_tip", after=scenario.run.transient)[:: round(BOUND_STEP / scenario.run.tick_period)]
     try:
-        return actuator_bound(design.cable, WinchLimits(winch.speed_limit, winch.acceleration_limit), tip, BOUND_STEP)
+        return bounds_of(scenario, tip, BOUND_STEP)
     except ValueError:
-        return math.nan
+        return math.nan, math.nan
 
 
 def show(figures: Figures) -> str:

@@ -23,6 +23,7 @@ sys.path.insert(0, {tests!r})
 from pathlib import Path
 from heave_bags.errors import BagError
 from heave_bags.mcap.reader import Bag
+from memory import peak_memory
 for folder in sorted(Path({bags!r}).iterdir()):
     try:
         bag = Bag(folder)
@@ -38,7 +39,7 @@ for folder in sorted(Path({bags!r}).iterdir()):
         read, losses = 0, [str(error)]
     assert all("\\n" not in text for text in losses), losses
     print(folder.name, read, losses[:1])
-print("peak", resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024)
+print("peak", peak_memory())
 """
 
 

@@ -16,7 +16,7 @@ from heave_node import topics
 from heave_node.run_parameters import RunParameters
 from heave_node.sensors import SENSORS
 from heave_node.topic import Role, Topic
-from winch_controller_node.parameters.controller import WinchControllerParameters
+from winch_controller_node.node_parameters import WinchControllerParameters
 
 TICK = RunParameters().tick_period
 WATCHDOG = WinchParameters().command_timeout

@@ -72,7 +72,22 @@ def test_an_entrant_that_fails_is_named_and_the_others_run(tmp_path: Path, capsy
     bad, locked = (next(line for line in said.splitlines() if name in line) for name in ("bad.py:Bad", "locked"))
     assert bad.split()[-1] == "cm"  # of the tolerance, told once for the case
     assert " 2  tolerance 4 cm" in bad  # both seeds lost
-    assert "100.00" in locked
+    assert "100.00" not in locked
+    assert locked.split()[4] in ("0.00", "-0.00")  # efficiency of a locked winch
+
+
+def test_efficiency_of_the_industrial_baseline_stands_beside_that_of_every_entrant(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    heave_benchmark("run", "locked", "industrial", *QUICK)
+    rows = capsys.readouterr().out.splitlines()
+    heads = rows[0].split("  ")
+    assert {"effic. %", "baseline %"} <= {head.strip() for head in heads}
+    locked = next(row for row in rows if " locked " in row).split()
+    industrial = next(row for row in rows if " industrial " in row).split()
+    # case, entrant, seeds, off, rms, efficiency, baseline; the second entrant's row does not repeat the case
+    assert locked[6] == industrial[5] == industrial[4]
+    assert float(industrial[4]) > 80.0
 
 
 def test_list_names_every_case_and_entrant(capsys: pytest.CaptureFixture[str]) -> None:

@@ -42,6 +42,7 @@ from heave_bags.mcap.writer import ChunkPolicy
 from heave_bringup.progress import ProgressLine
 from hostile_bags import write_hostile_bags
 from made_up_run import MadeUpRun, write_run
+from memory import peak_memory
 
 from tests.campaigns.commit import commit_line
 
@@ -142,7 +143,7 @@ class _Watch:
 
     def __exit__(self, kind: object, error: BaseException | None, _traceback: object) -> bool:
         signal.alarm(0)
-        self._result.memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
+        self._result.memory = peak_memory()
         if error is None:
             return True
         lines = traceback.format_exception(error)

@@ -4,11 +4,14 @@ import numpy as np
 import osqp
 import pytest
 import scipy.sparse as sp
+from heave_bringup.scenarios import load_scenario
+from heave_node.parameters import build_parameters
 from winch_controller_node.design.design import design_controller
+from winch_controller_node.design.prediction import error_covariances, predict_loop
 from winch_controller_node.laws.governor import SpeedServo
 from winch_controller_node.laws.law import LawDesign
 from winch_controller_node.laws.loop_state import AuthorityShift, LoopState, Reference
-from winch_controller_node.laws.mpc import ConstrainedLaw, MpcParameters
+from winch_controller_node.laws.mpc import ConstrainedLaw, MpcParameters, constrained_gain
 from winch_controller_node.model.lqr import DesignError
 from winch_controller_node.node_parameters import WinchControllerParameters
 from winch_controller_node.parameters.model import SeaModelParameters, WinchModelParameters
@@ -151,3 +154,36 @@ def test_authority_scales_the_sea_and_keeps_the_share_of_the_uncompensated_motio
 def test_the_servo_reaches_the_full_acceleration_over_a_tick():
     servo = SpeedServo(0.15, 1.5, DT)
     assert servo.linear_step * -np.expm1(-DT / 0.15) == pytest.approx(1.5 * DT)
+
+
+SLOW_WINCH = {
+    "length": 20.0,
+    "water_density": 0.0,
+    "unit.mass": 1000.0,
+    "unit.added_mass": (0.0, 0.0, 0.0),
+    "winch.time_constant": 1.0,
+    "winch.command_delay": 0.0,
+    "winch.speed_limit": 1.125,
+    "vessel.damping_ratio": 0.7,
+}
+
+
+@pytest.mark.parametrize("sea", [(1.0, 9.0), (3.4, 12.0)])
+def test_on_a_slow_winch_the_constrained_law_promises_no_more_motion_than_the_state_feedback(sea):
+    values = SLOW_WINCH | {"sea.significant_wave_height": sea[0], "sea.peak_period": sea[1]}
+    values["vessel.natural_frequency"] = 3.0 * 2.0 * np.pi / sea[1]
+    assert promised_ratio(build_parameters(WinchControllerParameters, values, where="test")) <= 1.0
+
+
+@pytest.mark.parametrize("name", ["b2_calm_300", "b3_deep_900", "b4_limit_900_tp8", "b10_real_mru_swell"])
+def test_away_from_the_limits_the_constrained_law_promises_no_more_motion_than_the_state_feedback(name):
+    assert promised_ratio(load_scenario(name).parameters["winch_controller"]) <= 1.0
+
+
+def promised_ratio(parameters):
+    """Return the unit's standard deviation under law mpc without limits over that under law lqg."""
+    design = design_controller(parameters, tick_period=DT)
+    errors = error_covariances(design)
+    gains = constrained_gain(design.model, parameters.mpc), design.gain
+    mpc, lqg = (predict_loop(design, gain, errors).sigma["unit_heave"] for gain in gains)
+    return mpc / lqg

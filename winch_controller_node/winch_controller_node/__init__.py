@@ -21,7 +21,7 @@ __getattr__ = lazy_face(
     {
         "DesignError": "model.lqr",
         "WinchController": "component",
-        "WinchControllerParameters": "parameters.controller",
+        "WinchControllerParameters": "node_parameters",
         "design_controller": "design.design",
     },
 )

@@ -18,6 +18,8 @@ VERSION = 1
 """Of the benchmark: cases, interface and figures. It goes up with every change that moves a figure."""
 DIGITS = 4
 """Figures are rounded to so many significant digits before they are hashed and written."""
+BASELINE = "industrial"
+"""Entrant whose efficiency stands beside that of every other."""
 DISTRIBUTIONS = ("numpy", "scipy", "numba")
 """Libraries whose version may move the last digits."""
 
@@ -156,12 +158,16 @@ def software_versions() -> dict[str, str]:
 
 
 def table(summaries: Sequence[Summary], cases: Mapping[str, Case]) -> str:
-    """Return the one table, a row for each of `summaries`; `cases`, by name, tell what has been published of them."""
+    """Return the one table, a row for each entrant on each case.
+
+    Beside each entrant's efficiency stands that of the industrial baseline on the same case, where it was run.
+    """
+    baseline = {s.case: 1.0 - s.ratio for s in summaries if s.entrant == BASELINE}
     names = max(len(summary.case) for summary in summaries)
     entrants = max(len(summary.entrant) for summary in summaries) + 1
     lines = [
-        f"{'case'.ljust(names)}  {'entrant'.ljust(entrants)} seeds   off cm   rms cm  % of off  worst cm  largest cm  "
-        "rT min    DAF  m/s max  limit %  lost  published"
+        f"{'case'.ljust(names)}  {'entrant'.ljust(entrants)} seeds   off cm   rms cm  effic. %  baseline %  "
+        "worst cm  largest cm  rT min    DAF  m/s max  limit %  lost  published"
     ]
     before = ""
     for s in summaries:
@@ -172,7 +178,8 @@ def table(summaries: Sequence[Summary], cases: Mapping[str, Case]) -> str:
         lines.append(
             f"{(s.case if is_first else '').ljust(names)}  "
             f"{(s.entrant + '*' * s.is_reference).ljust(entrants)} {s.seeds:5d} "
-            f"{_cell(100 * s.off, 8, 2)} {_cell(100 * s.residual, 8, 3)} {_cell(100 * s.ratio, 9, 2)} "
+            f"{_cell(100 * s.off, 8, 2)} {_cell(100 * s.residual, 8, 3)} "
+            f"{_cell(100 * (1.0 - s.ratio), 9, 2)} {_cell(100 * baseline.get(s.case, math.nan), 11, 2)} "
             f"{_cell(100 * s.worst, 9, 3)} {_cell(100 * s.largest, 11, 2)} {_cell(f['tension_ratio_min'], 7, 2)} "
             f"{_cell(f['dynamic_amplification'], 6, 2)} {_cell(f['winch_speed_max_mps'], 8, 2)} "
             f"{_cell(f['time_at_limit_percent'], 8, 2)} {s.lost:5d}  {published}".rstrip()

@@ -2,22 +2,45 @@
 
 from __future__ import annotations
 
+import math
 import tempfile
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 from heave_bags.analyse.run_record import RunRecord
 from heave_bags.mcap.bounds import load_yaml
 from heave_bags.mcap.reader import Bag
-from winch_controller_node.design.bounds import BOUND_STEP, WinchLimits, actuator_bound
-from winch_controller_node.design.design import design_controller
-from winch_controller_node.design.prediction import estimation_bound
+from heave_node.arrays import Array
+from heave_node.parameters import build_parameters, describe, flatten
+from winch_controller_node.design.bounds import (
+    BOUND_STEP,
+    WinchLimits,
+    actuator_bound,
+    recorded_spectrum,
+    sensor_bound,
+)
+from winch_controller_node.design.design import believed_cable
+from winch_controller_node.interface.sensors import (
+    DepthModelParameters,
+    EncoderModelParameters,
+    LoadCellModelParameters,
+    MruModelParameters,
+    SensorsModelParameters,
+)
 from winch_controller_node.model.lqr import DesignError
+from winch_controller_node.node_parameters import WinchControllerParameters
+from winch_controller_node.parameters.model import (
+    CableModelParameters,
+    SeaModelParameters,
+    VesselModelParameters,
+    WinchModelParameters,
+)
 
 from heave_bringup.scenarios import Scenario, load_scenario
 
-LONGEST = 400.0
-"""Part of the record that the clairvoyant plans over [s]: its standard deviation is known to a few per cent then."""
+LEAST_NOISE = 1e-5
+"""Of a sensor that is said to be perfect, in its own unit: a filter needs some."""
 
 
 def add_bounds(record: RunRecord, bag: Path, given: Scenario | None = None) -> None:
@@ -35,25 +58,80 @@ def add_bounds(record: RunRecord, bag: Path, given: Scenario | None = None) -> N
     if record.end <= scenario.run.transient:
         return  # the start-up is no measure of the controller
     try:
-        s_est, s_act = _bounds(record, scenario)
+        tip = record.signals.boom_tip_heave.window(record.start, record.end)
+        if tip.size < 2:
+            raise DesignError("the bag holds no motion of the boom tip")
+        time = np.arange(tip.time[0], tip.time[-1], BOUND_STEP)
+        s_est, s_act = bounds_of(scenario, np.interp(time, tip.time, tip.value), BOUND_STEP)
     except (DesignError, ArithmeticError, ValueError) as error:  # a bag may carry any scenario, and any motion
         record.notes.append(f"kappa is unknown: {' '.join(str(error).split())}")
         return
     record.signals.sensor_bound, record.signals.actuator_bound = s_est, s_act
 
 
-def _bounds(record: RunRecord, scenario: Scenario) -> tuple[float, float]:
-    parameters = scenario.parameters["winch_controller"]
-    winch = scenario.parameters["virtual_winch"]
-    design = design_controller(parameters, tick_period=scenario.run.tick_period)
-    tip = record.signals.boom_tip_heave.window(record.start, min(record.end, record.start + LONGEST))
-    if tip.size < 2:
-        raise DesignError("the bag holds no motion of the boom tip")
-    time = np.arange(tip.time[0], tip.time[-1], BOUND_STEP)
-    heave = np.interp(time, tip.time, tip.value - tip.value.mean())
-    stroke = min(-winch.payout_minimum, winch.payout_maximum)
-    limits = WinchLimits(winch.speed_limit, winch.acceleration_limit, stroke)
-    return estimation_bound(design), actuator_bound(design.cable, limits, heave, BOUND_STEP)
+def bounds_of(scenario: Scenario, boom_tip: Array, step: float) -> tuple[float, float]:
+    """Return s_est and s_act [m] of a scenario in the sea that its boom tip met.
+
+    Winch, sensors, cable and unit are those of the simulators, the spectrum is the record's own: what the controller
+    believes, and how it is tuned, has no part in it but for the choice of sensors.
+
+    Parameters
+    ----------
+    scenario : of the run
+    boom_tip : its heave [m], shape (n,), a sample each `step` [s]
+
+    Raises DesignError where there are no bounds, in words.
+    """
+    heave = boom_tip - boom_tip.mean()
+    spectrum = recorded_spectrum(heave, step)
+    truth = replace(
+        true_parameters(scenario),
+        sea=SeaModelParameters(
+            significant_wave_height=max(4.0 * float(heave.std()), 0.01),
+            peak_period=2.0 * math.pi / spectrum.peak_frequency,
+        ),
+        vessel=VesselModelParameters(model="direct"),
+    )
+    cable = believed_cable(truth, truth.length)
+    winch = truth.winch
+    limits = WinchLimits(winch.speed_limit, winch.acceleration_limit, min(-winch.payout_minimum, winch.payout_maximum))
+    return sensor_bound(truth, scenario.run.tick_period, spectrum), actuator_bound(cable, limits, heave, step)
+
+
+def true_parameters(scenario: Scenario) -> WinchControllerParameters:
+    """Return what a controller would believe that knows ship, winch, cable and sensors as they are."""
+    sea, plant, winch = (scenario.parameters[name] for name in ("wave_vessel", "cable_sim", "virtual_winch"))
+    believed: WinchControllerParameters = scenario.parameters["winch_controller"]
+    known = {info.name for info in describe(WinchModelParameters)}
+    drum = {name: value for name, value in flatten(winch).items() if name in known}
+    mru, depth, cell = sea.mru, plant.sensors.depth, plant.sensors.load_cell
+    linear = plant.model == "linear"
+    return replace(
+        believed,
+        length=plant.length,
+        water_density=plant.water_density,
+        gravity=plant.gravity,
+        cable=plant.cable,
+        unit=plant.unit,
+        cable_model=CableModelParameters(
+            inertia=plant.linear.inertia if linear else 0.0, damping=plant.linear.damping if linear else 0.0
+        ),
+        winch=build_parameters(WinchModelParameters, drum, where="virtual_winch"),
+        sensors=replace(
+            SensorsModelParameters(use=believed.sensors.use),
+            mru=MruModelParameters(
+                noise=max(mru.noise, LEAST_NOISE),
+                rate_noise=max(mru.rate_noise, LEAST_NOISE),
+                rate=mru.rate or 1.0 / scenario.run.tick_period,
+                latency=mru.latency,
+                high_pass_period=mru.high_pass_period,
+                high_pass_damping=mru.high_pass_damping,
+            ),
+            depth=DepthModelParameters(noise=max(depth.noise, LEAST_NOISE), rate=depth.rate, latency=depth.latency),
+            encoder=EncoderModelParameters(noise=max(winch.encoder.resolution / math.sqrt(12.0), LEAST_NOISE)),
+            load_cell=LoadCellModelParameters(noise=max(cell.relative_noise, LEAST_NOISE), rate=cell.rate),
+        ),
+    )
 
 
 def _scenario_of(bag: Path) -> Scenario | None:

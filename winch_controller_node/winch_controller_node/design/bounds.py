@@ -1,29 +1,46 @@
 """The bounds that kappa is measured against: what no controller can beat, whatever it does.
 
-s_est (see `prediction.estimation_bound`) is what sensors and delay leave without limits; s_act is what the winch's
+s_est (see `sensor_bound`) is what sensors and delay leave without limits; s_act is what the winch's
 limits leave to one who knows the whole future. kappa = s(z) / sqrt(s_est^2 + s_act^2).
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
-import osqp
-import scipy.sparse as sp
 from heave_node.arrays import Array
-from heave_node.linear_model import covariance_factor, interconnect, linear_model, state_covariance
+from heave_node.linear_model import covariance_factor, state_covariance
 from heave_node.linear_sampling import discretise
 from heave_node.randomness import random_stream
+from heave_node.spectral_estimate import SEGMENT_TIME, RecordTooShortError, estimate_spectrum
+from wave_vessel_node.sea.filter_fit import fitted_filter
+from wave_vessel_node.sea.spectra import SpectrumError, TabulatedSpectrum, WaveSpectrum
+from wave_vessel_node.vessel.second_order import boom_tip_model
 
-from winch_controller_node.model.blocks import CableModel, cable_block
+from winch_controller_node.design.clairvoyant import clairvoyant_heave
+from winch_controller_node.design.design import design_controller, with_boom_tip
+from winch_controller_node.design.prediction import estimation_bound
+from winch_controller_node.model.blocks import CableModel
 from winch_controller_node.model.lqr import DesignError
 from winch_controller_node.model.models import boom_tip_block
-from winch_controller_node.parameters.model import SeaModelParameters, VesselModelParameters
+from winch_controller_node.node_parameters import WinchControllerParameters
+from winch_controller_node.parameters.model import (
+    CableModelParameters,
+    SeaModelParameters,
+    VesselModelParameters,
+    WeightParameters,
+)
 
 BOUND_STEP = 0.2
 """Step of the clairvoyant's plan [s]: a fortieth of the shortest peak period of the benchmarks."""
+EDGE = 60.0
+"""Most that is left out of a plan at either end [s]."""
+HIGHEST_FREQUENCY = 4.0
+"""End of the spectrum of a record that counts [rad/s]; no vessel moves above it."""
+FILTER_STATES = 8
+"""Of the filter that stands for a record's spectrum: two peaks and their flanks."""
 
 
 @dataclass(frozen=True)
@@ -62,8 +79,7 @@ def boom_tip_realisation(
 def actuator_bound(cable: CableModel, limits: WinchLimits, boom_tip_heave: Array, step: float) -> float:
     """Return s_act [m]: the least unit sigma within the winch's limits for one who knows the boom tip beforehand.
 
-    A quadratic programme over the whole record: payout acceleration constant over each step, outlet motion straight
-    between samples, cable exact. The first and last tenth are left out: there the plan has no past or no future.
+    See `clairvoyant`. The first and last tenth, at most `EDGE`, are left out: there the plan has no past or no future.
 
     Parameters
     ----------
@@ -72,75 +88,51 @@ def actuator_bound(cable: CableModel, limits: WinchLimits, boom_tip_heave: Array
     boom_tip_heave : the record [m]
     step : between its samples [s]
 
-    Raises DesignError where the programme is not solved.
+    Raises DesignError where the plan is not found.
     """
-    solution = _clairvoyant(cable, limits, boom_tip_heave, step)
-    edge = len(solution) // 10
-    return float(np.std(solution[edge:-edge]))
+    bounds = limits.payout, limits.speed, limits.acceleration
+    heave = clairvoyant_heave(cable, bounds, np.ascontiguousarray(boom_tip_heave, dtype=float), step)
+    edge = min(len(heave) // 10, round(EDGE / step))
+    return float(np.std(heave[edge : len(heave) - edge]))
 
 
-def _clairvoyant(cable: CableModel, limits: WinchLimits, tip: Array, h: float) -> Array:
-    """Return unit heave under the best payout; variables per sample are x, x', payout, payout rate, acceleration."""
-    n = len(tip)
-    transition, at_start, at_end = _first_order_hold(cable, h)
-    size = 1.0 / math.sqrt(cable.a)
-    rows, columns, values, right = [], [], [], []
+def recorded_spectrum(heave: Array, step: float) -> TabulatedSpectrum:
+    """Return the spectrum of a record by Welch's method.
 
-    def put(row: int, k: int, variable: int, value: float) -> None:
-        rows.append(row)
-        columns.append(5 * k + variable)
-        values.append(value)
+    Parameters
+    ----------
+    heave : of the boom tip about its mean [m], shape (n,), a sample each `step` [s]
 
-    for k in range(n - 1):
-        r = 4 * k
-        for i in range(2):
-            # x in metres, x' divided by the natural frequency: numbers of one size
-            scale = 1.0 if i == 0 else 1.0 / size
-            for j in range(2):
-                put(r + i, k, j, transition[i, j] * scale * (1.0 if j == 0 else size))
-            put(r + i, k + 1, i, -1.0)
-            put(r + i, k, 2, -at_start[i] * scale)
-            put(r + i, k + 1, 2, -at_end[i] * scale)
-            right.append(-scale * float(at_start[i] * tip[k] + at_end[i] * tip[k + 1]))
-        for variable, value in ((2, 1.0), (3, h), (4, 0.5 * h * h)):
-            put(r + 2, k, variable, value)
-        put(r + 2, k + 1, 2, -1.0)
-        for variable, value in ((3, 1.0), (4, h)):
-            put(r + 3, k, variable, value)
-        put(r + 3, k + 1, 3, -1.0)
-        right += [0.0, 0.0]
-    dynamics = sp.csc_matrix((values, (rows, columns)), shape=(4 * (n - 1), 5 * n))
-    return _solve(dynamics, np.array(right), limits, n)
+    Raises DesignError for a record that is too short, or has no motion.
+    """
+    try:
+        found = estimate_spectrum(heave, step, segment=min(SEGMENT_TIME, len(heave) * step / 3.0))
+        is_counted = (found.omega > 0.0) & (found.omega < HIGHEST_FREQUENCY)
+        return TabulatedSpectrum(found.omega[is_counted], found.density[is_counted], name="boom tip")
+    except (RecordTooShortError, SpectrumError) as error:
+        raise DesignError(str(error)) from error
 
 
-def _first_order_hold(cable: CableModel, h: float) -> tuple[Array, Array, Array]:
-    """Return transition, and the effect of the outlet's start and end value of a step in which it moves straight."""
-    unit = cable_block(cable)
-    ramp = linear_model([[0.0, 1.0], [0.0, 0.0]], states=("outlet", "slope"), outputs={"boom_tip_heave": [1.0, 0.0]})
-    sampled = discretise(interconnect([unit, ramp]), h).A
-    slope = sampled[:2, 3] / h
-    return sampled[:2, :2], sampled[:2, 2] - slope, slope
+def sensor_bound(truth: WinchControllerParameters, tick_period: float, boom_tip: WaveSpectrum) -> float:
+    """Return s_est [m] for a winch, sensors and a cable as they are, in a sea as it was.
 
+    Nothing but sea and sensor noise drives the model: what a controller is told to distrust moves no bound.
 
-def _solve(dynamics: sp.csc_matrix, right: Array, limits: WinchLimits, n: int) -> Array:
-    cost = sp.diags(np.tile([1.0, 1e-9, 1e-9, 1e-9, 1e-9], n), format="csc")
-    box = np.tile([np.inf, np.inf, limits.payout, limits.speed, limits.acceleration], n)
-    bounded = np.isfinite(box)
-    selection = sp.eye(5 * n, format="csc")[np.flatnonzero(bounded)]
-    solver = osqp.OSQP()
-    solver.setup(
-        cost,
-        np.zeros(5 * n),
-        sp.vstack([dynamics, selection], format="csc"),
-        np.concatenate([right, -box[bounded]]),
-        np.concatenate([right, box[bounded]]),
-        verbose=False,
-        eps_abs=1e-5,
-        eps_rel=1e-5,
-        max_iter=20_000,
-        polishing=False,
+    Parameters
+    ----------
+    truth : winch, sensors, cable and unit as they are
+    tick_period : [s]
+    boom_tip : spectrum of its heave, see `recorded_spectrum`; a shaping filter fitted to it stands for it
+
+    Raises DesignError where sensors do not determine the motion.
+    """
+    known = replace(
+        truth,
+        cable_model=CableModelParameters(
+            inertia=truth.cable_model.inertia, damping=truth.cable_model.damping, disturbance=0.0
+        ),
+        winch=replace(truth.winch, disturbance=0.0),
+        weights=WeightParameters(),
     )
-    result = solver.solve(raise_error=False)
-    if result.info.status not in ("solved", "solved inaccurate"):
-        raise DesignError(f"the bound of the actuator could not be computed: the solver says {result.info.status}")
-    return np.asarray(result.x[0::5])
+    shaped = boom_tip_model(fitted_filter(boom_tip, FILTER_STATES), None)
+    return estimation_bound(with_boom_tip(design_controller(known, tick_period=tick_period), shaped))

@@ -172,6 +172,25 @@ def design_controller(
     )
 
 
+def with_boom_tip(design: ControllerDesign, boom_tip: LinearModel) -> ControllerDesign:
+    """Return the design's model and measurements for another motion of the boom tip; gain and cost stay, unfit for it.
+
+    `boom_tip` has white noise for its input and the outputs of `models.boom_tip_block`.
+    """
+    parameters, cable = design.parameters, design.cable
+    inputs = replace(model_inputs(parameters, cable), boom_tip=boom_tip)
+    model = augmented_model(inputs, design.tick_period)
+    covariance, sigma = _locked_covariance(parameters, model, cable)
+    return replace(
+        design,
+        model=model,
+        measurements=measurement_models(parameters, model, cable),
+        initial_covariance=covariance,
+        sigma=sigma,
+        sea_noise=sea_noise_covariance(inputs, design.tick_period, model.order),
+    )
+
+
 def at_cable(design: ControllerDesign, cable: CableModel, length: float, gain: Array) -> ControllerDesign:
     """Return the design with another cable and gain at a `length` [m], all else as it is.
 

@@ -55,10 +55,16 @@ class MpcParameters:
         0.01, unit="m", minimum=1e-4, maximum=10.0, description="Size of unit heave in this law's own quadratic cost."
     )
     payout_acceleration: float = parameter(
-        0.5, unit="m/s^2", minimum=0.0, maximum=1e3, description="Size of payout acceleration there; 0 leaves it out."
+        0.6, unit="m/s^2", minimum=0.0, maximum=1e3, description="Size of payout acceleration there; 0 leaves it out."
     )
     payout: float = parameter(50.0, unit="m", minimum=0.0, maximum=1e5, description="Size of payout there.")
-    command: float = parameter(0.3, unit="m/s", minimum=1e-3, maximum=1e3, description="Size of the command there.")
+    command: float = parameter(
+        2.0,
+        unit="m/s",
+        minimum=1e-3,
+        maximum=1e3,
+        description="Size of the command there; a small one leaves some of the sea uncompensated.",
+    )
     softness: float = parameter(
         1e-7, unit="", minimum=1e-12, maximum=1.0, description="Reciprocal weight of a violated constraint."
     )

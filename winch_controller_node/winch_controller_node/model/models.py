@@ -124,6 +124,7 @@ class ModelInputs:
     cable_disturbance : white acceleration of the unit [m/s^2/sqrt(Hz)]
     mru : the motion reference unit; None: no MRU states
     slow : slow states by name, with their drift [unit/sqrt(s)]
+    boom_tip : white noise to boom tip as `boom_tip_block` gives it; None: that of sea and vessel
     """
 
     cable: CableModel
@@ -133,6 +134,7 @@ class ModelInputs:
     cable_disturbance: float = 0.0
     mru: MruModelParameters | None = None
     slow: tuple[tuple[str, float], ...] = ()
+    boom_tip: LinearModel | None = None
 
 
 def continuous_model(inputs: ModelInputs) -> LinearModel:
@@ -140,7 +142,7 @@ def continuous_model(inputs: ModelInputs) -> LinearModel:
     blocks = [
         cable_block(inputs.cable, inputs.cable_disturbance),
         winch_block(inputs.winch),
-        boom_tip_block(inputs.sea, inputs.vessel),
+        boom_tip_block(inputs.sea, inputs.vessel) if inputs.boom_tip is None else inputs.boom_tip,
         outlet_block(),
     ]
     if inputs.mru is not None:
