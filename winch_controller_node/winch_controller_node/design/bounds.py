@@ -101,7 +101,8 @@ def recorded_spectrum(heave: Array, step: float) -> TabulatedSpectrum:
 
     Parameters
     ----------
-    heave : of the boom tip about its mean [m], shape (n,), a sample each `step` [s]
+    heave : of the boom tip about its mean [m], shape (n,)
+    step : from one sample to the next [s]
 
     Raises DesignError for a record that is too short, or has no motion.
     """

@@ -37,7 +37,8 @@ def clairvoyant_heave(cable: CableModel, bounds: tuple[float, float, float], tip
     ----------
     cable : two-state
     bounds : of payout [m], payout rate [m/s] and payout acceleration [m/s^2], either way
-    tip : boom-tip heave [m], shape (n,), a sample each `step` [s]
+    tip : boom-tip heave [m], shape (n,)
+    step : from one sample to the next [s]
 
     Raises DesignError where the method does not settle.
     """

@@ -27,7 +27,13 @@ class OperatorRange:
     payout_maximum: float
 
     def nearest(self, speed: float, payout: float) -> float:
-        """Return the nearest speed to the one asked for from which half the acceleration stops within the range."""
+        """Return the nearest speed to the one asked for from which half the acceleration stops within the range.
+
+        Parameters
+        ----------
+        speed : asked for, positive lowers [m/s]
+        payout : now [m]
+        """
         down, up = self.payout_maximum - payout, payout - self.payout_minimum
         lowering, lifting = (math.sqrt(self.acceleration * max(room, 0.0)) for room in (down, up))
         return float(np.clip(speed, -min(self.speed, lifting), min(self.speed, lowering)))
@@ -62,6 +68,6 @@ class OperatorSpeed:
         self._asked, self._age = 0.0, math.inf
 
     def advance(self, point: MovePoint, bounds: OperatorRange) -> float:
-        """Return the speed of the next tick [m/s] at a `point` of the mean payout; zero when it has lapsed."""
+        """Return the speed of the next tick [m/s] at a `point` of mean payout, within `bounds`; 0 when it has lapsed."""
         self._age += self._dt
         return bounds.nearest(self._asked, point.payout) if self.is_asked else 0.0

@@ -60,7 +60,16 @@ class EntryGates:
         return "; ".join(reason for reason in reasons if reason)
 
     def for_tension(self, payout: float, limits: WinchLimits, demand: float) -> str:
-        """Return why constant tension may not begin: the winch must follow the whole boom tip; see above."""
+        """Return why constant tension may not begin, in words; empty when it may.
+
+        The winch must follow the whole boom tip.
+
+        Parameters
+        ----------
+        payout : mean, about which it would work [m]
+        limits : of the winch
+        demand : significant amplitude of the boom tip over the winch's limits
+        """
         peak, most = PEAK_OVER_SIGNIFICANT * demand, self._parameters.peak_use
         reasons = [self._range(payout, limits)]
         if peak > most:

@@ -65,7 +65,12 @@ class LandingEvent(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Slope:
-    """Slope of a straight line through readings and its standard error, in units of the readings per second."""
+    """Slope of a straight line through readings.
+
+    Attributes
+    ----------
+    value, error : slope and its standard error, in units of the readings per second
+    """
 
     value: float
     error: float
@@ -80,7 +85,7 @@ class Trend:
         self._count = 0
 
     def add(self, time: float, value: float) -> None:
-        """Take in a reading and its time [s]; one that is no later than the last one is left out."""
+        """Take in a reading `value` of a `time` [s]; one that is no later than the last one is left out."""
         if self._count and time <= self._times[self._count - 1]:
             return
         if self._count == self._times.size:
@@ -161,7 +166,7 @@ class Landing:
         self._load = load
 
     def observe(self, time: float, sensed: Sensed, mean_payout: float) -> None:
-        """Take in what was `sensed` at a `time` [s], and the mean payout [m] of the drum."""
+        """Take in what was `sensed` at a `time` [s], and the `mean_payout` [m] of the drum."""
         for stamp, depth in sensed.depths:
             self._depth.add(stamp, depth)
         if math.isfinite(sensed.tension):
@@ -171,7 +176,14 @@ class Landing:
             self._innovation.add(time, sensed.depth_innovation)
 
     def update(self, time: float, sensed: Sensed, mode: ModeOutput) -> LandingEvent | None:
-        """Return what has happened in this tick at `time` [s]; None: nothing."""
+        """Return what has happened in this tick; None: nothing.
+
+        Parameters
+        ----------
+        time : of the tick [s]
+        sensed : in this tick
+        mode : in force
+        """
         share = self._load.weight_share(sensed.filtered_tension)
         if not self.unit_stands and self._touches_down(time, sensed, share, mode):
             self.unit_stands, self.is_suspected, self._is_lifting = True, False, False

@@ -23,7 +23,7 @@ class Episode:
         self._quiet_time = QUIET_TIME
 
     def begins(self, is_there: bool) -> bool:
-        """Take a tick in; return whether an episode begins with it."""
+        """Take in whether it `is_there` in this tick; return whether an episode begins with it."""
         was_quiet = self._quiet_time >= QUIET_TIME
         self._quiet_time = 0.0 if is_there else self._quiet_time + self._dt
         return is_there and was_quiet
