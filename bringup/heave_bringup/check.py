@@ -44,7 +44,14 @@ class Heard:
 
 @dataclass(frozen=True)
 class Finding:
-    """One line of the table: what was looked at, whether it is as the contract says, and what was found."""
+    """One line of the table.
+
+    Attributes
+    ----------
+    topic, what : that was looked at, and what of it
+    is_good : it is as the contract says
+    words : what was found
+    """
 
     topic: str
     what: str
@@ -53,7 +60,7 @@ class Finding:
 
 
 def judge_topic(port: Port, heard: Heard) -> list[Finding]:
-    """Return what is to be said of one topic that a node publishes."""
+    """Return what is to be said of one topic that a node publishes: `port` as it must be, `heard` what came."""
     name = port.topic.name
 
     def finding(what: str, is_good: bool, words: str) -> Finding:
@@ -118,7 +125,7 @@ def _counter(port: Port, heard: Heard) -> list[Finding]:
 
 
 def is_plausible(value: float, largest: float) -> bool:
-    """Tell whether a value is a number of at most that magnitude."""
+    """Tell whether a `value` is a number of a magnitude of at most `largest`."""
     return math.isfinite(value) and abs(value) <= largest
 
 
@@ -143,7 +150,12 @@ class WinchTrial:
 
 @dataclass(frozen=True)
 class Plan:
-    """When a winch is braked, released, left alone, braked and released again: ends of the phases [s]."""
+    """When a winch is braked, released, left alone, braked and released again.
+
+    Attributes
+    ----------
+    braked, released, silent, acknowledged, end : ends of these phases, in this order [s]
+    """
 
     braked: float
     released: float
@@ -163,7 +175,7 @@ class Plan:
 
 
 def judge_winch(plan: Plan, trial: Sequence[WinchTrial]) -> list[Finding]:
-    """Return how a winch behaved on brake, release and silence; it is never told to move."""
+    """Return how a winch behaved in `trial`, on brake, release and silence as in `plan`; it is never told to move."""
 
     def late(start: float, end: float) -> list[WinchTrial]:
         return [said for said in trial if min(start + REACTION, end - 0.2) <= said.time < end]

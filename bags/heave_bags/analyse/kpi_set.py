@@ -438,7 +438,7 @@ MOTIONS_OF: Mapping[str, tuple[str, ...]] = {
 
 
 def source_of(key: str, sources: Mapping[str, str]) -> str:
-    """Return what a figure is made from, by the sources of a run's motions: the least certain; "" for others."""
+    """Return what figure `key` is made from, by the `sources` of a run's motions: the least certain; "" for others."""
     found = [sources[motion] for motion in MOTIONS_OF.get(key, ()) if motion in sources]
     return next((source for source in SOURCES if source in found), "")
 

@@ -422,7 +422,10 @@ def _settled_range(row: Innovation, record: RunRecord) -> list[float]:
 
 
 def timing_figure(record: RunRecord) -> Figure | None:
-    """Return the histograms of durations in wall time: loop age, and how messages of external nodes came in."""
+    """Return the histograms of durations in wall time: loop age, and how messages of external nodes came in.
+
+    None where `record` has none.
+    """
     if not record.timings:
         return None
     traces = [

@@ -158,7 +158,7 @@ def software_versions() -> dict[str, str]:
 
 
 def table(summaries: Sequence[Summary], cases: Mapping[str, Case]) -> str:
-    """Return the one table, a row for each entrant on each case.
+    """Return the one table, a row for each of `summaries`; `cases`, by name, tell what has been published of them.
 
     Beside each entrant's efficiency stands that of the industrial baseline on the same case, where it was run.
     """

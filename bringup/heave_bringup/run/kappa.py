@@ -78,7 +78,8 @@ def bounds_of(scenario: Scenario, boom_tip: Array, step: float) -> tuple[float, 
     Parameters
     ----------
     scenario : of the run
-    boom_tip : its heave [m], shape (n,), a sample each `step` [s]
+    boom_tip : its heave [m], shape (n,)
+    step : from one sample to the next [s]
 
     Raises DesignError where there are no bounds, in words.
     """
@@ -99,7 +100,7 @@ def bounds_of(scenario: Scenario, boom_tip: Array, step: float) -> tuple[float, 
 
 
 def true_parameters(scenario: Scenario) -> WinchControllerParameters:
-    """Return what a controller would believe that knows ship, winch, cable and sensors as they are."""
+    """Return what a controller would believe that knows ship, winch, cable and sensors of `scenario` as they are."""
     sea, plant, winch = (scenario.parameters[name] for name in ("wave_vessel", "cable_sim", "virtual_winch"))
     believed: WinchControllerParameters = scenario.parameters["winch_controller"]
     known = {info.name for info in describe(WinchModelParameters)}

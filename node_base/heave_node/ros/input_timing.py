@@ -12,7 +12,12 @@ TIMING = "timing"
 
 
 class InputTiming:
-    """Wall times of the messages of one external publisher."""
+    """Wall times of the messages of one external publisher.
+
+    Parameters
+    ----------
+    topic : its name
+    """
 
     def __init__(self, topic: str) -> None:
         self.topic = topic
@@ -41,6 +46,6 @@ class InputTiming:
 
 
 def timing_health(name: str, values: dict[str, str]) -> Health:
-    """Return durations as a diagnostic status."""
+    """Return durations as a diagnostic status: `name` says which, `values` are those of `Durations.to_values`."""
     words = f"p50 {values['p50_ms']} ms, p99 {values['p99_ms']} ms, largest {values['max_ms']} ms"
     return Health(f"{TIMING} {name}", Level.OK, words, values)

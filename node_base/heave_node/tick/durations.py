@@ -22,7 +22,7 @@ class Durations:
         return len(self._values)
 
     def add(self, value: float) -> None:
-        """Take one in [s]."""
+        """Take in the duration `value` [s]."""
         self._values.append(value)
 
     def clear(self) -> None:
@@ -62,7 +62,7 @@ class Durations:
 
 
 def histogram_text(counts: Mapping[str, int]) -> str:
-    """Return a histogram as text: `upper edge:count`, one behind the other."""
+    """Return a histogram, `counts` by upper edge, as text: `upper edge:count`, one behind the other."""
     return " ".join(f"{edge}:{count}" for edge, count in counts.items())
 
 

@@ -15,7 +15,7 @@ REPLACEABLE = ("winch_controller", "virtual_winch", "wave_vessel")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the command's own arguments."""
+    """Add the command's own arguments to `parser`."""
     parser.add_argument(
         "--external", required=True, metavar="NODE", choices=REPLACEABLE, help="node of the suite whose place is taken"
     )
@@ -24,7 +24,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def execute(options: argparse.Namespace) -> None:
-    """Listen, print the table and the verdict."""
+    """Listen as `options` say, print the table and the verdict."""
     from heave_bringup.contract import CONTRACT_OF
     from heave_bringup.live_check import check_node
     from heave_bringup.network import set_up_transport
