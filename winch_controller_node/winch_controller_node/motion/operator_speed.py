@@ -68,6 +68,6 @@ class OperatorSpeed:
         self._asked, self._age = 0.0, math.inf
 
     def advance(self, point: MovePoint, bounds: OperatorRange) -> float:
-        """Return the speed of the next tick [m/s] at a `point` of mean payout, within `bounds`; 0 when it has lapsed."""
+        """Return the speed of the next tick [m/s] at a `point` of mean payout, within `bounds`; 0 once it lapsed."""
         self._age += self._dt
         return bounds.nearest(self._asked, point.payout) if self.is_asked else 0.0
