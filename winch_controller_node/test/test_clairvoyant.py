@@ -49,7 +49,7 @@ def optimum(payout: float, rate: float, acceleration: float) -> float:
     box = np.concatenate([np.full(n, payout), np.full(n, rate), np.full(n - 1, acceleration)])
     solver = osqp.OSQP()
     cost = sp.csc_matrix(M.T @ M + 1e-9 * np.eye(n + 3))
-    settings = {"verbose": False, "eps_abs": 1e-6, "eps_rel": 1e-6, "max_iter": 20_000}
+    settings = {"verbose": False, "eps_abs": 1e-6, "eps_rel": 1e-6, "max_iter": 400_000}
     solver.setup(cost, M.T @ free, sp.csc_matrix(bounded), -box, box, **settings)
     return float(np.sqrt(np.mean((free + M @ solver.solve(raise_error=True).x) ** 2)))
 

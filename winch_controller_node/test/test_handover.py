@@ -60,7 +60,7 @@ def test_a_unit_is_landed_held_and_lifted_off_without_touching_again(seed):
 
 
 def test_compensation_after_constant_tension_holds_the_unit_where_it_is():
-    loop = loop_above(2000.0, 100.0, 2)
+    loop = loop_above(2000.0, 100.0, 2, **{"tension.hanging": True})
     for _ in range(500):
         loop.step()
     loop.controller.set_mode("constant_tension")

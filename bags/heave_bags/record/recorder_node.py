@@ -123,7 +123,8 @@ class RecorderNode(ParticipantNode):
     def _on_join(self, message: TickJoin, identity: str) -> None:
         expect_no(fault_in_join(message))
         expect_sender(identity, message.identity)
-        if message.node in (*self.run.participants, topics.CLOCK.publisher):
+        is_master = self.resolve_topic_name(topics.CLOCK.name) in message.outputs
+        if is_master or message.node in self.run.participants:
             self._joined.setdefault(message.node, tuple(message.outputs))
 
     def service_pause(self) -> float:

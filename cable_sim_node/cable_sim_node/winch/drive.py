@@ -22,9 +22,6 @@ HOLD = 3
 LIMIT_SPEED, LIMIT_ACCELERATION = int(WinchLimit.SPEED), int(WinchLimit.ACCELERATION)
 LIMIT_PAYOUT, LIMIT_POWER = int(WinchLimit.PAYOUT), int(WinchLimit.POWER)
 
-_PLANNED_SHARE = 0.8
-"""Share of the acceleration limit with which the way to a payout set-point is planned; the rest is for the lag."""
-
 LONGEST_SUBSTEP = 0.001
 """Inner step [s]. Both laws are solved exactly within it where no limit acts and k_p = 0."""
 
@@ -53,22 +50,6 @@ def _stop_substep(u: float, v: float, deceleration: float, h: float) -> tuple[fl
         return u + 0.5 * v * time_to_rest, 0.0
     next_v = v - math.copysign(deceleration * h, v)
     return u + 0.5 * (v + next_v) * h, next_v
-
-
-@njit(cache=True)
-def _approach(error: float, gain: float, acceleration_limit: float) -> float:
-    """Return the speed towards a payout that is `error` [m] away: gain times the error, but such that the drum can
-    still brake.
-
-    With d the share of the acceleration that is planned with, gain^2 e = d is where the linear law asks for that much;
-    beyond it v = sqrt(2 d (e - d/(2 gain^2))) brakes at d, with the same speed and slope there. A drum that came in
-    faster than it can brake would swing for ever about its set-point.
-    """
-    planned = _PLANNED_SHARE * acceleration_limit
-    size = abs(error)
-    if gain * gain * size <= planned:
-        return gain * error
-    return math.copysign(math.sqrt(2.0 * planned * size - (planned / gain) ** 2), error)
 
 
 @njit(cache=True)
@@ -203,14 +184,13 @@ def advance_drum(
     h = duration / substeps
     largest_speed = min(settings.speed_limit, power_speed)
     largest_hauling = min(settings.hauling_speed_share * settings.speed_limit, power_speed)
-    least_acceleration = min(1.0, settings.hauling_acceleration_share) * settings.acceleration_limit
     limits = 0
     acceleration = 0.0
     for _ in range(substeps):
         if mode == STOP:
             next_u, next_v = _stop_substep(u, v, settings.stop_deceleration, h)
         elif mode == FOLLOW_SPEED:
-            demand = rate_set + _approach(payout_set - u - 0.5 * v * h, settings.position_gain, least_acceleration)
+            demand = rate_set + settings.position_gain * (payout_set - u - 0.5 * v * h)
             demand = settings.speed_gain * _beyond_deadband(demand, settings.deadband)
             v_set = _limited(demand, largest_speed, largest_hauling)
             if v_set != demand:
