@@ -15,7 +15,7 @@ def test_no_damaged_and_no_hostile_bag_gets_a_command_into_trouble_and_stated_lo
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("number", [0, 5], ids=["lockstep", "realtime"])
+@pytest.mark.parametrize("number", [0, pytest.param(5, marks=pytest.mark.long)], ids=["lockstep", "realtime"])
 def test_a_killed_recorder_leaves_a_bag_that_all_readers_open_with_all_it_answered_for(tmp_path, number):
     kill = killed_processes.kill_one(number, tmp_path / "run")
     assert (kill.node, kill.wrong) == ("recorder", "")

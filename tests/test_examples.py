@@ -40,6 +40,7 @@ def give(domain: int, *arguments: str) -> subprocess.CompletedProcess[str]:
 
 
 @pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize("nodes", [["virtual_winch"], ["wave_vessel", "winch_controller"]], ids=" and ".join)
 def test_the_loop_closes_with_the_examples_in_place_of_its_nodes(nodes, tmp_path):
     options = ["--pacing", "realtime", "--duration", "45", "--no-report", "--set", "all.transient=30.0"]
@@ -55,6 +56,7 @@ def test_the_loop_closes_with_the_examples_in_place_of_its_nodes(nodes, tmp_path
 
 
 @pytest.mark.slow
+@pytest.mark.long
 def test_the_plant_may_be_the_ship_itself(tmp_path):
     """MRU and winch are external too, and nobody knows the truth: the suite is the clock, controller and recorder."""
     nodes = ["wave_vessel", "virtual_winch"]

@@ -49,6 +49,7 @@ except (KeyboardInterrupt, rclpy.executors.ExternalShutdownException):
 
 
 @pytest.mark.slow
+@pytest.mark.long
 def test_a_real_winch_takes_the_place_of_the_virtual_one(tmp_path):
     folder = tmp_path / "run"
     options = ["--pacing", "realtime", "--duration", "30", "--external", "virtual_winch", "--no-report"]

@@ -12,7 +12,11 @@ SOFT = Draw(1, stiffness=4.0e7 / 1500.0, mass=12e3, length=1500.0, speed=0.3, wa
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("one", [SOFT, replace(draw(12), number=12)], ids=["soft wire", "2.4 t on 14 kN/m"])
+@pytest.mark.parametrize(
+    "one",
+    [SOFT, pytest.param(replace(draw(12), number=12), marks=pytest.mark.long)],
+    ids=["soft wire", "2.4 t on 14 kN/m"],
+)
 def test_a_landing_on_a_soft_wire_is_known_and_held_at_constant_tension(one):
     """Benchmark B13: none lost, and a rebound of at most 2 cm beyond the 2 cm by which the bottom gives way."""
     found = figures(ClosedLoop(loop_parameters(scenario(one))).run(), one.weight)

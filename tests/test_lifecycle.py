@@ -50,6 +50,7 @@ change_state(Transition.TRANSITION_ACTIVATE)
 
 
 @pytest.mark.slow
+@pytest.mark.long
 def test_an_inactive_controller_gives_no_command_and_begins_again_from_standby(tmp_path):
     folder = tmp_path / "run"
     options = ["--duration", "130", "--no-report", "--set", "wave_vessel.ramp=5.0"]

@@ -12,6 +12,7 @@ DURATION = 20.0
 
 
 @pytest.mark.slow
+@pytest.mark.long
 def test_two_systems_in_one_domain_run_as_each_does_alone(tmp_path):
     general = ["--duration", str(DURATION), "--no-report"]
     with domain_id() as domain:

@@ -55,6 +55,7 @@ def test_a_run_over_ros_is_the_run_in_one_process(calm_bag):
 
 
 @pytest.mark.slow
+@pytest.mark.long
 def test_so_it_is_in_water_and_gravity_other_than_believed_and_at_the_limits_of_the_winch(tmp_path):
     options = [part for name, value in OTHER_WATER.items() for part in ("--set", f"{name}={value}")]
     compare(run_scenario(tmp_path / "run", duration=25.0, options=options))

@@ -39,7 +39,7 @@ def bags(tmp_path_factory) -> dict[str, Path]:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("recorder", ["live", "others"])
+@pytest.mark.parametrize("recorder", ["others", pytest.param("live", marks=pytest.mark.long)])
 def test_the_figures_of_a_run_are_the_same_to_every_digit_whoever_recorded_it(bags, recorder):
     own = json.loads(heave("kpi", str(bags["suite"]), "--json", "-").stdout)
     result = heave("kpi", str(bags[recorder]), "--scenario", str(bags["scenario"]), "--json", "-")
@@ -52,6 +52,7 @@ def test_the_figures_of_a_run_are_the_same_to_every_digit_whoever_recorded_it(ba
 
 
 @pytest.mark.slow
+@pytest.mark.long
 def test_the_sea_that_heave_record_has_recorded_leads_to_the_same_run(bags, tmp_path):
     options = ["--from-bag", f"wave_vessel={bags['live']}", "--set", "all.transient=8"]
     again = run_scenario(tmp_path / "again", duration=DURATION, options=options)

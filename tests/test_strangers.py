@@ -38,7 +38,7 @@ except KeyboardInterrupt:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("pacing", ["realtime", "lockstep"])
+@pytest.mark.parametrize("pacing", ["realtime", pytest.param("lockstep", marks=pytest.mark.long)])
 def test_a_second_controller_moves_nothing_and_fails_the_run(tmp_path, pacing):
     folder = tmp_path / "run"
     options = ["--pacing", pacing, "--duration", {"realtime": "15", "lockstep": "100"}[pacing]]

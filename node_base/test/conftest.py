@@ -4,7 +4,6 @@ import sys
 from pathlib import Path
 
 import pytest
-from domain_coordinator import domain_id
 
 sys.path.insert(0, str(Path(__file__).parent))  # the tests share helper modules, and are no package
 
@@ -13,6 +12,8 @@ from loop_processes import Loop
 
 @pytest.fixture
 def loop():
+    from domain_coordinator import domain_id  # noqa: PLC0415 - tests without processes do without it
+
     with domain_id() as domain:
         loop = Loop(domain)
         yield loop
