@@ -23,7 +23,7 @@ from heave_bags.analyse.depth_programme import SPAN, take_out_programme
 from heave_bags.analyse.events import Interval
 from heave_bags.analyse.fields import Fields, on_one_clock
 from heave_bags.errors import BagError, one_line
-from heave_bags.mcap.bounds import load_yaml
+from heave_bags.mcap.bounds import check_yaml
 from heave_bags.mcap.loss import Loss
 from heave_bags.mcap.reader import Bag, Progress, no_progress
 from heave_bags.record.provenance import PARAMETERS_ATTACHMENT, SCENARIO_ATTACHMENT
@@ -395,7 +395,7 @@ def _parameters(bag: Bag) -> dict[str, dict[str, Any]]:
     for name in (SCENARIO_ATTACHMENT, PARAMETERS_ATTACHMENT):
         try:
             content = attachments.get(name, b"")
-            load_yaml(content)  # held to bounds, since anyone may have written the bag
+            check_yaml(content)  # held to bounds, since anyone may have written the bag
             sections = parse_sections(content, name)
         except (ParameterError, ValueError):
             continue

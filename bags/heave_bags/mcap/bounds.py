@@ -81,6 +81,7 @@ def _read_while_it_goes(reader: zstandard.ZstdDecompressionReader) -> bytes:
 
 
 _YAML_LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+_NO_YAML = (yaml.YAMLError, ArithmeticError, LookupError, TypeError, AttributeError)
 
 
 def load_yaml(text: str | bytes) -> Any:
@@ -88,13 +89,25 @@ def load_yaml(text: str | bytes) -> Any:
 
     Raises ValueError if it is none, exceeds the bounds, or uses aliases, with which a short text stands for a huge one.
     """
+    check_yaml(text)
+    try:
+        return yaml.load(text, Loader=_YAML_LOADER)
+    except _NO_YAML as error:
+        raise _no_yaml(error) from error
+
+
+def check_yaml(text: str | bytes) -> None:
+    """Hold a YAML `text` to the bounds, and make nothing of it; raises ValueError as `load_yaml` does."""
     if len(text) > LARGEST_YAML:
         raise BoundError(f"it has {len(text)} characters, {LARGEST_YAML} are allowed")
     try:
         _check_depth(text)
-        return yaml.load(text, Loader=_YAML_LOADER)
-    except (yaml.YAMLError, ArithmeticError, LookupError, TypeError, AttributeError) as error:
-        raise ValueError(f"it is no YAML: {' '.join(str(error).split())}") from error
+    except _NO_YAML as error:
+        raise _no_yaml(error) from error
+
+
+def _no_yaml(error: Exception) -> ValueError:
+    return ValueError(f"it is no YAML: {' '.join(str(error).split())}")
 
 
 def _check_depth(text: str | bytes) -> None:

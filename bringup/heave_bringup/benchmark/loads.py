@@ -15,8 +15,6 @@ from heave_node.constants import SEAWATER_DENSITY, STANDARD_GRAVITY
 
 LONGEST_SUBSTEP = 1e-3
 """Inner step of a falling or standing load [s]."""
-NEAR = 0.5
-"""So near above the bottom contact is looked for [m]."""
 
 
 class Kinematics(NamedTuple):

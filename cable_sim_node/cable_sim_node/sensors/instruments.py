@@ -5,6 +5,7 @@ To add one, write a class here and name it in `SensorsParameters`; its name is t
 
 from __future__ import annotations
 
+import abc
 import dataclasses
 import math
 from dataclasses import dataclass
@@ -57,7 +58,7 @@ class View:
 
 
 @dataclass(frozen=True)
-class SensorParameters:
+class SensorParameters(abc.ABC):
     """What every sensor has: when it measures, when its readings arrive, and its scheduled faults.
 
     Samples are taken at ticks: the first one at or after each whole multiple of 1/rate. A rate above the tick rate
@@ -76,9 +77,9 @@ class SensorParameters:
     )
     faults: FaultParameters = group(FaultParameters)
 
+    @abc.abstractmethod
     def view(self, truth: SensorTruth) -> View:
         """Return what this sensor sees of the truth."""
-        raise NotImplementedError
 
 
 @dataclass(frozen=True)

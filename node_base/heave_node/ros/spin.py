@@ -30,19 +30,6 @@ _WITH_INFORMATION = inspect.Signature(
 """By two arguments rclpy knows that a callback wants to know the sender."""
 
 
-def message_callback(handle: Callable[[Any], object]) -> Callable[[Any], None]:
-    """Return `handle` as the callback of a subscription.
-
-    rclpy asks for the signature of a callback at each message; here it is computed once.
-    """
-
-    def on_message(message: Any) -> None:
-        handle(message)
-
-    on_message.__signature__ = inspect.signature(on_message)  # type: ignore[attr-defined]
-    return on_message
-
-
 def sender_callback(handle: Callable[[Any, str], object]) -> Callable[..., None]:
     """Return `handle`, which takes a message and the identity of the process that sent it, as a callback.
 

@@ -7,6 +7,7 @@ predictions follow from here.
 
 from __future__ import annotations
 
+import abc
 import dataclasses
 import math
 from dataclasses import dataclass
@@ -78,7 +79,7 @@ class Zero(Enum):
 
 
 @dataclass(frozen=True)
-class SensorModelParameters:
+class SensorModelParameters(abc.ABC):
     """What is believed of a sensor: a class of its own for each.
 
     Class attributes
@@ -106,9 +107,9 @@ class SensorModelParameters:
         """Return the usual age of a reading when it arrives [s]."""
         return 0.0
 
+    @abc.abstractmethod
     def rows(self) -> tuple[MeasurementRow, ...]:
         """Return what the estimator is told."""
-        raise NotImplementedError
 
     def slow_states(self) -> tuple[SlowState, ...]:
         """Return the sensor's errors that the estimator follows."""
