@@ -10,7 +10,6 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.signal import periodogram
 from scipy.special import chdtri, stdtrit
 
 from heave_node.arrays import Array
@@ -72,6 +71,8 @@ def segment_periodogram(samples: Array, period: float) -> Array:
     samples : of one or more segments, the last axis is time
     period : between samples [s]
     """
+    from scipy.signal import periodogram  # noqa: PLC0415 - a second to import, which a node need not wait for to start
+
     _, density = periodogram(samples, fs=1.0 / period, window="hann", detrend="constant")
     return np.asarray(density / (2.0 * math.pi))
 

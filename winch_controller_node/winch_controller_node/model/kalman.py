@@ -9,7 +9,6 @@ from __future__ import annotations
 from typing import Protocol
 
 import numpy as np
-from filterpy.kalman import KalmanFilter
 from heave_node.arrays import Array
 
 from winch_controller_node.model.kalman_kernel import corrected, predicted_covariance
@@ -87,6 +86,8 @@ class ReferenceKalmanFilter:
     """
 
     def __init__(self, order: int) -> None:
+        from filterpy.kalman import KalmanFilter  # noqa: PLC0415 - a second to import, for those who want the reference only
+
         self._filter = KalmanFilter(dim_x=order, dim_z=1, dim_u=1)
 
     @property
