@@ -11,7 +11,7 @@ from winch_controller_node.design.prediction import error_covariances, predict_l
 from winch_controller_node.laws.governor import SpeedServo
 from winch_controller_node.laws.law import LawDesign
 from winch_controller_node.laws.loop_state import AuthorityShift, LoopState, Reference
-from winch_controller_node.laws.mpc import ConstrainedLaw, MpcParameters, constrained_gain
+from winch_controller_node.laws.mpc import ConstrainedLaw, MpcParameters, constrained_gain, free_gain
 from winch_controller_node.model.lqr import DesignError
 from winch_controller_node.node_parameters import WinchControllerParameters
 from winch_controller_node.parameters.model import SeaModelParameters, WinchModelParameters
@@ -52,6 +52,20 @@ def test_without_a_limit_in_reach_the_constrained_law_is_the_lqr(design):
     command = law.command(state)
     assert command.value == pytest.approx(-float(law.gain @ state.x), rel=1e-12)
     assert command.status == "free"
+
+
+def test_the_gain_spares_the_command_once_a_limit_shapes_the_plan_and_slides_back_after_it(design):
+    law = make_law(design)
+    full, sparing = free_gain(design.model, MpcParameters()), constrained_gain(design.model, MpcParameters())
+    np.testing.assert_array_equal(law.gain, full)
+    assert law.command(sea_state(design, 1.2)).status == "solved"
+    np.testing.assert_array_equal(law.gain, sparing)
+    remaining = []
+    for _ in range(round(MpcParameters().release_time / DT)):
+        assert law.command(sea_state(design, 0.05)).status == "free"
+        remaining.append(np.linalg.norm(law.gain - full))
+    assert np.all(np.diff(remaining) < 0.0)
+    assert remaining[-1] == pytest.approx(np.exp(-1.0) * np.linalg.norm(sparing - full), rel=1e-6)
 
 
 def plan_by_rollout(design, law, state):
@@ -184,6 +198,6 @@ def promised_ratio(parameters):
     """Return the unit's standard deviation under law mpc without limits over that under law lqg."""
     design = design_controller(parameters, tick_period=DT)
     errors = error_covariances(design)
-    gains = constrained_gain(design.model, parameters.mpc), design.gain
+    gains = free_gain(design.model, parameters.mpc), design.gain
     mpc, lqg = (predict_loop(design, gain, errors).sigma["unit_heave"] for gain in gains)
     return mpc / lqg

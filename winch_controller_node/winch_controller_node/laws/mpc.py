@@ -6,6 +6,11 @@ LQR keeps them by itself there is none. The QP then has the identity for a Hessi
 matrices never change, and each tick only its bounds are new. Constraints are soft, with a weight that makes a
 violation dear: a QP without a solution does not exist. DAQP (dual active set, warm-started from the last active set)
 solves it in some tens of microseconds; its iterations are capped, so that it is as repeatable as it is fast.
+
+What is best at the limits is not what is best away from them: a cost that spares the command leaves the limits more
+often alone, and some of the sea uncompensated. So there are two gains of one estimate. The plan at the limits is made
+with the sparing one, and followed with it, so that the limits hold; away from them the law slides back to the full
+one, which leaves no more motion than law lqg.
 """
 
 from __future__ import annotations
@@ -55,15 +60,32 @@ class MpcParameters:
         0.01, unit="m", minimum=1e-4, maximum=10.0, description="Size of unit heave in this law's own quadratic cost."
     )
     payout_acceleration: float = parameter(
-        0.6, unit="m/s^2", minimum=0.0, maximum=1e3, description="Size of payout acceleration there; 0 leaves it out."
+        0.5, unit="m/s^2", minimum=0.0, maximum=1e3, description="Size of payout acceleration there; 0 leaves it out."
     )
     payout: float = parameter(50.0, unit="m", minimum=0.0, maximum=1e5, description="Size of payout there.")
     command: float = parameter(
-        2.0,
+        0.3,
         unit="m/s",
         minimum=1e-3,
         maximum=1e3,
         description="Size of the command there; a small one leaves some of the sea uncompensated.",
+    )
+    free_payout_acceleration: float = parameter(
+        0.6,
+        unit="m/s^2",
+        minimum=0.0,
+        maximum=1e3,
+        description="Size of payout acceleration away from the limits; 0 leaves it out.",
+    )
+    free_command: float = parameter(
+        2.0, unit="m/s", minimum=1e-3, maximum=1e3, description="Size of the command away from the limits."
+    )
+    release_time: float = parameter(
+        60.0,
+        unit="s",
+        minimum=0.0,
+        maximum=1e4,
+        description="Time constant with which the law returns to full effort after a limit shaped its plan.",
     )
     softness: float = parameter(
         1e-7, unit="", minimum=1e-12, maximum=1.0, description="Reciprocal weight of a violated constraint."
@@ -71,16 +93,21 @@ class MpcParameters:
 
 
 def constrained_gain(model: LinearModel, parameters: MpcParameters) -> Array:
-    """Return the LQR gain of the constrained law, shape (n,), for the weights of its `parameters`.
+    """Return the LQR gain with which plans at the limits are made, shape (n,), for the weights of `parameters`.
 
     It can be sharper than that of a law whose command is clipped: the limits are in the plan. `model` is sampled.
     """
-    sizes = {
-        "unit_heave": parameters.unit_heave,
-        "payout": parameters.payout,
-        "payout_acceleration": parameters.payout_acceleration,
-    }
-    return output_gain(model, sizes, parameters.command)
+    return _gain(model, parameters, parameters.payout_acceleration, parameters.command)
+
+
+def free_gain(model: LinearModel, parameters: MpcParameters) -> Array:
+    """Return the LQR gain away from the limits, shape (n,), for the weights of `parameters`. `model` is sampled."""
+    return _gain(model, parameters, parameters.free_payout_acceleration, parameters.free_command)
+
+
+def _gain(model: LinearModel, parameters: MpcParameters, acceleration: float, command: float) -> Array:
+    sizes = {"unit_heave": parameters.unit_heave, "payout": parameters.payout, "payout_acceleration": acceleration}
+    return output_gain(model, sizes, command)
 
 
 def correction_knots(horizon: float, dt: float) -> list[int]:
@@ -132,7 +159,7 @@ class ConstrainedLaw(ControlLaw):
 
     Attributes
     ----------
-    gain : LQR gain of the law's own cost, shape (n,)
+    gain : in force, shape (n,): between that of the plan and that away from the limits
     limits : that are kept
     """
 
@@ -147,7 +174,9 @@ class ConstrainedLaw(ControlLaw):
         if "payout_acceleration" not in model.output_names:
             raise DesignError("law mpc bounds the winch's acceleration: set winch.law to speed_servo")
         assert model.dt is not None
-        self.gain = constrained_gain(model, parameters)
+        self._constrained = constrained_gain(model, parameters)
+        self._free_less_constrained = free_gain(model, parameters) - self._constrained
+        self._releasing = math.exp(-model.dt * parameters.solve_ticks / max(parameters.release_time, 1e-9))
         self.limits = design.limits
         self._acceleration = SpeedServo(winch.time_constant, self.limits.acceleration, model.dt).linear_acceleration
         self._parameters = parameters
@@ -167,13 +196,13 @@ class ConstrainedLaw(ControlLaw):
         assert model.dt is not None
         dense = constrained_ticks(delay, horizon_ticks, model.dt)
         sparse = dense[::3]
-        responses = _responses(model, self.gain, self._basis, horizon_ticks)
+        responses = _responses(model, self._constrained, self._basis, horizon_ticks)
         commanded = [tick - delay for tick in dense]
         blocks = [
-            _output_rows(model, self.gain, "payout_rate", dense, responses),
+            _output_rows(model, self._constrained, "payout_rate", dense, responses),
             self._acceleration_rows(model, winch, commanded, responses),
-            _output_rows(model, self.gain, "payout", sparse, responses),
-            _output_rows(model, self.gain, "tension", sparse, responses),
+            _output_rows(model, self._constrained, "payout", sparse, responses),
+            _output_rows(model, self._constrained, "tension", sparse, responses),
         ]
         self._rows, start = [], 0
         for name, ticks in ((SPEED, dense), (ACCELERATION, dense), (PAYOUT, sparse), (TENSION, sparse)):
@@ -187,7 +216,7 @@ class ConstrainedLaw(ControlLaw):
     ) -> tuple[Array, Array]:
         """Return rows of the acceleration at the moment each command takes effect, which may be within a tick."""
         payout, rate = drum_ahead(model, winch)
-        feedback = -(self.gain + rate + winch.position_gain * payout) / winch.time_constant
+        feedback = -(self._constrained + rate + winch.position_gain * payout) / winch.time_constant
         through = self._basis / winch.time_constant
         return (
             np.array([feedback @ responses.free[k] for k in ticks]),
@@ -209,6 +238,12 @@ class ConstrainedLaw(ControlLaw):
         self._plan_age = 0
         self._since_solution = 0
         self._last = LawCommand(0.0, "no solution yet")
+        self._set_freedom(1.0)
+
+    def _set_freedom(self, freedom: float) -> None:
+        """Set the share [1] of the gain that is that away from the limits."""
+        self._freedom = freedom
+        self.gain = self._constrained + freedom * self._free_less_constrained
 
     def _start_solver(self) -> None:
         """Start a solver without a warm start."""
@@ -244,10 +279,12 @@ class ConstrainedLaw(ControlLaw):
         free = self._free @ state.x
         lower, upper = self._bounds(state)
         if np.all(free <= upper) and np.all(free >= lower):
+            self._set_freedom(1.0 - self._releasing * (1.0 - self._freedom))
             self._plan[:] = 0.0
             self._plan_age = 0
             self._last = LawCommand(0.0, "free")
             return
+        self._set_freedom(0.0)
         self._solver.update(bupper=upper - free, blower=lower - free)
         solution, _, flag, info = self._solver.solve()
         iterations = int(info["iterations"])
