@@ -34,5 +34,7 @@ setup(
     install_requires=["setuptools"],
     extras_require={"test": ["pytest"]},
     zip_safe=False,
-    entry_points={"console_scripts": ["heave = heave_bringup.cli:main"]},
+    entry_points={
+        "console_scripts": ["heave = heave_bringup.cli:main", "ship_clock = heave_bringup.ship_clock:main"],
+    },
 )

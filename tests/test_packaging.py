@@ -9,7 +9,7 @@ from xml.etree import ElementTree
 
 import pytest
 from ament_index_python.packages import get_package_prefix, get_package_share_path
-from heave_bringup.nodes import NODES
+from heave_bringup.nodes import PROCESS_BY_NAME
 from heave_node.ros.environment import prepare_environment
 
 if sys.version_info >= (3, 11):
@@ -171,6 +171,6 @@ def test_a_launch_file_starts_what_its_package_installs(path):
 
 
 def test_every_node_of_the_loop_has_the_launch_file_that_the_loop_includes():
-    for node in NODES:
+    for node in PROCESS_BY_NAME.values():
         share = get_package_share_path(node.module.partition(".")[0])
         assert (share / "launch" / f"{node.name}.launch.py").is_file()

@@ -41,6 +41,13 @@ def test_the_sea_from_another_recorder_by_the_host_s_clock_gives_the_same_run(ca
     assert recorded_messages(again) == recorded_messages(calm_bag)
 
 
+def test_the_sea_of_a_run_in_one_namespace_gives_the_same_run_in_another(calm_bag, tmp_path):
+    foreign = write_foreign(calm_bag, tmp_path / "foreign", by_host_clock, namespace="/fleet/east")
+    options = ["--namespace", "west", "--from-bag", f"wave_vessel={foreign}"]
+    again = run_scenario(tmp_path / "again", duration=CALM_DURATION, options=options)
+    assert recorded_messages(again) == [(f"/west{name}", *rest) for name, *rest in recorded_messages(calm_bag)]
+
+
 def test_a_bag_of_several_runs_is_refused_as_a_substitute(calm_bag, tmp_path):
     half = round(CALM_DURATION * 0.5e9)
 

@@ -33,8 +33,12 @@ def write_foreign(
     log_time: Callable[[RawMessage, random.Random], int],
     *,
     without: Iterable[str] = (),
+    namespace: str = "",
 ) -> Path:
-    """Write the messages of a bag as another recorder would have, in the order of their arrival."""
+    """Write the messages of a bag as another recorder would have, in the order of their arrival.
+
+    Topics `without` which the bag is to be are left out; the others get a `namespace` in front of their names.
+    """
     chance = random.Random(1)
     bag = Bag(source)
     arrivals = sorted(((log_time(message, chance), message) for message in bag.messages()), key=lambda pair: pair[0])
@@ -46,7 +50,7 @@ def write_foreign(
         for name, topic in bag.topics.items():
             schema = writer.register_schema(topic.type, "ros2msg", topic.schema.encode())
             metadata = {"offered_qos_profiles": to_yaml(topic.qos)}
-            channels[name] = writer.register_channel(name, "cdr", schema, metadata)
+            channels[name] = writer.register_channel(f"{namespace}{name}", "cdr", schema, metadata)
         for time, message in arrivals:
             if message.topic not in without:
                 writer.add_message(channels[message.topic], time, message.data, time)

@@ -1,6 +1,7 @@
 """What is played, and when."""
 
 import pytest
+from foreign_bags import by_host_clock, write_foreign
 from heave_bags.errors import BagError
 from heave_bags.mcap.bag_writer import BagWriter
 from heave_bags.mcap.reader import Bag, RawMessage
@@ -162,6 +163,24 @@ def test_a_substitute_that_starts_later_moves_the_stamps(bag):
     assert [data[12:] for data in moved[-2:]] == [data[12:] for data in original]
     assert int.from_bytes(moved[-2][8:12], "little") == PERIOD
     assert run.tick == 0.05
+
+
+def test_a_substitute_knows_its_topics_in_any_namespace_and_refuses_several(bag, tmp_path):
+    east = write_foreign(bag.path, tmp_path / "east", by_host_clock, namespace="/fleet/east")
+    player = TickPlayer(Bag(east), "wave_vessel", PERIOD)
+    assert player.namespace == "/fleet/east"
+    assert [player.name_in_run(topic) for topic in player.topics] == ["boom_tip", "sea_state"]
+    assert player.name_in_run("/fleet/east/diagnostics") == "/diagnostics"
+    files = [
+        *east.glob("*.mcap"),
+        *write_foreign(bag.path, tmp_path / "west", by_host_clock, namespace="/west").glob("*"),
+    ]
+    both = tmp_path / "both"
+    both.mkdir()
+    for number, file in enumerate(files):
+        file.rename(both / f"both_{number}.mcap")
+    with pytest.raises(BagError, match="it holds several systems: /west, /fleet/east"):
+        TickPlayer(Bag(both), "wave_vessel", PERIOD)
 
 
 def test_a_substitute_for_another_tick_or_node_is_refused(bag, made_up_bag):

@@ -45,3 +45,5 @@ NODES: tuple[NodeEntry, ...] = (
 SHIP_CLOCK = NodeEntry("ship_clock", "heave_bringup.ship_clock", "heave_bringup.ship_clock:ShipClockParameters")
 """Leads a run in which the plant is the ship itself."""
 NODE_BY_NAME = {node.name: node for node in NODES}
+PROCESS_BY_NAME = {node.name: node for node in (*NODES, SHIP_CLOCK)}
+"""What a run may have to start."""

@@ -6,7 +6,7 @@ fails takes the others down.
 
 from pathlib import Path
 
-from heave_bringup.nodes import NODE_BY_NAME
+from heave_bringup.nodes import PROCESS_BY_NAME
 from heave_bringup.run.run import new_run_folder, nodes_to_start, store_scenario
 from heave_bringup.scenarios import load_scenario
 from heave_bringup.settings import Setting
@@ -66,7 +66,7 @@ def start_nodes(context: LaunchContext) -> list[LaunchDescriptionEntity]:
 
 def launch_file_of(node: str) -> PathJoinSubstitution:
     """Return the launch file of one node, in the package that has it."""
-    package = NODE_BY_NAME[node].module.partition(".")[0]
+    package = PROCESS_BY_NAME[node].module.partition(".")[0]
     return PathJoinSubstitution([FindPackageShare(package), "launch", f"{node}.launch.py"])
 
 

@@ -113,7 +113,18 @@ def test_the_barrier_names_whoever_is_not_there():
     assert roster.missing({}) == ["sea sees 0 of 1 subscribers of /tip"]
     roster.join(joined("sea", outputs=["/tip"]))
     assert roster.missing({}) == []
-    assert roster.missing({"/winch": 0}) == ["a publisher of /winch (external)"]
+    assert roster.missing({"/winch": 0}, ["/winch"]) == ["a publisher of /winch (external)"]
+    assert roster.missing({"/winch": 0}) == [], "the loop closes without it"
+
+
+def test_the_barrier_waits_until_every_reader_sees_the_external_publisher():
+    """The graph shows a publisher before its readers are known or matched: quality of service may yet keep it out."""
+    roster = Roster(["winch", "recorder"])
+    for name, seen in (("winch", 0), ("recorder", 1)):
+        roster.join(Participant(name, ready=True, inputs={"/command": seen}))
+    assert roster.missing({"/command": 1}, ["/command"]) == ["winch sees no publisher of /command (external)"]
+    roster.join(Participant("winch", ready=True, inputs={"/command": 1}))
+    assert roster.missing({"/command": 1}, ["/command"]) == []
 
 
 def test_answers_are_idempotent_and_a_laggard_may_lag():

@@ -1,6 +1,5 @@
 """Quality of service at the start barrier: what matches is used, what cannot match is refused with topic and policy."""
 
-import signal
 import subprocess
 import sys
 
@@ -10,15 +9,16 @@ from loop_processes import start_all
 EXTERNAL = """
 import sys
 import rclpy
-from rclpy.qos import QoSProfile, ReliabilityPolicy, qos_profile_sensor_data
+from diagnostic_msgs.msg import DiagnosticArray
 from heave_msgs.msg import WinchCommand, WinchState
 from heave_node.ros.environment import prepare_environment
+from rclpy.qos import qos_profile_sensor_data
 from rosgraph_msgs.msg import Clock
 prepare_environment()
 rclpy.init()
 node = rclpy.create_node("hardware")
 kind, topic = {"winch": (WinchState, "winch/state"), "controller": (WinchCommand, "winch/command")}[sys.argv[1]]
-publisher = node.create_publisher(kind, topic, qos_profile_sensor_data)
+publisher = node.create_publisher(kind, topic, 10 if sys.argv[2:] == ["reliable"] else qos_profile_sensor_data)
 sequence = 0
 def on_clock(message):
     global sequence
@@ -26,7 +26,16 @@ def on_clock(message):
     answer = kind(payout=1.0)
     answer.header.stamp = message.clock
     publisher.publish(answer)
+    if sequence == 10:
+        print("the run has begun", flush=True)
+def on_diagnostics(message):
+    for part in message.status:
+        if part.name == "cable_sim: external nodes":
+            print(part.message, flush=True)
+            sys.exit()
 node.create_subscription(Clock, "/clock", on_clock, 10)
+node.create_subscription(DiagnosticArray, "/diagnostics", on_diagnostics, 10)
+node.create_timer(60.0, sys.exit)
 try:
     rclpy.spin(node)
 except (KeyboardInterrupt, rclpy.executors.ExternalShutdownException):
@@ -39,13 +48,15 @@ def external(loop):
     """Start a node of somebody else that publishes as sensors usually do: best effort, depth 5."""
     started = []
 
-    def start(kind: str) -> None:
-        started.append(subprocess.Popen([sys.executable, "-c", EXTERNAL, kind], env=loop.environment))
+    def start(*kind: str) -> subprocess.Popen[str]:
+        command = [sys.executable, "-c", EXTERNAL, *kind]
+        started.append(subprocess.Popen(command, env=loop.environment, stdout=subprocess.PIPE, text=True))
+        return started[-1]
 
     yield start
     for process in started:
-        process.send_signal(signal.SIGINT)
-        process.wait(10.0)
+        process.kill()
+        process.communicate()
 
 
 def start_around(loop, node: str, **parameters: object) -> None:
@@ -71,6 +82,15 @@ def test_commands_published_best_effort_are_refused_with_topic_and_policy(loop, 
     assert (
         "/hardware and /virtual_winch do not match on /winch/command: Best effort publisher and reliable subscription"
     ) in err.splitlines()[-1]
+
+
+def test_commands_that_become_best_effort_during_the_run_are_an_alarm_with_topic_and_policy(loop, external):
+    first = external("controller", "reliable")
+    start_around(loop, "winch_controller", duration=1e4)
+    assert first.stdout.readline() == "the run has begun\n"
+    first.kill()
+    heard, _ = external("controller").communicate(timeout=40.0)
+    assert "/hardware and /virtual_winch do not match on /winch/command: Best effort publisher" in heard
 
 
 def test_a_quality_of_service_that_the_user_chose_is_in_force(loop):

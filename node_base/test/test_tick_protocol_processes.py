@@ -166,7 +166,7 @@ def test_an_external_node_that_never_comes_is_named(loop):
     loop.start("cable_sim", "wave_vessel", "winch_controller", **start)
     status, _, err = loop.end("cable_sim")
     assert status == 1
-    assert "a publisher of winch/state (external)" in err.splitlines()[-1]
+    assert "a publisher of /winch/state (external)" in err.splitlines()[-1]
 
 
 @pytest.mark.parametrize("pacing", ["lockstep", "realtime"])

@@ -56,6 +56,7 @@ def main() -> None:
     base = float(sys.argv[1])
     handle = operator.start_move(base + 1.0, 0.3)
     moved = operator.wait(handle.get_result_async()).result
+    arrived = operator.feedback[-1]
     too_deep = operator.wait(operator.start_move(base + 500.0, 0.3).get_result_async()).result
     handle = operator.start_move(base + 20.0, 0.5)
     operator.wait(handle.cancel_goal_async())
@@ -69,6 +70,7 @@ def main() -> None:
                 "redesigned": [redesigned.success, redesigned.message, redesigned.predicted_unit_sigma],
                 "moved": [moved.success, moved.message, moved.depth],
                 "feedback": [[f.depth, f.rate, f.time_to_go] for f in operator.feedback],
+                "arrived": [arrived.depth, arrived.rate, arrived.time_to_go],
                 "too_deep": [too_deep.success, too_deep.message],
                 "cancelled": [cancelled.success, cancelled.message, cancelled.depth],
                 "stopped": [stop.success, stop.message],

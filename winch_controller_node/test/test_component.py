@@ -253,6 +253,26 @@ def test_manual_speed_moves_the_winch_alone_and_stops_before_the_end_of_its_rang
     assert modes[-1] == "stopped"
 
 
+def test_compensation_that_cannot_begin_now_is_refused_to_an_operator_and_does_not_begin_later():
+    controller = WinchController(loop_parameters(**{"modes.start": "standby"}).controller, tick_period=DT)
+    for tick in range(1, 100):
+        controller.step(tick, Measurements())
+    with pytest.raises(ModeError, match="mode compensating cannot begin now: mru"):
+        controller.ask_for_mode("compensating")
+    assert not controller.modes.wants_compensation
+
+
+def test_a_mode_that_is_on_its_way_is_told_as_such():
+    loop = ClosedLoop(loop_parameters(duration=60.0))
+    for _ in range(1000):
+        loop.step()
+    assert loop.controller.ask_for_mode("compensating") == "compensating"
+    assert loop.controller.ask_for_mode("standby") == "fade_out, on the way to standby"
+    assert loop.controller.ask_for_mode("emergency_stop") == "emergency_stop"
+    loop.step()
+    assert loop.controller.ask_for_mode("compensating") == "standby, on the way to compensating"
+
+
 def test_moves_out_of_reach_or_without_compensation_are_refused_in_words():
     controller = WinchController(loop_parameters().controller, tick_period=DT)
     with pytest.raises(ModeError, match="needs the depth sensor"):

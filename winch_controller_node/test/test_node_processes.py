@@ -50,6 +50,7 @@ def test_an_operator_changes_modes_redesigns_moves_and_stops(tmp_path):
     assert answers["moved"][2] == pytest.approx(304.0, abs=0.05)
     assert len(answers["feedback"]) > 10
     assert max(abs(rate) for _, rate, _ in answers["feedback"]) <= 0.5
+    assert answers["arrived"][2] == 0.0, "the last word of a move says that nothing is left to go"
     assert answers["too_deep"][0] is False
     assert "the winch reaches -49 to 49 m" in answers["too_deep"][1]
     assert answers["cancelled"][:2] == [False, "stopped smoothly"]

@@ -1,3 +1,4 @@
+import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -49,6 +50,35 @@ def test_a_cancelled_move_stops_within_the_braking_distance_and_stays():
     assert mean.point.rate == 0.0
     assert 0.0 < mean.point.payout - at < 2.5 + 0.5 * 2.0
     assert not mean.is_moving
+
+
+@settings(max_examples=60, deadline=None)
+@given(
+    target=st.floats(-60.0, 60.0),
+    speed=st.floats(0.1, 2.0),
+    acceleration=st.floats(0.03, 0.5),
+    jerk_time=st.floats(0.0, 2.0),
+)
+def test_the_time_to_go_is_what_the_move_takes_and_falls_to_zero_on_arrival(target, speed, acceleration, jerk_time):
+    mean = MeanPayout(MoveParameters(speed=speed, acceleration=acceleration, jerk_time=jerk_time), tick_period=DT)
+    mean.move_to(target)
+    told = [mean.time_to_go]
+    while mean.is_moving:
+        mean.advance()
+        told.append(mean.time_to_go)
+    assert told[-1] == 0.0
+    taken = DT * np.arange(len(told) - 1, -1, -1)
+    assert np.abs(np.array(told) - taken).max() <= 3.0 * DT + 0.02 * jerk_time
+
+
+def test_a_stop_and_a_driven_motion_have_no_time_to_go():
+    mean = MeanPayout(MoveParameters(), tick_period=DT)
+    mean.move_to(40.0)
+    points(mean, 200)
+    mean.stop()
+    assert mean.time_to_go == 0.0
+    mean.drive(0.2)
+    assert mean.time_to_go == 0.0
 
 
 def test_a_move_to_nowhere_is_refused():

@@ -161,6 +161,21 @@ class WinchController:
         self.modes.request(name)
         return self.mode.value
 
+    def ask_for_mode(self, name: str, tension: float = 0.0) -> str:
+        """Request a mode by `name`, with a `tension`, as `set_mode` does, but only where it is taken now.
+
+        What was refused does not begin later by itself.
+
+        Returns the mode taken in words, and what follows it. Raises ModeError, saying why, where it cannot be taken.
+        """
+        obstacle = self.modes.obstacle
+        if name == Mode.COMPENSATING.value and self.mode not in (Mode.OFF, Mode.COMPENSATING) and obstacle:
+            raise ModeError(f"mode {name} cannot begin now: {obstacle}")
+        taken = self.set_mode(name, tension)
+        if self.mode is Mode.OFF or taken not in [mode.value for mode in Mode] or taken == name:
+            return taken
+        return f"{taken}, on the way to {name}"
+
     def move_to_depth(self, depth: float, speed: float = 0.0) -> None:
         """Move the unit to the mean depth [m] at no more than `speed` [m/s] (0: the default).
 

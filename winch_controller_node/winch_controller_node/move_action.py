@@ -58,14 +58,19 @@ class MoveAction:
         elif controller.is_operated:
             self._end("aborted", "the operator's speed has taken over")
         elif not controller.mean.is_moving:
+            self._feed_back()  # its time to go is 0
             self._end("succeeded", "arrived")
         elif time >= self._next_feedback:
             self._next_feedback = time + FEEDBACK_PERIOD
-            feedback = MoveToDepth.Feedback()
-            feedback.depth = controller.depth
-            feedback.rate = controller.mean.point.rate
-            feedback.time_to_go = controller.mean.time_to_go
-            goal.publish_feedback(feedback)
+            self._feed_back()
+
+    def _feed_back(self) -> None:
+        controller = self._controller()
+        feedback = MoveToDepth.Feedback()
+        feedback.depth = controller.depth
+        feedback.rate = controller.mean.point.rate
+        feedback.time_to_go = controller.mean.time_to_go
+        self._goal.publish_feedback(feedback)
 
     def abort(self, reason: str) -> None:
         """End the move that is under way, if any, for a `reason`."""

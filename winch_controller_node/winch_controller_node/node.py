@@ -165,7 +165,7 @@ class WinchControllerNode(ParticipantNode):
             response.message = INACTIVE
             return response
         try:
-            response.message = self.controller.set_mode(request.mode, request.tension)
+            response.message = self.controller.ask_for_mode(request.mode, request.tension)
             response.success = True
         except ModeError as error:
             response.message = str(error)

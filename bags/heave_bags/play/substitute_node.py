@@ -63,12 +63,13 @@ class Substitute(HeaveNode):
             raise NodeError(f"{bag.path}: it has {available:g} s to play, the run lasts {self.run.duration:g} s")
         self.played: dict[str, Output] = {}
         for name in self.player.topics:
-            if name == topics.DIAGNOSTICS.name:
+            wanted = self.player.name_in_run(name)
+            if wanted == topics.DIAGNOSTICS.name:
                 continue
             topic = bag.topics[name]
             latched = any(offer.durability == "transient_local" for offer in topic.qos)
             role = Role.LATCHED if latched else Role.STREAM
-            self.played[name] = self.add_output(Topic(name, topic.type, self.name, role))
+            self.played[name] = self.add_output(Topic(wanted, topic.type, self.name, role))
 
     def on_reset(self) -> None:
         """Begin the bag again."""
@@ -77,8 +78,7 @@ class Substitute(HeaveNode):
     def play(self, tick: Tick) -> None:
         """Publish what the node published in this tick, its diagnostics included."""
         for name, data in self.player.take(tick.number):
-            output = self._diagnostics if name == topics.DIAGNOSTICS.name else self.played[name]
-            output.publish(data)
+            self.played.get(name, self._diagnostics).publish(data)
 
     def publish_diagnostics(self, tick: Tick) -> None:
         """Say nothing of `tick`: the diagnostics of the bag are the node's."""

@@ -55,11 +55,19 @@ class TickPlayer:
     period : length of a tick [ns]
     shift : bag time of the run's time 0 [ns]
 
+    Attributes
+    ----------
+    topics : what the node published, but for /clock and /diagnostics, by the names of the bag
+    namespace : in which the bag's run was, "" for none
+    last_tick : of the run that the bag reaches to
+
     Raises BagError if the bag has nothing of the node, was recorded with another tick, or holds several runs.
     """
 
     def __init__(self, bag: Bag, node: str, period: int, shift: int = 0) -> None:
-        self.topics = [name for name in bag.topics if node in publisher_of(bag, name) and name != topics.CLOCK.name]
+        published = [name for name in bag.topics if node in publisher_of(bag, name)]
+        self.namespace = _namespace_of(bag, published)
+        self.topics = [name for name in published if self.name_in_run(name) != topics.CLOCK.name]
         if not self.topics:
             raise BagError(f"{bag.path}: nothing in it was published by {node}")
         self._bag = bag
@@ -67,7 +75,7 @@ class TickPlayer:
         self._period = period
         self._shift = shift
         self._check_tick()
-        shared = (topics.DIAGNOSTICS.name,)
+        shared = (f"{self.namespace}{topics.DIAGNOSTICS.name}",)
         self._wanted = [*self.topics, *(name for name in shared if name in bag.topics and name not in self.topics)]
         self._stamped = {name for name in self._wanted if _has_header(bag, name)}
         if bag.run.get("pacing") == "lockstep":
@@ -78,6 +86,12 @@ class TickPlayer:
             self._tick_of, last = arrivals.tick_of, arrivals.last_tick
         self.last_tick = last - shift // period
         self.restart()
+
+    def name_in_run(self, topic: str) -> str:
+        """Return the name of a `topic` of the bag as a node has it: relative, so that it goes into any namespace."""
+        name = topic.removeprefix(f"{self.namespace}/")
+        fixed = f"/{name}"  # such as /clock
+        return fixed if fixed in topics.TOPIC_BY_NAME else name
 
     def _check_tick(self) -> None:
         recorded = self._bag.run.get("tick_period_s")
@@ -118,7 +132,7 @@ class TickPlayer:
 
     def _is_own(self, message: RawMessage) -> bool:
         """Tell whether the node itself published a message; /diagnostics has several publishers."""
-        if message.topic != topics.DIAGNOSTICS.name:
+        if self.name_in_run(message.topic) != topics.DIAGNOSTICS.name:
             return True
         array: DiagnosticArray = deserialize_message(message.data, DiagnosticArray)
         return bool(array.status) and array.status[0].hardware_id == self._node
@@ -186,6 +200,18 @@ class _Arrivals:
 def _sorted(arrival: Array, ticks: Array) -> tuple[Array, Array]:
     order = np.argsort(arrival, kind="stable")
     return arrival[order], ticks[order]
+
+
+def _namespace_of(bag: Bag, published: list[str]) -> str:
+    """Return the namespace of the run in a bag, "" for none: the shortest in which a node `published` what is known.
+
+    Raises BagError where it published in several, none of which is in another.
+    """
+    known = [name for name in published if _relative(name) != name]
+    found = sorted({name.removesuffix("/" + _relative(name).lstrip("/")) for name in known}, key=len)
+    if any(not f"{name}/".startswith(f"{found[0]}/") for name in found):
+        raise BagError(f"{bag.path}: it holds several systems: {', '.join(found)}")
+    return found[0] if found else ""
 
 
 def _relative(name: str) -> str:

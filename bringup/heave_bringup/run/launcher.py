@@ -14,7 +14,7 @@ from pathlib import Path
 from heave_bags.play import substitute_node
 from heave_node.ros.process import EXIT_FAILED, EXIT_OK, EXIT_REFUSED, EXIT_STUCK, LAUNCHER_VARIABLE, in_namespace
 
-from heave_bringup.nodes import NODE_BY_NAME, SHIP_CLOCK
+from heave_bringup.nodes import PROCESS_BY_NAME
 
 GRACE = 8.0
 """Wall time that a node has to end after it was asked to [s]."""
@@ -148,8 +148,7 @@ class Launcher:
 
 
 def _command(name: str, scenario_file: Path, bag: Path | None) -> list[str]:
-    entry = SHIP_CLOCK if name == SHIP_CLOCK.name else NODE_BY_NAME[name]
     parameters = ["--params-file", str(scenario_file)]
     if bag is not None:
         return [*substitute_node.command(name, bag), *parameters]
-    return [sys.executable, "-m", entry.module, "--ros-args", *parameters]
+    return [sys.executable, "-m", PROCESS_BY_NAME[name].module, "--ros-args", *parameters]

@@ -18,7 +18,7 @@ from rosgraph_msgs.msg import Clock
 from std_srvs.srv import SetBool, Trigger
 
 from heave_node import topics
-from heave_node.ros.diagnostics import Health
+from heave_node.ros.diagnostics import Health, Level
 from heave_node.ros.identity import describe_sender, identity_of_endpoint
 from heave_node.ros.input_timing import timing_health
 from heave_node.ros.node import HeaveNode, ProtocolError, expect_no, expect_sender, steady_clock
@@ -37,6 +37,8 @@ RECENT_TICKS = 1000
 """Ticks that the loop age in a status covers; the one in the last status covers all."""
 WARNING_PERIOD = 1.0
 """Wall time between two warnings about a missing node [s]."""
+MISMATCH_PATIENCE = 0.5
+"""Wall time for which publisher and reader must seem not to match before the run is refused [s]."""
 LAST_STATUS_TIMEOUT = Duration(seconds=2)
 """Wall time that the last status may take to be acknowledged by every subscriber."""
 
@@ -61,7 +63,8 @@ class ClockMasterNode(HeaveNode):
         self.timing = LoopTiming()
         self._speakers: dict[str, Speakers] = {}
         self.run_state = TickStatus.WAITING
-        self._reason = ""
+        self._reason = self._mismatch = ""
+        self._mismatch_since = 0.0
         self._stepped = True
         self._pause_at: int | None = None
         self._reset_wanted = False
@@ -118,23 +121,28 @@ class ClockMasterNode(HeaveNode):
             self._publish_roster()
             self._speakers = self._appoint_speakers()
 
-    def _external_topics(self) -> dict[str, int]:
-        """Return the number of publishers of each topic that external nodes must publish for the loop to close."""
-        wanted = [topic for topic in topics.ALL_TOPICS if topic.publisher in self.run.external and topic.is_needed]
-        return {topic.name: self.count_publishers(topic.name) for topic in wanted}
+    def _external_topics(self, *, needed: bool = False) -> list[str]:
+        """Return the resolved names of the topics of external nodes; `needed`: that the loop does not close without."""
+        external = [topic for topic in topics.ALL_TOPICS if topic.publisher in self.run.external]
+        return [self.resolve_topic_name(topic.name) for topic in external if topic.is_needed or not needed]
 
     def _mismatch_of_external(self) -> str:
-        """Return in words why an external node and a node of the run cannot hear each other; "" where they can."""
-        found: list[str] = []
-        for topic in topics.ALL_TOPICS:
-            if topic.publisher in self.run.external:
-                found += mismatches(self, self.resolve_topic_name(topic.name), self.roster.expected)
-        return "; ".join(found)
+        """Return in words why an external node and a node of the run cannot hear each other; "" where they can.
+
+        A mismatch counts when it has stood for MISMATCH_PATIENCE: before, the graph may not know all of it yet.
+        """
+        found = "; ".join(
+            text for topic in self._external_topics() for text in mismatches(self, topic, self.roster.expected)
+        )
+        now = time.monotonic()
+        if found != self._mismatch:
+            self._mismatch, self._mismatch_since = found, now
+        return found if now - self._mismatch_since >= MISMATCH_PATIENCE else ""
 
     def _rivals(self) -> list[str]:
         """Return in words on which topics several external processes publish: nobody could say whom to obey."""
         found = []
-        for name in (self.resolve_topic_name(t.name) for t in topics.ALL_TOPICS if t.publisher in self.run.external):
+        for name in self._external_topics():
             identities = {identity_of_endpoint(info) for info in self.get_publishers_info_by_topic(name)}
             if len(identities) > 1:
                 who = " and ".join(describe_sender(self, name, one, self.identity) for one in sorted(identities))
@@ -146,7 +154,8 @@ class ClockMasterNode(HeaveNode):
         if mismatch:
             self._end(TickStatus.FAILED, mismatch)
             return
-        lacking = [*self.roster.missing(self._external_topics()), *self._rivals()]
+        published = {topic: self.count_publishers(topic) for topic in self._external_topics()}
+        lacking = [*self.roster.missing(published, self._external_topics(needed=True)), *self._rivals()]
         self._reason = "; ".join(lacking)
         if not lacking:
             self.roster.freeze()
@@ -193,6 +202,12 @@ class ClockMasterNode(HeaveNode):
             if not is_external:
                 speakers[self.resolve_topic_name(name)].appoint(identities)
         return speakers
+
+    def diagnose_inputs(self) -> list[Health]:
+        """Add which external node cannot be heard: one that came, or came again, when the run had begun."""
+        mismatch = self._mismatch_of_external()
+        found = [Health("external nodes", Level.ERROR, mismatch)] if mismatch else []
+        return [*super().diagnose_inputs(), *found]
 
     def diagnose_timing(self) -> list[Health]:
         """Add the loop age of every tick, those that missed their deadline too."""

@@ -374,7 +374,7 @@ class HeaveNode(LifecycleNode):
         """Publish the health of this node if it is due at `tick`: once per simulated second, strangers at once."""
         every = max(1, round(DIAGNOSTICS_PERIOD / self.run.tick_period))
         if tick.number % every == 1 % every or self.strangers.has_news:
-            parts = [*self.diagnose(), *self._diagnose_inputs(), *self.diagnose_timing(), *self.strangers.health()] or [
+            parts = [*self.diagnose(), *self.diagnose_inputs(), *self.diagnose_timing(), *self.strangers.health()] or [
                 Health("node")
             ]
             self._diagnostics.publish_deferred(lambda: diagnostic_array(self.name, tick.stamp, parts))
@@ -391,7 +391,8 @@ class HeaveNode(LifecycleNode):
         """Return how the messages of external nodes come in, in wall time; nothing in lockstep."""
         return [part for timing in self._input_timings.values() for part in timing.diagnose()]
 
-    def _diagnose_inputs(self) -> list[Health]:
+    def diagnose_inputs(self) -> list[Health]:
+        """Return what is to be said of the clocks of external nodes, and of messages that were refused."""
         parts = [
             Health(
                 f"clock of {topic}", Level.ERROR if clock.violation else Level.OK, clock.violation or clock.describe()

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 
@@ -55,16 +55,32 @@ class Roster:
             participant.answered, participant.published = known.answered, known.published
         self.participants[participant.name] = participant
 
-    def missing(self, external_topics: Mapping[str, int]) -> list[str]:
+    def missing(self, external_topics: Mapping[str, int], needed: Collection[str] = ()) -> list[str]:
         """Return in words what keeps the run from starting; empty where nothing does.
 
         Parameters
         ----------
-        external_topics : topics that must come from outside the protocol, each with its number of publishers
+        external_topics : resolved topics that come from outside the protocol, each with the number of its publishers
+        needed : those of them that must have one
         """
         lacking = [f"{name} (not seen)" for name in self.expected if name not in self.participants]
         lacking += [f"{p.name} (not ready)" for p in self._present() if not p.ready]
-        lacking += [f"a publisher of {topic} (external)" for topic, count in external_topics.items() if count == 0]
+        lacking += [f"a publisher of {topic} (external)" for topic in needed if external_topics[topic] == 0]
+        return lacking + self._unmatched() + self._deaf_to(external_topics)
+
+    def _deaf_to(self, external_topics: Mapping[str, int]) -> list[str]:
+        """Return in words who does not see an external publisher that is there: yet, or ever, for its QoS."""
+        published = [topic for topic, count in external_topics.items() if count > 0]
+        return [
+            f"{participant.name} sees no publisher of {topic} (external)"
+            for participant in self._present()
+            for topic in published
+            if participant.inputs.get(topic) == 0
+        ]
+
+    def _unmatched(self) -> list[str]:
+        """Return in words which participants do not see each other on a topic yet."""
+        lacking = []
         readers = self._readers()
         for participant in self._present():
             for topic, matched in participant.outputs.items():

@@ -6,6 +6,7 @@ time, and the motion goes on smoothly from where it is.
 
 from __future__ import annotations
 
+import copy
 import math
 from dataclasses import dataclass
 
@@ -15,6 +16,10 @@ ARRIVED_DISTANCE = 0.005
 """A move has arrived within this distance [m] ..."""
 ARRIVED_SPEED = 0.002
 """... and below this speed [m/s]."""
+CRUISING = 0.995
+"""Share of its speed from which on a move counts as being at its speed."""
+LONGEST_PLAY = 20_000
+"""Ticks of a move that are played ahead at most: a twentieth of a second of work."""
 
 
 @dataclass(frozen=True)
@@ -45,6 +50,7 @@ class MeanPayout:
         self._is_stopping = False
         self._deceleration = 0.0
         self._driven: float | None = None
+        self._ticks_to_go = 0
 
     @property
     def is_moving(self) -> bool:
@@ -57,11 +63,37 @@ class MeanPayout:
 
     @property
     def time_to_go(self) -> float:
-        """Time to the target, estimated [s]."""
-        if not self.is_moving or self._is_stopping:
+        """Time to the target [s], 0 on arrival and where there is no target to go to.
+
+        The move is played ahead once, and the ticks that it takes are counted down.
+        """
+        if not self.is_moving or self._is_stopping or self._driven is not None:
             return 0.0
-        distance = abs(self.target - self.point.payout)
-        return distance / self._speed + self._speed / self._parameters.acceleration
+        if self._ticks_to_go == 0:
+            self._ticks_to_go = self._play_ahead()
+        return self._ticks_to_go * self._dt
+
+    def _play_ahead(self) -> int:
+        """Return the number of ticks to the target; those at constant speed are not played one by one."""
+        ahead = copy.copy(self)
+        skipped = 0
+        for played in range(LONGEST_PLAY):
+            if not ahead.is_moving:
+                return skipped + played
+            skipped += ahead._skip_cruise()
+            ahead.advance()
+        return skipped + LONGEST_PLAY
+
+    def _skip_cruise(self) -> int:
+        """Go to where the speed of the move begins to fall, if it is reached; return the ticks that this takes."""
+        distance = self.target - self.point.payout
+        rate = math.copysign(self._speed, distance)
+        slowing = max(self._speed**2 / self._parameters.acceleration, 4.0 * self._lag * self._speed)
+        if self.point.rate / rate < CRUISING or abs(distance) <= slowing:
+            return 0
+        ticks = int((abs(distance) - slowing) / max(self._speed * self._dt, 1e-9))
+        self.point = MovePoint(self.point.payout + ticks * self._dt * rate, rate, 0.0)
+        return ticks
 
     def move_to(self, payout: float, speed: float = 0.0) -> None:
         """Go to the mean payout [m] at no more than `speed` [m/s]; 0 takes the default."""
@@ -70,6 +102,7 @@ class MeanPayout:
         self.target = payout
         self._speed = speed if speed > 0.0 else self._parameters.speed
         self._is_stopping, self._deceleration, self._driven = False, 0.0, None
+        self._ticks_to_go = 0
 
     def stop(self) -> None:
         """Come to rest smoothly, wherever that is."""
@@ -94,6 +127,7 @@ class MeanPayout:
 
     def advance(self) -> MovePoint:
         """Return the point of the next tick."""
+        self._ticks_to_go = max(self._ticks_to_go - 1, 0)
         if self._deceleration > 0.0:
             return self._brake()
         limit = self._parameters.acceleration

@@ -72,6 +72,11 @@ class ModeMachine:
         return self._memory.wants_compensation
 
     @property
+    def obstacle(self) -> str:
+        """What keeps compensation from beginning now, in words; empty where nothing does."""
+        return self._situation.lost or self._situation.harm or self._situation.closed_gates
+
+    @property
     def brake(self) -> bool:
         """Tell whether the brake is to be on."""
         return self.mode in BRAKED
