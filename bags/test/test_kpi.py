@@ -129,37 +129,3 @@ def test_time_at_limit_counts_speed_or_acceleration_but_not_twice():
     values = kpi_set.evaluate(signals)
     assert values["time_at_speed_limit_percent"] == pytest.approx(25.0)
     assert values["time_at_limit_percent"] == pytest.approx(50.0)
-
-
-def test_settling_time_is_that_of_the_last_motion():
-    time = np.arange(10.0)
-    speed = np.array([1, 1, 1, 0.5, 0.01, 0.2, 0.01, 0, 0, 0])
-    assert kpi.settling_time(time, speed, fault_time=2.0) == 4.0
-    assert math.isnan(kpi.settling_time(time, np.ones(10), fault_time=2.0))
-
-
-@given(st.lists(st.lists(st.floats(-1e6, 1e6), max_size=20), max_size=10))
-def test_streaming_moments_equal_those_of_the_whole_record(batches):
-    moments = kpi.Moments()
-    for batch in batches:
-        moments.add(batch)
-    whole = np.concatenate([np.asarray(batch, dtype=float) for batch in batches]) if batches else np.empty(0)
-    assert moments.count == whole.size
-    if whole.size > 1:
-        scale = 1.0 + np.abs(whole).max()
-        assert moments.sigma == pytest.approx(whole.std(), abs=1e-7 * scale)
-        assert (moments.minimum, moments.maximum) == (whole.min(), whole.max())
-
-
-@given(st.lists(st.floats(-1e3, 1e3), min_size=2, max_size=60), st.integers(2, 20))
-def test_rolling_moments_equal_those_of_the_last_samples(values, window):
-    rolling = kpi.RollingMoments(window)
-    for value in values:
-        rolling.add(value)
-    assert rolling.sigma == pytest.approx(np.std(values[-window:]), abs=1e-4)
-    assert rolling.mean == pytest.approx(np.mean(values[-window:]), abs=1e-7)
-
-
-def test_a_rolling_window_refuses_nan():
-    with pytest.raises(ValueError, match="finite"):
-        kpi.RollingMoments(5).add(math.nan)

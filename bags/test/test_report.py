@@ -38,7 +38,8 @@ def browse(page, tmp_path) -> tuple[str, list[str]]:
 @pytest.mark.skipif(BROWSER is None, reason="no Chromium on this machine")
 def test_a_browser_draws_every_figure_without_a_word_on_the_console(made_up_bag, tmp_path):
     bags = [made_up_bag("good"), made_up_bag("bad", MadeUpRun(unit=0.2))]
-    records = report.write_report(bags, tmp_path / "report.html")
+    records = analysis.analyse(bags)
+    report.save_report(records, tmp_path / "report.html")
     drawn, console = browse(tmp_path / "report.html", tmp_path)
     assert console == []
     assert 'data-ready="true"' in drawn
@@ -55,7 +56,7 @@ def test_the_page_needs_nothing_from_outside(shared_bag):
 
 def test_the_page_says_what_was_lost_and_escapes_names(shared_bag):
     (record,) = analysis.analyse([shared_bag])
-    record.name, record.notes = "<b>bag</b>", ["the run did not end by itself: <killed>"]
+    record.name, record.notes = "<b>bag</b>", ["the run did not end normally: <killed>"]
     page = report.render([record, record])
     assert "&lt;killed&gt;" in page
     assert "<b>bag</b>" not in page[: page.index("<script>")]
@@ -151,9 +152,8 @@ const watch = setInterval(() => {
 @pytest.mark.skipif(BROWSER is None, reason="no Chromium on this machine")
 def test_figures_over_time_zoom_together_down_to_every_sample(made_up_bag, tmp_path):
     page = tmp_path / "report.html"
-    report.write_report(
-        [made_up_bag(run=MadeUpRun(duration=400.0))], page
-    )  # 8,000 samples, of which a screen shows 3,000
+    bag = made_up_bag(run=MadeUpRun(duration=400.0))  # 8,000 samples, of which a screen shows 3,000
+    report.save_report(analysis.analyse([bag]), page)
     probe = report.security_policy([re.search("<script>(.*)</script>", PROBE, re.DOTALL).group(1)])
     allowed = re.search("script-src ('sha256-[^']+')", probe).group(1)
     text = page.read_text().replace("script-src ", f"script-src {allowed} ", 1)
@@ -165,7 +165,7 @@ def test_figures_over_time_zoom_together_down_to_every_sample(made_up_bag, tmp_p
 
 @pytest.mark.skipif(BROWSER is None, reason="no Chromium on this machine")
 def test_the_report_prints_to_a_pdf_of_some_pages(made_up_bag, tmp_path):
-    report.write_report([made_up_bag()], tmp_path / "report.html")
+    report.save_report(analysis.analyse([made_up_bag()]), tmp_path / "report.html")
     pdf = tmp_path / "report.pdf"
     command = [BROWSER, *FLAGS, f"--user-data-dir={tmp_path / 'profile'}", f"--print-to-pdf={pdf}"]
     subprocess.run([*command, (tmp_path / "report.html").as_uri()], capture_output=True, timeout=120, check=True)

@@ -36,7 +36,7 @@ def sigma(values: ArrayLike) -> float:
 
 
 def efficiency(residual: float, reference: float) -> float:
-    """Return `1 - residual / reference` of two standard deviations; negative where compensation does harm, NaN
+    """Return `1 - residual / reference` of two standard deviations; negative where compensation is harmful, NaN
     without a reference.
 
     Unit efficiency is `efficiency(s(z), s(z_off))`, outlet efficiency `efficiency(s(z0 - p), s(z0))`.
@@ -63,7 +63,7 @@ def kappa(unit_sigma: float, sensor_bound: float, actuator_bound: float) -> floa
 
 
 def worse(unit_sigmas: ArrayLike, uncompensated_sigmas: ArrayLike) -> float:
-    """Return the largest `s(z) / s(z_off)` over seeds; above 1 the compensator did harm.
+    """Return the largest `s(z) / s(z_off)` over seeds; above 1 the compensator was harmful.
 
     Parameters
     ----------
@@ -92,7 +92,7 @@ def percent_true(flags: ArrayLike) -> float:
 
 
 def at_limit(rates: ArrayLike, limit: float) -> NDArray[np.bool_]:
-    """Tell at which samples one of `rates` stands at its `limit` (same unit), to one part in a thousand."""
+    """Return at which samples one of `rates` is at its `limit` (same unit), to one part in a thousand."""
     return np.asarray(np.abs(np.asarray(rates, dtype=float)) >= AT_LIMIT * limit, dtype=bool)
 
 
@@ -194,121 +194,7 @@ def phase_lead_degrees(output: Harmonic, driver: Harmonic) -> float:
     return lead - 360.0 if lead > 180.0 else lead
 
 
-def settling_time(time: ArrayLike, speed: ArrayLike, fault_time: float, threshold: float = 0.05) -> float:
-    """Return the time from a fault until the unit's speed stays low to the end [s]; NaN if it never does.
-
-    Parameters
-    ----------
-    time : of the samples, shape (n,) [s]
-    speed : of the unit, its sign does not matter, shape (n,) [m/s]
-    fault_time : when the fault began [s]
-    threshold : below which the speed counts as low [m/s]
-    """
-    times = np.asarray(time, dtype=float)
-    after = times >= fault_time
-    times = times[after]
-    moving = np.flatnonzero(np.abs(np.asarray(speed, dtype=float)[after]) >= threshold)
-    if not times.size or (moving.size and moving[-1] == times.size - 1):
-        return math.nan
-    return float(times[moving[-1] + 1] - fault_time) if moving.size else 0.0
-
-
 def percentiles(values: ArrayLike, percents: Sequence[float] = (50.0, 99.0, 100.0)) -> list[float]:
     """Return the percentiles `percents` [%] of `values`; 100 is the maximum. NaN without samples."""
     array = np.asarray(values, dtype=float)
     return [float(np.percentile(array, percent)) if array.size else math.nan for percent in percents]
-
-
-class Moments:
-    """Streaming mean, standard deviation and extremes; samples come one by one or in arrays, and nothing is stored.
-
-    Batches are merged by the pairwise update of Chan, Golub and LeVeque, which does not lose digits over long runs.
-    """
-
-    def __init__(self) -> None:
-        self.count = 0
-        self.mean = math.nan
-        self.minimum = math.inf
-        self.maximum = -math.inf
-        self._squares = 0.0
-
-    def add(self, values: ArrayLike) -> None:
-        """Take one sample or an array of `values`."""
-        batch = np.asarray(values, dtype=float).ravel()
-        if not batch.size:
-            return
-        mean = float(batch.mean())
-        squares = float(np.square(batch - mean).sum())
-        if self.count:
-            total = self.count + batch.size
-            difference = mean - self.mean
-            squares += self._squares + difference * difference * self.count * batch.size / total
-            mean = self.mean + difference * batch.size / total
-        self.count += batch.size
-        self.mean = mean
-        self._squares = squares
-        self.minimum = min(self.minimum, float(batch.min()))
-        self.maximum = max(self.maximum, float(batch.max()))
-
-    @property
-    def sigma(self) -> float:
-        """Standard deviation about the mean; NaN for fewer than two samples."""
-        return math.sqrt(self._squares / self.count) if self.count > 1 else math.nan
-
-
-class RollingMoments:
-    """Mean and standard deviation of the last `window` samples, in constant time per sample: for live KPIs.
-
-    Sums are taken about a reference that is renewed with every full turn of the window, so that rounding does not
-    accumulate.
-    """
-
-    def __init__(self, window: int) -> None:
-        if window < 2:
-            raise ValueError(f"a rolling window needs at least 2 samples, got {window}")
-        self._values = np.zeros(window)
-        self._next = 0
-        self._reference = 0.0
-        self._sum = 0.0
-        self._squares = 0.0
-        self.count = 0
-
-    def add(self, value: float) -> None:
-        """Take one `value`; the oldest leaves when the window is full."""
-        if not math.isfinite(value):
-            raise ValueError(f"a KPI sample must be finite, got {value}")
-        if self.count == 0:
-            self._reference = value
-        if self.count == self._values.size:
-            leaving = float(self._values[self._next]) - self._reference
-            self._sum -= leaving
-            self._squares -= leaving * leaving
-        else:
-            self.count += 1
-        self._values[self._next] = value
-        entering = value - self._reference
-        self._sum += entering
-        self._squares += entering * entering
-        self._next += 1
-        if self._next == self._values.size:
-            self._next = 0
-            self._renew()
-
-    def _renew(self) -> None:
-        self._reference = float(self._values.mean())
-        deviations = self._values - self._reference
-        self._sum = float(deviations.sum())
-        self._squares = float(np.square(deviations).sum())
-
-    @property
-    def mean(self) -> float:
-        """Mean of the window; NaN while empty."""
-        return self._reference + self._sum / self.count if self.count else math.nan
-
-    @property
-    def sigma(self) -> float:
-        """Standard deviation about the mean of the window; NaN for fewer than two samples."""
-        if self.count < 2:
-            return math.nan
-        mean = self._sum / self.count
-        return math.sqrt(max(self._squares / self.count - mean * mean, 0.0))

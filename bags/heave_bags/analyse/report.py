@@ -16,26 +16,9 @@ from heave_bags.analyse.analysis import Extreme
 from heave_bags.analyse.report_figures import Figure, comparison_figures, run_figures, without_nan
 from heave_bags.analyse.run_record import RunRecord
 from heave_bags.errors import BagError
-from heave_bags.mcap.reader import Progress, no_progress
 
 _LEVELS = ("", "warning", "error")
 _MOST_ALARMS = 50
-
-
-def write_report(
-    paths: Sequence[str | Path],
-    output: Path,
-    *,
-    transient: float | None = None,
-    progress: Progress = no_progress,
-) -> list[RunRecord]:
-    """Read the bags `paths` and write their report to `output`; return the runs read.
-
-    `transient` and `progress` as for `read_run`. Raises BagError if a bag cannot be read or the file cannot be written.
-    """
-    records = analysis.analyse(paths, transient=transient, progress=progress)
-    save_report(records, output)
-    return records
 
 
 def save_report(records: Sequence[RunRecord], output: Path) -> None:
@@ -114,7 +97,7 @@ def security_policy(scripts: Sequence[str]) -> str:
 
 
 def _as_script(figures: Sequence[Figure]) -> str:
-    """Return the figures as JSON that no text in them can end; what is no number is null."""
+    """Return the figures as JSON that no text in them can end; what is not a number is null."""
     data = [without_nan(figure.to_mapping()) for figure in figures]
     return json.dumps(data, allow_nan=False).replace("<", "\\u003c")
 
