@@ -54,7 +54,8 @@ class Figures:
 
 
 def model_error(nominal: Scenario, draw: int) -> list[Setting]:
-    """Return one draw of B9: mass and drag of the plant, servo and delay of the winch are not what is believed.
+    """Return one draw of B9: mass and drag of the plant, servo and delay of the winch differ from the controller's
+    model.
 
     Effective mass (and so a) +-30 %, drag (and so b) from 30 % less to four times, servo +-50 %, delay +-0.1 s; draw 0
     is nominal.

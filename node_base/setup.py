@@ -1,4 +1,4 @@
-"""colcon's view of heave_node; name, version, description and licence stand in package.xml."""
+"""colcon's view of heave_node; name, version, description and licence are in package.xml."""
 
 from pathlib import Path
 from xml.etree import ElementTree

@@ -79,14 +79,14 @@ def test_each_example_is_as_the_contract_says(node):
     with domain_id() as domain, running([node], domain):
         check = give(domain, "check", "--external", node, "--seconds", "3")
     assert check.returncode == 0, check.stdout + check.stderr
-    assert check.stdout.strip().endswith("verdict: as the contract says")
+    assert check.stdout.strip().endswith("verdict: the contract is kept")
 
 
 def test_a_node_that_is_not_there_is_named():
     with domain_id() as domain:
         check = give(domain, "check", "--external", "wave_vessel", "--seconds", "2")
     assert check.returncode == 1
-    assert check.stderr == "heave: wave_vessel: mru: publisher: nobody publishes it\n"
+    assert check.stderr == "heave: wave_vessel: mru: publisher: it has no publisher\n"
 
 
 @pytest.mark.parametrize("program", PROGRAM.values())

@@ -100,7 +100,7 @@ def live_run(tmp_path: Path, *options: str) -> list[str]:
 def test_by_default_no_port_of_a_run_answers_another_host_and_nothing_matches(hosts, started, tmp_path):
     this, other = hosts
     started.append(this.start(*live_run(tmp_path), environment={"ROS_STATIC_PEERS": other.address}))
-    assert started[0].stderr.readline().startswith("heave: ROS_STATIC_PEERS is not used: ")
+    assert started[0].stderr.readline().startswith("heave: ROS_STATIC_PEERS is ignored: ")
     assert stranger(this, "matched", 60.0).startswith("1 1"), "it runs, and nodes of this host find it"
     assert port_that_answers(other, this.address) == "none"
     subnet = {"ROS_AUTOMATIC_DISCOVERY_RANGE": "SUBNET", "ROS_STATIC_PEERS": this.address}
@@ -158,4 +158,4 @@ def test_a_node_whose_profile_is_not_taken_does_not_start(hosts, started, tmp_pa
     started.append(this.start(*WINCH, environment={"AMENT_PREFIX_PATH": f"{tmp_path}:{sys.prefix}"}))
     _, err = started[0].communicate(timeout=60.0)
     assert started[0].returncode == 1
-    assert err.splitlines()[-1].startswith("virtual_winch: other hosts reach 0.0.0.0:7400, ")
+    assert err.splitlines()[-1].startswith("virtual_winch: other hosts can reach 0.0.0.0:7400, ")

@@ -10,7 +10,7 @@ def test_a_required_figure_that_is_missed_sets_the_exit_status(tmp_path):
     require = ["--require", "unit_sigma_m<1e-9", "--require", "missed_deadlines<1"]
     result = heave("run", "b2_calm_300", "--bag", str(tmp_path / "run"), *options, *require)
     assert result.returncode == 1
-    assert "heave: the run is not what was required: MISSED: unit_sigma_m < 1e-09, got" in result.stderr
+    assert "heave: requirements not met:  MISSED: unit_sigma_m < 1e-09, got" in result.stderr
     assert result.stdout.strip().splitlines()[-1].startswith("  met: "), "the table ends with the verdict"
     assert "compensation was never in force (standby" in result.stdout
     verdict = json.loads((tmp_path / "kpi.json").read_text())["verdict"]

@@ -1,6 +1,6 @@
 """Recorder, replay, analysis and report of heave-compensation runs.
 
-Importing this package loads nothing else: a name of its face is loaded when it is asked for. Recording, playing and
+Importing this package loads nothing else: a name of its face is loaded on first use. Recording, playing and
 substitution import rclpy; reading and analysing need no ROS.
 """
 

@@ -14,4 +14,4 @@ class BagError(Exception):
 
 
 class StorageError(BagError):
-    """The disk refuses what is to be written: full, too slow, or gone."""
+    """A write to the disk failed: it is full, too slow, or gone."""

@@ -44,7 +44,7 @@ def _signal() -> Signal:
 
 @dataclass
 class RunSignals:
-    """What the KPIs of a run are computed from; a signal nobody recorded stays empty, and its KPIs are NaN.
+    """What the KPIs of a run are computed from; a signal that was not recorded stays empty, and its KPIs are NaN.
 
     Attributes
     ----------

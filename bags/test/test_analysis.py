@@ -87,7 +87,7 @@ def test_windows_cover_the_run(record):
 def test_windows_are_listed_one_a_line(record):
     lines = analysis.window_table(record, 2 * RUN.period).splitlines()
     assert len(lines) == 2 + 3 + 1  # the name, the heading, three times two waves in 60 s, and what is left out
-    assert lines[-1] == "left out: the last 12.00 s, shorter than a window of 16 s"
+    assert lines[-1] == "not covered: the last 12.00 s, shorter than a window of 16 s"
     assert "left out" not in analysis.window_table(record, 20.0)
     start, end, sigma = (float(cell) for cell in lines[3].split()[:3])
     assert end - start == pytest.approx(2 * RUN.period)
@@ -181,7 +181,7 @@ def test_a_bag_that_gives_no_figure_at_all_is_an_error(tmp_path):
     message.nis = [math.nan]
     writer.write("/controller/state", 50_000_000, bytes(serialize_message(message)))
     writer.close()
-    with pytest.raises(BagError, match="no figure can be computed"):
+    with pytest.raises(BagError, match="no figures can be computed"):
         analysis.analyse([tmp_path / "bag"])
 
 
@@ -234,5 +234,5 @@ def test_a_bag_of_others_is_refused_with_what_it_has(tmp_path):
     writer.add_topic("/chatter", "std_msgs/msg/String")
     writer.write("/chatter", 1, b"\x00\x01\x00\x00\x02\x00\x00\x00a\x00")
     writer.close()
-    with pytest.raises(BagError, match="none of the topics of a run is in it; it has /chatter"):
+    with pytest.raises(BagError, match="it holds none of a run's topics; it holds /chatter"):
         analysis.analyse([tmp_path / "bag"])

@@ -199,7 +199,7 @@ def test_a_wrong_topic_is_answered_with_those_there_are(shared_bag):
 
 
 def test_what_is_no_bag_is_refused_in_one_line(tmp_path):
-    with pytest.raises(BagError, match="there is no such bag"):
+    with pytest.raises(BagError, match="no such bag"):
         Bag(tmp_path / "nothing")
     (tmp_path / "empty").mkdir()
     with pytest.raises(BagError, match="holds no MCAP file"):

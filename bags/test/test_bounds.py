@@ -1,4 +1,4 @@
-"""What a file may ask for is bounded: in bytes, in depth, in time."""
+"""What a file may demand is bounded: in bytes, in depth, in time."""
 
 import resource
 import subprocess
@@ -82,9 +82,9 @@ def test_what_cannot_be_unpacked_in_part_gives_nothing():
     [
         ("[" * 40 + "]" * 40, "levels deep"),
         ("a: &a 1\nb: *a", "aliases"),
-        ("a: [", "no YAML"),
+        ("a: [", "not valid YAML"),
         ("a: 2001-99-99", "."),
-        ("!!python/object/apply:os.getcwd []", "no YAML"),
+        ("!!python/object/apply:os.getcwd []", "not valid YAML"),
         ("9" * 10_000, "."),
         ("x" * (9 << 20), "characters"),
     ],

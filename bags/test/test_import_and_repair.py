@@ -90,7 +90,7 @@ def test_a_csv_log_is_the_sea_and_bad_cells_are_told(tmp_path):
     log.write_text("# ship log\nms,heave_cm\n" + "\n".join(rows) + "\n")
     mapping = SeaMapping({"heave": Channel(column="heave_cm", scale=0.01)}, time_column="ms", time_scale=1e-3)
     sea = import_sea(log, mapping)
-    assert sea.notes == ["heave: 1 samples that are no numbers or not later than the one before left out"]
+    assert sea.notes == ["heave: 1 samples that are not numbers or not later than their predecessor skipped"]
     expected = np.sin(OMEGA * sea.time)
     assert np.abs(sea.position[:, 2] - (expected - expected.mean())).max() < 1e-3
 
@@ -108,11 +108,11 @@ def test_the_result_is_read_by_the_node_that_plays_it(ship, tmp_path):
     [
         ("roll: {column: a}", "heave is missing"),
         ("heave: {topic: /a, column: b}", "either a topic or a column"),
-        ("heave: {topik: /a}", "not known"),
-        ("heave: {topic: /a}\nleverarm: [1, 2, 3]", "no entry leverarm"),
+        ("heave: {topik: /a}", "unknown entry"),
+        ("heave: {topic: /a}\nleverarm: [1, 2, 3]", "unknown entry leverarm"),
         ("heave: {topic: /a}\nlever_arm: [1, 2]", "three numbers"),
         ("heave: {topic: /a, part: rool}", "roll, pitch, yaw"),
-        ("just a text", "names heave"),
+        ("just a text", "must name heave"),
         ("a: [", "cannot be read"),
     ],
 )

@@ -92,10 +92,10 @@ def test_topics_and_nodes_select(bag):
 @pytest.mark.parametrize(
     ("options", "complaint"),
     [
-        ({"topics": ["/nothing*"]}, "no topic is like"),
-        ({"nodes": ["nobody"]}, "nothing in it was published by nobody"),
+        ({"topics": ["/nothing*"]}, "no topic matches"),
+        ({"nodes": ["nobody"]}, "no message in it was published by nobody"),
         ({"exclude": ["*"]}, "no topic is left"),
-        ({"start": 100.0}, "lies behind its end"),
+        ({"start": 100.0}, "is after its end"),
     ],
 )
 def test_a_selection_that_leaves_nothing_is_refused(bag, options, complaint):
@@ -137,7 +137,7 @@ def test_times_that_no_message_of_ros_can_tell_are_refused(tmp_path):
     writer.add_topic("/boom_tip", "heave_msgs/msg/PointMotion")
     writer.write("/boom_tip", LAST_TIME + 1, b"")
     writer.close()
-    with pytest.raises(BagError, match="beyond the year 2038"):
+    with pytest.raises(BagError, match="after 2038"):
         Playback(Bag(tmp_path / "late"), PlaybackOptions())
 
 
@@ -186,5 +186,5 @@ def test_a_substitute_knows_its_topics_in_any_namespace_and_refuses_several(bag,
 def test_a_substitute_for_another_tick_or_node_is_refused(bag, made_up_bag):
     with pytest.raises(BagError, match="published by winch_controllers"):
         TickPlayer(bag, "winch_controllers", PERIOD)
-    with pytest.raises(BagError, match="no whole number of ticks"):
+    with pytest.raises(BagError, match="not a whole number of ticks"):
         TickPlayer(bag, "wave_vessel", PERIOD, shift=1)

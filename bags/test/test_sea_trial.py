@@ -67,7 +67,7 @@ def test_each_figure_says_what_it_is_made_from(sea_trial):
     rows = {line[:40].strip(): line for line in analysis.table([record]).splitlines()}
     assert any("unit efficiency" in name and line.endswith("%  estimated") for name, line in rows.items())
     assert any("outlet efficiency" in name and line.endswith("%  measured") for name, line in rows.items())
-    assert "no truth was recorded" in analysis.table([record])
+    assert "the true values were not recorded" in analysis.table([record])
     assert "<small>estimated</small>" in render([record])
     assert analysis.to_json(record)["sources"] == record.sources
 

@@ -47,7 +47,7 @@ def test_a_bag_holds_what_came_between_start_and_stop_and_the_latched_before(tmp
 
 def test_two_bags_at_once_and_none_to_stop_are_refused(tmp_path):
     made = session()
-    with pytest.raises(BagError, match="nothing is being recorded"):
+    with pytest.raises(BagError, match="no recording is in progress"):
         made.stop()
     made.start(tmp_path / "one")
     with pytest.raises(BagError, match="stop it first"):
@@ -113,7 +113,7 @@ def test_the_recorder_of_a_run_ends_in_an_error_that_names_what_is_missing(tmp_p
         failure="",
     )
     recorder._lost = lambda: RecorderNode._lost(recorder)
-    recorder._closing_words = lambda lost: RecorderNode._closing_words(recorder, lost)
+    recorder._final_metadata = lambda lost: RecorderNode._final_metadata(recorder, lost)
     with pytest.raises(NodeError, match="messages were lost: /mru 3 of 10"):
         RecorderNode.on_exit(recorder)
     assert Bag(tmp_path / "bag").outcome["lost"] == "/mru 3 of 10"
@@ -127,4 +127,4 @@ def test_a_message_larger_than_a_bag_takes_is_counted_and_named_and_the_others_g
         made.write("/boom_tip", SECOND, bytes(size))
     assert (made.state.written, made.state.unwritten) == (2, 2)
     assert len(made.state.problems) == 1
-    assert "600 bytes on /boom_tip is larger than a bag takes" in made.state.problems[0]
+    assert "600 bytes on /boom_tip is larger than a bag allows" in made.state.problems[0]

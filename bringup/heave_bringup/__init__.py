@@ -1,6 +1,6 @@
 """Scenarios, launching, and the `heave` command.
 
-Importing this package loads nothing else: a name of its face is loaded when it is asked for.
+Importing this package loads nothing else: a name of its face is loaded on first use.
 """
 
 from __future__ import annotations

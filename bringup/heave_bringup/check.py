@@ -15,7 +15,7 @@ SLOW = 0.8
 OLD, FUTURE = 0.5, 0.1
 """A stamp may be so much older, or newer, than the clock at the arrival of its message [s]."""
 REACTION = 1.5
-"""Time within which a winch must have done what it was told, or have noticed that it is told nothing [s]."""
+"""Time within which a winch must have obeyed a command, or noticed that commands have stopped [s]."""
 
 
 @dataclass
@@ -67,7 +67,7 @@ def judge_topic(port: Port, heard: Heard) -> list[Finding]:
         return Finding(name, what, is_good, words)
 
     if not heard.publishers:
-        return [finding("publisher", not port.is_required, "nobody publishes it")]
+        return [finding("publisher", not port.is_required, "it has no publisher")]
     found = [finding("publisher", len(heard.publishers) == 1, ", ".join(heard.publishers))]
     wrong = sorted(set(heard.types) - {port.topic.type})
     found.append(finding("type", not wrong, ", ".join(wrong) or port.topic.type))
@@ -75,16 +75,16 @@ def judge_topic(port: Port, heard: Heard) -> list[Finding]:
     if wrong or heard.refusals:
         return found
     if not heard.arrivals:
-        return [*found, finding("messages", False, "none came: does the node hear /clock?")]
+        return [*found, finding("messages", False, "none received: does the node receive /clock?")]
     return [*found, _rate(port, heard), _stamps(port, heard), _numbers(port, heard), *_counter(port, heard)]
 
 
 def _rate(port: Port, heard: Heard) -> Finding:
     intervals = np.diff(heard.arrivals)
     if not intervals.size:
-        return Finding(port.topic.name, "rate", False, "one message only")
+        return Finding(port.topic.name, "rate", False, "only one message")
     rate, jitter = 1.0 / float(np.mean(intervals)), float(np.std(intervals))
-    words = f"{rate:.1f} Hz (wanted {port.rate:g}), jitter {1e3 * jitter:.1f} ms, "
+    words = f"{rate:.1f} Hz (expected {port.rate:g}), jitter {1e3 * jitter:.1f} ms, "
     words += f"largest gap {1e3 * intervals.max():.0f} ms"
     return Finding(port.topic.name, "rate", rate >= SLOW * port.rate, words)
 
@@ -93,14 +93,14 @@ def _stamps(port: Port, heard: Heard) -> Finding:
     ages = np.subtract(heard.clock, heard.stamps)
     name = port.topic.name
     if not np.any(heard.stamps):
-        return Finding(name, "clock", False, "messages are not stamped: stamp them with the newest /clock")
+        return Finding(name, "clock", False, "messages are not stamped: stamp them with the latest /clock")
     oldest, newest = float(ages.max()), float(ages.min())
     if newest < -FUTURE or oldest > OLD:
         words = f"stamps are {newest:.3g} to {oldest:.3g} s older than /clock: is use_sim_time set?"
         return Finding(name, "clock", False, words)
     p50, p99 = np.percentile(ages, [50, 99])
     is_ordered = bool(np.all(np.diff(heard.stamps) > 0.0))
-    order = "" if is_ordered else "; stamps do not grow"
+    order = "" if is_ordered else "; stamps do not increase"
     return Finding(
         name, "clock", is_ordered, f"simulated time, age p50 {1e3 * p50:.0f} ms, p99 {1e3 * p99:.0f} ms{order}"
     )
@@ -125,13 +125,13 @@ def _counter(port: Port, heard: Heard) -> list[Finding]:
 
 
 def is_plausible(value: float, largest: float) -> bool:
-    """Tell whether a `value` is a number of a magnitude of at most `largest`."""
+    """Return whether a `value` is a number of a magnitude of at most `largest`."""
     return math.isfinite(value) and abs(value) <= largest
 
 
 @dataclass(frozen=True)
 class WinchTrial:
-    """What a winch said at one time while it was told to brake, released, and left alone.
+    """What a winch reported at one time while it was braked, released, and left without commands.
 
     Attributes
     ----------
@@ -175,28 +175,33 @@ class Plan:
 
 
 def judge_winch(plan: Plan, trial: Sequence[WinchTrial]) -> list[Finding]:
-    """Return how a winch behaved in `trial`, on brake, release and silence as in `plan`; it is never told to move."""
+    """Return how a winch behaved in `trial` on brake, release and silence as in `plan`; it is never told to move."""
 
     def late(start: float, end: float) -> list[WinchTrial]:
         return [said for said in trial if min(start + REACTION, end - 0.2) <= said.time < end]
 
     def finding(what: str, said: list[WinchTrial], good: bool, wrong: str) -> Finding:
         return Finding(
-            "winch/state", what, bool(said) and good, ("nothing was heard" if not said else "yes" if good else wrong)
+            "winch/state", what, bool(said) and good, ("nothing was received" if not said else "yes" if good else wrong)
         )
 
     braked, released = late(0.0, plan.braked), late(plan.braked, plan.released)
     silent, again = late(plan.released, plan.silent), late(plan.acknowledged, plan.end)
     lag = max((said.told - said.taken for said in released), default=0)
     return [
-        finding("brakes when told", braked, all(s.brake for s in braked), "the brake is off while commands say brake"),
-        finding("releases when told", released, not any(s.brake or s.fault for s in released), "brake on, or a fault"),
+        finding(
+            "brakes on command",
+            braked,
+            all(s.brake for s in braked),
+            "the brake is off while the commands demand it on",
+        ),
+        finding("releases on command", released, not any(s.brake or s.fault for s in released), "brake on, or a fault"),
         finding("echoes command numbers", released, lag <= 20, f"command_sequence is up to {lag} commands behind"),
         finding("stops without commands", silent, all(s.brake for s in silent), "the brake is off without commands"),
         finding(
-            "says why it stopped", silent, all(s.fault == 1 for s in silent), "fault is not 1, FAULT_COMMAND_TIMEOUT"
+            "reports why it stopped", silent, all(s.fault == 1 for s in silent), "fault is not 1, FAULT_COMMAND_TIMEOUT"
         ),
         finding(
-            "is released from a fault", again, not any(s.fault or s.brake for s in again), "the fault or brake stays"
+            "releases after a fault", again, not any(s.fault or s.brake for s in again), "the fault or brake remains"
         ),
     ]

@@ -29,21 +29,21 @@ def main(arguments: Sequence[str] | None = None) -> int:
         signal.signal(number, signal.default_int_handler)  # nodes are ended in order
     options = make_parser().parse_args(arguments)
     if options.json not in (None, "-") and not Path(options.json).resolve().parent.is_dir():
-        return _complain(f"--json {options.json}: there is no folder {Path(options.json).parent}", EXIT_USAGE)
+        return _exit_with(f"--json {options.json}: no such folder: {Path(options.json).parent}", EXIT_USAGE)
     try:
         options.execute(options)
     except ParameterError as error:
-        return _complain(error, EXIT_USAGE)
+        return _exit_with(error, EXIT_USAGE)
     except (CommandError, BagError) as error:
-        return _complain(error, EXIT_FAILED)
+        return _exit_with(error, EXIT_FAILED)
     except KeyboardInterrupt:
-        return _complain("interrupted", EXIT_FAILED)
+        return _exit_with("interrupted", EXIT_FAILED)
     except OSError as error:
         return _refused_by_the_system(error)
     return EXIT_OK
 
 
-def _complain(error: object, status: int) -> int:
+def _exit_with(error: object, status: int) -> int:
     sys.stderr.write(f"heave: {error}\n")
     return status
 
@@ -53,7 +53,7 @@ def _refused_by_the_system(error: OSError) -> int:
         return EXIT_FAILED
     if error.filename is None:  # no file that the user named: a defect of ours, to be shown in full
         raise error
-    return _complain(f"{error.filename}: {error.strerror}", EXIT_FAILED)
+    return _exit_with(f"{error.filename}: {error.strerror}", EXIT_FAILED)
 
 
 if __name__ == "__main__":

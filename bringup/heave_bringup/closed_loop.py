@@ -91,7 +91,7 @@ class LoopRecord:
         return column
 
     def unit_sigma(self, after: float) -> float:
-        """Standard deviation of the unit's heave from the time `after` [s] on [m], a moving mean depth taken off."""
+        """Standard deviation of the unit's heave from the time `after` [s] on [m], less a moving mean depth."""
         return float(np.std(self.column("unit", after=after) + self.column("depth_set_point", after=after)))
 
     def uncompensated_sigma(self, after: float) -> float:

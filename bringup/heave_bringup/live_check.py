@@ -38,7 +38,7 @@ def check_node(contract: Contract, seconds: float) -> list[Finding]:
     contract : of the node
     seconds : wall time of each phase of the listening [s]
 
-    Raises CommandError where a run is under way in this ROS domain: the node is then heard in that run.
+    Raises CommandError where a run is under way in this ROS domain: the node would then take part in that run.
     """
     prepare_environment()
     rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
@@ -81,7 +81,7 @@ class _Listener:
         """Go through the plan and judge what came."""
         self._spinner.spin_for(DISCOVERY)
         if self._node.count_publishers(topics.CLOCK.name) > 1:
-            raise CommandError("a run is under way in this ROS domain: end it, or set another ROS_DOMAIN_ID")
+            raise CommandError("a run is in progress in this ROS domain: end it, or set another ROS_DOMAIN_ID")
         self._began = time.monotonic()
         tick = 0
         while self._time < self._plan.end:
@@ -120,7 +120,7 @@ class _Listener:
             if port.topic == topics.WINCH_STATE:
                 self._note_winch(message)
             if self._time >= self._plan.released:
-                return  # a node may fall silent when it hears nothing
+                return  # a node may fall silent when it receives nothing
             heard.arrivals.append(time.monotonic())
             heard.stamps.append(seconds_of(message.header.stamp))
             heard.clock.append(self._simulated)
@@ -143,7 +143,7 @@ class _Listener:
     _simulated = 0.0
 
     def _publish(self, tick: int) -> None:
-        """Publish what the node hears in `tick`; in the silent phase the clock alone."""
+        """Publish what the node receives in `tick`; in the silent phase only the clock."""
         self._simulated = tick * TICK
         stamp = stamp_of_seconds(self._simulated)
         made = {
@@ -160,7 +160,7 @@ class _Listener:
         self._publishers[topics.CLOCK.name].publish(clock)
 
     def _command(self, tick: int) -> Any:
-        """Return a command that holds the drum where it stands."""
+        """Return a command that holds the drum where it is."""
         del tick
         self._sequence += 1
         state = self._newest.get(topics.WINCH_STATE.name)
@@ -179,7 +179,7 @@ class _Listener:
         return sample
 
     def _state(self, tick: int) -> Any:
-        """Return a winch that stands and takes every command."""
+        """Return a winch at rest that accepts every command."""
         del tick
         command = self._newest.get(topics.WINCH_COMMAND.name)
         state = message_type(topics.WINCH_STATE.type)()

@@ -26,7 +26,7 @@ class NodeEntry:
     parameters: str
 
     def parameters_type(self) -> type[Any]:
-        """Return the parameter set's class; imported only when asked for, since plants and controllers are heavy."""
+        """Return the parameter set's class; imported only on request, since plants and controllers are heavy."""
         module, name = self.parameters.split(":")
         return getattr(importlib.import_module(module), name)  # type: ignore[no-any-return]
 

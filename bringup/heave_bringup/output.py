@@ -19,7 +19,7 @@ from rich.text import Text
 from heave_bringup.errors import CommandError
 
 FILE_WIDTH = 1000
-"""Columns of an output that is no terminal: nothing is wrapped there."""
+"""Columns of an output that is not a terminal: nothing is wrapped there."""
 
 
 def write_result(options: argparse.Namespace, parts: str | Table | Sequence[str | Table], result: object) -> None:
@@ -90,7 +90,7 @@ def check_output(option: str, path: Path | None, endings: Sequence[str], *, make
     Parameters
     ----------
     option : of the command line, named in the message
-    path : the file; None is no file
+    path : the file; None: no file
     endings : of file names that the command can write
     makes_folder : whether the command makes the folder of the file
 

@@ -13,7 +13,7 @@ from rich.table import Column
 from rich.text import Text
 
 QUIET_PERIOD = 10.0
-"""Wall time between two lines where the output is no terminal [s]."""
+"""Wall time between two lines where the output is not a terminal [s]."""
 
 
 class _Bar(BarColumn):
@@ -70,7 +70,7 @@ class ProgressLine:
         Parameters
         ----------
         text : what is being done
-        share : part of the work that is done, 0 to 1; None where nobody knows
+        share : part of the work that is done, 0 to 1; None where unknown
         """
         if self._console.is_terminal:
             self._display.start()

@@ -51,7 +51,7 @@ class Scenario:
 
     @property
     def moves_winch(self) -> bool:
-        """Whether a control law drives the winch; under law off it stands on its brake."""
+        """Whether a control law drives the winch; under law off it is held by its brake."""
         return bool(self.parameters["winch_controller"].law != Mode.OFF.value)
 
 
@@ -98,7 +98,7 @@ def load_scenario(name: str, *, settings: Iterable[Setting | str] = ()) -> Scena
 
 
 def make_scenario(values: Mapping[str, Mapping[str, object]], *, settings: Iterable[Setting | str] = ()) -> Scenario:
-    """Check a scenario that stands in no file, for tests and studies.
+    """Check a scenario that is in no file, for tests and studies.
 
     Parameters
     ----------
@@ -153,7 +153,7 @@ def _read(path: Path) -> Values:
         of_node = values.setdefault(node, {})
         repeated = of_node.keys() & given.keys()
         if repeated:
-            raise ParameterError(f"{path}: {section}: {min(repeated)} stands twice, in two sections for {node}")
+            raise ParameterError(f"{path}: {section}: {min(repeated)} appears twice, in two sections for {node}")
         of_node.update({name: Given(value, name, f"{path}: {section}") for name, value in given.items()})
     return values
 
@@ -165,7 +165,7 @@ def _node_of(section: str, path: Path) -> str:
         return name
     near = difflib.get_close_matches(name.rpartition("/")[2], NODE_BY_NAME, n=1)
     hint = f"did you mean {WILDCARD}/{near[0]}?" if near else f"known: {', '.join(NODE_BY_NAME)}"
-    raise ParameterError(f"{path}: there is no node {name}; {hint}")
+    raise ParameterError(f"{path}: no such node: {name}; {hint}")
 
 
 def _given(target: str, in_file: Values, changes: Sequence[Setting]) -> dict[str, Given]:
@@ -177,7 +177,7 @@ def _given(target: str, in_file: Values, changes: Sequence[Setting]) -> dict[str
 
 
 def _check_shared_names(given: Mapping[str, Given]) -> None:
-    """Refuse a name under `/**` that is none of a run, of the system or of a criterion."""
+    """Refuse a name under `/**` that belongs to neither the run, the system nor a criterion."""
     known = set(_RUN_NAMES)
     for node in NODE_BY_NAME:
         known |= owned_names(node, _names_of(node)).keys()
@@ -190,18 +190,18 @@ def _check_own_names(given: Mapping[str, Given]) -> None:
     """Refuse in a node's own section what all nodes share: the nodes of one run must agree on it."""
     for name, value in given.items():
         if name in _RUN_NAMES or name.startswith((SYSTEM, WANTED)):
-            raise ParameterError(f"{value.where}: all nodes share {name}: it stands under {WILDCARD}")
+            raise ParameterError(f"{value.where}: all nodes share {name}: set it under {WILDCARD}")
 
 
 def _refuse_overruled(changes: Sequence[Setting], in_file: Values) -> None:
-    """Refuse a change for all nodes that the file takes back for one of them: half of it would be lost in silence."""
+    """Refuse a change for all nodes that the file takes back for one of them: half of it would be lost silently."""
     for change in (change for change in changes if change.target == WILDCARD):
         for node in NODE_BY_NAME:
             own = system_names(node, _names_of(node)).get(change.name, change.name)
             standing = in_file.get(node, {}).get(own)
             if standing is not None and _given(node, in_file, changes)[own] is standing:
                 raise ParameterError(
-                    f"{change.source}: {standing.where}: {own} = {standing.value!r} stands there and wins; "
+                    f"{change.source}: {standing.where}: {own} = {standing.value!r} overrides this; "
                     f"set {node}.{own} as well"
                 )
 
@@ -211,6 +211,6 @@ def _names_of(node: str) -> list[str]:
 
 
 def _where(path: Path, node: str, changes: Sequence[Setting]) -> str:
-    """Name the file, the node and the changes that concern it: what contradicts itself may stand in any of them."""
+    """Name the file, the node and the changes that concern it: the contradiction may be in any of them."""
     sources = dict.fromkeys(change.source for change in changes if change.target in (WILDCARD, node))
     return f"{path}: {node}" + (f" with {', '.join(sources)}" if sources else "")

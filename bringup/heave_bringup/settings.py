@@ -1,4 +1,4 @@
-"""Changes to a scenario that a user asks for: `--set NODE.PARAM=VALUE`, options of a command, cases of a campaign."""
+"""Changes to a scenario that a user requests: `--set NODE.PARAM=VALUE`, options of a command, cases of a campaign."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from heave_bringup.nodes import NODE_BY_NAME
 EVERY_NODE = "all"
 """What stands for every node on the command line, where a shell would take `/**` for files."""
 SHARED = ("system", "wanted")
-"""Groups that stand under `/**`, so that the command line needs no node before them."""
+"""Groups under `/**`, so that the command line needs no node before them."""
 
 
 @dataclass(frozen=True)
@@ -49,7 +49,8 @@ def make_setting(place: str, value: object, source: str) -> Setting:
     first, _, rest = place.partition(".")
     if not rest:
         raise ParameterError(
-            f"{source}: {place} is no parameter; write NODE.PARAM or system.PARAM, for example system.sea.peak_period"
+            f"{source}: {place} is not a parameter; write NODE.PARAM or system.PARAM, for example "
+            "system.sea.peak_period"
         )
     if first in SHARED:
         return Setting(WILDCARD, place, value, source)
@@ -60,11 +61,11 @@ def make_setting(place: str, value: object, source: str) -> Setting:
     known = (*SHARED, EVERY_NODE, *NODE_BY_NAME)
     near = difflib.get_close_matches(first, known, n=1)
     hint = f"did you mean {near[0]}?" if near else f"known: {', '.join(known)}"
-    raise ParameterError(f"{source}: there is no node {first}; {hint}")
+    raise ParameterError(f"{source}: no such node: {first}; {hint}")
 
 
 def parse_setting(text: str) -> Setting:
-    """Return the change that the `text` of a `--set` option asks for: PLACE=VALUE, the value in YAML.
+    """Return the change that the `text` of a `--set` option requests: PLACE=VALUE, the value in YAML.
 
     Raises ParameterError for another form.
     """
@@ -75,4 +76,4 @@ def parse_setting(text: str) -> Setting:
     try:
         return make_setting(place, parse_yaml(value), source)
     except yaml.YAMLError as error:
-        raise ParameterError(f"{source}: {value!r} is no YAML value") from error
+        raise ParameterError(f"{source}: {value!r} is not a YAML value") from error

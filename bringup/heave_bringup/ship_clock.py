@@ -30,7 +30,7 @@ class ShipClock(ClockMasterNode):
         """See HeaveNode: there is nothing to build."""
 
     def on_reset(self) -> None:
-        """See HeaveNode: the ship cannot be put back; the run's time begins anew."""
+        """See HeaveNode: the ship cannot be put back; the run's time starts again."""
 
 
 def main() -> None:

@@ -40,7 +40,7 @@ def stored_sections(scenario: Scenario) -> Sections:
 
 def stored_title(scenario: Scenario) -> str:
     """Return the comment at the top of a stored scenario."""
-    return f"{description_of(scenario.path) or scenario.name}\nAll values in force in one run, defaults among them."
+    return f"{description_of(scenario.path) or scenario.name}\nAll values in force in one run, including defaults."
 
 
 def _refuse_lost_lists(scenario: Scenario) -> None:

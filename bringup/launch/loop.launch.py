@@ -31,10 +31,16 @@ def generate_launch_description() -> LaunchDescription:
     """Return the loop with its arguments."""
     return LaunchDescription(
         [
-            DeclareLaunchArgument("scenario", default_value="b2_calm_300", description="Shipped scenario or file."),
-            DeclareLaunchArgument("folder", default_value="", description="For the bag; empty: runs/SCENARIO-NNN."),
-            DeclareLaunchArgument("pacing", default_value="", description="lockstep or realtime; empty: scenario's."),
-            DeclareLaunchArgument("external", default_value="", description="Nodes not to start, by commas."),
+            DeclareLaunchArgument(
+                "scenario", default_value="b2_calm_300", description="Shipped scenario or parameter file."
+            ),
+            DeclareLaunchArgument(
+                "folder", default_value="", description="Folder for the bag; empty: runs/SCENARIO-NNN."
+            ),
+            DeclareLaunchArgument(
+                "pacing", default_value="", description="lockstep or realtime; empty: as in the scenario."
+            ),
+            DeclareLaunchArgument("external", default_value="", description="Nodes not to start, separated by commas."),
             RegisterEventHandler(OnProcessExit(on_exit=end_with_the_first_failure)),
             OpaqueFunction(function=start_nodes),
         ]
@@ -61,7 +67,7 @@ def start_nodes(context: LaunchContext) -> list[LaunchDescriptionEntity]:
         )
         for node in nodes_to_start(scenario)
     ]
-    return [LogInfo(msg=f"the bag goes to {folder.bag}"), *nodes]
+    return [LogInfo(msg=f"bag folder: {folder.bag}"), *nodes]
 
 
 def launch_file_of(node: str) -> PathJoinSubstitution:

@@ -10,7 +10,7 @@ ROW = {"segments": 20, "ms_per_simulated_s": 2.0, "error_percent": 0.05, "ratio_
 def test_without_the_peer_one_line_says_what_to_install():
     (_, line) = tables({"plant": [{**ROW, "ratio_to_moordyn": math.nan}]})
     assert line == HOW_TO_GET_THE_PEER
-    assert "pip install moordyn" in line
+    assert "pip install 'heave[bench]'" in line
     assert "\n" not in line
     assert len(tables({"plant": [ROW]})) == 1
 

@@ -108,10 +108,10 @@ def test_every_case_of_the_table_in_the_readme_exists() -> None:
     [
         (["run"], "heave benchmark run: name at least one ENTRANT"),
         (["run", "nobody"], "nobody: no such entrant; give FILE:Class or module:Class, or one of locked"),
-        (["run", "no_file.py:Me"], "no_file.py: there is no such file"),
+        (["run", "no_file.py:Me"], "no_file.py: no such file"),
         (["run", "math:Nothing"], "math:Nothing: math has no class Nothing"),
         (["run", "no.such.module:Me"], "no.such.module: cannot be loaded: ModuleNotFoundError"),
-        (["run", "locked", "--cases", "b99"], "--cases b99: there is no such case; known: b2_calm_300"),
+        (["run", "locked", "--cases", "b99"], "--cases b99: no such case; known: b2_calm_300"),
         (["run", "locked", "--seeds", "0"], "--seeds 0: must be at least 1"),
         (["run", "locked", "--processes", "0"], "--processes 0: must be at least 1"),
         (["run", "locked", "--duration", "nan"], "--duration nan: must be a number above 0"),
@@ -120,7 +120,7 @@ def test_every_case_of_the_table_in_the_readme_exists() -> None:
             "--duration: 60 s leaves nothing of case u2_hold",
         ),
         (["run", "locked", "--cases", "z_rough"], "case z_rough needs the record of the rough sea"),
-        (["list", "--records", "/no/folder"], "--records /no/folder: there is no such folder"),
+        (["list", "--records", "/no/folder"], "--records /no/folder: no such folder"),
     ],
 )
 def test_mistakes_are_told_in_one_line(arguments: list[str], words: str, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -148,7 +148,7 @@ def test_records_are_found_in_a_checkout_and_as_csv_and_are_the_same(
     assert records_folder(None) == tmp_path
     bad = tmp_path / "zinage_slight.csv"
     bad.write_text("time,heave\n0.0,a\n")
-    with pytest.raises(ParameterError, match=r"zinage_slight.csv: is no record of time and heave"):
+    with pytest.raises(ParameterError, match=r"zinage_slight.csv: is not a record of time and heave"):
         read_record(bad)
 
 

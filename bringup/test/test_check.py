@@ -34,15 +34,15 @@ def test_a_node_that_does_everything_right_is_as_the_contract_says():
 @pytest.mark.parametrize(
     ("changes", "what", "words"),
     [
-        ({"publishers": []}, "publisher", "nobody publishes it"),
+        ({"publishers": []}, "publisher", "it has no publisher"),
         ({"publishers": ["/mine", "/other"]}, "publisher", "/mine, /other"),
         ({"types": ["std_msgs/msg/String"]}, "type", "std_msgs/msg/String"),
         ({"refusals": ["Best effort publisher and reliable subscription"]}, "quality of service", "Best effort"),
-        ({"arrivals": []}, "messages", "none came"),
-        ({"arrivals": list(np.arange(100) * 0.2)}, "rate", "5.0 Hz (wanted 10)"),
+        ({"arrivals": []}, "messages", "none received"),
+        ({"arrivals": list(np.arange(100) * 0.2)}, "rate", "5.0 Hz (expected 10)"),
         ({"stamps": [0.0] * 100}, "clock", "not stamped"),
         ({"stamps": list(1.7e9 + np.arange(100) * 0.05)}, "clock", "is use_sim_time set?"),
-        ({"stamps": list(4.9 + np.arange(100) * -1e-3), "clock": [4.92] * 100}, "clock", "stamps do not grow"),
+        ({"stamps": list(4.9 + np.arange(100) * -1e-3), "clock": [4.92] * 100}, "clock", "stamps do not increase"),
         ({"bad": {"heave": 3}}, "numbers", "heave 3 times"),
         ({"counter": [1, 2, *range(4, 102)]}, "sequence", "1 of 99 steps are not 1"),
     ],
@@ -76,9 +76,9 @@ def test_a_winch_that_brakes_releases_and_stops_by_itself_is_as_the_contract_say
     ("said", "what"),
     [
         (trial(brakes_alone=False), "stops without commands"),
-        (trial(fault_of_silence=0), "says why it stopped"),
-        (trial(obeys=False), "brakes when told"),
-        ([], "brakes when told"),
+        (trial(fault_of_silence=0), "reports why it stopped"),
+        (trial(obeys=False), "brakes on command"),
+        ([], "brakes on command"),
     ],
 )
 def test_a_winch_that_does_not_do_as_it_must_is_named(said, what):

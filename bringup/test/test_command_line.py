@@ -84,4 +84,4 @@ def test_the_folder_of_a_run_is_repaired_though_its_bag_lost_the_index(tmp_path)
 @pytest.mark.parametrize("command", [["replay"], ["import", "--topic", "/heave", "--output", "sea.csv"], ["kpi"]])
 def test_a_bag_that_does_not_exist_is_told_as_such(command, tmp_path, capsys):
     assert main([*command, str(tmp_path / "nothing")]) == 1
-    assert capsys.readouterr().err.endswith("nothing: there is no such bag\n")
+    assert capsys.readouterr().err.endswith("nothing: no such bag\n")

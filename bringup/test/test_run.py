@@ -71,7 +71,7 @@ def test_a_second_interrupt_leaves_no_process(tmp_path):
     launcher.nodes.append(NodeProcess("wave_vessel", process, tmp_path / "log"))
     interrupts = threading.Timer(0.3, lambda: os.kill(os.getpid(), signal.SIGINT))
     interrupts.start()
-    with run.interrupts_hurry(launcher):
+    with run.interrupts_skip_grace(launcher):
         launcher.stop(grace=1e6)
     assert process.poll() == -signal.SIGKILL
     assert signal.getsignal(signal.SIGINT) is signal.default_int_handler

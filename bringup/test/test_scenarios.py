@@ -80,8 +80,7 @@ def test_a_change_for_all_nodes_that_one_of_them_would_not_take_is_refused(file,
     with pytest.raises(ParameterError) as refusal:
         load_scenario(str(file), settings=[setting])
     assert str(refusal.value) == (
-        f"--set {setting}: {file}: /wave_vessel: peak_period = 9.0 stands there and wins; set wave_vessel.peak_period "
-        "as well"
+        f"--set {setting}: {file}: /wave_vessel: peak_period = 9.0 overrides this; set wave_vessel.peak_period as well"
     )
     both = [setting, "wave_vessel.peak_period=7", "winch_controller.sea.peak_period=6"]
     assert sea_periods(load_scenario(str(file), settings=both)) == (7.0, 6.0)
@@ -90,17 +89,17 @@ def test_a_change_for_all_nodes_that_one_of_them_would_not_take_is_refused(file,
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        ("wave_vesel: {ros__parameters: {a: 1}}", "there is no node wave_vesel; did you mean /**/wave_vessel?"),
-        ("/ship/wave_vessel: {ros__parameters: {a: 1}}", "there is no node ship/wave_vessel; did you mean /**/wave_v"),
+        ("wave_vesel: {ros__parameters: {a: 1}}", "no such node: wave_vesel; did you mean /**/wave_vessel?"),
+        ("/ship/wave_vessel: {ros__parameters: {a: 1}}", "no such node: ship/wave_vessel; did you mean /**/wave_v"),
         ("/**: {ros__parameters: {length: 3.0}}", "/**: there is no parameter length; did you mean system.length?"),
         ("/**: {ros__parameters: {system: {sea: {peak: 3.0}}}}", "/**: there is no parameter system.sea.peak; did"),
-        ("cable_sim: {ros__parameters: {seed: 3}}", "/cable_sim: all nodes share seed: it stands under /**"),
-        ("cable_sim: {ros__parameters: {system: {length: 3.0}}}", "/cable_sim: all nodes share system.length: it"),
-        ("cable_sim: {ros__parameters: {wanted: {kappa: '< 2'}}}", "/cable_sim: all nodes share wanted.kappa: it"),
+        ("cable_sim: {ros__parameters: {seed: 3}}", "/cable_sim: all nodes share seed: set it under /**"),
+        ("cable_sim: {ros__parameters: {system: {length: 3.0}}}", "/cable_sim: all nodes share system.length: set it"),
+        ("cable_sim: {ros__parameters: {wanted: {kappa: '< 2'}}}", "/cable_sim: all nodes share wanted.kappa: set it"),
         ("/**: {ros__parameters: {wanted: {kappa: 2}}}", "/**: wanted.kappa = 2 is not allowed"),
         (
             "cable_sim: {ros__parameters: {length: 3.0}}\n/**/cable_sim: {ros__parameters: {length: 4.0}}",
-            "length stands twice, in two sections for cable_sim",
+            "length appears twice, in two sections for cable_sim",
         ),
         (
             "/**: {ros__parameters: {system: {vessel: {gain: 0.0}}}}",
@@ -125,10 +124,10 @@ def test_what_is_wrong_with_a_file_is_told_in_one_line(file, text, words) -> Non
     ("text", "words"),
     [
         ("wave_vessel.peak_period", "must be NODE.PARAM=VALUE, for example system.sea.peak_period=9"),
-        ("peak_period=9", "peak_period is no parameter; write NODE.PARAM or system.PARAM"),
-        ("wave_vesel.peak_period=9", "there is no node wave_vesel; did you mean wave_vessel?"),
-        ("xyz.peak_period=9", "there is no node xyz; known: system, wanted, all, cable_sim"),
-        ("wave_vessel.peak_period=[1", "'[1' is no YAML value"),
+        ("peak_period=9", "peak_period is not a parameter; write NODE.PARAM or system.PARAM"),
+        ("wave_vesel.peak_period=9", "no such node: wave_vesel; did you mean wave_vessel?"),
+        ("xyz.peak_period=9", "no such node: xyz; known: system, wanted, all, cable_sim"),
+        ("wave_vessel.peak_period=[1", "'[1' is not a YAML value"),
         ("wave_vessel.peak_perid=9", "there is no parameter peak_perid; did you mean peak_period?"),
         (
             "system.sea.peak_perid=9",
@@ -136,7 +135,7 @@ def test_what_is_wrong_with_a_file_is_told_in_one_line(file, text, words) -> Non
         ),
         ("all.length=9", "there is no parameter length; did you mean system.length?"),
         ("wave_vessel.peak_period=99", "peak_period = 99.0 is not allowed: it must be a number from 1 to 40 [s]"),
-        ("cable_sim.seed=2", "all nodes share seed: it stands under /**"),
+        ("cable_sim.seed=2", "all nodes share seed: set it under /**"),
     ],
 )
 def test_what_is_wrong_with_a_setting_is_told_with_the_setting(text, words) -> None:

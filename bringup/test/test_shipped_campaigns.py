@@ -36,7 +36,7 @@ def test_a_name_that_is_no_parameter_s_is_told_with_the_campaign_that_has_it(tmp
         load_scenario("b2_calm_300", settings=last)
     path.write_text("scenario: b2_calm_300\nset: {wave_vesel.peak_period: 6}\n")
     campaign = read_campaign(path)
-    with pytest.raises(ParameterError, match=r"own\.yaml: wave_vesel\.peak_period: there is no node wave_vesel; did"):
+    with pytest.raises(ParameterError, match=r"own\.yaml: wave_vesel\.peak_period: no such node: wave_vesel; did"):
         campaign.settings_of(next(campaign.cases()))
 
 

@@ -1,4 +1,4 @@
-"""The verdict on a run: what was wanted, what was got, and whether compensation was in force at all."""
+"""The verdict on a run: its criteria, the values reached, and whether compensation was in force at all."""
 
 import numpy as np
 import pytest
@@ -26,13 +26,13 @@ def record(compensates_until: float, *, is_past_transient: bool = True) -> RunRe
 def test_a_run_that_got_what_was_wanted_says_so_with_its_figures():
     verdict = judge(record(100.0), [Criterion("unit_sigma_m", "<=", 0.02)], moves_winch=True)
     assert verdict.is_good
-    assert verdict.lines() == ["verdict: as wanted", "  met: unit_sigma_m <= 0.02, got 0.01"]
+    assert verdict.lines() == ["verdict: passed", "  met: unit_sigma_m <= 0.02, got 0.01"]
 
 
 def test_a_missed_criterion_comes_first_and_shouts():
     wanted = [Criterion("unit_sigma_m", "<=", 0.02), Criterion("unit_sigma_m", "<", 0.005)]
     lines = judge(record(100.0), wanted, moves_winch=True, alarms=2).lines()
-    assert lines[0] == "verdict: NOT what was wanted; 2 errors reported"
+    assert lines[0] == "verdict: FAILED; 2 errors reported"
     assert lines[1] == "  MISSED: unit_sigma_m < 0.005, got 0.01"
 
 
@@ -50,7 +50,7 @@ def test_a_law_that_is_off_need_not_compensate():
 
 def test_a_figure_that_is_not_known_is_missed():
     verdict = judge(record(100.0), [Criterion("kappa", "<=", 2.0)], moves_winch=True)
-    assert verdict.failures == ["MISSED: kappa <= 2.0, got not known"]
+    assert verdict.failures == ["MISSED: kappa <= 2.0, got unknown"]
 
 
 def test_a_run_that_ended_within_its_transient_is_not_judged_but_held_to_what_is_required():
@@ -75,11 +75,11 @@ def test_another_requirement_is_refused_with_the_option(text):
 
 def test_a_wrong_requirement_is_refused_before_anything_starts(capsys):
     assert main(["run", "b2_calm_300", "--require", "no_such_figure<1"]) == 2
-    assert "no_such_figure is no figure of merit; known: unit_sigma_m" in capsys.readouterr().err
+    assert "no_such_figure is not a figure of merit; known: unit_sigma_m" in capsys.readouterr().err
 
 
 def test_a_scenario_that_wants_no_figure_of_merit_is_refused_before_anything_starts(tmp_path, capsys):
     scenario = tmp_path / "own.yaml"
     scenario.write_text("/**: {ros__parameters: {wanted: {no_such_figure: '< 1'}}}\n")
     assert main(["run", str(scenario)]) == 2
-    assert f"{scenario}: wanted: no_such_figure is no figure of merit" in capsys.readouterr().err
+    assert f"{scenario}: wanted: no_such_figure is not a figure of merit" in capsys.readouterr().err

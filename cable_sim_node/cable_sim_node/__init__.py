@@ -1,6 +1,6 @@
 """The plant: cable, subsea unit, seabed, current, the virtual winch, and the sensors on them.
 
-Importing this package loads nothing else: a name of its face is loaded when it is asked for. Every module but the
+Importing this package loads nothing else: a name of its face is loaded on first use. Every module but the
 `node` modules is pure (no ROS).
 """
 

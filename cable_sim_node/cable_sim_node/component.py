@@ -79,7 +79,7 @@ class CableSim:
 
     Attributes
     ----------
-    tick : number k of the tick whose start the plant stands at; 1 at first
+    tick : number k of the tick whose start the plant is at; 1 at first
     boom_tip, payout : the inputs as used, and how many values were missing
     water : that the unit is in
     """
@@ -125,7 +125,7 @@ class CableSim:
     def readings(self, tick: int) -> tuple[PlantState, SensorReadings]:
         """Return the state of t_k and the sensor readings delivered at t_k; call once per tick, before `advance`.
 
-        Raises PlantError where the plant does not stand at t_k.
+        Raises PlantError where the plant is not at t_k.
         """
         self._check_tick(tick)
         state = self.state()
@@ -158,7 +158,7 @@ class CableSim:
 
         Raises
         ------
-        PlantError : the plant does not stand at t_k, the first boom tip or payout is nowhere near the start
+        PlantError : the plant is not at t_k, the first boom tip or payout is nowhere near the start
             (BadMotionError), or whatever CableDynamics.advance raises.
         """
         self._check_tick(tick)
@@ -186,7 +186,7 @@ class CableSim:
 
     def _check_tick(self, tick: int) -> None:
         if tick != self.tick:
-            raise PlantError(f"cable_sim: tick {tick} was asked for, but the plant stands at tick {self.tick}")
+            raise PlantError(f"cable_sim: tick {tick} was requested, but the plant is at tick {self.tick}")
 
     def _plausible(self, signal: BridgedInput, value: Motion | None) -> Motion | None:
         """Return `value`, or None where it is not finite or moves faster than anything real.
@@ -198,8 +198,9 @@ class CableSim:
         step = float(np.abs(value[0] - signal.position).max())
         if not signal.has_started and step > LARGEST_START_GAP:
             raise BadMotionError(
-                f"cable_sim: the first {signal.name} is {step:.1f} m from where the plant rests; boom_tip_height must "
-                "be the same in cable_sim and wave_vessel, and payout counts from 0 at cable_sim's length"
+                f"cable_sim: the first {signal.name} is {step:.1f} m from the rest position of the plant; "
+                "boom_tip_height must be the same in cable_sim and wave_vessel, and payout counts from 0 at "
+                "cable_sim's length"
             )
         largest_step = IMPLAUSIBLE_SPEED * self._tick_period * (signal.missing_in_a_row + 1)
         is_fast = np.abs(value[1]).max() > IMPLAUSIBLE_SPEED or (signal.has_started and step > largest_step)

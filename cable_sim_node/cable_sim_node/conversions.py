@@ -121,7 +121,7 @@ def winch_command_of(message: WinchCommandMessage) -> WinchCommand:
 def drum_motion_of(message: WinchStateMessage) -> PointMotion:
     """Return payout, rate and acceleration of a `message` as a motion with one coordinate, payout [m].
 
-    They are the drum's truth, or the encoder's reading of hardware that knows no better (without acceleration).
+    They are the drum's truth, or the encoder's reading of hardware that has nothing better (without acceleration).
     """
     truth = (message.payout, message.payout_rate, message.payout_acceleration)
     encoder = (message.encoder_payout, message.encoder_payout_rate, 0.0)

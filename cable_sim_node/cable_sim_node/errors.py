@@ -47,6 +47,6 @@ def refuse_jump(where: str, payout: float, payout_start: float) -> None:
     """
     if abs(payout_start - payout) > LARGEST_JUMP:
         raise BadMotionError(
-            f"{where}: payout_start {payout_start:.9g} m jumps from the plant's payout of {payout:.9g} m; give the "
-            f"payout at which the last interval ended (to {LARGEST_JUMP:g} m)"
+            f"{where}: payout_start {payout_start:.9g} m differs from the plant's payout of {payout:.9g} m; start "
+            f"where the last interval ended (within {LARGEST_JUMP:g} m)"
         )

@@ -27,13 +27,13 @@ LONGEST_EXTRAPOLATION = 0.5
 
 
 class NewestMotion:
-    """The newest motion of a signal, carried forward to the time it is asked for."""
+    """The newest motion of a signal, carried forward to the requested time."""
 
     def __init__(self) -> None:
         self._newest: PointMotion | None = None
 
     def put(self, motion: PointMotion) -> None:
-        """Take a motion; its `time` says of when it is [s]."""
+        """Take a motion; its `time` says when it holds [s]."""
         self._newest = motion
 
     def at(self, time: float) -> PointMotion | None:

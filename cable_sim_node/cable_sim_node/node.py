@@ -48,7 +48,7 @@ class CableSimNode(ClockMasterNode):
         self.markers = self.add_output(topics.MARKERS)
         self.boom_tip = self.add_input(topics.BOOM_TIP)
         self.winch_state = self.add_input(topics.WINCH_STATE)
-        # it takes time to read, and only a shadow that is lowered asks for it
+        # it takes time to read, and only a shadow that is lowered needs it
         follows = self.parameters.shadow_follows_programme
         self.controller_state = self.add_input(topics.CONTROLLER_STATE) if follows else None
         FaultService(self, lambda: {name: sensor.faults for name, sensor in self.plant.sensors.items()})
@@ -75,7 +75,7 @@ class CableSimNode(ClockMasterNode):
                 output.publish_deferred(partial(messages.message, reading))
 
     def _promise_state(self, state: PlantState, tick: Tick) -> None:
-        """Publish the truth, which nobody but the winch's power limit waits for."""
+        """Publish the truth, which only the winch's power limit waits for."""
         stamp = tick.stamp
         self.cable_state.publish_deferred(lambda: conversions.cable_state_message(state, stamp))
         self.unit_odometry.publish_deferred(lambda: conversions.unit_odometry_message(state.unit, stamp))
@@ -102,7 +102,7 @@ class CableSimNode(ClockMasterNode):
             raise NodeError(str(error)) from error
 
     def _programme(self) -> float | None:
-        """Return the payout that the controller's depth programme asks for [m]; None where nobody wants to know."""
+        """Return the payout of the controller's depth programme [m]; None where it is not needed."""
         if self.controller_state is None:
             return None
         self.take(self.controller_state)

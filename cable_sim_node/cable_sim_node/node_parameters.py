@@ -34,12 +34,13 @@ class CableSimNodeParameters(CableSimParameters):
         unit="m",
         minimum=-100.0,
         maximum=200.0,
-        description="Height of the mean boom tip above still water, where the run starts; as in wave_vessel.",
+        description="Height of the mean boom tip above still water, where the run starts; must equal that of "
+        "wave_vessel.",
     )
     shadow_follows_programme: bool = parameter(
         False,
         unit="",
-        description="The uncompensated plant follows the controller's depth programme; false: its winch is locked.",
+        description="The uncompensated plant follows the controller's depth programme; false: its winch stays locked.",
     )
     markers_rate: float = parameter(
         2.0, unit="Hz", minimum=0.0, maximum=1000.0, description="Rate of the markers; 0 publishes none."

@@ -19,14 +19,14 @@ class CableParameters:
     """The main cable. The tension law is T = EA e (1 + quadratic e + cubic e^2) at strain e > 0, none when slack."""
 
     diameter: float = parameter(
-        0.047, unit="m", minimum=1e-4, maximum=2.0, description="Outer diameter, on which drag acts."
+        0.047, unit="m", minimum=1e-4, maximum=2.0, description="Outer diameter, used for drag."
     )
     displaced_diameter: float = parameter(
         0.0,
         unit="m",
         minimum=0.0,
         maximum=2.0,
-        description="Diameter of the water displaced (buoyancy and added mass); 0 means the outer diameter.",
+        description="Diameter used for buoyancy and added mass; 0 means the outer diameter.",
     )
     mass_per_length: float = parameter(5.4, unit="kg/m", minimum=1e-4, description="Mass in air, without added mass.")
     axial_stiffness: float = parameter(
@@ -139,7 +139,7 @@ class UnitParameters:
         "per_axis",
         unit="",
         choices=("per_axis", "isotropic"),
-        description="Drag along each axis by its own speed (thesis 5.2.2), or alike from all sides along the flow.",
+        description="Drag along each axis from the speed along it (thesis 5.2.2), or isotropic drag along the flow.",
     )
     thrust: tuple[float, ...] = parameter(
         (0.0, 0.0, 0.0), unit="N", length=3, description="Constant thruster force on the unit, x, y, z."
@@ -193,7 +193,7 @@ class CurrentProfileParameters:
     velocity_x: tuple[float, ...] = parameter((), unit="m/s", description="Velocity along x at each depth.")
     velocity_y: tuple[float, ...] = parameter((), unit="m/s", description="Velocity along y at each depth.")
     time: tuple[float, ...] = parameter((), unit="s", description="Times of `factor`, increasing; empty means steady.")
-    factor: tuple[float, ...] = parameter((), unit="", description="What the current is multiplied by at each time.")
+    factor: tuple[float, ...] = parameter((), unit="", description="Factor on the current at each time.")
 
     def __post_init__(self) -> None:
         check_ranges(self)
@@ -227,11 +227,11 @@ class CompensatorParameters:
     damping: float = parameter(0.0, unit="N s/m", minimum=0.0, description="Damping of the compensator.")
     moving_mass: float = parameter(500.0, unit="kg", minimum=1.0, description="Mass that moves with the sheave.")
     stroke: float = parameter(
-        4.0, unit="m", minimum=1e-3, description="Whole stroke; the stops stand at plus and minus half of it."
+        4.0, unit="m", minimum=1e-3, description="Full stroke; the end stops are at plus and minus half of it."
     )
     stop_stiffness: float = parameter(2e6, unit="N/m", minimum=1.0, description="Stiffness of the end stops.")
     stop_damping: float = parameter(
-        2e5, unit="N s/m", minimum=0.0, description="Damping of the end stops; never pulls."
+        2e5, unit="N s/m", minimum=0.0, description="Damping of the end stops; the stops never pull."
     )
     preload: float = parameter(
         0.0,
@@ -260,14 +260,15 @@ class SolverParameters:
         unit="",
         minimum=0.0,
         maximum=1.0,
-        description="Amplitude left of the fastest oscillation after a step: 1 keeps all energy, 0 removes it at once.",
+        description="Amplitude of the fastest oscillation that remains after a step: 1 keeps all energy, 0 removes "
+        "it at once.",
     )
     tolerance: float = parameter(
         1e-4,
         unit="",
         minimum=1e-12,
         maximum=1e-2,
-        description="Last Newton correction that is accepted, in segment lengths.",
+        description="Largest Newton correction accepted as converged, in segment lengths.",
     )
     iterations: int = parameter(
         12, unit="", minimum=2, maximum=100, description="Newton iterations before a step is halved."
@@ -300,7 +301,7 @@ class CableSimParameters:
         unit="kg/m^3",
         minimum=0.0,
         maximum=2000.0,
-        description="Density of the fluid all around; 0 is a vacuum.",
+        description="Density of the surrounding fluid; 0 is a vacuum.",
     )
     gravity: float = parameter(
         STANDARD_GRAVITY, unit="m/s^2", minimum=0.0, maximum=100.0, description="Acceleration of gravity."

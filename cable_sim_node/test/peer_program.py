@@ -46,7 +46,7 @@ class SeaParameters:
 
 @dataclass(frozen=True)
 class ControllerParameters:
-    rate: float = parameter(0.1, unit="m/s", description="Payout rate asked for.")
+    rate: float = parameter(0.1, unit="m/s", description="Requested payout rate.")
     die_in_tick: int = parameter(0, unit="", description="Tick in which the controller is killed; 0: it lives.")
     inject: str = parameter("", unit="", description="NODE DEVICE KIND: a fault to ask for in tick 10.")
 

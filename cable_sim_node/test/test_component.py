@@ -189,7 +189,7 @@ def test_first_boom_tip_or_payout_far_from_the_start_is_refused() -> None:
 
 def test_tick_out_of_order_is_refused() -> None:
     sim = CableSim(S300, seed=1, tick_period=TICK)
-    with pytest.raises(PlantError, match="tick 3 was asked for, but the plant stands at tick 1"):
+    with pytest.raises(PlantError, match="tick 3 was requested, but the plant is at tick 1"):
         sim.readings(3)
 
 

@@ -97,5 +97,5 @@ def test_motion_that_is_not_finite_is_refused() -> None:
 
 
 def test_payout_that_jumps_between_intervals_is_refused() -> None:
-    with pytest.raises(BadMotionError, match=r"payout_start 0\.5 m jumps"):
+    with pytest.raises(BadMotionError, match=r"payout_start 0\.5 m differs"):
         make().advance(TICK, tip(0.0, 0.0), tip(0.0, 0.0), 0.5, 0.0, 0.5, 0.0)

@@ -34,7 +34,7 @@ def test_a_moored_cable_is_the_catenary():
 def test_a_cable_that_would_lie_on_the_bottom_is_said_to():
     report = mooring_report(PLANT, 90.0, offsets=[0.0, 42.0])
     assert report.cables[0].below > 1.0
-    assert report.table().count("not in the model") == 1
+    assert report.table().count("is not modelled") == 1
     assert "offset 0.00 m: the cable sags" in report.table()
 
 

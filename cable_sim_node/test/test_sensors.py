@@ -199,7 +199,7 @@ def fault_values(sensor: str, kind: str) -> dict[str, object]:
         ({"depth.noise": -0.1}, "depth.noise = -0.1 is not allowed"),
         (
             fault_values("usbl", "drive"),
-            "sensors.usbl.faults: a fault of kind drive is not known here",
+            "sensors.usbl.faults: a fault of kind drive is unknown",
         ),
         (fault_values("imu", "rate"), "sensors.imu.faults: the magnitude of kind rate must be above 0 Hz; got 0"),
     ],

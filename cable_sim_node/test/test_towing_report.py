@@ -57,5 +57,5 @@ def test_a_faster_ship_has_its_unit_higher_and_farther_behind():
 
 @pytest.mark.parametrize("speed", [-1.0, math.nan, math.inf])
 def test_a_speed_that_cannot_be_is_refused(speed):
-    with pytest.raises(StaticsError, match="speed of a tow"):
+    with pytest.raises(StaticsError, match="towing speed"):
         towing_report(PLANT, [speed])

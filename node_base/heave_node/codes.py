@@ -52,15 +52,15 @@ class SensorLevel(enum.IntEnum):
 
 RELEASE_WORDS = {
     WinchRelease.NONE: "nothing is latched",
-    WinchRelease.BRAKE_REQUEST: "it waits for a command with brake on",
-    WinchRelease.STANDSTILL: "it waits for the drum to stand still, then for a command with brake off",
-    WinchRelease.COMMAND: "it waits for a command with brake off",
+    WinchRelease.BRAKE_REQUEST: "waiting for a command with brake on",
+    WinchRelease.STANDSTILL: "waiting for the drum to stop, then for a command with brake off",
+    WinchRelease.COMMAND: "waiting for a command with brake off",
 }
 """What a latched fault waits for, in words."""
 
 
 def fault_words(code: int) -> str:
-    """Return the fault of a winch, given by its `code`, in words; a number that hardware made up is told as such."""
+    """Return the fault of a winch, given by its `code`, in words; an unknown number of hardware is named as such."""
     try:
         return WinchFault(code).name.lower().replace("_", " ")
     except ValueError:

@@ -21,14 +21,14 @@ The way in from Python, which takes all arrays of a line apart, costs as much to
 
 
 def is_compiled(function: Any) -> bool:
-    """Return whether the kernel `function` stands in numba's cache: its first call in a process is then quick."""
+    """Return whether the kernel `function` is in numba's cache: its first call in a process is then quick."""
     return any(Path(function.stats.cache_path).glob(f"*.{function.__name__}-*.nbi"))
 
 
 def drop_stale_kernels(package_file: str, *used_files: str) -> None:
     """Delete the compiled kernels of a package folder that are older than any source that they are made of.
 
-    Numba's cache looks only at the file a function stands in, not at the files of the functions it calls. Kernels call
+    Numba's cache looks only at the file a function is in, not at the files of the functions it calls. Kernels call
     one another across files, so an edit of one would leave stale machine code of its callers in use.
 
     Parameters

@@ -1,4 +1,5 @@
-"""What a scenario wants of a run: criteria on its figures of merit, `wanted: {unit_sigma_m: "<= 0.005"}` under `/**`.
+"""What a scenario requires of a run: criteria on its figures of merit, `wanted: {unit_sigma_m: "<= 0.005"}` under
+`/**`.
 
 >>> parse_criterion(Given("<= 0.005", "wanted.unit_sigma_m", "own.yaml: /**")).is_met(0.004)
 True
@@ -43,7 +44,7 @@ class Criterion:
     bound: float
 
     def is_met(self, value: float) -> bool:
-        """Tell whether the `value` of the figure keeps the bound; one that could not be computed (NaN) does not."""
+        """Return whether the `value` of the figure keeps the bound; one that could not be computed (NaN) does not."""
         return not math.isnan(value) and _RELATIONS[self.relation](value, self.bound)
 
     @property
@@ -55,8 +56,8 @@ class Criterion:
 def parse_criterion(given: Given) -> Criterion:
     """Return the criterion `given` by a scenario or the command line.
 
-    Raises ParameterError for what is no relation and number, or no name of a figure. Whether there is such a figure
-    is known where figures are computed.
+    Raises ParameterError for what is not a relation and a number, or not the name of a figure. Whether there is such a
+    figure is known where figures are computed.
     """
     kpi = given.name.removeprefix(WANTED)
     found = _TEXT.fullmatch(given.value.strip()) if isinstance(given.value, str) else None

@@ -1,4 +1,4 @@
-"""The face of a package: names that users import from the package itself, loaded when they are first asked for.
+"""The face of a package: names that users import from the package itself, loaded on first use.
 
 A package stays free to import: `import cable_sim_node.parameters` loads neither the plant nor the compiler behind it.
 """

@@ -43,19 +43,23 @@ FAULTS: dict[str, FaultKind] = {
     "freeze": FaultKind("repeats the values of the last sample, with fresh stamps", (*_SENSORS, "encoder")),
     "gap": FaultKind("no samples; winch: commands are lost", (*_SENSORS, "winch")),
     "spike": FaultKind(
-        "the first sample is off, on all axes (mru: in heave)", (*_SENSORS, "encoder"), "error, in the sensor's unit"
+        "only the first sample is offset, on all axes (mru: heave only)",
+        (*_SENSORS, "encoder"),
+        "error, in the sensor's unit",
     ),
     "jump": FaultKind(
-        "every sample is off, on all axes (mru: in heave)", (*_SENSORS, "encoder"), "error, in the sensor's unit"
+        "every sample is offset, on all axes (mru: heave only)", (*_SENSORS, "encoder"), "error, in the sensor's unit"
     ),
-    "nan": FaultKind("every sample is not a number", (*_SENSORS, "encoder")),
-    "rate": FaultKind("samples are taken at another rate", _SENSORS, "rate, above 0 [Hz]"),
+    "nan": FaultKind("every sample is NaN", (*_SENSORS, "encoder")),
+    "rate": FaultKind("samples are taken at a different rate", _SENSORS, "rate, above 0 [Hz]"),
     "delay": FaultKind(
-        "samples or commands come later, samples with their true stamp",
+        "samples or commands arrive later, samples with their true stamp",
         (*_SENSORS, "winch"),
-        "further delay, at least 0 and for the mru at most 10 [s]",
+        "additional delay, at least 0 and for the mru at most 10 [s]",
     ),
-    "restart": FaultKind("silent (0: for `restart_duration`), then settling: its high-pass begins anew", ("mru",)),
+    "restart": FaultKind(
+        "silent (0: for `restart_duration`), then settling: its high-pass filter starts again", ("mru",)
+    ),
     "drive": FaultKind("the drive trips", ("winch",)),
     "emergency_stop": FaultKind("the emergency stop is pressed", ("winch",)),
     "clear": FaultKind("ends the faults of the device that are active at its start; later ones stay", _ALL),
@@ -85,7 +89,7 @@ class FaultParameters:
     )
 
     def check(self, name: str, device: str) -> None:
-        """Raise ValueError, opened by `name`, where these are no faults that a kind of `device` can have."""
+        """Raise ValueError, opened by `name`, where these are not faults that a kind of `device` can have."""
         FaultSchedule(self, name=name, device=device)
 
 
@@ -108,11 +112,11 @@ class Fault:
     is_taken: bool = False
 
     def has_begun(self, time: float) -> bool:
-        """Tell whether the fault has begun by simulated `time` [s]."""
+        """Return whether the fault has begun by simulated `time` [s]."""
         return self.start - TIME_TOLERANCE <= time
 
     def is_active(self, time: float) -> bool:
-        """Tell whether the fault is active at simulated `time` [s]."""
+        """Return whether the fault is active at simulated `time` [s]."""
         return self.has_begun(time) and time < self.end - TIME_TOLERANCE
 
 
@@ -178,7 +182,7 @@ class FaultSchedule:
         largest_delay = LARGEST_DELAY.get(self._device, math.inf)
         wrong = ""
         if kind not in known:
-            wrong = f"a fault of kind {kind} is not known here; known: {', '.join(known)}"
+            wrong = f"a fault of kind {kind} is unknown; known: {', '.join(known)}"
         elif not all(math.isfinite(number) for number in (start, duration, magnitude)) or duration < 0.0:
             wrong = (
                 "a fault needs a finite start, a duration of at least 0 s and a finite magnitude; "
@@ -192,11 +196,11 @@ class FaultSchedule:
             raise ValueError(f"{self._name}: {wrong}")
 
     def is_active(self, kind: str, time: float) -> bool:
-        """Tell whether a fault of `kind` is active at `time` [s]."""
+        """Return whether a fault of `kind` is active at `time` [s]."""
         return any(fault.kind == kind and fault.is_active(time) for fault in self._faults)
 
     def any_active(self, time: float) -> bool:
-        """Tell whether any fault is active at `time` [s]."""
+        """Return whether any fault is active at `time` [s]."""
         return any(fault.is_active(time) for fault in self._faults)
 
     def total(self, kind: str, time: float) -> float:

@@ -57,8 +57,8 @@ class LinearModel:
 
     def __post_init__(self) -> None:
         n, m, p, q = map(len, (self.state_names, self.input_names, self.output_names, self.noise_names))
-        wanted = {"A": (n, n), "B": (n, m), "C": (p, n), "D": (p, m), "G": (n, q)}
-        for name, shape in wanted.items():
+        shapes = {"A": (n, n), "B": (n, m), "C": (p, n), "D": (p, m), "G": (n, q)}
+        for name, shape in shapes.items():
             matrix = getattr(self, name)
             if matrix.shape != shape:
                 raise ModelError(f"matrix {name} must have shape {shape} for the names given; got {matrix.shape}")
@@ -66,7 +66,7 @@ class LinearModel:
                 raise ModelError(f"matrix {name} holds a value that is not finite")
         for names in (self.state_names, self.input_names, self.output_names):
             if len(set(names)) != len(names):
-                raise ModelError(f"names must differ from one another; got {names}")
+                raise ModelError(f"names must be unique; got {names}")
         self._index.update({name: i for i, name in enumerate(self.state_names)})
 
     @property
@@ -86,7 +86,7 @@ class LinearModel:
         return self._index[name]
 
     def has_state(self, name: str) -> bool:
-        """Tell whether there is a state `name`."""
+        """Return whether there is a state `name`."""
         return name in self._index
 
     def row(self, output: str) -> Array:
@@ -257,7 +257,7 @@ def spectral_abscissa(model: LinearModel) -> float:
 
 
 def is_stable(model: LinearModel) -> bool:
-    """Tell whether every mode of a `model` decays."""
+    """Return whether every mode of a `model` decays."""
     return spectral_abscissa(model) < (1.0 if model.dt is not None else 0.0)
 
 

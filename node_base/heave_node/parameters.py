@@ -29,7 +29,7 @@ Value = Scalar | tuple[Scalar, ...]
 
 
 class ParameterError(ValueError):
-    """A parameter that cannot be used; the message says where it stands, its name, its value and what is allowed."""
+    """A parameter that cannot be used; the message says where it is, its name, its value and what is allowed."""
 
 
 @dataclass(frozen=True)
@@ -40,7 +40,7 @@ class Given:
     ----------
     value : as read, not yet checked
     name : name that the user wrote, for example `system.sea.peak_period`
-    where : where it stands: file and section, or the option of the command line
+    where : where it was given: file and section, or the option of the command line
     reader : node that cannot take the value, where the name alone does not say it
     """
 
@@ -79,7 +79,7 @@ class ParameterInfo:
     length: int | None = None
 
     def allowed(self) -> str:
-        """Say in words what values are allowed."""
+        """Describe what values are allowed."""
         kind = {bool: "true or false", int: "a whole number", float: "a number", str: "a string"}[self.type]
         if self.choices:
             kind = "one of " + ", ".join(self.choices)

@@ -1,4 +1,4 @@
-"""Registries: what a parameter may name, one line each, loaded when it is asked for.
+"""Registries: what a parameter may name, one line each, loaded on first use.
 
 A registry is a dict of entries by name. The parameter's choices, its help and whoever builds the thing named all read
 it, so that one more spectrum, say, is its own file and one line. Reading a registry loads nothing: parameters can be
@@ -27,7 +27,7 @@ class Entry:
     description: str
 
     def load(self) -> Any:
-        """Return what stands at the location. Raises ImportError or AttributeError where nothing does."""
+        """Return what is at the location. Raises ImportError or AttributeError where nothing does."""
         module, name = self.location.split(":")
         return getattr(importlib.import_module(module), name)
 

@@ -26,14 +26,20 @@ class RunParameters:
     tick_period: float = parameter(0.05, unit="s", minimum=1e-3, maximum=1.0, description="Period of the control loop.")
     duration: float = parameter(600.0, unit="s", minimum=0.0, maximum=1e6, description="Simulated length of the run.")
     transient: float = parameter(
-        60.0, unit="s", minimum=0.0, maximum=1e6, description="Start of the run that no figure of merit counts."
+        60.0,
+        unit="s",
+        minimum=0.0,
+        maximum=1e6,
+        description="Initial part of the run that the figures of merit leave out.",
     )
-    seed: int = parameter(1, unit="", minimum=0, maximum=2**31 - 1, description="Fixes every random number of the run.")
+    seed: int = parameter(
+        1, unit="", minimum=0, maximum=2**31 - 1, description="Seed of every random number in the run."
+    )
     pacing: str = parameter(
         LOCKSTEP,
         unit="",
         choices=(LOCKSTEP, REALTIME),
-        description="lockstep: as fast as the machine can, repeatable; realtime: against the wall clock.",
+        description="lockstep: as fast as the machine can, repeatable; realtime: paced by the wall clock.",
     )
     participants: tuple[str, ...] = parameter(
         ("wave_vessel", "virtual_winch", "winch_controller", "recorder"),
@@ -41,7 +47,10 @@ class RunParameters:
         description="Nodes that take part in each tick, besides the clock master.",
     )
     external: tuple[str, ...] = parameter(
-        (), unit="", description="Nodes replaced by hardware or other programs: used as they come, real time only."
+        (),
+        unit="",
+        description="Nodes replaced by hardware or other programs: their messages are used as they arrive, real time "
+        "only.",
     )
     external_clocks: tuple[str, ...] = parameter(
         (),
@@ -51,10 +60,18 @@ class RunParameters:
     )
     autostart: bool = parameter(True, unit="", description="Configure and activate without a lifecycle manager.")
     start_timeout: float = parameter(
-        300.0, unit="s", minimum=1.0, maximum=3600.0, description="Wall time to wait for all nodes before tick 1."
+        300.0,
+        unit="s",
+        minimum=1.0,
+        maximum=3600.0,
+        description="Wall time to wait for all nodes before the first tick.",
     )
     participant_timeout: float = parameter(
-        10.0, unit="s", minimum=0.1, maximum=3600.0, description="Wall time to wait for a silent node before the end."
+        10.0,
+        unit="s",
+        minimum=0.1,
+        maximum=3600.0,
+        description="Wall time that a node may stay silent before the run is ended.",
     )
     resend_period: float = parameter(
         0.25,
@@ -68,13 +85,15 @@ class RunParameters:
         unit="",
         minimum=0.0,
         maximum=0.9,
-        description="Real time: share of the tick that a node waits for its inputs before it uses the newest it has.",
+        description="Real time: share of the tick that a node waits for its inputs before it uses the newest ones it "
+        "has.",
     )
 
     def __post_init__(self) -> None:
         if self.external and self.pacing != REALTIME:
             raise ValueError(
-                f"external = {list(self.external)} needs pacing: realtime, since hardware waits for no simulation"
+                f"external = {list(self.external)} needs pacing: realtime, because hardware does not wait for a "
+                "simulation"
             )
 
         for node, _ in map(parse_clock, self.external_clocks):

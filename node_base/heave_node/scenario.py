@@ -29,11 +29,11 @@ _EXPONENT = re.compile(r"^[-+]?(\d+\.?\d*|\.\d+)[eE][-+]?\d+$")
 class _RosLoader(yaml.SafeLoader):
     """Reads numbers and names as the parameter reader of ROS 2 does: 1e-5 is a number, every key a string.
 
-    A key that stands twice is refused: the first of the two values would be lost in silence.
+    A key that appears twice is refused: the first of the two values would be lost silently.
     """
 
     def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Any, Any]:
-        """Return a mapping; raise yaml.YAMLError for a key that stands twice.
+        """Return a mapping; raise yaml.YAMLError for a key that appears twice.
 
         Parameters
         ----------
@@ -47,7 +47,7 @@ class _RosLoader(yaml.SafeLoader):
             key.tag = "tag:yaml.org,2002:str"
             if key.value in seen:
                 line = key.start_mark.line + 1
-                raise yaml.constructor.ConstructorError(None, None, f"{key.value} stands twice, again in line {line}")
+                raise yaml.constructor.ConstructorError(None, None, f"{key.value} appears twice, again on line {line}")
             seen.add(key.value)
         mapping: dict[Any, Any] = super().construct_mapping(node, deep)
         return mapping
@@ -104,7 +104,7 @@ def parse_sections(content: bytes, where: str) -> Sections:
     sections: Sections = {}
     _collect(nodes, "", where, sections)
     if not sections:
-        raise ParameterError(f"{where}: holds no parameters")
+        raise ParameterError(f"{where}: has no parameters")
     return sections
 
 
@@ -116,13 +116,13 @@ def _collect(content: Mapping[str, Any], namespace: str, where: str, sections: S
             _collect(section, name, where, sections)
             continue
         if not isinstance(section, Mapping) or set(section) != {PARAMETERS_KEY}:
-            raise ParameterError(f"{where}: {key}: must hold {PARAMETERS_KEY} and nothing else")
+            raise ParameterError(f"{where}: {key}: must contain only {PARAMETERS_KEY}")
         values = flatten_names(section[PARAMETERS_KEY] or {}, f"{where}: {key}")
         if not values:
-            raise ParameterError(f"{where}: {key}: holds no parameters")
+            raise ParameterError(f"{where}: {key}: has no parameters")
         repeated = sections.setdefault(name, {}).keys() & values.keys()
         if repeated:
-            raise ParameterError(f"{where}: {key}: {min(repeated)} stands twice, in two sections of this name")
+            raise ParameterError(f"{where}: {key}: {min(repeated)} appears twice, in two sections with this name")
         sections[name] |= values
 
 
@@ -138,7 +138,7 @@ def flatten_names(section: Mapping[str, Any], where: str, prefix: str = "") -> d
     Parameters
     ----------
     section : nested mappings
-    where : opens the error message for what is no mapping
+    where : opens the error message for what is not a mapping
     prefix : put before every name
     """
     if not isinstance(section, Mapping):
@@ -165,11 +165,11 @@ def nest_names(values: Mapping[str, object]) -> dict[str, Any]:
 
 
 def holds_for(section: str, node: str) -> bool:
-    """Tell whether a section of a parameter file holds for a node, as ROS 2 decides it.
+    """Return whether a section of a parameter file holds for a node, as ROS 2 decides it.
 
     Parameters
     ----------
-    section : its name; `*` stands for one part of a name, `**` for any number of them
+    section : its name; `*` matches one part of a name, `**` for any number of them
     node : fully qualified name, for example `/ship/cable_sim`
     """
     pattern = "".join(

@@ -1,7 +1,7 @@
 """The sensors of the suite: name and topic of each, and what its readings are on the wire, both ways.
 
 On the wire a reading is a stamp in whole nanoseconds and the numbers in certain fields of a message. `Sensor.to_wire`
-makes them of what the sensor says in the water that really is; the controller decodes them by the water it believes
+makes them of what the sensor says in the actual water; the controller decodes them with the water it believes
 in. Fields are named by text, so that this table is pure; `messages` puts the numbers into messages and takes
 them out again. The loop in one process hands over what is on the wire and leaves only the message out: it reads what
 the loop over ROS reads, to the last bit.
@@ -128,7 +128,7 @@ class Sensor:
     accuracies : fields that hold their variance or standard deviation
     constants : fields that always hold the same, with what they hold
     encode : (reading, water) to the numbers of `values` and `accuracies`
-    decode : (numbers of `values`, water believed in) to the values of the reading
+    decode : (numbers of `values`, assumed water) to the values of the reading
     """
 
     name: str
@@ -150,7 +150,7 @@ class Sensor:
         return WireReading(round(reading.time * 1e9), self.encode(reading, water))
 
     def from_wire(self, reading: WireReading, water: Water) -> Numbers:
-        """Return the values of a reading as one who believes in `water` sees them."""
+        """Return the values of a reading as a reader that assumes `water` sees them."""
         return self.decode(reading.numbers[: self.width], water)
 
 
@@ -175,7 +175,7 @@ def _encode_depth(reading: Reading, water: Water) -> Numbers:
 
 
 def _decode_depth(numbers: Sequence[float], water: Water) -> Numbers:
-    # who believes in no water cannot read a depth
+    # without an assumed water no depth can be read
     per_metre = water.pressure_per_metre or np.nan
     return ((numbers[0] - ATMOSPHERIC_PRESSURE) / per_metre,)
 

@@ -155,7 +155,7 @@ def peak_frequency(omega: Array, density: Array) -> Array:
 
 
 def resampled_spectra(segments: Array) -> Array:
-    """Return spectra of records drawn anew from the segments, with replacement, shape (k, f) -> (draws, f): the
+    """Return spectra of records drawn from the segments with replacement, shape (k, f) -> (draws, f): the
     bootstrap's picture of how the estimate scatters.
     """
     generator = np.random.default_rng(0)  # fixed: an interval depends on the record alone
@@ -175,7 +175,7 @@ def peak_period_interval(omega: Array, density: Array, drawn: Array, count: int)
     omega : [rad/s], above 0, shape (f,)
     density : the estimate, shape (f,)
     drawn : spectra of the bootstrap, shape (draws, f)
-    count : segments that the estimate stands on, 2 or more
+    count : segments on which the estimate is based, 2 or more
     """
     period = 2.0 * math.pi / float(peak_frequency(omega, density[None])[0])
     low, high = np.percentile(2.0 * math.pi / peak_frequency(omega, drawn), [2.5, 97.5])

@@ -47,11 +47,11 @@ class Shared:
 
     @property
     def owner(self) -> str:
-        """Node that refuses a name it does not know."""
+        """Node that refuses an unknown name."""
         return next(iter(self.own))
 
     def covers(self, word: str) -> bool:
-        """Tell whether a name after `system.` is this word, or belongs to this group."""
+        """Return whether a name after `system.` is this word, or belongs to this group."""
         return word.startswith(self.word) if self.word.endswith(".") else word == self.word
 
 
@@ -161,7 +161,7 @@ def take_system(node: str, own_names: Collection[str], given: Mapping[str, Given
 
 
 def _is_unknown(name: str, *, to: str) -> bool:
-    """Tell whether a shared name that a node has no parameter for is a mistake, or another node's business.
+    """Return whether a shared name that a node has no parameter for is a mistake, or another node's business.
 
     A node that takes no shared name at all owns none, whatever it is called: a bag that is played in the place of
     `wave_vessel`, for one.

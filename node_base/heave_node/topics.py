@@ -1,7 +1,7 @@
 """The topics of the suite: one definition of each name, type and publisher.
 
 Names are relative, so that namespaces and remapping work; types are named by text, so that pure code can read this
-table. The topics of sensors stand in the table of `sensors`; those that code refers to have a name here too.
+table. The topics of sensors are in the table of `sensors`; those that code refers to have a name here too.
 """
 
 from __future__ import annotations

@@ -89,7 +89,7 @@ def test_ros_localhost_only_goes_before_the_range(environment):
 
 def test_static_peers_are_not_used_on_loopback_and_the_user_hears_it(environment):
     environment["ROS_STATIC_PEERS"] = "192.0.2.1"
-    assert "ROS_STATIC_PEERS is not used" in prepare_environment()
+    assert "ROS_STATIC_PEERS is ignored" in prepare_environment()
     assert is_bound_to_loopback()
 
 

@@ -74,9 +74,9 @@ def test_a_message_without_stamp_is_of_its_arrival():
     ("declared", "stamp", "words"),
     [
         ("simulated", 1_700_000_000 * SECOND, "its stamps are 1.69999e+09 s ahead of simulated time"),
-        ("simulated", 0, "its messages have no stamp: the time of their arrival is used"),
-        ("own", 0, "its messages have no stamp: the time of their arrival is used"),
-        ("none", SECOND, "its messages have stamps, which are not used: it is declared to have none"),
+        ("simulated", 0, "its messages have no stamp: their time of arrival is used"),
+        ("own", 0, "its messages have no stamp: their time of arrival is used"),
+        ("none", SECOND, "its messages are stamped, but it is declared to send no stamps: they are ignored"),
     ],
 )
 def test_what_does_not_fit_the_declaration_is_said(declared, stamp, words):

@@ -54,7 +54,7 @@ def test_a_fault_before_the_run_begins_with_its_first_tick():
     ("device", "kind", "magnitude", "words"),
     [
         ("sonar", "gap", 0.0, "simulator has no device sonar; it has depth, mru, encoder, winch"),
-        ("winch", "freeze", 0.0, "winch: a fault of kind freeze is not known here; known: gap, delay"),
+        ("winch", "freeze", 0.0, "winch: a fault of kind freeze is unknown; known: gap, delay"),
         ("depth", "rate", 0.0, "depth: the magnitude of kind rate must be above 0 Hz; got 0"),
     ],
 )

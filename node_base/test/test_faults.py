@@ -75,8 +75,8 @@ def test_what_happens_once_is_taken_once():
 @pytest.mark.parametrize(
     ("device", "fault", "message"),
     [
-        ("sensor", ("drive", 0.0, 0.0, 0.0), "probe: a fault of kind drive is not known here; known: freeze, gap"),
-        ("mru", ("bias", 0.0, 0.0, 0.0), "a fault of kind bias is not known here; known: freeze, gap, spike, jump"),
+        ("sensor", ("drive", 0.0, 0.0, 0.0), "probe: a fault of kind drive is unknown; known: freeze, gap"),
+        ("mru", ("bias", 0.0, 0.0, 0.0), "a fault of kind bias is unknown; known: freeze, gap, spike, jump"),
         ("sensor", ("gap", 0.0, -1.0, 0.0), "a fault needs a finite start, a duration of at least 0 s"),
         ("sensor", ("jump", 0.0, 1.0, math.nan), "and a finite magnitude; got 0.0, 1.0, nan"),
         ("sensor", ("rate", 0.0, 1.0, 0.0), "the magnitude of kind rate must be above 0 Hz; got 0"),

@@ -50,7 +50,7 @@ def test_a_value_that_is_not_finite_is_refused():
 
 
 def test_two_states_of_one_name_are_refused():
-    with pytest.raises(ModelError, match="names must differ"):
+    with pytest.raises(ModelError, match="names must be unique"):
         interconnect([oscillator(), oscillator()])
 
 

@@ -34,9 +34,9 @@ def test_what_does_not_fit_together_is_said(check, message, fault):
 
 def test_counts_must_be_as_many_as_the_roster_has():
     assert malformed.fault_in_start(TickStart(epoch=1, tick=1, published=[1, 2]), 2) == ""
-    assert malformed.fault_in_start(TickStart(epoch=1, tick=1, published=[1]), 2) == "it has 1 counts in place of 2"
+    assert malformed.fault_in_start(TickStart(epoch=1, tick=1, published=[1]), 2) == "it has 1 counts instead of 2"
     assert malformed.fault_in_start(TickStart(epoch=1), 0) == "its epoch is 1 and its tick 0; both count from 1"
-    assert malformed.fault_in_done(TickDone(published=[1, 2, 3]), 2) == "it has 3 counts in place of 2"
+    assert malformed.fault_in_done(TickDone(published=[1, 2, 3]), 2) == "it has 3 counts instead of 2"
 
 
 def test_whole_messages_pass():

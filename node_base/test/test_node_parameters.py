@@ -81,13 +81,13 @@ def test_the_command_line_and_the_node_s_own_section_win_over_the_shared_value(r
         (
             {"/cable_sim": {"length": 1.0}},
             "",
-            "own.yaml: has no parameters for the node /wave_vessel; its sections are",
+            "own.yaml: has no parameters for node /wave_vessel; its sections are",
         ),
-        ({"/wave_vessel": {"peak_period": 9.0}}, "/ship", "own.yaml: /wave_vessel: does not hold for the node /ship/"),
+        ({"/wave_vessel": {"peak_period": 9.0}}, "/ship", "own.yaml: /wave_vessel: does not apply to node /ship/"),
         (
             {"/**": {"seed": 1}, "/wave_vessel": {"peak_period": 9.0}},
             "/ship",
-            "own.yaml: /wave_vessel: does not hold for the node /ship/wave_vessel; write /**/wave_vessel",
+            "own.yaml: /wave_vessel: does not apply to node /ship/wave_vessel; write /**/wave_vessel",
         ),
     ],
 )

@@ -1,4 +1,4 @@
-"""A node that has no part in the run publishes on its topics: it is named, and neither counted nor obeyed."""
+"""A node that is not part of the run publishes on its topics: it is reported, and its messages are ignored."""
 
 import subprocess
 import sys
@@ -67,9 +67,9 @@ def test_in_lockstep_a_stranger_shifts_nothing_and_is_named(loop):
     assert f"ended=True ticks=41 epoch=1 sum={SUM_OF_40_TICKS}" in out
     errors = dict(line.split(" | ", 1) for line in heard.splitlines())
     assert "/rogue (process " in errors["cable_sim: strangers"]
-    assert "of this machine) publishes on /winch/command but has no part in the run" in errors["cable_sim: strangers"]
-    assert "on /_tick/join was refused: it has 1 outputs, 0 matched_subscriptions" in errors["cable_sim: strangers"]
-    assert "on /_tick/join was refused: it cannot be read" in errors["cable_sim: strangers"]
+    assert "on this machine) publishes on /winch/command but is not part of the run" in errors["cable_sim: strangers"]
+    assert "on /_tick/join was rejected: it has 1 outputs, 0 matched_subscriptions" in errors["cable_sim: strangers"]
+    assert "on /_tick/join was rejected: it cannot be decoded" in errors["cable_sim: strangers"]
     assert "publishes on /mru" in errors["winch_controller: strangers"]
     assert "publishes on /_tick/start" in errors["winch_controller: strangers"]
     assert "Traceback" not in err

@@ -23,7 +23,7 @@ def test_a_missing_participant_is_named_and_ends_the_start(loop):
     status, _, err = loop.end("cable_sim")
     assert status == 1
     assert "winch_controller (not seen)" in err.splitlines()[-1]
-    assert "has waited 1 s" in err, "a missing participant is named each second"
+    assert "waiting for 1 s" in err, "a missing participant is named each second"
 
 
 def test_a_participant_that_dies_is_named_and_ends_the_run(loop):

@@ -26,7 +26,7 @@ class Estimate:
 
     @property
     def is_inside(self) -> bool:
-        """Tell whether the value lies within the interval."""
+        """Return whether the value lies within the interval."""
         return abs(self.value - self.target) <= self.half_width
 
 

@@ -52,7 +52,7 @@ def test_the_300_m_system_answers_as_the_peer(
 
 
 def test_the_300_m_system_in_a_current_with_the_peers_drag_of_the_unit():
-    """The peer's point has one drag area, alike from all sides: with the same law here both agree to the accuracy of
+    """The peer's point has one drag area, isotropic: with the same law here both agree to the accuracy of
     the table, 1.5e-5 m in heave and 2 N in its harmonic; with the thesis's law along each axis to 3 parts in 10,000.
     """
     system = dataclasses.replace(s300(40, (0.5, 0.0)), unit=UnitParameters(drag_law="isotropic"))

@@ -112,7 +112,7 @@ def test_the_boom_tip_is_published_for_the_end_of_the_tick_and_the_mru_for_its_s
 def test_ticks_out_of_order_are_refused():
     vessel = WaveVessel(WaveVesselParameters(), seed=1, tick_period=DT)
     vessel.step(1)
-    with pytest.raises(ValueError, match="wanted 2, got 4"):
+    with pytest.raises(ValueError, match="expected 2, got 4"):
         vessel.step(4)
 
 
@@ -161,11 +161,11 @@ def test_every_parameter_says_what_it_is():
     [
         ({"spectrum": "file"}, "needs spectrum_file"),
         ({"boom_tip_source": "file"}, "needs recording_file"),
-        ({"boom_tip_source": "filter", "vessel.model": "rao"}, "not with rao"),
+        ({"boom_tip_source": "filter", "vessel.model": "rao"}, "not rao"),
         ({"significant_wave_height": -1.0}, "significant_wave_height = -1.0"),
         ({"significant_waveheight": 1.0}, "did you mean significant_wave_height"),
         ({"boom_tip_source": "filter", "vessel.pitch_gain": 1.0}, "no wave slope"),
-        ({"boom_tip_source": "regular", "course.turn_angle": 1.0}, "goes with a sea"),
+        ({"boom_tip_source": "regular", "course.turn_angle": 1.0}, "needs a sea"),
         ({"filter.states": 7}, "must be even"),
         ({"estimate.window": 150.0}, "at least two"),
     ],

@@ -73,8 +73,8 @@ def test_samples_that_are_not_numbers_or_out_of_order_are_left_out_by_name(tmp_p
     recording = read_recording(write_csv(tmp_path / "m.csv", rows))
     assert len(recording.time) == 198
     assert [warning.split(": ")[1] for warning in recording.warnings] == [
-        "1 samples that are not numbers left out",
-        "1 samples not later than the one before left out",
+        "1 non-numeric samples skipped",
+        "1 samples not later than their predecessor skipped",
     ]
 
 
@@ -82,7 +82,7 @@ def test_samples_that_are_not_numbers_or_out_of_order_are_left_out_by_name(tmp_p
     ("text", "says"),
     [
         ("", "is empty"),
-        ("a,b\n1,2\n", "wanted columns time_s and z_m"),
+        ("a,b\n1,2\n", "expected columns time_s and z_m"),
         ("time_s,z_m\n0,1\n1,2\n", "has 2 usable samples"),
         ("time_s,z_m\n0,1\n1\n", "line 3: 1 values where the header has 2"),
         ("time_s,z_m\n0,up\n", "line 2"),
@@ -146,7 +146,7 @@ def test_a_bag_without_the_topic_or_cut_short_is_refused(tmp_path):
     with pytest.raises(RecordingError, match="no topic boom_tip; found /mru"):
         read_recording(path)
     path.write_bytes(path.read_bytes()[:60])
-    with pytest.raises(RecordingError, match="not a whole MCAP file"):
+    with pytest.raises(RecordingError, match="not a complete MCAP file"):
         read_recording(path, "mru")
     (tmp_path / "empty").mkdir()
     with pytest.raises(RecordingError, match=r"has no \.mcap file"):

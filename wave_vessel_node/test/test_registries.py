@@ -75,8 +75,8 @@ def test_a_sine_is_published_as_the_sea_of_its_variance():
 @pytest.mark.parametrize(
     ("values", "says"),
     [
-        ({"boom_tip_source": "regular", "vessel.model": "fitted"}, "fitted in the sea of a spectrum"),
-        ({"boom_tip_source": "file", "recording_file": "x.csv", "course.speed_change": 1.0}, "goes with a sea"),
+        ({"boom_tip_source": "regular", "vessel.model": "fitted"}, "needs a sea spectrum"),
+        ({"boom_tip_source": "file", "recording_file": "x.csv", "course.speed_change": 1.0}, "needs a sea"),
         (
             {"boom_tip_source": "file", "recording_file": "x.csv", "recording_kind": "elevation"}
             | {"vessel.model": "fitted"},

@@ -86,9 +86,9 @@ def test_a_table_is_linear_between_its_points_and_exact_in_its_moments():
     ("frequency", "values", "says"),
     [
         ([1.0, 2.0], [1.0, 1.0], "3 or more"),
-        ([1.0, 2.0, 2.0], [1.0, 1.0, 1.0], "rise strictly"),
+        ([1.0, 2.0, 2.0], [1.0, 1.0, 1.0], "strictly increasing"),
         ([1.0, 2.0, 3.0], [1.0, -1.0, 1.0], "negative"),
-        ([1.0, 2.0, 3.0], [1.0, math.nan, 1.0], "NaN"),
+        ([1.0, 2.0, 3.0], [1.0, math.nan, 1.0], "finite"),
         ([1.0, 2.0, 3.0], [0.0, 0.0, 0.0], "above 0"),
         ([0.0, 2.0, 3.0], [1.0, 1.0, 1.0], "above 0"),
     ],

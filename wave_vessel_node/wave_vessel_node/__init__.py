@@ -1,6 +1,6 @@
 """Sea state to boom-tip motion, and what the motion reference unit says of it.
 
-Importing this package loads nothing else: a name of its face is loaded when it is asked for. Every module but `node`
+Importing this package loads nothing else: a name of its face is loaded on first use. Every module but `node`
 is pure (no ROS).
 """
 

@@ -101,7 +101,7 @@ class WaveVessel:
         Raises ValueError if `tick` is not the next one.
         """
         if tick != self._next_tick:
-            raise ValueError(f"ticks come in order: wanted {self._next_tick}, got {tick}")
+            raise ValueError(f"ticks must come in order: expected {self._next_tick}, got {tick}")
         here = self._boom_tip
         height = self.parameters.boom_tip_height
         heave = np.array([here.position[2] - height, here.velocity[2], here.acceleration[2]])

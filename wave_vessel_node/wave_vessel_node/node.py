@@ -80,7 +80,7 @@ class WaveVesselNode(ParticipantNode):
         if silence > _MRU_SILENCE:
             health = [Health("mru", Level.ERROR, f"no reading for {silence:.1f} s")]
         elif self._last_status != MruStatus.OK:
-            health = [Health("mru", Level.WARN, "settling: its high-pass has not settled")]
+            health = [Health("mru", Level.WARN, "settling: the high-pass filter has not settled")]
         fit = self.component.vessel_fit
         if fit is not None:
             vessel = fit.vessel

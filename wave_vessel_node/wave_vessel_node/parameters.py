@@ -50,7 +50,7 @@ class SeaParameters:
         unit="s",
         minimum=1.0,
         maximum=40.0,
-        description="Peak period (of the wind sea in ochi_hubble); pierson_moskowitz takes it from the height.",
+        description="Peak period (of the wind sea in ochi_hubble); pierson_moskowitz derives it from the height.",
     )
     peak_enhancement: float = parameter(
         3.3, unit="", minimum=1.0, maximum=10.0, description="gamma of the JONSWAP spectrum."
@@ -82,7 +82,7 @@ class ShapingFilterParameters:
         "auto",
         unit="",
         choices=FILTER_CHOICES,
-        description=f"Shaping filter: {describe_choices(FILTER_FORMS)}; auto takes the best.",
+        description=f"Shaping filter: {describe_choices(FILTER_FORMS)}; auto selects the best fit.",
     )
     states: int = parameter(6, unit="", minimum=4, maximum=16, description="States of a fitted filter; even.")
 
@@ -116,7 +116,8 @@ class VesselParameters:
     rao_file: str = parameter(
         "",
         unit="",
-        description="RAO table (models rao, fitted), .csv or Capytaine .nc; empty is the hull form shipped.",
+        description="RAO table (models rao, fitted), .csv or Capytaine .nc; empty uses the hull form shipped with the "
+        "package.",
     )
     boom_tip_arm: tuple[float, ...] = parameter(
         (-20.0, 10.0, 15.0),
@@ -136,19 +137,23 @@ class CourseParameters:
         0.0, unit="rad", minimum=-6.3, maximum=6.3, description="Heading of the vessel from world x, anticlockwise."
     )
     speed: float = parameter(0.0, unit="m/s", minimum=0.0, maximum=15.0, description="Forward speed.")
-    turn_start: float = parameter(0.0, unit="s", minimum=0.0, description="Time at which the turn begins.")
+    turn_start: float = parameter(0.0, unit="s", minimum=0.0, description="Time at which the turn starts.")
     turn_angle: float = parameter(
-        0.0, unit="rad", minimum=-20.0, maximum=20.0, description="Change of heading; 6.2832 is a loop turn, 0 none."
+        0.0,
+        unit="rad",
+        minimum=-20.0,
+        maximum=20.0,
+        description="Change of heading; 6.2832 is a full circle, 0 means none.",
     )
     turn_rate: float = parameter(
         0.01, unit="rad/s", minimum=1e-4, maximum=0.2, description="Largest rate of turn during the change of heading."
     )
     speed_change_start: float = parameter(0.0, unit="s", minimum=0.0, description="Time at which the speed changes.")
     speed_change: float = parameter(
-        0.0, unit="m/s", minimum=-15.0, maximum=15.0, description="Change of the forward speed; 0 is none."
+        0.0, unit="m/s", minimum=-15.0, maximum=15.0, description="Change of the forward speed; 0 means none."
     )
     speed_change_duration: float = parameter(
-        60.0, unit="s", minimum=1.0, description="How long the change of speed takes."
+        60.0, unit="s", minimum=1.0, description="Duration of the change of speed."
     )
 
 
@@ -162,10 +167,10 @@ class DriftParameters:
         minimum=0.0,
         maximum=100.0,
         length=2,
-        description="Standard deviation of the slow drift in surge and sway; 0 is none.",
+        description="Standard deviation of the slow drift in surge and sway; 0 means none.",
     )
     period: float = parameter(
-        120.0, unit="s", minimum=20.0, maximum=1000.0, description="Natural period of the drift on its mooring or DP."
+        120.0, unit="s", minimum=20.0, maximum=1000.0, description="Natural period of the drift under mooring or DP."
     )
     damping_ratio: float = parameter(
         0.15, unit="", minimum=0.02, maximum=1.0, description="Damping ratio of the slow drift."
@@ -177,26 +182,34 @@ class MruParameters:
     """The motion reference unit at the boom tip."""
 
     rate: float = parameter(
-        0.0, unit="Hz", minimum=0.0, maximum=1000.0, description="Rate of readings; 0 is one in every tick."
+        0.0, unit="Hz", minimum=0.0, maximum=1000.0, description="Rate of readings; 0 means one per tick."
     )
     noise: float = parameter(
-        0.01, unit="m", minimum=0.0, maximum=1.0, description="White noise of heave, one standard deviation a reading."
+        0.01,
+        unit="m",
+        minimum=0.0,
+        maximum=1.0,
+        description="White noise of heave: standard deviation of each reading.",
     )
     rate_noise: float = parameter(
-        0.01, unit="m/s", minimum=0.0, maximum=1.0, description="White noise of heave rate, one standard deviation."
+        0.01,
+        unit="m/s",
+        minimum=0.0,
+        maximum=1.0,
+        description="White noise of heave rate: standard deviation of each reading.",
     )
     high_pass_period: float = parameter(
         0.0,
         unit="s",
         minimum=0.0,
         maximum=300.0,
-        description="Cut-off period of the second-order high-pass; 0 is none.",
+        description="Cut-off period of the second-order high-pass filter; 0 means no filter.",
     )
     high_pass_damping: float = parameter(
-        0.7071, unit="", minimum=0.2, maximum=2.0, description="Damping ratio of the high-pass."
+        0.7071, unit="", minimum=0.2, maximum=2.0, description="Damping ratio of the high-pass filter."
     )
     scale_error: float = parameter(
-        0.0, unit="", minimum=-0.5, maximum=0.5, description="Relative error of scale: 0.05 reads 5 % too much."
+        0.0, unit="", minimum=-0.5, maximum=0.5, description="Relative scale error: 0.05 reads 5 % high."
     )
     lever_arm_error: tuple[float, ...] = parameter(
         (0.0, 0.0, 0.0),
@@ -204,27 +217,28 @@ class MruParameters:
         minimum=-10.0,
         maximum=10.0,
         length=3,
-        description="Error of the lever arm entered in the unit, vessel axes; it lets pitch and roll into heave.",
+        description="Error of the lever arm entered in the unit, vessel axes; it couples pitch and roll into heave.",
     )
     latency: float = parameter(
-        0.0, unit="s", minimum=0.0, maximum=5.0, description="A reading arrives this late, honestly stamped."
+        0.0, unit="s", minimum=0.0, maximum=5.0, description="Delay of a reading, which its stamp accounts for."
     )
     stamp_error: float = parameter(
-        0.0, unit="s", minimum=0.0, maximum=5.0, description="Further delay that the stamp does not tell."
+        0.0, unit="s", minimum=0.0, maximum=5.0, description="Additional delay, which the stamp does not account for."
     )
     settling_periods: float = parameter(
         10.0,
         unit="",
         minimum=0.0,
         maximum=50.0,
-        description="After a restart or a turn the status is settling for this many high-pass periods.",
+        description="After a restart or a turn the status is settling for this many periods of the high-pass filter.",
     )
     restart_bias: float = parameter(
         0.02,
         unit="m/s^2",
         minimum=-1.0,
         maximum=1.0,
-        description="Error of vertical acceleration right after a restart; it fades with the high-pass period.",
+        description="Error of vertical acceleration right after a restart; it decays with the period of the high-pass "
+        "filter.",
     )
     turn_sensitivity: float = parameter(
         0.01,
@@ -234,7 +248,7 @@ class MruParameters:
         description="Error of vertical acceleration per centripetal acceleration in a turn (tilt of the vertical).",
     )
     restart_duration: float = parameter(
-        2.0, unit="s", minimum=0.0, maximum=600.0, description="Silence of the unit while it restarts."
+        2.0, unit="s", minimum=0.0, maximum=600.0, description="Time for which the unit is silent while it restarts."
     )
     faults: FaultParameters = group(FaultParameters)
 
@@ -248,14 +262,16 @@ class SeaStateEstimateParameters:
     """The running estimate of the sea state from the MRU record."""
 
     window: float = parameter(
-        1800.0, unit="s", minimum=120.0, maximum=21600.0, description="Length of record the estimate stands on."
+        1800.0,
+        unit="s",
+        minimum=120.0,
+        maximum=21600.0,
+        description="Length of the record on which the estimate is based.",
     )
     segment: float = parameter(
         200.0, unit="s", minimum=30.0, maximum=3600.0, description="Length of one Welch segment (half overlapping)."
     )
-    period: float = parameter(
-        30.0, unit="s", minimum=1.0, maximum=3600.0, description="A new estimate is made this often."
-    )
+    period: float = parameter(30.0, unit="s", minimum=1.0, maximum=3600.0, description="Interval between estimates.")
 
     def __post_init__(self) -> None:
         if self.window < 2 * self.segment:
@@ -282,7 +298,7 @@ class WaveVesselParameters(SeaParameters):
         unit="s",
         minimum=0.0,
         maximum=3600.0,
-        description="All motion grows from rest over this time (twice differentiable); 0 starts in full motion.",
+        description="Time over which all motion ramps up from rest (twice differentiable); 0 starts at full motion.",
     )
     amplitude: tuple[float, ...] = parameter(
         (0.0, 0.0, 1.0),
@@ -304,7 +320,7 @@ class WaveVesselParameters(SeaParameters):
         unit="rad",
         minimum=-6.3,
         maximum=6.3,
-        description="Direction the waves travel to, from world x, anticlockwise; pi meets heading 0 head on.",
+        description="Direction the waves travel to, from world x, anticlockwise; pi is a head sea for heading 0.",
     )
     spreading: SpreadingParameters = group(SpreadingParameters)
     components: int = parameter(
@@ -316,10 +332,12 @@ class WaveVesselParameters(SeaParameters):
         description="Measured spectrum for spectrum = file: NDBC real-time or historical, or what wavespectra reads.",
     )
     spectrum_record: int = parameter(
-        0, unit="", minimum=0, description="Which usable spectrum of the file, counted from 0 in order of time."
+        0, unit="", minimum=0, description="Index of the usable spectrum in the file, from 0 in order of time."
     )
     spectrum_time: str = parameter(
-        "", unit="", description="Or the spectrum nearest to this time (UTC, like 1996-06-14T18:00); empty: by record."
+        "",
+        unit="",
+        description="Take the spectrum nearest to this time (UTC, like 1996-06-14T18:00); empty: by record.",
     )
     recording_file: str = parameter(
         "", unit="", description="Recording for boom_tip_source = file: CSV, or a bag (folder or .mcap)."
@@ -328,10 +346,11 @@ class WaveVesselParameters(SeaParameters):
         "motion",
         unit="",
         choices=("motion", "elevation"),
-        description="What the recording holds: motion of the boom tip, or wave elevation that goes through the vessel.",
+        description="Content of the recording: boom-tip motion, or wave elevation, which is passed through the vessel "
+        "model.",
     )
     recording_topic: str = parameter(
-        "boom_tip", unit="", description="Topic to take from a bag: boom_tip, mru or wave_elevation (any namespace)."
+        "boom_tip", unit="", description="Topic to read from a bag: boom_tip, mru or wave_elevation (any namespace)."
     )
     filter: ShapingFilterParameters = group(ShapingFilterParameters)
     vessel: VesselParameters = group(VesselParameters)
@@ -347,11 +366,14 @@ class WaveVesselParameters(SeaParameters):
             raise ValueError("spectrum = file needs spectrum_file: name the file of the measured spectrum")
         if not source.has_sea and (self.course.turn_angle != 0.0 or self.course.speed_change != 0.0):
             raise ValueError(
-                f"a turn or change of speed goes with a sea, not with boom_tip_source = {self.boom_tip_source}"
+                "a turn or change of speed needs a sea; it cannot be combined with boom_tip_source = "
+                f"{self.boom_tip_source}"
             )
         if not source.has_sea and self.vessel.model == "fitted":
             raise ValueError(
-                "vessel.model = fitted is fitted in the sea of a spectrum, not with boom_tip_source = "
+                "vessel.model = fitted needs a sea spectrum to be fitted in; it cannot be combined with "
+                ""
+                "boom_tip_source = "
                 f"{self.boom_tip_source}"
             )
         if self.filter.states % 2:

@@ -1,4 +1,4 @@
-"""The spectra that a sea can have, and the forms of the shaping filter that stands for it: one line each.
+"""The spectra that a sea can have, and the forms of the shaping filter that models it: one line each.
 
 A spectrum's class has `from_parameters(SeaParameters) -> WaveSpectrum`. A filter form is a function of the spectrum
 [WaveSpectrum] and the number of states, which returns a LinearModel with the output wave_elevation.
@@ -11,10 +11,10 @@ from heave_node.registry import Entry
 SPECTRA: dict[str, Entry] = {
     "bretschneider": Entry("wave_vessel_node.sea.spectra:Bretschneider", "two parameters, thesis Eq. 6.20"),
     "pierson_moskowitz": Entry(
-        "wave_vessel_node.sea.spectra:PiersonMoskowitz", "fully developed: the height fixes the period"
+        "wave_vessel_node.sea.spectra:PiersonMoskowitz", "fully developed: the height determines the period"
     ),
     "jonswap": Entry("wave_vessel_node.sea.spectra:Jonswap", "limited fetch, peak_enhancement"),
-    "ochi_hubble": Entry("wave_vessel_node.sea.spectra:OchiHubble", "wind sea of a shape, and swell"),
+    "ochi_hubble": Entry("wave_vessel_node.sea.spectra:OchiHubble", "wind sea of given shape, and swell"),
 }
 
 SPECTRUM_FILE = "file"

@@ -42,9 +42,9 @@ def _check_nothing(_: SourceParameters) -> None:
 
 def _check_filter(parameters: SourceParameters) -> None:
     if parameters.vessel.model == "rao":
-        raise ValueError("boom_tip_source = filter goes with vessel.model second_order, fitted or direct, not with rao")
+        raise ValueError("boom_tip_source = filter needs vessel.model second_order, fitted or direct, not rao")
     if parameters.vessel.pitch_gain > 0.0:
-        raise ValueError("vessel.pitch_gain goes with boom_tip_source = spectrum: filtered noise has no wave slope")
+        raise ValueError("vessel.pitch_gain needs boom_tip_source = spectrum: filtered noise has no wave slope")
 
 
 def _check_recording(parameters: SourceParameters) -> None:
@@ -52,7 +52,7 @@ def _check_recording(parameters: SourceParameters) -> None:
         raise ValueError("boom_tip_source = file needs recording_file: name the CSV file or the bag")
     if parameters.recording_kind == "elevation" and parameters.vessel.model not in ("second_order", "direct"):
         raise ValueError(
-            "recording_kind = elevation goes with vessel.model second_order or direct: a recorded elevation has "
+            "recording_kind = elevation needs vessel.model second_order or direct: a recorded elevation has "
             "neither direction nor spectrum"
         )
 

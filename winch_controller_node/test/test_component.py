@@ -378,7 +378,7 @@ def test_a_lost_loop_is_given_up_before_the_unit_swings_and_the_winch_comes_to_r
     """A servo of 0.8 s for one of 0.15 s, that nobody believes in and nobody learns: no feedback is stable with it."""
     parameters = loop_parameters(law=law, duration=120.0, **UNLEARNT)
     record = ClosedLoop(dataclasses.replace(parameters, winch=WinchParameters(time_constant=0.8))).run()
-    assert any("compensation does harm" in words for _, words in record.alarms)
+    assert any("compensation is harmful" in words for _, words in record.alarms)
     assert record.modes[-1] == "standby"
     # the try itself and what is left of it until it has died away; over the whole of a run that is a few percent
     assert record.unit_sigma(20.0) < 1.4 * record.uncompensated_sigma(20.0)
@@ -415,7 +415,7 @@ def test_a_motion_reference_unit_of_the_wrong_sign_is_contradicted_by_the_depth_
 def test_the_regulator_of_the_unit_alone_compensates_and_does_no_harm_where_it_takes_the_winch_to_its_limits():
     """Without limits it would leave 12 % here (stationary prediction); its share of the sea is what the winch bears."""
     record = ClosedLoop(loop_parameters(law="lqr", duration=150.0)).run()
-    assert not any("does harm" in words for _, words in record.alarms)
+    assert not any("is harmful" in words for _, words in record.alarms)
     assert record.unit_sigma(60.0) < 0.5 * record.uncompensated_sigma(60.0)
 
 
@@ -453,7 +453,7 @@ def test_the_thesis_system_is_compensated_and_the_guard_leaves_it_alone():
     Full information would leave 2.96e-4 m of 0.2551 m; what sensors of 10 um leave is below 1 %.
     """
     record = ClosedLoop(thesis_parameters()).run()
-    assert not any("does harm" in words for _, words in record.alarms)
+    assert not any("is harmful" in words for _, words in record.alarms)
     assert record.unit_sigma(60.0) < 0.01 * record.uncompensated_sigma(60.0)
 
 
@@ -553,7 +553,9 @@ def test_constant_tension_refuses_a_hanging_unit_and_says_what_to_do():
     loop = ClosedLoop(loop_parameters(duration=60.0))
     for _ in range(600):
         loop.step()
-    with pytest.raises(ModeError, match=r"the unit hangs: the cable carries (9\d|10\d) % of its weight.*land it first"):
+    with pytest.raises(
+        ModeError, match=r"the unit is suspended: the cable carries (9\d|10\d) % of its weight.*land it " r"first"
+    ):
         loop.controller.set_mode("constant_tension")
     assert loop.step()[0].report.mode == "compensating"
 

@@ -58,7 +58,7 @@ def test_the_regulator_is_that_of_unit_winch_and_delay_alone():
         "weights__unit_heave": 0.0, "weights__payout": 0.0}, "leave .*payout.* free"), ({"sensors__use": ("mru",
         "depth")}, "must include the encoder"), ({"sensors__use": ("encoder",)}, "must include one of mru"),
         ({"sensors__use": ("mru", "encoder"), "sensors__mru__scale_sigma": 0.05}, "mru_scale cannot be observed"),
-        ({"winch__command_delay": 20.0}, "longer than any useful prediction"),
+        ({"winch__command_delay": 20.0}, "longer than the boom tip can usefully"),
     ],
 )  # fmt: skip
 def test_what_cannot_be_designed_is_refused_in_words(values, message):

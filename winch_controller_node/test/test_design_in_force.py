@@ -21,7 +21,7 @@ DT = 0.05
         (lambda p: dataclasses.replace(p, weights=dataclasses.replace(p.weights, command=0.0)), "weights.command"),
         (lambda p: dataclasses.replace(p, mpc=dataclasses.replace(p.mpc, horizon=0.1)), "mpc.horizon"),
     ],
-    ids=["other states", "no cost", "no law"],
+    ids=["different states", "no cost", "no law"],
 )
 def test_what_cannot_be_redesigned_leaves_everything_as_it_was(change, message):
     in_force = DesignInForce(WinchControllerParameters(), tick_period=DT)

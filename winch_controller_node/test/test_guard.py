@@ -34,7 +34,7 @@ def test_the_guard_tolerates_a_small_residual_and_stops_a_harmful_one():
     assert not guard.inhibits
     feed_guard(guard, 0.8, 0.5, 60.0)
     assert guard.inhibits
-    assert "does harm" in guard.reason
+    assert "is harmful" in guard.reason
 
 
 def test_the_guard_lets_compensation_be_tried_again_and_waits_longer_each_time():

@@ -95,7 +95,7 @@ def test_a_fault_of_the_winch_brakes_is_told_in_words_and_is_not_forgiven_by_its
 def test_harm_fades_out_to_standby_and_comes_back_when_it_is_over():
     modes = machine()
     run(modes, 5.0)
-    harm = situation(harm="compensation does harm")
+    harm = situation(harm="compensation is harmful")
     outputs = run(modes, 3.0, harm)
     assert outputs[0].mode is Mode.FADE_OUT
     assert modes.mode is Mode.STANDBY

@@ -105,9 +105,9 @@ class AnyOperatorAnyTrouble(RuleBasedStateMachine):
     @rule(
         lost=st.sampled_from(["", "", "mru frozen", "encoder stale"]),
         fault=st.sampled_from([0, 0, 0, WinchFault.DRIVE, WinchFault.EMERGENCY_STOP, 99]),
-        harm=st.sampled_from(["", "", "compensation does harm"]),
+        harm=st.sampled_from(["", "", "compensation is harmful"]),
         gate=st.sampled_from(["", "", "peaks of 2.0 m/s^2"]),
-        tension=st.sampled_from(["", "the unit hangs"]),
+        tension=st.sampled_from(["", "the unit is suspended"]),
         settled=st.booleans(),
         speed=st.sampled_from([0.0, 1.0]),
     )

@@ -148,7 +148,7 @@ class WinchController:
         if name == Mode.CONSTANT_TENSION.value:
             measured = self._estimation.filtered_tension
             if not math.isfinite(measured):
-                raise ModeError("constant tension needs the load cell: no reading has come yet")
+                raise ModeError("constant tension needs the load cell: no reading received yet")
             if not math.isfinite(tension) or tension < 0.0:
                 raise ModeError(f"a tension must be a number of at least 0; got {tension} N")
             was = self.mode
@@ -157,7 +157,7 @@ class WinchController:
             return self.mode.value
         if name == Mode.COMPENSATING.value and self._supervisor.landing.unit_stands:
             self._lift_off()
-            return "lifting off: constant tension until the unit hangs"
+            return "lifting off: constant tension until the unit is suspended"
         self.modes.request(name)
         return self.mode.value
 
@@ -182,7 +182,7 @@ class WinchController:
         Raises ModeError where the depth is not known, the winch does not compensate, or its range does not reach.
         """
         if self.observer.depth_zero is None:
-            raise ModeError("a move needs the depth sensor: no reading has come yet")
+            raise ModeError("a move needs the depth sensor: no reading received yet")
         if self.mode is not Mode.COMPENSATING:
             raise ModeError(f"a move needs mode compensating; the mode is {self.mode.value}")
         if not math.isfinite(depth):
@@ -204,7 +204,7 @@ class WinchController:
 
     @property
     def is_operated(self) -> bool:
-        """Tell whether an operator asks for a speed of the mean payout."""
+        """Return whether an operator asks for a speed of the mean payout."""
         return self._operator.is_asked
 
     def operate(self, speed: float) -> None:
@@ -320,7 +320,7 @@ class WinchController:
         self._alarms += self._load.update(loop.sensed.tension, static_tension, is_at_limit=is_at_limit)
         if self._travel_end.begins(TRAVEL in command.asked.active):
             self._alarms.append(
-                f"constant tension has travelled {self.parameters.tension.travel:g} m: the load gives way, or is gone"
+                f"constant tension has travelled {self.parameters.tension.travel:g} m: the load has yielded or is lost"
             )
 
     def _note_kpi(self, loop: LoopTick) -> None:
@@ -349,7 +349,7 @@ class WinchController:
             self._hand_over(loop, unit_stood=False)
         elif starts or (mode.mode is Mode.FADE_OUT and before is Mode.CONSTANT_TENSION):
             self._estimation.return_to_mean(loop)
-            # what follows the sea is no payout left over
+            # what follows the sea is not leftover payout
             self._estimation.motion.return_from(loop.payout - mode.authority * loop.boom_tip.heave)
             self._in_force.law.reset()
 

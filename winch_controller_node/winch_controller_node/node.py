@@ -77,7 +77,7 @@ class WinchControllerNode(ParticipantNode):
         self.create_subscription(TwistStamped, "controller/operator_speed", self._take_operator_speed, 1)
 
     def on_activate(self, state: LifecycleState) -> TransitionCallbackReturn:
-        """Begin anew in a run that is under way; `state` is the lifecycle state before."""
+        """Start again in a run that is under way; `state` is the lifecycle state before."""
         if self.has_started:
             try:
                 self.controller = self._make_controller()
@@ -94,7 +94,7 @@ class WinchControllerNode(ParticipantNode):
         return super().on_deactivate(state)
 
     def on_reset(self) -> None:
-        """Begin anew: at standby, without an estimate."""
+        """Start again: at standby, without an estimate."""
         self.controller = self._make_controller()
         self.move.abort("the run was reset")
 
@@ -130,13 +130,13 @@ class WinchControllerNode(ParticipantNode):
         if self.outputs_of_tick is None:
             return [Health("mode", Level.OK, self.controller.mode.value)]
         report = self.outputs_of_tick.report
-        # standing by after harm is no rest
+        # standing by after harm is not rest
         is_stopped = report.mode in ("stopped", "emergency_stop", "stopping") or report.is_inhibited
         level = Level.ERROR if is_stopped else Level.WARN if report.mode == "fade_out" else Level.OK
         text = f"{report.mode}: {report.reason}" if report.reason else report.mode
         parts = [Health("mode", level, text, {"authority": f"{report.authority:.2f}"})]
         for sensor in report.sensors:
-            values = {"accepted": str(sensor.accepted), "refused": str(sensor.refused)}
+            values = {"accepted": str(sensor.accepted), "rejected": str(sensor.refused)}
             parts.append(Health(f"sensor {sensor.sensor}", LEVELS[sensor.level], sensor.reason or "ok", values))
         if report.solver_status.startswith("not solved"):
             parts.append(Health("solver", Level.WARN, report.solver_status))
@@ -205,7 +205,7 @@ class WinchControllerNode(ParticipantNode):
         if self.run.is_lockstep:
             return self.controller.redesign(parameters)
         if self._redesign_wanted is not None:
-            raise ModeError("another redesign is under way")
+            raise ModeError("another redesign is in progress")
         controller = self.controller
         in_force: Future[None] = Future()
         self._redesign_wanted = (self._designer.submit(controller.prepare_redesign, parameters), in_force)

@@ -1,4 +1,4 @@
-"""The parameter set of the winch controller. It stands above the laws, of which each brings its own group."""
+"""The parameter set of the winch controller. It is above the laws, each of which brings its own group."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ class WinchControllerParameters(LawGroups):
         description=f"The control law. {describe_laws()}.",
     )
     factor: float = parameter(
-        1.0, unit="", minimum=0.0, maximum=1.0, description="Share of the compensation that is asked for; 1 is all."
+        1.0, unit="", minimum=0.0, maximum=1.0, description="Fraction of full compensation; 1 is full."
     )
     length: float = parameter(
         300.0, unit="m", minimum=0.01, maximum=20_000.0, description="Unstretched cable length at payout 0."

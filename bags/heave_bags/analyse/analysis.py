@@ -40,7 +40,7 @@ def analyse(
     parameters: NodeParameters | None = None,
     progress: Progress = no_progress,
 ) -> list[RunRecord]:
-    """Read the bags of several runs, `paths`, one after the other.
+    """Read the bags of several runs, `paths`, one after another.
 
     `transient`, `parameters` and `progress` as for `read_run`. Raises BagError for the first that cannot be read.
     """
@@ -109,7 +109,7 @@ class WindowKpis:
 
 
 def windows(record: RunRecord, length: float, step: float | None = None) -> list[WindowKpis]:
-    """Return the KPIs of windows of `length` [s] that begin every `step` [s] (default: one behind the other).
+    """Return the KPIs of windows of `length` [s] that begin every `step` [s] (default: one after another).
 
     They cover the whole run of `record`: from one sample before the first, which is where a run starts; an end that is
     shorter than a window is left out.
@@ -122,7 +122,7 @@ def windows(record: RunRecord, length: float, step: float | None = None) -> list
     first = _start_of_run(record)
     count = math.floor((record.end - first - length) / step + 1e-9) + 1
     if count > MOST_WINDOWS:
-        raise BagError(f"{record.name}: windows of {length:g} s would be {count}, {MOST_WINDOWS} are allowed")
+        raise BagError(f"{record.name}: {count} windows of {length:g} s would be needed, {MOST_WINDOWS} are allowed")
     bounds = [(first + number * step, first + number * step + length) for number in range(max(count, 0))]
     return [WindowKpis(start, end, record.kpis(start, end)) for start, end in bounds]
 
@@ -186,7 +186,7 @@ def window_table(record: RunRecord, length: float) -> str:
     lines = ["  ".join(f"{cell:>{width}}" for cell, width in zip(row, widths, strict=True)) for row in rows]
     left_out = record.end - (parts[-1].end if parts else _start_of_run(record))
     if left_out > 1e-6:
-        lines.append(f"left out: the last {left_out:.2f} s, shorter than a window of {length:g} s")
+        lines.append(f"not covered: the last {left_out:.2f} s, shorter than a window of {length:g} s")
     return "\n".join([record.name, *lines])
 
 
@@ -214,13 +214,13 @@ def save_frame(frame: pandas.DataFrame, path: Path) -> None:
     """
     ending = path.suffix.lower()
     if ending not in TABLE_ENDINGS:
-        raise BagError(f"{path}: a table ends in {' or '.join(TABLE_ENDINGS)}")
+        raise BagError(f"{path}: the table's name must end in {' or '.join(TABLE_ENDINGS)}")
     try:
         if ending == ".csv":
             frame.to_csv(path, index=frame.index.name is not None)
         else:
             frame.to_parquet(path)
     except ImportError as error:
-        raise BagError(f"{path}: Parquet needs the package pyarrow: pip install pyarrow") from error
+        raise BagError(f"{path}: writing Parquet needs the package pyarrow: pip install pyarrow") from error
     except OSError as error:
         raise BagError(f"{path}: the table cannot be written: {error.strerror or error}") from error

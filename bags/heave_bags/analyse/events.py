@@ -101,7 +101,7 @@ def _unchanged(time: Array, names: NDArray[Any]) -> list[Interval]:
 
 
 def _flagged(time: Array, flags: NDArray[np.bool_], name: str, *, level: int = 0) -> list[Interval]:
-    """Return the intervals in which a flag stands; one sample counts until the next."""
+    """Return the intervals in which a flag is set; one sample counts until the next."""
     if not flags.any():
         return []
     padded = np.concatenate(([False], flags, [False]))

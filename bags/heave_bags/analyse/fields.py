@@ -1,7 +1,7 @@
 """The recorded fields of a topic as what they should be: numbers, tables of numbers, texts; or nothing.
 
 A bag may come from another version of the messages, from another recorder, or from someone who means harm. What is not
-of the kind that is asked for is as if it had not been recorded.
+of the requested kind is treated as if it had not been recorded.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ RESET = 1.0
 
 
 class Fields:
-    """The columns of one topic, in the order of time; empty if nobody recorded it.
+    """The columns of one topic, in the order of time; empty if it was not recorded.
 
     Parameters
     ----------

@@ -65,19 +65,19 @@ class Window:
 
     @cached_property
     def tension_ratios(self) -> tuple[float, float]:
-        """Smallest and largest tension over the static one."""
+        """Smallest and largest tension over static tension."""
         return self._ratios(self.tension)
 
     @cached_property
     def uncompensated_tension_ratios(self) -> tuple[float, float]:
-        """Smallest and largest tension over the static one, winch locked."""
+        """Smallest and largest tension over static tension, winch locked."""
         return self._ratios(self.of(self.run.uncompensated_tension))
 
     def _ratios(self, tension: Signal) -> tuple[float, float]:
         return kpi.tension_ratios(tension.value, self.run.static_at(tension))
 
     def snaps(self, tension: Signal) -> float:
-        """Return how often the cable snapped taut, by a tension over the static one."""
+        """Return how often the cable snapped taut, by a tension over static tension."""
         if not tension.size:
             return NOT_KNOWN
         return float(kpi.snap_times(tension.time, tension.value, self.run.static_at(tension)).size)
@@ -90,12 +90,12 @@ class Window:
 
     @cached_property
     def at_speed_limit(self) -> NDArray[np.bool_]:
-        """Samples of the rate that stand at the speed limit."""
+        """Samples of the rate that are at the speed limit."""
         return kpi.at_limit(self.rate.value, self.run.speed_limit)
 
     @cached_property
     def at_acceleration_limit(self) -> NDArray[np.bool_]:
-        """Samples of the rate at which the acceleration stands at its limit; empty where it is not known."""
+        """Samples of the rate at which the acceleration is at its limit; empty where it is not known."""
         is_known = self.acceleration.size == self.rate.size
         return kpi.at_limit(self.acceleration if is_known else np.empty(0), self.run.acceleration_limit)
 
@@ -253,7 +253,7 @@ KPI_DEFINITIONS: tuple[KpiDefinition, ...] = (
     KpiDefinition("outlet_sigma_m", "outlet residual s(z0-p)", "cm", UNIT, lambda w: w.outlet_sigma, 100.0, 2),
     KpiDefinition(
         "kappa",
-        "kappa, distance from the possible",
+        "kappa, ratio to the best possible",
         "",
         UNIT,
         lambda w: kpi.kappa(w.unit_sigma, w.run.sensor_bound, w.run.actuator_bound),
@@ -466,7 +466,7 @@ def to_json(values: Mapping[str, float]) -> dict[str, float | int | None]:
 def table(
     columns: Mapping[str, Mapping[str, float]], sources: Mapping[str, Mapping[str, str]] = MappingProxyType({})
 ) -> str:
-    """Return KPIs as a text table; rows nobody knows are left out.
+    """Return KPIs as a text table; rows without any value are left out.
 
     Parameters
     ----------

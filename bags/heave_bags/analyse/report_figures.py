@@ -69,7 +69,7 @@ class Figure:
 
 
 def without_nan(value: Any) -> Any:
-    """Return the plain data `value` with None for every number that is none: JSON knows neither NaN nor infinity."""
+    """Return the plain data `value` with None in place of NaN and infinity: JSON knows neither NaN nor infinity."""
     if isinstance(value, float):
         return value if math.isfinite(value) else None
     if isinstance(value, dict):
@@ -448,7 +448,7 @@ def timing_figure(record: RunRecord) -> Figure | None:
 
 
 def run_figures(record: RunRecord) -> list[Figure]:
-    """Return the figures of the run `record`; those nobody recorded the signals of are left out."""
+    """Return the figures of the run `record`; those whose signals were not recorded are left out."""
     signals = record.signals
     figures: list[Figure | None] = [motion_figure(record)]
     figures.append(unit_figure(record) if signals.unit_heave.size else None)

@@ -73,13 +73,13 @@ SELECTION: dict[str, tuple[str, ...]] = {
 """The topics and fields that KPIs and reports are made from."""
 
 LONGEST_ARRAY = 4096
-"""Arrays and texts of more elements are no part of a run."""
+"""Arrays and texts of more elements are not part of a run."""
 ROOM = 16 << 20
 ROOM_PER_BYTE = 64
 """Bytes of messages that an analysis takes: so many, and so many for each byte of the bag. Runs need a tenth of it."""
 
 SHORTEST_WINDOW = 1.0
-"""Figures of less than this behind the transient would mean nothing [s]."""
+"""Figures over less than this after the transient would mean nothing [s]."""
 LONGEST_SIMULATION = 1e8
 """Stamps below this are simulated time, which begins at 0 [s]; those of a host's clock count from 1970."""
 START = 1.0
@@ -148,7 +148,7 @@ class RunRecord:
 
 
 NodeParameters = Mapping[str, Mapping[str, Any]]
-"""Parameters of nodes: node -> dotted name -> value. Those of all nodes stand under ALL_NODES."""
+"""Parameters of nodes: node -> dotted name -> value. Those of all nodes are under ALL_NODES."""
 ALL_NODES = "**"
 TRUE, MEASURED, ESTIMATED = "true", "measured", "estimated"
 """What a figure is made from: what only a simulator knows, a sensor, or the controller's estimate."""
@@ -179,7 +179,7 @@ def read_run(
     bag = Bag(path)
     selection = {topic: fields for topic, fields in SELECTION.items() if bag.has(topic)}
     if not set(selection) - {DIAGNOSTICS}:
-        raise BagError(f"{bag.path}: none of the topics of a run is in it; it has {', '.join(bag.topics) or 'none'}")
+        raise BagError(f"{bag.path}: it holds none of a run's topics; it holds {', '.join(bag.topics) or 'none'}")
     surveyed = list(bag.losses)
     room = ROOM + ROOM_PER_BYTE * bag.size
     columns = bag.columns(selection, longest=LONGEST_ARRAY, most_bytes=room, progress=progress)
@@ -188,7 +188,7 @@ def read_run(
     record = RunRecord(_name(bag.path.resolve()), RunSignals(), 0.0, 0.0, run=bag.run, outcome=bag.outcome)
     record.losses = bag.losses or surveyed
     record.notes += [
-        f"{topic}: time went back {found.resets} times (reset); the last run is shown"
+        f"{topic}: time went backwards {found.resets} times (reset); the last run is shown"
         for topic, found in fields.items()
         if found.resets
     ]
@@ -253,7 +253,7 @@ def _set_window(record: RunRecord, transient: float) -> None:
     transient = transient if math.isfinite(transient) else 0.0
     record.start = max(transient, first) if first < LONGEST_SIMULATION else first + transient
     if record.start > record.end - SHORTEST_WINDOW:
-        record.notes.append(f"the run ended within its transient of {transient:g} s: figures are of the whole run")
+        record.notes.append(f"the run ended within its transient of {transient:g} s: the figures cover the whole run")
         record.start, record.is_past_transient = first, False
 
 
@@ -263,7 +263,7 @@ def _refuse_nothing(record: RunRecord, bag: Bag) -> None:
     about_run = [definition for definition in kpi_set.KPI_DEFINITIONS if definition.group != kpi_set.TIMING]
     if not any(math.isfinite(values[definition.key]) for definition in about_run):
         lost = f"; {record.losses[0]}" if record.losses else ""
-        raise BagError(f"{bag.path}: no figure can be computed from it: its topics hold no motion or tension{lost}")
+        raise BagError(f"{bag.path}: no figures can be computed: its topics hold no motion or tension{lost}")
 
 
 def _best(record: RunRecord, name: str, known: Sequence[tuple[str, Signal]]) -> Signal:
@@ -309,10 +309,10 @@ def _fill_motion(record: RunRecord, fields: Mapping[str, Fields]) -> None:
 
 
 def _note_sources(record: RunRecord) -> None:
-    """Say which motions are not the truth, as on a ship: nobody knows it there."""
+    """Say which motions are not the truth, as on a ship, where it is unknown."""
     other = [f"{name} is {source}" for name, source in record.sources.items() if source != TRUE]
     if other:
-        record.notes.append(f"no truth was recorded: {', '.join(other)}")
+        record.notes.append(f"the true values were not recorded:  {', '.join(other)}")
 
 
 def _fill_winch(record: RunRecord, winch: Fields) -> None:
@@ -326,7 +326,7 @@ def _fill_winch(record: RunRecord, winch: Fields) -> None:
         signals.payout = winch.signal("encoder_payout")
         signals.payout_rate = winch.signal("encoder_payout_rate")
         record.sources["payout"] = MEASURED
-        record.notes.append("payout is the encoder's reading: the winch does not know the truth")
+        record.notes.append("payout is the encoder's reading: the true payout was not recorded")
     signals.winch_limited = Signal(winch.time, (winch.codes("limits_hit") != 0).astype(float))
     record.limits += events.winch_limits(winch)
     record.alarms += events.winch_faults(winch)
@@ -372,13 +372,13 @@ def _fill_outcome(record: RunRecord) -> None:
     signals.loop_age = (number("loop_age_p50_s"), number("loop_age_p99_s"), number("loop_age_max_s"))
     ended = record.outcome.get("ended", "")
     if ended not in ("complete", ""):
-        record.notes.append(f"the run did not end by itself: {ended}")
+        record.notes.append(f"the run did not end normally: {ended}")
     if "lost" in record.outcome:
         record.notes.append(f"messages lost while recording: {record.outcome['lost']}")
 
 
 def _as_number(value: Any, default: float = math.nan) -> float:
-    """Return what a bag gives as a number; the default where it is none."""
+    """Return what a bag gives as a number; the default where it is not a number."""
     try:
         return float(value)
     except (TypeError, ValueError, OverflowError):
@@ -388,7 +388,7 @@ def _as_number(value: Any, default: float = math.nan) -> float:
 def _parameters(bag: Bag) -> dict[str, dict[str, Any]]:
     """Return the parameters of the run's nodes, as far as the bag carries them: node -> dotted name -> value.
 
-    A recorder that was killed had no time to add what the nodes said; the scenario is there from the start.
+    A killed recorder had no time to add what the nodes reported; the scenario is there from the start.
     """
     attachments = bag.attachments
     nodes: dict[str, dict[str, Any]] = {}

@@ -1,6 +1,6 @@
 """Equal messages, equal bytes.
 
-Middleware leaves whatever was in memory in the padding of a message and behind it, so that the same message comes
+Middleware leaves whatever was in memory in the padding of a message and after it, so that the same message comes
 as other bytes each time. Here padding is cleared and the tail cut off, which changes no value.
 """
 
@@ -30,7 +30,7 @@ class _Pattern:
         self._cleared = tuple(bytes(after - first) for first, after in layout.gaps)
 
     def fits(self, data: bytes) -> bool:
-        """Tell whether a message of the right size has this layout."""
+        """Return whether a message of the right size has this layout."""
         return self._lengths.unpack_from(data) == self._expected
 
     def clean(self, data: bytes) -> bytes:
@@ -72,7 +72,7 @@ class Canonical:
         return data if pattern is None else pattern.clean(data)
 
     def fits(self, data: bytes) -> bool:
-        """Tell whether `data` is a message of the type."""
+        """Return whether `data` is a message of the type."""
         return self._pattern(data) is not None
 
     def _pattern(self, data: bytes) -> _Pattern | None:

@@ -1,7 +1,7 @@
 """Serialised ROS 2 messages to columns: many messages of one type at once, by numpy, from the definition a bag
 carries.
 
-Where strings and sequences of two messages have the same lengths, their bytes are laid out alike. So the layout is
+Where strings and sequences of two messages have the same lengths, their bytes have the same layout. So the layout is
 worked out once for each pattern of lengths, and the values of all messages of that pattern are picked in one step.
 """
 
@@ -54,7 +54,7 @@ class ColumnDecoder:
         return self._types.has_header
 
     def fits(self, data: bytes) -> bool:
-        """Tell whether the message `data` fits the definition."""
+        """Return whether the message `data` fits the definition."""
         try:
             self._types.of(data)
         except BagError:
@@ -166,7 +166,7 @@ def _merge(gathered: Sequence[tuple[NDArray[np.intp], Columns]], rows: int) -> C
     cells = rows * sum(widest)
     filled = sum(column.size for _, columns in gathered for column in columns.values())
     if cells > max(_MOST_CELLS, _MOST_PADDING * filled):
-        raise BagError(f"{rows} messages differ too much in length to stand in columns ({cells} cells)")
+        raise BagError(f"{rows} messages differ too much in length to be held in columns ({cells} cells)")
     merged: Columns = {}
     for name in names:
         parts = [(index, columns[name]) for index, columns in gathered if name in columns]
@@ -186,7 +186,7 @@ def _merge(gathered: Sequence[tuple[NDArray[np.intp], Columns]], rows: int) -> C
 
 
 def join(batches: Sequence[tuple[int, Columns]]) -> Columns:
-    """Put batches (rows, columns) one behind the other."""
+    """Concatenate batches (rows, columns)."""
     gathered = []
     first = 0
     for rows, columns in batches:

@@ -14,7 +14,7 @@ import numpy as np
 from heave_bags.errors import BagError
 
 SEPARATOR = "=" * 80
-"""The line of a `ros2msg` schema behind which the next type stands."""
+"""The line of a `ros2msg` schema after which the next type follows."""
 
 NUMPY_TYPES = {
     "bool": "?",
@@ -35,7 +35,7 @@ NUMPY_TYPES = {
 PRIMITIVES = frozenset((*NUMPY_TYPES, "string", "wstring"))
 
 _ENCAPSULATION = 4
-"""Bytes before the message proper; alignment counts from behind them."""
+"""Bytes before the message proper; alignment counts from their end."""
 
 MOST_VALUES = 1 << 17
 """Values, texts and sequences in one message, beyond which no layout is worked out."""
@@ -87,7 +87,7 @@ class Layout:
     leaves: list[Leaf] = field(default_factory=list)
     lengths: list[tuple[int, int]] = field(default_factory=list)
     gaps: list[tuple[int, int]] = field(default_factory=list)
-    """Padding between values: first byte and the one behind the last."""
+    """Padding between values: first byte and the one after the last."""
     end: int = 0
     """Number of bytes of the message."""
 
@@ -160,7 +160,7 @@ class _Walker:
     def _member(self, member: Field, path: str) -> None:
         count = self._length() if member.count == -1 else member.count
         if count is not None and count > len(self._data) - self._position:  # each element takes a byte at least
-            raise struct.error(f"{path} has {count} elements, which lie beyond the end of the message")
+            raise struct.error(f"{path} has {count} elements, which extend beyond the end of the message")
         if member.type in NUMPY_TYPES:
             self._primitive(path, NUMPY_TYPES[member.type], count)
         elif count is None:
@@ -201,7 +201,7 @@ class _Walker:
             self._align(size)
         end = self._position + size * (1 if count is None else count)
         if end > len(self._data):
-            raise struct.error(f"{path} lies beyond the end of the message")
+            raise struct.error(f"{path} extends beyond the end of the message")
         self._left -= 1
         self.layout.leaves.append(Leaf(path, self._position, dtype, count))
         self._position = end

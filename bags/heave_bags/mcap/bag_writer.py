@@ -30,7 +30,7 @@ from heave_bags.mcap.storage import DirectStorage, Storage
 from heave_bags.mcap.writer import ChunkPolicy, McapWriter
 
 DESCRIPTION_PERIOD = 1.0
-"""Wall time between two looks at a bag under way for its `metadata.yaml` [s]."""
+"""Wall time between two updates of an unfinished bag's `metadata.yaml` [s]."""
 
 
 @dataclass(frozen=True)
@@ -49,8 +49,8 @@ class BagPolicy:
     Attributes
     ----------
     chunks : size, span and compression of chunks
-    max_file_bytes : a new file is begun after so many bytes; 0: never
-    max_file_span : a new file is begun after so much log time [ns]; 0: never
+    max_file_bytes : a new file is started after this many bytes; 0: never
+    max_file_span : a new file is started after this much log time [ns]; 0: never
     """
 
     chunks: ChunkPolicy = field(default_factory=ChunkPolicy)
@@ -74,7 +74,7 @@ class BagWriter:
     ----------
     folder : of the bag
     policy : chunks and splits
-    run : what the bag says of itself, in metadata records and `metadata.yaml`
+    run : what the bag records about itself, in metadata records and `metadata.yaml`
     attachments : files carried in each file of the bag
     ros_distro : for `metadata.yaml`
     records : further metadata records, as name and values
@@ -188,7 +188,7 @@ class BagWriter:
         except KeyError:
             raise BagError(f"topic {topic} was not added to the bag {self.folder}") from None
         if len(data) > LARGEST_MESSAGE:
-            raise BagError(f"a message of {len(data)} bytes on {topic} is larger than a bag takes ({LARGEST_MESSAGE})")
+            raise BagError(f"a message of {len(data)} bytes on {topic} is larger than a bag allows ({LARGEST_MESSAGE})")
         if self._must_split(log_time):
             self.split()
         if not known.channel:

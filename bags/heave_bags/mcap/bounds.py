@@ -1,4 +1,6 @@
-"""What a file may ask for. A sound bag comes nowhere near these bounds; a damaged or hostile one is held to them."""
+"""Limits on what a file may demand. A sound bag comes nowhere near these bounds; a damaged or hostile one is held to
+them.
+"""
 
 from __future__ import annotations
 
@@ -23,7 +25,7 @@ LATEST_TIME = (1 << 63) - 1
 
 
 class BoundError(ValueError):
-    """A file asks for more than it may."""
+    """A file demands more than it may."""
 
 
 def unpack(compression: str, data: bytes | memoryview, size: int) -> bytes:
@@ -33,7 +35,7 @@ def unpack(compression: str, data: bytes | memoryview, size: int) -> bytes:
     lz4 raise for damaged data.
     """
     if size > LARGEST_RECORD:
-        raise BoundError(f"it asks for {size} bytes, {LARGEST_RECORD} are allowed")
+        raise BoundError(f"it demands {size} bytes, {LARGEST_RECORD} are allowed")
     if compression == "zstd":
         records = _unpack_zstd(data, size)
     elif compression == "lz4":
@@ -43,14 +45,14 @@ def unpack(compression: str, data: bytes | memoryview, size: int) -> bytes:
     else:
         records = bytes(data)
     if len(records) != size:
-        raise ValueError(f"it holds {'more' if len(records) > size else 'fewer'} bytes than its head says")
+        raise ValueError(f"it holds {'more' if len(records) > size else 'fewer'} bytes than its header says")
     return records
 
 
 def _unpack_zstd(data: bytes | memoryview, size: int) -> bytes:
     stated = zstandard.frame_content_size(data)
     if stated not in (-1, size):  # -1: the frame does not say
-        raise BoundError("it holds another number of bytes than its head says")
+        raise BoundError("its size differs from that in its header")
     return zstandard.ZstdDecompressor().decompress(data, max_output_size=size) if size else b""
 
 
@@ -76,7 +78,7 @@ def _read_while_it_goes(reader: zstandard.ZstdDecompressionReader) -> bytes:
             parts.append(part)
             left -= len(part)
     except zstandard.ZstdError:
-        pass  # what came before the damage stands
+        pass  # what came before the damage is kept
     return b"".join(parts)
 
 
@@ -87,7 +89,7 @@ _NO_YAML = (yaml.YAMLError, ArithmeticError, LookupError, TypeError, AttributeEr
 def load_yaml(text: str | bytes) -> Any:
     """Return the value of a YAML text that a file carries: plain values of bounded depth.
 
-    Raises ValueError if it is none, exceeds the bounds, or uses aliases, with which a short text stands for a huge one.
+    Raises ValueError if it is none, exceeds the bounds, or uses aliases, with which a short text expands to a huge one.
     """
     check_yaml(text)
     try:
@@ -107,7 +109,7 @@ def check_yaml(text: str | bytes) -> None:
 
 
 def _no_yaml(error: Exception) -> ValueError:
-    return ValueError(f"it is no YAML: {' '.join(str(error).split())}")
+    return ValueError(f"it is not valid YAML: {' '.join(str(error).split())}")
 
 
 def _check_depth(text: str | bytes) -> None:

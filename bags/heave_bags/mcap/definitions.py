@@ -45,7 +45,7 @@ def _split(message_type: str) -> tuple[str, str]:
 
 
 def is_installed(message_type: str) -> bool:
-    """Tell whether an installed interface package defines `message_type`, `package/msg/Type`.
+    """Return whether an installed interface package defines `message_type`, `package/msg/Type`.
 
     To be asked before a type that a bag names is imported: a bag may name anything.
     """

@@ -15,15 +15,15 @@ from heave_bags.mcap.qos import OfferedQos
 
 METADATA_NAME = "metadata.yaml"
 METADATA_VERSION = 9
-"""The highest that today's readers outside of ROS take as well."""
+"""The highest that today's readers outside ROS accept as well."""
 
 STORAGE = "mcap"
 METADATA_RECORD = "rosbag2"
 METADATA_KEY = "serialized_metadata"
 METADATA_ROOT = "rosbag2_bagfile_information"
-"""The key of `metadata.yaml` below which everything stands. The record inside a file is without it."""
+"""The key of `metadata.yaml` that holds everything. The record inside a file is without it."""
 
-RECORDING_MARK = {"heave_recording": "under way"}
+RECORDING_MARK = {"heave_recording": "in progress"}
 """Custom data of a bag that is being written, or whose writer was stopped: its counts are those of a moment before."""
 
 RUN_RECORD = "heave_run"
@@ -210,7 +210,7 @@ def replace_metadata(bag: Path, text: bytes) -> None:
 
 
 def is_first_file(path: Path) -> bool:
-    """Tell whether the file `path` is the first of its bag, by its name."""
+    """Return whether the file `path` is the first of its bag, by its name."""
     return path.stem.endswith("_0")
 
 

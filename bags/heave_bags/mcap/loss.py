@@ -12,7 +12,7 @@ from pathlib import Path
 
 from heave_bags.errors import one_line
 
-NO_FOOTER = "the file has no index (its writer was stopped)"
+NO_FOOTER = "the file has no index (its writer did not finish)"
 MISSING = "messages are missing"
 
 
@@ -74,7 +74,7 @@ class LossAccount:
 
     @property
     def is_empty(self) -> bool:
-        """Tell whether nothing was noted."""
+        """Return whether nothing was noted."""
         return not self._losses
 
     def end_at(self, time: int) -> None:
@@ -97,12 +97,12 @@ class LossAccount:
             return self._adding_up_to(total, self._losses)
         before, behind = self._losses[: self._settled], self._losses[self._settled :]
         rest = self.in_gaps - sum(loss.messages or 0 for loss in before)
-        if rest > 0:  # what came behind the last message nobody knows, and no gap tells of it
+        if rest > 0:  # what came after the last message is unknown, and no gap shows it
             before = self._adding_up_to(self.in_gaps, before)
         return [*before, *behind]
 
     def _adding_up_to(self, total: int, losses: list[Loss]) -> list[Loss]:
-        """Return the losses with numbers that add up to `total`; those that cannot be told apart are put together."""
+        """Return the losses with numbers that add up to `total`; those that cannot be told apart are merged."""
         unknown = [loss for loss in losses if loss.messages is None]
         rest = total - sum(loss.messages or 0 for loss in losses)
         if rest == 0 or (rest > 0 and len(unknown) == 1):
@@ -123,6 +123,6 @@ def _joined(losses: list[Loss], messages: int) -> Loss:
     is_known = len(starts) == len(ends) == len(losses)
     reason = first.reason
     if len(losses) > 1:
-        reason += f", and {len(losses) - 1} more places up to byte {losses[-1].position}, the first"
+        reason += f", and {len(losses) - 1} more places up to byte {losses[-1].position}; the first"
     start, end = (min(starts), max(ends)) if is_known else (None, None)
     return Loss(first.file, first.position, reason, start, end, max(messages, 0))

@@ -20,7 +20,7 @@ _SECOND = 1_000_000_000
 class OfferedQos:
     """See rmw_qos_profile_t, whose names these are: what a publisher offers.
 
-    Durations in nanoseconds, INFINITE where none is asked for.
+    Durations in nanoseconds, INFINITE where none is requested.
     """
 
     history: str = "keep_last"

@@ -182,10 +182,10 @@ class Bag:
             return matches[0]
         if matches:
             raise BagError(f"{self.path}: {topic} could be {' or '.join(matches)}")
-        raise BagError(f"{self.path}: there is no topic {topic}; it has {', '.join(self.topics) or 'none'}")
+        raise BagError(f"{self.path}: no topic {topic}; it has {', '.join(self.topics) or 'none'}")
 
     def has(self, topic: str) -> bool:
-        """Tell whether the bag has messages on a topic."""
+        """Return whether the bag has messages on a topic."""
         try:
             return self.topics[self.resolve(topic)].message_count > 0
         except BagError:
@@ -228,7 +228,7 @@ class Bag:
         end: int = LATEST_TIME,
         progress: Progress = no_progress,
     ) -> Iterator[RawMessage]:
-        """Yield messages in the order of the bag, one file behind the other.
+        """Yield messages in the order of the bag, file by file.
 
         Parameters
         ----------
@@ -495,10 +495,10 @@ def _find_files(path: Path) -> list[Path]:
     if path.is_file():
         return [path]
     if not path.is_dir():
-        raise BagError(f"{path}: there is no such bag")
+        raise BagError(f"{path}: no such bag")
     files = sorted_files([found for found in path.glob("*.mcap") if found.is_file()])
     if not files:
-        kind = "another storage than MCAP" if list(path.glob("*.db3")) else "no MCAP file"
+        kind = "storage other than MCAP" if list(path.glob("*.db3")) else "no MCAP file"
         raise BagError(f"{path}: this folder holds {kind}")
     return files
 

@@ -86,7 +86,7 @@ class Record(NamedTuple):
 
     @property
     def end(self) -> int:
-        """Position behind the record."""
+        """Position after the record."""
         return self.body + self.length
 
 
@@ -133,7 +133,7 @@ class RecordFile:
             return None
         if true_length == length:
             return stated
-        repaired = Record(opcode, position, true_length)  # a damaged length is told by what follows the true one
+        repaired = Record(opcode, position, true_length)  # a damaged length shows by what follows the true one
         return repaired if repaired.end < self.size and self._begins_record(repaired.end) else None
 
     def record_of_stated_length(self, position: int) -> Record | None:
@@ -164,7 +164,7 @@ class RecordFile:
         return None
 
     def _sum(self, start: int, size: int, parts: str, rest: int = 0) -> int | None:
-        """Return the length of a body of `size` bytes, the parts behind them, and `rest` bytes."""
+        """Return the length of a body of `size` bytes, the parts after them, and `rest` bytes."""
         position = start + size
         for part in parts:
             form = _LONG_LENGTH if part == "B" else _LENGTH
@@ -199,6 +199,6 @@ def split_chunk(body: bytes) -> tuple[int, int, int, int, str, memoryview]:
     (length,) = _LENGTH.unpack_from(body, CHUNK_HEAD.size)
     name_at = CHUNK_HEAD.size + _LENGTH.size
     if length > len(body):
-        raise ValueError("the name of its compression is cut off")
+        raise ValueError("the name of its compression is truncated")
     name = body[name_at : name_at + length].decode("ascii")
     return start, end, size, checksum, name, memoryview(body)[name_at + length + _LONG_LENGTH.size :]

@@ -30,15 +30,15 @@ class Repaired:
     losses: tuple[Loss, ...]
 
     def __str__(self) -> str:
-        lines = [f"{self.folder}: {self.messages} messages saved"]
+        lines = [f"{self.folder}: {self.messages} messages recovered"]
         return "\n".join([*lines, *(str(loss) for loss in self.losses)])
 
 
 def repair(source: str | Path, output: str | Path, *, progress: Progress = no_progress) -> Repaired:
     """Write everything of a bag that can be read to a new, sound and indexed one; the source stays as it is.
 
-    Messages keep their bytes, times and order. `progress` is told how far it is. Raises BagError if there is no bag at
-    `source` or `output` exists.
+    Messages keep their bytes, times and order. `progress` is called with the share done. Raises BagError if there is no
+    bag at `source` or `output` exists.
     """
     bag = Bag(source)
     attachments = [Attachment(name, found.media_type, found.data) for name, found in bag.attached.items()]
@@ -56,18 +56,18 @@ def repair(source: str | Path, output: str | Path, *, progress: Progress = no_pr
 
 
 def reindex(folder: str | Path) -> Bag:
-    """Write `metadata.yaml` of a bag anew from its files; return the bag.
+    """Write `metadata.yaml` of a bag again from its files; return the bag.
 
-    Raises BagError if `folder` is no folder of a bag, or if a file in it is damaged or of an earlier version of this
+    Raises BagError if `folder` is not a bag folder, or if a file in it is damaged or of an earlier version of this
     project: `ros2 bag` could not open it, what `repair` makes of it can be opened.
     """
     bag = Bag(folder)
     if not bag.path.is_dir():
-        raise BagError(f"{bag.path}: only the folder of a bag has a metadata.yaml")
+        raise BagError(f"{bag.path}: only a bag folder has a metadata.yaml")
     summary = summary_of(bag)
     if bag.losses:
         raise BagError(f"{bag.losses[0]}; repair the bag instead")
     if any(name == METADATA_RECORD and METADATA_ROOT in values.get(METADATA_KEY, "") for name, values in bag.metadata):
-        raise BagError(f"{bag.path}: ros2 bag cannot play what an earlier version wrote; repair the bag instead")
+        raise BagError(f"{bag.path}: ros2 bag cannot play a bag written by an earlier version; repair the bag instead")
     write_metadata(bag.path, summary)
     return bag

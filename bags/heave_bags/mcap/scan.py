@@ -1,4 +1,4 @@
-"""Reads one MCAP file from front to back, whatever state it is in, and says what could not be read.
+"""Reads one MCAP file from front to back, whatever state it is in, and reports what could not be read.
 
 No index is needed: a file whose writer was killed reads to its end, and damage costs the records it hit. Every loss
 is named by its place, its span of time and, where it can be known, the number of its messages.
@@ -123,7 +123,7 @@ class McapScan:
         """Yield the messages in the order of the file. Raises BagError if the file is not MCAP or cannot be opened."""
         with RecordFile(self.path) as file:
             if file.read(0, len(MAGIC)) != MAGIC:
-                raise BagError(f"{self.path}: this is not an MCAP file")
+                raise BagError(f"{self.path}: not an MCAP file")
             self._take_summary(read_summary(file))
             yield from self._records(file)
         self._settle()
@@ -211,7 +211,7 @@ class McapScan:
         elif self._summary is None and not has_interim_ending(file, record.end):
             self._lose(record.position, "a damaged summary", 0)
         elif self._is_whole and self._account.is_empty and checksum not in (0, _checksum(file, record.position)):
-            self._lose(0, "data other than messages was altered (the checksum of the file does not match)", 0)
+            self._lose(0, "data other than messages has changed (the file's checksum does not match)", 0)
 
     def _journalled(self, file: RecordFile, position: int) -> Iterator[Message]:
         """Read the journal of what was to follow at `position`, or at the end of a damaged file."""
@@ -225,7 +225,7 @@ class McapScan:
             self._lose(position, NO_FOOTER, 0)
 
     def _cut_off(self, file: RecordFile, record: Record) -> Iterator[Message]:
-        """Read what is there of the last record; a compressed chunk gives the blocks that are whole."""
+        """Read what exists of the last record; a compressed chunk gives the blocks that are whole."""
         self._settle_lost_chunk()
         journal = read_journal(self.path)
         if journal is not None and journal.position == record.position:
@@ -254,14 +254,14 @@ class McapScan:
             _, _, size, checksum, compression, packed = split_chunk(body)
             records = unpack(compression, packed, size)
             if checksum and zlib.crc32(records) != checksum:
-                raise ValueError("its checksum is wrong")
+                raise ValueError("its checksum does not match")
         except DAMAGED_CHUNK as error:
             self._lose_chunk(body, position, " ".join(str(error).split()) or "unreadable")
             return
         yield from self._walk(records, position)
 
     def _lies_outside(self, body: bytes, position: int) -> bool:
-        """Tell whether a chunk lies outside of the wanted times, by its own head and by the summary."""
+        """Return whether a chunk lies outside of the wanted times, by its own head and by the summary."""
         if self._is_whole or self._summary is None:
             return False
         first, last = struct.unpack_from("<QQ", body)
@@ -304,10 +304,10 @@ class McapScan:
         if repeated:
             self._lose(position, f"{repeated} duplicate messages", 0)
         if undefined:
-            self._lose(position, "messages of an undefined channel or with an impossible time", undefined)
+            self._lose(position, "messages with an undefined channel or an impossible time", undefined)
 
     def _is_repeated(self, channel: int, sequence: int) -> bool:
-        """Tell whether a message was read before, and count those that are missing before it."""
+        """Return whether a message was read before, and count those that are missing before it."""
         if not sequence:  # numbers begin with 1: these messages have none
             self._is_numbered = False
             return False
@@ -322,11 +322,11 @@ class McapScan:
         return False
 
     def _take(self, opcode: int, body: bytes, position: int) -> None:
-        """Take a record that is no message."""
+        """Take a record that is not a message."""
         try:
             record = parse(opcode, body)
         except UNPARSEABLE as error:
-            self._lose(position, f"a record of kind {opcode} is broken ({' '.join(str(error).split())})", 0)
+            self._lose(position, f"a record of kind {opcode} is corrupt ({' '.join(str(error).split())})", 0)
             return
         if isinstance(record, Schema):
             self.contents.schemas[record.id] = record
@@ -355,7 +355,7 @@ class McapScan:
         self._account.add(position, reason, messages, start, end)
 
     def _lose_chunk(self, body: bytes, position: int, error: str) -> None:
-        """Note a chunk that cannot be unpacked; the message indexes behind it say how many messages it had."""
+        """Note a chunk that cannot be unpacked; the message indexes after it say how many messages it had."""
         start, end = struct.unpack_from("<QQ", body) if len(body) >= CHUNK_HEAD.size else (1, 0)
         is_possible = max(self._last_time or 0, 0) <= start <= end <= LATEST_TIME
         span = (start, end) if is_possible else (None, None)
@@ -372,7 +372,7 @@ class McapScan:
         self._has_lost_chunk = False
 
     def _settle(self) -> None:
-        """Say what the pass has lost, once its end was reached."""
+        """Report what the pass has lost, once it has reached the end."""
         self._settle_lost_chunk()
         read = sum(self.counts.values())
         expected = self._expected if self._expected is not None else count_in_record(self.contents.metadata)
@@ -389,7 +389,7 @@ def attachment_problem(attachment: Attachment, body: bytes, before: Sequence[Att
     if checksum and zlib.crc32(memoryview(body)[:-4]) != checksum:
         return f"the attachment {attachment.name} is damaged"
     if sum(len(other.data) for other in before) + len(attachment.data) > LARGEST_RECORD:
-        return f"the attachment {attachment.name} is left out: {LARGEST_RECORD} bytes of attachments are read at most"
+        return f"the attachment {attachment.name} is skipped: at most {LARGEST_RECORD} bytes of attachments are read"
     return ""
 
 

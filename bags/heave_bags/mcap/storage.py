@@ -2,8 +2,8 @@
 loses nothing acknowledged.
 
 `DirectStorage` writes at once, and a slow disk holds up its caller: right in lockstep, where the run waits.
-`BackgroundStorage` writes in a thread: right in real time, where nobody may wait; what it has not yet written is
-bounded, and what does not fit is refused and told.
+`BackgroundStorage` writes in a thread: right in real time, where nothing may wait; what it has not yet written is
+bounded, and what does not fit is refused and reported.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ class Storage(Protocol):
     def write(self, data: bytes, /) -> object:
         """Append `data` to the file, which ends properly after each piece, so that every reader opens it at any time.
 
-        Raises StorageError where the disk refuses; the file then ends with the last whole piece.
+        Raises StorageError if the write fails; the file then ends with the last whole piece.
         """
         ...
 
@@ -47,7 +47,7 @@ class Storage(Protocol):
         ...
 
     def describe(self, text: bytes) -> object:
-        """Make `text` the `metadata.yaml` beside the file. Raises StorageError where the disk refuses."""
+        """Make `text` the `metadata.yaml` beside the file. Raises StorageError if the write fails."""
         ...
 
     def acknowledge(self, pending: bytes) -> None:
@@ -69,7 +69,7 @@ def journal_path(path: Path) -> Path:
 
 @dataclass(frozen=True)
 class Journal:
-    """What was acknowledged behind byte `position` of a file: records, which may end in the midst of one."""
+    """What was acknowledged after byte `position` of a file: records, which may end in the middle of one."""
 
     position: int
     records: bytes
@@ -89,7 +89,7 @@ def read_journal(path: Path) -> Journal | None:
 
 
 def _write_all(descriptor: int, data: bytes, position: int | None = None) -> None:
-    """Write at a position of a file, or where it stands."""
+    """Write at a position of a file, or at its current one."""
     view = memoryview(data)
     while view:
         if position is None:
@@ -116,10 +116,10 @@ class DirectStorage:
             if journal:
                 self._journal = os.open(journal_path(path), os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o644)
         except OSError as error:
-            raise StorageError(f"{path}: cannot be made: {error.strerror}") from error
+            raise StorageError(f"{path}: cannot be created: {error.strerror}") from error
 
     def write(self, data: bytes, /) -> None:
-        """See Storage: all or nothing; the journal begins anew."""
+        """See Storage: all or nothing; the journal starts again."""
         self._append(data, self._ending)
         self._restart_journal()
 
@@ -128,7 +128,7 @@ class DirectStorage:
         self._append(data, b"")
 
     def _append(self, data: bytes, ending: bytes) -> None:
-        """Write in the place of the interim ending, with another behind it."""
+        """Write in place of the interim ending, followed by a new one."""
         try:
             _write_all(self._file, data + ending, self._size)
         except OSError as error:
@@ -139,7 +139,7 @@ class DirectStorage:
     def _undo(self) -> None:
         """Cut off a piece that was written in part; what ended the file before it ends it again."""
         ending = self._ending if self._size else b""
-        with suppress(OSError):  # a disk so full that it does not even take again what it had
+        with suppress(OSError):  # a disk so full that it does not even accept again what it had
             _write_all(self._file, ending, self._size)
             os.ftruncate(self._file, self._size + len(ending))
             return
@@ -185,7 +185,7 @@ def _refusal(path: Path, error: OSError) -> str:
 
 
 class BackgroundStorage:
-    """Hands everything to another storage in a thread, in order.
+    """Passes everything to another storage in a thread, in order.
 
     `write` and `acknowledge` return at once. What goes wrong in the thread is raised by the next call. Raises
     StorageError where more than `limit` bytes wait.
@@ -224,7 +224,7 @@ class BackgroundStorage:
             if self._error is not None:
                 raise self._error
             if self.backlog + len(data) > self._limit:
-                raise StorageError(f"the disk is too slow: {self.backlog / 1e6:.1f} MB wait to be written")
+                raise StorageError(f"the disk is too slow: {self.backlog / 1e6:.1f} MB are waiting to be written")
             self._queue.append((work, data))
             self.backlog += len(data)
             self._waiting.notify()

@@ -49,12 +49,12 @@ class Summary:
 
 
 def ends_properly(file: RecordFile) -> bool:
-    """Tell whether a file ends as every completed MCAP file does."""
+    """Return whether a file ends as every completed MCAP file does."""
     return file.size >= _ENDING and file.read(file.size - len(MAGIC), len(MAGIC)) == MAGIC
 
 
 def has_interim_ending(file: RecordFile, data_end: int) -> bool:
-    """Tell whether a `file` that ends properly has but a footer without a summary behind its data.
+    """Return whether a `file` that ends properly has but a footer without a summary after its data.
 
     `data_end` is where they end [bytes]. So end files that are being written, and those whose writer was stopped.
     """
@@ -70,7 +70,7 @@ def interim_ending() -> bytes:
 def read_summary(file: RecordFile) -> Summary | None:
     """Return the summary of a file; None if it has none, or one whose checksum is wrong.
 
-    Where the footer points elsewhere, since bytes before it were lost or put in, it is looked for behind the data.
+    Where the footer points elsewhere, since bytes before it were lost or put in, it is searched for after the data.
     """
     if not ends_properly(file):
         return None

@@ -78,7 +78,7 @@ class ChunkPolicy:
 
     def __post_init__(self) -> None:
         if self.compression not in COMPRESSIONS:
-            raise ValueError(f"compression {self.compression!r} is not known: it must be zstd, lz4 or empty for none")
+            raise ValueError(f"compression {self.compression!r} is unknown: it must be zstd, lz4 or empty for none")
 
 
 @dataclass
@@ -108,7 +108,7 @@ def _encode(record: McapRecord) -> bytes:
 class McapWriter:
     """Writes one MCAP file to a `sink`; `finish` completes it. Not thread-safe.
 
-    Schemas and channels stand in the chunk that needs them first and once more in the chunk behind it, so that no
+    Schemas and channels are in the chunk that needs them first and again in the chunk after it, so that no
     single damage takes them from a file that has no summary yet. `profile` is written to the header; `chunks` says when
     a chunk is full and how it is compressed.
     """

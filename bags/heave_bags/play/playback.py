@@ -18,7 +18,7 @@ from heave_bags.mcap.reader import Bag, RawMessage
 _SORTED_AHEAD = 512
 _SORTED_BYTES = 32 << 20
 AT_ONCE = 2000
-"""Messages that are handed out at once at most; what else is due follows with the next look."""
+"""Largest number of messages returned at once; the rest follows with the next call."""
 _AT_ONCE_BYTES = 8 << 20
 LAST_TIME = ((1 << 31) - 1) * 1_000_000_000
 """The last time that ROS messages can hold [ns]: in the year 2038."""
@@ -33,7 +33,7 @@ class PlaybackOptions:
     ----------
     rate : bag time per wall time
     start, duration : part of the bag that is played, from its beginning [s]; a duration of infinity plays to the end
-    loop : begin again at the end
+    loop : start again at the end
     paused : wait for `resume` or `step` before the first message
     topics, exclude : patterns of topics to play and to leave out; no `topics` means all
     nodes : only topics that these nodes published; none means all
@@ -54,7 +54,7 @@ class PlaybackOptions:
         if not (math.isfinite(self.rate) and self.rate > 0.0):
             raise BagError(f"rate {self.rate:g} is not allowed: it must be a number above 0")
         if not (self.start >= 0.0 and self.duration > 0.0):
-            raise BagError(f"start {self.start:g} s and duration {self.duration:g} s must not be negative or empty")
+            raise BagError(f"start {self.start:g} s and duration {self.duration:g} s must not be negative")
 
 
 def publisher_of(bag: Bag, topic: str) -> tuple[str, ...]:
@@ -77,10 +77,10 @@ def selected_topics(bag: Bag, options: PlaybackOptions) -> list[str]:
     """
     for pattern in options.topics:
         if not any(_fits(topic, pattern) for topic in bag.topics):
-            raise BagError(f"{bag.path}: no topic is like {pattern}; it has {', '.join(bag.topics)}")
+            raise BagError(f"{bag.path}: no topic matches {pattern}; it has {', '.join(bag.topics)}")
     for node in options.nodes:
         if not any(node in publisher_of(bag, topic) for topic in bag.topics):
-            raise BagError(f"{bag.path}: nothing in it was published by {node}")
+            raise BagError(f"{bag.path}: no message in it was published by {node}")
     chosen = [
         topic
         for topic in bag.topics
@@ -132,10 +132,10 @@ class Playback:
         self._options = options
         self.topics = selected_topics(bag, options)
         if bag.end_time > LAST_TIME:
-            raise BagError(f"{bag.path}: its times lie beyond the year 2038, which ROS messages cannot represent")
+            raise BagError(f"{bag.path}: its times are after 2038, which ROS messages cannot represent")
         self._first = bag.start_time + round(options.start * _SECOND)
         if self._first > bag.end_time:
-            raise BagError(f"{bag.path}: start {options.start:g} s lies behind its end, {bag.duration:.3f} s")
+            raise BagError(f"{bag.path}: start {options.start:g} s is after its end,  {bag.duration:.3f} s")
         whole = bag.end_time - self._first
         part = round(options.duration * _SECOND) if math.isfinite(options.duration) else whole
         self._last = self._first + min(part, whole)

@@ -90,10 +90,10 @@ class Player(Node):
         except (ImportError, AttributeError):
             self._leave_out(topic.name, f"{topic.type} cannot be loaded here")
         except (InvalidTopicNameException, InvalidNamespaceException):
-            self._leave_out(topic.name, f"{outlet!r} is not the name of a topic")
+            self._leave_out(topic.name, f"{outlet!r} is not a topic name")
 
     def _leave_out(self, name: str, reason: str) -> None:
-        self.left_out[name] = one_line(f"{name} is left out: {reason}")
+        self.left_out[name] = one_line(f"{name} is skipped: {reason}")
         self.get_logger().warning(self.left_out[name])
 
     def _play(self) -> None:
@@ -128,7 +128,7 @@ class Player(Node):
             response.success, response.message = False, f"rate {request.rate:g} is not allowed: it must be above 0"
             return response
         if request.step and not request.paused:
-            response.success, response.message = False, "stepping needs paused: true"
+            response.success, response.message = False, "stepping requires paused: true"
             return response
         playback.paused = request.paused
         if request.rate > 0.0:

@@ -19,14 +19,20 @@ DISCOVERY_TIME = 1.0
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the player's options to the `parser` of a command."""
     parser.add_argument("bag", type=Path, help="folder of the bag, or one MCAP file")
-    parser.add_argument("--rate", type=float, default=1.0, help="bag time per wall time (default 1)")
-    parser.add_argument("--start", type=float, default=0.0, metavar="S", help="begin S seconds into the bag")
+    parser.add_argument("--rate", type=float, default=1.0, help="playback speed relative to wall time (default 1)")
+    parser.add_argument("--start", type=float, default=0.0, metavar="S", help="start S seconds into the bag")
     parser.add_argument("--duration", type=float, default=math.inf, metavar="S", help="play S seconds of the bag")
-    parser.add_argument("--loop", action="store_true", help="begin again at the end")
-    parser.add_argument("--paused", action="store_true", help="wait for the service player/control")
-    parser.add_argument("--topics", nargs="+", default=[], metavar="TOPIC", help="play only these (patterns)")
-    parser.add_argument("--exclude", nargs="+", default=[], metavar="TOPIC", help="leave these out (patterns)")
-    parser.add_argument("--nodes", nargs="+", default=[], metavar="NODE", help="play only what these nodes published")
+    parser.add_argument("--loop", action="store_true", help="start again at the end")
+    parser.add_argument("--paused", action="store_true", help="start paused, until the service player/control resumes")
+    parser.add_argument(
+        "--topics", nargs="+", default=[], metavar="TOPIC", help="play only topics that match these patterns"
+    )
+    parser.add_argument(
+        "--exclude", nargs="+", default=[], metavar="TOPIC", help="skip topics that match these patterns"
+    )
+    parser.add_argument(
+        "--nodes", nargs="+", default=[], metavar="NODE", help="play only topics published by these nodes"
+    )
     parser.add_argument("--remap", nargs="+", default=[], metavar="OLD:=NEW", help="publish OLD as NEW")
     parser.add_argument(
         "--delay", type=float, default=DISCOVERY_TIME, metavar="S", help="wait S seconds for subscribers"

@@ -26,7 +26,7 @@ from heave_bags.signals import Signal
 MOTIONS = ("surge", "sway", "heave", "roll", "pitch")
 EULER_PARTS = ("roll", "pitch", "yaw")
 LONGEST_GAP = 2.0
-"""A longer time without a sample is no record to interpolate [s]."""
+"""A longer time without a sample cannot be interpolated [s]."""
 DEFAULT_CUT_OFF = 2.0 * math.pi / 40.0
 """Motion slower than this is taken out when acceleration is integrated [rad/s]: no sea is slower."""
 
@@ -91,20 +91,20 @@ def read_mapping(path: Path) -> SeaMapping:
     except (OSError, ValueError) as error:
         raise BagError(f"{path}: cannot be read as a mapping: {' '.join(str(error).split())}") from error
     if not isinstance(content, dict):
-        raise BagError(f"{path}: a mapping names heave and where it is found")
+        raise BagError(f"{path}: a mapping must name heave and where it is found")
     entries = dict(content)
     channels = {name: _channel(path, name, entries.pop(name)) for name in MOTIONS if name in entries}
     if "heave" not in channels:
-        raise BagError(f"{path}: heave is missing: say its topic and field, or its column")
+        raise BagError(f"{path}: heave is missing: give its topic and field, or its column")
     known = ("lever_arm", "time_column", "time_scale", "rate")
     unknown = sorted(set(entries) - set(known))
     if unknown:
-        raise BagError(f"{path}: there is no entry {unknown[0]}; known: {', '.join((*MOTIONS, *known))}")
+        raise BagError(f"{path}: unknown entry {unknown[0]}; known: {', '.join((*MOTIONS, *known))}")
     try:
         arm = tuple(float(value) for value in entries.pop("lever_arm", (0.0, 0.0, 0.0)))
         mapping = SeaMapping(channels, arm, **entries)  # type: ignore[arg-type]
         if len(arm) != 3 or not mapping.rate > 0.0:
-            raise ValueError("lever_arm has three numbers, rate is above 0")
+            raise ValueError("lever_arm must have three numbers, rate must be above 0")
     except (TypeError, ValueError) as error:
         raise BagError(f"{path}: {error}") from error
     return mapping
@@ -112,12 +112,12 @@ def read_mapping(path: Path) -> SeaMapping:
 
 def _channel(path: Path, name: str, entry: Any) -> Channel:
     if not isinstance(entry, dict):
-        raise BagError(f"{path}: {name} must say topic and field, or column")
+        raise BagError(f"{path}: {name} must give topic and field, or column")
     try:
         channel = Channel(**entry)
     except TypeError:
         known = ", ".join(Channel.__dataclass_fields__)
-        raise BagError(f"{path}: {name} has an entry that is not known; known: {known}") from None
+        raise BagError(f"{path}: {name} has an unknown entry; known: {known}") from None
     if bool(channel.topic) == bool(channel.column):
         raise BagError(f"{path}: {name} needs either a topic or a column")
     if channel.part and channel.part not in EULER_PARTS:
@@ -151,7 +151,7 @@ def mapping_for_topic(bag: Bag, topic: str) -> SeaMapping:
         "sensor_msgs/msg/Imu": Channel(topic=name, field="linear_acceleration.z", acceleration=True),
     }
     if kind not in heaves:
-        raise BagError(f"{bag.path}: {name} is {kind}, which is no motion by itself: write a mapping file")
+        raise BagError(f"{bag.path}: {name} is {kind}, which is not a motion by itself: write a mapping file")
     return SeaMapping({"heave": heaves[kind]})
 
 
@@ -241,16 +241,16 @@ def _csv_signals(source: Path, mapping: SeaMapping) -> dict[str, Signal]:
     wanted = {"time": mapping.time_column, **{name: channel.column for name, channel in mapping.channels.items()}}
     for name, column in wanted.items():
         if column not in header:
-            raise BagError(f"{source}: there is no column {column!r} for {name}; it has {', '.join(header)}")
+            raise BagError(f"{source}: no column {column!r} for {name}; it has {', '.join(header)}")
     numbers = np.array([[_number(row, header.index(column)) for column in wanted.values()] for row in rows[1:]])
     if not numbers.size:
-        raise BagError(f"{source}: has a header and no rows")
+        raise BagError(f"{source}: has a header but no rows")
     time = numbers[:, 0] * mapping.time_scale
     return {name: Signal(time, numbers[:, index]) for index, name in enumerate(mapping.channels, start=1)}
 
 
 def _number(row: Sequence[str], index: int) -> float:
-    """Return a cell as a number; what is none is NaN, and is left out and counted."""
+    """Return a cell as a number; anything else is NaN, and is skipped and counted."""
     try:
         return float(row[index])
     except (ValueError, IndexError):
@@ -265,7 +265,7 @@ def _checked(source: Path, name: str, signal: Signal, notes: list[str]) -> Signa
         later[1:] = time[1:] > np.maximum.accumulate(time)[:-1]
     left_out = signal.size - int(later.sum())
     if left_out:
-        notes.append(f"{name}: {left_out} samples that are no numbers or not later than the one before left out")
+        notes.append(f"{name}: {left_out} samples that are not numbers or not later than their predecessor skipped")
     time, value = time[later], value[later]
     if time.size < 10:
         raise BagError(f"{source}: {name} has {time.size} usable samples, 10 are needed")

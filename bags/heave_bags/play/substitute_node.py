@@ -1,8 +1,8 @@
 """A bag in the place of a node: plays what the node published, tick by tick, while the others run live.
 
-It takes part in the tick protocol in the node's name, so that the others cannot tell. In the place of the clock
+It takes part in the tick protocol in the node's name, so that the others see no difference. In the place of the clock
 master it steps the run. Messages go out in the tick in which they were published; the same sea through the same
-scenario gives the same run, whoever recorded it.
+scenario gives the same run, whatever recorded it.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ MASTER = topics.CLOCK.publisher
 
 @dataclass(frozen=True)
 class SubstituteParameters:
-    """Which bag is played in whose place."""
+    """Which bag is played in place of which node."""
 
     bag: str = parameter("", unit="", description="The bag.")
     bag_start: float = parameter(
@@ -41,7 +41,7 @@ class SubstituteParameters:
         unit="s",
         minimum=0.0,
         maximum=1e9,
-        description="Time of the bag that becomes time 0 of the run, in whole ticks; stamps are moved with it.",
+        description="Bag time that becomes time 0 of the run, in whole ticks; stamps are shifted with it.",
     )
 
 
@@ -60,7 +60,7 @@ class Substitute(HeaveNode):
             raise NodeError(str(error)) from error
         if self.player.last_tick < self.run.tick_count:
             available = self.player.last_tick * self.run.tick_period
-            raise NodeError(f"{bag.path}: it has {available:g} s to play, the run lasts {self.run.duration:g} s")
+            raise NodeError(f"{bag.path}: it has {available:g} s to play, but the run lasts {self.run.duration:g} s")
         self.played: dict[str, Output] = {}
         for name in self.player.topics:
             wanted = self.player.name_in_run(name)
@@ -81,7 +81,7 @@ class Substitute(HeaveNode):
             self.played.get(name, self._diagnostics).publish(data)
 
     def publish_diagnostics(self, tick: Tick) -> None:
-        """Say nothing of `tick`: the diagnostics of the bag are the node's."""
+        """Report nothing in `tick`: the diagnostics are those in the bag."""
 
 
 class SubstituteParticipant(Substitute, ParticipantNode):
@@ -121,7 +121,7 @@ def command(node: str, bag: Path, start: float = 0.0) -> list[str]:
 def main() -> None:
     """Run the substitute of the node named on the command line."""
     parser = argparse.ArgumentParser(prog="substitute", description=__doc__)
-    parser.add_argument("node", help="name of the node that is replaced, such as wave_vessel")
+    parser.add_argument("node", help="name of the node to replace, such as wave_vessel")
     arguments, rest = parser.parse_known_args()
     sys.exit(run_node(substitute_type(arguments.node), [sys.argv[0], *rest]))
 

@@ -1,4 +1,4 @@
-"""The messages that a node published, tick by tick, from a bag of whoever recorded it.
+"""The messages that a node published, tick by tick, from a bag by any recorder.
 
 The suite's recorder writes the tick of a lockstep run as log time. Every other recorder writes the time of arrival, by
 one clock or another, which may lie up to a tick before the stamp: there the stamps say in which tick a message belongs,
@@ -42,7 +42,7 @@ _SECOND = 1_000_000_000
 
 
 def has_stamp(message: RawMessage) -> bool:
-    """Tell whether the stamp of a message with a header is set."""
+    """Return whether the stamp of a message with a header is set."""
     return len(message.data) >= _STAMP_END and message.data[4:_STAMP_END] != bytes(8)
 
 
@@ -69,7 +69,7 @@ class TickPlayer:
         self.namespace = _namespace_of(bag, published)
         self.topics = [name for name in published if self.name_in_run(name) != topics.CLOCK.name]
         if not self.topics:
-            raise BagError(f"{bag.path}: nothing in it was published by {node}")
+            raise BagError(f"{bag.path}: no message in it was published by {node}")
         self._bag = bag
         self._node = node
         self._period = period
@@ -101,12 +101,12 @@ class TickPlayer:
             is_other = True
         if is_other:
             raise BagError(
-                f"{self._bag.path}: it was recorded with a tick of {recorded} s, "
-                f"the run has one of {self._period * 1e-9:g} s"
+                f"{self._bag.path}: it was recorded with a tick of {recorded} s, but that "
+                f"of the run is {self._period * 1e-9:g} s"
             )
         if self._shift % self._period:
             raise BagError(
-                f"bag_start {self._shift * 1e-9:g} s is no whole number of ticks of {self._period * 1e-9:g} s"
+                f"bag_start {self._shift * 1e-9:g} s is not a whole number of ticks of {self._period * 1e-9:g} s"
             )
 
     def restart(self) -> None:

@@ -1,1 +1,1 @@
-"""Recording: the recorder of a run and the one on its own."""
+"""Recording: the recorder of a run and the stand-alone one."""

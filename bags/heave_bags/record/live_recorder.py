@@ -1,4 +1,4 @@
-"""A recorder on its own: every topic that appears, on a ship or beside any other program, without the tick protocol.
+"""A stand-alone recorder: every topic that appears, on a ship or beside any other program, without the tick protocol.
 
 Messages get the time of their arrival, by the host's clock or by `/clock` where `use_sim_time` is on.
 """
@@ -41,7 +41,7 @@ DIAGNOSTICS_PERIOD = 1.0
 
 
 class LiveRecorder(Node):
-    """Records whatever is published. `finished` completes when it is told to end."""
+    """Records whatever is published. `finished` completes when it is asked to end."""
 
     def __init__(self) -> None:
         super().__init__("recorder", automatically_declare_parameters_from_overrides=True)
@@ -102,7 +102,7 @@ class LiveRecorder(Node):
         return take
 
     def health(self) -> Health:
-        """Tell what is recorded and what is not."""
+        """Report what is recorded and what is not."""
         state = self.session.state
         values = {"written": str(state.written), "not_written": str(state.unwritten)}
         problems = [*state.problems, *self.watch.unreadable.values()]

@@ -15,7 +15,7 @@ from rclpy.task import Future
 
 
 class ParameterSurvey:
-    """Collects the parameters of nodes, asking through `node`; who does not answer is left out."""
+    """Collects the parameters of nodes, asking through `node`; a node that does not answer is left out."""
 
     def __init__(self, node: Node) -> None:
         self._node = node
@@ -55,7 +55,7 @@ class ParameterSurvey:
 
     @property
     def is_empty(self) -> bool:
-        """Tell whether no node has answered."""
+        """Return whether no node has answered."""
         return not any(self._values.values())
 
 

@@ -19,17 +19,17 @@ class RecorderParameters:
     directory: str = parameter("bag", unit="", description="Folder of the bag; it must not exist yet.")
     scenario: str = parameter("", unit="", description="Name of the scenario, for the bag's metadata.")
     scenario_file: str = parameter("", unit="", description="Parameter file of the run, carried in the bag.")
-    record: bool = parameter(True, unit="", description="Record from the start; false waits for the service start.")
+    record: bool = parameter(True, unit="", description="Start recording at once; false waits for the service start.")
     snapshot_duration: float = parameter(
-        0.0, unit="s", minimum=0.0, maximum=86400.0, description="Past kept in memory for snapshots; 0: none."
+        0.0, unit="s", minimum=0.0, maximum=86400.0, description="Time span kept in memory for snapshots; 0: none."
     )
     snapshot_size: int = parameter(
-        256 << 20, unit="byte", minimum=1 << 20, maximum=1 << 36, description="Memory that the past may take."
+        256 << 20, unit="byte", minimum=1 << 20, maximum=1 << 36, description="Memory for snapshots."
     )
     exclude: tuple[str, ...] = parameter(
         ("/rosout", "/parameter_events", "*/transition_event"),
         unit="",
-        description="Patterns of topics that are not recorded. These three carry wall-clock times.",
+        description="Patterns of topics not to record. The defaults carry wall-clock times.",
     )
     compression: str = parameter(
         "zstd",
@@ -38,16 +38,16 @@ class RecorderParameters:
         description="Compression of chunks.",
     )
     chunk_size: int = parameter(
-        192 * 1024, unit="byte", minimum=1024, maximum=1 << 25, description="A chunk closes at this size."
+        192 * 1024, unit="byte", minimum=1024, maximum=1 << 25, description="Size at which a chunk is closed."
     )
     chunk_span: float = parameter(
-        2.0, unit="s", minimum=0.01, maximum=3600.0, description="A chunk closes when it covers this time."
+        2.0, unit="s", minimum=0.01, maximum=3600.0, description="Time span at which a chunk is closed."
     )
     split_size: int = parameter(
-        0, unit="byte", minimum=0, maximum=1 << 50, description="A new file begins at this size; 0: never."
+        0, unit="byte", minimum=0, maximum=1 << 50, description="Size at which a new file is started; 0: never."
     )
     split_duration: float = parameter(
-        0.0, unit="s", minimum=0.0, maximum=1e9, description="A new file begins after this time; 0: never."
+        0.0, unit="s", minimum=0.0, maximum=1e9, description="Time after which a new file is started; 0: never."
     )
 
     def policy(self) -> BagPolicy:

@@ -37,7 +37,7 @@ def _own_distributions() -> list[str]:
 def git_commit(folder: Path | None = None) -> str:
     """Return the commit of the source tree in `folder` (None: of what runs); "" outside of a git tree.
 
-    "+changes" stands behind it where files differ.
+    "+changes" is appended where files differ.
     """
     folder = folder or Path(__file__).resolve().parent
     try:

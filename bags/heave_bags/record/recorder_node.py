@@ -131,16 +131,16 @@ class RecorderNode(ParticipantNode):
         """See HeaveNode. In real time a message is written at the time of its arrival."""
         return REST if self.has_started and self.run.is_lockstep else 0.0
 
-    def _promised(self) -> set[str]:
+    def _announced(self) -> set[str]:
         """Return the topics that other participants say they publish within ticks."""
         return {topic for node, outputs in self._joined.items() if node != self.name for topic in outputs}
 
     def is_ready(self) -> bool:
-        """Tell whether every participant has named its topics and all of them are subscribed to."""
+        """Return whether every participant has named its topics and all of them are subscribed to."""
         wanted = set(self.run.participants) - set(self.run.external) - {self.name}
         clock = self.resolve_topic_name(topics.CLOCK.name)
         has_master = any(clock in outputs for outputs in self._joined.values())
-        subscribed = self._promised() <= set(self._input_subscriptions)
+        subscribed = self._announced() <= set(self._input_subscriptions)
         return self.is_active and has_master and wanted <= set(self._joined) and subscribed
 
     def _look(self) -> None:
@@ -148,15 +148,15 @@ class RecorderNode(ParticipantNode):
         if self.has_started and time.monotonic() - self._looked_at < LOOK_PERIOD_IN_RUN:
             return
         self._looked_at = time.monotonic()
-        promised = self._promised()
+        announced = self._announced()
         self.watch.look()
         other_systems = self._other_systems()
         for topic in self.watch.types:
             if topic in self._taken or not self._is_of_this_system(topic, other_systems):
                 continue
-            if topic in promised and not self.has_started:
+            if topic in announced and not self.has_started:
                 self._subscribe_ticked(topic)
-            elif topic not in promised and (self.has_started or self.is_ready()):
+            elif topic not in announced and (self.has_started or self.is_ready()):
                 self._subscribe_foreign(topic)
         for topic in self.watch.outdated():
             self.watch.unsubscribe(topic)
@@ -170,7 +170,7 @@ class RecorderNode(ParticipantNode):
         return tuple(name.removesuffix(topics.TICK_START.name) for name in names if _is_start_of_another(name, own))
 
     def _is_of_this_system(self, topic: str, other_systems: tuple[str, ...]) -> bool:
-        """Tell whether a topic belongs to this run: of a run in a namespace are the topics in it, and no others."""
+        """Return whether a topic belongs to this run: of a run in a namespace are the topics in it, and no others."""
         namespace = self.get_namespace().rstrip("/")
         if namespace:
             return topic.startswith(f"{namespace}/")
@@ -189,16 +189,16 @@ class RecorderNode(ParticipantNode):
             return
         latched = all(offer.durability == "transient_local" for offer in self.watch.offers[topic])
         role = Role.LATCHED if latched else Role.STREAM
-        keep = self._keeper_of(topic)
+        keep = self._keep_callback(topic)
         on_stranger = None if topic in self._owned else lambda _, data: keep(data)
         self.add_raw_input(Topic(topic, self.watch.types[topic], "", role), on_stranger=on_stranger)
 
     def _subscribe_foreign(self, topic: str) -> None:
         self._take_topic(topic)
-        self.watch.subscribe(topic, self._keeper_of(topic) if self.run.is_lockstep else self._writer_of(topic))
+        self.watch.subscribe(topic, self._keep_callback(topic) if self.run.is_lockstep else self._writer_of(topic))
 
-    def _keeper_of(self, topic: str) -> Callable[[bytes], None]:
-        """Return a callback that keeps a message nobody counts for the tick in which it happens to come."""
+    def _keep_callback(self, topic: str) -> Callable[[bytes], None]:
+        """Return a callback that keeps an uncounted message for the tick in which it arrives."""
 
         def keep(data: bytes) -> None:
             if self.is_active:
@@ -303,17 +303,19 @@ class RecorderNode(ParticipantNode):
         return messages
 
     def on_reset(self) -> None:
-        """A run that begins anew goes on in the same bag, in a file of its own."""
+        """A run that starts again goes on in the same bag, in a file of its own."""
         if self.session.is_recording:
             self.session.split()
 
     def publish_diagnostics(self, tick: Tick) -> None:
-        """Say how recording goes at `tick`, in real time only: lockstep would tell of the machine, not the run."""
+        """Report the progress of recording at `tick`, in real time only: in lockstep it would describe the machine, not
+        the run.
+        """
         if not self.run.is_lockstep:
             super().publish_diagnostics(tick)
 
     def diagnose(self) -> list[Health]:
-        """Tell what is recorded and what cannot be."""
+        """Report what is recorded and what cannot be."""
         state = self.session.state
         values = {"written": str(state.written), "not_written": str(state.unwritten)}
         if state.problems:
@@ -351,11 +353,11 @@ class RecorderNode(ParticipantNode):
         if lost:
             problems.append(f"messages were lost: {lost}")
         if session.is_recording:
-            session.stop(self._closing_words(lost))
+            session.stop(self._final_metadata(lost))
         if problems and not self.failure:
             raise NodeError("; ".join(problems))
 
-    def _closing_words(self, lost: str) -> dict[str, str]:
+    def _final_metadata(self, lost: str) -> dict[str, str]:
         now = time.time_ns()
         return {
             "ended": self.failure or "the recorder was stopped",

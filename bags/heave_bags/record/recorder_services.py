@@ -85,7 +85,7 @@ class RecorderServices:
             try:
                 count = self._session.save_snapshot(folder)
             except BagError as error:
-                self._node.get_logger().error(f"no snapshot of the fault: {error}")
+                self._node.get_logger().error(f"no snapshot taken at the fault: {error}")
             else:
                 text = f"{errors[0].name}: {errors[0].message}"
                 self._node.get_logger().warning(f"{text}: the last {count} messages are in {folder}")

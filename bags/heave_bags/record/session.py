@@ -77,7 +77,7 @@ class SessionState:
 
 
 class RecordingSession:
-    """Writes one bag after the other.
+    """Writes one bag after another.
 
     Parameters
     ----------
@@ -103,7 +103,7 @@ class RecordingSession:
 
     @property
     def is_recording(self) -> bool:
-        """Tell whether a bag is being written."""
+        """Return whether a bag is being written."""
         return self._writer is not None
 
     def start(self, folder: Path) -> None:
@@ -125,15 +125,15 @@ class RecordingSession:
         Raises BagError if there is none, StorageError if it could not be completed.
         """
         if not self._writer:
-            raise BagError("nothing is being recorded")
+            raise BagError("no recording is in progress")
         writer, self._writer = self._writer, None
         writer.close(outcome)
         return str(writer.folder)
 
     def split(self) -> None:
-        """Begin the next file of the bag. Raises BagError if nothing is being recorded."""
+        """Begin the next file of the bag. Raises BagError if no recording is in progress."""
         if not self._writer:
-            raise BagError("nothing is being recorded")
+            raise BagError("no recording is in progress")
         self._writer.split()
 
     def add_topic(self, name: str, message_type: str, qos: Sequence[OfferedQos]) -> str:
@@ -185,7 +185,7 @@ class RecordingSession:
         writer, self._writer = self._writer, None
         self._failed = True
         try:
-            writer.close({"ended": "the disk refused"})
+            writer.close({"ended": "a write to the disk failed"})
         except StorageError as error:
             self.state.problems.append(str(error))
             if not self._survive:

@@ -15,7 +15,7 @@ from heave_bags.mcap.ros_qos import offered_qos, request_for
 
 
 def is_hidden(topic: str) -> bool:
-    """Tell whether a topic is hidden: a token of its name begins with an underscore."""
+    """Return whether a topic is hidden: a token of its name begins with an underscore."""
     return any(token.startswith("_") for token in topic.split("/"))
 
 
@@ -58,7 +58,7 @@ class TopicWatch:
         return tuple(sorted(unique, key=repr))
 
     def _is_readable(self, topic: str, types: Sequence[str]) -> bool:
-        """Tell whether messages of a topic can be taken; why not is noted."""
+        """Return whether messages of a topic can be taken; why not is noted."""
         if len(types) != 1:
             self.unreadable[topic] = f"{topic} has several types: {', '.join(types)}"
             return False
@@ -84,7 +84,7 @@ class TopicWatch:
         return subscription
 
     def outdated(self) -> list[str]:
-        """Return subscribed topics whose publishers now offer something else than was asked for."""
+        """Return subscribed topics whose publishers now offer something other than was requested."""
         changed = []
         for topic, asked in self._requests.items():
             request = request_for(self.offers[topic])

@@ -75,7 +75,7 @@ def publish(seconds: float) -> dict[str, float]:
     deadline = time.monotonic() + PATIENCE
     while any(publisher.get_subscription_count() == 0 for publisher in publishers):
         if time.monotonic() > deadline:
-            sys.exit("no recorder has come")
+            sys.exit("no recorder has joined")
         time.sleep(0.05)
     time.sleep(1.0)
     began, sent, total = time.monotonic(), 0, round(RATE * seconds)

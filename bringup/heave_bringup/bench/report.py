@@ -12,11 +12,11 @@ from rich.table import Table
 
 from heave_bringup.output import make_table
 
-HOW_TO_GET_THE_PEER = "MoorDyn is not installed; to measure beside it: pip install moordyn (the extra bench of heave)"
+HOW_TO_GET_THE_PEER = "MoorDyn is not installed; to compare with it: pip install 'heave[bench]'"
 
 
 def has_peer() -> bool:
-    """Tell whether MoorDyn, the peer of the plant, is installed."""
+    """Return whether MoorDyn, the peer of the plant, is installed."""
     return importlib.util.find_spec("moordyn") is not None
 
 
@@ -54,7 +54,7 @@ def _loop(values: dict[str, Any]) -> list[Table | str]:
     )
     rows = [[name, f"{milliseconds:.3f}"] for name, milliseconds in [*used.items(), ("together", total)]]
     bound = f"that allows at most {1e3 / floor:.0f} ticks/s on this machine"
-    return [head, make_table(["process", "ms processor time per tick"], rows), bound]
+    return [head, make_table(["process", "ms of processor time per tick"], rows), bound]
 
 
 def _controller(rows: list[dict[str, Any]]) -> list[Table | str]:

@@ -25,7 +25,7 @@ class World(Protocol):
 
 @dataclass(frozen=True)
 class Problem:
-    """One run's world, what an entrant is told of it, and all that defines it, for the digest.
+    """One run's world, what an entrant is told about it, and all that defines it, for the digest.
 
     Attributes
     ----------
@@ -44,7 +44,7 @@ class Problem:
         """Return the facts with the boom tip's true future; raises ValueError where it cannot be given."""
         motion = self.motion
         if motion is None:
-            raise ValueError(f"case {self.facts.case} gives no preview")
+            raise ValueError(f"case {self.facts.case} has no preview")
 
         def preview(time: float) -> tuple[float, float, float, float, float]:
             a, b, c, d, e = (float(row[0]) for row in motion.at(np.array([time]), HIGHEST))

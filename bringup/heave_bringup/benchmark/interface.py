@@ -1,6 +1,6 @@
 """What an entrant is told beforehand, what it measures and what it commands: plain data, no ROS.
 
-An entrant is a class. It is made anew for each run with the facts of the case, and asked once per sample time:
+An entrant is a class. It is created for each run with the facts of the case, and asked once per sample time:
 
     class MyController:
         def __init__(self, facts: Facts) -> None: ...
@@ -61,13 +61,13 @@ class Reading:
 
 @dataclass(frozen=True)
 class WinchReading:
-    """What the winch says of itself at the time of the measurement.
+    """What the winch reports at the time of the measurement.
 
     Attributes
     ----------
     payout, payout_rate : of the encoder [m], [m/s]
-    brake : the brake holds the drum; it lets go with the first command that does not ask for it
-    fault : WINCH_OK, or why the winch stopped by itself; it goes when the brake is asked for, and then no more
+    brake : the brake holds the drum; it releases with the first command that does not request it
+    fault : WINCH_OK, or why the winch stopped by itself; it clears when the brake is requested, and then no longer
     limits : limits that acted since the last measurement, as in heave_msgs/WinchState
     command : number of the newest command that has taken effect; the first of a run is 1, 0 is none yet
     instruments : what the drive measures inside, by name with unit; empty where the case gives none
@@ -82,8 +82,8 @@ class WinchReading:
     instruments: Mapping[str, float] = field(default_factory=dict)
 
 
-WINCH_NOT_YET_HEARD = WinchReading(payout=0.0, payout_rate=0.0, brake=True)
-"""Stands in the first measurement of a run where the winch has said nothing yet."""
+NO_WINCH_READING = WinchReading(payout=0.0, payout_rate=0.0, brake=True)
+"""In the first measurement of a run, where the winch has reported nothing yet."""
 
 
 @dataclass(frozen=True)

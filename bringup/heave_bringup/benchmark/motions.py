@@ -28,7 +28,7 @@ class RecordedMotion:
     """A record, as a cubic spline through its samples; the derivatives above the second are those of a quintic one.
 
     A cubic spline is smooth in speed and acceleration, which a motion reference unit gives; the fourth derivative,
-    which only an inversion with perfect preview asks for, needs a smoother one.
+    which only an inversion with perfect preview demands, needs a smoother one.
     """
 
     def __init__(self, record: HeaveRecord) -> None:

@@ -46,7 +46,7 @@ class Outcome:
     signals : what the KPI set is computed from
     error : distance of the unit from where it is wanted, positive up [m]; empty where it cannot be known
     bottom_force, unit_rate : for landings, empty where there is no bottom
-    landing_end : until then the unit shall stand once it stands [s]
+    landing_end : until then the unit must stay landed once it has landed [s]
     """
 
     time: Array
@@ -81,7 +81,7 @@ def _landing(outcome: Outcome) -> tuple[float, float]:
 
 
 def is_lost(figures: dict[str, float]) -> bool:
-    """Tell from `figures` of a run whether compensation did harm: more motion than without, or snaps that it added."""
+    """Return whether compensation was harmful by the `figures` of a run: more motion than without, or added snaps."""
     ratio = kpi.worse([figures["unit_sigma_m"]], [figures["uncompensated_sigma_m"]])
     added = figures["snaps"] > figures["uncompensated_snaps"]
     return not ratio <= 1.0 or bool(added)

@@ -47,11 +47,11 @@ def records_folder(option: Path | None) -> Path | None:
     """Return the folder of records: the option's, else the environment's; None where neither says."""
     if option is not None:
         if not option.is_dir():
-            raise ParameterError(f"--records {option}: there is no such folder")
+            raise ParameterError(f"--records {option}: no such folder")
         return option
     named = os.environ.get(FOLDER_VARIABLE, "")
     if named and not Path(named).is_dir():
-        raise ParameterError(f"{FOLDER_VARIABLE}={named}: there is no such folder")
+        raise ParameterError(f"{FOLDER_VARIABLE}={named}: no such folder")
     return Path(named) if named else None
 
 
@@ -64,11 +64,11 @@ def find_record(folder: Path | None, name: str) -> Path | None:
 
 
 def read_record(path: Path) -> HeaveRecord:
-    """Return the record in the file `path`; raises ParameterError, naming the file, for one that is none."""
+    """Return the record in the file `path`; raises ParameterError, naming the file, for one that is not a record."""
     try:
         table = _read_matlab(path) if path.suffix == ".mat" else np.loadtxt(path, delimiter=",", skiprows=1, ndmin=2)
     except (OSError, ValueError, KeyError, NotImplementedError) as error:  # the last: scipy on MATLAB 7.3
-        raise ParameterError(f"{path}: is no record of time and heave: {' '.join(str(error).split())}") from error
+        raise ParameterError(f"{path}: is not a record of time and heave: {' '.join(str(error).split())}") from error
     if table.ndim != 2 or table.shape[1] != 2 or table.shape[0] < 10 or not np.isfinite(table).all():
         raise ParameterError(f"{path}: must hold two columns of finite numbers, time and heave; got {table.shape}")
     used = table[table[:, 0] <= LENGTH + 1e-9]

@@ -17,9 +17,9 @@ from heave_bringup.benchmark.run import Result
 VERSION = 1
 """Of the benchmark: cases, interface and figures. It goes up with every change that moves a figure."""
 DIGITS = 4
-"""Figures are rounded to so many significant digits before they are hashed and written."""
+"""Figures are rounded to this many significant digits before they are hashed and written."""
 BASELINE = "industrial"
-"""Entrant whose efficiency stands beside that of every other."""
+"""Entrant whose efficiency is shown beside that of every other."""
 DISTRIBUTIONS = ("numpy", "scipy", "numba")
 """Libraries whose version may move the last digits."""
 
@@ -36,7 +36,7 @@ class Summary:
     off : the same of the unit without compensation [m]
     worst : largest of the seeds' standard deviations [m]
     largest : largest error of all, about the target where it is known [m]
-    lost : seeds in which compensation did harm, or failed
+    lost : seeds in which compensation was harmful, or failed
     failures : why runs failed, each reason once
     figures : the worst of each of FIGURES over the seeds, NaN where it is not known
     is_reference : the entrant was given the future
@@ -160,7 +160,7 @@ def software_versions() -> dict[str, str]:
 def table(summaries: Sequence[Summary], cases: Mapping[str, Case]) -> str:
     """Return the one table, a row for each of `summaries`; `cases`, by name, tell what has been published of them.
 
-    Beside each entrant's efficiency stands that of the industrial baseline on the same case, where it was run.
+    Beside each entrant's efficiency is that of the industrial baseline on the same case, where it was run.
     """
     baseline = {s.case: 1.0 - s.ratio for s in summaries if s.entrant == BASELINE}
     names = max(len(summary.case) for summary in summaries)

@@ -36,8 +36,8 @@ class RigidProblem:
     ----------
     sample_time, duration : [s]
     motion : of the boom tip
-    make_winch : makes the winch anew
-    make_load : makes the load anew, at the rope's lower end
+    make_winch : makes a new winch
+    make_load : makes a new load, at the rope's lower end
     sensors : their noise; MRU and load cell are read at every sample time
     make_target : the operator's wish
     speed_limit, acceleration_limit : of the winch, at which time is counted; infinite: none

@@ -82,7 +82,7 @@ def check(tasks: Sequence[Task]) -> None:
 
 
 def run_all(tasks: Sequence[Task], processes: int | None) -> Iterator[Result]:
-    """Run `tasks` in so many `processes` (None: one per processor) and yield the results as they come."""
+    """Run `tasks` in this many `processes` (None: one per processor) and yield the results as they come."""
     workers = min(len(tasks), processes or os.cpu_count() or 1)
     if workers <= 1:
         yield from map(run_one, tasks)
@@ -104,7 +104,7 @@ def run_one(task: Task) -> Result:
         controller = entrant(problem.facts_with_preview() if is_reference else problem.facts)
         outcome = problem.world.run(controller)
         figures = figures_of(outcome, case.start, case.end)
-    except Exception as error:  # an entrant may do anything; the others' results stand
+    except Exception as error:  # an entrant may do anything; the others' results are kept
         words = " ".join(str(error).split())
         return Result(task, failure=f"{type(error).__name__}: {words}"[:200], problem=definition)
     return Result(task, figures, problem=definition, is_reference=is_reference)

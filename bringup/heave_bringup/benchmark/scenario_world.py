@@ -11,7 +11,7 @@ from heave_node.sensors import DEPTH, LOAD_CELL
 from winch_controller_node.interface.readings import Measurements, Outputs, WinchOrder
 
 from heave_bringup.benchmark.interface import (
-    WINCH_NOT_YET_HEARD,
+    NO_WINCH_READING,
     Controller,
     Measurement,
     MruReading,
@@ -35,7 +35,7 @@ class _Report:
     authority: float = 1.0
 
 
-class _InTheControllersPlace:
+class _ControllerStandIn:
     """Puts an entrant where the loop has its controller: converts measurements and commands, and numbers them."""
 
     def __init__(self, entrant: Controller, target: TargetProgramme, sample_time: float) -> None:
@@ -71,7 +71,7 @@ class ScenarioWorld:
         parameters = loop_parameters(self.scenario)
         loop = ClosedLoop(parameters)
         target = TargetProgramme(self.scenario.parameters["winch_controller"], sample_time=parameters.tick_period)
-        loop.controller = cast(Any, _InTheControllersPlace(controller, target, parameters.tick_period))
+        loop.controller = cast(Any, _ControllerStandIn(controller, target, parameters.tick_period))
         record = loop.run()
         time = record.column("time")
         has_bottom = parameters.plant.seabed.depth > 0.0
@@ -100,7 +100,7 @@ def _end_of_landing(scenario: Scenario) -> float:
 def measurement_of(time: float, delivered: Measurements, target: Target) -> Measurement:
     """Return what an entrant gets at `time` [s]: the readings `delivered` by the loop, and the operator's `target`."""
     winch = delivered.winch
-    reading = WINCH_NOT_YET_HEARD
+    reading = NO_WINCH_READING
     if winch is not None:
         reading = WinchReading(
             winch.encoder_payout,

@@ -71,7 +71,7 @@ def _of_all(case: str, name: str, value: object) -> Setting:
 
 
 def _world_of(scenario: Scenario) -> dict[str, object]:
-    """Return the parameters that make the world, which the controller's are no part of."""
+    """Return the parameters that make the world, without those of the controller."""
     return {node: scenario.parameters[node] for node in ("wave_vessel", "cable_sim", "virtual_winch")}
 
 
@@ -117,7 +117,7 @@ def _title(name: str) -> str:
         "b5_storm": "the same, Hs 6 m, Tp 12 s",
         "b6_resonance_payout": "125 t lowered from 50 to 900 m",
         "b7_landing": "125 t landed at 600 m and lifted off",
-        "b8_faults": "faults one after the other",
-        "b9_model_error": "plant and winch other than believed",
+        "b8_faults": "one fault after another",
+        "b9_model_error": "plant and winch differ from the controller's model",
         "b10_real_mru_swell": "wind sea and swell, an MRU with its faults",
     }[name]

@@ -77,7 +77,7 @@ class DrivenWinch:
         )
 
     def step(self, tick: int, command: Command, tension: float) -> None:
-        """See `Winch.step`. A set-point that is no number stops the drum with the brake."""
+        """See `Winch.step`. A set-point that is not a number stops the drum with the brake."""
         self._taken = tick + 1
         good = math.isfinite(command.payout_rate) and math.isfinite(command.payout)
         order = DriveCommand(command.payout_rate, command.payout, command.brake) if good else DriveCommand(brake=True)

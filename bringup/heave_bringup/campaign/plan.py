@@ -91,7 +91,7 @@ class Campaign:
     duration_source: str = ""
 
     def settings_of(self, case: Case) -> list[Setting]:
-        """Return a case as changes of the scenario; raises ParameterError for a name that is no parameter's."""
+        """Return a case as changes of the scenario; raises ParameterError for an unknown parameter."""
         changes = {} if case.is_nominal else {**self.common, **case.settings}
         settings = [make_setting(place, value, f"{self.path}: {place}") for place, value in changes.items()]
         settings.append(Setting(WILDCARD, "seed", case.seed, f"{self.path}: seeds"))
@@ -188,7 +188,7 @@ def _seeds(value: Any) -> tuple[int, ...]:
 def _refuse_unknown(content: Mapping[str, object], known: set[str], where: str) -> None:
     unknown = sorted(set(content) - known)
     if unknown:
-        raise ParameterError(f"{where}: there is no key {unknown[0]}; known: {', '.join(sorted(known))}")
+        raise ParameterError(f"{where}: unknown key {unknown[0]}; known:  {', '.join(sorted(known))}")
 
 
 def _short(value: object) -> str:

@@ -42,7 +42,7 @@ class CaseResult:
 
     @property
     def is_lost(self) -> bool:
-        """Tell whether compensation was given up, or the unit moves more than uncompensated."""
+        """Return whether compensation was given up, or the unit moves more than uncompensated."""
         return self.compensating < 1.0 or self.kpis["unit_sigma_m"] > self.kpis["uncompensated_sigma_m"]
 
 

@@ -13,7 +13,7 @@ def add_settings(parser: argparse.ArgumentParser) -> None:
         action="append",
         default=[],
         metavar="NODE.PARAM=VALUE",
-        help="change a parameter of one node; system.PARAM changes the ship and what the controller believes of it, "
+        help="change a parameter of one node; system.PARAM changes both the ship and the controller's model of it, "
         "all.PARAM the run; may be repeated",
     )
 
@@ -27,14 +27,18 @@ def add_scenario(parser: argparse.ArgumentParser) -> None:
 def add_bags(parser: argparse.ArgumentParser) -> None:
     """Let the user of `parser` name one or several bags."""
     parser.add_argument("bags", metavar="BAG", type=Path, nargs="+", help="bag folder, or the folder of a run")
-    parser.add_argument("--transient", type=float, metavar="S", help="time that no figure counts (default: the bag's)")
     parser.add_argument(
-        "--scenario", metavar="SCENARIO", help="scenario of the run, for bags of other recorders, which carry none"
+        "--transient", type=float, metavar="S", help="initial time that the figures leave out (default: the bag's)"
+    )
+    parser.add_argument(
+        "--scenario",
+        metavar="SCENARIO",
+        help="scenario of the run, for bags from other recorders, which do not carry one",
     )
 
 
 def add_network(parser: argparse.ArgumentParser) -> None:
     """Let the user of `parser` open the run to other hosts."""
     parser.add_argument(
-        "--network", action="store_true", help="let nodes on other hosts join; without it nothing leaves this machine"
+        "--network", action="store_true", help="let nodes on other hosts join; without it, nothing leaves this machine"
     )

@@ -1,4 +1,4 @@
-"""What every subcommand of `heave` says of itself."""
+"""The declaration of a subcommand of `heave`."""
 
 from __future__ import annotations
 

@@ -14,7 +14,7 @@ _REQUIREMENT = re.compile(r"\s*(\w+)\s*([<>]=?.*)")
 def parse_requirement(text: str) -> Criterion:
     """Return the criterion that `text` is, the value of an option `--require KPI<VALUE`.
 
-    Raises ParameterError for what is none, or names no figure of merit.
+    Raises ParameterError for what is not a criterion, or names no figure of merit.
     """
     option = f"--require {text!r}"
     found = _REQUIREMENT.fullmatch(text)
@@ -26,6 +26,6 @@ def parse_requirement(text: str) -> Criterion:
 
 
 def refuse_unknown(criterion: Criterion, where: str) -> None:
-    """Raise ParameterError, naming `where` it stands, for a criterion on what is no figure of merit."""
+    """Raise ParameterError, naming `where` it is, for a criterion on what is not a figure of merit."""
     if criterion.kpi not in DEFINITION_OF:
-        raise ParameterError(f"{where}: {criterion.kpi} is no figure of merit; known: {', '.join(DEFINITION_OF)}")
+        raise ParameterError(f"{where}: {criterion.kpi} is not a figure of merit; known: {', '.join(DEFINITION_OF)}")

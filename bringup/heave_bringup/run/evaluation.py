@@ -33,7 +33,7 @@ def check_complete(bag: Path, status: TickStatus) -> None:
     """
     recorded = {name: topic.message_count for name, topic in Bag(bag).topics.items()}
     for topic, published in zip(status.topics, status.published, strict=True):
-        if recorded.get(topic, 0) < published:  # more is no loss: other nodes, too, publish on /diagnostics
+        if recorded.get(topic, 0) < published:  # more is not a loss: other nodes, too, publish on /diagnostics
             raise CommandError(f"{bag}: holds {recorded.get(topic, 0)} of {published} messages of {topic}")
 
 

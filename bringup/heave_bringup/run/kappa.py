@@ -56,7 +56,7 @@ def add_bounds(record: RunRecord, bag: Path, given: Scenario | None = None) -> N
     if scenario is None or not scenario.moves_winch:
         return
     if record.end <= scenario.run.transient:
-        return  # the start-up is no measure of the controller
+        return  # the start-up says nothing about the controller
     try:
         tip = record.signals.boom_tip_heave.window(record.start, record.end)
         if tip.size < 2:

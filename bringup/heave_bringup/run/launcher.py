@@ -78,7 +78,7 @@ class Launcher:
 
     def __init__(self) -> None:
         self.nodes: list[NodeProcess] = []
-        self._is_hurried = False
+        self._skips_grace = False
 
     def start(
         self,
@@ -126,12 +126,12 @@ class Launcher:
         return [node.name for node in self.nodes if node.process.poll() is None]
 
     def all_ended(self) -> bool:
-        """Tell whether no node runs any more."""
+        """Return whether no node runs any more."""
         return not self.running()
 
-    def hurry(self, *_: object) -> None:
+    def skip_grace(self, *_: object) -> None:
         """End nodes without grace from now on; a signal handler."""
-        self._is_hurried = True
+        self._skips_grace = True
 
     def stop(self, grace: float = GRACE) -> None:
         """End every node: SIGINT, then `grace` seconds of wall time to close files, then SIGKILL."""
@@ -139,7 +139,7 @@ class Launcher:
             if node.process.poll() is None:
                 node.process.send_signal(signal.SIGINT)
         deadline = time.monotonic() + grace
-        while not self.all_ended() and not self._is_hurried and time.monotonic() < deadline:
+        while not self.all_ended() and not self._skips_grace and time.monotonic() < deadline:
             time.sleep(0.02)
         for node in self.nodes:
             if node.process.poll() is None:

@@ -117,7 +117,7 @@ class Monitor:
         self._spinner.spin_for(seconds)
 
     def another_run(self) -> bool:
-        """Tell whether another run's clock master is in this ROS domain."""
+        """Return whether another run's clock master is in this ROS domain."""
         deadline = time.monotonic() + DISCOVERY
         while time.monotonic() < deadline:
             self.spin(0.1)

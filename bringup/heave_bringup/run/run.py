@@ -25,7 +25,7 @@ from heave_bringup.run.monitor import Monitor
 from heave_bringup.scenarios import Scenario
 from heave_bringup.stored_scenario import stored_sections, stored_title
 
-ANOTHER_RUN = "another run is under way in this ROS domain: end it, or set another ROS_DOMAIN_ID"
+ANOTHER_RUN = "another run is in progress in this ROS domain: end it, or set another ROS_DOMAIN_ID"
 
 LOOK_PERIOD = 0.1
 """Wall time between two looks at the nodes [s]."""
@@ -74,7 +74,7 @@ def new_run_folder(name: str, chosen: Path | None) -> RunFolder:
     """
     if chosen is not None:
         if chosen.exists() and any(chosen.iterdir()):
-            raise CommandError(f"{chosen}: is not empty; name another folder or remove it")
+            raise CommandError(f"{chosen}: is not empty; choose another folder or remove it")
         chosen.mkdir(parents=True, exist_ok=True)
         return RunFolder(chosen.resolve())
     for number in itertools.count(1):
@@ -129,14 +129,14 @@ def run_scenario(
     remove_dead_segments()
     with only_run_in_domain(namespace) as is_only:
         if not is_only:
-            _give_back(folder)
+            _remove_unused(folder)
             raise CommandError(ANOTHER_RUN)
         monitor = _listen(namespace)
         launcher = Launcher()
         progress = ProgressLine()
         try:
             if monitor.another_run():
-                _give_back(folder)
+                _remove_unused(folder)
                 raise CommandError(ANOTHER_RUN)
             store_scenario(scenario, folder)
             launcher.start(nodes_to_start(scenario), folder.scenario, folder.logs, substitutes, namespace)
@@ -145,13 +145,13 @@ def run_scenario(
         except KeyboardInterrupt:
             raise CommandError(f"interrupted; {_where_to_look(folder)}") from None
         finally:
-            with interrupts_hurry(launcher):
+            with interrupts_skip_grace(launcher):
                 progress.close()
                 launcher.stop()
                 monitor.close()
 
 
-def _give_back(folder: RunFolder) -> None:
+def _remove_unused(folder: RunFolder) -> None:
     """Remove the folder of a run that never began."""
     with suppress(OSError):  # not empty: it was there before
         folder.path.rmdir()
@@ -179,9 +179,9 @@ def only_run_in_domain(namespace: str = "") -> Iterator[bool]:
 
 
 @contextmanager
-def interrupts_hurry(launcher: Launcher) -> Iterator[None]:
+def interrupts_skip_grace(launcher: Launcher) -> Iterator[None]:
     """Let a further Ctrl-C, while the nodes of a launcher end, end them at once in place of leaving them behind."""
-    before = {number: signal.signal(number, launcher.hurry) for number in (signal.SIGINT, signal.SIGTERM)}
+    before = {number: signal.signal(number, launcher.skip_grace) for number in (signal.SIGINT, signal.SIGTERM)}
     try:
         yield
     finally:
@@ -193,7 +193,7 @@ def _listen(namespace: str) -> Monitor:
     try:
         return Monitor(namespace)
     except RuntimeError as error:  # of rclpy: no keys in the keystore, no such middleware
-        raise CommandError(f"ROS does not start: {' '.join(str(error).split())}") from None
+        raise CommandError(f"ROS failed to start: {' '.join(str(error).split())}") from None
 
 
 def nodes_to_start(scenario: Scenario) -> list[str]:
@@ -209,7 +209,7 @@ def store_scenario(scenario: Scenario, folder: RunFolder) -> None:
     Parameters
     ----------
     scenario : checked
-    folder : of the run; the recorder is told to write into it
+    folder : of the run; the recorder writes into it
     """
     recorder = replace(
         scenario.parameters["recorder"],
@@ -247,10 +247,10 @@ def _watch(
         if launcher.all_ended():
             break
         if monitor.is_over_for > SHUTDOWN_WAIT:
-            raise CommandError(f"{', '.join(launcher.running())} did not end within {SHUTDOWN_WAIT:g} s after the run")
+            raise CommandError(f"{', '.join(launcher.running())} did not exit within {SHUTDOWN_WAIT:g} s after the run")
     status = monitor.status
     if status is None or status.state != TickStatus.ENDED:
-        raise CommandError(f"the nodes ended, but the run was never reported as over; {_where_to_look(folder)}")
+        raise CommandError(f"the nodes exited, but the run was never reported as finished; {_where_to_look(folder)}")
     return status
 
 
@@ -303,6 +303,6 @@ def _show_progress(scenario: Scenario, monitor: Monitor, progress: ProgressLine)
     duration = scenario.run.duration
     text = f"{status.simulated_time:7.1f} s of {duration:g} s  {status.real_time_factor:5.1f} x real time"
     if kpi is not None and status.simulated_time > kpi.window:  # before that the window holds the start-up
-        text += f"  as estimated: unit sigma {100.0 * kpi.unit_sigma:.2f} cm"
+        text += f"  estimated: unit sigma {100.0 * kpi.unit_sigma:.2f} cm"
         text += f"  efficiency {100.0 * kpi.unit_efficiency:.1f} %"
     progress.show(text, min(status.simulated_time / duration, 1.0) if duration else 1.0)

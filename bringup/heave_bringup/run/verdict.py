@@ -1,4 +1,4 @@
-"""The verdict on a run: what was wanted of it, what was got, how long compensation was in force, which alarms came."""
+"""The verdict on a run: its criteria, the values reached, how long compensation was in force, alarms."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ LEAST_SHARE = 0.9
 
 @dataclass(frozen=True)
 class Judged:
-    """A criterion and the value that a run got; NaN where it is not known."""
+    """A criterion and the value that a run reached; NaN where it is not known."""
 
     criterion: Criterion
     value: float
 
     @property
     def is_met(self) -> bool:
-        """Tell whether the value keeps the bound."""
+        """Return whether the value keeps the bound."""
         return self.criterion.is_met(self.value)
 
     def to_json(self) -> dict[str, object]:
@@ -31,7 +31,7 @@ class Judged:
         return {"kpi": criterion.kpi, "wanted": criterion.text, "got": self.value, "met": self.is_met}
 
     def __str__(self) -> str:
-        got = f"{self.value:.4g}" if math.isfinite(self.value) else "not known"
+        got = f"{self.value:.4g}" if math.isfinite(self.value) else "unknown"
         return f"{'met' if self.is_met else 'MISSED'}: {self.criterion.kpi} {self.criterion.text}, got {got}"
 
 
@@ -44,7 +44,7 @@ class Verdict:
     judged : the criteria of the scenario
     required : those of the command line
     time_in_modes : share of the evaluation window in each mode of the controller, 0 to 1; empty: none was recorded
-    share : of the evaluation window in which compensation was in force, 0 to 1; NaN: unknown, or not wanted
+    share : of the evaluation window in which compensation was in force, 0 to 1; NaN: unknown, or not required
     alarms : number of errors that came
     is_judged : the run is longer than its transient
     """
@@ -58,7 +58,7 @@ class Verdict:
 
     @property
     def is_good(self) -> bool:
-        """Tell whether everything that was wanted was got."""
+        """Return whether every criterion is met."""
         return not self.failures
 
     @property
@@ -68,7 +68,7 @@ class Verdict:
 
     @property
     def failures(self) -> list[str]:
-        """Return in words what was wanted and not got."""
+        """Return in words which criteria are not met."""
         missed = [str(judged) for judged in (*self.judged, *self.required) if not judged.is_met]
         if self.share < LEAST_SHARE:
             modes = ", ".join(f"{mode} {100.0 * share:.0f} %" for mode, share in self.time_in_modes.items())
@@ -77,15 +77,15 @@ class Verdict:
         return missed
 
     def lines(self) -> list[str]:
-        """Return the verdict for people: one word, then each thing that was wanted."""
+        """Return the verdict for people: one word, then each criterion."""
         if self.failures:
-            head = "verdict: NOT what was wanted"
+            head = "verdict: FAILED"
         elif not self.is_judged:
             head = "verdict: none, the run ended within its transient"
         elif self.judged or self.required:
-            head = "verdict: as wanted"
+            head = "verdict: passed"
         else:
-            head = "verdict: nothing was wanted in figures"
+            head = "verdict: no criteria given"
         if self.alarms:
             head += f"; {self.alarms} {'error' if self.alarms == 1 else 'errors'} reported"
         met = [str(judged) for judged in (*self.judged, *self.required) if judged.is_met]
@@ -109,7 +109,7 @@ def judge(
     moves_winch: bool,
     alarms: int = 0,
 ) -> Verdict:
-    """Hold a run against what was wanted of it.
+    """Judge a run against its criteria.
 
     Parameters
     ----------
@@ -123,7 +123,7 @@ def judge(
     def held(criteria: Sequence[Criterion]) -> tuple[Judged, ...]:
         return tuple(Judged(criterion, values.get(criterion.kpi, math.nan)) for criterion in criteria)
 
-    # the start-up is no measure of what the loop does
+    # the start-up says nothing about the loop
     wanted = wanted if record.is_past_transient else ()
     share = values["compensating_percent"] / 100.0 if moves_winch and record.is_past_transient else math.nan
     return Verdict(held(wanted), held(required), time_in_modes(record), share, alarms, record.is_past_transient)

@@ -1,7 +1,7 @@
 """The line's arrays, together, as the compiled kernels take them. Allocated once.
 
 Columns are named in `layout`. The arrays are few and wide: each one that a kernel takes is compiled into nine
-arguments, in every kernel anew.
+arguments, in every kernel again.
 """
 
 from __future__ import annotations

@@ -274,7 +274,7 @@ def assemble_nodes(
     """Add unit, lumps and seabed to the residual and the Jacobian; return whether anything touches the seabed.
 
     The unit's drag works along each axis by itself (thesis 5.2.2): (1/2) rho C_Dx S_x abs(u_x) u_x, and so on; that of
-    a unit alike from all sides is (1/2) rho C_D S abs(u) u.
+    an isotropic unit is (1/2) rho C_D S abs(u) u.
     """
     speed = 0.0
     for k in range(3):

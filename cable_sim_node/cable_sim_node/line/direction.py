@@ -7,7 +7,7 @@ folded, and points the less in one direction the nearer its ends are. Its mean d
     f = 1/r from r = FOLDED on, below it f = (3 - (r/FOLDED)^2) / (2 FOLDED).
 
 It is a unit vector down to half the length, shrinks to zero at zero chord, and has one continuous derivative
-everywhere: at most 1.5/FOLDED per unstretched length. Where it is zero, drag and added mass are alike from all sides,
+everywhere: at most 1.5/FOLDED per unstretched length. Where it is zero, drag and added mass are isotropic,
 as they are of a heap of cable.
 """
 

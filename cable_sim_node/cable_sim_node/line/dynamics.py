@@ -107,7 +107,7 @@ class CableDynamics:
         hold_here(line, n)
         if line.x[0, 2] > boom_tip[2]:
             raise NoEquilibriumError(
-                "the line does not hang: the weight of unit and cable in water must exceed what lifts them"
+                "the line does not hang: the weight of unit and cable in water must exceed the upward forces"
             )
         self._fresh = False
         self._start_compensator()
@@ -160,7 +160,7 @@ class CableDynamics:
             )
         if outcome == at.NOT_CONVERGED:
             raise NotConvergedError(
-                f"at t = {self.time:g} s: no solution was found even with very small steps; top tension "
+                f"at t = {self.time:g} s: no solution was found even with the smallest steps; top tension "
                 f"{self.top_tension:g} N, unit at {self.unit_position.round(3).tolist()} m"
             )
 
@@ -251,7 +251,7 @@ class CableDynamics:
 
     @property
     def touchdown(self) -> bool:
-        """Whether the unit stands on the seabed."""
+        """Whether the unit rests on the seabed."""
         bed = self.parameters.seabed
         x, y, z = self._line.x[0]
         return bed.depth > 0.0 and z <= -bed.depth + bed.slope[0] * x + bed.slope[1] * y
@@ -328,7 +328,7 @@ class CableDynamics:
         if clearance.min() < 0.0:
             raise PlantError(
                 f"at the start the line reaches {-clearance.min():.2f} m below the seabed (unit at {-x[0, 2]:.2f} m, "
-                f"seabed.depth {bed.depth:g} m): shorten `length` or make the seabed deeper"
+                f"seabed.depth {bed.depth:g} m): reduce `length` or increase seabed.depth"
             )
 
 

@@ -239,14 +239,14 @@ def hang(line: LineArrays, boom_tip: Array) -> None:
     for _ in range(_PASSES):
         if not march(calm, n):
             raise NoEquilibriumError(
-                "the line does not hang: the weight of unit and cable in water must exceed what lifts them"
+                "the line does not hang: the weight of unit and cable in water must exceed the upward forces"
             )
         miss = boom_tip - line.x[n]
         line.x[: n + 1] += miss
         if np.max(np.abs(miss)) < 1e-12 * total:
             break
     else:
-        raise NoEquilibriumError("the line finds no position in the current: the current changes too fast with depth")
+        raise NoEquilibriumError("the line has no equilibrium in the current: the current changes too fast with depth")
     line.x[n] = boom_tip
     line.v[:] = 0.0
     line.a[:] = 0.0

@@ -156,7 +156,7 @@ def settle_node(line: LineArrays, k: int, n: int) -> None:
         s1 = scale * (c1 * r0 + (d[DXX] * d[DZZ] - d[DXZ] * d[DXZ]) * r1 + c4 * r2)
         s2 = scale * (c2 * r0 + c4 * r1 + (d[DXX] * d[DYY] - d[DXY] * d[DXY]) * r2)
         size = math.sqrt(s0 * s0 + s1 * s1 + s2 * s2)
-        # a step of more than a tenth of a segment means that there is no such place: the node stays where it is
+        # a step of more than a tenth of a segment means that there is no such position: the node stays where it is
         if not size < 0.1 * min(line.parts[k - 1, LENGTH], line.parts[k, LENGTH]):
             return
         node[X] += s0

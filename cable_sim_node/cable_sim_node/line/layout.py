@@ -43,7 +43,7 @@ START = 17
 GRID_COLUMNS = 18
 
 # The unit, three columns each: inertia along each axis [kg], (1/2) rho C_D S [kg/m], steady force [N], displaced and
-# added mass [kg]; then (1/2) rho C_D S of a unit alike from all sides.
+# added mass [kg]; then (1/2) rho C_D S of an isotropic unit.
 UNIT_INERTIA, UNIT_DRAG, UNIT_FORCE, UNIT_FLUID, UNIT_BODY_DRAG = 0, 3, 6, 9, 12
 UNIT_COLUMNS = 13
 

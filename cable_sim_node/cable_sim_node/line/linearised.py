@@ -1,8 +1,8 @@
-"""The three-dimensional line made linear about its equilibrium: mass, damping and stiffness matrices, modes, responses.
+"""The three-dimensional line, linearised about its equilibrium: mass, damping and stiffness matrices, modes, responses.
 
 The lumped line of `dynamics` moves a little about the position in which it hangs in its current: node 0 is the unit,
 node N the boom tip, whose motion is the input. Drag is linear about the steady flow; where the water is still it is
-made linear about a speed amplitude. Bending, seabed and compensator are left out.
+linearised about a speed amplitude. Bending, seabed and compensator are left out.
 """
 
 from __future__ import annotations
@@ -223,7 +223,7 @@ class _Matrices:
         self._add_round_drag(block, body.drag, flow, gradient)
 
     def _add_round_drag(self, block: slice, drag: float, flow: Array, gradient: Array) -> None:
-        """Add drag alike from all sides, (1/2) rho C_D S = `drag`, at the node of rows `block`."""
+        """Add isotropic drag, (1/2) rho C_D S = `drag`, at the node of rows `block`."""
         speed = math.hypot(float(np.linalg.norm(flow)), self._drag_speed)
         by_flow = drag * speed * np.eye(3)
         if speed > 0.0:

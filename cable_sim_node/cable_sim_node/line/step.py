@@ -244,8 +244,8 @@ def slack_step(line: LineArrays, n: int) -> float:
 def step(line: LineArrays, n: int, h: float, longest_slack: float) -> int:
     """Make one step of `h` [s] to row END of `top`; return whether the line was taut or slack in it.
 
-    _FAILED: Newton finds no solution; _SLACK_REFUSED: a segment is slack, which wants steps of at most `longest_slack`
-    [s] in the dissipative scheme. The state is then as it was.
+    _FAILED: Newton finds no solution; _SLACK_REFUSED: a segment is slack, which requires steps of at most
+    `longest_slack` [s] in the dissipative scheme. The state is then as it was.
     """
     settings, equations = line.settings, line.equations
     af, am, beta, gamma = settings[ALPHA_F], settings[ALPHA_M], settings[BETA], settings[GAMMA]

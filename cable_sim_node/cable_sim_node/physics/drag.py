@@ -108,7 +108,7 @@ def linear_drag(chord: Array, flow: Vector, amplitude: float, normal: float, tan
     ----------
     chord : from the piece's start to its end [m]
     flow : steady water velocity [m/s]
-    amplitude : of the oscillating speed for which the quadratic drag is made linear, times HARMONIC_DRAG [m/s]; it
+    amplitude : of the oscillating speed for which the quadratic drag is linearised, times HARMONIC_DRAG [m/s]; it
         adds to the steady flow as the root of the sum of squares
     normal, tangential : N and T [N s2/m3]
     damping : out

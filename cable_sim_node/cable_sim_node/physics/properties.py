@@ -63,7 +63,7 @@ class UnitProperties:
     ----------
     inertia : mass and added mass [kg]
     drag : (1/2) rho C_D S [kg/m], each with its own component of the flow
-    body_drag : the same of a unit alike from all sides, along the flow [kg/m]; one of both is zero
+    body_drag : the same of an isotropic unit, along the flow [kg/m]; one of both is zero
     force : thrust, and weight in the fluid [N]
     fluid : displaced and added mass, which moving water accelerates [kg]
     """
@@ -89,7 +89,7 @@ class BodyProperties:
     label : unstretched length from the unit [m]
     mass, added_mass, displaced_mass : [kg]
     weight : in the fluid, positive down [N]
-    drag : (1/2) rho C_D A, alike from all sides [kg/m]
+    drag : (1/2) rho C_D A, isotropic [kg/m]
     """
 
     label: float

@@ -69,8 +69,8 @@ class FootprintReport:
             ("depth of the unit [m]", f"{self.depth:10.2f}"),
             ("thrust of the unit [N]", f"{self.limits.thrust:10.0f}"),
             ("vertical pull that lifts the unit [N]", f"{self.limits.vertical_pull:10.0f}"),
-            ("cable out on the boundary, at most [m]", f"{max(point.length for point in points):10.2f}"),
-            ("top tension on the boundary, at most [N]", f"{max(point.tension for point in points):10.0f}"),
+            ("cable out on the boundary, largest [m]", f"{max(point.length for point in points):10.2f}"),
+            ("top tension on the boundary, largest [N]", f"{max(point.tension for point in points):10.0f}"),
         ]
         reach = [
             (f"{math.degrees(heading):.0f}", f"{radius:.2f}" if reachable else "out of reach")

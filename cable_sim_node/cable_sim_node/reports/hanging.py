@@ -100,7 +100,7 @@ class HangingReport:
             ("weight of the unit in water [N]", f"{self.unit_weight:12.1f}"),
             ("top tension [N]", f"{self.top_tension:12.1f}"),
             ("top angle from the vertical [deg]", f"{math.degrees(self.top_angle):12.3f}"),
-            ("least tension [N]", f"{float(self.shape.tension.min()):12.1f}"),
+            ("smallest tension [N]", f"{float(self.shape.tension.min()):12.1f}"),
         ]
         if self.clearance is not None:
             rows.append(("unit above the seabed [m]", f"{self.clearance:12.3f}"))
@@ -172,8 +172,8 @@ def hanging_report(parameters: CableSimParameters, boom_tip: ArrayLike = (0.0, 0
         clearance = float(unit[2] + seabed.depth - np.dot(seabed.slope, unit[:2]))
         if clearance < 0.0:
             raise StaticsError(
-                f"the unit would hang {-clearance:.3g} m below the seabed: shorten length {parameters.length:g} m"
-                f" or deepen seabed.depth {seabed.depth:g} m"
+                f"the unit would hang {-clearance:.3g} m below the seabed: reduce length ({parameters.length:g} m) "
+                f"or increase seabed.depth ({seabed.depth:g} m)"
             )
     return HangingReport(
         shape=shape,

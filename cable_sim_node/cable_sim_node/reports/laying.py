@@ -156,7 +156,7 @@ def laying_report(
     lays = []
     for speed in speeds:
         if not (math.isfinite(speed) and speed > 0.0):
-            raise StaticsError(f"the speed of a lay must be finite and above 0; got {speed:g}")
+            raise StaticsError(f"the laying speed must be finite and above 0; got {speed:g}")
         laying = lay(
             *(section, depth, speed * along, current),
             payout_speed=payout_speed,

@@ -27,7 +27,7 @@ MOST_SEGMENTS = 100
 
 SHORTEST_SHARE = 0.05
 MAP_LENGTHS, MAP_PERIODS = 40, 120
-"""The resonance map reaches from SHORTEST_SHARE of the longest length to all of it, in so many steps."""
+"""The resonance map reaches from SHORTEST_SHARE of the longest length to all of it, in this many steps."""
 
 LONGEST_PERIOD = 25.0
 SHORTEST_PERIOD = 2.0
@@ -77,8 +77,8 @@ class ModesReport:
     Attributes
     ----------
     length : of cable out [m]
-    amplitude : of the boom tip, for which drag is made linear [m]
-    sea_period : at which the sea is asked for [s]
+    amplitude : of the boom tip, for which drag is linearised [m]
+    sea_period : at which the sea is evaluated [s]
     heave : modes of the exact axial bar
     line : modes of the line in space, in its current
     labels : unstretched length from the unit to the nodes of `line` [m]
@@ -144,7 +144,7 @@ class ModesReport:
             ("boom-tip amplitude for linear drag", f"{self.amplitude:g} m"),
             ("free motion in this current", "dies out" if self.is_stable else "GROWS: the line is not stable"),
             (f"length in resonance with {self.sea_period:.4g} s", where),
-            ("the same from EA/(w^2 (M + Ma))", f"{self.critical_estimate:.1f} m"),
+            ("estimate EA/(w^2 (M + Ma))", f"{self.critical_estimate:.1f} m"),
         ]
         heave = columns(
             ("heave mode", "period s"), [(f"{i + 1}", f"{mode.period:.4g}") for i, mode in enumerate(self.heave)]

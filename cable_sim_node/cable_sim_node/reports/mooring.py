@@ -97,8 +97,8 @@ class MooringReport:
         ]
         lying = [cable for cable in self.cables if cable.below > LIES_BELOW]
         notes = [
-            f"offset {cable.offset:.2f} m: the cable sags {cable.below:.2f} m below its lower end; the bottom that it "
-            "would lie on is not in the model"
+            f"offset {cable.offset:.2f} m: the cable sags {cable.below:.2f} m below its lower end; the seabed it "
+            "would lie on is not modelled"
             for cable in lying
         ]
         return "\n".join([columns(headings, rows), *notes])
@@ -117,7 +117,7 @@ class MooringReport:
         curves.plot(offsets, [cable.pull / 1e3 for cable in self.cables], "o-", label="horizontal pull")
         curves.plot(offsets, [cable.shape.top_tension / 1e3 for cable in self.cables], "s-", label="top tension")
         curves.plot(offsets, [cable.anchor_tension / 1e3 for cable in self.cables], "^-", label="bottom tension")
-        curves.set(xlabel="offset of the boom tip [m]", ylabel="[kN]", title="what the cable pulls")
+        curves.set(xlabel="offset of the boom tip [m]", ylabel="[kN]", title="forces of the cable")
         curves.legend(fontsize="small")
         for axis in (side, curves):
             axis.grid(alpha=0.3)

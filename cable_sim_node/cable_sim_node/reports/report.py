@@ -46,7 +46,7 @@ def save_picture(report: Report, path: Path) -> None:
     from matplotlib.figure import Figure  # noqa: PLC0415 (slow to import, rarely needed)
 
     if path.suffix.lower() not in PICTURE_ENDINGS:
-        raise PlantError(f"{path}: a picture must end in {' or '.join(PICTURE_ENDINGS)}")
+        raise PlantError(f"{path}: the picture's name must end in {' or '.join(PICTURE_ENDINGS)}")
     figure = Figure(figsize=PICTURE_SIZE, layout="constrained")
     FigureCanvasAgg(figure)
     report.draw(figure)

@@ -84,7 +84,7 @@ class TowingReport:
             "to port m",
             "top tension kN",
             "top angle deg",
-            "least tension kN",
+            "smallest tension kN",
         )
         rows = [
             (
@@ -146,7 +146,7 @@ def towing_report(
     tows = []
     for speed in speeds:
         if not (math.isfinite(speed) and speed >= 0.0):
-            raise StaticsError(f"the speed of a tow must be finite and not negative; got {speed:g}")
+            raise StaticsError(f"the towing speed must be finite and not negative; got {speed:g}")
         solve = partial(towing_cable, end=tip, current=current.shifted(speed * along))
         shape = with_tension_law(parameters, cable, solve)
         offset = shape.positions[0] - tip

@@ -66,14 +66,14 @@ class SensorParameters(abc.ABC):
     """
 
     fitted: bool = parameter(
-        True, unit="", description="Whether the unit has this sensor; of others nothing is published."
+        True, unit="", description="Whether the unit carries this sensor; without it, nothing is published."
     )
     rate: float = parameter(10.0, unit="Hz", minimum=1e-3, maximum=10_000.0, description="Samples per second.")
     latency: float = parameter(
-        0.0, unit="s", minimum=0.0, maximum=600.0, description="From the measurement (its stamp) to its delivery."
+        0.0, unit="s", minimum=0.0, maximum=600.0, description="Delay from the measurement (its stamp) to its delivery."
     )
     scale_error: float = parameter(
-        0.0, unit="", minimum=-1.0, maximum=1.0, description="Relative error of the scale: 0.05 reads 5 % too much."
+        0.0, unit="", minimum=-1.0, maximum=1.0, description="Relative scale error: 0.05 reads 5 % high."
     )
     faults: FaultParameters = group(FaultParameters)
 
@@ -87,7 +87,7 @@ class DepthSensorParameters(SensorParameters):
     """Pressure sensor of the unit. The pressure is that of still water above it: waves do not reach the unit."""
 
     latency: float = parameter(
-        0.1, unit="s", minimum=0.0, maximum=600.0, description="From the measurement (its stamp) to its delivery."
+        0.1, unit="s", minimum=0.0, maximum=600.0, description="Delay from the measurement (its stamp) to its delivery."
     )
     noise: float = parameter(
         0.02, unit="m", minimum=0.0, maximum=100.0, description="Standard deviation of white noise, in depth."
@@ -105,7 +105,7 @@ class VelocitySensorParameters(SensorParameters):
 
     rate: float = parameter(5.0, unit="Hz", minimum=1e-3, maximum=10_000.0, description="Samples per second.")
     latency: float = parameter(
-        0.1, unit="s", minimum=0.0, maximum=600.0, description="From the measurement (its stamp) to its delivery."
+        0.1, unit="s", minimum=0.0, maximum=600.0, description="Delay from the measurement (its stamp) to its delivery."
     )
     noise: float = parameter(
         0.01, unit="m/s", minimum=0.0, maximum=100.0, description="Standard deviation of white noise on each axis."
@@ -163,7 +163,7 @@ class UsblParameters(SensorParameters):
         unit="s",
         minimum=0.0,
         maximum=600.0,
-        description="Processing, from the arrival of the answer to the delivery of the reading.",
+        description="Processing time, from the arrival of the reply to the delivery of the reading.",
     )
     noise: float = parameter(
         0.1, unit="m", minimum=0.0, maximum=1000.0, description="Standard deviation on each axis at zero range."

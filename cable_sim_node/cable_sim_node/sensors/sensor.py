@@ -57,7 +57,7 @@ class Sensor:
         return self._deliver(time)
 
     def _is_due(self, time: float) -> bool:
-        """Tell whether a sample is taken at `time`, and note when the next one is."""
+        """Return whether a sample is taken at `time`, and note when the next one is."""
         faulty_rate = self.faults.newest("rate", time)
         rate = self._parameters.rate if faulty_rate is None else faulty_rate
         if rate != self._rate:

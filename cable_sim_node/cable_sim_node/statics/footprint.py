@@ -33,7 +33,7 @@ class FootprintLimits:
     ----------
     thrust : largest horizontal thruster force [N]
     tension : largest tension at the boom tip [N]
-    vertical_pull : largest vertical pull that the unit stands without lifting off, its weight in water and what its
+    vertical_pull : largest vertical pull that the unit can take without lifting off, its weight in water and what its
         thrusters add [N]; the least is 0, where the cable starts along the bottom
     """
 
@@ -127,7 +127,8 @@ def footprint(
             break  # less thrust helps only where the tension is the limit
     if not outlines:
         raise NoEquilibriumError(
-            f"no place {tip[2] - unit_height:g} m below the boom tip can be reached with {cable.length:g} m of cable,"
+            f"no position {tip[2] - unit_height:g} m below the boom tip can be reached with {cable.length:g} "
+            "m of cable,"
             f" {limits.tension:g} N of tension and {limits.vertical_pull:g} N of vertical pull"
         )
     rays = np.linspace(0.0, 2.0 * np.pi, headings, endpoint=False, dtype=np.float64)

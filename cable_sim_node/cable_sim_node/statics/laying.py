@@ -1,6 +1,6 @@
 """Steady laying of a cable from a moving ship: where it touches the bottom, and how long it hangs (Pinto; Zajac).
 
-Seen from the ship the cable stands still while its material runs down along it at the payout speed, and the water
+Seen from the ship the cable is stationary while its material runs down along it at the payout speed, and the water
 comes at the current less the ship's velocity. A cable that lands with tension lies along the ship's track there, since
 the bottom cannot pull it down. One that lands without any, the usual aim, comes down in the direction in which weight
 and drag leave no force across it. Followed upwards from the touchdown the shape is direct. The centrifugal force of
@@ -131,7 +131,7 @@ def lay(
                 shape=np.vstack((shape.positions[below], crossing.position)),
             )
         length *= 2.0
-    raise NoEquilibriumError("the cable does not come up to the ship: it is laid too fast for its weight")
+    raise NoEquilibriumError("the cable does not reach up to the ship: it is laid too fast for its weight")
 
 
 def _first_row(drag: Array, count: int) -> Array:

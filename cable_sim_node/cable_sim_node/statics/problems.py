@@ -138,7 +138,7 @@ def mooring_cable(
     force_scale = float(np.abs(cable.steady_loads[:, 2]) @ cable.segments[:, LENGTH])
     force_scale += float(np.linalg.norm(pull)) + float(np.abs(cable.nodes[:, FORCE : FORCE + 3]).sum())
     if force_scale == 0.0:
-        raise StaticsError("the shape of a weightless mooring cable without pull is undetermined: give it a load")
+        raise StaticsError("the shape of a weightless mooring cable without load is undetermined: give it a load")
     length_scale = cable.length + abs(height - origin[2])
 
     def evaluate(unknowns: Array, factor: float, drag: Array | None) -> tuple[Array, Array, StaticShape] | None:

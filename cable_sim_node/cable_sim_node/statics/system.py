@@ -53,7 +53,7 @@ class PointLoad:
     label : unstretched length from the end s = 0 [m]; the ends themselves are allowed
     force : steady force x, y, z [N]; a body's weight in water is (0, 0, -weight)
     axis_drag : (1/2) rho C_D S of a unit along x, y, z, each with its own component of the current [N s2/m2]
-    body_drag : (1/2) rho C_D S of a body alike from all sides [N s2/m2]
+    body_drag : (1/2) rho C_D S of an isotropic body [N s2/m2]
     """
 
     label: float
@@ -100,7 +100,7 @@ def static_cable(
     ----------
     sections : from the end s = 0 on
     loads : point loads
-    segments : about so many in all (without current one for each piece between loads is exact)
+    segments : about this many in all (without current one for each piece between loads is exact)
     feed : speed at which the cable runs along itself towards s = 0 [m/s], as when it is laid
 
     Raises

@@ -11,7 +11,7 @@ from heave_node.arrays import Array
 LENGTH, STIFFNESS, WEIGHT, NORMAL, TANGENTIAL = range(5)
 SEGMENT_COLUMNS = 5
 
-# A node: steady force x, y, z [N]; drag per speed squared along each axis, and of a body alike from all sides
+# A node: steady force x, y, z [N]; drag per speed squared along each axis, and of an isotropic body
 # [N s2/m2].
 FORCE, AXIS_DRAG, BODY_DRAG = 0, 3, 6
 NODE_COLUMNS = 7

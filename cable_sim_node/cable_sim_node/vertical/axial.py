@@ -29,7 +29,7 @@ from cable_sim_node.vertical.axial_layout import (
 from cable_sim_node.vertical.axial_line import AxialLine
 
 LARGEST_STEP = 0.01
-"""Integration step [s] unless a caller asks for another: 0.005 % amplitude error at 1.26 rad/s (BDF2, (w h)^2 / 3)."""
+"""Integration step [s] unless a caller sets another: 0.005 % amplitude error at 1.26 rad/s (BDF2, (w h)^2 / 3)."""
 
 
 class AxialError(PlantError, ValueError):
@@ -115,7 +115,8 @@ def simulate_axial(
     failed = integrate(_arrays(line, segments, allow_slack), motion, sample_period / substeps, substeps, answer)
     if failed >= 0:
         raise AxialError(
-            f"the axial cable has no solution at {fine[failed]:.3f} s: check the motion there or use shorter steps"
+            f"the axial cable has no solution at {fine[failed]:.3f} s: check the motion at that time or use "
+            "shorter steps"
         )
     datum = -length - line.static_stretch(length)
     return AxialResponse(

@@ -49,7 +49,7 @@ NODE_COLUMNS = 13
 STIFFNESS, DAMPING, TENSION, TAUT = range(4)
 ELEMENT_COLUMNS = 4
 
-# A sample of the answer: elevation of the unit [m], its velocity [m/s], top tension and least tension [N].
+# A sample of the answer: elevation of the unit [m], its velocity [m/s], top tension and smallest tension [N].
 UNIT_ELEVATION, UNIT_VELOCITY, TOP_TENSION, LEAST_TENSION = range(4)
 ANSWER_COLUMNS = 4
 

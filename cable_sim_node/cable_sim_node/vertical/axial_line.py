@@ -33,7 +33,7 @@ class AxialSection:
 
     Attributes
     ----------
-    length : [m]; the uppermost section goes on for ever, whatever its length, because the winch feeds it
+    length : [m]; the uppermost section continues indefinitely, whatever its length, because the winch feeds it
     axial_stiffness : EA [N]
     mass : [kg/m], with the tangential added mass if there is any
     weight : in water, positive down [N/m]

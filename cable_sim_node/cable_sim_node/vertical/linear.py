@@ -89,7 +89,7 @@ def heave_transfer_function(
     line : cable and unit
     length : unstretched length out [m]
     omegas : [rad/s], positive
-    amplitude : boom-tip amplitude at each frequency [m] about which drag is made linear; 0 leaves drag out, which is
+    amplitude : boom-tip amplitude at each frequency [m] about which drag is linearised; 0 leaves drag out, which is
         infinite at a resonance unless the cable has internal damping
 
     Raises

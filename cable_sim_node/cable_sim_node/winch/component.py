@@ -64,7 +64,7 @@ class WinchCommand:
     brake: bool = False
 
     def is_finite(self) -> bool:
-        """Tell whether both set-points are finite numbers."""
+        """Return whether both set-points are finite numbers."""
         return math.isfinite(self.payout) and math.isfinite(self.payout_rate)
 
 

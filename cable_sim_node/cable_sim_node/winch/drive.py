@@ -134,7 +134,7 @@ class DriveSettings(NamedTuple):
 
 
 def settings_of(parameters: WinchParameters) -> DriveSettings:
-    """Return the settings that the `parameters` of a winch stand for."""
+    """Return the settings that the `parameters` of a winch describe."""
     p = parameters
     return DriveSettings(
         speed_limit=p.speed_limit,

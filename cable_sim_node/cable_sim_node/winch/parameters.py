@@ -10,14 +10,18 @@ from heave_node.parameters import check_ranges, group, parameter
 
 @dataclass(frozen=True)
 class EncoderParameters:
-    """The drum encoder: what it says of the payout."""
+    """The drum encoder: its reading of the payout."""
 
     resolution: float = parameter(
-        0.001, unit="m", minimum=0.0, maximum=1.0, description="Quantisation of the encoder's payout; 0 means none."
+        0.001,
+        unit="m",
+        minimum=0.0,
+        maximum=1.0,
+        description="Resolution of the encoder in payout; 0 means no quantisation.",
     )
     faults: FaultParameters = group(FaultParameters)
     backlash: float = parameter(
-        0.0, unit="m", minimum=0.0, maximum=1.0, description="Play of its gear: the reading lags by half of it."
+        0.0, unit="m", minimum=0.0, maximum=1.0, description="Backlash of its gear: the reading lags by half of it."
     )
 
     def __post_init__(self) -> None:
@@ -58,7 +62,7 @@ class WinchParameters:
     )
     speed_limit: float = parameter(2.0, unit="m/s", minimum=1e-3, maximum=100.0, description="Largest payout speed.")
     acceleration_limit: float = parameter(
-        1.5, unit="m/s^2", minimum=1e-3, maximum=1e6, description="Largest payout acceleration, in service."
+        1.5, unit="m/s^2", minimum=1e-3, maximum=1e6, description="Largest payout acceleration in normal operation."
     )
     stop_deceleration: float = parameter(
         1.5,
@@ -68,24 +72,28 @@ class WinchParameters:
         description="Deceleration of a stop (brake request, watchdog, fault); not above acceleration_limit.",
     )
     hauling_speed_share: float = parameter(
-        1.0, unit="", minimum=0.05, maximum=1.0, description="Speed servo: largest hauling speed over speed_limit."
+        1.0,
+        unit="",
+        minimum=0.05,
+        maximum=1.0,
+        description="Speed servo: largest hauling speed as a fraction of speed_limit.",
     )
     hauling_acceleration_share: float = parameter(
         1.0,
         unit="",
         minimum=0.05,
         maximum=1.0,
-        description="Speed servo: largest acceleration towards hauling in over acceleration_limit.",
+        description="Speed servo: largest acceleration towards hauling in, as a fraction of acceleration_limit.",
     )
     speed_gain: float = parameter(
-        1.0, unit="", minimum=0.1, maximum=3.0, description="Speed servo: speed it settles at over its set-point."
+        1.0, unit="", minimum=0.1, maximum=3.0, description="Speed servo: steady speed divided by the set-point."
     )
     speed_deadband: float = parameter(
         0.0,
         unit="m/s",
         minimum=0.0,
         maximum=1.0,
-        description="Speed servo: dead zone; of a set-point only what is beyond it counts.",
+        description="Speed servo: dead zone; only the part of a set-point beyond it takes effect.",
     )
     drum_radius_error: float = parameter(
         0.0,
@@ -106,7 +114,7 @@ class WinchParameters:
         unit="W",
         minimum=0.0,
         maximum=1e9,
-        description="Largest product of tension and speed, either way; 0 means no limit.",
+        description="Largest product of tension and speed in either direction; 0 means no limit.",
     )
     command_timeout: float = parameter(
         0.5,

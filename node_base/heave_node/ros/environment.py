@@ -1,4 +1,4 @@
-"""The process environment that the middleware needs, and with it who can speak to a node; one definition for nodes,
+"""The process environment that the middleware needs, and with it who can reach a node; one definition for nodes,
 commands, tests and tools.
 
 By default a run is on this machine alone: shared memory, and UDP bound to loopback. ROS's own range `LOCALHOST` is not
@@ -31,14 +31,14 @@ def prepare_environment() -> str:
 
     Returns
     -------
-    One line for the user where the transport reaches further than this machine, or a setting of his is not used; "" on
-    loopback.
+    One line for the user where the transport reaches beyond this machine or one of the user's settings is ignored; ""
+    on loopback.
     """
     os.environ.setdefault("AMENT_PREFIX_PATH", sys.prefix)
     foreign = _foreign_transport()
     if foreign:
         os.environ.setdefault(RANGE, "LOCALHOST")
-        return f"the transport is that of {foreign}: it is not bound to loopback by this suite"
+        return f"the transport is configured by {foreign}: this suite does not bind it to loopback"
     is_open = is_open_to_network()
     _use_profile("network" if is_open else "loopback")
     if is_open:
@@ -49,7 +49,7 @@ def prepare_environment() -> str:
     os.environ[RANGE] = "SYSTEM_DEFAULT"
     if os.environ.get(STATIC_PEERS):
         return (
-            f"{STATIC_PEERS} is not used: this run is on this machine alone; open it with --network or {RANGE}=SUBNET"
+            f"{STATIC_PEERS} is ignored: this run is confined to this machine; open it with --network or {RANGE}=SUBNET"
         )
     return ""
 
@@ -61,7 +61,7 @@ def open_to_network() -> None:
 
 
 def is_open_to_network() -> bool:
-    """Tell whether other hosts may join: only where the user has asked for it, by `--network` or by ROS's variable."""
+    """Return whether other hosts may join: only if the user asked for it, by `--network` or ROS's variable."""
     if os.environ.get(LOCALHOST_ONLY) == "1":
         return False
     asked = os.environ.get(RANGE)
@@ -71,12 +71,12 @@ def is_open_to_network() -> bool:
 
 
 def is_bound_to_loopback() -> bool:
-    """Tell whether `prepare_environment` has set a transport on loopback."""
+    """Return whether `prepare_environment` has set a transport on loopback."""
     return not _foreign_transport() and not is_open_to_network()
 
 
 def _foreign_transport() -> str:
-    """Return what decides on the transport instead of this suite; "" where nothing does."""
+    """Return what configures the transport instead of this suite; "" where nothing does."""
     middleware = os.environ.get("RMW_IMPLEMENTATION", "")
     if middleware and "fastrtps" not in middleware:
         return f"RMW_IMPLEMENTATION={middleware}"

@@ -1,4 +1,4 @@
-"""Whether what the profile of the transport asks for is what the middleware did: the ports of a process, as the kernel
+"""Whether the middleware did what the profile of the transport requests: the ports of a process, as the kernel
 shows them.
 
 A profile that Fast DDS cannot read is an error in its log, and then its defaults hold: every interface.

@@ -16,7 +16,7 @@ class FaultService:
     Parameters
     ----------
     node : that serves it
-    devices : returns the schedules of its devices, by name; asked for each time, since a reset makes new ones
+    devices : returns the schedules of its devices, by name; called each time, since a reset makes new ones
     """
 
     def __init__(self, node: HeaveNode, devices: Callable[[], Mapping[str, FaultSchedule]]) -> None:
@@ -25,7 +25,7 @@ class FaultService:
         node.create_service(InjectFault, f"{node.name}/inject_fault", self._serve)
 
     def _serve(self, request: InjectFault.Request, response: InjectFault.Response) -> InjectFault.Response:
-        """Say in words what was done, or why not."""
+        """Describe what was done, or why not."""
         devices = self._devices()
         if request.device not in devices:
             response.message = f"{self._node.name} has no device {request.device}; it has {', '.join(devices)}"

@@ -29,7 +29,7 @@ def own_identity(node: Node) -> str:
     """Return the identity of this process, which has a `node`; ANYONE where the middleware has none."""
     if not any(name in rclpy.get_rmw_implementation_identifier() for name in _OF_DDS):
         return ANYONE
-    topic = f"/_process_{secrets.token_hex(8)}"  # nobody else's: what the graph shows there is this process
+    topic = f"/_process_{secrets.token_hex(8)}"  # used by nothing else: what the graph shows there is this process
     publisher = node.create_publisher(Time, topic, 1)
     try:
         found = [identity_of_endpoint(info) for info in node.get_publishers_info_by_topic(topic)]
@@ -50,7 +50,7 @@ def identity_of_sender(info: Mapping[str, Any]) -> str:
 
 
 def describe_sender(node: Node, topic: str, identity: str, own: str) -> str:
-    """Return in words whose process published on a topic: nodes, process, machine.
+    """Describe the process that published on a topic: nodes, process, machine.
 
     Parameters
     ----------
@@ -70,14 +70,14 @@ def describe_sender(node: Node, topic: str, identity: str, own: str) -> str:
 
 
 def place_of(identity: str, own: str) -> str:
-    """Return in words where the process of an `identity` runs, seen from the process `own`."""
+    """Describe where the process of an `identity` runs, seen from the process `own`."""
     prefix, here = bytes.fromhex(identity), bytes.fromhex(own)
     if not prefix.startswith(_FAST_DDS) or not here.startswith(_FAST_DDS):
         return f"process {identity}"
     if prefix[2:4] != here[2:4]:
         return f"on another machine, process {identity}"
     process = int.from_bytes(prefix[4:6], "little")  # the low 16 bits of its number
-    return f"process {process} of this machine" if Path(f"/proc/{process}").exists() else "of this machine"
+    return f"process {process} on this machine" if Path(f"/proc/{process}").exists() else "on this machine"
 
 
 def _identity(gid: bytes | Sequence[int]) -> str:

@@ -1,4 +1,4 @@
-"""How messages from outside come in: the time from one to the next, and how old the newest is when it is used."""
+"""How messages from outside arrive: the time from one to the next, and how old the newest is when it is used."""
 
 from __future__ import annotations
 

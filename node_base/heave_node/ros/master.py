@@ -114,7 +114,7 @@ class ClockMasterNode(HeaveNode):
         present = {identity_of_endpoint(info) for info in self.get_publishers_info_by_topic(joined)}
         if known.identity in present or (self.has_started and self.run.is_lockstep):
             raise ProtocolError(
-                f"there is a node {known.name} on {known.host} already; this second one, on {message.host}, is not used"
+                f"node {known.name} is already running on {known.host}; the second one, on {message.host}, is ignored"
             )
         known.identity, known.host = message.identity, message.host
         if self.has_started:
@@ -140,13 +140,13 @@ class ClockMasterNode(HeaveNode):
         return found if now - self._mismatch_since >= MISMATCH_PATIENCE else ""
 
     def _rivals(self) -> list[str]:
-        """Return in words on which topics several external processes publish: nobody could say whom to obey."""
+        """Describe on which topics several external processes publish: none of them would be the right one."""
         found = []
         for name in self._external_topics():
             identities = {identity_of_endpoint(info) for info in self.get_publishers_info_by_topic(name)}
             if len(identities) > 1:
                 who = " and ".join(describe_sender(self, name, one, self.identity) for one in sorted(identities))
-                found.append(f"{who} to agree who publishes {name}")
+                found.append(f"{who} to agree on who publishes {name}")
         return found
 
     def _try_to_start(self) -> None:
@@ -316,7 +316,7 @@ class ClockMasterNode(HeaveNode):
     # Pause, step, reset --------------------------------------------------------------------------------------------
 
     def on_activate(self, state: LifecycleState) -> TransitionCallbackReturn:
-        """Go on with the run where it stands; `state` is the lifecycle state before."""
+        """Resume the run where it is; `state` is the lifecycle state before."""
         result = super().on_activate(state)
         if self.has_started:
             self._resume(until=None)
@@ -336,7 +336,7 @@ class ClockMasterNode(HeaveNode):
         return response
 
     def _may_be_controlled(self, response: SetBool.Response | StepSimulation.Response | Trigger.Response) -> bool:
-        """Say in the `response` where the run stands, and refuse what an inactive clock cannot do."""
+        """Say in the `response` where the run is, and refuse what an inactive clock cannot do."""
         response.message = f"tick {self.tick_number}" if self.is_active else f"{self.name} is inactive: activate it"
         return self.is_active
 
@@ -363,7 +363,7 @@ class ClockMasterNode(HeaveNode):
         is_under_way = self.run_state in (TickStatus.RUNNING, TickStatus.PAUSED)
         response.success = self._may_be_controlled(response) and is_under_way
         if self.is_active:
-            response.message = "a new run begins" if response.success else "no run is under way"
+            response.message = "a new run starts" if response.success else "no run is under way"
         if response.success:
             self._reset_wanted = True
             self._pause_at = None
@@ -453,7 +453,7 @@ class ClockMasterNode(HeaveNode):
             self._end(TickStatus.FAILED, f"{text}: gave up after waiting {limit:g} s")
         elif now - self._warned_at > WARNING_PERIOD:
             self._warned_at = now
-            warning = f"has waited {waited:.0f} s: {text}"
+            warning = f"waiting for {waited:.0f} s: {text}"
             self.get_logger().warning(warning)
             self.publish_protocol_error(warning)
 

@@ -51,7 +51,7 @@ class NodeError(Exception):
 
 
 class ProtocolError(Exception):
-    """A message of the tick protocol that is refused; says why, "" where its sender has no part in the run."""
+    """A message of the tick protocol that is rejected; says why, "" where its sender is not part of the run."""
 
 
 def expect_no(fault: str) -> None:
@@ -86,7 +86,7 @@ class HeaveNode(LifecycleNode):
     identity : of this node's process, as the others see it on each of its messages
     clocks : of the external inputs, by topic
     newest_start : when the newest tick began: simulated time, and monotonic wall time [ns]
-    strangers : who was noticed that has no part in the run
+    strangers : processes noticed that are not part of the run
     """
 
     name: ClassVar[str]
@@ -198,7 +198,7 @@ class HeaveNode(LifecycleNode):
         ----------
         topic : its name, type, publisher and role
         decode : makes of the bytes of a message what the gate holds
-        on_stranger : gets identity and bytes of messages of processes that may not speak here; None names them
+        on_stranger : gets identity and bytes of messages of processes that may not publish here; None names them
         """
         name = self.resolve_topic_name(topic.name)
 
@@ -216,7 +216,7 @@ class HeaveNode(LifecycleNode):
             try:
                 is_new = inbox.put(data, identity)
             except (RuntimeError, ValueError):
-                self.strangers.refuse(name, identity, "it cannot be read")
+                self.strangers.refuse(name, identity, "it cannot be decoded")
                 return
             if is_new:
                 self._advance()
@@ -251,8 +251,8 @@ class HeaveNode(LifecycleNode):
         def on_data(data: bytes, identity: str) -> None:
             try:
                 message = deserialize_message(data, kind)
-            except (RuntimeError, ValueError):  # of the middleware, and of text that is none
-                self.strangers.refuse(name, identity, "it cannot be read")
+            except (RuntimeError, ValueError):  # of the middleware, and of text that is not UTF-8
+                self.strangers.refuse(name, identity, "it cannot be decoded")
                 return
             try:
                 callback(message, identity)
@@ -283,7 +283,7 @@ class HeaveNode(LifecycleNode):
         return super().on_configure(state)
 
     def _refuse_unused_overrides(self) -> None:
-        """Refuse a quality of service for a topic that this node has not: it would be lost in silence."""
+        """Refuse a quality of service for a topic that this node does not have: it would be lost silently."""
         publishers = {(output.topic, PUBLISHER) for output in self._outputs}
         readers = {(topic, SUBSCRIPTION) for topic in self._input_subscriptions}
         unused = unused_overrides(self, publishers | readers)
@@ -312,7 +312,7 @@ class HeaveNode(LifecycleNode):
         """Do the tick's work if everything of the tick is here; called after each message."""
 
     def is_ready(self) -> bool:
-        """Tell whether this node could begin tick 1."""
+        """Return whether this node could begin tick 1."""
         return self.is_active
 
     def _publish_join_until_started(self) -> None:
@@ -388,7 +388,7 @@ class HeaveNode(LifecycleNode):
         self._diagnostics.publisher.publish(diagnostic_array(self.name, Time(), [part]))
 
     def diagnose_timing(self) -> list[Health]:
-        """Return how the messages of external nodes come in, in wall time; nothing in lockstep."""
+        """Return how the messages of external nodes arrive, in wall time; nothing in lockstep."""
         return [part for timing in self._input_timings.values() for part in timing.diagnose()]
 
     def diagnose_inputs(self) -> list[Health]:
@@ -401,11 +401,11 @@ class HeaveNode(LifecycleNode):
         ]
         for port in self._inputs:
             if port.early:
-                text = f"{port.early} messages refused, stamped in the future"
+                text = f"{port.early} messages rejected, stamped in the future"
                 parts.append(Health(f"input {port.name}", Level.WARN, text))
             if port.late:
                 parts.append(
-                    Health(f"input {port.name}", Level.WARN, f"{port.late} messages came late and were not used")
+                    Health(f"input {port.name}", Level.WARN, f"{port.late} messages arrived late and were discarded")
                 )
         return parts
 

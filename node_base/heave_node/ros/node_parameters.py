@@ -40,7 +40,7 @@ def read_parameters(node: Node, parameters_type: type[Any]) -> tuple[RunParamete
     for path, sections in files:
         check_concerned(path, sections, node.get_fully_qualified_name())
     given = _given(node, files)
-    name = getattr(node, "name", node.get_name())  # a node that was given another name on the command line is no other
+    name = getattr(node, "name", node.get_name())  # renamed on the command line, it is still the same node
     where = ": ".join([*(str(path) for path, _ in files[-1:]), node.get_name()])
     built = build_node_parameters(name, parameters_type, given, where=where)
     for given_name in given:
@@ -59,18 +59,18 @@ def check_concerned(path: Path, sections: Sections, node: str) -> None:
     sections : what the file holds
     node : fully qualified name, for example `/ship/cable_sim`
 
-    Raises ParameterError; without it the node would run with its defaults, and nobody would know.
+    Raises ParameterError; without it the node would run with its defaults, and nobody would notice.
     """
     holding = [section for section in sections if holds_for(section, node)]
     name = node.rpartition("/")[2]
     missed = [section for section in sections if section.rpartition("/")[2] == name and section not in holding]
     if missed and all(section == WILDCARD for section in holding):
         raise ParameterError(
-            f"{path}: {missed[0]}: does not hold for the node {node}; write {WILDCARD}/{name}, which holds in any "
+            f"{path}: {missed[0]}: does not apply to node {node}; write {WILDCARD}/{name}, which applies in any "
             "namespace"
         )
     if not holding:
-        raise ParameterError(f"{path}: has no parameters for the node {node}; its sections are {', '.join(sections)}")
+        raise ParameterError(f"{path}: has no parameters for node {node}; its sections are {', '.join(sections)}")
 
 
 def _given(node: Node, files: Sequence[tuple[Path, Sections]]) -> dict[str, Given]:
@@ -99,7 +99,7 @@ def _declare(node: Node, built: NodeParameters, infos: Iterable[ParameterInfo], 
 
 
 def _descriptor(info: ParameterInfo) -> ParameterDescriptor:
-    """Say in ROS's words what a parameter is, so that `ros2 param describe` shows unit, range and meaning."""
+    """Describe a parameter to ROS, so that `ros2 param describe` shows unit, range and meaning."""
     descriptor = ParameterDescriptor(
         name=info.name,
         description=info.description,

@@ -16,7 +16,7 @@ from heave_node.tick.speakers import ANYONE
 from heave_node.tick.tick import Tick, nanoseconds_of
 
 HELD_MESSAGES = 1000
-"""Messages of the protocol that wait at most for the roster to say who may speak."""
+"""Messages of the protocol that wait at most for the roster to say who may publish."""
 
 
 class ParticipantNode(HeaveNode):
@@ -103,7 +103,7 @@ class ParticipantNode(HeaveNode):
         """Queue a tick. A tick that came before is the master asking again for an answer that it did not get."""
         if not self.has_started:
             self._early.append(lambda: self._on_start(message, identity))
-            self._leave_the_run_of_others(message, identity)
+            self._leave_foreign_run(message, identity)
             return
         expect_sender(identity, self._master)
         expect_no(malformed.fault_in_start(message, self._entries))
@@ -119,7 +119,7 @@ class ParticipantNode(HeaveNode):
         elif _order(message) == _order(newest):
             self._answer_again()
 
-    def _leave_the_run_of_others(self, message: TickStart, identity: str) -> None:
+    def _leave_foreign_run(self, message: TickStart, identity: str) -> None:
         """End this node where the run that is under way began without it."""
         if self.run.is_lockstep and self._other_master == identity and message.tick > 1 + self.lag:
             self.fail(
@@ -152,7 +152,7 @@ class ParticipantNode(HeaveNode):
         return self.tick is not None and (self.tick.epoch, self.tick.number) == (start.epoch, start.tick)
 
     def _on_deadline(self) -> None:
-        """Step with what has come: in real time a node does not wait any longer."""
+        """Step with what has arrived: in real time a node waits no longer."""
         self._deadline.cancel()
         if self._starts and self._is_in_tick() and not self._starts[0].flush:
             self._step()
@@ -187,7 +187,7 @@ class ParticipantNode(HeaveNode):
         """Take the last messages of a run; `tick` follows the last one and has no step of its own."""
 
     def _is_answer_due(self, start: TickStart) -> bool:
-        """Tell whether the master waits for an answer: a node that may lag answers for many ticks at a time."""
+        """Return whether the master waits for an answer: a node that may lag answers for many ticks at a time."""
         return bool(start.flush) or start.tick % max(1, self.lag // 2) == 0
 
     def _answer(self) -> None:

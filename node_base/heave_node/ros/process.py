@@ -56,7 +56,7 @@ def run_node(node_type: type[HeaveNode], args: list[str] | None = None) -> int:
     except ParameterError as error:
         return _exit_with_message(str(error), EXIT_REFUSED)
     except RCLError as error:  # a keystore without this node's keys, a middleware that is not there
-        return _exit_with_message(f"{node_type.name}: ROS does not start: {' '.join(str(error).split())}", EXIT_FAILED)
+        return _exit_with_message(f"{node_type.name}: ROS failed to start: {' '.join(str(error).split())}", EXIT_FAILED)
     exposure = _exposure(node)
     if exposure:
         shut_down(node)
@@ -92,7 +92,7 @@ def in_namespace(namespace: str) -> list[str]:
 def shut_down(node: Node) -> None:
     """Destroy a `node` whose work is done, and shut ROS down.
 
-    Fast DDS can lock up for ever when an endpoint is removed while a timer of discovery expires. An alarm then ends the
+    Fast DDS can lock up forever when an endpoint is removed while a timer of discovery expires. An alarm then ends the
     process: by that time every file is closed and every message sent.
     """
     signal.signal(signal.SIGALRM, signal.SIG_DFL)
@@ -103,13 +103,13 @@ def shut_down(node: Node) -> None:
 
 
 def _exposure(node: HeaveNode) -> str:
-    """Say in one line that the transport reaches further than was asked for; "" where it does not."""
+    """Say in one line that the transport reaches further than requested; "" where it does not."""
     ports = exposed_ports(node.context.get_domain_id()) if is_bound_to_loopback() else []
     if not ports:
         return ""
     return (
-        f"other hosts reach {', '.join(ports)}: Fast DDS did not take this suite's profile, its own errors say why; "
-        "to allow it, --network or ROS_AUTOMATIC_DISCOVERY_RANGE=SUBNET"
+        f"other hosts can reach {', '.join(ports)}: Fast DDS rejected this suite's profile (see its own errors); "
+        "to allow this, use --network or ROS_AUTOMATIC_DISCOVERY_RANGE=SUBNET"
     )
 
 
@@ -117,7 +117,7 @@ def _on_idle(node: HeaveNode) -> None:
     """Let the node check the wall clock, and end it when its launcher is gone."""
     launcher = os.environ.get(LAUNCHER_VARIABLE)
     if launcher and os.getppid() != int(launcher):
-        node.fail("the process that started it has ended")
+        node.fail("its parent process has ended")
     node.on_idle()
 
 

@@ -30,7 +30,7 @@ PUBLISHER, SUBSCRIPTION = "publisher", "subscription"
 
 
 def qos_of(role: Role) -> QoSProfile:
-    """Return the quality of service that publishers of topics of this `role` offer, and readers in lockstep ask for."""
+    """Return the quality of service that publishers of topics of this `role` offer, and readers in lockstep request."""
     latched = role is Role.LATCHED
     return QoSProfile(
         history=HistoryPolicy.KEEP_LAST,
@@ -41,7 +41,7 @@ def qos_of(role: Role) -> QoSProfile:
 
 
 def reader_qos_of(role: Role, *, is_external: bool) -> QoSProfile:
-    """Return the quality of service that a reader within ticks asks for.
+    """Return the quality of service that a reader within ticks requests.
 
     Parameters
     ----------
@@ -75,7 +75,7 @@ def overriding_options(node: Node, topic: str, entity: str, *, is_lockstep: bool
     known = {kind.name.lower(): kind for kind in QoSPolicyKind if kind is not QoSPolicyKind.INVALID}
     for name in given:
         if name not in known:
-            raise ValueError(f"{OVERRIDES}{topic}.{entity}.{name}: there is no such policy; {', '.join(known)}")
+            raise ValueError(f"{OVERRIDES}{topic}.{entity}.{name}: no such policy; known: {', '.join(known)}")
 
     def judge(qos: QoSProfile) -> Any:
         is_allowed = not is_lockstep or qos.reliability == ReliabilityPolicy.RELIABLE
@@ -92,7 +92,7 @@ def unused_overrides(node: Node, used: set[tuple[str, str]]) -> list[str]:
 
 
 def mismatches(node: Node, topic: str, names: Collection[str]) -> list[str]:
-    """Return in words which publishers of a topic certain readers cannot hear, and why.
+    """Describe which publishers of a topic certain readers cannot receive from, and why.
 
     Parameters
     ----------

@@ -1,10 +1,10 @@
 """What killed processes leave in the shared memory of the machine, and which of it is safe to remove.
 
-Fast DDS keeps a segment for each participant, `fastdds_<16 hex digits>`, and a queue for each port that somebody reads,
+Fast DDS keeps a segment for each participant, `fastdds_<16 hex digits>`, and a queue for each port that is read,
 `fastdds_port<N>` with the mutex `sem.fastdds_port<N>_mutex`. Beside each lies a lock file, `_el` or `_sl`, which the
 kernel (flock) holds locked as long as the process lives that owns it; a process that is stopped, of another user or in
-another container holds its lock like any other. So a lock that can be taken proves that nobody uses what it guards, and
-while it is held here nobody can begin to. A file without a lock file proves nothing, and is left.
+another container holds its lock like any other. So a lock that can be taken proves that nothing uses what it guards,
+and while it is held here nothing can begin to. A file without a lock file proves nothing, and is left.
 """
 
 from __future__ import annotations
@@ -73,7 +73,7 @@ def _is_lockable(descriptor: int) -> bool:
 
 
 def _is_still(lock: Path, descriptor: int) -> bool:
-    """Tell whether a name still stands for the open file: a port's may have been given to a new one meanwhile."""
+    """Return whether a name still refers to the open file: a port's may have been given to a new one meanwhile."""
     with suppress(OSError):
         return os.path.samestat(lock.stat(follow_symlinks=False), os.fstat(descriptor))
     return False

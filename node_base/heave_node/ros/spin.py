@@ -27,7 +27,7 @@ SERVICE_SLICE = 0.006
 _WITH_INFORMATION = inspect.Signature(
     [inspect.Parameter(name, inspect.Parameter.POSITIONAL_ONLY) for name in ("message", "information")]
 )
-"""By two arguments rclpy knows that a callback wants to know the sender."""
+"""A callback with two arguments tells rclpy to pass the sender."""
 
 
 def sender_callback(handle: Callable[[Any, str], object]) -> Callable[..., None]:

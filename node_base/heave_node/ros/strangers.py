@@ -1,4 +1,4 @@
-"""Who publishes where only others may, and what was refused of them: noticed, named, and never obeyed."""
+"""Who publishes where only others may, and which of their messages were rejected: noticed, named, and never obeyed."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ LOOK_PERIOD = 0.4
 """Wall time between two looks at the publishers of the run's topics [s]: a stranger is named within a second."""
 _LOOK_AGAIN = 0.5
 _MOST = 20
-"""Strangers that are told apart; more of them are counted together."""
+"""Strangers that are listed one by one; any more are counted together."""
 
 
 @dataclass
@@ -65,7 +65,7 @@ class Strangers:
         ----------
         topic : resolved name
         identity : of the process that sent it
-        why : what is wrong with the message; "": its sender has no part in the run
+        why : what is wrong with the message; "": its sender is not part of the run
         """
         stranger = self._notice(topic, identity, why)
         stranger.refused += 1
@@ -77,7 +77,7 @@ class Strangers:
 
         Parameters
         ----------
-        speakers : who may speak, by resolved name
+        speakers : who may publish, by resolved name
         """
         now = time.monotonic()
         if now - self._looked_at < LOOK_PERIOD:
@@ -97,7 +97,7 @@ class Strangers:
                 self._notice(topic, identity, "")
 
     def has_left(self, topic: str, speakers: Speakers) -> bool:
-        """Tell whether none of the `speakers` of an external `topic` is there any more; looked at twice a second."""
+        """Return whether none of the `speakers` of an external `topic` is still present; checked twice a second."""
         now = time.monotonic()
         if not speakers.is_external or now - self._left_looked_at < _LOOK_AGAIN:
             return False
@@ -129,5 +129,5 @@ class Strangers:
 
 def _in_words(topic: str, stranger: Stranger) -> str:
     if stranger.why:
-        return f"a message of {stranger.who} on {topic} was refused: {stranger.why}"
-    return f"{stranger.who} publishes on {topic} but has no part in the run: it is not obeyed"
+        return f"a message from {stranger.who} on {topic} was rejected: {stranger.why}"
+    return f"{stranger.who} publishes on {topic} but is not part of the run: its messages are ignored"

@@ -26,7 +26,7 @@ class Durations:
         self._values.append(value)
 
     def clear(self) -> None:
-        """Begin anew."""
+        """Start again."""
         del self._values[:]
 
     def percentiles(self, last: int | None = None, more: tuple[float, ...] = ()) -> tuple[float, float, float]:
@@ -62,11 +62,11 @@ class Durations:
 
 
 def histogram_text(counts: Mapping[str, int]) -> str:
-    """Return a histogram, `counts` by upper edge, as text: `upper edge:count`, one behind the other."""
+    """Return a histogram, `counts` by upper edge, as text: `upper edge:count`, one after another."""
     return " ".join(f"{edge}:{count}" for edge, count in counts.items())
 
 
 def parse_histogram(text: str) -> dict[str, int]:
-    """Return the histogram that a text gives; what is none of its parts is left out."""
+    """Return the histogram that a text gives; anything else is left out."""
     parts = (part.partition(":") for part in text.split())
     return {edge: int(count) for edge, _, count in parts if count.isdigit()}

@@ -9,7 +9,7 @@ Estimate of an own clock: stamp and arrival differ by the offset of the clocks a
 never negative. So in each second the message with the smallest difference is the one with the least delay, and a
 straight line through these smallest differences of the last minute is offset and drift (the lower envelope: S. Moon,
 P. Skelly, D. Towsley, "Estimation and removal of clock skew from network delay measurements", INFOCOM 1999). The least
-delay itself cannot be told from the offset: it counts as zero.
+delay itself cannot be separated from the offset: it counts as zero.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ _NEAR = _SECOND
 _JITTER_SAMPLES = 1000
 _STEP_BACK, _STEP_AHEAD = 0.05, 1.0
 """Delays below minus the one, or of _STEPPED messages in a row above the other [s], are of a clock that was set, or of
-a run that was paused: the estimate begins anew."""
+a run that was paused: the estimate starts again."""
 _STEPPED = 10
 
 
@@ -83,10 +83,10 @@ class ExternalClock:
     def _check(self, stamp: int, arrival: int) -> None:
         if self.rule is ClockRule.NONE:
             self.violation = (
-                "its messages have stamps, which are not used: it is declared to have none" if stamp else ""
+                "its messages are stamped, but it is declared to send no stamps: they are ignored" if stamp else ""
             )
         elif stamp == 0:
-            self.violation = "its messages have no stamp: the time of their arrival is used"
+            self.violation = "its messages have no stamp: their time of arrival is used"
         elif self.rule is ClockRule.SIMULATED and abs(stamp - arrival) > _NEAR:
             ahead = (stamp - arrival) / _SECOND
             self.violation = f"its stamps are {abs(ahead):.6g} s {'ahead of' if ahead > 0 else 'behind'} simulated time"
@@ -115,7 +115,7 @@ class ExternalClock:
         return delay < -_STEP_BACK or self._far_in_a_row >= _STEPPED
 
     def _note(self, arrival: int, difference: int) -> None:
-        """Keep the smallest difference of each second, and lay the line anew when a second is over."""
+        """Keep the smallest difference of each second, and fit the line again when a second is over."""
         second = arrival // _SECOND
         if second != self._second:
             self._second, self._least = second, difference
@@ -162,7 +162,7 @@ class ExternalClock:
     def describe(self) -> str:
         """Return the rule in force, and what was estimated, in words."""
         if self.rule is ClockRule.DETECT:
-            return "nothing heard yet"
+            return "nothing received yet"
         if self.rule is ClockRule.NONE:
             return "no stamp: time of arrival"
         spread = f"jitter {1e3 * self.jitter:.1f} ms, at most {1e3 * self.largest_delay:.1f} ms late"

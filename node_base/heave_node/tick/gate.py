@@ -18,7 +18,7 @@ _STAMP = slice(4, 12)
 _NO_STAMP = bytes(8)
 _REMEMBERED = 16
 _HELD = 1000
-"""Messages that wait at most for the roster to say who may speak."""
+"""Messages that wait at most for the roster to say who may publish."""
 
 
 class Inbox:
@@ -70,7 +70,7 @@ class Inbox:
 
         Returns
         -------
-        False where the message was dropped, or waits for the roster to say whether its sender may speak.
+        False where the message was dropped, or waits for the roster to say whether its sender may publish.
         """
         is_external = self.speakers.is_external  # hardware need not stamp, and may well say the same thing twice
         if data[_STAMP] == _NO_STAMP and not is_external:
@@ -126,12 +126,12 @@ class TickGate:
         return self.inboxes.setdefault(inbox.topic, inbox)
 
     def set_roster(self, nodes: Sequence[str], topics: Sequence[str], identities: Sequence[str] = ()) -> None:
-        """Learn the order of the counters and who may speak.
+        """Learn the order of the counters and who may publish.
 
         Parameters
         ----------
         nodes, topics : entry i counts what `nodes[i]` published on `topics[i]`
-        identities : of the process of each entry; empty: anybody may speak
+        identities : of the process of each entry; empty: anybody may publish
         """
         position_in_node: dict[str, int] = {}
         self._publishers = {topic: [] for topic in self.inboxes}
@@ -179,7 +179,7 @@ class TickGate:
         return total
 
     def is_complete(self) -> bool:
-        """Tell whether everything of this tick has come."""
+        """Return whether everything of this tick has come."""
         if any(self._tick_of(node) < self.tick for node in self.after):
             return False
         lacking = self._lacking  # called after each message, so complete inputs are not checked again
@@ -188,7 +188,7 @@ class TickGate:
         return not lacking
 
     def missing(self) -> str:
-        """Return in words what is missing; "" where nothing is."""
+        """Describe what is missing; "" where nothing is."""
         waiting = [f"{node} to end tick {self.tick[1]}" for node in self.after if self._tick_of(node) < self.tick]
         for topic, inbox in self.inboxes.items():
             expected = self.expected(topic)

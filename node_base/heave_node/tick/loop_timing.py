@@ -48,7 +48,7 @@ class LoopTiming:
         self._open.clear()
 
     def wait_began(self) -> None:
-        """Note the start of a wait that is no tick."""
+        """Note the start of a wait that is not a tick."""
         self._began = time.monotonic()
 
     def tick_began(self, number: int) -> None:

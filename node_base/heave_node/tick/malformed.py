@@ -55,5 +55,5 @@ def _unequal(**lists: Sized) -> str:
     return "it has " + ", ".join(f"{length} {name}" for name, length in lengths.items())
 
 
-def _wrong_number(published: Sized, wanted: int) -> str:
-    return "" if len(published) == wanted else f"it has {len(published)} counts in place of {wanted}"
+def _wrong_number(published: Sized, expected: int) -> str:
+    return "" if len(published) == expected else f"it has {len(published)} counts instead of {expected}"

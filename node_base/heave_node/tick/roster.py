@@ -84,13 +84,13 @@ class Roster:
         readers = self._readers()
         for participant in self._present():
             for topic, matched in participant.outputs.items():
-                wanted = readers.get(topic, 0)
-                if matched < wanted:
-                    lacking.append(f"{participant.name} sees {matched} of {wanted} subscribers of {topic}")
+                expected = readers.get(topic, 0)
+                if matched < expected:
+                    lacking.append(f"{participant.name} sees {matched} of {expected} subscribers of {topic}")
             for topic, matched in participant.inputs.items():
-                wanted = sum(topic in other.outputs for other in self._present())
-                if matched < wanted:
-                    lacking.append(f"{participant.name} sees {matched} of {wanted} publishers of {topic}")
+                expected = sum(topic in other.outputs for other in self._present())
+                if matched < expected:
+                    lacking.append(f"{participant.name} sees {matched} of {expected} publishers of {topic}")
         return lacking
 
     def _present(self) -> list[Participant]:

@@ -1,4 +1,4 @@
-"""Who may speak on a topic: known by the identity of the process, which no message can claim for itself."""
+"""Who may publish on a topic: known by the identity of the process, which no message can claim for itself."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class Speakers:
         self.identities = frozenset(identities)
 
     def release(self) -> None:
-        """Let the next process that is heard keep an external topic: the one that had it has left."""
+        """Let the next process that publishes keep an external topic: the one that had it has left."""
         if self.is_external:
             self.identities = None
 

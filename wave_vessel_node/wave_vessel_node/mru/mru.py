@@ -46,7 +46,7 @@ class HighPass:
         )
 
     def reset(self, value: float, rate: float) -> None:
-        """Begin anew at the true motion `value`, `rate`: the unit knows nothing and reads zero."""
+        """Start again at the true motion `value`, `rate`: the unit knows nothing and reads zero."""
         self._taken.start(value, rate, state=(value, rate))
 
     def settle(self, value: float, rate: float) -> None:

@@ -33,7 +33,7 @@ class FilterFit:
     ----------
     form : normalised to the peak and the energy of the sea
     system : the filter at the scale of the sea
-    quality : how well it stands for the spectrum
+    quality : how well it models the spectrum
     """
 
     form: FilterForm

@@ -1,4 +1,4 @@
-"""How well a shaping filter stands for a spectrum."""
+"""How well a shaping filter models a spectrum."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ LEAK_QUANTILE = 1e-4
 
 @dataclass(frozen=True)
 class FilterQuality:
-    """How well a filter stands for a spectrum.
+    """How well a filter models a spectrum.
 
     Attributes
     ----------
@@ -35,7 +35,7 @@ class FilterQuality:
 
 
 def filter_quality(system: LinearModel, spectrum: WaveSpectrum) -> FilterQuality:
-    """Compare the spectrum of a filter with the one that it stands for.
+    """Compare the spectrum of a filter with the one that it models.
 
     Parameters
     ----------

@@ -40,7 +40,7 @@ def read_ndbc(path: Path) -> SpectrumFile:
     header = lines[0].split()
     if not header or not header[0].lstrip("#").upper().startswith("YY"):
         raise SpectrumFileError(
-            f"{path}: line 1: wanted an NDBC header that begins with YY or #YY, got {lines[0][:40].strip()!r}"
+            f"{path}: line 1: expected an NDBC header starting with YY or #YY, got {lines[0][:40].strip()!r}"
         )
     findings = _Findings(str(path))
     real_time = "(freq" in lines[0].replace(" ", "").lower()
@@ -92,7 +92,7 @@ def _read_lines(path: Path) -> list[str]:
         raise SpectrumFileError(f"{path}: is not a text file: byte {error.start} is not ASCII") from error
     lines = [line for line in lines if line.strip()]
     if len(lines) < 2:
-        raise SpectrumFileError(f"{path}: has {len(lines)} lines: wanted a header and at least one record")
+        raise SpectrumFileError(f"{path}: has {len(lines)} lines: expected a header and at least one record")
     return lines
 
 
@@ -104,14 +104,14 @@ def _real_time_rows(path: Path, lines: Sequence[str], findings: _Findings) -> It
             continue
         fields = line.split(maxsplit=6)
         if len(fields) < 7:
-            findings.add("record cut short left out", number)
+            findings.add("truncated record skipped", number)
             continue
         pairs = _PAIR.findall(fields[6])
         time = _time(path, number, fields[:5])
         rest = _PAIR.sub("", fields[6]).strip()
         expected = len(pairs) if expected is None else expected
         if rest or len(pairs) != expected:
-            findings.add("record cut short left out", number)
+            findings.add("truncated record skipped", number)
             continue
         values = np.array([[_number(path, number, text) for text in pair] for pair in pairs])
         yield _Row(number, time, values[:, 1], values[:, 0])
@@ -122,16 +122,16 @@ def _historical_rows(path: Path, lines: Sequence[str], findings: _Findings) -> I
     names = lines[0].split()
     dates = next((i for i, name in enumerate(names) if re.fullmatch(r"\d*\.\d+", name)), len(names))
     if dates not in (4, 5) or len(names) - dates < 3:
-        raise SpectrumFileError(f"{path}: line 1: wanted YY MM DD hh [mm] and then 3 frequencies or more [Hz]")
+        raise SpectrumFileError(f"{path}: line 1: expected YY MM DD hh [mm] followed by at least 3 frequencies [Hz]")
     frequency = np.array([float(_number(path, 1, name)) for name in names[dates:]])
     if (np.diff(frequency) <= 0.0).any() or frequency[0] <= 0.0:
-        raise SpectrumFileError(f"{path}: line 1: frequencies must be above 0 and rise strictly")
+        raise SpectrumFileError(f"{path}: line 1: frequencies must be above 0 and strictly increasing")
     for number, line in enumerate(lines[1:], start=2):
         if line.startswith("#"):
             continue
         fields = line.split()
         if len(fields) != len(names):
-            findings.add(f"record with other than {len(names)} columns left out", number)
+            findings.add(f"record without {len(names)} columns skipped", number)
             continue
         time = _time(path, number, fields[:dates])
         yield _Row(number, time, frequency, np.array([_number(path, number, text) for text in fields[dates:]]))
@@ -144,7 +144,7 @@ def _records(rows: Iterable[_Row], findings: _Findings) -> list[SpectrumRecord]:
         if spectrum is None:
             continue
         if row.time in records:
-            findings.add("second record of the same time left out", row.line)
+            findings.add("second record with the same time skipped", row.line)
             continue
         records[row.time] = SpectrumRecord(row.time, spectrum)
     return [records[time] for time in sorted(records)]
@@ -154,25 +154,25 @@ def _usable(row: _Row, findings: _Findings) -> TabulatedSpectrum | None:
     """Repair or leave out one record."""
     missing = np.isin(row.density, _FILL_VALUES) | ~np.isfinite(row.density) | ~np.isfinite(row.frequency)
     if missing.mean() > 0.1:
-        findings.add("record with more than a tenth of its densities missing (fill value or NaN) left out", row.line)
+        findings.add("record with more than a tenth of its densities missing (fill value or NaN) skipped", row.line)
         return None
     if missing.any():
         findings.add("missing density (fill value or NaN) filled from its neighbours", row.line)
     frequency, density = row.frequency[~missing], row.density[~missing]
     if (density < -_ROUNDING).any():
-        findings.add("record with negative density left out", row.line)
+        findings.add("record with negative density skipped", row.line)
         return None
     if (density < 0.0).any():
         findings.add("negative density within rounding set to 0", row.line)
     try:
         return tabulated_from_hertz(frequency, np.maximum(density, 0.0), name=f"line {row.line}")
     except SpectrumError as error:
-        findings.add(f"record left out: {str(error).split(': ', 1)[-1]}", row.line)
+        findings.add(f"record skipped: {str(error).split(': ', 1)[-1]}", row.line)
         return None
 
 
 def _number(path: Path, line: int, text: str) -> float:
-    """Read a number; NaN is allowed here (it counts as missing), anything else that is no number is refused."""
+    """Read a number; NaN is allowed here (it counts as missing), anything else that is not a number is refused."""
     if text.upper() in ("NAN", "MM"):
         return math.nan
     if not re.fullmatch(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", text):

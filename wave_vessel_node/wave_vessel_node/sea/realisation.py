@@ -140,7 +140,7 @@ class HarmonicSum:
         self._frequency = np.ascontiguousarray(frequency, dtype=float)
         coefficients = np.atleast_2d(np.asarray(coefficients, dtype=complex))
         if coefficients.shape[1] != self._frequency.size:
-            raise SpectrumError(f"coefficients {coefficients.shape} do not fit {self._frequency.size} frequencies")
+            raise SpectrumError(f"coefficients {coefficients.shape} do not match {self._frequency.size} frequencies")
         self._real = np.ascontiguousarray(coefficients.real)
         self._imaginary = np.ascontiguousarray(coefficients.imag)
         self._period = period

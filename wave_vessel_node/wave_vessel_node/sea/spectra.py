@@ -150,7 +150,7 @@ class PiersonMoskowitz(Bretschneider):
         Raises SpectrumError for a height of 0 or less.
         """
         if height <= 0.0:
-            raise SpectrumError(f"a Pierson-Moskowitz sea needs a height above 0, got {height:g} m")
+            raise SpectrumError(f"a Pierson-Moskowitz sea needs a significant wave height above 0, got {height:g} m")
         peak = (16.0 * _PIERSON_MOSKOWITZ_ALPHA * STANDARD_GRAVITY**2 / (5.0 * height**2)) ** 0.25
         return cls(height, 2.0 * math.pi / peak)
 
@@ -287,13 +287,13 @@ class TabulatedSpectrum(WaveSpectrum):
         values = np.array(self.values, dtype=float)
         if frequency.ndim != 1 or frequency.shape != values.shape or frequency.size < 3:
             raise SpectrumError(
-                f"{self.name}: wanted two lists of one length, 3 or more; "
+                f"{self.name}: expected two lists of equal length, 3 or more; "
                 f"got shapes {frequency.shape} and {values.shape}"
             )
         if not (np.isfinite(frequency).all() and np.isfinite(values).all()):
-            raise SpectrumError(f"{self.name}: frequencies and densities must be numbers, found NaN or infinity")
+            raise SpectrumError(f"{self.name}: frequencies and densities must be finite")
         if frequency[0] <= 0.0 or (np.diff(frequency) <= 0.0).any():
-            raise SpectrumError(f"{self.name}: frequencies must be above 0 and rise strictly")
+            raise SpectrumError(f"{self.name}: frequencies must be above 0 and strictly increasing")
         if (values < 0.0).any():
             raise SpectrumError(f"{self.name}: density {values.min():g} is negative")
         if not (values > 0.0).any():

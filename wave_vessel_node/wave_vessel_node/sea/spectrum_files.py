@@ -17,5 +17,5 @@ def read_spectra(path: str | Path) -> SpectrumFile:
     """
     path = Path(path)
     if not path.is_file():
-        raise SpectrumFileError(f"{path}: there is no such file")
+        raise SpectrumFileError(f"{path}: no such file")
     return read_with_wavespectra(path) if path.suffix.lower() in ENDINGS else read_ndbc(path)

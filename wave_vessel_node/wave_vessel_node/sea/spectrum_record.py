@@ -12,7 +12,7 @@ from wave_vessel_node.sea.spectra import TabulatedSpectrum
 
 
 class SpectrumFileError(ValueError):
-    """A spectrum file that cannot be used; the message names file, line and what was wanted."""
+    """A spectrum file that cannot be used; the message names file, line and what was expected."""
 
 
 @dataclass(frozen=True)
@@ -48,27 +48,27 @@ class SpectrumFile:
         """Return record number `index`, from 0. Raises SpectrumFileError beyond the last."""
         if not 0 <= index < len(self.records):
             raise SpectrumFileError(
-                f"{self.path}: there is no record {index}: the file has 0 to {len(self.records) - 1}"
+                f"{self.path}: no record {index}: the file has records 0 to {len(self.records) - 1}"
             )
         return self.records[index]
 
     def nearest(self, time: str) -> SpectrumRecord:
         """Return the record nearest to `time`, ISO 8601, UTC where no zone is given.
 
-        Raises SpectrumFileError for a text that is no time, or one more than a day before the first or after the last
-        record.
+        Raises SpectrumFileError for text that is not a time, and for a time more than a day before the first or after
+        the last record.
         """
         try:
-            wanted = datetime.fromisoformat(time.replace("Z", "+00:00"))
+            requested = datetime.fromisoformat(time.replace("Z", "+00:00"))
         except ValueError as error:
             raise SpectrumFileError(f"{self.path}: {time!r} is not a time like 1996-06-14T18:00") from error
-        if wanted.tzinfo is None:
-            wanted = wanted.replace(tzinfo=timezone.utc)
-        record = min(self.records, key=lambda candidate: abs(candidate.time - wanted))
-        if abs(record.time - wanted) > timedelta(days=1):
+        if requested.tzinfo is None:
+            requested = requested.replace(tzinfo=timezone.utc)
+        record = min(self.records, key=lambda candidate: abs(candidate.time - requested))
+        if abs(record.time - requested) > timedelta(days=1):
             first, last = self.records[0].time, self.records[-1].time
             raise SpectrumFileError(
-                f"{self.path}: no record within a day of {time}: it reaches from {first:%Y-%m-%d} to {last:%Y-%m-%d}"
+                f"{self.path}: no record within a day of {time}: the file covers {first:%Y-%m-%d} to {last:%Y-%m-%d}"
             )
         return record
 
@@ -82,6 +82,6 @@ def tabulated_from_hertz(frequency: Array, density: Array, *, name: str) -> Tabu
     density : [m^2/Hz], shape (n,)
     name : opens the message of an error
 
-    Raises SpectrumError for numbers that are no spectrum.
+    Raises SpectrumError for numbers that are not a spectrum.
     """
     return TabulatedSpectrum(2.0 * math.pi * frequency, density / (2.0 * math.pi), name=name)

@@ -46,7 +46,7 @@ def _records(path: Path, dataset: Any) -> SpectrumFile:
     density = dataset.efth.spec.oned() if "dir" in dataset.efth.dims else dataset.efth
     for dimension in [name for name in density.dims if name not in ("time", "freq")]:
         if density.sizes[dimension] > 1:
-            warnings.append(f"{path}: has {density.sizes[dimension]} places along {dimension}: the first is taken")
+            warnings.append(f"{path}: has {density.sizes[dimension]} entries along {dimension}: the first is used")
         density = density.isel({dimension: 0})
     if "time" not in density.dims:
         density = density.expand_dims("time")
@@ -58,7 +58,7 @@ def _records(path: Path, dataset: Any) -> SpectrumFile:
         try:
             spectrum = tabulated_from_hertz(frequency, np.asarray(row, dtype=float), name=f"record {number}")
         except SpectrumError as error:
-            warnings.append(f"{path}: left out: {error}")
+            warnings.append(f"{path}: skipped: {error}")
             continue
         seconds = np.datetime64(time, "s").astype(int) if np.issubdtype(times.dtype, np.datetime64) else 0
         records.append(SpectrumRecord(datetime.fromtimestamp(int(seconds), tz=timezone.utc), spectrum))

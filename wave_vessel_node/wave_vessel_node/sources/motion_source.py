@@ -16,5 +16,5 @@ class MotionSource(ABC):
         """Return the motion at tick * tick_period; ticks are asked for in rising order, each once."""
 
     def nominal_sea(self) -> tuple[float, float]:
-        """Return height [m] and period [s] that stand for the sea of a source without a spectrum; NaN: not known."""
+        """Return height [m] and period [s] that describe the sea of a source without a spectrum; NaN: not known."""
         return math.nan, math.nan

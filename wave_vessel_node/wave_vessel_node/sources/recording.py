@@ -17,12 +17,12 @@ from heave_node.arrays import Array
 from mcap.exceptions import McapError
 from mcap.reader import make_reader
 
-_LONGEST_GAP = 2.0  # s between samples; more is no record to interpolate
+_LONGEST_GAP = 2.0  # s between samples; longer gaps cannot be interpolated
 _COLUMNS = {"x_m": 0, "y_m": 1, "z_m": 2, "heave_m": 2, "elevation_m": 2}
 
 
 class RecordingError(ValueError):
-    """A recording that cannot be used; the message names file, place and what was wanted."""
+    """A recording that cannot be used; the message names file, place and what was expected."""
 
 
 @dataclass(frozen=True)
@@ -57,13 +57,13 @@ def read_recording(path: str | Path, topic: str = "boom_tip") -> Recording:
     """
     path = Path(path)
     if not path.exists():
-        raise RecordingError(f"{path}: there is no such file or folder")
+        raise RecordingError(f"{path}: no such file or folder")
     if path.suffix.lower() == ".csv":
         samples = list(_csv_samples(path))
     elif path.is_dir() or path.suffix.lower() == ".mcap":
         samples = list(_bag_samples(path, topic))
     else:
-        raise RecordingError(f"{path}: wanted a .csv file, an .mcap file or a bag folder")
+        raise RecordingError(f"{path}: expected a .csv file, an .mcap file or a bag folder")
     return _checked(path, np.array(samples).reshape(-1, 4))
 
 
@@ -71,20 +71,20 @@ def _checked(path: Path, samples: Array) -> Recording:
     good = np.isfinite(samples).all(axis=1)
     warnings = []
     if not good.all():
-        warnings.append(f"{path}: {int((~good).sum())} samples that are not numbers left out")
+        warnings.append(f"{path}: {int((~good).sum())} non-numeric samples skipped")
     samples = samples[good]
     if len(samples):
         later = np.concatenate(([True], samples[1:, 0] > np.maximum.accumulate(samples[:, 0])[:-1]))
         if not later.all():
-            warnings.append(f"{path}: {int((~later).sum())} samples not later than the one before left out")
+            warnings.append(f"{path}: {int((~later).sum())} samples not later than their predecessor skipped")
         samples = samples[later]
     if len(samples) < 10:
-        raise RecordingError(f"{path}: has {len(samples)} usable samples: wanted 10 or more")
+        raise RecordingError(f"{path}: has {len(samples)} usable samples: at least 10 are needed")
     gap = np.diff(samples[:, 0])
     if gap.max() > _LONGEST_GAP:
         raise RecordingError(
             f"{path}: no sample for {gap.max():.1f} s after {samples[np.argmax(gap), 0]:g} s: "
-            f"wanted gaps up to {_LONGEST_GAP:g} s"
+            f"gaps may be at most {_LONGEST_GAP:g} s"
         )
     position = samples[:, 1:] - samples[:, 1:].mean(axis=0)
     return Recording(str(path), samples[:, 0] - samples[0, 0], position, tuple(warnings))
@@ -102,7 +102,7 @@ def _csv_samples(path: Path) -> Iterator[tuple[float, float, float, float]]:
     header = [name.strip() for name in next(rows)]
     places = {_COLUMNS[name]: header.index(name) for name in header if name in _COLUMNS}
     if "time_s" not in header or 2 not in places:
-        raise RecordingError(f"{path}: line {numbered[0][0]}: wanted columns time_s and z_m, heave_m or elevation_m")
+        raise RecordingError(f"{path}: line {numbered[0][0]}: expected columns time_s and z_m, heave_m or elevation_m")
     time = header.index("time_s")
     for (number, _), row in zip(numbered[1:], rows, strict=True):
         if len(row) != len(header):
@@ -130,11 +130,11 @@ def _bag_samples(path: Path, topic: str) -> Iterator[tuple[float, float, float, 
                     decode = _DECODERS.get(schema.name if schema else "")
                     if decode is None:
                         known = ", ".join(sorted(_DECODERS))
-                        raise RecordingError(f"{path}: topic {channel.topic} holds another type: wanted {known}")
+                        raise RecordingError(f"{path}: topic {channel.topic} has the wrong type: expected {known}")
                     matched = True
                     yield decode(_Cdr(message.data))
         except (McapError, struct.error) as error:
-            raise RecordingError(f"{file}: is not a whole MCAP file: {error}") from error
+            raise RecordingError(f"{file}: is not a complete MCAP file: {error}") from error
     if not matched:
         raise RecordingError(f"{path}: there is no topic {topic}; found {', '.join(sorted(found)) or 'none'}")
 

@@ -118,8 +118,8 @@ def _read_rao(parameters: WaveVesselParameters, warnings: list[str]) -> Response
     table = read_rao(vessel.rao_file, speeds)
     if fastest > table.speed[-1] + 1e-9:
         warnings.append(
-            f"{vessel.rao_file or 'shipped RAO'}: has speeds up to {table.speed[-1]:g} m/s, the course goes to "
-            f"{fastest:g} m/s: responses of the highest are taken"
+            f"{vessel.rao_file or 'shipped RAO'}: covers speeds up to {table.speed[-1]:g} m/s, but the course "
+            f"reaches {fastest:g} m/s: the responses at the highest speed are used"
         )
     return table
 

@@ -65,7 +65,7 @@ def fit_vessel(omega: Array, response: NDArray[Any], spectrum: WaveSpectrum) -> 
     amplitude = np.abs(np.asarray(response))
     weight = np.sqrt(spectrum.density(omega) * np.gradient(omega))
     if omega.size < 6 or not np.isfinite(amplitude).all() or not (weight * amplitude > 0.0).any():
-        raise RaoError("a fit needs 6 frequencies or more with finite responses where the sea has energy")
+        raise RaoError("a fit needs at least 6 frequencies with finite responses where the sea has energy")
     norm = math.sqrt(float(((weight * amplitude) ** 2).sum()))
 
     def vessel(parameters: Array) -> SecondOrderVessel:

@@ -19,7 +19,7 @@ _MIRROR = np.array([1.0, -1.0, 1.0, -1.0, 1.0, -1.0])  # motions of a ship with 
 
 
 class RaoError(ValueError):
-    """RAOs that cannot be used; the message names file, place and what was wanted."""
+    """RAOs that cannot be used; the message names file, place and what was expected."""
 
 
 @dataclass(frozen=True)
@@ -43,17 +43,17 @@ class ResponseTable:
         shape = (self.speed.size, self.heading.size, 6, self.frequency.size)
         if self.response.shape != shape:
             raise RaoError(
-                f"responses of shape {self.response.shape} where speeds, headings and frequencies want {shape}"
+                f"responses of shape {self.response.shape} where speeds, headings and frequencies require {shape}"
             )
         for name, values in (("speed", self.speed), ("heading", self.heading), ("frequency", self.frequency)):
             if not np.isfinite(values).all() or (np.diff(values) <= 0.0).any():
-                raise RaoError(f"{name} must be numbers that rise strictly")
+                raise RaoError(f"{name} must be finite and strictly increasing")
         if not np.isfinite(self.response).all():
-            raise RaoError("responses must be numbers, found NaN or infinity")
+            raise RaoError("responses must be finite")
         if self.frequency.size < 4 or self.frequency[0] <= 0.0:
-            raise RaoError("wanted 4 frequencies or more, all above 0")
+            raise RaoError("expected at least 4 frequencies, all above 0")
         if self.heading[0] > 1e-6 or self.heading[-1] < np.pi - 1e-3:
-            raise RaoError("headings must reach from 0 to pi (a symmetric ship) or all the way round from 0")
+            raise RaoError("headings must span 0 to pi (symmetric ship) or the full circle from 0")
 
     def at(self, frequency: ArrayLike, heading: ArrayLike, speed: float = 0.0) -> ComplexArray:
         """Return H at pairs of wave frequency and relative heading, shape (6, n); see `SampledResponse`.

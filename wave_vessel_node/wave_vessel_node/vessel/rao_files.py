@@ -52,12 +52,12 @@ def read_rao(path: str | Path, speeds: Sequence[float] = (0.0,)) -> ResponseTabl
         return shipped_rao()
     path = Path(path)
     if not path.is_file():
-        raise RaoError(f"{path}: there is no such file")
+        raise RaoError(f"{path}: no such file")
     if path.suffix.lower() == ".csv":
         return read_rao_csv(path)
     if path.suffix.lower() in (".nc", ".nc4"):
         return read_capytaine(path, speeds=speeds)
-    raise RaoError(f"{path}: wanted a table that ends in .csv, or a Capytaine database that ends in .nc")
+    raise RaoError(f"{path}: expected an RAO table (.csv) or a Capytaine database (.nc)")
 
 
 def read_rao_csv(path: str | Path) -> ResponseTable:
@@ -69,7 +69,7 @@ def read_rao_csv(path: str | Path) -> ResponseTable:
         raise RaoError(f"{path}: is not a text file") from error
     numbered = [(n, line) for n, line in enumerate(text.splitlines(), 1) if line.strip() and not line.startswith("#")]
     if len(numbered) < 2:
-        raise RaoError(f"{path}: wanted a header and rows, found {len(numbered)} lines")
+        raise RaoError(f"{path}: expected a header and rows, found {len(numbered)} lines")
     rows = list(csv.reader(line for _, line in numbered))
     header = [name.strip() for name in rows[0]]
     missing = [name for name in COLUMNS if name not in header]
@@ -105,11 +105,11 @@ def _grid_table(path: Path, values: Array) -> ResponseTable:
     if (count != 1).any():
         where = np.argwhere(count != 1)[0]
         point = ", ".join(f"{name} {axis[i]:g}" for name, axis, i in zip(_GRID, axes, where, strict=True))
-        found = "missing" if count[tuple(where)] == 0 else "there more than once"
+        found = "missing" if count[tuple(where)] == 0 else "repeated"
         raise RaoError(f"{path}: the grid of speeds, headings and frequencies is not complete: {point} is {found}")
     amplitude, phase = values[:, 3::2], values[:, 4::2]
     if (amplitude < 0.0).any():
-        raise RaoError(f"{path}: an amplitude is negative ({amplitude.min():g}): turn its phase by pi instead")
+        raise RaoError(f"{path}: an amplitude is negative ({amplitude.min():g}): shift its phase by pi instead")
     response = np.empty((*shape, 6), dtype=complex)
     response[tuple(index)] = amplitude * np.exp(1j * phase)
     try:
@@ -172,7 +172,7 @@ def read_capytaine(
         raise RaoError(f"{path}: is not a complete Capytaine database: {str(error).splitlines()[0]}") from error
     coefficients = (added_mass, damping, inertia, stiffness)
     if not all(np.isfinite(values).all() for values in (*coefficients, excitation)):
-        raise RaoError(f"{path}: the database has coefficients that are not numbers")
+        raise RaoError(f"{path}: the database has coefficients that are not finite")
     if frequencies is None:
         frequencies = np.interp(np.arange(4 * omega.size - 3) / 4.0, np.arange(omega.size), omega)
     fine = np.asarray(frequencies, dtype=float)
@@ -185,7 +185,7 @@ def read_capytaine(
 
 def _open_dataset(path: Path) -> Any:
     if not path.is_file():
-        raise RaoError(f"{path}: there is no such file")
+        raise RaoError(f"{path}: no such file")
     try:
         import xarray  # noqa: PLC0415  an extra: only needed for these files
     except ImportError as error:

@@ -64,7 +64,7 @@ def boom_tip_model(waves: LinearModel, vessel: SecondOrderVessel | None) -> Line
     elevation = waves.row("wave_elevation")
     if np.abs(elevation @ waves.G).max() > 1e-9 * float(np.linalg.norm(elevation) * np.linalg.norm(waves.G)):
         raise ModelError(
-            "a boom tip that follows the sea needs a shaping filter with at least two poles more than zeros: the rate "
+            "a boom tip that follows the sea needs a shaping filter with at least two more poles than zeros: the rate "
             "of the elevation is white noise otherwise"
         )
     return waves.with_outputs({"boom_tip_heave": elevation, "boom_tip_heave_rate": elevation @ waves.A})

@@ -1,7 +1,7 @@
 """The bounds that kappa is measured against: what no controller can beat, whatever it does.
 
-s_est (see `sensor_bound`) is what sensors and delay leave without limits; s_act is what the winch's
-limits leave to one who knows the whole future. kappa = s(z) / sqrt(s_est^2 + s_act^2).
+s_est (see `sensor_bound`) is what sensors and delay leave without limits; s_act is what the winch's limits leave to a
+controller that knows the whole future. kappa = s(z) / sqrt(s_est^2 + s_act^2).
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ EDGE = 60.0
 HIGHEST_FREQUENCY = 4.0
 """End of the spectrum of a record that counts [rad/s]; no vessel moves above it."""
 FILTER_STATES = 8
-"""Of the filter that stands for a record's spectrum: two peaks and their flanks."""
+"""Of the filter that models a record's spectrum: two peaks and their flanks."""
 
 
 @dataclass(frozen=True)
@@ -123,7 +123,7 @@ def sensor_bound(truth: WinchControllerParameters, tick_period: float, boom_tip:
     ----------
     truth : winch, sensors, cable and unit as they are
     tick_period : [s]
-    boom_tip : spectrum of its heave, see `recorded_spectrum`; a shaping filter fitted to it stands for it
+    boom_tip : spectrum of its heave, see `recorded_spectrum`; a shaping filter fitted to it models it
 
     Raises DesignError where sensors do not determine the motion.
     """

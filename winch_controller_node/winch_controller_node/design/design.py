@@ -19,7 +19,7 @@ from winch_controller_node.interface.sensors import (
     MRU_SCALE,
     MeasurementRow,
     SlowState,
-    those_that_see,
+    sensors_that_see,
 )
 from winch_controller_node.laws.governor import CommandGovernor
 from winch_controller_node.laws.law import ControlLaw, LawDesign
@@ -124,7 +124,9 @@ class ControllerDesign:
         p = self.parameters
         missing = [sensor for sensor in LAWS[p.law].required_sensors if sensor not in p.sensors.use]
         if missing:
-            raise DesignError(f"law {p.law} needs the sensor {missing[0]}: add it to sensors.use, or take another law")
+            raise DesignError(
+                f"law {p.law} needs the sensor {missing[0]}: add it to sensors.use, or choose another law"
+            )
         return make_law(p.law, LawDesign(self.model, p.winch, self.limits, p.weights, self.gain), p)
 
     def make_governor(self) -> CommandGovernor:
@@ -250,13 +252,13 @@ def _check_inputs(parameters: WinchControllerParameters, tick_period: float) -> 
     delay = parameters.winch.command_delay
     if delay > LONGEST_DELAY:
         raise DesignError(
-            f"winch.command_delay = {delay:g} s is longer than any useful prediction of the boom tip "
+            f"winch.command_delay = {delay:g} s is longer than the boom tip can usefully be predicted "
             f"({LONGEST_DELAY:g} s)"
         )
     use = parameters.sensors.use
     if "encoder" not in use:
         raise DesignError("sensors.use must include the encoder: nothing else measures the payout")
-    of_motion = those_that_see("boom_tip", "unit")
+    of_motion = sensors_that_see("boom_tip", "unit")
     if not set(of_motion) & set(use):
         raise DesignError(f"sensors.use must include one of {', '.join(of_motion)}: nothing else measures the motion")
 
@@ -346,7 +348,7 @@ def _check_observability(
     use = parameters.sensors.use
     in_motion = (MRU_SCALE, LEVER_ARM_X, LEVER_ARM_Y)
     asked = [name for name in in_motion if model.has_state(name)]
-    *others, last = below = those_that_see("unit", "cable")
+    *others, last = below = sensors_that_see("unit", "cable")
     if asked and not set(below) & set(use):
         raise DesignError(
             f"{' and '.join(asked)} cannot be observed with the sensors {', '.join(use)}: add {', '.join(others)} or "

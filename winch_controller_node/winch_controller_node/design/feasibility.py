@@ -53,7 +53,7 @@ class WinchDemand:
 def boom_tip_density(parameters: WinchControllerParameters, omega: Array) -> Array:
     """Return the one-sided spectrum of boom-tip heave in the sea of `parameters`, of the shape of `omega`.
 
-    From the spectrum itself, not from the shaping filter that stands for it; [m^2 s/rad] at `omega` [rad/s].
+    From the spectrum itself, not from the shaping filter that models it; [m^2 s/rad] at `omega` [rad/s].
     """
     density = sea_spectrum(parameters.sea).density(omega)
     vessel = parameters.vessel

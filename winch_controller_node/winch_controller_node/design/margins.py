@@ -50,7 +50,8 @@ def state_feedback_loop(design: ControllerDesign, gain: Array, omegas: Array) ->
 def output_feedback_loop(design: ControllerDesign, gain: Array, omegas: Array) -> ComplexArray:
     """Return L at `omegas` [rad/s] with the stationary Kalman filter in the loop of `design` (LQG).
 
-    `gain` has shape (n,). A sensor slower than the tick stands as one at the tick with the same information per second.
+    `gain` has shape (n,). A sensor slower than the tick is treated as one at the tick with the same information per
+    second.
     """
     filter_ = equivalent_filter(design)
     n = len(filter_.A)

@@ -95,7 +95,7 @@ def error_covariances(design: ControllerDesign) -> ErrorCovariances:
         if abs(level - previous) < SETTLED * level:
             return pairs
         previous = level
-    raise DesignError("the covariance of the estimate does not settle: the sensors do not determine the state")
+    raise DesignError("the covariance of the estimate does not converge: the sensors do not determine the state")
 
 
 def _seen(model: LinearModel, P: Array) -> float:
@@ -122,7 +122,7 @@ def _filter_model(design: ControllerDesign, *, every_tick: bool = False) -> _Fil
     if pattern > LONGEST_PATTERN:
         raise DesignError(
             f"the pattern of the sensors repeats only after {pattern} ticks, and at most {LONGEST_PATTERN} can be "
-            "predicted: choose rates that divide each other"
+            "predicted: choose rates that are multiples of one another"
         )
     A, Q = model.A, model.noise_covariance
     rows: list[tuple[Array, MeasurementModel]] = []
@@ -192,7 +192,7 @@ def equivalent_filter(design: ControllerDesign) -> EquivalentFilter:
         if abs(level - previous) < SETTLED * level:
             return EquivalentFilter(model.A, H, filter_gain(prior, H, variances))
         previous = level
-    raise DesignError("the covariance of the estimate does not settle: the sensors do not determine the state")
+    raise DesignError("the covariance of the estimate does not converge: the sensors do not determine the state")
 
 
 def predict_loop(
@@ -232,7 +232,7 @@ def predict_loop(
 def _estimate_covariances(closed: Array, corrections: list[Array]) -> list[Array]:
     """Return the stationary covariance of the estimate after the readings of each tick of the pattern."""
     if np.max(np.abs(np.linalg.eigvals(closed))) >= 1.0:
-        raise DesignError("the closed loop of this gain is not stable: nothing can be predicted of it")
+        raise DesignError("the closed loop of this gain is not stable: nothing can be predicted for it")
     whole, noise = np.eye(len(closed)), np.zeros_like(closed)
     for correction in corrections:
         whole = closed @ whole

@@ -348,7 +348,7 @@ def _predictions(report: DesignReport) -> str:
 
 def _curves(report: DesignReport) -> str:
     columns = "unit cm   rate m/s   accel. m/s2  command   gain index"
-    lines = [f"size of command weight     {columns}"]
+    lines = [f"command weight     {columns}"]
     lines += [_curve_row(point) for point in report.weight_curve]
     lines += ["", f"lag of winch s             {columns}"]
     lines += [_curve_row(point) for point in report.winch_curve]

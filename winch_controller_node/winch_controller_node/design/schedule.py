@@ -98,12 +98,12 @@ def closed_loop_radius(design: ControllerDesign) -> float:
 
 
 def is_scheduled(parameters: WinchControllerParameters) -> bool:
-    """Tell whether the parameters ask for a schedule."""
+    """Return whether the parameters ask for a schedule."""
     return parameters.schedule.maximum_length > 0.0
 
 
 FOLLOW = 0.03
-"""Change of length, relative, at which the scheduled design is taken anew."""
+"""Change of length, relative, at which the scheduled design is renewed."""
 
 
 def design_schedule(parameters: WinchControllerParameters, *, tick_period: float) -> GainSchedule:

@@ -14,7 +14,7 @@ class DesignWork(Generic[Result]):
 
     Parameters
     ----------
-    ticks : the result is taken so many ticks after the work was begun, or as soon as it is there if that is later
+    ticks : the result is taken this many ticks after the work was started, or as soon as it is there if that is later
     executor : does the work; None: it is done at once, so that what follows depends on the run alone, never on the
         machine
     """
@@ -27,7 +27,7 @@ class DesignWork(Generic[Result]):
 
     @property
     def is_under_way(self) -> bool:
-        """Tell whether there is work whose result has not been taken."""
+        """Return whether there is work whose result has not been taken."""
         return self._future is not None
 
     def begin(self, tick: int, make: Callable[[], Result]) -> None:

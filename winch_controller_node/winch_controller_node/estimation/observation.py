@@ -154,7 +154,7 @@ class Observer:
             before, self._levels[name] = self._levels.get(name, SensorLevel.OK), gate.level
             if gate.level > before:
                 is_jump = name == "encoder" and gate.reason == "jump"
-                detail = f"jump of {self.encoder.jump:+.3f} m taken off" if is_jump else gate.reason
+                detail = f"jump of {self.encoder.jump:+.3f} m subtracted" if is_jump else gate.reason
                 words.append(f"{name} {gate.level.name.lower()}: {detail}")
         return words
 

@@ -221,7 +221,7 @@ def _gauss_newton(problem: _Problem, theta: Array) -> tuple[Array, int]:
     """Return the solution and the number of steps; a step that makes it worse is halved."""
     cost = problem.cost(theta)
     if not math.isfinite(cost):
-        raise IdentificationError("the model diverges from the first guess: give another guess")
+        raise IdentificationError("the model diverges from the first guess: choose another guess")
     for iteration in range(1, ITERATIONS + 1):
         residual, sensitivities = problem.evaluate(theta)
         step = np.zeros_like(theta)

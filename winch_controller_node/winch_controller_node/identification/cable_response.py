@@ -72,7 +72,7 @@ def identify_simulated(
     )
     slack = float(np.mean(response.least_tension <= 0.0))
     if slack > 0.0:
-        note = f"the cable was slack {100.0 * slack:.1f} % of the time: no linear model holds there; {found.note}"
+        note = f"the cable was slack {100.0 * slack:.1f} % of the time: no linear model is valid there;  {found.note}"
         return replace(found, note=note.rstrip("; "))
     return found
 

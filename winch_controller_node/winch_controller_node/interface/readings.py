@@ -103,7 +103,7 @@ class SensorState:
 class Report:
     """See heave_msgs/ControllerState, whose names these are: what the controller believes and does.
 
-    `is_inhibited`, for diagnostics: compensation does harm, or would, and is kept off.
+    `is_inhibited`, for diagnostics: compensation is harmful, or would, and is kept off.
     """
 
     mode: str

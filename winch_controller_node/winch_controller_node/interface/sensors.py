@@ -126,7 +126,7 @@ class SampledSensorParameters(SensorModelParameters):
 
     rate: float = parameter(20.0, unit="Hz", minimum=0.01, maximum=1000.0, description="Readings per second.")
     latency: float = parameter(
-        0.0, unit="s", minimum=0.0, maximum=5.0, description="Usual age of a reading when it arrives."
+        0.0, unit="s", minimum=0.0, maximum=5.0, description="Typical age of a reading when it arrives."
     )
 
     def period(self, tick_period: float) -> float:
@@ -149,10 +149,14 @@ class MruModelParameters(SampledSensorParameters):
         0.01, unit="m/s", minimum=1e-5, maximum=10.0, description="White noise of heave rate, 1 sigma."
     )
     high_pass_period: float = parameter(
-        0.0, unit="s", minimum=0.0, maximum=300.0, description="Cut-off period of its high-pass; 0 is none."
+        0.0,
+        unit="s",
+        minimum=0.0,
+        maximum=300.0,
+        description="Cut-off period of its high-pass filter; 0 means no filter.",
     )
     high_pass_damping: float = parameter(
-        0.7071, unit="", minimum=0.2, maximum=2.0, description="Damping ratio of its high-pass."
+        0.7071, unit="", minimum=0.2, maximum=2.0, description="Damping ratio of its high-pass filter."
     )
     scale_sigma: float = parameter(
         0.0, unit="", minimum=0.0, maximum=0.5, description="Possible scale error, 1 sigma; 0 does not estimate it."
@@ -193,10 +197,10 @@ class DepthModelParameters(SampledSensorParameters):
     noise: float = parameter(0.02, unit="m", minimum=1e-5, maximum=100.0, description="White noise, 1 sigma.")
     rate: float = parameter(10.0, unit="Hz", minimum=0.01, maximum=1000.0, description="Readings per second.")
     latency: float = parameter(
-        0.1, unit="s", minimum=0.0, maximum=5.0, description="Usual age of a reading when it arrives."
+        0.1, unit="s", minimum=0.0, maximum=5.0, description="Typical age of a reading when it arrives."
     )
     bias_sigma: float = parameter(
-        1.0, unit="m", minimum=0.0, maximum=100.0, description="Unknown of the mean depth at the start, 1 sigma."
+        1.0, unit="m", minimum=0.0, maximum=100.0, description="Uncertainty of the mean depth at the start, 1 sigma."
     )
     bias_drift: float = parameter(
         2e-4,
@@ -222,7 +226,11 @@ class EncoderModelParameters(SensorModelParameters):
     sees: ClassVar[str] = "drum"
 
     noise: float = parameter(
-        3e-4, unit="m", minimum=1e-6, maximum=1.0, description="Noise of the encoder; 1 mm steps are 0.29 mm, 1 sigma."
+        3e-4,
+        unit="m",
+        minimum=1e-6,
+        maximum=1.0,
+        description="Noise of the encoder, 1 sigma; steps of 1 mm give 0.29 mm.",
     )
 
     def rows(self) -> tuple[MeasurementRow, ...]:
@@ -273,24 +281,28 @@ class LoadCellModelParameters(SampledSensorParameters):
     is_always_watched: ClassVar[bool] = True
 
     noise: float = parameter(
-        0.005, unit="", minimum=1e-6, maximum=1.0, description="White noise over the static tension, 1 sigma."
+        0.005,
+        unit="",
+        minimum=1e-6,
+        maximum=1.0,
+        description="White noise, as a fraction of the static tension, 1 sigma.",
     )
     model_error: float = parameter(
         0.01,
         unit="",
         minimum=0.0,
         maximum=1.0,
-        description="What the two-state cable does not know of the tension, over the static one, 1 sigma.",
+        description="Error of the tension from the two-state cable, as a fraction of the static tension, 1 sigma.",
     )
     bias_sigma: float = parameter(
-        0.05, unit="", minimum=0.0, maximum=1.0, description="Unknown of the static tension at the start, 1 sigma."
+        0.05, unit="", minimum=0.0, maximum=1.0, description="Uncertainty of the static tension at the start, 1 sigma."
     )
     bias_drift: float = parameter(
         2e-4,
         unit="1/sqrt(s)",
         minimum=0.0,
         maximum=1.0,
-        description="Random walk of the static tension: cable paid out, drift of the cell.",
+        description="Random walk of the static tension: cable paid out, drift of the load cell.",
     )
 
     def rows(self) -> tuple[MeasurementRow, ...]:
@@ -327,7 +339,7 @@ SCALAR_SENSORS = tuple(name for name in INPUTS if name != MRU.name)
 """Those of which one value counts."""
 
 
-def those_that_see(*seen: str) -> list[str]:
+def sensors_that_see(*seen: str) -> list[str]:
     """Return the names of the sensors that tell of one of `seen`: boom_tip, unit, cable, drum."""
     return [name for name, sensor in KnownSensors().by_name().items() if sensor.sees in seen]
 
@@ -337,7 +349,7 @@ class SensorsModelParameters(KnownSensors):
     """Which sensors the estimator uses, and what it believes of them."""
 
     use: tuple[str, ...] = parameter(
-        ("mru", "depth", "encoder"), unit="", choices=KNOWN_SENSORS, description="Sensors the estimator takes."
+        ("mru", "depth", "encoder"), unit="", choices=KNOWN_SENSORS, description="Sensors that the estimator uses."
     )
 
     def in_use(self) -> dict[str, SensorModelParameters]:

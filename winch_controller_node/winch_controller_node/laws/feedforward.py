@@ -27,7 +27,7 @@ class FeedforwardParameters:
         True, unit="", description="Predict the boom tip over the winch's delay and lag; false: command the MRU's rate."
     )
     centring_time: float = parameter(
-        60.0, unit="s", minimum=1.0, maximum=3600.0, description="Time constant that brings the mean payout back."
+        60.0, unit="s", minimum=1.0, maximum=3600.0, description="Time constant with which the mean payout is restored."
     )
 
 
@@ -43,7 +43,7 @@ class SpeedFeedforward(ControlLaw):
     """
 
     name: ClassVar[str] = "feedforward"
-    summary: ClassVar[str] = "boom-tip rate, predicted or as the MRU reads it"
+    summary: ClassVar[str] = "boom-tip rate, predicted or as measured by the MRU"
     parameters_type: ClassVar[type | None] = FeedforwardParameters
     required_sensors: ClassVar[tuple[str, ...]] = ("mru",)
     feeds_back_unit: ClassVar[bool] = False

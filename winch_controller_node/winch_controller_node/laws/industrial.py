@@ -1,4 +1,4 @@
-"""Law industrial: what makers of winches do, as an honest baseline for every better law.
+"""Law industrial: common practice of winch makers, as an honest baseline for better laws.
 
 The outlet follows the boom tip: speed feed-forward and a position loop, both predicted over the command's delay, and
 the winch's lag inverted. Nothing is known of cable and unit, and nothing is tuned but by the winch's stated lag T and
@@ -53,7 +53,7 @@ class IndustrialParameters:
         unit="1/s",
         minimum=0.0,
         maximum=20.0,
-        description="Gain of the outlet's position loop; 0: by rule from the winch's delay and lag.",
+        description="Gain of the outlet position loop; 0: set by rule from the delay and lag of the winch.",
     )
 
 

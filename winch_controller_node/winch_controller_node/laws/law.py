@@ -101,4 +101,4 @@ class ControlLaw(ABC):
         """Return the command at `state`."""
 
     def reset(self) -> None:  # noqa: B027  # most laws remember nothing
-        """Begin anew; a law that remembers nothing has nothing to do."""
+        """Start again; a law that remembers nothing has nothing to do."""

@@ -20,7 +20,7 @@ class LqgParameters:
         unit="",
         minimum=0.001,
         maximum=100.0,
-        description="Share of the winch's speed limit that the unit's own error may ask for.",
+        description="Fraction of the winch's speed limit available to the feedback of the unit's own error.",
     )
 
 

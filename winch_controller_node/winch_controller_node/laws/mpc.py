@@ -52,33 +52,37 @@ class MpcParameters:
     """The constrained law."""
 
     horizon: float = parameter(10.0, unit="s", minimum=1.0, maximum=60.0, description="Prediction horizon.")
-    solve_ticks: int = parameter(1, unit="", minimum=1, maximum=20, description="Ticks from one solution to the next.")
+    solve_ticks: int = parameter(1, unit="", minimum=1, maximum=20, description="Ticks between solutions.")
     iteration_limit: int = parameter(
         200, unit="", minimum=5, maximum=100_000, description="Iterations after which the last good plan is followed."
     )
     unit_heave: float = parameter(
-        0.01, unit="m", minimum=1e-4, maximum=10.0, description="Size of unit heave in this law's own quadratic cost."
+        0.01, unit="m", minimum=1e-4, maximum=10.0, description="Scale of unit heave in this law's own quadratic cost."
     )
     payout_acceleration: float = parameter(
-        0.5, unit="m/s^2", minimum=0.0, maximum=1e3, description="Size of payout acceleration there; 0 leaves it out."
+        0.5,
+        unit="m/s^2",
+        minimum=0.0,
+        maximum=1e3,
+        description="Scale of payout acceleration in that cost; 0 leaves it out.",
     )
-    payout: float = parameter(50.0, unit="m", minimum=0.0, maximum=1e5, description="Size of payout there.")
+    payout: float = parameter(50.0, unit="m", minimum=0.0, maximum=1e5, description="Scale of payout in that cost.")
     command: float = parameter(
         0.3,
         unit="m/s",
         minimum=1e-3,
         maximum=1e3,
-        description="Size of the command there; a small one leaves some of the sea uncompensated.",
+        description="Scale of the command in that cost; a small one leaves some of the motion uncompensated.",
     )
     free_payout_acceleration: float = parameter(
         0.6,
         unit="m/s^2",
         minimum=0.0,
         maximum=1e3,
-        description="Size of payout acceleration away from the limits; 0 leaves it out.",
+        description="Scale of payout acceleration away from the limits; 0 leaves it out.",
     )
     free_command: float = parameter(
-        2.0, unit="m/s", minimum=1e-3, maximum=1e3, description="Size of the command away from the limits."
+        2.0, unit="m/s", minimum=1e-3, maximum=1e3, description="Scale of the command away from the limits."
     )
     release_time: float = parameter(
         60.0,
@@ -164,7 +168,7 @@ class ConstrainedLaw(ControlLaw):
     """
 
     name: ClassVar[str] = "mpc"
-    summary: ClassVar[str] = "feedback of all states with the limits in the plan"
+    summary: ClassVar[str] = "feedback of all states with the limits as constraints"
     parameters_type: ClassVar[type | None] = MpcParameters
     keeps_limits: ClassVar[bool] = True
 
@@ -295,13 +299,13 @@ class ConstrainedLaw(ControlLaw):
             self._last = LawCommand(0.0, "solved", iterations, self._active(planned, lower, upper))
         else:
             self._plan_age += 1
-            status = f"not solved in {iterations} iterations: plan of {self._plan_age} ticks ago followed"
+            status = f"not solved in {iterations} iterations: following the plan of {self._plan_age} ticks ago"
             self._last = LawCommand(0.0, status, iterations, self._last.active)
             # a solver that stopped in mid-way starts afresh
             self._start_solver()
 
     def _bounds(self, state: LoopState) -> tuple[Array, Array]:
-        """Return lower and upper bounds of the constrained outputs, the mean payout's share taken off."""
+        """Return lower and upper bounds of the constrained outputs, with the mean payout's share subtracted."""
         limits, reference = self.limits, state.reference
         count = len(self._forced)
         lower, upper = np.full(count, -1e30), np.full(count, 1e30)

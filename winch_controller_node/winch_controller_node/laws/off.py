@@ -1,4 +1,4 @@
-"""Law off: the winch stands on its brake, while sensors and estimate are still published."""
+"""Law off: the winch is held by its brake, while sensors and estimate are still published."""
 
 from __future__ import annotations
 

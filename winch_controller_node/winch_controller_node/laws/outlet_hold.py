@@ -15,7 +15,7 @@ from winch_controller_node.model.lqr import DesignError
 from winch_controller_node.parameters.model import WinchModelParameters
 
 HOLD_TIME, HOLD_LAGS = 2.0, 4.0
-"""The payout follows the boom tip within this time [s], and no quicker than so many lags of the winch."""
+"""The payout follows the boom tip within this time [s], and no faster than this many time constants of the winch."""
 
 SETTLING_DAMPING = 0.5
 """Damping ratio that the unit is given on its way back to the uncompensated motion."""

@@ -157,7 +157,7 @@ class KalmanEstimator:
         Raises ValueError for a model with other states.
         """
         if model.state_names != self.model.state_names:
-            raise ValueError("a model with other states needs a new estimator")
+            raise ValueError("a model with different states needs a new estimator")
         self.model = model
         if measurements is not None:
             self.measurements = {measurement.name: measurement for measurement in measurements}
@@ -249,7 +249,7 @@ class KalmanEstimator:
         self.innovations[reading.name] = Innovation(innovation, math.sqrt(variance), nis, accepted)
         self.refusals[reading.name] = 0 if accepted else self.refusals[reading.name] + 1
         if self.refusals[reading.name] > self._gate_limit and math.isfinite(nis):
-            # so many in a row: it is the filter that is wrong, and its covariance must be large enough to come back
+            # that many in a row: it is the filter that is wrong, and its covariance must be large enough to come back
             self._filter.set_state(self._filter.x, self._filter.P + self._initial_covariance)
             self.refusals[reading.name] = 0
             return True

@@ -71,7 +71,7 @@ def lqr_gain(model: LinearModel, cost: QuadraticCost) -> Array:
     gain = np.asarray(gain, dtype=float)
     if not (np.all(np.isfinite(gain)) and is_stable(with_feedback(model, gain))):
         raise DesignError(
-            "the Riccati equation gave no stabilising gain: make weights.command smaller or others larger"
+            "the Riccati equation gave no stabilising gain: decrease weights.command or increase the others"
         )
     return gain
 

@@ -21,12 +21,12 @@ _SENSOR_STATES = (*(f"{sensor}_" for sensor in KNOWN_SENSORS), LEVER_ARM_X, LEVE
 
 
 def is_sensor_state(name: str) -> bool:
-    """Tell whether the state `name` belongs to a sensor alone, so that no control can or need act on it."""
+    """Return whether the state `name` belongs to a sensor alone, so that no control can or need act on it."""
     return name.startswith(_SENSOR_STATES)
 
 
 def is_sea_state(name: str) -> bool:
-    """Tell whether the state `name` is one of waves and vessel, which grow with the sea."""
+    """Return whether the state `name` is one of waves and vessel, which grow with the sea."""
     return name.startswith(("vessel_", "wave_"))
 
 

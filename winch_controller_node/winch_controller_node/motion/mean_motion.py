@@ -61,7 +61,7 @@ class MeanMotion:
         self.left_over.jump_to(0.0)
 
     def stand(self) -> None:
-        """Take the mean payout to be where it is now, at rest: the winch stands."""
+        """Take the mean payout to be where it is now, at rest: the winch is stopped."""
         self.mean.jump_to(self.mean.point.payout)
 
     def return_from(self, payout: float) -> None:

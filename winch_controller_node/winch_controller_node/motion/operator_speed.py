@@ -56,7 +56,7 @@ class OperatorSpeed:
 
     @property
     def is_asked(self) -> bool:
-        """Tell whether an operator asks for a speed now, zero included."""
+        """Return whether an operator asks for a speed now, zero included."""
         return self._age <= self._timeout
 
     def ask(self, speed: float) -> None:

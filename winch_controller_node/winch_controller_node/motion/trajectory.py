@@ -54,7 +54,7 @@ class MeanPayout:
 
     @property
     def is_moving(self) -> bool:
-        """Tell whether a move is under way."""
+        """Return whether a move is under way."""
         if self._driven is not None:
             return True
         if self._is_stopping:
@@ -120,7 +120,7 @@ class MeanPayout:
             self._is_stopping, self._driven = False, rate
 
     def jump_to(self, payout: float) -> None:
-        """Take the mean payout to be here, at rest: for when the winch stands there."""
+        """Take the mean payout to be here, at rest: for when the winch has stopped there."""
         self.point = MovePoint(payout, 0.0, 0.0)
         self.target = payout
         self._is_stopping, self._deceleration, self._driven = False, 0.0, None

@@ -1,4 +1,4 @@
-"""Parameters of limits, modes, interlocks and sensor gates: of all that laws share. A law's own stand beside it."""
+"""Parameters of limits, modes, interlocks and sensor gates: of all that laws share. A law's own are beside it."""
 
 from __future__ import annotations
 
@@ -12,67 +12,80 @@ class LimitParameters:
     """How much of the winch the controller uses, and what the cable must keep."""
 
     speed_use: float = parameter(
-        1.0, unit="", minimum=0.05, maximum=1.0, description="Share of the winch's speed limit that is used."
+        1.0, unit="", minimum=0.05, maximum=1.0, description="Fraction of the winch's speed limit that is used."
     )
     acceleration_use: float = parameter(
-        1.0, unit="", minimum=0.05, maximum=1.0, description="Share of the winch's acceleration limit that is used."
+        1.0, unit="", minimum=0.05, maximum=1.0, description="Fraction of the winch's acceleration limit that is used."
     )
     payout_margin: float = parameter(
-        1.0, unit="m", minimum=0.0, maximum=100.0, description="Distance kept from the ends of the payout range."
+        1.0, unit="m", minimum=0.0, maximum=100.0, description="Margin kept to the ends of the payout range."
     )
     minimum_tension_ratio: float = parameter(
-        0.1, unit="", minimum=0.0, maximum=0.95, description="Least tension over static tension; 0 means no bound."
+        0.1,
+        unit="",
+        minimum=0.0,
+        maximum=0.95,
+        description="Lowest tension as a fraction of static tension; 0 means no bound.",
     )
     maximum_tension_ratio: float = parameter(
         0.0,
         unit="",
         minimum=0.0,
         maximum=100.0,
-        description="Highest tension over static tension: plans keep it, and above it the winch gives way; 0: none.",
+        description="Highest tension as a multiple of static tension: plans respect it, and above it the winch pays "
+        "out; 0: none.",
     )
 
 
 @dataclass(frozen=True)
 class GuardParameters:
-    """Never worse than off: compensation is faded out when it does harm."""
+    """Never worse than off: compensation is faded out when it is harmful."""
 
     window: float = parameter(
-        40.0, unit="s", minimum=1.0, maximum=3600.0, description="Memory of the comparison with uncompensated."
+        40.0,
+        unit="s",
+        minimum=1.0,
+        maximum=3600.0,
+        description="Time constant of the comparison with uncompensated motion.",
     )
     harm_ratio: float = parameter(
         0.9,
         unit="",
         minimum=0.05,
         maximum=10.0,
-        description="Fade out above this residual over uncompensated motion.",
+        description="Fade out when residual over uncompensated motion exceeds this.",
     )
     floor: float = parameter(
-        0.02, unit="m", minimum=0.0, maximum=10.0, description="Residual, 1 sigma, that is never held to be harm."
+        0.02,
+        unit="m",
+        minimum=0.0,
+        maximum=10.0,
+        description="Residual, 1 sigma, below which compensation is never judged harmful.",
     )
     limit_use: float = parameter(
         0.85,
         unit="",
         minimum=0.05,
         maximum=10.0,
-        description="Share of the winch's limits that the peaks of the sea may take up under a law that does not keep "
-        "the limits by itself; its authority is lowered to that.",
+        description="Fraction of the winch's limits that the peaks of the sea may use under a law that does not "
+        "respect the limits by itself; its authority is reduced to that.",
     )
     hold_time: float = parameter(
-        60.0, unit="s", minimum=0.0, maximum=86_400.0, description="Time off before compensation is tried again."
+        60.0, unit="s", minimum=0.0, maximum=86_400.0, description="Time without compensation before it is tried again."
     )
     hold_time_limit: float = parameter(
         960.0,
         unit="s",
         minimum=0.0,
         maximum=86_400.0,
-        description="Each harm makes the hold time four times longer, up to this.",
+        description="Each harmful attempt makes the hold time four times longer, up to this.",
     )
     demand_ratio: float = parameter(
         3.0,
         unit="",
         minimum=0.1,
         maximum=100.0,
-        description="No try while the sea asks for more than this multiple of the winch's limits (1/3 highest).",
+        description="No attempt while the sea demands more than this multiple of the winch's limits (1/3 highest).",
     )
 
 
@@ -89,10 +102,10 @@ class LagParameters:
         unit="s",
         minimum=1e-4,
         maximum=1.0,
-        description="Smallest change of time constant or delay that is worth a redesign.",
+        description="Smallest change of time constant or delay that triggers a redesign.",
     )
     largest: float = parameter(
-        0.3, unit="s", minimum=0.0, maximum=5.0, description="Largest change of either from what was believed at first."
+        0.3, unit="s", minimum=0.0, maximum=5.0, description="Largest change of either from its configured value."
     )
 
 
@@ -104,7 +117,7 @@ class ModeParameters:
         "compensating",
         unit="",
         choices=("standby", "compensating"),
-        description="Mode the controller goes to by itself once its estimate has settled.",
+        description="Mode that the controller enters by itself once its estimate has settled.",
     )
     settling_time: float = parameter(
         20.0, unit="s", minimum=0.0, maximum=3600.0, description="Time the estimator runs before compensation starts."
@@ -119,10 +132,12 @@ class ModeParameters:
         1.5, unit="s", minimum=0.0, maximum=10.0, description="Time to run on prediction when the MRU is lost."
     )
     resume: bool = parameter(
-        True, unit="", description="Compensate again by itself when a lost sensor is back; faults of the winch wait."
+        True,
+        unit="",
+        description="Resume compensation automatically when a lost sensor is back; winch faults wait for an operator.",
     )
     resume_time: float = parameter(
-        15.0, unit="s", minimum=0.0, maximum=3600.0, description="Time all sensors must be well before that."
+        15.0, unit="s", minimum=0.0, maximum=3600.0, description="Time for which all sensors must be good before that."
     )
     stop_deceleration: float = parameter(
         0.5, unit="m/s^2", minimum=1e-3, maximum=100.0, description="Deceleration of an orderly stop."
@@ -138,29 +153,37 @@ class TensionLawParameters:
         unit="",
         minimum=0.0,
         maximum=0.95,
-        description="Share of the unit's weight that the cable carries after touchdown.",
+        description="Fraction of the unit's weight that the cable carries after touchdown.",
     )
     touchdown_ratio: float = parameter(
         0.6,
         unit="",
         minimum=0.0,
         maximum=0.99,
-        description="The unit has landed when, lowering, the cable carries less than this share of its weight.",
+        description="The unit has landed when, lowering, the cable carries less than this fraction of its weight.",
     )
     lift_off_ratio: float = parameter(
-        1.0, unit="", minimum=0.1, maximum=1.0, description="The unit hangs when the cable carries this share again."
+        1.0,
+        unit="",
+        minimum=0.1,
+        maximum=1.0,
+        description="The unit is suspended when the cable carries this fraction again.",
     )
     lift_height: float = parameter(
-        2.0, unit="m", minimum=0.0, maximum=100.0, description="Height the unit is raised to after it was lifted off."
+        2.0, unit="m", minimum=0.0, maximum=100.0, description="Height to which the unit is raised after lift-off."
     )
     time_constant: float = parameter(
         2.0, unit="s", minimum=0.1, maximum=600.0, description="Time constant of the tension loop."
     )
     ramp_time: float = parameter(
-        8.0, unit="s", minimum=0.1, maximum=600.0, description="Time over which the set-point goes to its new value."
+        8.0,
+        unit="s",
+        minimum=0.1,
+        maximum=600.0,
+        description="Time over which the set-point is ramped to its new value.",
     )
     speed_limit: float = parameter(
-        0.3, unit="m/s", minimum=0.001, maximum=10.0, description="Largest correction on top of the boom-tip rate."
+        0.3, unit="m/s", minimum=0.001, maximum=10.0, description="Largest correction added to the boom-tip rate."
     )
 
     travel: float = parameter(
@@ -168,10 +191,12 @@ class TensionLawParameters:
         unit="m",
         minimum=0.01,
         maximum=1000.0,
-        description="Cable that constant tension may pay out or take in, beside what the change of tension needs.",
+        description="Cable that constant tension may pay out or haul in, beyond what the change of tension requires.",
     )
     hanging: bool = parameter(
-        False, unit="", description="Constant tension may be asked for while the unit hangs, which it does not hold."
+        False,
+        unit="",
+        description="Allow constant tension while the unit is suspended, although it does not hold the unit.",
     )
 
 
@@ -180,15 +205,21 @@ class AlarmParameters:
     """Alarms of tension and winch."""
 
     slack_ratio: float = parameter(
-        0.05, unit="", minimum=0.0, maximum=1.0, description="Alarm below this tension over the static one; 0: none."
+        0.05, unit="", minimum=0.0, maximum=1.0, description="Alarm below this fraction of static tension; 0: none."
     )
     tension_ratio: float = parameter(
-        1.5, unit="", minimum=0.0, maximum=100.0, description="Alarm above this tension over the static one; 0: none."
+        1.5, unit="", minimum=0.0, maximum=100.0, description="Alarm above this multiple of static tension; 0: none."
     )
     saturation_share: float = parameter(
-        0.25, unit="", minimum=0.0, maximum=1.0, description="Alarm when the winch is at its limits for more than this."
+        0.25,
+        unit="",
+        minimum=0.0,
+        maximum=1.0,
+        description="Alarm when the winch is at its limits for more than this fraction of the time.",
     )
-    saturation_time: float = parameter(60.0, unit="s", minimum=1.0, maximum=3600.0, description="Memory of that share.")
+    saturation_time: float = parameter(
+        60.0, unit="s", minimum=1.0, maximum=3600.0, description="Averaging time of that fraction."
+    )
 
 
 @dataclass(frozen=True)
@@ -200,14 +231,15 @@ class EntryParameters:
         unit="",
         minimum=1.0,
         maximum=1000.0,
-        description="No compensation while a sensor is further off its estimate than this, in standard deviations.",
+        description="No compensation while a sensor deviates from its estimate by more than this, in standard "
+        "deviations.",
     )
     peak_use: float = parameter(
         0.8,
         unit="",
         minimum=0.01,
         maximum=10.0,
-        description="No constant tension while the peaks of the boom tip take more than this share of the limits.",
+        description="No constant tension while the peaks of the boom tip use more than this fraction of the limits.",
     )
 
 
@@ -220,7 +252,7 @@ class MoveParameters:
         0.05, unit="m/s^2", minimum=1e-4, maximum=5.0, description="Largest mean acceleration of a move."
     )
     jerk_time: float = parameter(
-        2.0, unit="s", minimum=0.0, maximum=60.0, description="Time over which acceleration builds up."
+        2.0, unit="s", minimum=0.0, maximum=60.0, description="Time over which acceleration ramps up."
     )
 
 
@@ -229,10 +261,18 @@ class OperatorParameters:
     """The operator's own speed, as from a joystick, at `move.acceleration`; compensation has the rest of the winch."""
 
     speed_share: float = parameter(
-        0.3, unit="", minimum=0.0, maximum=1.0, description="Share of the winch's speed that an operator may ask for."
+        0.3,
+        unit="",
+        minimum=0.0,
+        maximum=1.0,
+        description="Fraction of the winch's speed limit available to an operator.",
     )
     timeout: float = parameter(
-        0.5, unit="s", minimum=0.05, maximum=60.0, description="An operator's speed holds so long, then it is zero."
+        0.5,
+        unit="s",
+        minimum=0.05,
+        maximum=60.0,
+        description="Time for which an operator's speed command holds; then it becomes zero.",
     )
 
 
@@ -244,19 +284,19 @@ class ProgrammeParameters:
         (), unit="s", minimum=0.0, description="Simulated times at which moves start, ascending."
     )
     move_payouts: tuple[float, ...] = parameter(
-        (), unit="m", description="Mean payout that each move goes to; as many as move_times."
+        (), unit="m", description="Target mean payout of each move; one per move_times."
     )
     move_speeds: tuple[float, ...] = parameter(
         (), unit="m/s", minimum=0.0, description="Largest speed of each move; 0 or none: move.speed."
     )
     mode_times: tuple[float, ...] = parameter(
-        (), unit="s", minimum=0.0, description="Simulated times at which modes are asked for, ascending."
+        (), unit="s", minimum=0.0, description="Simulated times at which modes are requested, ascending."
     )
     modes: tuple[str, ...] = parameter(
         (),
         unit="",
         choices=("standby", "compensating", "constant_tension", "stopped", "emergency_stop"),
-        description="Mode asked for at each of mode_times.",
+        description="Mode requested at each of mode_times.",
     )
 
     def __post_init__(self) -> None:
@@ -277,17 +317,33 @@ class HealthParameters:
     """Gates in front of the estimator."""
 
     frozen_samples: int = parameter(
-        3, unit="", minimum=2, maximum=1000, description="So many equal readings in a row are a frozen sensor."
+        3,
+        unit="",
+        minimum=2,
+        maximum=1000,
+        description="Number of equal readings in a row that mark a sensor as frozen.",
     )
     stale_samples: float = parameter(
-        3.0, unit="", minimum=1.0, maximum=1000.0, description="A sensor is lost after so many missing readings."
+        3.0,
+        unit="",
+        minimum=1.0,
+        maximum=1000.0,
+        description="Number of missing readings after which a sensor is lost.",
     )
     recover_samples: int = parameter(
-        10, unit="", minimum=1, maximum=10_000, description="Good readings in a row that make a lost sensor good again."
+        10,
+        unit="",
+        minimum=1,
+        maximum=10_000,
+        description="Number of good readings in a row after which a lost sensor is good again.",
     )
     stamp_tolerance: float = parameter(
-        0.001, unit="s", minimum=0.0, maximum=1.0, description="A reading may be stamped this much later than now."
+        0.001,
+        unit="s",
+        minimum=0.0,
+        maximum=1.0,
+        description="Largest time by which the stamp of a reading may be ahead of now.",
     )
     encoder_step: float = parameter(
-        0.05, unit="m", minimum=1e-3, maximum=10.0, description="An encoder step further off than this is a jump."
+        0.05, unit="m", minimum=1e-3, maximum=10.0, description="Deviation above which an encoder step is a jump."
     )

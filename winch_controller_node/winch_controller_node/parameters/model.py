@@ -16,30 +16,30 @@ class CableModelParameters:
     """The two-state cable a x'' + b x' + x = x0 - payout (thesis Eq. 6.2): from the plant's data, or as identified."""
 
     inertia: float = parameter(
-        0.0, unit="s^2", minimum=0.0, maximum=1e4, description="a; 0 takes it from cable, unit and length."
+        0.0, unit="s^2", minimum=0.0, maximum=1e4, description="a; 0 derives it from cable, unit and length."
     )
     damping: float = parameter(
-        0.0, unit="s", minimum=0.0, maximum=1e4, description="b; 0 takes it from drag linearised at drag_amplitude."
+        0.0, unit="s", minimum=0.0, maximum=1e4, description="b; 0 derives it from drag linearised at drag_amplitude."
     )
     inertia_factor: float = parameter(
-        1.0, unit="", minimum=0.1, maximum=10.0, description="What a is multiplied by: model errors, trials."
+        1.0, unit="", minimum=0.1, maximum=10.0, description="Factor on a, for model errors and trials."
     )
     damping_factor: float = parameter(
-        1.0, unit="", minimum=0.0, maximum=100.0, description="What b is multiplied by: model errors, trials."
+        1.0, unit="", minimum=0.0, maximum=100.0, description="Factor on b, for model errors and trials."
     )
     drag_amplitude: float = parameter(
         0.1,
         unit="m",
         minimum=0.0,
         maximum=20.0,
-        description="Boom-tip amplitude about which drag is made linear; the compensated unit hardly moves.",
+        description="Amplitude at which drag is linearised; small, because the compensated unit hardly moves.",
     )
     disturbance: float = parameter(
         3e-4,
         unit="m/s^2/sqrt(Hz)",
         minimum=0.0,
         maximum=10.0,
-        description="White acceleration of the unit that the model does not know (two-sided density).",
+        description="Unmodelled white acceleration of the unit (two-sided density).",
     )
 
 
@@ -59,7 +59,7 @@ class WinchModelParameters:
         unit="1/s",
         minimum=0.0,
         maximum=1e3,
-        description="k_p of the servo's position loop; the payout set-point is the mean payout then.",
+        description="k_p of the servo's position loop; the payout set-point is then the mean payout.",
     )
     position_rate: float = parameter(
         1.0, unit="1/s", minimum=1e-3, maximum=1e3, description="K of the first-order winch."
@@ -85,7 +85,7 @@ class WinchModelParameters:
         unit="m/s^2/sqrt(Hz)",
         minimum=0.0,
         maximum=10.0,
-        description="White drum acceleration that the servo model does not know (two-sided density).",
+        description="Unmodelled white acceleration of the drum (two-sided density).",
     )
 
     def __post_init__(self) -> None:
@@ -111,7 +111,7 @@ class SeaModelParameters(SeaParameters):
         "auto",
         unit="",
         choices=FILTER_CHOICES,
-        description="Shaping filter that stands for the sea; auto takes the best.",
+        description="Shaping filter that models the sea; auto selects the best fit.",
     )
     filter_states: int = parameter(
         6, unit="", minimum=4, maximum=16, description="States of a fitted filter; even. Two-peaked seas need 10."
@@ -137,7 +137,7 @@ class VesselModelParameters:
 
 @dataclass(frozen=True)
 class WeightParameters:
-    """Sizes that weigh alike in the quadratic cost (Bryson's rule): a smaller size is a larger weight.
+    """Sizes of equal weight in the quadratic cost (Bryson's rule): a smaller size is a larger weight.
 
     0 leaves it out.
     """
@@ -145,7 +145,7 @@ class WeightParameters:
     unit_heave: float = parameter(0.05, unit="m", minimum=0.0, description="Heave of the unit.")
     unit_heave_rate: float = parameter(0.0, unit="m/s", minimum=0.0, description="Heave rate of the unit.")
     outlet_heave: float = parameter(0.05, unit="m", minimum=0.0, description="Boom-tip heave less payout.")
-    payout: float = parameter(50.0, unit="m", minimum=0.0, description="Payout about its mean: keeps it from drifting.")
+    payout: float = parameter(50.0, unit="m", minimum=0.0, description="Payout about its mean: prevents drift.")
     payout_rate: float = parameter(0.0, unit="m/s", minimum=0.0, description="Payout speed.")
     payout_acceleration: float = parameter(2.0, unit="m/s^2", minimum=0.0, description="Payout acceleration.")
     command: float = parameter(
@@ -161,27 +161,30 @@ class EstimatorParameters:
         "compiled",
         unit="",
         choices=("compiled", "filterpy"),
-        description="Algebra of a step: compiled, or that of filterpy: the same estimate, ten times slower.",
+        description="Implementation of a step: compiled, or filterpy: the same estimate, ten times slower.",
     )
     gate: float = parameter(
         25.0,
         unit="",
         minimum=1.0,
         maximum=1e6,
-        description="Normalised innovation squared above which a reading is refused.",
+        description="Normalised innovation squared above which a reading is rejected.",
     )
     gate_limit: int = parameter(
         100,
         unit="",
         minimum=1,
         maximum=100_000,
-        description="After so many refusals in a row of a sensor its next reading is believed, with a new covariance.",
+        description="Number of rejected readings in a row after which a sensor's next reading is accepted, with a "
+        "new covariance.",
     )
     largest_age: float = parameter(
-        1.0, unit="s", minimum=0.0, maximum=10.0, description="Readings older than this at arrival are not used."
+        1.0, unit="s", minimum=0.0, maximum=10.0, description="Readings older than this on arrival are discarded."
     )
     sea_adaptation: bool = parameter(
-        True, unit="", description="Follow the sea state seen in the estimate: scale the driving noise of the sea."
+        True,
+        unit="",
+        description="Follow the sea state seen in the estimate: scale the driving noise of the sea.",
     )
 
 
@@ -190,12 +193,14 @@ class ScheduleParameters:
     """Gain schedule over the deployed length."""
 
     minimum_length: float = parameter(
-        0.0, unit="m", minimum=0.0, description="Shortest scheduled length; 0 and 0 design at `length` only."
+        0.0, unit="m", minimum=0.0, description="Shortest scheduled length; both 0: design at `length` only."
     )
     maximum_length: float = parameter(
-        0.0, unit="m", minimum=0.0, description="Longest scheduled length; 0 and 0 design at `length` only."
+        0.0, unit="m", minimum=0.0, description="Longest scheduled length; both 0: design at `length` only."
     )
-    points: int = parameter(9, unit="", minimum=2, maximum=200, description="Lengths at which gains are computed.")
+    points: int = parameter(
+        9, unit="", minimum=2, maximum=200, description="Number of lengths at which gains are computed."
+    )
 
     def __post_init__(self) -> None:
         if self.maximum_length < self.minimum_length:

@@ -20,7 +20,7 @@ MOST, PERIOD = 3, 600.0
 class Advice(Enum):
     """What is to be done, and told, about a command timeout."""
 
-    RESUME = "commands come again after a command timeout of the winch: compensation is tried again"
+    RESUME = "commands reach the winch again after a command timeout: compensation resumes"
     GIVE_UP = f"more than {MOST} command timeouts of the winch within {PERIOD:g} s: the winch waits for an operator"
 
 

@@ -56,7 +56,9 @@ class EntryGates:
         """
         reasons = [self._innovations(), self._range(payout, limits)]
         if demand > largest_demand:
-            reasons.append(f"the sea asks for {demand:.1f} times the winch's limits, {largest_demand:g} are the most")
+            reasons.append(
+                f"the sea demands {demand:.1f} times the winch's limits; at most {largest_demand:g} is allowed"
+            )
         return "; ".join(reason for reason in reasons if reason)
 
     def for_tension(self, payout: float, limits: WinchLimits, demand: float) -> str:
@@ -74,7 +76,8 @@ class EntryGates:
         reasons = [self._range(payout, limits)]
         if peak > most:
             reasons.append(
-                f"peaks of the boom tip take {100 * peak:.0f} % of the winch's limits, {100 * most:.0f} % are the most"
+                f"peaks of the boom tip take {100 * peak:.0f} % of the winch's limits; at most {100 * most:.0f} % "
+                "is allowed"
             )
         return "; ".join(reason for reason in reasons if reason)
 
@@ -83,7 +86,7 @@ class EntryGates:
         most = self._parameters.innovation
         far = {name: math.sqrt(value) for name, value in self._mean_squares.items() if value > most**2}
         return "; ".join(
-            f"innovations of {name} are {value:.1f} standard deviations, {most:g} are the most"
+            f"innovations of {name} are {value:.1f} standard deviations; at most {most:g} is allowed"
             for name, value in far.items()
         )
 

@@ -276,17 +276,17 @@ class HarmGuard:
         if self._depth_check.is_exceeded:
             self.trusts_estimate = False
             self._begin_inhibiting(
-                f"compensation does harm: the depth sensor reads {self._depth_check.amplitude:.3f} m of heave, more "
+                f"compensation is harmful: the depth sensor reads {self._depth_check.amplitude:.3f} m of heave, more "
                 "than without compensation"
             )
         elif feeds_back_unit and self._swing_check.is_exceeded:
             self._begin_inhibiting(
-                f"compensation does harm: the unit swings by {self._swing_check.amplitude:.3f} m, more than without "
+                f"compensation is harmful: the unit swings by {self._swing_check.amplitude:.3f} m, more than without "
                 "compensation"
             )
         elif feeds_back_unit and self._rate_check.is_exceeded:
             self._begin_inhibiting(
-                f"compensation does harm: the drum is {self._rate_check.amplitude:.3f} m/s off its intended speed, an "
+                f"compensation is harmful: the drum is {self._rate_check.amplitude:.3f} m/s off its intended speed, an "
                 "error larger than the speed of the boom tip"
             )
 
@@ -303,7 +303,7 @@ class HarmGuard:
         sigma, free_sigma = self._unit.sigma, self._free_unit.sigma
         if sigma > parameters.floor and sigma > parameters.harm_ratio * free_sigma:
             self._begin_inhibiting(
-                f"compensation does harm: heave of the unit {sigma:.3f} m, {free_sigma:.3f} m without compensation "
+                f"compensation is harmful: heave of the unit {sigma:.3f} m, {free_sigma:.3f} m without compensation "
                 "(standard deviations)"
             )
         elif self._judged_time > 4.0 * self._hold_time:

@@ -60,7 +60,7 @@ class LandingEvent(Enum):
     """What has just happened."""
 
     TOUCHDOWN = "touchdown"
-    LIFTED_OFF = "unit hangs"
+    LIFTED_OFF = "unit suspended"
 
 
 @dataclass(frozen=True, slots=True)

@@ -62,7 +62,7 @@ class LoadWatch:
         if self._over.begins(0.0 < parameters.tension_ratio < share):
             words.append(
                 f"tension too high: {tension / 1e3:.1f} kN, {share:.2f} times the static one; "
-                f"{parameters.tension_ratio:g} is the most"
+                f"at most {parameters.tension_ratio:g} is allowed"
             )
         if self._saturated.begins(self._share_at_limit > parameters.saturation_share):
             words.append(

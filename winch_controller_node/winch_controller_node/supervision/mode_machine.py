@@ -168,7 +168,7 @@ class ModeMachine:
             return "law off: the controller does not move the winch"
         rows = ROWS[self.mode, event]
         if not rows:
-            return f"mode {name} cannot be taken from mode {self.mode.value}: request standby first"
+            return f"mode {name} cannot be entered from mode {self.mode.value}: request standby first"
         view = self._view
         missing = [guard.refusal(view) for guard in rows[0].guards if not guard.holds(view)]
         return f"mode {name} needs: {'; '.join(missing)}"

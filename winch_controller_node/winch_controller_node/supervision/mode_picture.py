@@ -11,10 +11,10 @@ from winch_controller_node.supervision.modes import TABLE, Transition
 
 HEADER = """# Modes of the winch controller
 
-This page is made from the table in `winch_controller_node/supervision/modes.py` by
-`python -m winch_controller_node.supervision.mode_picture > docs/modes.md`; a test holds the two together.
+This page is generated from the table in `winch_controller_node/supervision/modes.py` by
+`python -m winch_controller_node.supervision.mode_picture > docs/modes.md`; a test keeps the two in step.
 
-Rows are tried from the top down; the first one fits whose guards all hold. A request that fits no row is refused with
+Rows are tried from the top; the first whose guards all hold applies. A request that matches no row is refused with
 the guards that do not hold.
 """
 

@@ -76,12 +76,12 @@ class Event(str, Enum):
     ASK_STOPPED = "stop requested"
     ASK_EMERGENCY_STOP = "emergency stop requested"
     TOUCHDOWN = "touchdown"
-    LIFTED_OFF = "unit hangs"
+    LIFTED_OFF = "unit suspended"
     WINCH_EMERGENCY_STOP = "emergency stop of the winch"
     WINCH_FAULT = "winch fault"
     ENCODER_LOST = "encoder lost"
     SENSOR_LOST = "sensor lost"
-    HARM = "compensation does harm"
+    HARM = "compensation is harmful"
     SENSORS_BACK = "sensors available again"
     SETTLED = "estimate settled"
     FADED = "faded out"
@@ -228,7 +228,7 @@ class Guard:
         return f"{self.name} ({detail})" if detail else self.name
 
 
-WANTED = Guard("compensation is wanted", lambda view: view.memory.wants_compensation)
+WANTED = Guard("compensation intended", lambda view: view.memory.wants_compensation)
 NO_HARM = Guard("no harm", lambda view: not view.situation.harm, lambda view: view.situation.harm)
 NO_FAULT = Guard(
     "no winch fault",
@@ -236,22 +236,22 @@ NO_FAULT = Guard(
     lambda view: fault_words(view.situation.winch_fault),
 )
 NEW_FAULT = Guard("a new fault", lambda view: view.situation.winch_fault != view.known_fault)
-SENSORS_WELL = Guard("sensors well", lambda view: view.lost_time == 0.0, lambda view: view.situation.lost)
+SENSORS_WELL = Guard("sensors good", lambda view: view.lost_time == 0.0, lambda view: view.situation.lost)
 GATES_OPEN = Guard(
     "entry gates open", lambda view: not view.situation.closed_gates, lambda view: view.situation.closed_gates
 )
 MAY_HOLD_TENSION = Guard(
-    "a load that stands or is held, and a winch that can follow",
+    "a load that is landed or held, and a winch that can follow",
     lambda view: not view.situation.tension_refusal,
     lambda v: v.situation.tension_refusal,
 )
 BRAKE_HELD = Guard(f"brake on for {RELEASE_TIME:g} s", lambda view: view.time >= RELEASE_TIME)
-HAS_ENCODER = Guard("encoder well", lambda view: "encoder" not in view.situation.lost)
+HAS_ENCODER = Guard("encoder good", lambda view: "encoder" not in view.situation.lost)
 SETTLED_ESTIMATE = Guard("estimate settled", TICK_EVENTS[Event.SETTLED])
-RESTS_IN_STANDBY = Guard("standby is to follow", lambda view: view.memory.rest is Mode.STANDBY)
-RESTS_STOPPED = Guard("stopped is to follow", lambda view: view.memory.rest is Mode.STOPPED)
+RESTS_IN_STANDBY = Guard("ends in standby", lambda view: view.memory.rest is Mode.STANDBY)
+RESTS_STOPPED = Guard("ends in stopped", lambda view: view.memory.rest is Mode.STOPPED)
 MAY_RESUME = Guard(
-    "may resume, and all sensors well for modes.resume_time",
+    "may resume, and all sensors good for modes.resume_time",
     lambda view: view.parameters.resume and view.memory.may_resume and view.well_time > view.parameters.resume_time,
 )
 

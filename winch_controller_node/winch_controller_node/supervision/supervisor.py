@@ -80,7 +80,7 @@ class Supervisor:
     Attributes
     ----------
     modes : for requests of the operator
-    guard : whether compensation does harm
+    guard : whether compensation is harmful
     landing : whether the unit stands
     timeouts : whether compensation goes on after a command timeout of the winch
     """
@@ -204,8 +204,8 @@ class Supervisor:
         least, most = HANGING_SHARES
         if not self._holds_hanging and not self.landing.unit_stands and least < share < most:
             return (
-                f"the unit hangs: the cable carries {100.0 * share:.0f} % of its weight, and constant tension would "
-                "let it go; land it first, or set tension.hanging"
+                f"the unit is suspended: the cable carries {100.0 * share:.0f} % of its weight, and constant tension "
+                "would let it drop; land it first, or set tension.hanging"
             )
         return self._gates.for_tension(payout, self._limits, self.guard.demand)
 

@@ -30,21 +30,21 @@ from heave_bringup.benchmark.interface import MRU_INVALID, WINCH_OK, Command, Fa
 DAMPING = 0.3
 """Damping ratio of the oscillator that the heave acceleration is taken for: a broad sea."""
 QUIETEST = 1e-3
-"""Smallest noise that is believed of a sensor [m], [m/s], [m/s^2]."""
+"""Smallest noise assumed for a sensor [m], [m/s], [m/s^2]."""
 SPIKE = 0.5
 """A heave so far from its prediction is not taken [m] ..."""
 INSISTENCE = 10
-"""... unless so many of them follow one another."""
+"""... unless this many of them follow one another."""
 COASTING = 1.0
-"""The filter coasts so long without a reading before the winch stands still [s]."""
+"""The filter coasts this long without a reading before the winch stops [s]."""
 REPEATED = 3
-"""So many equal readings in a row are none."""
+"""This many equal readings in a row count as none."""
 LANDED = 0.8
 """Share of the first tension at which a unit that is lowered has landed."""
 TENSION_TIME = 4.0
 """Time constant over which tension is averaged [s]."""
 ACKNOWLEDGING = 20
-"""Samples for which the brake is asked for, and then not, until a fault of the winch is gone."""
+"""Samples for which the brake is requested, and then not, to clear a fault of the winch."""
 
 
 class Industrial:

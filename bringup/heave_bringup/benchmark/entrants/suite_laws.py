@@ -15,7 +15,7 @@ from winch_controller_node.interface.readings import Measurements, ScalarReading
 from winch_controller_node.node_parameters import WinchControllerParameters
 
 from heave_bringup.benchmark import interface
-from heave_bringup.benchmark.interface import WINCH_NOT_YET_HEARD, Command, Facts, Measurement, Reading
+from heave_bringup.benchmark.interface import NO_WINCH_READING, Command, Facts, Measurement, Reading
 
 TICK_PERIOD = 0.05
 KNOWN_LIMITS = 15
@@ -57,7 +57,7 @@ class SuiteController:
         return Measurements(
             mru=tuple(_mru(r) for r in given.mru),
             scalar={DEPTH.name: _scalars(given.depth), LOAD_CELL.name: _scalars(given.load_cell)},
-            winch=None if given.winch is WINCH_NOT_YET_HEARD else self._winch(given.time, given.winch),
+            winch=None if given.winch is NO_WINCH_READING else self._winch(given.time, given.winch),
         )
 
     def _winch(self, time: float, winch: interface.WinchReading) -> WinchReading:

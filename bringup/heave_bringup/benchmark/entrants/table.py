@@ -19,7 +19,7 @@ from heave_bringup.benchmark.entrants.suite_laws import suite_law
 from heave_bringup.benchmark.interface import Entrant
 
 SHIPPED: dict[str, tuple[Entrant, str]] = {
-    "locked": (Locked, "the winch follows the target alone"),
+    "locked": (Locked, "the winch follows the target only"),
     "industrial": (Industrial, "feed-forward and outlet position loop, tuned by rule"),
     "suite:lqg": (suite_law("lqg"), "this suite's LQG law"),
     "suite:mpc": (suite_law("mpc"), "this suite's constrained law"),
@@ -27,7 +27,7 @@ SHIPPED: dict[str, tuple[Entrant, str]] = {
     "suite:feedforward": (suite_law("feedforward"), "this suite's speed feed-forward"),
     "published:pid": (ZinagePid, "PID of Zinage & Somayajula"),
     "published:lqi": (ZinageLqi, "LQI of Zinage & Somayajula"),
-    "published:inversion": (ZinageInversion, "inversion that knows the future: a reference, no entry"),
+    "published:inversion": (ZinageInversion, "inversion that knows the future: a reference, not an entry"),
     "published:mas410": (Mas410Law, "outer loop of a published solution of MAS410"),
 }
 
@@ -67,7 +67,7 @@ def _module(where: str) -> ModuleType:
         if path.suffix != ".py":
             return importlib.import_module(where)
         if not path.is_file():
-            raise ParameterError(f"{where}: there is no such file")
+            raise ParameterError(f"{where}: no such file")
         spec = importlib.util.spec_from_file_location(f"entrant_{path.stem}", path)
         assert spec is not None
         assert spec.loader is not None
@@ -75,6 +75,8 @@ def _module(where: str) -> ModuleType:
         spec.loader.exec_module(module)
     except ParameterError:
         raise
-    except Exception as error:  # whatever an entrant's file does on loading is the entrant's fault, told in one line
+    except (
+        Exception
+    ) as error:  # whatever an entrant's file does on loading is the entrant's fault, reported in one line
         raise ParameterError(f"{where}: cannot be loaded: {type(error).__name__}: {error}") from error
     return module

@@ -18,8 +18,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("source", metavar="BAG|CSV", type=Path, help="bag folder, MCAP file or CSV log")
     chosen = parser.add_mutually_exclusive_group(required=True)
     chosen.add_argument("--topic", help="the one topic of a standard type that holds the motion")
-    chosen.add_argument("--mapping", type=Path, metavar="FILE", help="mapping file: where surge, heave, roll... are")
-    parser.add_argument("--output", type=Path, required=True, metavar="FILE", help="CSV for wave_vessel's file source")
+    chosen.add_argument(
+        "--mapping", type=Path, metavar="FILE", help="mapping file: where to find surge, heave, roll..."
+    )
+    parser.add_argument(
+        "--output", type=Path, required=True, metavar="FILE", help="CSV file to write, for wave_vessel's file source"
+    )
 
 
 def execute(options: argparse.Namespace) -> None:
@@ -40,7 +44,7 @@ def execute(options: argparse.Namespace) -> None:
         *sea.notes,
         "run it: heave run SCENARIO --set wave_vessel.boom_tip_source=file "
         f"--set wave_vessel.recording_file={options.output.resolve()}",
-        "the controller still believes in the scenario's sea: describe this one by "
+        "the controller still assumes the scenario's sea: describe this one with "
         "--set system.sea.significant_wave_height=H --set system.sea.peak_period=T",
     ]
     result = {
@@ -74,7 +78,7 @@ def _height_and_period(heave: Array, period: float) -> tuple[HeightAndPeriod | N
 
 COMMAND = Command(
     name="import",
-    summary="Make a sea of a ship's own record: a bag of any standard motion type, or a CSV log.",
+    summary="Make a sea from a ship's own record: a bag with any standard motion type, or a CSV log.",
     examples=("heave import sea_trial/ --topic /imu/data --output sea.csv",),
     add_arguments=add_arguments,
     execute=execute,

@@ -15,7 +15,7 @@ from heave_bringup.commands.command import Command
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the command's own arguments to `parser`."""
     add_bags(parser)
-    parser.add_argument("--window", type=float, metavar="S", help="figures of each S seconds of the run as well")
+    parser.add_argument("--window", type=float, metavar="S", help="also print figures for each S seconds of the run")
     parser.add_argument("--table", type=Path, metavar="FILE", help="write the figures to a .csv or .parquet file")
 
 

@@ -1,4 +1,4 @@
-"""`heave record`: a recorder on its own, beside any other program."""
+"""`heave record`: a stand-alone recorder, beside any other program."""
 
 from __future__ import annotations
 
@@ -41,12 +41,12 @@ def execute(options: argparse.Namespace) -> None:
     text = f"{bag.path}: {bag.message_count} messages on {len(bag.topics)} topics, {bag.duration:.1f} s"
     write_result(options, text, {"bag": str(bag.path), "messages": bag.message_count, "topics": len(bag.topics)})
     if status:
-        raise CommandError(f"{bag.path}: not everything was recorded; see above")
+        raise CommandError(f"{bag.path}: the recording is incomplete; see above")
 
 
 COMMAND = Command(
     name="record",
-    summary="Record every topic that appears, of any type, on a ship or beside any other program, until Ctrl-C.",
+    summary="Record every topic of any type, on a ship or beside any other program, until Ctrl-C.",
     examples=("heave record sea_trial --set split_duration=600.0",),
     add_arguments=add_arguments,
     execute=execute,

@@ -13,8 +13,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the command's own arguments to `parser`."""
     parser.add_argument("bag", metavar="BAG", type=Path, help="bag folder, folder of a run, or MCAP file")
     chosen = parser.add_mutually_exclusive_group(required=True)
-    chosen.add_argument("--output", type=Path, metavar="DIR", help="folder of the sound bag")
-    chosen.add_argument("--reindex", action="store_true", help="write metadata.yaml anew, in place")
+    chosen.add_argument("--output", type=Path, metavar="DIR", help="folder for the repaired bag")
+    chosen.add_argument("--reindex", action="store_true", help="rewrite metadata.yaml in place")
 
 
 def execute(options: argparse.Namespace) -> None:
@@ -34,14 +34,14 @@ def execute(options: argparse.Namespace) -> None:
     with ProgressLine() as progress:
         saved = repair(source, options.output, progress=lambda share: progress.show("saving", share))
     if not saved.messages:
-        raise CommandError(f"{source}: nothing in it can be read")
+        raise CommandError(f"{source}: nothing in it is readable")
     losses = [str(loss) for loss in saved.losses]
     write_result(options, str(saved), {"bag": str(saved.folder), "messages": saved.messages, "losses": losses})
 
 
 COMMAND = Command(
     name="repair",
-    summary="Save what can be read of a damaged bag into a sound one, or index a folder anew; say what is lost.",
+    summary="Recover what is readable in a damaged bag into a new one, or reindex a folder; report what is lost.",
     examples=("heave repair damaged/bag --output saved",),
     add_arguments=add_arguments,
     execute=execute,

@@ -33,7 +33,7 @@ def execute(options: argparse.Namespace) -> None:
 
 COMMAND = Command(
     name="replay",
-    summary="Publish a bag again, with the recorded types and quality of service, and /clock.",
+    summary="Republish a bag with the recorded types and quality of service, and /clock.",
     examples=("heave replay runs/b2_calm_300-001/bag --rate 4 --nodes wave_vessel",),
     add_arguments=add_arguments,
     execute=execute,

@@ -14,7 +14,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the command's own arguments to `parser`."""
     add_scenario(parser)
     parser.add_argument("--length", type=float, metavar="M", help="deployed length (default: the scenario's)")
-    parser.add_argument("--pictures", type=Path, metavar="DIR", help="folder of the figures (default: SCENARIO_design)")
+    parser.add_argument(
+        "--pictures", type=Path, metavar="DIR", help="folder for the figures (default: SCENARIO_design)"
+    )
 
 
 def execute(options: argparse.Namespace) -> None:

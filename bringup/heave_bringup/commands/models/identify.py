@@ -39,7 +39,7 @@ def execute(options: argparse.Namespace) -> None:
     check_output("--picture", options.picture, (".png", ".svg", ".pdf"), makes_folder=True)
     check_lengths("--lengths", options.lengths or ())
     if not Path(options.source).is_dir() and not is_compiled(integrate):
-        ProgressLine().tell("compiling the axial model: some seconds, once after an installation")
+        ProgressLine().tell("compiling the axial model: a few seconds, once after installation")
     try:
         if Path(options.source).is_dir():
             found = _from_bag(Path(options.source), options.drag)

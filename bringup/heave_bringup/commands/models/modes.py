@@ -18,9 +18,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_scenario(parser)
     for name, metavar, text in (
         ("--length", "M", "cable out (default: the scenario's)"),
-        ("--longest", "M", "greatest length of the resonance map (default: the cable out)"),
-        ("--period", "S", "period whose resonant length is sought (default: the sea's peak period)"),
-        ("--amplitude", "M", "boom-tip amplitude for which drag is made linear (default: 0.5)"),
+        ("--longest", "M", "longest length of the resonance map (default: the cable out)"),
+        ("--period", "S", "period for which to find the resonant length (default: the sea's peak period)"),
+        ("--amplitude", "M", "boom-tip amplitude at which drag is linearised (default: 0.5)"),
     ):
         parser.add_argument(name, type=float, metavar=metavar, help=text)
     parser.add_argument("--modes", type=int, default=4, metavar="N", help="modes of each kind (default: 4)")
@@ -50,7 +50,7 @@ def execute(options: argparse.Namespace) -> None:
         plant = replace(plant, length=options.length)
     sea_period = sea.period if sea.boom_tip_source == "regular" else sea.peak_period
     if not is_compiled(evaluate):
-        ProgressLine().tell("compiling the plant: some seconds, once after an installation")
+        ProgressLine().tell("compiling the plant: a few seconds, once after installation")
     try:
         report = modes_report(
             plant,

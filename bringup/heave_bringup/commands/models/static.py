@@ -40,37 +40,41 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     problems = parser.add_mutually_exclusive_group()
     problems.set_defaults(problem="hanging")
     for name, text in (
-        ("towing", "unit and cable behind a ship that steams at each --speed: depth and layback"),
-        ("mooring", "lower end held at the bottom, ship drifted off by each --offset or under each --pull"),
-        ("footprint", "how far the unit gets with its --thrust, all round"),
-        ("laying", "the cable alone, laid on the bottom at each --speed: touchdown, suspended length"),
+        ("towing", "unit and cable behind a ship under way at each --speed: depth and layback"),
+        ("mooring", "lower end fixed to the seabed, ship offset by each --offset or pulled by each --pull"),
+        ("footprint", "how far the unit reaches with its --thrust, in all directions"),
+        ("laying", "the cable alone, laid on the seabed at each --speed: touchdown, suspended length"),
     ):
         problems.add_argument(f"--{name}", dest="problem", action="store_const", const=name, help=text)
     for name, metavar, text in (
         ("--speed", "M/S", "towing, laying: speed of the ship over ground; several for a table"),
-        ("--offset", "M", "mooring: the boom tip is so far from above the lower end; several for a table"),
-        ("--pull", "N", "mooring: the ship pulls the boom tip away with this horizontal force; several for a table"),
+        ("--offset", "M", "mooring: horizontal distance of the boom tip from the lower end; several for a table"),
+        ("--pull", "N", "mooring: horizontal force of the ship on the boom tip; several for a table"),
     ):
         parser.add_argument(name, type=float, nargs="+", metavar=metavar, help=text)
     for name, metavar, text in (
         (
             "--course",
             "DEG",
-            "towing, laying, mooring: direction of ship, offset or pull, x towards y (default: 0)",
+            "towing, laying, mooring: direction of ship, offset or pull, from x towards y (default: 0)",
         ),
-        ("--depth", "M", "mooring, footprint, laying: depth of the bottom (default: cable_sim.seabed.depth)"),
+        ("--depth", "M", "mooring, footprint, laying: water depth (default: cable_sim.seabed.depth)"),
         ("--thrust", "N", "footprint: largest horizontal force of the unit's thrusters"),
         ("--tension-limit", "N", "footprint: largest tension at the boom tip (default: none)"),
-        ("--vertical-pull", "N", "footprint: pull of the cable that lifts the unit (default: its weight in water)"),
-        ("--payout-speed", "M/S", "laying: speed of the cable (default: the ship's)"),
-        ("--bottom-tension", "N", "laying: tension with which the cable lands (default: 0)"),
+        (
+            "--vertical-pull",
+            "N",
+            "footprint: vertical pull of the cable that lifts the unit (default: its weight in water)",
+        ),
+        ("--payout-speed", "M/S", "laying: payout speed of the cable (default: the ship's speed)"),
+        ("--bottom-tension", "N", "laying: tension of the cable at touchdown (default: 0)"),
     ):
         parser.add_argument(name, type=float, metavar=metavar, help=text)
     parser.add_argument("--picture", type=Path, metavar="FILE", help="PNG or SVG (default: SCENARIO_PROBLEM.svg)")
 
 
 def execute(options: argparse.Namespace) -> None:
-    """Print the equilibrium of the problem that was asked for, and draw it, as `options` say."""
+    """Print the equilibrium of the requested problem, and draw it, as `options` say."""
     from cable_sim_node.errors import PlantError
     from cable_sim_node.reports.report import PICTURE_ENDINGS, save_picture
     from cable_sim_node.statics.march import march
@@ -84,7 +88,7 @@ def execute(options: argparse.Namespace) -> None:
     check_options(options)
     scenario = load_scenario(options.scenario, settings=options.set)
     if not is_compiled(march):
-        ProgressLine().tell("compiling the static solver: some seconds, once after an installation")
+        ProgressLine().tell("compiling the static solver: a few seconds, once after installation")
     try:
         report = PROBLEMS[options.problem](scenario, options)
     except PlantError as error:
@@ -103,16 +107,16 @@ def check_options(options: argparse.Namespace) -> None:
             continue
         option = f"--{name.replace('_', '-')}"
         if options.problem not in problems:
-            raise ParameterError(f"{option}: goes with {' or '.join(f'--{problem}' for problem in problems)}")
+            raise ParameterError(f"{option}: needs {' or '.join(f'--{problem}' for problem in problems)}")
         for value in values if isinstance(values, list) else [values]:
             if not math.isfinite(value):
                 raise ParameterError(f"{option} {value:g}: must be a finite number")
             if value < 0.0 and name not in ("course", "offset"):
                 raise ParameterError(f"{option} {value:g}: must not be negative")
     if options.problem in ("towing", "laying") and options.speed is None:
-        raise ParameterError(f"--{options.problem}: give --speed M/S, one or several")
+        raise ParameterError(f"--{options.problem}: give --speed M/S, one or more")
     if options.problem == "mooring" and options.offset is None and options.pull is None:
-        raise ParameterError("--mooring: give --offset M or --pull N, one or several")
+        raise ParameterError("--mooring: give --offset M or --pull N, one or more")
     if options.problem == "footprint" and options.thrust is None:
         raise ParameterError("--footprint: give --thrust N")
 
@@ -200,7 +204,7 @@ PROBLEMS: dict[str, Callable[[Any, argparse.Namespace], Report]] = {
 
 COMMAND = Command(
     name="static",
-    summary="Print and draw cable and unit at rest: hanging, towed, moored, at the end of their reach, or laid.",
+    summary="Print and draw cable and unit at rest: hanging, towed, moored, at the limit of reach, or laid.",
     examples=(
         "heave static s300_driven --set 'cable_sim.current=[0.5, 0.0]' --picture shape.png",
         "heave static s300_driven --towing --speed 0.5 1 1.5 2",

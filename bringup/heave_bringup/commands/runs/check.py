@@ -17,9 +17,13 @@ REPLACEABLE = ("winch_controller", "virtual_winch", "wave_vessel")
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the command's own arguments to `parser`."""
     parser.add_argument(
-        "--external", required=True, metavar="NODE", choices=REPLACEABLE, help="node of the suite whose place is taken"
+        "--external",
+        required=True,
+        metavar="NODE",
+        choices=REPLACEABLE,
+        help="node of the suite that the external node replaces",
     )
-    parser.add_argument("--seconds", type=float, default=4.0, metavar="S", help="time of each phase (default: 4)")
+    parser.add_argument("--seconds", type=float, default=4.0, metavar="S", help="duration of each phase (default: 4)")
     add_network(parser)
 
 
@@ -37,9 +41,9 @@ def execute(options: argparse.Namespace) -> None:
     wrong = [finding for finding in findings if not finding.is_good]
     rows = [[f.topic, f.what, "ok" if f.is_good else "WRONG", f.words] for f in findings]
     verdict = (
-        f"verdict: {len(wrong)} of {len(findings)} are not as the contract says"
+        f"verdict: {len(wrong)} of {len(findings)} do not keep the contract"
         if wrong
-        else "verdict: as the contract says"
+        else "verdict: the contract is kept"
     )
     write_result(
         options,
@@ -52,7 +56,7 @@ def execute(options: argparse.Namespace) -> None:
 
 COMMAND = Command(
     name="check",
-    summary="Hold a live external node against the contract; a winch is braked and released, never moved.",
+    summary="Check a live external node against the contract; a winch is braked and released, never moved.",
     examples=("heave check --external virtual_winch",),
     add_arguments=add_arguments,
     execute=execute,

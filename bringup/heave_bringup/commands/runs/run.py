@@ -22,15 +22,17 @@ from heave_bringup.settings import Setting
 
 EVALUATION = "heave_bringup.run.evaluation"
 WANTED = "wanted"
-"""Value of --require that stands for all that the scenario wants."""
+"""Value of --require that stands for all criteria of the scenario."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the command's own arguments to `parser`."""
     add_scenario(parser)
-    parser.add_argument("--pacing", choices=(LOCKSTEP, REALTIME), help="as fast as possible, or against the wall clock")
+    parser.add_argument(
+        "--pacing", choices=(LOCKSTEP, REALTIME), help="as fast as possible, or paced by the wall clock"
+    )
     parser.add_argument("--duration", type=float, metavar="S", help="simulated seconds")
-    parser.add_argument("--seed", type=int, metavar="N", help="seed of every random number")
+    parser.add_argument("--seed", type=int, metavar="N", help="seed of all random numbers")
     parser.add_argument(
         "--bag", type=Path, metavar="DIR", help="folder for the bag and the report (default: runs/SCENARIO-NNN)"
     )
@@ -40,14 +42,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         default=[],
         metavar="NODE[=CLOCK]",
         help="do not start NODE: hardware or another program takes its place (real time). CLOCK says how it stamps: "
-        "simulated (use_sim_time), own (a clock of its own), none; detected where it is not said",
+        "simulated (use_sim_time), own (a clock of its own), none; detected if not given",
     )
     parser.add_argument(
         "--from-bag",
         action="append",
         default=[],
         metavar="NODE=BAG",
-        help="play what NODE published in BAG in its place; the other nodes run live",
+        help="play back what NODE published in BAG in place of NODE; the other nodes run live",
     )
     parser.add_argument(
         "--namespace",
@@ -61,10 +63,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         action="append",
         default=[],
         metavar="KPI<VALUE",
-        help="exit with status 1 unless a figure of merit keeps the bound; wanted: unless all that the scenario wants, "
-        "and compensation itself, was got",
+        help="exit with status 1 unless a figure of merit meets the bound; wanted: unless the scenario's "
+        "criteria are met and compensation was in force",
     )
-    parser.add_argument("--no-report", action="store_true", help="leave out the HTML report")
+    parser.add_argument("--no-report", action="store_true", help="do not write the HTML report")
 
 
 def execute(options: argparse.Namespace) -> None:
@@ -98,7 +100,7 @@ def execute(options: argparse.Namespace) -> None:
     if outcome.strangers:
         raise CommandError("; ".join(outcome.strangers))
     if missed:
-        raise CommandError(f"the run is not what was required: {'; '.join(missed)}")
+        raise CommandError(f"requirements not met:  {'; '.join(missed)}")
 
 
 def _required(texts: Sequence[str]) -> list[Criterion]:
@@ -112,7 +114,9 @@ def _required(texts: Sequence[str]) -> list[Criterion]:
 
 def _namespace(text: str) -> str:
     if re.fullmatch(r"/?[A-Za-z][A-Za-z0-9_]*(/[A-Za-z][A-Za-z0-9_]*)*", text) is None:
-        raise argparse.ArgumentTypeError(f"{text!r} is no namespace of ROS: letters, digits and _, parts split by /")
+        raise argparse.ArgumentTypeError(
+            f"{text!r} is not a ROS namespace: letters, digits and _, parts separated by /"
+        )
     return text
 
 
@@ -128,7 +132,7 @@ def _own_settings(options: argparse.Namespace) -> list[Setting]:
         nodes = [text.partition("=")[0] for text in options.external]
         for node in nodes:
             if node not in NODE_BY_NAME:
-                raise ParameterError(f"{source}: there is no node {node}; known: {', '.join(NODE_BY_NAME)}")
+                raise ParameterError(f"{source}: no such node: {node}; known: {', '.join(NODE_BY_NAME)}")
         settings.append(Setting(WILDCARD, "external", nodes, source))
         clocks = [text for text in options.external if "=" in text]
         if clocks:
@@ -137,7 +141,7 @@ def _own_settings(options: argparse.Namespace) -> list[Setting]:
 
 
 def _substitutes(settings: Sequence[str]) -> dict[str, Path]:
-    """Return which bag is played in whose place, from the command's NODE=BAG texts."""
+    """Return which bag is played in place of which node, from the command's NODE=BAG texts."""
     from heave_bringup.bag_paths import bag_folders
 
     chosen: dict[str, Path] = {}
@@ -147,12 +151,12 @@ def _substitutes(settings: Sequence[str]) -> dict[str, Path]:
             raise ParameterError(f"--from-bag {setting}: must be NODE=BAG, NODE one of {', '.join(NODE_BY_NAME)}")
         (chosen[node],) = bag_folders([Path(bag).resolve()])
         if not chosen[node].exists():
-            raise ParameterError(f"--from-bag {setting}: there is no {bag}")
+            raise ParameterError(f"--from-bag {setting}: no such bag: {bag}")
     return chosen
 
 
 def _alarm_lines(alarms: Sequence[str]) -> list[str]:
-    return ["errors that the nodes reported:", *(f"  {alarm}" for alarm in alarms), ""] if alarms else []
+    return ["errors reported by the nodes:", *(f"  {alarm}" for alarm in alarms), ""] if alarms else []
 
 
 COMMAND = Command(

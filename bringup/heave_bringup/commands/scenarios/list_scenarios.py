@@ -13,7 +13,7 @@ def execute(options: argparse.Namespace) -> None:
     from heave_bringup.scenarios import description_of, shipped_scenarios
 
     scenarios = {name: description_of(path) for name, path in shipped_scenarios().items()}
-    write_result(options, make_table(["scenario", "what it is"], scenarios.items(), texts=["what it is"]), scenarios)
+    write_result(options, make_table(["scenario", "description"], scenarios.items(), texts=["description"]), scenarios)
 
 
 COMMAND = Command(

@@ -20,11 +20,11 @@ LONGEST_RECORDING = 20.0
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the command's own arguments to `parser`."""
     parser.add_argument("--only", nargs="+", choices=PARTS, default=PARTS, metavar="PART", help=", ".join(PARTS))
-    parser.add_argument("--seconds", type=float, default=120.0, metavar="S", help="length of each measurement")
+    parser.add_argument("--seconds", type=float, default=120.0, metavar="S", help="duration of each measurement")
 
 
 def execute(options: argparse.Namespace) -> None:
-    """Measure what was asked for, one after the other, and print it, as `options` say."""
+    """Run the requested measurements one after another, and print them, as `options` say."""
     from heave_bringup.bench.report import has_peer, tables
     from heave_bringup.output import write_result
     from heave_bringup.progress import ProgressLine
@@ -55,7 +55,8 @@ def execute(options: argparse.Namespace) -> None:
 
 COMMAND = Command(
     name="bench",
-    summary="Measure the speed of plant (beside MoorDyn), loop over ROS, controller and recorder on this machine.",
+    summary="Measure the speed of the plant (beside MoorDyn), the loop over ROS, the controller and the "
+    "recorder on this machine.",
     examples=("heave bench --only loop controller --json bench.json",),
     add_arguments=add_arguments,
     execute=execute,

@@ -24,11 +24,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "entrants",
         nargs="*",
         metavar="ENTRANT",
-        help="FILE:Class, module:Class, or one that is shipped (heave benchmark list)",
+        help="FILE:Class, module:Class, or a shipped one (heave benchmark list)",
     )
-    parser.add_argument("--cases", nargs="+", metavar="CASE", help="only these; a name with * stands for all that fit")
+    parser.add_argument("--cases", nargs="+", metavar="CASE", help="only these; * in a name matches anything")
     parser.add_argument("--seeds", type=int, metavar="N", help="only the first N of each case's seeds")
-    parser.add_argument("--duration", type=float, metavar="S", help="end every run after S simulated seconds")
+    parser.add_argument("--duration", type=float, metavar="S", help="end each run after S simulated seconds")
     parser.add_argument("--records", type=Path, metavar="DIR", help="folder of the published records of ship motion")
     parser.add_argument("--processes", type=int, metavar="N", help="default: one per processor")
 
@@ -53,19 +53,19 @@ def execute(options: argparse.Namespace) -> None:
     text = table(summarise(results), chosen)
     digests = f"problem digest {content['problem_digest']}   result digest {content['result_digest']}"
     left_out = [name for name in cases if not options.cases and name not in chosen]
-    note = f"\nleft out, the records are not here: {', '.join(left_out)}; {HOW}" if left_out else ""
+    note = f"\nskipped, their records are not available:  {', '.join(left_out)}; {HOW}" if left_out else ""
     write_result(options, f"{text}\n\n{digests}{note}", content)
 
 
 def _chosen(cases: Mapping[str, Case], names: Sequence[str] | None, folder: Path | None) -> dict[str, Case]:
-    """Return the cases asked for; all that can be run where none is."""
+    """Return the requested cases; by default all that can be run."""
     if not names:
         return {name: case for name, case in cases.items() if _is_at_hand(name, folder)}
     chosen: dict[str, Case] = {}
     for name in names:
         fitting = [case for case in cases if Path(case).match(name)]
         if not fitting:
-            raise ParameterError(f"--cases {name}: there is no such case; known: {', '.join(cases)}")
+            raise ParameterError(f"--cases {name}: no such case; known: {', '.join(cases)}")
         chosen |= {case: cases[case] for case in fitting}
     return chosen
 
@@ -119,7 +119,7 @@ def _listing(cases: Mapping[str, Case], folder: Path | None) -> str:
     width = max(len(name) for name in (*cases, *SHIPPED))
     lines = ["cases"]
     for case in cases.values():
-        missing = "" if _is_at_hand(case.name, folder) else "  (its record is not here)"
+        missing = "" if _is_at_hand(case.name, folder) else "  (its record is not available)"
         lines.append(
             f"  {case.name.ljust(width)}  {len(case.seeds)} seeds of {case.duration:g} s: {case.title}{missing}"
         )
@@ -147,7 +147,7 @@ def _listed(cases: Mapping[str, Case]) -> dict[str, object]:
 
 COMMAND = Command(
     name="benchmark",
-    summary="Run anyone's controller on the open benchmark of heave compensation, without ROS, and print one table.",
+    summary="Run any controller on the open benchmark of heave compensation, without ROS, and print a table.",
     examples=(
         "heave benchmark list",
         "heave benchmark run my_controller.py:MyController industrial --cases b3_deep_900 u2_hold --seeds 2",

@@ -14,7 +14,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "campaign",
         metavar="CAMPAIGN",
-        help="a shipped campaign, or a file (its form: heave_bringup/campaign/plan.py)",
+        help="a shipped campaign, or a file (format: heave_bringup/campaign/plan.py)",
     )
     parser.add_argument("--processes", type=int, metavar="N", help="default: one per processor")
     parser.add_argument("--duration", type=float, metavar="S", help="simulated time of a case, instead of the file's")
@@ -47,7 +47,7 @@ def execute(options: argparse.Namespace) -> None:
 
 COMMAND = Command(
     name="campaign",
-    summary="Run many cases of a scenario (seeds, a grid, random draws) without ROS, and print one table.",
+    summary="Run many cases of a scenario (seeds, a grid, random draws) without ROS, and print a table.",
     examples=("heave campaign b9_model_error --json result.json",),
     add_arguments=add_arguments,
     execute=execute,

@@ -89,7 +89,7 @@ def rate_demand(state: Array, order: Order, bounds: Bounds, overdrive: float) ->
     """Return the speed that the loop shall follow [m/s], and the limits that act on it.
 
     Near the ends of the range it is the speed from which the deceleration still stops in time. `overdrive` times the
-    speed limit may be asked for, where a set-point beyond it only drives a lag harder.
+    speed limit may be demanded, where a set-point beyond it only drives a lag harder.
     """
     wanted = order.payout_rate + order.position_gain * (order.payout - state[PAYOUT])
     limits = 0

@@ -14,14 +14,14 @@ class MotionParameters:
     """What the rope's motion is kept within."""
 
     speed_limit: float = parameter(
-        2.0, unit="m/s", minimum=1e-3, maximum=100.0, description="Largest speed set-point that is followed."
+        2.0, unit="m/s", minimum=1e-3, maximum=100.0, description="Largest speed set-point; larger ones are clipped."
     )
     overspeed: float = parameter(
         1.1,
         unit="",
         minimum=0.0,
         maximum=10.0,
-        description="The brake catches the drum at so many times speed_limit; 0: no such brake.",
+        description="Overspeed at which the brake trips, as a multiple of speed_limit; 0: no overspeed trip.",
     )
     payout_minimum: float = parameter(
         -50.0, unit="m", minimum=-20_000.0, maximum=20_000.0, description="Lower end of the payout range."
@@ -30,10 +30,18 @@ class MotionParameters:
         50.0, unit="m", minimum=-20_000.0, maximum=20_000.0, description="Upper end of the payout range."
     )
     stop_deceleration: float = parameter(
-        1.5, unit="m/s^2", minimum=1e-3, maximum=1e6, description="Deceleration of the brake, and before an end stop."
+        1.5,
+        unit="m/s^2",
+        minimum=1e-3,
+        maximum=1e6,
+        description="Deceleration under the brake and ahead of an end stop.",
     )
     position_gain: float = parameter(
-        0.0, unit="1/s", minimum=0.0, maximum=100.0, description="Gain from payout error to speed; 0: rate alone."
+        0.0,
+        unit="1/s",
+        minimum=0.0,
+        maximum=100.0,
+        description="Gain from payout error to speed; 0 follows the rate set-point alone.",
     )
 
     def __post_init__(self) -> None:
@@ -55,16 +63,16 @@ class MotionParameters:
 class FrictionParameters:
     """Friction of bearings, gear and sheaves, as a force at the rope, against the motion."""
 
-    coulomb: float = parameter(
-        0.0, unit="N", minimum=0.0, maximum=1e9, description="Part that does not depend on load."
-    )
+    coulomb: float = parameter(0.0, unit="N", minimum=0.0, maximum=1e9, description="Friction independent of load.")
     load: float = parameter(
-        0.0, unit="", minimum=0.0, maximum=1.0, description="Part that is so many times the tension."
+        0.0, unit="", minimum=0.0, maximum=1.0, description="Friction proportional to tension, as a fraction of it."
     )
     slip_speed: float = parameter(
-        0.01, unit="m/s", minimum=1e-6, maximum=100.0, description="Rope speed at which both reach 76 %."
+        0.01, unit="m/s", minimum=1e-6, maximum=100.0, description="Rope speed at which both reach 76 % of their value."
     )
-    viscous: float = parameter(0.0, unit="N s/m", minimum=0.0, maximum=1e9, description="Part that grows with speed.")
+    viscous: float = parameter(
+        0.0, unit="N s/m", minimum=0.0, maximum=1e9, description="Friction proportional to speed."
+    )
 
     def rate(self, tension: float, mass: float) -> float:
         """Return how fast friction alone would stop `mass` [kg] near rest under `tension` [N], as 1/time [1/s]."""

@@ -54,7 +54,7 @@ class PumpPlant(NamedTuple):
     power_limit : of the pump, hydraulic [W]
     motor_minimum : smallest displacement of the motors over full [-]; 1 is a fixed motor
     motor_time : lag of the motors' displacement [s]
-    overdrive : times the speed limit that a set-point may ask for [-]
+    overdrive : times the speed limit that a set-point may demand [-]
     gain : of the speed loop, from speed error over full speed to swash [-]
     integral_time : of the speed loop [s]
     """
