@@ -43,8 +43,8 @@ class Controller(Node):
         self.publisher.publish(command)
 
     def must_brake(self, now: float) -> bool:
-        """Brake at the start, and in turns while a fault is latched: brake on acknowledges it, off releases it."""
-        return now < BRAKED or (self.state.fault != WinchState.FAULT_NONE and now % (2.0 * BRAKED) < BRAKED)
+        """Brake at the start, and until a latched fault waits for the command that releases it."""
+        return now < BRAKED or self.state.release in (WinchState.RELEASE_BRAKE_REQUEST, WinchState.RELEASE_STANDSTILL)
 
 
 def seconds(stamp: object) -> float:

@@ -37,6 +37,14 @@ class Winch(Node):
         elif self.fault and self.is_acknowledged and self.rate == 0.0:
             self.fault = WinchState.FAULT_NONE
 
+    def release(self) -> int:
+        """Return what a latched fault waits for."""
+        if not self.fault:
+            return WinchState.RELEASE_NONE
+        if not self.is_acknowledged:
+            return WinchState.RELEASE_BRAKE_REQUEST
+        return WinchState.RELEASE_STANDSTILL if self.rate else WinchState.RELEASE_COMMAND
+
     def trip(self, fault: int) -> None:
         self.fault, self.is_acknowledged = self.fault or fault, False
 
@@ -51,7 +59,7 @@ class Winch(Node):
         self.rate += min(max(change, -ACCELERATION * step), ACCELERATION * step)
         self.payout += self.rate * step
         state = WinchState(command_sequence=self.command.sequence, fault=self.fault, brake=stops and self.rate == 0.0)
-        state.header.stamp = message.clock
+        state.header.stamp, state.release = message.clock, self.release()
         state.payout = state.payout_rate = state.payout_acceleration = state.tension = state.power = math.nan
         state.encoder_payout, state.encoder_payout_rate = self.payout, self.rate
         self.publisher.publish(state)

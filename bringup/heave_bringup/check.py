@@ -7,13 +7,16 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
+from heave_node.codes import WinchRelease
+from heave_node.tick.clock_rule import ClockRule
+from heave_node.tick.external_clock import ExternalClock
 
 from heave_bringup.contract import Port
 
 SLOW = 0.8
 """A rate below this share of the wanted one is too low."""
-OLD, FUTURE = 0.5, 0.1
-"""A stamp may be so much older, or newer, than the clock at the arrival of its message [s]."""
+OLD = 0.5
+"""A stamp of simulated time may be so much older than the clock at the arrival of its message [s]."""
 REACTION = 1.5
 """Time within which a winch must have obeyed a command, or noticed that commands have stopped [s]."""
 
@@ -59,8 +62,15 @@ class Finding:
     words: str
 
 
-def judge_topic(port: Port, heard: Heard) -> list[Finding]:
-    """Return what is to be said of one topic that a node publishes: `port` as it must be, `heard` what came."""
+def judge_topic(port: Port, heard: Heard, rule: ClockRule = ClockRule.DETECT) -> list[Finding]:
+    """Return what is to be said of one topic that a node publishes.
+
+    Parameters
+    ----------
+    port : the topic as it must be
+    heard : what came
+    rule : how the node stamps, as declared
+    """
     name = port.topic.name
 
     def finding(what: str, is_good: bool, words: str) -> Finding:
@@ -76,7 +86,7 @@ def judge_topic(port: Port, heard: Heard) -> list[Finding]:
         return found
     if not heard.arrivals:
         return [*found, finding("messages", False, "none received: does the node receive /clock?")]
-    return [*found, _rate(port, heard), _stamps(port, heard), _numbers(port, heard), *_counter(port, heard)]
+    return [*found, _rate(port, heard), _stamps(port, heard, rule), _numbers(port, heard), *_counter(port, heard)]
 
 
 def _rate(port: Port, heard: Heard) -> Finding:
@@ -89,21 +99,22 @@ def _rate(port: Port, heard: Heard) -> Finding:
     return Finding(port.topic.name, "rate", rate >= SLOW * port.rate, words)
 
 
-def _stamps(port: Port, heard: Heard) -> Finding:
-    ages = np.subtract(heard.clock, heard.stamps)
+def _stamps(port: Port, heard: Heard, rule: ClockRule) -> Finding:
+    """Hold the stamps against the declared or detected clock, as a run does."""
+    clock = ExternalClock(rule)
+    for stamp, arrival in zip(heard.stamps, heard.clock, strict=True):
+        clock.simulated_time(round(stamp * 1e9), round(arrival * 1e9))
     name = port.topic.name
-    if not np.any(heard.stamps):
-        return Finding(name, "clock", False, "messages are not stamped: stamp them with the latest /clock")
-    oldest, newest = float(ages.max()), float(ages.min())
-    if newest < -FUTURE or oldest > OLD:
-        words = f"stamps are {newest:.3g} to {oldest:.3g} s older than /clock: is use_sim_time set?"
-        return Finding(name, "clock", False, words)
-    p50, p99 = np.percentile(ages, [50, 99])
+    if clock.violations:
+        words = clock.violation or f"{clock.violations} messages do not match"
+        return Finding(name, "clock", False, f"{clock.rule.value}: {words}")
+    if clock.rule is ClockRule.NONE:
+        return Finding(name, "clock", True, clock.describe())
+    oldest = float(np.max(np.subtract(heard.clock, heard.stamps))) if clock.rule is ClockRule.SIMULATED else 0.0
+    if oldest > OLD:
+        return Finding(name, "clock", False, f"stamps are up to {oldest:.3g} s older than /clock")
     is_ordered = bool(np.all(np.diff(heard.stamps) > 0.0))
-    order = "" if is_ordered else "; stamps do not increase"
-    return Finding(
-        name, "clock", is_ordered, f"simulated time, age p50 {1e3 * p50:.0f} ms, p99 {1e3 * p99:.0f} ms{order}"
-    )
+    return Finding(name, "clock", is_ordered, clock.describe() + ("" if is_ordered else "; stamps do not increase"))
 
 
 def _numbers(port: Port, heard: Heard) -> Finding:
@@ -138,7 +149,7 @@ class WinchTrial:
     time : since the trial began [s]
     told : number of the newest command sent
     taken : number of the newest command it has taken
-    brake, fault : as it says
+    brake, fault, release : as it says
     """
 
     time: float
@@ -146,6 +157,7 @@ class WinchTrial:
     taken: int
     brake: bool
     fault: int
+    release: int
 
 
 @dataclass(frozen=True)
@@ -202,6 +214,15 @@ def judge_winch(plan: Plan, trial: Sequence[WinchTrial]) -> list[Finding]:
             "reports why it stopped", silent, all(s.fault == 1 for s in silent), "fault is not 1, FAULT_COMMAND_TIMEOUT"
         ),
         finding(
-            "releases after a fault", again, not any(s.fault or s.brake for s in again), "the fault or brake remains"
+            "says what it waits for",
+            silent,
+            all(s.release == WinchRelease.BRAKE_REQUEST for s in silent),
+            "release is not 1, RELEASE_BRAKE_REQUEST, while a fault is latched",
+        ),
+        finding(
+            "releases after a fault",
+            again,
+            not any(s.fault or s.brake or s.release for s in again),
+            "fault, brake or release remains",
         ),
     ]

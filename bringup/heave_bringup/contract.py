@@ -16,10 +16,13 @@ from heave_node import topics
 from heave_node.run_parameters import RunParameters
 from heave_node.sensors import SENSORS
 from heave_node.topic import Role, Topic
+from wave_vessel_node.parameters import WaveVesselParameters
 from winch_controller_node.node_parameters import WinchControllerParameters
 
 TICK = RunParameters().tick_period
-WATCHDOG = WinchParameters().command_timeout
+WINCH = WinchParameters()
+WATCHDOG = WINCH.command_timeout
+BOOM_TIP_HEIGHT = WaveVesselParameters().boom_tip_height
 MODES = WinchControllerParameters().modes
 COAST, RESUME = MODES.coast_time, MODES.resume_time
 
@@ -57,6 +60,7 @@ class Contract:
     publishes, hears : topics out and in
     when_late : what happens when its messages are late or stop
     handshake : how it and its fellow agree on brake and faults; "" where there is nothing to agree on
+    advice : what the tables do not say and a newcomer would trip over
     """
 
     node: str
@@ -65,6 +69,7 @@ class Contract:
     hears: tuple[Port, ...]
     when_late: str
     handshake: str = ""
+    advice: str = ""
 
 
 CLOCK = Port(topics.CLOCK, 1.0 / TICK, False, "simulated time: the start of each tick, used for stamps")
@@ -80,7 +85,8 @@ STATE = Port(
     topics.WINCH_STATE,
     1.0 / TICK,
     True,
-    "encoder's reading of payout and of its rate, newest command accepted, brake, fault; NaN where unknown",
+    "encoder's reading of payout and of its rate, newest command accepted, brake, fault and what it waits for; NaN "
+    "where unknown",
     (("encoder_payout", 1e4), ("encoder_payout_rate", 10.0)),
 )
 MRU = Port(
@@ -95,14 +101,39 @@ BOOM_TIP = Port(
     topics.BOOM_TIP,
     1.0 / TICK,
     True,
-    "motion of the boom tip, for the simulated cable; an MRU alone can provide it",
+    "motion of the boom tip, for the simulated cable",
     (("position.z", 1e3), ("velocity.z", 30.0), ("acceleration.z", 100.0)),
 )
+MEANING_OF_SENSOR = {
+    "depth": "`fluid_pressure`: absolute, atmosphere and water above the unit [Pa]; `variance`",
+    "velocity": "`twist.twist.linear`: velocity of the unit over ground [m/s], world axes, z up; covariance",
+    "imu": "`linear_acceleration`: specific force of the unit [m/s^2], upwards at rest; `angular_velocity` [rad/s]",
+    "usbl": "`pose.pose.position`: position of the unit [m], frame world, z up; covariance",
+    "load_cell": "`tension` at the top of the cable [N]; `tension_sigma`",
+}
+LARGEST_NUMBERS = {
+    "depth": (("fluid_pressure", 2e8),),
+    "velocity": (("twist.twist.linear.z", 30.0),),
+    "imu": (("linear_acceleration.z", 300.0),),
+    "usbl": (("pose.pose.position.z", 2e4),),
+    "load_cell": (("tension", 1e8),),
+}
 SENSORS_OF_SHIP = tuple(
-    Port(sensor.topic, 0.0, False, f"readings of {name}")
+    Port(sensor.topic, 0.0, False, MEANING_OF_SENSOR[name], LARGEST_NUMBERS[name])
     for name, sensor in SENSORS.items()
     if sensor.topic.publisher == "cable_sim"
 )
+
+RELEASE = """A fault is latched, and `winch/state` says in `release` what it waits for:
+
+| `release` | the winch waits for |
+|---|---|
+| 1 RELEASE_BRAKE_REQUEST | a fresh command with `brake: true`: the fault is acknowledged |
+| 2 RELEASE_STANDSTILL | the drum to come to rest; keep `brake: true` |
+| 3 RELEASE_COMMAND | a fresh command with `brake: false`: the fault is gone, `fault` and `release` are 0 |
+
+A command is fresh when its `sequence` is above that of the newest one taken. While a fault is latched a command with
+`brake: true` and any other number is fresh too, so that a controller that was restarted counts from 1 again."""
 
 CONTRACTS: tuple[Contract, ...] = (
     Contract(
@@ -110,11 +141,18 @@ CONTRACTS: tuple[Contract, ...] = (
         "a controller",
         publishes=(COMMAND,),
         hears=(CLOCK, MRU, STATE, *SENSORS_OF_SHIP),
-        when_late=f"A winch that gets no fresh command for {WATCHDOG:g} s stops with its own deceleration and brakes.",
-        handshake="The winch starts with its brake on. A fresh command with `brake: false` releases it. A fault is "
-        "latched: it is acknowledged by a fresh command with `brake: true` and released by a fresh one with "
-        "`brake: false`, the drum at rest. `sequence` counts up from 1; a command whose number is not above the newest "
-        "one accepted is rejected.",
+        when_late=f"A winch that gets no fresh command for {WATCHDOG:g} s stops with its own deceleration and brakes. "
+        "A command older than that on arrival is not used.",
+        handshake="The winch starts with its brake on: it is released by a fresh command with `brake: false`. "
+        f"`sequence` counts up from 1, by one.\n\n{RELEASE}",
+        advice="Publish one command for each `/clock` message that comes, from the first one on, also while there is "
+        "nothing to do (`brake: true`). The unit is held still by paying out what the boom tip rises: wanted payout = "
+        f"heave, wanted payout rate = heave rate. **Put the motion into `payout_rate`**: the drive of the suite "
+        "follows it, within its limits, after `command_delay` and with the lag `time_constant`, both in the scenario "
+        f"under `system.winch`; it adds `position_gain` ({WINCH.position_gain:g} 1/s unless set) times what is "
+        "missing to `payout`, so that with a gain of 0 `payout` alone moves nothing. Look ahead by the delay and the "
+        "lag, and pull `encoder_payout` gently towards your mean: it drifts otherwise. Payout is "
+        f"{WINCH.payout_minimum:g} to {WINCH.payout_maximum:g} m unless set.",
     ),
     Contract(
         "virtual_winch",
@@ -123,10 +161,15 @@ CONTRACTS: tuple[Contract, ...] = (
         hears=(CLOCK, COMMAND, Port(topics.CABLE_STATE, 0.0, False, "tension, of simulated cables only")),
         when_late="The simulated cable coasts the drum to rest after 0.5 s without a state. The controller takes the "
         f"encoder for lost, runs on prediction for {COAST:g} s, then fades out and stops the winch.",
-        handshake=f"Without a fresh command for {WATCHDOG:g} s the drive must stop by itself, brake, and say "
-        "`fault: 1` (FAULT_COMMAND_TIMEOUT). A set-point that is not finite: stop, brake, `fault: 2`. A fault is "
-        "latched until a fresh command with `brake: true` and then one with `brake: false`. `command_sequence` echoes "
-        "the number of the newest command in effect: lateness is measured by it.",
+        handshake=f"Begin with the brake on, `encoder_payout` 0. Without a fresh command for {WATCHDOG:g} s, once "
+        "released, the drive must stop by itself, brake, and say `fault: 1` (FAULT_COMMAND_TIMEOUT). A set-point that "
+        f"is not finite: stop, brake, `fault: 2`. `brake: true` is no fault: stop, brake.\n\n{RELEASE}",
+        advice="Publish one state for each `/clock` message that comes, from the first one on, also before the first "
+        "command. Follow `payout_rate` within your limits of speed and acceleration; `payout` is where the controller "
+        "wants the drum, for a position loop of your own. `command_sequence` echoes the number of the newest command "
+        "in effect: lateness is measured by it. `payout`, `payout_rate`, `payout_acceleration`, `tension` and `power` "
+        "are NaN where the drive does not know them. The controller believes the limits and the lag in the scenario "
+        "under `system.winch`: set them to those of your drive.",
     ),
     Contract(
         "wave_vessel",
@@ -135,43 +178,101 @@ CONTRACTS: tuple[Contract, ...] = (
         hears=(CLOCK,),
         when_late=f"The controller runs on prediction for {COAST:g} s, then fades out and stops the winch; it resumes "
         f"when readings have been good for {RESUME:g} s. The simulated cable coasts its upper end to rest after 0.5 s.",
+        advice="`mru` may be published at a rate of its own, with the time of the measurement. `boom_tip` moves the "
+        "simulated cable: one message for each `/clock` message, `position` = (0, 0, height + heave) with the height "
+        f"of the boom tip in the scenario, `system.boom_tip_height` ({BOOM_TIP_HEIGHT:g} m unless set), `velocity.z` "
+        "and `acceleration.z` those of the heave. An MRU alone fills it from its own readings. Begin near rest, or "
+        "within 1 m of it.",
+    ),
+    Contract(
+        "cable_sim",
+        "the ship itself: cable, unit and their sensors",
+        publishes=SENSORS_OF_SHIP,
+        hears=(CLOCK,),
+        when_late="A sensor that falls silent is lost: the controller goes on with the others. Without a depth sensor "
+        "it holds the boom tip's heave off the cable as the model says; moves to a depth are refused.",
+        advice="The suite supplies `/clock` and the start barrier itself (node `ship_clock`); MRU and winch are "
+        "external too, as above, and `boom_tip` is then still asked for. No reading is required: publish those that "
+        "the ship has. Figures of the run come from sensors and estimates, and are marked so.",
     ),
 )
 CONTRACT_OF = {contract.node: contract for contract in CONTRACTS}
 
 
-def qos_words(topic: Topic) -> str:
-    """Return the quality of service of a topic in words."""
-    return "reliable, transient local, depth 1" if topic.role is Role.LATCHED else "reliable, volatile"
+def offered_words(topic: Topic) -> str:
+    """Return the quality of service that a publisher of a `topic` may offer."""
+    return "reliable, volatile" if topic.role is Role.COMMAND else "reliable or best effort, volatile"
+
+
+def heard_words(topic: Topic) -> str:
+    """Return the quality of service at which the suite publishes a `topic`."""
+    return "reliable, transient local" if topic.role is Role.LATCHED else "reliable, volatile"
 
 
 def page() -> str:
     """Return the whole contract as Markdown."""
-    parts = [INTRODUCTION, *map(_section, CONTRACTS), "## Messages\n", *map(_message, _types())]
+    parts = [INTRODUCTION, *map(_section, CONTRACTS), LOCKSTEP, "## Messages\n", *map(_message, _types())]
     return "\n".join(parts)
 
 
 INTRODUCTION = f"""# The contract of external nodes
 
 This page is generated by `python -m heave_bringup.contract` from the code that runs.
-`heave run SCENARIO --pacing realtime --external NODE` starts all nodes but NODE, and waits for a publisher of each
-topic that is marked *required*. `heave check --external NODE` checks your live node against this page.
-`examples/` holds a node of some 60 lines for each.
 
-- **Units** are SI, in every field. **Signs**: payout positive lets cable out and lowers the unit; heave is positive up,
-  depth positive down.
-- **Clock**: stamps are simulated time. Take it from `/clock` and stamp each message with the newest one. A tick lasts
-  {TICK:g} s unless the scenario says otherwise. The ticks start when all nodes are ready.
-- **Quality of service**: publish and subscribe as the table says. A best-effort publisher does not match a reliable
-  subscriber.
-- **Names** are relative: a namespace or a remapping works on either side. The name of your node is free.
-- **Reach**: the same `ROS_DOMAIN_ID`. Nodes are found on this machine alone, unless `heave` is given `--network`.
-- A topic has one publisher.
+1. Start your node. It makes its publishers at once, and waits for `/clock`.
+2. `heave check --external NODE` listens to it, plays its counterpart, and checks it against this page (a winch is
+   braked and released, never moved).
+3. `heave run b2_calm_300 --pacing realtime --external NODE` starts all nodes but NODE, and waits for a publisher of
+   each topic that is marked *required*. Start your node anew for each run.
+
+Your node needs ROS 2 with the package `heave_msgs` built: the suite's own environment (`.venv/bin/python my_node.py`)
+has both. `examples/` holds a node of one page for each.
+
+- **Units** are SI, in every field. **Signs**: payout positive lets cable out and lowers the unit; heave is positive
+  up, depth positive down. Frame `world`: z up, origin at still water below the mean boom tip.
+- **Clock**: `/clock` comes once per tick, {TICK:g} s unless the scenario says otherwise; it begins at one tick, not
+  at 0, when everybody is there, and begins anew with each run. Your stamps are one of three, per node: `simulated`,
+  that of the newest `/clock` (or `use_sim_time`); `own`, any clock of your own, whose offset and drift are estimated;
+  `none`, stamp 0: the time of arrival counts. The first message decides; `--external NODE=CLOCK` says it, and
+  messages that do not fit are an error.
+- **Quality of service**: as the tables say; depth 10 is enough. A command that is published best effort is refused at
+  the start. What comes in may be subscribed to as reliable or as best effort.
+- **Names** are relative: a namespace or a remapping works on either side, `heave run --namespace NAME` puts the whole
+  run, `/clock` too, under `/NAME`. The name of your node is free.
+- **Reach**: the same `ROS_DOMAIN_ID`, on this machine. For other machines give `heave` the option `--network`.
+- **A topic has one publisher**, a process: a second one is named, is an error, and is not obeyed. One that has left
+  may be started again during the run.
+"""
+
+
+LOCKSTEP = """## In lockstep, under the name of a node
+
+External nodes are used as they come, in real time. A program that can wait takes part in each tick instead, in
+lockstep and in real time: `heave run SCENARIO --foreign NODE` starts all nodes but NODE, and waits for a node of that
+name at the start barrier. Equal seeds then give equal bytes, if the program does.
+
+- In Python, derive from `ParticipantNode`: `examples/lockstep_controller.py` is all that it takes.
+- In anything else, follow the protocol (its topics are relative, reliable, keep the last 200; `_tick/roster` and
+  `_tick/status` are transient local):
+  1. Until the roster comes, publish `_tick/join` each 0.05 s: your name, `ready`, your topics with the number of
+     peers that each sees, and as `identity` the first 12 bytes of the GID of your publishers, as hexadecimal digits
+     (the graph tells: `get_publishers_info_by_topic`). What you publish under another identity is not taken.
+  2. `_tick/roster` holds the order of all counters: entry i counts what `nodes[i]` published on `topics[i]`.
+  3. `_tick/start` begins a tick: `published[i]` messages were sent before it. Wait until you have as many on each
+     topic that you read, and until `_tick/done/OTHER` of this tick has come from each node whose part comes before
+     yours, with as many messages as its own counts say. The controller comes after `wave_vessel`, the winch after
+     `winch_controller`, the plant after `wave_vessel` and `virtual_winch`.
+  4. Do your part, publish, and publish `_tick/done/NODE` with how many messages you have published on each of your
+     outputs since the start, in the order of your join.
+  5. A `_tick/start` that you have answered already: publish the messages of the tick and your answer again, byte for
+     byte. One with `flush` true is the last: answer it when you have all messages, and end.
 """
 
 
 def _section(contract: Contract) -> str:
     lines = [f"## `{contract.node}`: {contract.what}\n", *_table(contract)]
+    if contract.advice:
+        lines += ["", f"**How.** {contract.advice}"]
     lines += ["", f"**When late.** {contract.when_late}"]
     if contract.handshake:
         lines += ["", f"**Brake and faults.** {contract.handshake}"]
@@ -184,15 +285,18 @@ def _table(contract: Contract) -> list[str]:
         for port in ports:
             rate = f"{port.rate:g} Hz" if port.rate else "-"
             required = "yes" if port.is_required and direction == "out" else "no"
-            cells = (direction, f"`{port.topic.name}`", f"`{port.topic.type}`", qos_words(port.topic), rate, required)
+            qos = offered_words(port.topic) if direction == "out" else heard_words(port.topic)
+            cells = (direction, f"`{port.topic.name}`", f"`{port.topic.type}`", qos, rate, required)
             rows.append(f"| {' | '.join(cells)} | {port.meaning} |")
     return rows
 
 
 def _types() -> list[str]:
-    """Return the suite's own message types of all contracts, each once."""
+    """Return the suite's own message types of all contracts and of the protocol, each once."""
     ports = [port for contract in CONTRACTS for port in (*contract.publishes, *contract.hears)]
-    return list(dict.fromkeys(port.topic.type for port in ports if port.topic.type.startswith("heave_msgs/")))
+    protocol = (topics.TICK_JOIN, topics.TICK_ROSTER, topics.TICK_START, topics.tick_done_topic("NODE"))
+    types = [port.topic.type for port in ports] + [topic.type for topic in protocol]
+    return list(dict.fromkeys(name for name in types if name.startswith("heave_msgs/")))
 
 
 def _message(name: str) -> str:

@@ -12,8 +12,9 @@ import rclpy
 from heave_node import topics
 from heave_node.messages import message_type
 from heave_node.ros.environment import prepare_environment
-from heave_node.ros.qos import qos_of
+from heave_node.ros.qos import qos_of, reader_qos_of
 from heave_node.ros.spin import Spinner
+from heave_node.tick.clock_rule import ClockRule
 from heave_node.tick.tick import seconds_of, stamp_of_seconds
 from rclpy.node import Node
 from rclpy.qos import QoSCompatibility, qos_check_compatible
@@ -25,18 +26,21 @@ from heave_bringup.errors import CommandError
 
 DISCOVERY = 1.5
 """Wall time in which nodes find each other [s]."""
+SETTLING = 0.5
+"""Wall time in which a node may say anything, while it hears its first messages [s]."""
 QUIET_SEA = (0.05, 8.0)
 """Amplitude [m] and period [s] of the heave that a controller is shown."""
 ME = "heave_check"
 
 
-def check_node(contract: Contract, seconds: float) -> list[Finding]:
+def check_node(contract: Contract, seconds: float, rule: ClockRule = ClockRule.DETECT) -> list[Finding]:
     """Listen to the live node that a contract is for, and return what was found.
 
     Parameters
     ----------
     contract : of the node
     seconds : wall time of each phase of the listening [s]
+    rule : how the node stamps, as declared
 
     Raises CommandError where a run is under way in this ROS domain: the node would then take part in that run.
     """
@@ -44,7 +48,7 @@ def check_node(contract: Contract, seconds: float) -> list[Finding]:
     rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
     listener = _Listener(contract, seconds)
     try:
-        return listener.listen()
+        return listener.listen(rule)
     finally:
         listener.close()
 
@@ -77,8 +81,8 @@ class _Listener:
         self._node.destroy_node()
         rclpy.try_shutdown()
 
-    def listen(self) -> list[Finding]:
-        """Go through the plan and judge what came."""
+    def listen(self, rule: ClockRule) -> list[Finding]:
+        """Go through the plan and judge what came from a node whose clock has a `rule`."""
         self._spinner.spin_for(DISCOVERY)
         if self._node.count_publishers(topics.CLOCK.name) > 1:
             raise CommandError("a run is in progress in this ROS domain: end it, or set another ROS_DOMAIN_ID")
@@ -90,7 +94,8 @@ class _Listener:
             self._spinner.spin_for(max(tick * TICK - self._time, 0.0))
         for port in self._contract.publishes:
             self._survey(port)
-        found = [line for port in self._contract.publishes for line in judge_topic(port, self._heard[port.topic.name])]
+        heard = [(port, self._heard[port.topic.name]) for port in self._contract.publishes]
+        found = [line for port, came in heard for line in judge_topic(port, came, rule)]
         return found + (judge_winch(self._plan, self._trial) if self._trial else [])
 
     @property
@@ -107,7 +112,9 @@ class _Listener:
         for info in self._node.get_publishers_info_by_topic(port.topic.name):
             heard.publishers.append(f"{info.node_namespace.rstrip('/')}/{info.node_name}")
             heard.types.append(info.topic_type)
-            compatibility, reason = qos_check_compatible(info.qos_profile, qos_of(port.topic.role))
+            compatibility, reason = qos_check_compatible(
+                info.qos_profile, reader_qos_of(port.topic.role, is_external=True)
+            )
             if compatibility == QoSCompatibility.ERROR:
                 heard.refusals.append(" ".join(reason.replace("ERROR: ", "").split()).rstrip(";"))
 
@@ -119,11 +126,11 @@ class _Listener:
             self._newest[port.topic.name] = message
             if port.topic == topics.WINCH_STATE:
                 self._note_winch(message)
-            if self._time >= self._plan.released:
-                return  # a node may fall silent when it receives nothing
+            if not SETTLING < self._time < self._plan.released:
+                return  # it may not have heard the clock yet, or fall silent when it hears nothing
             heard.arrivals.append(time.monotonic())
             heard.stamps.append(seconds_of(message.header.stamp))
-            heard.clock.append(self._simulated)
+            heard.clock.append(self._simulated + time.monotonic() - self._ticked_at)
             for name, largest in port.numbers:
                 if not is_plausible(fields[name](message), largest):
                     heard.bad[name] = heard.bad.get(name, 0) + 1
@@ -131,20 +138,23 @@ class _Listener:
                 heard.counter.append(int(getattr(message, port.counter)))
 
         self._node.create_subscription(
-            message_type(port.topic.type), port.topic.name, on_message, qos_of(port.topic.role)
+            message_type(port.topic.type),
+            port.topic.name,
+            on_message,
+            reader_qos_of(port.topic.role, is_external=True),
         )
 
     def _note_winch(self, state: Any) -> None:
-        said = WinchTrial(self._time, self._sequence, state.command_sequence, state.brake, state.fault)
+        said = WinchTrial(self._time, self._sequence, state.command_sequence, state.brake, state.fault, state.release)
         self._trial.append(said)
 
     # the fellow
 
-    _simulated = 0.0
+    _simulated = _ticked_at = 0.0
 
     def _publish(self, tick: int) -> None:
-        """Publish what the node receives in `tick`; in the silent phase only the clock."""
-        self._simulated = tick * TICK
+        """Publish what the node hears in `tick`; in the silent phase the clock alone."""
+        self._simulated, self._ticked_at = tick * TICK, time.monotonic()
         stamp = stamp_of_seconds(self._simulated)
         made = {
             topics.WINCH_COMMAND.name: self._command,

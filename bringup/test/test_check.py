@@ -8,6 +8,7 @@ import pytest
 from heave_bringup import contract
 from heave_bringup.check import Heard, Plan, WinchTrial, judge_topic, judge_winch
 from heave_bringup.contract import COMMAND, CONTRACTS, MRU, STATE
+from heave_node.tick.clock_rule import ClockRule
 from heave_node.topics import ALL_TOPICS
 
 PAGE = Path(__file__).parents[2] / "docs" / "contract.md"
@@ -40,8 +41,8 @@ def test_a_node_that_does_everything_right_is_as_the_contract_says():
         ({"refusals": ["Best effort publisher and reliable subscription"]}, "quality of service", "Best effort"),
         ({"arrivals": []}, "messages", "none received"),
         ({"arrivals": list(np.arange(100) * 0.2)}, "rate", "5.0 Hz (expected 10)"),
-        ({"stamps": [0.0] * 100}, "clock", "not stamped"),
-        ({"stamps": list(1.7e9 + np.arange(100) * 0.05)}, "clock", "is use_sim_time set?"),
+        ({"stamps": [*np.arange(1, 100) * 0.05, 0.0]}, "clock", "its messages have no stamp"),
+        ({"clock": list(np.arange(100) * 0.05 + 0.6)}, "clock", "up to 0.57 s older than /clock"),
         ({"stamps": list(4.9 + np.arange(100) * -1e-3), "clock": [4.92] * 100}, "clock", "stamps do not increase"),
         ({"bad": {"heave": 3}}, "numbers", "heave 3 times"),
         ({"counter": [1, 2, *range(4, 102)]}, "sequence", "1 of 99 steps are not 1"),
@@ -53,10 +54,29 @@ def test_what_is_wrong_is_named(changes, what, words):
     assert words in wrong.words
 
 
+@pytest.mark.parametrize(
+    ("stamps", "rule", "words"),
+    [
+        (1.7e9 + np.arange(100) * 0.05, "detect", "own clock: offset -1699999999.9"),
+        (1.7e9 + np.arange(100) * 0.05, "simulated", "ahead of simulated time"),
+        (np.zeros(100), "detect", "no stamp: time of arrival"),
+        (np.arange(100) * 0.05 + 0.03, "none", "declared to send no stamps"),
+        (np.arange(100) * 0.05 + 0.03, "simulated", "simulated time; jitter 0.0 ms"),
+    ],
+)
+def test_each_clock_of_the_contract_is_told_and_one_that_is_not_the_declared_one_is_wrong(stamps, rule, words):
+    found = judge_topic(MRU, heard(stamps=list(stamps)), ClockRule(rule))
+    (clock,) = [finding for finding in found if finding.what == "clock"]
+    assert words in clock.words
+    assert clock.is_good == (rule == "detect" or words.startswith("simulated"))
+
+
 PLAN = Plan(braked=4.0, released=8.0, silent=10.5, acknowledged=11.5, end=14.0)
 
 
-def trial(fault_of_silence: int = 1, *, brakes_alone: bool = True, obeys: bool = True) -> list[WinchTrial]:
+def trial(
+    fault_of_silence: int = 1, release_of_silence: int = 1, *, brakes_alone: bool = True, obeys: bool = True
+) -> list[WinchTrial]:
     """Return what a winch says that reacts within 0.7 s."""
     said = []
     for time in np.arange(0.0, PLAN.end, 0.05):
@@ -64,7 +84,8 @@ def trial(fault_of_silence: int = 1, *, brakes_alone: bool = True, obeys: bool =
         is_alone = phase in ("silent", "braked again")
         brake = (phase.startswith("braked") or (is_alone and brakes_alone)) if obeys else False
         told = round(time / 0.05)
-        said.append(WinchTrial(float(time), told, told - 4, brake, fault_of_silence if is_alone else 0))
+        fault, release = (fault_of_silence, release_of_silence) if is_alone else (0, 0)
+        said.append(WinchTrial(float(time), told, told - 4, brake, fault, release))
     return said
 
 
@@ -77,6 +98,7 @@ def test_a_winch_that_brakes_releases_and_stops_by_itself_is_as_the_contract_say
     [
         (trial(brakes_alone=False), "stops without commands"),
         (trial(fault_of_silence=0), "reports why it stopped"),
+        (trial(release_of_silence=0), "says what it waits for"),
         (trial(obeys=False), "brakes on command"),
         ([], "brakes on command"),
     ],

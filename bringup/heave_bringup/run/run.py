@@ -109,6 +109,7 @@ def run_scenario(
     folder: RunFolder,
     *,
     substitutes: Mapping[str, Path] | None = None,
+    foreign: Sequence[str] = (),
     on_look: OnLook | None = None,
     namespace: str = "",
 ) -> Outcome:
@@ -119,6 +120,7 @@ def run_scenario(
     scenario : checked
     folder : where the run leaves its files
     substitutes : bags by the node in whose place each is played
+    foreign : nodes that somebody else starts, and that take part in each tick
     on_look : called a few times per second while the run lasts
     namespace : of its nodes and topics; "" for none. Runs in different ones share a ROS domain
 
@@ -139,7 +141,7 @@ def run_scenario(
                 _remove_unused(folder)
                 raise CommandError(ANOTHER_RUN)
             store_scenario(scenario, folder)
-            launcher.start(nodes_to_start(scenario), folder.scenario, folder.logs, substitutes, namespace)
+            launcher.start(nodes_to_start(scenario, foreign), folder.scenario, folder.logs, substitutes, namespace)
             status = _watch(scenario, folder, launcher, monitor, progress, on_look)
             return Outcome(status, monitor.alarms, list(monitor.strangers))
         except KeyboardInterrupt:
@@ -196,9 +198,12 @@ def _listen(namespace: str) -> Monitor:
         raise CommandError(f"ROS failed to start: {' '.join(str(error).split())}") from None
 
 
-def nodes_to_start(scenario: Scenario) -> list[str]:
-    """Return the nodes of a `scenario` that are not replaced by hardware or left out of the run."""
-    wanted = {MASTER, *scenario.run.participants} - set(scenario.run.external)
+def nodes_to_start(scenario: Scenario, foreign: Sequence[str] = ()) -> list[str]:
+    """Return the nodes of a `scenario` that are not replaced by hardware, started by others or left out of the run.
+
+    The `foreign` ones are those that others start.
+    """
+    wanted = {MASTER, *scenario.run.participants} - set(scenario.run.external) - set(foreign)
     clock = [SHIP_CLOCK.name] if MASTER in scenario.run.external else []
     return clock + [node.name for node in NODES if node.name in wanted]
 

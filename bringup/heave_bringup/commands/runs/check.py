@@ -6,12 +6,13 @@ import argparse
 import math
 
 from heave_node.parameters import ParameterError
+from heave_node.tick.clock_rule import parse_clock
 
 from heave_bringup.commands.arguments import add_network
 from heave_bringup.commands.command import Command
 from heave_bringup.errors import CommandError
 
-REPLACEABLE = ("winch_controller", "virtual_winch", "wave_vessel")
+REPLACEABLE = ("winch_controller", "virtual_winch", "wave_vessel", "cable_sim")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -19,9 +20,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--external",
         required=True,
-        metavar="NODE",
-        choices=REPLACEABLE,
-        help="node of the suite that the external node replaces",
+        metavar="NODE[=CLOCK]",
+        help=f"node of the suite that the external node replaces: {', '.join(REPLACEABLE)}; CLOCK is the clock of its "
+        "stamps: simulated, own, none; detected if not given",
     )
     parser.add_argument("--seconds", type=float, default=4.0, metavar="S", help="duration of each phase (default: 4)")
     add_network(parser)
@@ -36,8 +37,11 @@ def execute(options: argparse.Namespace) -> None:
 
     if not (math.isfinite(options.seconds) and options.seconds >= 2.0):
         raise ParameterError(f"--seconds {options.seconds:g}: must be at least 2")
+    node, rule = parse_clock(options.external if "=" in options.external else f"{options.external}=detect")
+    if node not in REPLACEABLE:
+        raise ParameterError(f"--external {node}: must be one of {', '.join(REPLACEABLE)}")
     set_up_transport(network=options.network)
-    findings = check_node(CONTRACT_OF[options.external], options.seconds)
+    findings = check_node(CONTRACT_OF[node], options.seconds, rule)
     wrong = [finding for finding in findings if not finding.is_good]
     rows = [[f.topic, f.what, "ok" if f.is_good else "WRONG", f.words] for f in findings]
     verdict = (
@@ -48,16 +52,16 @@ def execute(options: argparse.Namespace) -> None:
     write_result(
         options,
         [make_table(("topic", "what", "result", "found"), rows, texts=("what", "result", "found")), verdict],
-        {"external": options.external, "good": not wrong, "findings": [vars(finding) for finding in findings]},
+        {"external": node, "good": not wrong, "findings": [vars(finding) for finding in findings]},
     )
     if wrong:
-        raise CommandError(f"{options.external}: {wrong[0].topic}: {wrong[0].what}: {wrong[0].words}")
+        raise CommandError(f"{node}: {wrong[0].topic}: {wrong[0].what}: {wrong[0].words}")
 
 
 COMMAND = Command(
     name="check",
     summary="Check a live external node against the contract; a winch is braked and released, never moved.",
-    examples=("heave check --external virtual_winch",),
+    examples=("heave check --external virtual_winch", "heave check --external wave_vessel=own"),
     add_arguments=add_arguments,
     execute=execute,
 )

@@ -11,13 +11,13 @@ from pathlib import Path
 
 from heave_node.criteria import Criterion
 from heave_node.parameters import ParameterError
-from heave_node.run_parameters import LOCKSTEP, REALTIME
+from heave_node.run_parameters import LOCKSTEP, REALTIME, RunParameters
 from heave_node.scenario import WILDCARD
 
 from heave_bringup.commands.arguments import add_network, add_scenario
 from heave_bringup.commands.command import Command
 from heave_bringup.errors import CommandError
-from heave_bringup.nodes import NODE_BY_NAME
+from heave_bringup.nodes import MASTER, NODE_BY_NAME, RECORDER
 from heave_bringup.settings import Setting
 
 EVALUATION = "heave_bringup.run.evaluation"
@@ -43,6 +43,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="NODE[=CLOCK]",
         help="do not start NODE: hardware or another program takes its place (real time). CLOCK says how it stamps: "
         "simulated (use_sim_time), own (a clock of its own), none; detected if not given",
+    )
+    parser.add_argument(
+        "--foreign",
+        action="append",
+        default=[],
+        metavar="NODE",
+        help="do not start NODE: a program of yours takes part in each tick under its name (docs/contract.md), in "
+        "lockstep too",
     )
     parser.add_argument(
         "--from-bag",
@@ -82,11 +90,16 @@ def execute(options: argparse.Namespace) -> None:
     scenario = load_scenario(options.scenario, settings=[*options.set, *_own_settings(options)])
     for criterion in scenario.wanted:
         refuse_unknown(criterion, f"{scenario.path}: wanted")
+    _check_foreign(options.foreign, scenario.run)
     folder = new_run_folder(scenario.name, options.bag)
     # What judges the run takes seconds to load: time that the nodes need to find each other.
     threading.Thread(target=importlib.import_module, args=(EVALUATION,)).start()
     outcome = run_scenario(
-        scenario, folder, substitutes=_substitutes(options.from_bag), namespace=options.namespace or ""
+        scenario,
+        folder,
+        substitutes=_substitutes(options.from_bag),
+        foreign=options.foreign,
+        namespace=options.namespace or "",
     )
     evaluation = importlib.import_module(EVALUATION)
     if scenario.run.is_lockstep:
@@ -138,6 +151,14 @@ def _own_settings(options: argparse.Namespace) -> list[Setting]:
         if clocks:
             settings.append(Setting(WILDCARD, "external_clocks", clocks, source))
     return settings
+
+
+def _check_foreign(nodes: Sequence[str], run: RunParameters) -> None:
+    """Refuse a node that takes no part in the ticks of the run, or that is the suite's own in any case."""
+    able = [name for name in (MASTER, *run.participants) if name != RECORDER and name not in run.external]
+    for node in nodes:
+        if node not in able:
+            raise ParameterError(f"--foreign {node}: must be one of {', '.join(able)}")
 
 
 def _substitutes(settings: Sequence[str]) -> dict[str, Path]:
