@@ -14,11 +14,11 @@ from cable_sim_node.winch.drives.published import (
     zinage_drive,
 )
 from cable_sim_node.winch.drives.pump_controlled import PumpDrive
-from cable_sim_node.winch.drives.valve_controlled import (
+from cable_sim_node.winch.drives.valve_controlled import ValveDrive
+from cable_sim_node.winch.drives.valve_parameters import (
     FluidParameters,
     ServoValveParameters,
     SupplyParameters,
-    ValveDrive,
     ValveDriveParameters,
 )
 from cable_sim_node.winch.parameters import WinchParameters

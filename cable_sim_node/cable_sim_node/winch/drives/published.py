@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 
 from cable_sim_node.winch.drives.motion_parameters import FrictionParameters, MotionParameters
-from cable_sim_node.winch.drives.pump_controlled import PumpDriveParameters
-from cable_sim_node.winch.drives.valve_controlled import (
+from cable_sim_node.winch.drives.pump_parameters import PumpDriveParameters
+from cable_sim_node.winch.drives.valve_parameters import (
     FluidParameters,
     ServoValveParameters,
     SupplyParameters,
