@@ -6,10 +6,10 @@ import dataclasses
 
 import numpy as np
 import pytest
+from cable_sim_node.winch.drive_parameters.electric import ElectricDriveParameters
+from cable_sim_node.winch.drive_parameters.motion import FrictionParameters, MotionParameters
 from cable_sim_node.winch.drives.electric import ElectricDrive
-from cable_sim_node.winch.drives.electric_parameters import ElectricDriveParameters
 from cable_sim_node.winch.drives.interface import DriveCommand
-from cable_sim_node.winch.drives.motion_parameters import FrictionParameters, MotionParameters
 from heave_node.codes import WinchLimit
 from scipy.linalg import expm
 

@@ -6,11 +6,11 @@ import dataclasses
 
 import numpy as np
 import pytest
+from cable_sim_node.winch.drive_parameters.motion import MotionParameters
+from cable_sim_node.winch.drive_parameters.pump import PumpDriveParameters
 from cable_sim_node.winch.drives.interface import DriveCommand
-from cable_sim_node.winch.drives.motion_parameters import MotionParameters
 from cable_sim_node.winch.drives.published import zinage_drive
 from cable_sim_node.winch.drives.pump_controlled import PumpDrive
-from cable_sim_node.winch.drives.pump_parameters import PumpDriveParameters
 from heave_node.codes import WinchLimit
 from scipy.linalg import expm
 

@@ -9,8 +9,8 @@ import math
 import numpy as np
 import pytest
 from cable_sim_node.winch.component import VirtualWinch, WinchCommand, WinchState
-from cable_sim_node.winch.drives.electric_parameters import ElectricParameters
-from cable_sim_node.winch.drives.spool_parameters import SpoolParameters
+from cable_sim_node.winch.drive_parameters.electric import ElectricParameters
+from cable_sim_node.winch.drive_parameters.spool import SpoolParameters
 from cable_sim_node.winch.parameters import EncoderParameters, WinchParameters
 from heave_node.codes import WinchFault, WinchLimit, WinchRelease
 from heave_node.faults import FaultParameters

@@ -8,9 +8,9 @@ from heave_node.faults import FaultParameters
 from heave_node.parameters import check_ranges, group, parameter
 from heave_node.position_loop import check_position_gain
 
-from cable_sim_node.winch.drives.electric_parameters import ElectricParameters
-from cable_sim_node.winch.drives.pump_parameters import PumpControlledParameters
-from cable_sim_node.winch.drives.valve_parameters import ValveControlledParameters
+from cable_sim_node.winch.drive_parameters.electric import ElectricParameters
+from cable_sim_node.winch.drive_parameters.pump import PumpControlledParameters
+from cable_sim_node.winch.drive_parameters.valve import ValveControlledParameters
 
 
 @dataclass(frozen=True)

@@ -7,16 +7,16 @@ from typing import Any
 
 from heave_node.parameters import ParameterError
 
+from cable_sim_node.winch.drive_parameters.electric import ElectricDriveParameters
+from cable_sim_node.winch.drive_parameters.motion import MotionParameters
+from cable_sim_node.winch.drive_parameters.pump import PumpDriveParameters
+from cable_sim_node.winch.drive_parameters.valve import ValveDriveParameters
 from cable_sim_node.winch.drives.electric import ElectricDrive
-from cable_sim_node.winch.drives.electric_parameters import ElectricDriveParameters
 from cable_sim_node.winch.drives.interface import Drive
-from cable_sim_node.winch.drives.motion_parameters import MotionParameters
 from cable_sim_node.winch.drives.pump_controlled import PumpDrive
-from cable_sim_node.winch.drives.pump_parameters import PumpDriveParameters
 from cable_sim_node.winch.drives.ramp import RampedDrive
 from cable_sim_node.winch.drives.speed_servo import SpeedServo
 from cable_sim_node.winch.drives.valve_controlled import ValveDrive
-from cable_sim_node.winch.drives.valve_parameters import ValveDriveParameters
 from cable_sim_node.winch.parameters import WinchParameters
 
 

@@ -9,9 +9,9 @@ from collections.abc import Mapping
 import numpy as np
 from heave_node.codes import WinchLimit
 
-from cable_sim_node.winch.drives.integration import STAGES
 from cable_sim_node.winch.drives.interface import DriveCommand, DriveEnergy, DriveState, check_step
-from cable_sim_node.winch.drives.mechanics import FROM_LOAD, LOST, PAYOUT, RATE, SUPPLIED, Order
+from cable_sim_node.winch.drives.kernels.integration import STAGES
+from cable_sim_node.winch.drives.kernels.mechanics import FROM_LOAD, LOST, PAYOUT, RATE, SUPPLIED, Order
 
 
 class CompiledDrive(abc.ABC):

@@ -22,11 +22,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from cable_sim_node.winch.drives import electric_kernel as kernel
+from cable_sim_node.winch.drive_parameters.electric import ElectricDriveParameters
 from cable_sim_node.winch.drives.compiled_drive import CompiledDrive
-from cable_sim_node.winch.drives.electric_parameters import ElectricDriveParameters
-from cable_sim_node.winch.drives.mechanics import RATE, Order, bounds_of, friction_of
-from cable_sim_node.winch.drives.spool import make_spool
+from cable_sim_node.winch.drives.kernels import electric as kernel
+from cable_sim_node.winch.drives.kernels.mechanics import RATE, Order, bounds_of, friction_of
+from cable_sim_node.winch.drives.kernels.spool import make_spool
 
 SUBSTEP = 0.2
 """Substep over the shortest time constant."""

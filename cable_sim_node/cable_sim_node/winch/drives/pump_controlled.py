@@ -24,10 +24,10 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 
-from cable_sim_node.winch.drives import pump_kernel as kernel
+from cable_sim_node.winch.drive_parameters.pump import PumpDriveParameters
 from cable_sim_node.winch.drives.compiled_drive import CompiledDrive
-from cable_sim_node.winch.drives.mechanics import NO_LIMIT, RATE, Order, bounds_of, friction_of
-from cable_sim_node.winch.drives.pump_parameters import PumpDriveParameters
+from cable_sim_node.winch.drives.kernels import pump as kernel
+from cable_sim_node.winch.drives.kernels.mechanics import NO_LIMIT, RATE, Order, bounds_of, friction_of
 
 SUBSTEP = 0.01
 """Substep over the shortest time constant."""

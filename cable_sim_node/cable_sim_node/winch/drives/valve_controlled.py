@@ -21,10 +21,10 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 
-from cable_sim_node.winch.drives import valve_kernel as kernel
+from cable_sim_node.winch.drive_parameters.valve import SupplyParameters, ValveDriveParameters
 from cable_sim_node.winch.drives.compiled_drive import CompiledDrive
-from cable_sim_node.winch.drives.mechanics import RATE, Order, bounds_of, friction_of
-from cable_sim_node.winch.drives.valve_parameters import SupplyParameters, ValveDriveParameters
+from cable_sim_node.winch.drives.kernels import valve as kernel
+from cable_sim_node.winch.drives.kernels.mechanics import RATE, Order, bounds_of, friction_of
 
 SUBSTEP = 0.1
 """Substep over the shortest time constant."""

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 from heave_node.parameters import check_ranges, group, parameter
 
-from cable_sim_node.winch.drives.motion_parameters import FrictionParameters, MotionParameters
-from cable_sim_node.winch.drives.spool_parameters import SpoolParameters
+from cable_sim_node.winch.drive_parameters.motion import FrictionParameters, MotionParameters
+from cable_sim_node.winch.drive_parameters.spool import SpoolParameters
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,7 @@ import numpy as np
 from heave_node.arrays import Array
 from heave_node.compiled import inner_kernel
 
-from cable_sim_node.winch.drives.spool_parameters import SpoolParameters
+from cable_sim_node.winch.drive_parameters.spool import SpoolParameters
 
 
 class Spool(NamedTuple):

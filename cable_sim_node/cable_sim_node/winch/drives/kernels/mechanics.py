@@ -22,7 +22,7 @@ from heave_node.codes import WinchLimit
 from heave_node.compiled import inner_kernel
 
 from cable_sim_node.winch import drive
-from cable_sim_node.winch.drives.motion_parameters import FrictionParameters, MotionParameters
+from cable_sim_node.winch.drive_parameters.motion import FrictionParameters, MotionParameters
 
 PAYOUT, RATE, SUPPLIED, FROM_LOAD, LOST = 0, 1, 2, 3, 4
 OWN = 5

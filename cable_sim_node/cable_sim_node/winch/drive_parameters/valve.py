@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from heave_node.parameters import check_ranges, group, parameter
 
-from cable_sim_node.winch.drives.motion_parameters import FrictionParameters, MotionParameters
+from cable_sim_node.winch.drive_parameters.motion import FrictionParameters, MotionParameters
 
 
 @dataclass(frozen=True)
