@@ -36,6 +36,7 @@ from heave_node.ros.strangers import Strangers
 from heave_node.run_parameters import RunParameters
 from heave_node.tick.external_clock import ExternalClock
 from heave_node.tick.gate import Inbox, TickGate
+from heave_node.tick.simulated_clock import SimulatedClock
 from heave_node.tick.speakers import ANYONE
 from heave_node.tick.tick import Tick, nanoseconds_of, stamp_of
 from heave_node.topic import Topic
@@ -85,7 +86,7 @@ class HeaveNode(LifecycleNode):
     failure : why the node ended, "" while nothing went wrong
     identity : of this node's process, as the others see it on each of its messages
     clocks : of the external inputs, by topic
-    newest_start : when the newest tick began: simulated time, and monotonic wall time [ns]
+    clock_of_run : simulated time by monotonic wall time [ns]
     strangers : processes noticed that are not part of the run
     """
 
@@ -109,7 +110,7 @@ class HeaveNode(LifecycleNode):
         self.epoch = 0
         self.has_started = False
         self.clocks: dict[str, ExternalClock] = {}
-        self.newest_start = (0, 0)
+        self.clock_of_run = SimulatedClock()
         self.is_active = False
         self._outputs: list[Output] = []
         self._inputs: list[Input] = []
@@ -182,9 +183,8 @@ class HeaveNode(LifecycleNode):
         return port
 
     def simulated_now(self) -> int:
-        """Return the simulated time now, carried on by the wall clock since the last tick began [ns]."""
-        start, wall = self.newest_start
-        return start + (time.monotonic_ns() - wall if wall else 0)
+        """Return the simulated time now, carried on by the wall clock since the last ticks began [ns]."""
+        return self.clock_of_run.now(time.monotonic_ns())
 
     def add_raw_input(
         self,
