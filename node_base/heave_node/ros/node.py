@@ -148,7 +148,9 @@ class HeaveNode(LifecycleNode):
         self._outputs.append(output)
         return output
 
-    def add_input(self, topic: Topic, *, check_stamps: bool = True, lifespan: float = math.inf) -> Input:
+    def add_input(
+        self, topic: Topic, *, check_stamps: bool = True, lifespan: float = math.inf, holds_ahead: bool = False
+    ) -> Input:
         """Read a topic within ticks.
 
         Messages of hardware get stamps of simulated time by the rule of its clock, and are never refused for them.
@@ -158,10 +160,18 @@ class HeaveNode(LifecycleNode):
         topic : its name, type, publisher and role
         check_stamps : refuse messages that are stamped in the future or out of order
         lifespan : real time: messages older than this are late and not used [s]
+        holds_ahead : what hardware has measured after the start of a tick waits for the next one
         """
         is_external = topic.publisher in self.run.external
         life = math.inf if self.run.is_lockstep else lifespan
-        port = Input(self, topic, self.gate, check_stamps=check_stamps and not is_external, lifespan=life)
+        port = Input(
+            self,
+            topic,
+            self.gate,
+            check_stamps=check_stamps and not is_external,
+            lifespan=life,
+            holds_ahead=holds_ahead and is_external,
+        )
         self._inputs.append(port)
         kind = message_type(topic.type)
 
@@ -172,7 +182,8 @@ class HeaveNode(LifecycleNode):
             self._input_timings[port.name].arrived()
             message = decode(data)
             if hasattr(message, "header"):
-                stamp = clock.simulated_time(nanoseconds_of(message.header.stamp), self.simulated_now())
+                wall = time.monotonic_ns()
+                stamp = clock.simulated_time(nanoseconds_of(message.header.stamp), self.clock_of_run.now(wall), wall)
                 message.header.stamp = stamp_of(max(0, stamp))
             return message
 
@@ -181,10 +192,6 @@ class HeaveNode(LifecycleNode):
             clock = self.clocks[port.name] = ExternalClock(self.run.clock_rule(topic.publisher))
         self.add_raw_input(topic, decode_external if is_external else decode)
         return port
-
-    def simulated_now(self) -> int:
-        """Return the simulated time now, carried on by the wall clock since the last ticks began [ns]."""
-        return self.clock_of_run.now(time.monotonic_ns())
 
     def add_raw_input(
         self,

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections import deque
 
 _SECOND = 1_000_000_000
-WINDOW = 5 * _SECOND
+WINDOW = 2 * _SECOND
 """Wall time for which a tick counts [ns]; after a pause the clock is right again when it has passed."""
 LONGEST_LEAD = _SECOND
 """The clock goes no further ahead of the newest tick [ns]: then the run is paused."""
