@@ -160,7 +160,8 @@ class HeaveNode(LifecycleNode):
         topic : its name, type, publisher and role
         check_stamps : refuse messages that are stamped in the future or out of order
         lifespan : real time: messages older than this are late and not used [s]
-        holds_ahead : what hardware has measured after the start of a tick waits for the next one
+        holds_ahead : real time: what was measured after the start of a tick waits for the next one, also where this
+            node is behind the others
         """
         is_external = topic.publisher in self.run.external
         life = math.inf if self.run.is_lockstep else lifespan
@@ -170,7 +171,7 @@ class HeaveNode(LifecycleNode):
             self.gate,
             check_stamps=check_stamps and not is_external,
             lifespan=life,
-            holds_ahead=holds_ahead and is_external,
+            holds_ahead=holds_ahead and not self.run.is_lockstep,
         )
         self._inputs.append(port)
         kind = message_type(topic.type)
