@@ -81,7 +81,7 @@ def test_a_real_winch_takes_the_place_of_the_virtual_one(tmp_path):
 @pytest.mark.slow
 @pytest.mark.long
 def test_a_winch_with_a_loop_and_a_clock_of_its_own_compensates(tmp_path):
-    """The suite's own drive, 300 ppm fast: commands take effect after the modelled delay, and the encoder is in time."""
+    """The suite's own drive, 300 ppm fast: commands act after the modelled delay, readings are in time."""
     options = ["--pacing", "realtime", "--duration", "90", "--external", "virtual_winch=own", "--no-report"]
     options += ["--set", "all.transient=40.0", "--set", "wave_vessel.ramp=5.0", "--json", str(tmp_path / "kpi.json")]
     options += ["--set", "winch_controller.modes.settling_time=5.0", "--bag", str(tmp_path / "run")]
