@@ -1,5 +1,6 @@
 """A node taken out and another program in its place, in real time; and what the winch does when its controller dies."""
 
+import json
 import os
 import signal
 import subprocess
@@ -75,6 +76,34 @@ def test_a_real_winch_takes_the_place_of_the_virtual_one(tmp_path):
     assert np.ptp(winch["encoder_payout"]) > 0.01, "the controller moves it"
     unit = bag.columns({"/unit/odometry": ["pose.pose.position.z"]})["/unit/odometry"]
     assert np.isfinite(unit["pose.pose.position.z"]).all()
+
+
+@pytest.mark.slow
+@pytest.mark.long
+def test_a_winch_with_a_loop_and_a_clock_of_its_own_compensates(tmp_path):
+    """The suite's own drive, 300 ppm fast: commands act after the modelled delay, readings are in time."""
+    options = ["--pacing", "realtime", "--duration", "90", "--external", "virtual_winch=own", "--no-report"]
+    options += ["--set", "all.transient=40.0", "--set", "wave_vessel.ramp=5.0", "--json", str(tmp_path / "kpi.json")]
+    options += ["--set", "winch_controller.modes.settling_time=5.0", "--bag", str(tmp_path / "run")]
+    with domain_id() as domain:
+        program = Path(__file__).with_name("own_clock_winch.py")
+        drive = subprocess.Popen([sys.executable, str(program), "b2_calm_300"], env=environment(domain))
+        try:
+            run = subprocess.run(
+                command("run", "b2_calm_300", *options),
+                env=environment(domain),
+                capture_output=True,
+                text=True,
+                timeout=300.0,
+                check=False,
+            )
+        finally:
+            drive.terminate()
+            drive.wait(10.0)
+    assert run.returncode == 0, run.stderr
+    figures = json.loads((tmp_path / "kpi.json").read_text())
+    assert figures["unit_efficiency"] > 0.8
+    assert figures["outlet_efficiency"] > 0.7, "the bag's stamps of another clock are read as in the run"
 
 
 @pytest.mark.slow

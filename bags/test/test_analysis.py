@@ -5,11 +5,13 @@ import math
 import re
 import sys
 
+import numpy as np
 import pandas
 import pytest
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from foreign_bags import HOST_TIME, by_host_clock, by_simulated_clock, write_foreign
 from heave_bags.analyse import analysis, kpi_set, report, run_record
+from heave_bags.analyse.fields import on_one_clock
 from heave_bags.errors import BagError
 from heave_bags.mcap.bag_writer import BagWriter
 from heave_bags.mcap.definitions import schema_text
@@ -165,6 +167,20 @@ def test_messages_without_a_stamp_are_put_on_the_clock_of_the_others(tmp_path):
     (record,) = analysis.analyse([tmp_path / "bag"])
     (alarm,) = record.alarms
     assert alarm.start == pytest.approx(10.0, abs=0.05)
+
+
+def test_stamps_of_hardware_by_its_own_clock_are_read_as_in_the_run():
+    """A clock 12,345 s ahead that runs 300 ppm fast; messages come 5 ms after their measurement."""
+    log_time = np.arange(1, 2001) * 50_000_000
+    measured = log_time * 1e-9 - 0.005
+    topics = {
+        "/unit/odometry": {"time": log_time * 1e-9, "log_time": log_time},
+        "/mru": {"time": measured, "log_time": log_time},
+        "/winch/state": {"time": 12_345.0 + (1.0 + 300e-6) * measured, "log_time": log_time},
+    }
+    on_one_clock(topics)
+    assert topics["/winch/state"]["time"] == pytest.approx(measured, abs=0.006), "the least delay cannot be told"
+    assert (topics["/mru"]["time"] == measured).all()
 
 
 def test_the_window_of_a_host_s_clock_begins_a_transient_after_the_record(tmp_path):

@@ -66,10 +66,13 @@ class WinchControllerNode(ParticipantNode):
         self.kpi = self.add_output(topics.CONTROLLER_KPI)
         # the controller's own gates want to see wrong stamps
         self.sensors = {
-            name: (self.add_input(SENSORS[name].topic, check_stamps=False), SensorMessages(SENSORS[name]))
+            name: (
+                self.add_input(SENSORS[name].topic, check_stamps=False, holds_ahead=True),
+                SensorMessages(SENSORS[name]),
+            )
             for name in INPUTS
         }
-        self.winch_state = self.add_input(topics.WINCH_STATE, check_stamps=False)
+        self.winch_state = self.add_input(topics.WINCH_STATE, check_stamps=False, holds_ahead=True)
         self.sea_estimate = self.add_input(topics.SEA_STATE_ESTIMATE)
         self.create_service(SetMode, "controller/set_mode", self._serve_set_mode)
         self.create_service(Redesign, "controller/redesign", self._serve_redesign)

@@ -6,11 +6,13 @@ of the requested kind is treated as if it had not been recorded.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 from heave_node.arrays import Array
+from heave_node.tick.clock_rule import ClockRule
+from heave_node.tick.external_clock import ExternalClock
 from numpy.typing import NDArray
 
 from heave_bags.cdr.columns import Columns
@@ -99,11 +101,26 @@ def _is_numeric(values: NDArray[Any]) -> bool:
     return values.dtype.kind in "biuf"
 
 
+def _read_own_clocks(topics: Sequence[Columns]) -> None:
+    """Turn the stamps of a clock of its own into log time, if that is what the stamps of most topics are."""
+    apart = [float(np.abs(columns[TIME] - columns[LOG_TIME] * 1e-9).min()) for columns in topics]
+    if 2 * sum(difference < RESET for difference in apart) <= len(apart):
+        return
+    for columns, difference in zip(topics, apart, strict=True):
+        if difference < RESET:
+            continue
+        clock = ExternalClock(ClockRule.OWN)
+        pairs = zip(np.rint(columns[TIME] * 1e9).astype(np.int64).tolist(), columns[LOG_TIME].tolist(), strict=True)
+        columns[TIME] = np.array([clock.simulated_time(stamp, log_time) for stamp, log_time in pairs]) * 1e-9
+
+
 def on_one_clock(topics: Mapping[str, Columns]) -> None:
     """Give messages of `topics` without a stamp, in place, the time by the stamps of the others.
 
-    They have their log time, which a recorder may take from another clock than the stamps are from.
+    They have their log time, which a recorder may take from another clock than the stamps are from. Where the log time
+    is that of the stamps, but not on a topic of hardware with a clock of its own, its stamps are taken as in the run.
     """
+    _read_own_clocks([columns for columns in topics.values() if columns[TIME].size])
     stamped = [
         (columns, columns[TIME] != columns[LOG_TIME] * 1e-9) for columns in topics.values() if columns[TIME].size
     ]

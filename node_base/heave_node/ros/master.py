@@ -226,7 +226,7 @@ class ClockMasterNode(HeaveNode):
     def _begin_tick(self, number: int) -> None:
         tick = Tick(number, self.epoch, self.run.tick_nanoseconds)
         self.tick, self._stepped = tick, False
-        self.newest_start = (tick.start_nanoseconds, time.monotonic_ns())
+        self.clock_of_run.tick_began(tick.start_nanoseconds, time.monotonic_ns())
         self.timing.tick_began(number)
         self.begin_outputs()
         self._clock_output.publish_deferred(lambda: Clock(clock=tick.stamp))

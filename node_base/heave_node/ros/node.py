@@ -36,6 +36,7 @@ from heave_node.ros.strangers import Strangers
 from heave_node.run_parameters import RunParameters
 from heave_node.tick.external_clock import ExternalClock
 from heave_node.tick.gate import Inbox, TickGate
+from heave_node.tick.simulated_clock import SimulatedClock
 from heave_node.tick.speakers import ANYONE
 from heave_node.tick.tick import Tick, nanoseconds_of, stamp_of
 from heave_node.topic import Topic
@@ -85,7 +86,7 @@ class HeaveNode(LifecycleNode):
     failure : why the node ended, "" while nothing went wrong
     identity : of this node's process, as the others see it on each of its messages
     clocks : of the external inputs, by topic
-    newest_start : when the newest tick began: simulated time, and monotonic wall time [ns]
+    clock_of_run : simulated time by monotonic wall time [ns]
     strangers : processes noticed that are not part of the run
     """
 
@@ -109,7 +110,7 @@ class HeaveNode(LifecycleNode):
         self.epoch = 0
         self.has_started = False
         self.clocks: dict[str, ExternalClock] = {}
-        self.newest_start = (0, 0)
+        self.clock_of_run = SimulatedClock()
         self.is_active = False
         self._outputs: list[Output] = []
         self._inputs: list[Input] = []
@@ -147,7 +148,9 @@ class HeaveNode(LifecycleNode):
         self._outputs.append(output)
         return output
 
-    def add_input(self, topic: Topic, *, check_stamps: bool = True, lifespan: float = math.inf) -> Input:
+    def add_input(
+        self, topic: Topic, *, check_stamps: bool = True, lifespan: float = math.inf, holds_ahead: bool = False
+    ) -> Input:
         """Read a topic within ticks.
 
         Messages of hardware get stamps of simulated time by the rule of its clock, and are never refused for them.
@@ -157,10 +160,19 @@ class HeaveNode(LifecycleNode):
         topic : its name, type, publisher and role
         check_stamps : refuse messages that are stamped in the future or out of order
         lifespan : real time: messages older than this are late and not used [s]
+        holds_ahead : real time: what was measured after the start of a tick waits for the next one, also where this
+            node is behind the others
         """
         is_external = topic.publisher in self.run.external
         life = math.inf if self.run.is_lockstep else lifespan
-        port = Input(self, topic, self.gate, check_stamps=check_stamps and not is_external, lifespan=life)
+        port = Input(
+            self,
+            topic,
+            self.gate,
+            check_stamps=check_stamps and not is_external,
+            lifespan=life,
+            holds_ahead=holds_ahead and not self.run.is_lockstep,
+        )
         self._inputs.append(port)
         kind = message_type(topic.type)
 
@@ -171,7 +183,8 @@ class HeaveNode(LifecycleNode):
             self._input_timings[port.name].arrived()
             message = decode(data)
             if hasattr(message, "header"):
-                stamp = clock.simulated_time(nanoseconds_of(message.header.stamp), self.simulated_now())
+                wall = time.monotonic_ns()
+                stamp = clock.simulated_time(nanoseconds_of(message.header.stamp), self.clock_of_run.now(wall), wall)
                 message.header.stamp = stamp_of(max(0, stamp))
             return message
 
@@ -180,11 +193,6 @@ class HeaveNode(LifecycleNode):
             clock = self.clocks[port.name] = ExternalClock(self.run.clock_rule(topic.publisher))
         self.add_raw_input(topic, decode_external if is_external else decode)
         return port
-
-    def simulated_now(self) -> int:
-        """Return the simulated time now, carried on by the wall clock since the last tick began [ns]."""
-        start, wall = self.newest_start
-        return start + (time.monotonic_ns() - wall if wall else 0)
 
     def add_raw_input(
         self,

@@ -111,7 +111,7 @@ class ParticipantNode(HeaveNode):
         newest = self._starts[-1] if self._starts else self._answered
         if newest is None or _order(message) > _order(newest):
             self._starts.append(message)
-            self.newest_start = (nanoseconds_of(message.stamp), time.monotonic_ns())
+            self.clock_of_run.tick_began(nanoseconds_of(message.stamp), time.monotonic_ns())
             if len(self._starts) == 1:
                 self._begin_next()
             elif not self.run.is_lockstep:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import deque
 from collections.abc import Callable
 from typing import Any
 
@@ -11,7 +12,7 @@ from rclpy.publisher import Publisher
 from rclpy.serialization import serialize_message
 
 from heave_node.messages import message_type
-from heave_node.ros.qos import PUBLISHER, overriding_options, qos_of
+from heave_node.ros.qos import PUBLISHER, STREAM_DEPTH, overriding_options, qos_of
 from heave_node.tick.gate import TickGate
 from heave_node.tick.tick import Tick, nanoseconds_of
 from heave_node.topic import Topic
@@ -95,6 +96,7 @@ class Input:
     gate : holds the messages until their tick
     check_stamps : refuse messages that are stamped in the future or out of order
     lifespan : messages older than this at the start of the tick are not used [s]
+    holds_ahead : messages that are stamped after the start of a tick wait for the next one
 
     Attributes
     ----------
@@ -104,15 +106,24 @@ class Input:
     """
 
     def __init__(
-        self, node: Node, topic: Topic, gate: TickGate, *, check_stamps: bool = True, lifespan: float = math.inf
+        self,
+        node: Node,
+        topic: Topic,
+        gate: TickGate,
+        *,
+        check_stamps: bool = True,
+        lifespan: float = math.inf,
+        holds_ahead: bool = False,
     ) -> None:
         self.name = topic.name
         self.topic = node.resolve_topic_name(topic.name)
         self.check_stamps = check_stamps
         self.lifespan = lifespan
+        self.holds_ahead = holds_ahead
         self.early = self.late = 0
         self.latest: Any = None
         self._gate = gate
+        self._ahead: deque[Any] = deque(maxlen=STREAM_DEPTH)
         self._last_stamp = 0
 
     def take(self, tick: Tick) -> list[Any]:
@@ -124,6 +135,9 @@ class Input:
             before it, is refused and counted, where `check_stamps` is on; so is one that is older than the lifespan
         """
         messages = self._gate.take(self.topic)
+        if self.holds_ahead:
+            self._ahead.extend(messages)
+            messages = self._due(tick.start_nanoseconds)
         if self.check_stamps:
             messages = [message for message in messages if self._is_stamp_legal(message, tick.end_nanoseconds)]
         if self.lifespan != math.inf:
@@ -135,7 +149,15 @@ class Input:
     def reset(self) -> None:
         """Forget the previous run."""
         self.latest = None
+        self._ahead.clear()
         self._last_stamp = 0
+
+    def _due(self, now: int) -> list[Any]:
+        """Return the messages that wait and are stamped by `now` [ns], in the order of their arrival."""
+        due = []
+        while self._ahead and nanoseconds_of(self._ahead[0].header.stamp) <= now:
+            due.append(self._ahead.popleft())
+        return due
 
     def _is_stamp_legal(self, message: Any, latest_legal_stamp: int) -> bool:
         if not hasattr(message, "header"):

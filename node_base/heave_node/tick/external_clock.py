@@ -59,16 +59,18 @@ class ExternalClock:
         self._envelope: deque[tuple[float, float]] = deque(maxlen=_WINDOW)
         self._reference: int | None = None
         self._offset, self._drift = 0.0, 0.0
+        self._lead = 0
         self._delays: deque[float] = deque(maxlen=_JITTER_SAMPLES)
         self._far_in_a_row = 0
 
-    def simulated_time(self, stamp: int, arrival: int) -> int:
+    def simulated_time(self, stamp: int, arrival: int, wall: int | None = None) -> int:
         """Return when a message was measured, in simulated time [ns].
 
         Parameters
         ----------
         stamp : of the message [ns]
         arrival : simulated time at which it came [ns]
+        wall : monotonic wall time at which it came [ns]; None: runs as simulated time does
         """
         if self.rule is ClockRule.DETECT:
             self.rule = detect(stamp, arrival)
@@ -78,7 +80,9 @@ class ExternalClock:
         if self.rule is ClockRule.SIMULATED:
             self._delays.append((arrival - stamp) / _SECOND)
             return stamp
-        return self._of_own_clock(stamp, arrival)
+        wall = arrival if wall is None else wall
+        self._lead = arrival - wall
+        return self._of_own_clock(stamp, wall) + self._lead
 
     def _check(self, stamp: int, arrival: int) -> None:
         if self.rule is ClockRule.NONE:
@@ -142,7 +146,7 @@ class ExternalClock:
         if self._reference is None:
             return 0.0
         now = self._envelope[-1][0] if self._envelope else 0.0
-        return self._reference / _SECOND + self._offset + self._drift * now
+        return (self._reference + self._lead) / _SECOND + self._offset + self._drift * now
 
     @property
     def drift(self) -> float:

@@ -1,0 +1,42 @@
+"""Simulated time between ticks, as the wall clock carries it on.
+
+In real time the master begins tick k when k periods of wall time have passed, or later where the machine is busy, and
+then catches up: never earlier. So of the last ticks the one that began with the least delay tells what time it is; one
+that was late would put the clock back for as long as it is the newest.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+
+_SECOND = 1_000_000_000
+WINDOW = 2 * _SECOND
+"""Wall time for which a tick counts [ns]; after a pause the clock is right again when it has passed."""
+LONGEST_LEAD = _SECOND
+"""The clock goes no further ahead of the newest tick [ns]: then the run is paused."""
+
+
+class SimulatedClock:
+    """The simulated time now, by when the last ticks began."""
+
+    def __init__(self) -> None:
+        self._newest = 0
+        self._leads: deque[tuple[int, int]] = deque()
+
+    def tick_began(self, start: int, wall: int) -> None:
+        """Take a tick that begins at simulated time `start`, as seen at `wall` time [ns]."""
+        if start < self._newest:  # another run
+            self._leads.clear()
+        self._newest = start
+        while self._leads and self._leads[0][1] < wall - WINDOW:
+            self._leads.popleft()
+        lead = start - wall
+        while self._leads and self._leads[-1][0] <= lead:  # a later and larger one goes before it in any case
+            self._leads.pop()
+        self._leads.append((lead, wall))
+
+    def now(self, wall: int) -> int:
+        """Return the simulated time at `wall` time [ns]; 0 before the first tick."""
+        if not self._leads:
+            return 0
+        return min(wall + self._leads[0][0], self._newest + LONGEST_LEAD)

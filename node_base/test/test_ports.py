@@ -1,0 +1,55 @@
+"""Inputs of a node within ticks: which messages a tick gets."""
+
+from types import SimpleNamespace
+
+from heave_msgs.msg import WinchState
+from heave_node import topics
+from heave_node.ros.ports import Input
+from heave_node.tick.gate import Inbox, TickGate
+from heave_node.tick.tick import Tick, nanoseconds_of, stamp_of
+
+TICK = 50_000_000
+NODE = SimpleNamespace(resolve_topic_name=lambda name: f"/{name}")
+
+
+def make_input() -> tuple[Input, Inbox]:
+    """Return an input that holds what is ahead, and the inbox that feeds it whole messages."""
+    gate = TickGate((), (), lockstep=False)
+    inbox = gate.add_inbox(Inbox("/winch/state", decode=lambda data: stamped(int(data)), is_external=True))
+    return Input(NODE, topics.WINCH_STATE, gate, check_stamps=False, holds_ahead=True), inbox
+
+
+def stamped(nanoseconds: int) -> WinchState:
+    message = WinchState()
+    message.header.stamp = stamp_of(nanoseconds)
+    return message
+
+
+def measured_in(port: Input, tick: int) -> list[int]:
+    """Return when the messages that a tick gets were measured [ms]."""
+    return [nanoseconds_of(message.header.stamp) // 1_000_000 for message in port.take(Tick(tick, 1, TICK))]
+
+
+def test_what_hardware_measures_within_a_tick_is_a_reading_of_the_next_one():
+    port, inbox = make_input()
+    for measured in (3 * TICK - 20_000_000, 3 * TICK, 3 * TICK + 15_000_000):
+        inbox.put(b"%d" % measured)
+    assert measured_in(port, 3) == [130, 150]
+    assert nanoseconds_of(port.latest.header.stamp) == 3 * TICK
+    inbox.put(b"%d" % (3 * TICK + 35_000_000))
+    assert measured_in(port, 4) == [165, 185]
+
+
+def test_a_node_that_is_behind_takes_in_each_tick_what_was_known_by_then():
+    port, inbox = make_input()
+    for number in range(1, 11):
+        inbox.put(b"%d" % (number * TICK))
+    assert [len(port.take(Tick(number, 1, TICK))) for number in range(1, 12)] == [1] * 10 + [0]
+
+
+def test_another_run_begins_without_what_was_held():
+    port, inbox = make_input()
+    inbox.put(b"%d" % (100 * TICK))
+    assert port.take(Tick(1, 1, TICK)) == []
+    port.reset()
+    assert port.take(Tick(200, 2, TICK)) == []
