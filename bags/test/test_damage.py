@@ -59,11 +59,20 @@ def test_the_share_that_survives_a_cut_is_the_share_that_was_left(sound, tmp_pat
     assert len(got) > 0.45 * len(messages)
 
 
-@pytest.mark.parametrize("seed", range(15))
+def test_damage_to_the_chunk_of_the_definitions_costs_no_message(sound, tmp_path):
+    data, messages = sound
+    broken = bytearray(data)
+    for offset in range(60, 100):
+        broken[chunk_positions(data)[0] + offset] ^= 0x5A
+    _, got = read(bytes(broken), tmp_path)
+    assert got == messages
+
+
+@pytest.mark.parametrize("seed", range(1, 15))
 def test_a_damaged_chunk_costs_that_chunk_and_its_loss_is_counted(sound, tmp_path, seed):
     data, messages = sound
     broken = bytearray(data)
-    position = chunk_positions(data)[seed]  # the first among them
+    position = chunk_positions(data)[seed]  # the first with messages among them
     for offset in range(60, 100):  # inside the compressed records
         broken[position + offset] ^= 0x5A
     bag, got = read(bytes(broken), tmp_path)
@@ -129,19 +138,20 @@ def test_without_a_second_count_an_end_that_is_gone_is_said_to_be_unknown(sound,
     assert "an unknown number of messages lost" in str(bag.losses[-1])
 
 
-def test_a_killed_file_whose_first_chunk_is_damaged_keeps_all_others(sound, tmp_path):
+@pytest.mark.parametrize(("damaged", "costs"), [(0, False), (1, True)], ids=["definitions", "first messages"])
+def test_a_killed_file_of_which_one_of_the_first_chunks_is_damaged_keeps_all_others(sound, tmp_path, damaged, costs):
     data, messages = sound
-    first, second, *_ = chunk_positions(data)
+    chunks = chunk_positions(data)
     end_of_data = data.rindex(b"\x0f\x04\x00\x00\x00\x00\x00\x00\x00")
     killed = bytearray(data[:end_of_data] + interim_ending())
     for offset in range(60, 100):
-        killed[first + offset] ^= 0x5A
+        killed[chunks[damaged] + offset] ^= 0x5A
     path = tmp_path / "killed_0.mcap"
     path.write_bytes(killed)
     got, losses = read_all(path)
     assert got == messages[-len(got) :]
-    assert stated_loss(losses) == len(messages) - len(got) > 0
-    assert second, "the definitions stand in the second chunk, too"
+    assert stated_loss(losses) == len(messages) - len(got)
+    assert (len(got) < len(messages)) == costs
 
 
 def test_a_piece_that_is_gone_from_a_killed_file_is_told_by_the_numbers_of_its_messages(sound, tmp_path):

@@ -106,17 +106,23 @@ from pathlib import Path
 from made_up_run import MadeUpRun, write_run
 from heave_bags.mcap.bag_writer import BagPolicy
 from heave_bags.mcap.writer import ChunkPolicy
-policy = BagPolicy(ChunkPolicy(size=8_000), max_file_bytes={split})
+policy = BagPolicy(ChunkPolicy(size={chunk}), max_file_bytes={split})
 writer = write_run(Path({folder!r}), MadeUpRun(duration={duration}), policy, close=False)
 writer.acknowledge()
 os.kill(os.getpid(), 9)
 """
 
 
-@pytest.mark.parametrize(("duration", "split"), [(20.0, 0), (20.0, 50_000), (0.05, 0)])
-def test_the_bag_of_a_killed_writer_opens_at_once_with_the_readers_of_others(tmp_path, duration, split):
+@pytest.mark.parametrize(
+    ("duration", "split", "chunk"),
+    [(20.0, 0, 8_000), (20.0, 50_000, 8_000), (0.05, 0, 8_000), (0.3, 0, 1_000_000)],
+    ids=["one file", "split", "first tick", "before the first chunk is full"],
+)
+def test_the_bag_of_a_killed_writer_opens_at_once_with_the_readers_of_others(tmp_path, duration, split, chunk):
     folder = tmp_path / "bag"
-    script = KILLED.format(tests=str(Path(__file__).parent), folder=str(folder), duration=duration, split=split)
+    script = KILLED.format(
+        tests=str(Path(__file__).parent), folder=str(folder), duration=duration, split=split, chunk=chunk
+    )
     assert subprocess.run([sys.executable, "-c", script], check=False).returncode == -signal.SIGKILL
     bag = Bag(folder)
     messages = list(bag.messages())

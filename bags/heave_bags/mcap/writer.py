@@ -109,8 +109,9 @@ class McapWriter:
     """Writes one MCAP file to a `sink`; `finish` completes it. Not thread-safe.
 
     Schemas and channels are in the chunk that needs them first and again in the chunk after it, so that no
-    single damage takes them from a file that has no summary yet. `profile` is written to the header; `chunks` says when
-    a chunk is full and how it is compressed.
+    single damage takes them from a file that has no summary yet. Those known before the first message have a chunk of
+    their own, so that any reader opens a file whose writer is killed before its first chunk of messages is full.
+    `profile` is written to the header; `chunks` says when a chunk is full and how it is compressed.
     """
 
     def __init__(self, sink: Sink, *, profile: str = "ros2", chunks: ChunkPolicy | None = None) -> None:
@@ -181,7 +182,8 @@ class McapWriter:
         """
         chunk = self._chunk
         is_due = log_time - chunk.start >= self._chunks.span or chunk.size + len(data) > LARGEST_MESSAGE
-        if chunk.index and is_due:
+        is_first = not self._chunk_indexes and not chunk.index and chunk.size
+        if (chunk.index and is_due) or is_first:
             self.close_chunk()
             chunk = self._chunk
         if not chunk.index:
