@@ -26,7 +26,7 @@ class VirtualWinchNode(ParticipantNode):
 
     def on_build(self) -> None:
         """Make the winch; one step of a throw-away winch compiles the drive."""
-        self._make_winch().step(0, None)
+        self._make_winch().step(0, None, 0.0)
         self.winch = self._make_winch()
         self.state = self.add_output(topics.WINCH_STATE)
         # what is older than the watchdog's time must not feed it: a controller that was stalled answers for old ticks
@@ -58,6 +58,7 @@ class VirtualWinchNode(ParticipantNode):
         """Say why the winch stopped by itself, and what commands it refused."""
         state = self.winch.state
         values = {"rejected commands": str(self.winch.refused_commands), "brake": str(state.brake)}
+        values |= {name: f"{value:.6g}" for name, value in self.winch.instruments().items()}
         if state.fault is WinchFault.NONE:
             return [Health("drive", Level.OK, "ok", values)]
         reason = fault_words(state.fault)

@@ -6,9 +6,11 @@ import dataclasses
 
 import numpy as np
 import pytest
-from cable_sim_node.winch.drives.electric import ElectricDrive, ElectricDriveParameters
-from cable_sim_node.winch.drives.interface import DriveCommand, DriveLimit
-from cable_sim_node.winch.drives.motion_parameters import FrictionParameters, MotionParameters
+from cable_sim_node.winch.drive_parameters.electric import ElectricDriveParameters
+from cable_sim_node.winch.drive_parameters.motion import FrictionParameters, MotionParameters
+from cable_sim_node.winch.drives.electric import ElectricDrive
+from cable_sim_node.winch.drives.interface import DriveCommand
+from heave_node.codes import WinchLimit
 from scipy.linalg import expm
 
 TICK = 0.05
@@ -56,7 +58,7 @@ def test_loop_without_limits_is_its_linear_system() -> None:
         assert state.payout == pytest.approx(x[0], rel=1e-4, abs=1e-7)
         assert state.payout_rate == pytest.approx(x[1], rel=1e-4, abs=1e-6)
         assert drive.instruments()["motor_torque_nm"] == pytest.approx(x[4], rel=1e-3, abs=0.1)
-    assert state.limits == DriveLimit.NONE
+    assert state.limits == WinchLimit.NONE
 
 
 def test_error_of_the_integration_falls_with_the_fourth_power_of_the_substep(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -84,7 +86,7 @@ def test_hauling_is_at_constant_torque_then_at_constant_power() -> None:
     np.testing.assert_allclose(rows[slow, 2], (tension - 3000.0 * p.gear_ratio / RADIUS) / mass, rtol=1e-3)
     # where all power goes into lifting, v = P/T
     assert rows[-1, 1] == pytest.approx(-300e3 / tension, rel=1e-3)
-    assert drive.state.limits & DriveLimit.POWER
+    assert drive.state.limits & WinchLimit.POWER
     torque = drive.instruments()["motor_torque_nm"]
     assert drive.state.supply_power == pytest.approx(300e3 + p.copper_loss * (torque / 3000.0) ** 2, rel=1e-6)
 
@@ -94,7 +96,7 @@ def test_a_load_beyond_the_torque_is_followed_by_no_more_overshoot_than_any_step
     drive = ElectricDrive(p, tension=50e3)
     overhauled = run(drive, -0.5, 3.0, 130e3)
     assert overhauled[-1, 1] > 0.0  # the load runs away with the drum, slowly
-    assert drive.state.limits & DriveLimit.TORQUE
+    assert drive.state.limits & WinchLimit.TORQUE
     freed = run(drive, -0.5, 6.0, 50e3)
     assert freed[-1, 1] == pytest.approx(-0.5, rel=1e-3)
     assert freed[:, 1].min() > -0.5 * 1.25

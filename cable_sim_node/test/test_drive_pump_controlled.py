@@ -6,10 +6,12 @@ import dataclasses
 
 import numpy as np
 import pytest
-from cable_sim_node.winch.drives.interface import DriveCommand, DriveLimit
-from cable_sim_node.winch.drives.motion_parameters import MotionParameters
+from cable_sim_node.winch.drive_parameters.motion import MotionParameters
+from cable_sim_node.winch.drive_parameters.pump import PumpDriveParameters
+from cable_sim_node.winch.drives.interface import DriveCommand
 from cable_sim_node.winch.drives.published import zinage_drive
-from cable_sim_node.winch.drives.pump_controlled import PumpDrive, PumpDriveParameters
+from cable_sim_node.winch.drives.pump_controlled import PumpDrive
+from heave_node.codes import WinchLimit
 from scipy.linalg import expm
 
 LONG = MotionParameters(speed_limit=10.0, overspeed=0.0, payout_minimum=-500.0, payout_maximum=500.0)
@@ -53,11 +55,11 @@ def test_an_input_of_two_hundred_times_full_swash_drives_the_lag_and_the_swash_e
     state = drive.step(DriveCommand(payout_rate=1e6), 0.004, 0.0)
     # x = 200 (1 - exp(-t/1 s))
     assert drive.instruments()["swash"] == pytest.approx(200.0 * (1.0 - np.exp(-0.004)), rel=1e-9)
-    assert state.limits & DriveLimit.SPEED
+    assert state.limits & WinchLimit.SPEED
     for _ in range(100):
         state = drive.step(DriveCommand(payout_rate=1e6), 0.05, 0.0)
         assert drive.instruments()["swash"] <= 1.0
-    assert state.limits & DriveLimit.FLOW
+    assert state.limits & WinchLimit.FLOW
     assert state.payout_rate == pytest.approx(1.125, rel=1e-9)  # Q/A = 1.8e-3/1.6e-3
 
 
@@ -85,7 +87,7 @@ def test_relief_valves_end_the_pressure() -> None:
     for _ in range(40):
         state = drive.step(DriveCommand(0.0), 0.05, 150e3)  # needs 30 MPa
         assert abs(drive.instruments()["pressure_pa"]) <= 15e6
-    assert state.limits & DriveLimit.PRESSURE
+    assert state.limits & WinchLimit.PRESSURE
     assert state.payout_rate > 0.1  # the load pulls the rope out
 
 
@@ -97,7 +99,7 @@ def test_power_limit_bounds_what_the_pump_gives() -> None:
         state = drive.step(DriveCommand(-1.2), 0.05, 60e3)
         powers.append(state.supply_power)
     assert max(powers) <= 30e3 * (1.0 + 1e-9)
-    assert state.limits & DriveLimit.POWER
+    assert state.limits & WinchLimit.POWER
     assert -0.5 < state.payout_rate < -0.25  # 30 kW/60 kN less what leaks and rubs
 
 

@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from cable_sim_node.winch.component import VirtualWinch, WinchCommand
-from cable_sim_node.winch.drives.interface import DriveCommand, DriveLimit
+from cable_sim_node.winch.drives.interface import DriveCommand
 from cable_sim_node.winch.drives.speed_servo import SpeedServo
 from cable_sim_node.winch.parameters import WinchParameters
+from heave_node.codes import WinchLimit
 
 
 def test_servo_moves_as_the_virtual_winch_does() -> None:
@@ -31,4 +32,4 @@ def test_brake_stops_within_its_deceleration_and_holds() -> None:
         state = servo.step(DriveCommand(1.0, brake=True), 0.05, 50e3)
     assert state.brake
     assert state.payout - before.payout == pytest.approx(before.payout_rate**2 / 3.0, rel=1e-9)
-    assert state.limits == DriveLimit.NONE
+    assert state.limits == WinchLimit.NONE

@@ -6,10 +6,12 @@ import math
 
 import numpy as np
 import pytest
-from cable_sim_node.winch.drives.electric import ElectricDrive, ElectricDriveParameters
+from cable_sim_node.winch.drive_parameters.electric import ElectricDriveParameters
+from cable_sim_node.winch.drive_parameters.motion import MotionParameters
+from cable_sim_node.winch.drive_parameters.spool import SpoolParameters
+from cable_sim_node.winch.drives.electric import ElectricDrive
 from cable_sim_node.winch.drives.interface import DriveCommand
-from cable_sim_node.winch.drives.motion_parameters import MotionParameters
-from cable_sim_node.winch.drives.spool import SpoolParameters, make_spool
+from cable_sim_node.winch.drives.spool import make_spool
 
 LAYERED = SpoolParameters(drum_radius=0.4, rope_diameter=0.04, turns_per_layer=10, rope_at_zero=100.0, falls=2)
 

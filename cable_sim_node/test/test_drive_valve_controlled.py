@@ -7,16 +7,13 @@ import math
 
 import numpy as np
 import pytest
+from cable_sim_node.winch.drive_parameters.motion import FrictionParameters, MotionParameters
+from cable_sim_node.winch.drive_parameters.valve import FluidParameters, SupplyParameters, ValveDriveParameters
 from cable_sim_node.winch.drives import valve_kernel
-from cable_sim_node.winch.drives.interface import DriveCommand, DriveLimit
-from cable_sim_node.winch.drives.motion_parameters import FrictionParameters, MotionParameters
+from cable_sim_node.winch.drives.interface import DriveCommand
 from cable_sim_node.winch.drives.published import mas410_published_solution, mas410_radians_per_metre
-from cable_sim_node.winch.drives.valve_controlled import (
-    FluidParameters,
-    SupplyParameters,
-    ValveDrive,
-    ValveDriveParameters,
-)
+from cable_sim_node.winch.drives.valve_controlled import ValveDrive
+from heave_node.codes import WinchLimit
 from scipy.integrate import quad, solve_ivp
 
 FREE = ValveDriveParameters(
@@ -35,7 +32,7 @@ def test_speed_with_the_valve_fully_open_is_that_of_two_orifices_in_series() -> 
         for _ in range(40):
             state = drive.step(DriveCommand(rate), 0.05, load)
         assert abs(state.payout_rate) == pytest.approx(rated * math.sqrt(across / drop) / FREE.area, rel=1e-3)
-        assert state.limits & DriveLimit.FLOW
+        assert state.limits & WinchLimit.FLOW
         assert drive.instruments()["flow_m3ps"] == pytest.approx(rated * math.sqrt(across / drop), rel=1e-3)
 
 
@@ -75,13 +72,32 @@ def test_accumulator_follows_the_gas_law_and_the_pump_fills_it_again() -> None:
         seen = drive.instruments()
         drawn += 5e-4 * seen["flow_m3ps"]
         fed += 5e-4 * state.supply_power / seen["supply_pressure_pa"]
-    gas = 0.05 * (16e6 / 24e6) ** (1.0 / 1.4) + drawn - fed
+    # Boyle and Poisson hold for absolute pressures: gauges read an atmosphere less
+    absolute = 101_325.0
+    gas = 0.05 * ((16e6 + absolute) / (24e6 + absolute)) ** (1.0 / 1.4) + drawn - fed
     assert drawn > 0.01
-    assert seen["supply_pressure_pa"] == pytest.approx(16e6 * (0.05 / gas) ** 1.4, rel=2e-3)
+    assert seen["supply_pressure_pa"] == pytest.approx((16e6 + absolute) * (0.05 / gas) ** 1.4 - absolute, rel=2e-3)
     assert state.supply_power <= 0.01 * seen["supply_pressure_pa"] * (1.0 + 1e-6)
     for _ in range(400):
         drive.step(DriveCommand(0.0), 0.05, 100e3)
     assert drive.instruments()["supply_pressure_pa"] == pytest.approx(24e6, rel=2e-3)
+
+
+@pytest.mark.parametrize("precharge", [1e5, 16e6])
+def test_the_gas_of_the_accumulator_is_compressed_by_its_absolute_pressure(precharge: float) -> None:
+    """An adiabat p V^1.4 with the atmosphere in p; the energy is the integral of what the oil works against."""
+    supply = SupplyParameters(pressure=24e6, accumulator_volume=0.05, precharge=precharge)
+    plant = ValveDrive(dataclasses.replace(FREE, supply=supply))._plant
+
+    def gauge(oil: float) -> float:
+        return float((precharge + 101_325.0) * (0.05 / (0.05 - oil)) ** 1.4 - 101_325.0)
+
+    assert gauge(plant.fullest) == pytest.approx(24e6, rel=1e-12)
+    for oil in (0.0, 0.01, plant.fullest):
+        x = np.zeros(valve_kernel.SIZE)
+        x[valve_kernel.OIL] = oil
+        assert valve_kernel.pressure_of_supply(x, plant) == pytest.approx(gauge(oil), rel=1e-12)
+        assert valve_kernel.accumulator_energy(x, plant) == pytest.approx(quad(gauge, 0.0, oil)[0], rel=1e-9, abs=1e-9)
 
 
 def test_motion_is_that_of_the_equations_by_another_solver() -> None:

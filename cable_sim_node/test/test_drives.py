@@ -10,15 +10,20 @@ from pathlib import Path
 
 import pytest
 from cable_sim_node.winch import drives
-from cable_sim_node.winch.drives.electric import ElectricDrive, ElectricDriveParameters
-from cable_sim_node.winch.drives.interface import Drive, DriveCommand, DriveLimit
-from cable_sim_node.winch.drives.motion_parameters import MotionParameters
+from cable_sim_node.winch.drive_parameters.electric import ElectricDriveParameters
+from cable_sim_node.winch.drive_parameters.motion import MotionParameters
+from cable_sim_node.winch.drive_parameters.pump import PumpDriveParameters
+from cable_sim_node.winch.drive_parameters.spool import SpoolParameters
+from cable_sim_node.winch.drive_parameters.valve import SupplyParameters, ValveDriveParameters
+from cable_sim_node.winch.drives.electric import ElectricDrive
+from cable_sim_node.winch.drives.interface import Drive, DriveCommand
 from cable_sim_node.winch.drives.published import zinage_drive
-from cable_sim_node.winch.drives.pump_controlled import PumpDrive, PumpDriveParameters
+from cable_sim_node.winch.drives.pump_controlled import PumpDrive
+from cable_sim_node.winch.drives.ramp import RampedDrive
 from cable_sim_node.winch.drives.speed_servo import SpeedServo
-from cable_sim_node.winch.drives.spool import SpoolParameters
-from cable_sim_node.winch.drives.valve_controlled import SupplyParameters, ValveDrive, ValveDriveParameters
+from cable_sim_node.winch.drives.valve_controlled import ValveDrive
 from cable_sim_node.winch.parameters import WinchParameters
+from heave_node.codes import WinchLimit
 from heave_node.parameters import ParameterError, build_parameters, describe, flatten
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
@@ -39,6 +44,12 @@ DRIVES: dict[str, Callable[[], Drive]] = {
     ),
     "pump, published": lambda: PumpDrive(zinage_drive()),
     "valve": lambda: ValveDrive(ValveDriveParameters(motion=MOTION), tension=TENSION),
+    "pump, ramped": lambda: RampedDrive(
+        PumpDrive(PumpDriveParameters(motion=MOTION), tension=TENSION),
+        speed_limit=1.2,
+        acceleration_limit=1.5,
+        position_gain=0.0,
+    ),
     "valve, accumulator": lambda: ValveDrive(
         ValveDriveParameters(motion=MOTION, supply=SupplyParameters(accumulator_volume=0.01)), tension=TENSION
     ),
@@ -98,6 +109,27 @@ def _check_own_limits(name: str, drive: Drive, supply_power: float) -> None:
         assert seen["supply_pressure_pa"] <= 24e6 * (1.0 + 1e-3)
 
 
+def test_a_ramp_asks_for_no_more_than_its_acceleration_and_follows_the_braked_drum() -> None:
+    drive = RampedDrive(
+        SpeedServo(WinchParameters(time_constant=0.001, acceleration_limit=1e3)),
+        speed_limit=1.2,
+        acceleration_limit=0.8,
+        position_gain=0.5,
+    )
+    states = [drive.step(DriveCommand(9.0), 0.05, TENSION) for _ in range(40)]
+    for k, state in enumerate(states[:20], start=1):  # v = a t, in steps of 10 ms that the servo follows in 1 ms
+        assert state.payout_rate == pytest.approx(0.8 * 0.05 * k, abs=1e-3)
+        assert state.limits == WinchLimit.SPEED | WinchLimit.ACCELERATION
+    assert states[-1].payout_rate == pytest.approx(1.2, rel=1e-3)
+    braked = drive.step(DriveCommand(9.0, brake=True), 0.1, TENSION)
+    assert braked.payout_rate == pytest.approx(states[-1].payout_rate - 1.5 * 0.1, rel=1e-9)
+    after = drive.step(DriveCommand(0.0), 0.01, TENSION)
+    assert after.payout_rate == pytest.approx(braked.payout_rate + 1.5 * 0.01 - 0.8 * 0.01, abs=2e-3)
+    for _ in range(400):
+        state = drive.step(DriveCommand(0.0, payout=2.0), 0.05, TENSION)
+    assert state.payout == pytest.approx(2.0, abs=1e-3)
+
+
 @pytest.mark.parametrize("name", DRIVES)
 def test_equal_commands_give_equal_bytes(name: str) -> None:
     def run() -> list[float]:
@@ -125,7 +157,7 @@ def test_end_of_the_range_stops_the_drum_and_is_said(name: str) -> None:
         state = drive.step(DriveCommand(1.2), TICK, TENSION)
     assert 1.9 < state.payout <= 2.0
     assert abs(state.payout_rate) < 0.05
-    assert state.limits & DriveLimit.PAYOUT
+    assert state.limits & WinchLimit.PAYOUT
 
 
 @pytest.mark.parametrize("kind", [ElectricDriveParameters, PumpDriveParameters, ValveDriveParameters])

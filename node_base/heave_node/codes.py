@@ -32,6 +32,9 @@ class WinchLimit(enum.IntFlag):
     ACCELERATION = 2
     PAYOUT = 4
     POWER = 8
+    TORQUE = 16
+    PRESSURE = 32
+    FLOW = 64
 
 
 class MruStatus(enum.IntEnum):

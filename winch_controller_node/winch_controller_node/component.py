@@ -37,7 +37,7 @@ from winch_controller_node.supervision.rolling_kpi import KpiWindow
 from winch_controller_node.supervision.supervisor import Decision, Supervisor, WinchSituation
 from winch_controller_node.supervision.winch_watch import WinchWatch, identifies_winch
 
-DYNAMIC_LIMITS = WinchLimit.SPEED | WinchLimit.ACCELERATION | WinchLimit.POWER
+DYNAMIC_LIMITS = ~WinchLimit.PAYOUT
 """Limits of the winch that a sea takes it to."""
 
 OPERATED = (Mode.COMPENSATING, Mode.MANUAL)

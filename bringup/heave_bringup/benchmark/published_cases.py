@@ -6,7 +6,13 @@ import math
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
-from cable_sim_node.winch.drives.motion_parameters import FrictionParameters, MotionParameters
+from cable_sim_node.winch.drive_parameters.motion import FrictionParameters, MotionParameters
+from cable_sim_node.winch.drive_parameters.valve import (
+    FluidParameters,
+    ServoValveParameters,
+    SupplyParameters,
+    ValveDriveParameters,
+)
 from cable_sim_node.winch.drives.published import (
     LITRES_PER_MINUTE,
     mas410_published_solution,
@@ -14,13 +20,7 @@ from cable_sim_node.winch.drives.published import (
     zinage_drive,
 )
 from cable_sim_node.winch.drives.pump_controlled import PumpDrive
-from cable_sim_node.winch.drives.valve_controlled import (
-    FluidParameters,
-    ServoValveParameters,
-    SupplyParameters,
-    ValveDrive,
-    ValveDriveParameters,
-)
+from cable_sim_node.winch.drives.valve_controlled import ValveDrive
 from cable_sim_node.winch.parameters import WinchParameters
 from heave_node.parameters import ParameterError, build_parameters, flatten
 from winch_controller_node.node_parameters import WinchControllerParameters

@@ -1,15 +1,18 @@
 """The virtual winch: what a real winch drive does with the commands it gets, and with those it does not get.
 
-State: payout u [m] (positive lets out) and its rate v [m/s], both 0 at the start. Laws, with the set-points held from
-the moment a command takes effect:
+State: payout u [m] (positive lets out) and its rate v [m/s], both 0 at the start. `drive` chooses what moves the drum:
 
-- `speed_servo` (default): u' = v, v' = clip((v_set - v)/T, acceleration_limit),
-  v_set = clip(payout_rate + k_p (payout - u), speed_limit) with the set-points payout_rate and payout of the command.
-  With k_p = 0 and inside the limits V(s)/V_set(s) = exp(-s tau)/(1 + T s); the payout set-point then has no effect.
-  With k_p > 0, U(s)/U_set(s) = k_p exp(-s tau)/(T s^2 + s + k_p) for a payout_rate of 0, and
-  (s + k_p) exp(-s tau)/(T s^2 + s + k_p) when payout_rate is the derivative of payout; it is stable for every k_p and
-  overdamped for k_p < 1/(4 T). Far from the set-point the speed towards it is bounded to what the drum can brake from.
-- `first_order`: u' = K (u_0 - u), thesis Eq. 6.1, u_0 the payout set-point; payout_rate has no effect.
+- `speed_servo` (default), with the set-points held from the moment a command takes effect, by one of two laws:
+  - `speed_servo`: u' = v, v' = clip((v_set - v)/T, acceleration_limit),
+    v_set = clip(payout_rate + k_p (payout - u), speed_limit) with the set-points payout_rate and payout of the command.
+    With k_p = 0 and inside the limits V(s)/V_set(s) = exp(-s tau)/(1 + T s); the payout set-point then has no effect.
+    With k_p > 0, U(s)/U_set(s) = k_p exp(-s tau)/(T s^2 + s + k_p) for a payout_rate of 0, and
+    (s + k_p) exp(-s tau)/(T s^2 + s + k_p) when payout_rate is the derivative of payout; overdamped for
+    k_p < 1/(4 T). A gain that would let the drum swing long within its acceleration limit is refused, see
+    `WinchParameters`.
+  - `first_order`: u' = K (u_0 - u), thesis Eq. 6.1, u_0 the payout set-point; payout_rate has no effect.
+- `electric`, `pump_controlled`, `valve_controlled`: drives with inertia, torque or pressure, friction, power and a
+  speed loop of their own, on which the cable's tension acts back (`cable_sim_node.winch.drives`).
 
 The command of tick k takes effect exactly at t_k + tau, tau = command_delay, also where that falls inside a tick.
 
@@ -17,9 +20,10 @@ What a drive may do otherwise than its controller believes: limits towards hauli
 paying out, a gain other than 1 from set-point to speed, a dead zone of the set-point, play in the encoder's gear, and
 a cable that lies at another radius than the drive and its encoder count by (limits then hold at the nominal radius).
 
-What no command can make the winch do: exceed speed_limit, acceleration_limit or the payout range. A power limit
+What no command can make the servo do: exceed speed_limit, acceleration_limit or the payout range. A power limit
 bounds the speed to power_limit/tension; where tension rises in motion the winch slows down to that speed within its
-acceleration limit.
+acceleration limit. A drive with its physics keeps the payout range as well; a load that is too much for it may
+accelerate it, until its brake catches it 10 % above speed_limit.
 
 Brake and faults: the brake is engaged at the start; a fresh command without a brake request releases it. A brake
 request makes the winch stop with stop_deceleration and then brake. So do faults, and they latch: no fresh command for
@@ -33,18 +37,32 @@ controller can take over.
 from __future__ import annotations
 
 import dataclasses
+import enum
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 from heave_node.codes import WinchFault, WinchLimit, WinchRelease
 from heave_node.faults import FaultSchedule, FaultyValues
 
-from cable_sim_node.winch import drive
+from cable_sim_node.winch.choice import make_drive
+from cable_sim_node.winch.drives.interface import Drive, DriveCommand
 from cable_sim_node.winch.parameters import EncoderParameters, WinchParameters
 
 _TICK_ROUNDING = 1e-6
 """An event this near to a tick [ticks] is at the tick: delay/tick_period is a rounded quotient."""
+
+
+class _Mode(enum.Enum):
+    """What the drum does."""
+
+    FOLLOW = enum.auto()
+    """The set-points of the newest command."""
+    STOP = enum.auto()
+    """Come to rest at a constant deceleration."""
+    HOLD = enum.auto()
+    """At rest, brake engaged."""
 
 
 @dataclass(frozen=True)
@@ -140,7 +158,7 @@ class VirtualWinch:
 
     def __init__(self, parameters: WinchParameters, *, tick_period: float) -> None:
         self._parameters = parameters
-        self._drive = drive.settings_of(parameters)
+        self._drive: Drive | None = make_drive(parameters, 0.0) if parameters.drive == "speed_servo" else None
         self._tick_period = tick_period
         self._cable_per_drum = 1.0 + parameters.drum_radius_error
         self.faults = FaultSchedule(parameters.faults, name="winch", device="winch")
@@ -149,7 +167,8 @@ class VirtualWinch:
         self._now = 0.0  # [ticks]
         self._payout = 0.0
         self._rate = 0.0
-        self._mode = drive.HOLD
+        self._tension = 0.0
+        self._mode = _Mode.HOLD
         self._fault = WinchFault.NONE
         self._is_acknowledged = False
         self._line: list[tuple[float, WinchCommand]] = []
@@ -171,11 +190,12 @@ class VirtualWinch:
         ----------
         tick : k, the interval [t_k, t_{k+1}]; ticks left out (real time, late caller) are run without a command first
         command : what arrived for this tick; None: nothing
-        tension : cable tension at the drum [N]; NaN: unknown, the power limit then does not act
+        tension : cable tension at the drum [N]; NaN: unknown, the last known one acts on
 
         Raises
         ------
-        ValueError : `tick` lies before the state the winch is in.
+        ValueError : `tick` lies before the state the winch is in; ParameterError, a ValueError too, where the drive
+            cannot hold the first tension.
         """
         if tick < self.tick:
             raise ValueError(f"virtual winch: tick {tick} is over; the next one is {self.tick}")
@@ -215,7 +235,7 @@ class VirtualWinch:
         time = self._now * self._tick_period
         while self._line and self._line[0][0] <= self._now:
             self._take(self._line.pop(0)[1])
-        if self._mode in (drive.FOLLOW_SPEED, drive.FOLLOW_POSITION) and self._now >= self._deadline():
+        if self._mode is _Mode.FOLLOW and self._now >= self._deadline():
             self._trip(WinchFault.COMMAND_TIMEOUT)
         if self.faults.is_active("drive", time):
             self._trip(WinchFault.DRIVE)
@@ -227,7 +247,7 @@ class VirtualWinch:
         start = self.faults.next_start(("drive", "emergency_stop"), self._now * self._tick_period)
         events = [_round_to_tick(start / self._tick_period) if math.isfinite(start) else math.inf]
         events += [effect for effect, _ in self._line[:1]]
-        if self._mode in (drive.FOLLOW_SPEED, drive.FOLLOW_POSITION):
+        if self._mode is _Mode.FOLLOW:
             events.append(self._deadline())
         return min((event for event in events if event > self._now), default=math.inf)
 
@@ -250,12 +270,12 @@ class VirtualWinch:
         if self._fault is not WinchFault.NONE:
             if command.brake:
                 self._is_acknowledged = True
-            elif self._is_acknowledged and self._mode == drive.HOLD:
+            elif self._is_acknowledged and self._mode is _Mode.HOLD:
                 self._fault = WinchFault.NONE
         if command.brake:
             self._stop()
         elif self._fault is WinchFault.NONE:
-            self._mode = drive.FOLLOW_SPEED if self._parameters.law == "speed_servo" else drive.FOLLOW_POSITION
+            self._mode = _Mode.FOLLOW
 
     def _trip(self, fault: WinchFault) -> None:
         """Latch a fault and stop. The first fault stays the named one; the emergency stop goes before all."""
@@ -265,28 +285,28 @@ class VirtualWinch:
         self._stop()
 
     def _stop(self) -> None:
-        if self._mode != drive.HOLD:
-            self._mode = drive.STOP
+        if self._mode is not _Mode.HOLD:
+            self._mode = _Mode.STOP
 
     def _move(self, duration: float, tension: float) -> tuple[int, float]:
         """Move the drum for `duration` [s] under the present command; return limits that acted and the acceleration."""
-        p = self._parameters
-        power_speed = math.inf
-        if p.power_limit > 0.0 and tension > 0.0:
-            power_speed = p.power_limit / (tension * self._cable_per_drum)
-        self._payout, self._rate, acceleration, limits = drive.advance_drum(
-            self._payout,
-            self._rate,
-            duration,
-            self._mode,
-            self._command.payout,
-            self._command.payout_rate,
-            power_speed,
-            self._drive,
-        )
-        if self._mode == drive.STOP and self._rate == 0.0:
-            self._mode = drive.HOLD
-        return limits, acceleration
+        if math.isfinite(tension):
+            # the drum feels the cable at the radius at which it lies, not at the nominal one
+            self._tension = tension * self._cable_per_drum
+        elif self._drive is None and self._mode is _Mode.HOLD:
+            return 0, 0.0  # before the cable is known the brake holds the drum
+        if self._drive is None:
+            self._drive = make_drive(self._parameters, self._tension)
+        order = DriveCommand(self._command.payout_rate, self._command.payout, brake=self._mode is not _Mode.FOLLOW)
+        state = self._drive.step(order, duration, self._tension)
+        self._payout, self._rate = state.payout, state.payout_rate
+        if self._mode is _Mode.STOP and self._rate == 0.0:
+            self._mode = _Mode.HOLD
+        return state.limits, state.payout_acceleration
+
+    def instruments(self) -> Mapping[str, float]:
+        """Return what the drive's own instruments read, by name with unit; nothing for the ideal servo."""
+        return self._drive.instruments() if self._drive is not None else {}
 
     def _make_state(self, acceleration: float, limits: WinchLimit, tension: float, encoder_rate: float) -> WinchState:
         return WinchState(
@@ -300,7 +320,7 @@ class VirtualWinch:
             tension=tension,
             power=-tension * self._cable_per_drum * self._rate,
             limits_hit=limits,
-            brake=self._mode == drive.HOLD,
+            brake=self._mode is _Mode.HOLD,
             fault=self._fault,
             release=self._release(),
         )
@@ -311,7 +331,7 @@ class VirtualWinch:
             return WinchRelease.NONE
         if not self._is_acknowledged:
             return WinchRelease.BRAKE_REQUEST
-        return WinchRelease.COMMAND if self._mode == drive.HOLD else WinchRelease.STANDSTILL
+        return WinchRelease.COMMAND if self._mode is _Mode.HOLD else WinchRelease.STANDSTILL
 
 
 def _round_to_tick(time: float) -> float:

@@ -6,6 +6,11 @@ from dataclasses import dataclass
 
 from heave_node.faults import FaultParameters
 from heave_node.parameters import check_ranges, group, parameter
+from heave_node.winch.position_loop import check_position_gain
+
+from cable_sim_node.winch.drive_parameters.electric import ElectricParameters
+from cable_sim_node.winch.drive_parameters.pump import PumpControlledParameters
+from cable_sim_node.winch.drive_parameters.valve import ValveControlledParameters
 
 
 @dataclass(frozen=True)
@@ -38,6 +43,13 @@ class WinchParameters:
     delay of 0.2 s and an encoder of 1 mm.
     """
 
+    drive: str = parameter(
+        "speed_servo",
+        unit="",
+        choices=("speed_servo", "electric", "pump_controlled", "valve_controlled"),
+        description="What moves the drum: an ideal servo (with law), or a drive with its physics: electric.*, "
+        "pump_controlled.* or valve_controlled.*.",
+    )
     law: str = parameter(
         "speed_servo",
         unit="",
@@ -52,7 +64,7 @@ class WinchParameters:
         unit="1/s",
         minimum=0.0,
         maximum=100.0,
-        description="Speed servo: gain k_p from payout error to speed; 0 follows the rate set-point alone.",
+        description="Gain k_p from payout error to speed; 0 follows the rate set-point alone.",
     )
     position_rate: float = parameter(
         1.0, unit="1/s", minimum=1e-3, maximum=1000.0, description="First-order law: K of thesis Eq. 6.1."
@@ -62,7 +74,12 @@ class WinchParameters:
     )
     speed_limit: float = parameter(2.0, unit="m/s", minimum=1e-3, maximum=100.0, description="Largest payout speed.")
     acceleration_limit: float = parameter(
-        1.5, unit="m/s^2", minimum=1e-3, maximum=1e6, description="Largest payout acceleration in normal operation."
+        1.5,
+        unit="m/s^2",
+        minimum=1e-3,
+        maximum=1e6,
+        description="Largest payout acceleration in normal operation; of a drive with its physics that of its "
+        "speed reference.",
     )
     stop_deceleration: float = parameter(
         1.5,
@@ -114,7 +131,7 @@ class WinchParameters:
         unit="W",
         minimum=0.0,
         maximum=1e9,
-        description="Largest product of tension and speed in either direction; 0 means no limit.",
+        description="Speed servo: largest product of tension and speed in either direction; 0 means no limit.",
     )
     command_timeout: float = parameter(
         0.5,
@@ -123,6 +140,9 @@ class WinchParameters:
         maximum=3600.0,
         description="Watchdog: simulated time without a fresh command after which the winch stops and brakes.",
     )
+    electric: ElectricParameters = group(ElectricParameters)
+    pump_controlled: PumpControlledParameters = group(PumpControlledParameters)
+    valve_controlled: ValveControlledParameters = group(ValveControlledParameters)
     encoder: EncoderParameters = group(EncoderParameters)
     faults: FaultParameters = group(FaultParameters)
     """Faults of the command line (`gap`, `delay`), of the drive (`drive`), and the `emergency_stop`."""
@@ -144,4 +164,17 @@ class WinchParameters:
                 f"stop_deceleration = {self.stop_deceleration:g} m/s^2 must not be above "
                 f"acceleration_limit = {self.acceleration_limit:g} m/s^2"
             )
+        self._check_position_loop()
+        if self.drive != "speed_servo" and self.law != "speed_servo":
+            raise ValueError(f"law = {self.law} is one of drive = speed_servo; drive = {self.drive} follows a speed")
+        if self.drive == "electric":
+            self.electric.spool.check_rope(self.payout_maximum)
         self.faults.check("faults", "winch")
+
+    def _check_position_loop(self) -> None:
+        """Refuse a gain with which the drum would swing about its set-point at its limits."""
+        slowest = self.acceleration_limit * self.hauling_acceleration_share
+        if self.law == "first_order":
+            check_position_gain("position_rate", self.position_rate, self.speed_limit, self.acceleration_limit)
+        else:
+            check_position_gain("position_gain", self.position_gain, self.speed_limit, slowest)

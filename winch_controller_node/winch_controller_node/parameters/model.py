@@ -8,6 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from heave_node.parameters import ParameterError, parameter
+from heave_node.winch.position_loop import check_position_gain
 from wave_vessel_node.parameters import FILTER_CHOICES, SeaParameters
 
 
@@ -94,6 +95,8 @@ class WinchModelParameters:
                 f"winch.payout_minimum = {self.payout_minimum:g} m must be below winch.payout_maximum = "
                 f"{self.payout_maximum:g} m"
             )
+        if self.law == "speed_servo":
+            check_position_gain("winch.position_gain", self.position_gain, self.speed_limit, self.acceleration_limit)
 
 
 @dataclass(frozen=True)

@@ -18,7 +18,7 @@ LEARNING_PERIOD, CHECKING_PERIOD = 2.0, 10.0
 TOLERATED_SHARE = 0.5
 """Further delay with which compensation is tried, over lag and delay of the model, where these are not identified."""
 
-UNMODELLED_LIMITS = WinchLimit.PAYOUT | WinchLimit.POWER
+UNMODELLED_LIMITS = ~(WinchLimit.SPEED | WinchLimit.ACCELERATION)
 """Limits of a winch that its identification does not know."""
 
 

@@ -19,7 +19,7 @@ from heave_bringup.benchmark.interface import NO_WINCH_READING, Command, Facts, 
 
 TICK_PERIOD = 0.05
 KNOWN_LIMITS = 15
-"""Limits that the controller knows of: speed, acceleration, payout, power."""
+"""Limits that are passed on: speed, acceleration, payout, power; those inside a published drive are no measurement."""
 
 
 class SuiteController:

@@ -7,9 +7,10 @@ import math
 from collections.abc import Mapping
 
 import numpy as np
+from heave_node.codes import WinchLimit
 
 from cable_sim_node.winch.drives.integration import STAGES
-from cable_sim_node.winch.drives.interface import DriveCommand, DriveEnergy, DriveLimit, DriveState, check_step
+from cable_sim_node.winch.drives.interface import DriveCommand, DriveEnergy, DriveState, check_step
 from cable_sim_node.winch.drives.mechanics import FROM_LOAD, LOST, PAYOUT, RATE, SUPPLIED, Order
 
 
@@ -29,7 +30,7 @@ class CompiledDrive(abc.ABC):
         self._substep = substep
         self._position_gain = position_gain
         self._stored_at_start = 0.0
-        self.state = DriveState(0.0, 0.0, 0.0, 0.0, 0.0, DriveLimit.NONE, False)
+        self.state = DriveState(0.0, 0.0, 0.0, 0.0, 0.0, WinchLimit.NONE, False)
 
     @property
     def energy(self) -> DriveEnergy:
@@ -53,7 +54,7 @@ class CompiledDrive(abc.ABC):
             payout_acceleration=acceleration,
             power=-tension * rate,
             supply_power=(float(self._x[SUPPLIED]) - supplied) / duration,
-            limits=DriveLimit(limits),
+            limits=WinchLimit(limits),
             brake=command.brake and rate == 0.0,
         )
         return self.state

@@ -6,30 +6,12 @@ speed. It knows neither ROS nor time-outs nor encoders; those are the winch's.
 
 from __future__ import annotations
 
-import enum
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Protocol
 
-from cable_sim_node.winch import drive
-from cable_sim_node.winch.drives import mechanics
-
-
-class DriveLimit(enum.IntFlag):
-    """Limits that acted; the first four are the numbers of heave_msgs/WinchState."""
-
-    NONE = 0
-    SPEED = drive.LIMIT_SPEED
-    ACCELERATION = drive.LIMIT_ACCELERATION
-    PAYOUT = drive.LIMIT_PAYOUT
-    POWER = drive.LIMIT_POWER
-    TORQUE = mechanics.LIMIT_TORQUE
-    """The largest torque of an electric motor."""
-    PRESSURE = mechanics.LIMIT_PRESSURE
-    """A relief valve."""
-    FLOW = mechanics.LIMIT_FLOW
-    """The largest flow: a valve fully open, or a pump at full stroke."""
+from heave_node.codes import WinchLimit
 
 
 @dataclass(frozen=True)
@@ -72,7 +54,7 @@ class DriveState:
     payout_acceleration: float
     power: float
     supply_power: float
-    limits: DriveLimit
+    limits: WinchLimit
     brake: bool
 
 

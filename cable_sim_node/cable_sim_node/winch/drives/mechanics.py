@@ -18,9 +18,11 @@ import math
 from typing import NamedTuple
 
 from heave_node.arrays import Array
+from heave_node.codes import WinchLimit
 from heave_node.compiled import inner_kernel
 
 from cable_sim_node.winch import drive
+from cable_sim_node.winch.drive_parameters.motion import FrictionParameters, MotionParameters
 
 PAYOUT, RATE, SUPPLIED, FROM_LOAD, LOST = 0, 1, 2, 3, 4
 OWN = 5
@@ -28,8 +30,8 @@ OWN = 5
 
 NO_LIMIT = math.inf
 
-LIMIT_TORQUE, LIMIT_PRESSURE, LIMIT_FLOW = 16, 32, 64
-"""Limits beyond those of `cable_sim_node.winch.drive`, which are 1 to 8."""
+LIMIT_TORQUE, LIMIT_PRESSURE, LIMIT_FLOW = (int(x) for x in (WinchLimit.TORQUE, WinchLimit.PRESSURE, WinchLimit.FLOW))
+"""Limits beyond those of the speed servo."""
 
 BOOST_TIME = 0.1
 """Under the brake a hydraulic drive comes to the load's pressure within this time constant [s]."""
@@ -60,6 +62,18 @@ class Friction(NamedTuple):
     load: float
     slip_speed: float
     viscous: float
+
+
+def bounds_of(parameters: MotionParameters) -> Bounds:
+    """Return the bounds that `parameters` stand for."""
+    p = parameters
+    overspeed = p.overspeed * p.speed_limit if p.overspeed > 0.0 else NO_LIMIT
+    return Bounds(p.speed_limit, overspeed, p.payout_minimum, p.payout_maximum, p.stop_deceleration)
+
+
+def friction_of(parameters: FrictionParameters) -> Friction:
+    """Return the friction that `parameters` stand for."""
+    return Friction(parameters.coulomb, parameters.load, parameters.slip_speed, parameters.viscous)
 
 
 class Order(NamedTuple):

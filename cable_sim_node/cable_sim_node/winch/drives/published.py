@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 
-from cable_sim_node.winch.drives.motion_parameters import FrictionParameters, MotionParameters
-from cable_sim_node.winch.drives.pump_controlled import PumpDriveParameters
-from cable_sim_node.winch.drives.valve_controlled import (
+from cable_sim_node.winch.drive_parameters.motion import FrictionParameters, MotionParameters
+from cable_sim_node.winch.drive_parameters.pump import PumpDriveParameters
+from cable_sim_node.winch.drive_parameters.valve import (
     FluidParameters,
     ServoValveParameters,
     SupplyParameters,

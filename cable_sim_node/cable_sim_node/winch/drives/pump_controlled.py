@@ -23,134 +23,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
 
-from heave_node.parameters import group, parameter
-
+from cable_sim_node.winch.drive_parameters.pump import PumpDriveParameters
 from cable_sim_node.winch.drives import pump_kernel as kernel
 from cable_sim_node.winch.drives.compiled_drive import CompiledDrive
-from cable_sim_node.winch.drives.mechanics import NO_LIMIT, RATE, Order
-from cable_sim_node.winch.drives.motion_parameters import FrictionParameters, MotionParameters
+from cable_sim_node.winch.drives.mechanics import NO_LIMIT, RATE, Order, bounds_of, friction_of
 
 SUBSTEP = 0.01
 """Substep over the shortest time constant."""
-
-
-@dataclass(frozen=True)
-class PumpDriveParameters:
-    """A pump-controlled hydraulic winch drive. The defaults are a 10 t winch."""
-
-    motion: MotionParameters = group(MotionParameters, speed_limit=1.5)
-    friction: FrictionParameters = group(FrictionParameters, coulomb=1e3, slip_speed=0.05, viscous=2e3)
-    drum_radius: float = parameter(
-        0.5, unit="m", minimum=0.01, maximum=20.0, description="Radius from the drum's axis to the rope."
-    )
-    drum_inertia: float = parameter(
-        500.0, unit="kg m^2", minimum=1e-6, maximum=1e7, description="Inertia about the drum's axis, motors included."
-    )
-    load_mass: float = parameter(
-        0.0,
-        unit="kg",
-        minimum=0.0,
-        maximum=1e8,
-        description="Mass moving rigidly with the rope that the tension does not include.",
-    )
-    gear_ratio: float = parameter(50.0, unit="", minimum=0.1, maximum=1e4, description="K: motor turns per drum turn.")
-    motor_displacement: float = parameter(
-        5e-5,
-        unit="m^3/rad",
-        minimum=1e-9,
-        maximum=1.0,
-        description="D_m: displacement of all motors together, at full stroke.",
-    )
-    motor_minimum: float = parameter(
-        1.0,
-        unit="",
-        minimum=0.05,
-        maximum=1.0,
-        description="Smallest displacement as a fraction of full displacement; 1 is a fixed-displacement motor.",
-    )
-    motor_time_constant: float = parameter(
-        0.1, unit="s", minimum=1e-3, maximum=60.0, description="Time constant of the motors' displacement."
-    )
-    motor_efficiency: float = parameter(
-        0.92, unit="", minimum=0.05, maximum=1.0, description="eta: mechanical efficiency of motors and gear."
-    )
-    is_passive: bool = parameter(
-        True, unit="", description="Losses from efficiency act as friction; false: as a constant factor, as published."
-    )
-    pump_displacement: float = parameter(
-        5e-5,
-        unit="m^3/rad",
-        minimum=1e-9,
-        maximum=1.0,
-        description="D_p: displacement of all pumps together, at full swash.",
-    )
-    pump_speed: float = parameter(
-        150.0, unit="rad/s", minimum=0.1, maximum=1e4, description="w_p: speed of the pump shaft."
-    )
-    swash_time_constant: float = parameter(
-        0.1, unit="s", minimum=1e-3, maximum=60.0, description="T_p: time constant of the swash plate."
-    )
-    swash_input_limit: float = parameter(
-        5.0,
-        unit="",
-        minimum=1.0,
-        maximum=1e4,
-        description="Largest input of the swash servo, as a fraction of full swash.",
-    )
-    bulk_modulus: float = parameter(
-        1.2e9, unit="Pa", minimum=1e6, maximum=1e11, description="k_b: bulk modulus of the fluid."
-    )
-    line_volume: float = parameter(
-        5e-3, unit="m^3", minimum=1e-6, maximum=10.0, description="V_c: volume of both lines together."
-    )
-    leakage: float = parameter(
-        3e-11,
-        unit="m^3/s/Pa",
-        minimum=0.0,
-        maximum=1e-6,
-        description="c: leakage of pump and motors per unit pressure.",
-    )
-    relief_pressure: float = parameter(
-        35e6,
-        unit="Pa",
-        minimum=0.0,
-        maximum=1e9,
-        description="Pressure at which the relief valves open; 0: no relief valves.",
-    )
-    power_limit: float = parameter(
-        0.0, unit="W", minimum=0.0, maximum=1e9, description="Largest hydraulic power of the pump; 0: no limit."
-    )
-    gain: float = parameter(
-        0.5,
-        unit="",
-        minimum=0.0,
-        maximum=1e3,
-        description="k: gain of the speed loop, from speed error over v_full to swash.",
-    )
-    integral_time: float = parameter(
-        0.5,
-        unit="s",
-        minimum=1e-3,
-        maximum=1e3,
-        description="Integral time of the speed loop; unused if its gain is 0.",
-    )
-
-    @property
-    def full_speed(self) -> float:
-        """Rope speed at full swash and full motor displacement [m/s]."""
-        return self.pump_displacement * self.pump_speed / self.area
-
-    @property
-    def area(self) -> float:
-        """A: flow of the motors per rope speed, force per pressure [m^2]."""
-        return self.motor_displacement * self.gear_ratio / self.drum_radius
-
-    @property
-    def mass(self) -> float:
-        """M: mass that the rope feels [kg]."""
-        return self.drum_inertia / self.drum_radius**2 + self.load_mass
 
 
 class PumpDrive(CompiledDrive):
@@ -168,8 +48,8 @@ class PumpDrive(CompiledDrive):
         p = parameters
         super().__init__(kernel.SIZE, SUBSTEP, p.motion.position_gain)
         self._parameters = p
-        self._bounds = p.motion.bounds()
-        self._friction = p.friction.friction()
+        self._bounds = bounds_of(p.motion)
+        self._friction = friction_of(p.friction)
         relief = p.relief_pressure if p.relief_pressure > 0.0 else NO_LIMIT
         self._plant = kernel.PumpPlant(
             mass=p.mass,

@@ -9,8 +9,10 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 
+from heave_node.codes import WinchLimit
+
 from cable_sim_node.winch import drive
-from cable_sim_node.winch.drives.interface import DriveCommand, DriveEnergy, DriveLimit, DriveState, check_step
+from cable_sim_node.winch.drives.interface import DriveCommand, DriveEnergy, DriveState, check_step
 from cable_sim_node.winch.parameters import WinchParameters
 
 
@@ -26,7 +28,7 @@ class SpeedServo:
         self._p = parameters
         self._settings = drive.settings_of(parameters)
         self._from_load = 0.0
-        self.state = DriveState(0.0, 0.0, 0.0, 0.0, 0.0, DriveLimit.NONE, False)
+        self.state = DriveState(0.0, 0.0, 0.0, 0.0, 0.0, WinchLimit.NONE, False)
 
     @property
     def energy(self) -> DriveEnergy:
@@ -59,5 +61,5 @@ class SpeedServo:
         self._from_load += tension * moved
         brake = command.brake and rate == 0.0
         supply = -tension * moved / duration
-        self.state = DriveState(payout, rate, acceleration, -tension * rate, supply, DriveLimit(limits), brake)
+        self.state = DriveState(payout, rate, acceleration, -tension * rate, supply, WinchLimit(limits), brake)
         return self.state

@@ -8,39 +8,13 @@ climbs to the next one.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 from heave_node.arrays import Array
 from heave_node.compiled import inner_kernel
-from heave_node.parameters import parameter
 
-LAYER_PITCH = 0.5 * math.sqrt(3.0)
-"""Radius from layer to layer, in rope diameters: round rope in the grooves of the layer below."""
-
-
-@dataclass(frozen=True)
-class SpoolParameters:
-    """Drum, rope and reeving."""
-
-    drum_radius: float = parameter(
-        0.5, unit="m", minimum=0.01, maximum=20.0, description="Radius from the drum's axis to its surface."
-    )
-    rope_diameter: float = parameter(0.047, unit="m", minimum=0.001, maximum=0.5, description="Diameter of the rope.")
-    turns_per_layer: int = parameter(
-        0, unit="", minimum=0, maximum=1000, description="Turns of rope in a layer; 0: the radius does not change."
-    )
-    rope_at_zero: float = parameter(
-        0.0, unit="m", minimum=0.0, maximum=50_000.0, description="Rope on the drum at payout 0."
-    )
-    falls: int = parameter(
-        1, unit="", minimum=1, maximum=32, description="Falls of rope that carry the load (reeving)."
-    )
-
-    def radius_of_layer(self, layer: int) -> float:
-        """Return the radius of the rope's centre line in a layer [m], counted from 0."""
-        return self.drum_radius + self.rope_diameter * (0.5 + LAYER_PITCH * layer)
+from cable_sim_node.winch.drive_parameters.spool import SpoolParameters
 
 
 class Spool(NamedTuple):
@@ -65,15 +39,11 @@ def make_spool(parameters: SpoolParameters, payout_minimum: float, payout_maximu
 
     Raises ValueError where `payout_maximum` [m] needs more rope than there is.
     """
+    parameters.check_rope(payout_maximum)
     falls = float(parameters.falls)
     if parameters.turns_per_layer == 0:
         radius = np.array([parameters.radius_of_layer(0)])
         return Spool(np.array([math.inf]), radius, parameters.rope_at_zero, falls)
-    if falls * payout_maximum > parameters.rope_at_zero:
-        raise ValueError(
-            f"payout_maximum = {payout_maximum:g} m with {parameters.falls} falls needs {falls * payout_maximum:g} m "
-            f"of rope; spool.rope_at_zero = {parameters.rope_at_zero:g} m"
-        )
     most = parameters.rope_at_zero - falls * payout_minimum
     radii = [parameters.radius_of_layer(0)]
     full = [2.0 * math.pi * parameters.turns_per_layer * radii[0]]

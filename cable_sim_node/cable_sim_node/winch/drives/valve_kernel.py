@@ -2,7 +2,7 @@
 
 Arguments: `x` the state, shape (SIZE,), rows as numbered here and in `mechanics`; `work` room for the steps, shape
 (STAGES, SIZE); `plant` and `fluid` the drive in numbers; `oil` in the accumulator [m^3], negative below empty; all
-others as in `mechanics`.
+others as in `mechanics`. Pressures are above atmospheric, as gauges read them; the laws of gas hold for absolute ones.
 """
 
 from __future__ import annotations
@@ -74,7 +74,7 @@ class ValvePlant(NamedTuple):
     pump_rate : reciprocal of the lag of the pump's flow [1/s]
     droop : so far below its set pressure the pump gives all it can [Pa]
     accumulator_volume : of the gas at precharge [m^3]; 0: the supply's pressure is constant
-    precharge : pressure of the gas in the empty accumulator [Pa]
+    precharge : pressure of the gas in the empty accumulator, above atmospheric [Pa]
     fullest : oil in the accumulator at which the supply's relief valve opens [m^3]
     """
 
@@ -109,12 +109,15 @@ def bulk_modulus(pressure: float, fluid: Fluid) -> float:
 
 @inner_kernel
 def supply_pressure(oil: float, plant: ValvePlant) -> float:
-    """Return the pressure of the supply [Pa]: constant, or that of the accumulator's gas."""
+    """Return the pressure of the supply [Pa]: constant, or that of the accumulator's gas.
+
+    (s + p_a) (V - oil)^n = (s_0 + p_a) V^n with the precharge s_0 and the atmosphere p_a.
+    """
     volume = plant.accumulator_volume
     if volume == 0.0:
         return plant.supply_pressure
     if oil >= 0.0:
-        return plant.precharge * (volume / (volume - oil)) ** GAS_EXPONENT
+        return (plant.precharge + ATMOSPHERE) * (volume / (volume - oil)) ** GAS_EXPONENT - ATMOSPHERE
     return plant.precharge * max(0.0, 1.0 + oil / (DRY_SHARE * volume))
 
 
@@ -128,7 +131,8 @@ def gas_energy(oil: float, plant: ValvePlant) -> float:
         oil = max(oil, -DRY_SHARE * volume)
         return plant.precharge * oil * (1.0 + 0.5 * oil / (DRY_SHARE * volume))
     n = GAS_EXPONENT - 1.0
-    return plant.precharge * volume / n * (math.pow(volume / (volume - oil), n) - 1.0)
+    gas = (plant.precharge + ATMOSPHERE) * volume / n * (math.pow(volume / (volume - oil), n) - 1.0)
+    return gas - ATMOSPHERE * oil
 
 
 @inner_kernel

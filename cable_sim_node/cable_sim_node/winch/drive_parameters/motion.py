@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from heave_node.parameters import parameter
-
-from cable_sim_node.winch.drives.mechanics import NO_LIMIT, Bounds, Friction
+from heave_node.parameters import check_ranges, parameter
 
 
 @dataclass(frozen=True)
@@ -45,6 +43,7 @@ class MotionParameters:
     )
 
     def __post_init__(self) -> None:
+        check_ranges(self)
         if not self.payout_minimum <= 0.0 <= self.payout_maximum or self.payout_minimum == self.payout_maximum:
             raise ValueError(
                 f"payout 0, where the drive starts, must be from payout_minimum = {self.payout_minimum:g} m to "
@@ -52,11 +51,6 @@ class MotionParameters:
             )
         if 0.0 < self.overspeed < 1.0:
             raise ValueError(f"overspeed = {self.overspeed:g} must be 0 or at least 1: it is above speed_limit")
-
-    def bounds(self) -> Bounds:
-        """Return the bounds in numbers."""
-        overspeed = self.overspeed * self.speed_limit if self.overspeed > 0.0 else NO_LIMIT
-        return Bounds(self.speed_limit, overspeed, self.payout_minimum, self.payout_maximum, self.stop_deceleration)
 
 
 @dataclass(frozen=True)
@@ -74,10 +68,9 @@ class FrictionParameters:
         0.0, unit="N s/m", minimum=0.0, maximum=1e9, description="Friction proportional to speed."
     )
 
+    def __post_init__(self) -> None:
+        check_ranges(self)
+
     def rate(self, tension: float, mass: float) -> float:
         """Return how fast friction alone would stop `mass` [kg] near rest under `tension` [N], as 1/time [1/s]."""
         return ((self.coulomb + self.load * tension) / self.slip_speed + self.viscous) / mass
-
-    def friction(self) -> Friction:
-        """Return the friction in numbers."""
-        return Friction(self.coulomb, self.load, self.slip_speed, self.viscous)

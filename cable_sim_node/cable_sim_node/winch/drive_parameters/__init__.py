@@ -1,0 +1,1 @@
+"""Parameters of the drives of a winch."""
