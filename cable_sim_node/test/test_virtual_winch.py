@@ -353,7 +353,7 @@ def test_ticks_left_out_run_with_the_last_command() -> None:
         ),
         (
             {"faults": FaultParameters(("freeze",), (0.0,), (0.0,), (0.0,))},
-            "faults: a fault of kind freeze is not",
+            "faults: a fault of kind freeze is unknown",
         ),
     ],
 )
