@@ -34,7 +34,9 @@ def share_left(record: LoopRecord) -> float:
     return record.unit_sigma(SETTLED) / record.uncompensated_sigma(SETTLED)
 
 
-@pytest.mark.parametrize("drive", DRIVES)
+@pytest.mark.parametrize(
+    "drive", ["electric", "pump_controlled", pytest.param("valve_controlled", marks=pytest.mark.long)]
+)
 def test_a_drive_with_its_physics_compensates_as_the_servo_does(drive):
     """The servo leaves 2 %: `b2_calm_300` with it, the controller and the sensors being the same."""
     known = KNOWN_LAG if drive == "pump_controlled" else ()

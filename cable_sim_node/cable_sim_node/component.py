@@ -2,11 +2,12 @@
 
 A tick k has two halves: `readings(k)` gives the state and the sensor readings of t_k = k tick_period, `advance(k,
 ...)` takes the boom tip and the payout at t_{k+1} and integrates to there. The plant rests at equilibrium below the
-mean boom tip at t_1.
+mean boom tip at t_1: hanging, or with unit and cable on the seabed where `length` reaches it.
 """
 
 from __future__ import annotations
 
+import copy
 from dataclasses import dataclass
 
 import numpy as np
@@ -30,6 +31,9 @@ Dynamics = CableDynamics | LinearPlant
 
 LARGEST_START_GAP = 20.0
 """Largest distance between the first boom tip or payout and where the plant rests at the start [m]."""
+LARGEST_STRAIN = 0.1
+"""Beyond it the cable is said to be strained too much: no steel wire or umbilical gets there, few ropes do, and the
+model takes its strain for small."""
 IMPLAUSIBLE_SPEED = 20.0
 """An input that moves faster [m/s] is a false number, not a motion."""
 
@@ -82,6 +86,7 @@ class CableSim:
     tick : number k of the tick whose start the plant is at; 1 at first
     boom_tip, payout : the inputs as used, and how many values were missing
     water : that the unit is in
+    largest_strain : of a segment of the cable so far [-]
     """
 
     def __init__(self, parameters: CableSimNodeParameters, *, seed: int, tick_period: float) -> None:
@@ -92,10 +97,11 @@ class CableSim:
         self.boom_tip = BridgedInput("boom_tip", start, tick_period=tick_period)
         self.payout = BridgedInput("payout", np.zeros(1), tick_period=tick_period)
         self._plant = _at_rest(parameters, start)
-        self._shadow = _at_rest(parameters, start)
+        self._shadow = copy.deepcopy(self._plant)
         self._shadow_payout = ShadowPayout(tick_period=tick_period)
         self.water = Water(parameters.water_density, parameters.gravity)
         self._static_top_tension = self._plant.top_tension
+        self.largest_strain = self._plant.largest_strain
         self._suite = SensorSuite(parameters.sensors, seed=seed, tick_period=tick_period)
 
     @property
@@ -176,6 +182,7 @@ class CableSim:
             (self._shadow, shadow_start, (shadow.payout, shadow.rate)),
         ):
             dynamics.advance(self._tick_period, tip_start, tip_end, *start, *end)
+        self.largest_strain = max(self.largest_strain, self._plant.largest_strain)
 
     def _tip(self) -> PointMotion:
         tip = self.boom_tip

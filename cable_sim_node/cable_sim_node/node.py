@@ -16,7 +16,7 @@ from heave_node.sensors import SENSORS, all_to_wire
 from heave_node.tick.tick import Tick
 
 from cable_sim_node import conversions
-from cable_sim_node.component import CableSim, PlantState
+from cable_sim_node.component import LARGEST_STRAIN, CableSim, PlantState
 from cable_sim_node.errors import PlantError
 from cable_sim_node.inputs import NewestMotion
 from cable_sim_node.markers import plant_markers
@@ -75,7 +75,7 @@ class CableSimNode(ClockMasterNode):
                 output.publish_deferred(partial(messages.message, reading))
 
     def _promise_state(self, state: PlantState, tick: Tick) -> None:
-        """Publish the truth, which only the winch's power limit waits for."""
+        """Publish the truth, which only the virtual winch waits for."""
         stamp = tick.stamp
         self.cable_state.publish_deferred(lambda: conversions.cable_state_message(state, stamp))
         self.unit_odometry.publish_deferred(lambda: conversions.unit_odometry_message(state.unit, stamp))
@@ -116,11 +116,22 @@ class CableSimNode(ClockMasterNode):
             level = Level.WARN if signal.missing_in_a_row else Level.OK
             text = f"missing for {signal.missing_in_a_row} ticks" if signal.missing_in_a_row else "ok"
             parts.append(Health(f"input {signal.name}", level, text, {"missing": str(signal.missing)}))
+        return [*parts, self._cable_health()]
+
+    def _cable_health(self) -> Health:
+        """Say that the cable is strained too much, which stays said, or slack."""
+        strain = self.plant.largest_strain
+        values = {"largest strain": f"{strain:.4f}"}
+        if strain > LARGEST_STRAIN:
+            text = (
+                f"the cable was strained by {strain:.0%}, more than {LARGEST_STRAIN:.0%}: it would part, or its "
+                "tension law does not hold; check cable.axial_stiffness, the masses and the snaps of this run"
+            )
+            return Health("cable", Level.ERROR, text, values)
         slack = self.state.slack_segments if self.state is not None else 0
-        parts.append(
-            Health("cable", Level.WARN, f"{slack} segments are slack") if slack else Health("cable", Level.OK, "taut")
-        )
-        return parts
+        if slack:
+            return Health("cable", Level.WARN, f"{slack} segments are slack", values)
+        return Health("cable", Level.OK, "taut", values)
 
     def _make_plant(self) -> CableSim:
         try:

@@ -57,7 +57,7 @@ class VirtualWinchNode(ParticipantNode):
     def diagnose(self) -> list[Health]:
         """Say why the winch stopped by itself, and what commands it refused."""
         state = self.winch.state
-        values = {"refused commands": str(self.winch.refused_commands), "brake": str(state.brake)}
+        values = {"rejected commands": str(self.winch.refused_commands), "brake": str(state.brake)}
         values |= {name: f"{value:.6g}" for name, value in self.winch.instruments().items()}
         if state.fault is WinchFault.NONE:
             return [Health("drive", Level.OK, "ok", values)]

@@ -259,3 +259,16 @@ def test_whatever_comes_in_nothing_but_finite_numbers_or_a_named_error_comes_out
         except PlantError as error:
             assert str(error)
             return
+
+
+def test_a_landed_start_rests_with_its_shadow_and_says_how_far_the_cable_was_strained():
+    sim = CableSim(dataclasses.replace(S300, seabed=SeabedParameters(depth=300.3)), seed=1, tick_period=TICK)
+    states = drive(sim, lambda k: PointMotion(k * TICK), 100)
+    assert states[0].touchdown
+    for state in (states[0], states[-1]):
+        assert state.unit.position == pytest.approx(states[0].unit.position, abs=1e-9)
+        assert state.uncompensated.position == pytest.approx(states[0].unit.position, abs=1e-9)
+    calm = sim.largest_strain
+    assert calm == pytest.approx(states[0].segment_tensions.max() / S300.cable.axial_stiffness, rel=1e-6)
+    drive(sim, ramped_sine((0.0, 0.0, 0.5), 1.2, 5.0), 200)
+    assert sim.largest_strain > 1.2 * calm

@@ -121,12 +121,7 @@ def test_ranges_hold_wherever_a_parameter_set_is_made(make, words):
         make()
 
 
-def test_a_unit_below_the_seabed_at_the_start_is_named():
-    with pytest.raises(PlantError, match=r"below the seabed .*seabed\.depth 250 m"):
-        started(dataclasses.replace(s300(20), seabed=SeabedParameters(depth=250.0)))
-
-
-def test_a_buoyant_unit_does_not_hang():
+def test_a_unit_that_lifts_its_whole_cable_does_not_hang():
     with pytest.raises(NoEquilibriumError, match="does not hang"):
         started(dataclasses.replace(s300(20), unit=UnitParameters(mass=3000.0, volume=10.0)))
 

@@ -14,7 +14,7 @@ from cable_sim_node.winch.drive_parameters.spool import SpoolParameters
 from cable_sim_node.winch.parameters import EncoderParameters, WinchParameters
 from heave_node.codes import WinchFault, WinchLimit, WinchRelease
 from heave_node.faults import FaultParameters
-from heave_node.position_loop import highest_position_gain
+from heave_node.winch.position_loop import highest_position_gain
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -353,7 +353,7 @@ def test_ticks_left_out_run_with_the_last_command() -> None:
         ),
         (
             {"faults": FaultParameters(("freeze",), (0.0,), (0.0,), (0.0,))},
-            "faults: a fault of kind freeze is not",
+            "faults: a fault of kind freeze is unknown",
         ),
     ],
 )

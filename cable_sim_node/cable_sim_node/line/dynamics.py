@@ -26,9 +26,10 @@ from cable_sim_node.errors import (
 )
 from cable_sim_node.line import layout as at
 from cable_sim_node.line.contact import hold_here, seabed_force_on_unit
-from cable_sim_node.line.equilibrium import hang
 from cable_sim_node.line.feed import set_top_segment
 from cable_sim_node.line.grid import build_line, settings_row
+from cable_sim_node.line.rest.hanging import hang
+from cable_sim_node.line.rest.settling import settle
 from cable_sim_node.line.step import advance, evaluate, unit_acceleration
 from cable_sim_node.parameters import CableSimParameters
 from cable_sim_node.physics.properties import unit_properties
@@ -59,7 +60,9 @@ class CableDynamics:
         self._fresh = False
 
     def start_at_equilibrium(self, boom_tip_position: ArrayLike, payout: float = 0.0, *, time: float = 0.0) -> None:
-        """Hang the line at rest, exactly in equilibrium.
+        """Put the line at rest, exactly in equilibrium: hanging, or on the seabed what reaches it.
+
+        What is longer than the way down lies along the seabed, down the current, or along x where there is none.
 
         Parameters
         ----------
@@ -70,11 +73,11 @@ class CableDynamics:
         Raises
         ------
         NoEquilibriumError
-            where the line does not hang.
+            where the line does not hang, or does not come to rest on the seabed.
         CableTooShortError
             for less cable than a segment can shrink to.
         PlantError
-            where the line would reach the seabed.
+            where a compensator's preload cannot be met.
         """
         boom_tip = np.array(boom_tip_position, dtype=float)
         total = self.parameters.length + payout
@@ -103,15 +106,9 @@ class CableDynamics:
         line.counters[:] = 0
         line.counters[at.SEGMENTS] = n
         set_top_segment(n, total, line.grid, line.parts)
-        hang(line, boom_tip)
-        hold_here(line, n)
-        if line.x[0, 2] > boom_tip[2]:
-            raise NoEquilibriumError(
-                "the line does not hang: the weight of unit and cable in water must exceed the upward forces"
-            )
+        self._rest(boom_tip)
         self._fresh = False
         self._start_compensator()
-        self._check_clear_of_seabed()
 
     def advance(
         self,
@@ -245,9 +242,21 @@ class CableDynamics:
         return float(self._line.top[at.NOW, at.TOTAL])
 
     @property
+    def largest_strain(self) -> float:
+        """Largest strain of a segment [-]; negative where all are slack."""
+        n = self.segments
+        stretched = np.linalg.norm(np.diff(self._line.x[: n + 1], axis=0), axis=1)
+        return float(np.max(stretched / self._line.parts[:n, at.LENGTH])) - 1.0
+
+    @property
     def slack_segments(self) -> int:
         """Number of segments that carry no tension."""
         return int(np.count_nonzero(self.segment_tensions <= 0.0))
+
+    @property
+    def is_on_seabed(self) -> bool:
+        """Whether the unit or any of the cable lies on the seabed."""
+        return self._clearance() < 0.0
 
     @property
     def touchdown(self) -> bool:
@@ -300,6 +309,21 @@ class CableDynamics:
         parts[n, : at.SEGMENT_COLUMNS] = grid[n, : at.SEGMENT_COLUMNS]  # its lump is the sheave's
         parts[n + 1 : -1] = grid[n + 1 :, : at.PART_COLUMNS]
 
+    def _rest(self, boom_tip: Array) -> None:
+        """Let the line hang, or settle on the seabed where it would hang into it."""
+        line, n = self._line, self.segments
+        line.settings[at.BED_ON] = 0.0
+        hang(line, boom_tip)
+        line.settings[at.BED_ON] = float(self.parameters.seabed.depth > 0.0)
+        if line.x[0, 2] > boom_tip[2]:
+            raise NoEquilibriumError(
+                f"the line does not hang: the unit's buoyancy lifts the whole cable, up to {line.x[0, 2]:.0f} m; there "
+                "is no surface here to float on: use a heavier unit or more cable"
+            )
+        hold_here(line, n)
+        if self.is_on_seabed:
+            settle(line, self.parameters, boom_tip)
+
     def _start_compensator(self) -> None:
         spring = self.parameters.compensator
         if spring.stiffness == 0.0:
@@ -316,20 +340,21 @@ class CableDynamics:
                 f"half its stroke of {spring.stroke:g} m; the static top tension is {-self.top_force[2]:.0f} N"
             )
         self._line.x[: self.segments + 1, 2] -= stroke
+        if self.is_on_seabed:
+            raise PlantError(
+                f"compensator.preload = {spring.preload:g} N lets the line sink {stroke:.2f} m, into the seabed; 0 "
+                "takes the static top tension"
+            )
         hold_here(self._line, self.segments)
         self._fresh = False
 
-    def _check_clear_of_seabed(self) -> None:
+    def _clearance(self) -> float:
+        """Return how far the lowest node is above the seabed [m], negative in it; infinite without one."""
         bed = self.parameters.seabed
         if bed.depth == 0.0:
-            return
-        x = self._line.x[: self.segments + 1]
-        clearance = x[:, 2] + bed.depth - bed.slope[0] * x[:, 0] - bed.slope[1] * x[:, 1]
-        if clearance.min() < 0.0:
-            raise PlantError(
-                f"at the start the line reaches {-clearance.min():.2f} m below the seabed (unit at {-x[0, 2]:.2f} m, "
-                f"seabed.depth {bed.depth:g} m): reduce `length` or increase seabed.depth"
-            )
+            return math.inf
+        x = self._line.x[: self.segments]
+        return float(np.min(x[:, 2] + bed.depth - bed.slope[0] * x[:, 0] - bed.slope[1] * x[:, 1]))
 
 
 def _check_seabed(parameters: CableSimParameters) -> None:

@@ -129,11 +129,18 @@ def linearise(
 
     Raises
     ------
-    NoEquilibriumError, PlantError
+    NoEquilibriumError
         where the line does not hang.
+    LinearisationError
+        where it lies on the seabed.
     """
     dynamics = CableDynamics(parameters)
     dynamics.start_at_equilibrium(boom_tip, payout)
+    if dynamics.is_on_seabed:
+        raise LinearisationError(
+            f"unit or cable lie on the seabed at {parameters.seabed.depth:g} m: there is no linear model of contact; "
+            "shorten `length` or make the seabed deeper"
+        )
     positions, tensions = dynamics.node_positions, dynamics.segment_tensions
     labels = dynamics.material_coordinates
     matrices = _Matrices(len(positions), current_of(parameters), HARMONIC_DRAG * speed_amplitude)

@@ -132,6 +132,11 @@ class LinearPlant:
         return float(max(self._static_tension + self._stiffness * stretch, 0.0))
 
     @property
+    def largest_strain(self) -> float:
+        """Strain of a cable without weight under the top tension [-]."""
+        return self.top_tension / (self._stiffness * self._length)
+
+    @property
     def segment_tensions(self) -> Array:
         """Tension of the one segment [N], shape (1,)."""
         return np.array([self.top_tension])

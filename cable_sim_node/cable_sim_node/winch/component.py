@@ -46,7 +46,7 @@ import numpy as np
 from heave_node.codes import WinchFault, WinchLimit, WinchRelease
 from heave_node.faults import FaultSchedule, FaultyValues
 
-from cable_sim_node.winch.drives.choice import make_drive
+from cable_sim_node.winch.choice import make_drive
 from cable_sim_node.winch.drives.interface import Drive, DriveCommand
 from cable_sim_node.winch.parameters import EncoderParameters, WinchParameters
 

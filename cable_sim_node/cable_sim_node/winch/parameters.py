@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from heave_node.faults import FaultParameters
 from heave_node.parameters import check_ranges, group, parameter
-from heave_node.position_loop import check_position_gain
+from heave_node.winch.position_loop import check_position_gain
 
 from cable_sim_node.winch.drive_parameters.electric import ElectricParameters
 from cable_sim_node.winch.drive_parameters.pump import PumpControlledParameters
@@ -78,7 +78,8 @@ class WinchParameters:
         unit="m/s^2",
         minimum=1e-3,
         maximum=1e6,
-        description="Largest payout acceleration in service; of a drive with its physics that of its speed reference.",
+        description="Largest payout acceleration in normal operation; of a drive with its physics that of its "
+        "speed reference.",
     )
     stop_deceleration: float = parameter(
         1.5,
@@ -130,7 +131,7 @@ class WinchParameters:
         unit="W",
         minimum=0.0,
         maximum=1e9,
-        description="Speed servo: largest product of tension and speed, either way; 0 means no limit.",
+        description="Speed servo: largest product of tension and speed in either direction; 0 means no limit.",
     )
     command_timeout: float = parameter(
         0.5,

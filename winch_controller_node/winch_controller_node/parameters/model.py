@@ -8,7 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from heave_node.parameters import ParameterError, parameter
-from heave_node.position_loop import check_position_gain
+from heave_node.winch.position_loop import check_position_gain
 from wave_vessel_node.parameters import FILTER_CHOICES, SeaParameters
 
 

@@ -1,1 +1,1 @@
-"""Parameters of the drives, and of what they share: motion, friction, spool."""
+"""Parameters of the drives of a winch."""

@@ -22,38 +22,40 @@ class ElectricParameters:
     motor_inertia: float = parameter(
         5.0, unit="kg m^2", minimum=1e-6, maximum=1e5, description="Inertia of all motors about their own axes."
     )
-    gear_ratio: float = parameter(
-        40.0, unit="", minimum=0.1, maximum=1e4, description="Turns of the motor for one of the drum."
-    )
+    gear_ratio: float = parameter(40.0, unit="", minimum=0.1, maximum=1e4, description="Motor turns per drum turn.")
     load_mass: float = parameter(
-        0.0, unit="kg", minimum=0.0, maximum=1e8, description="Mass rigidly on the rope that the tension leaves out."
+        0.0,
+        unit="kg",
+        minimum=0.0,
+        maximum=1e8,
+        description="Mass moving rigidly with the rope that the tension does not include.",
     )
     torque_limit: float = parameter(
         4000.0, unit="N m", minimum=1e-3, maximum=1e8, description="Largest torque of all motors together."
     )
     motoring_power_limit: float = parameter(
-        400e3, unit="W", minimum=1.0, maximum=1e9, description="Largest shaft power that drives the load."
+        400e3, unit="W", minimum=1.0, maximum=1e9, description="Largest motoring shaft power."
     )
     regeneration_power_limit: float = parameter(
-        400e3, unit="W", minimum=1.0, maximum=1e9, description="Largest shaft power that brakes it."
+        400e3, unit="W", minimum=1.0, maximum=1e9, description="Largest braking shaft power."
     )
     torque_time_constant: float = parameter(
-        0.005, unit="s", minimum=1e-4, maximum=10.0, description="Lag of the torque (current loop, field)."
+        0.005, unit="s", minimum=1e-4, maximum=10.0, description="Time constant of the torque (current loop, field)."
     )
     copper_loss: float = parameter(
-        10e3, unit="W", minimum=0.0, maximum=1e8, description="Heat in the motor at torque_limit; grows as torque^2."
+        10e3, unit="W", minimum=0.0, maximum=1e8, description="Copper loss at torque_limit; proportional to torque^2."
     )
     reference_time: float = parameter(
-        0.05, unit="s", minimum=1e-3, maximum=60.0, description="Lag of the reference behind the set-point."
+        0.05, unit="s", minimum=1e-3, maximum=60.0, description="Time constant of the reference behind the set-point."
     )
     bandwidth: float = parameter(
-        20.0, unit="rad/s", minimum=0.1, maximum=1000.0, description="Of the speed loop: gain over mass."
+        20.0, unit="rad/s", minimum=0.1, maximum=1000.0, description="Gain of the speed loop, divided by mass."
     )
     integral_time: float = parameter(
         0.3, unit="s", minimum=1e-3, maximum=1000.0, description="Integral time of the speed loop."
     )
     tension_feed_forward: float = parameter(
-        0.0, unit="", minimum=0.0, maximum=1.0, description="Share of the measured tension that is fed forward."
+        0.0, unit="", minimum=0.0, maximum=1.0, description="Fraction of the measured tension that is fed forward."
     )
 
     def __post_init__(self) -> None:

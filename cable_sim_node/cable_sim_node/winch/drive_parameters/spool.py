@@ -16,7 +16,7 @@ class SpoolParameters:
     """Drum, rope and reeving."""
 
     drum_radius: float = parameter(
-        0.5, unit="m", minimum=0.01, maximum=20.0, description="From the drum's axis to its surface."
+        0.5, unit="m", minimum=0.01, maximum=20.0, description="Radius from the drum's axis to its surface."
     )
     rope_diameter: float = parameter(0.047, unit="m", minimum=0.001, maximum=0.5, description="Diameter of the rope.")
     turns_per_layer: int = parameter(
@@ -26,7 +26,7 @@ class SpoolParameters:
         0.0, unit="m", minimum=0.0, maximum=50_000.0, description="Rope on the drum at payout 0."
     )
     falls: int = parameter(
-        1, unit="", minimum=1, maximum=32, description="Parts of rope that carry the load (reeving)."
+        1, unit="", minimum=1, maximum=32, description="Falls of rope that carry the load (reeving)."
     )
 
     def __post_init__(self) -> None:

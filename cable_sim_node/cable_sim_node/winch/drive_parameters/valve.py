@@ -13,15 +13,21 @@ from cable_sim_node.winch.drive_parameters.motion import FrictionParameters, Mot
 class FluidParameters:
     """Oil in the lines between valve and motors."""
 
-    bulk_modulus: float = parameter(1.1e9, unit="Pa", minimum=1e6, maximum=1e11, description="Of the oil alone.")
+    bulk_modulus: float = parameter(
+        1.1e9, unit="Pa", minimum=1e6, maximum=1e11, description="Bulk modulus of the oil alone."
+    )
     trapped_air: float = parameter(
-        0.005, unit="", minimum=0.0, maximum=0.5, description="Share of air in the volume, at atmospheric pressure."
+        0.005, unit="", minimum=0.0, maximum=0.5, description="Volume fraction of air, at atmospheric pressure."
     )
     line_volume: float = parameter(
-        6e-4, unit="m^3", minimum=1e-6, maximum=10.0, description="Of each of the two lines, valve to motors."
+        6e-4, unit="m^3", minimum=1e-6, maximum=10.0, description="Volume of each of the two lines, valve to motors."
     )
     leakage: float = parameter(
-        1e-11, unit="m^3/s/Pa", minimum=0.0, maximum=1e-6, description="Leakage of the motors per pressure difference."
+        1e-11,
+        unit="m^3/s/Pa",
+        minimum=0.0,
+        maximum=1e-6,
+        description="Leakage of the motors per unit pressure difference.",
     )
 
     def __post_init__(self) -> None:
@@ -40,17 +46,21 @@ class ServoValveParameters:
         description="Flow at the rated pressure drop, fully open.",
     )
     rated_drop: float = parameter(
-        35e5, unit="Pa", minimum=1e3, maximum=1e8, description="Rated pressure drop over one edge."
+        35e5, unit="Pa", minimum=1e3, maximum=1e8, description="Rated pressure drop across one control edge."
     )
     frequency: float = parameter(
         314.159, unit="rad/s", minimum=1.0, maximum=1e4, description="Natural frequency of the spool."
     )
     damping: float = parameter(1.0, unit="", minimum=0.05, maximum=5.0, description="Damping ratio of the spool.")
     input_limit: float = parameter(
-        1.0, unit="", minimum=1.0, maximum=1e6, description="Largest spool set-point over full."
+        1.0, unit="", minimum=1.0, maximum=1e6, description="Largest spool set-point, as a fraction of full stroke."
     )
     laminar_pressure: float = parameter(
-        5e4, unit="Pa", minimum=100.0, maximum=1e7, description="Below this drop an edge's flow turns linear."
+        5e4,
+        unit="Pa",
+        minimum=100.0,
+        maximum=1e7,
+        description="Pressure drop below which the flow of an edge is linear in it.",
     )
 
     def __post_init__(self) -> None:
@@ -63,7 +73,7 @@ class SupplyParameters:
 
     pressure: float = parameter(24e6, unit="Pa", minimum=1e5, maximum=1e8, description="Set pressure of the unit.")
     accumulator_volume: float = parameter(
-        0.0, unit="m^3", minimum=0.0, maximum=100.0, description="Gas volume at precharge; 0: the pressure is constant."
+        0.0, unit="m^3", minimum=0.0, maximum=100.0, description="Gas volume at precharge; 0: constant supply pressure."
     )
     precharge: float = parameter(
         16e6,
@@ -77,13 +87,21 @@ class SupplyParameters:
         unit="m^3/s",
         minimum=1e-6,
         maximum=10.0,
-        description="Largest flow of the pump; with accumulator.",
+        description="Largest pump flow; used with an accumulator.",
     )
     pump_rate: float = parameter(
-        6.0, unit="1/s", minimum=0.01, maximum=1e3, description="Reciprocal of the lag of the pump's flow."
+        6.0,
+        unit="1/s",
+        minimum=0.01,
+        maximum=1e3,
+        description="Bandwidth of the pump flow (reciprocal of its time constant).",
     )
     droop: float = parameter(
-        1e6, unit="Pa", minimum=1e3, maximum=1e8, description="So far below its set pressure the pump gives all it can."
+        1e6,
+        unit="Pa",
+        minimum=1e3,
+        maximum=1e8,
+        description="Pressure drop below the set pressure at which the pump delivers its full flow.",
     )
 
     def __post_init__(self) -> None:
@@ -106,22 +124,38 @@ class ValveControlledParameters:
     valve: ServoValveParameters = group(ServoValveParameters)
     supply: SupplyParameters = group(SupplyParameters)
     motor_displacement: float = parameter(
-        3e-5, unit="m^3/rad", minimum=1e-9, maximum=1.0, description="Of all motors together."
+        3e-5, unit="m^3/rad", minimum=1e-9, maximum=1.0, description="Displacement of all motors together."
     )
     motor_radians_per_metre: float = parameter(
-        600.0, unit="rad/m", minimum=0.1, maximum=1e6, description="Turn of the motors per metre of payout."
+        600.0, unit="rad/m", minimum=0.1, maximum=1e6, description="Motor rotation per metre of payout."
     )
     motor_inertia: float = parameter(
-        0.01, unit="kg m^2", minimum=1e-9, maximum=1e5, description="Of all motors, with what turns with them."
+        0.01,
+        unit="kg m^2",
+        minimum=1e-9,
+        maximum=1e5,
+        description="Inertia of all motors and everything that turns with them.",
     )
     load_mass: float = parameter(
-        0.0, unit="kg", minimum=0.0, maximum=1e8, description="Mass rigidly on the rope; its weight is in the tension."
+        0.0,
+        unit="kg",
+        minimum=0.0,
+        maximum=1e8,
+        description="Mass moving rigidly with the rope; its weight is part of the tension.",
     )
     gain: float = parameter(
-        0.1, unit="s/m", minimum=0.0, maximum=1e4, description="Speed loop: spool over full per speed error."
+        0.1,
+        unit="s/m",
+        minimum=0.0,
+        maximum=1e4,
+        description="Gain of the speed loop: spool position (fraction of full) per speed error.",
     )
     feed_forward: float = parameter(
-        1.0, unit="s/m", minimum=0.0, maximum=1e3, description="Spool over full per speed set-point."
+        1.0,
+        unit="s/m",
+        minimum=0.0,
+        maximum=1e3,
+        description="Feed-forward: spool position (fraction of full) per speed set-point.",
     )
     integral_time: float = parameter(
         0.01, unit="s", minimum=1e-3, maximum=1e9, description="Integral time of the speed loop."

@@ -1,0 +1,7 @@
+"""The line at rest, exactly in equilibrium: hanging, or settled on the seabed."""
+
+from heave_node.compiled import drop_stale_kernels
+
+from cable_sim_node import line, physics
+
+drop_stale_kernels(__file__, line.__file__, physics.__file__)

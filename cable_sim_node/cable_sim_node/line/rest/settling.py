@@ -1,0 +1,153 @@
+"""A line at rest on the seabed: the unit landed, cable along the bottom, a lift that has only begun.
+
+There is no march from the unit upwards, since the bottom carries a share that is not known. The line is laid out (from
+below the boom tip straight up, what is longer along the bottom, down the current) and let go in the dynamic equations.
+Its kinetic energy is taken away at each of its peaks (dynamic relaxation: Day 1965), and Newton's method removes what
+is left. Friction holds as it does in a run, so that nothing moves when the run begins.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+from heave_node.arrays import Array
+from heave_node.compiled import kernel
+
+from cable_sim_node.errors import NoEquilibriumError
+from cable_sim_node.line import layout as at
+from cable_sim_node.line.arrays import LineArrays
+from cable_sim_node.line.assembly import solve_blocks
+from cable_sim_node.line.bending import solve_with_bending
+from cable_sim_node.line.contact import hold_here
+from cable_sim_node.line.grid import settings_row
+from cable_sim_node.line.layout import BENDING_ON, CX, CY, CZ, X
+from cable_sim_node.line.rest.hanging import add_drag_turning
+from cable_sim_node.line.step import advance, evaluate
+from cable_sim_node.parameters import CableSimParameters
+
+_INTERVAL = 0.25
+"""Time between two looks at the kinetic energy, and longest inner step [s]."""
+_LONGEST = 4000.0
+"""Time after which a line that has not come to rest is given up [s]."""
+_QUIET = 0.03
+"""Largest unbalanced force, over the weight of line and unit, from which Newton's method is tried; a tenth of it after
+each failure..."""
+_AT_REST = 1e-9
+"""...and that at which the line is at rest."""
+_CORRECTIONS = 60
+"""Newton's method gets so many."""
+
+
+@kernel
+def correct(line: LineArrays, n: int) -> None:
+    """Move nodes 0..n-1 of `line`, whose equations are assembled, by one correction of Newton's method."""
+    equations = line.equations
+    equations[n, CX] = equations[n, CY] = equations[n, CZ] = 0.0
+    if line.settings[BENDING_ON] > 0.0:
+        add_drag_turning(n, line.now, line.parts, line.flow, line.band)
+        solve_with_bending(n, equations, line.band)
+    else:
+        solve_blocks(n, equations)
+    for i in range(n):
+        for k in range(3):
+            line.now[i, X + k] += equations[i, CX + k]
+
+
+def settle(line: LineArrays, parameters: CableSimParameters, boom_tip: Array) -> None:
+    """Put a line that the seabed carries a part of at rest, in the current of the present time; waves are still.
+
+    Parameters
+    ----------
+    line : arrays, with its length, segments and time set
+    parameters : of the plant
+    boom_tip : position [m], shape (3,)
+
+    Raises
+    ------
+    NoEquilibriumError
+        where it does not come to rest.
+    """
+    n = int(line.counters[at.SEGMENTS])
+    settings = line.settings.copy()
+    solver = dataclasses.replace(parameters.solver, spectral_radius=0.0, time_step=_INTERVAL)
+    line.settings[:] = settings_row(dataclasses.replace(parameters, solver=solver))
+    line.settings[at.WAVE_AMPLITUDE] = line.settings[at.SPRING_ON] = 0.0
+    evaluate(line)  # sets the flow, by which it is laid out
+    _lay_out(line, n, boom_tip)
+    hold_here(line, n)
+    rests = _let_go(line, n, boom_tip)
+    line.settings[:] = settings
+    line.counters[at.NEWTON :] = 0
+    if not rests:
+        raise NoEquilibriumError(
+            f"the line does not come to rest on the seabed within {_LONGEST:g} s: give it more friction or less current"
+        )
+
+
+def _lay_out(line: LineArrays, n: int, boom_tip: Array) -> None:
+    """Place the nodes from below the boom tip straight up, what is longer along the seabed, down the current."""
+    settings = line.settings
+    slope = settings[[at.BED_SLOPE_X, at.BED_SLOPE_Y]]
+    foot = np.append(boom_tip[:2], slope @ boom_tip[:2] - settings[at.BED_DEPTH])
+    current = line.flow[0, [at.FLOW_X, at.FLOW_Y]]
+    speed = float(np.hypot(*current))
+    along = current / speed if speed > 0.0 else np.array([1.0, 0.0])
+    down = np.append(along, slope @ along)
+    down /= np.linalg.norm(down)
+    label = np.append(0.0, np.cumsum(line.parts[:n, at.LENGTH]))
+    height = boom_tip[2] - foot[2]
+    on_bed = max(label[-1] - height, 0.0)
+    stretch = height / (label[-1] - on_bed)
+    line.x[: n + 1] = foot + np.outer(np.maximum(on_bed - label, 0.0), down)
+    line.x[: n + 1, 2] += np.maximum(label - on_bed, 0.0) * stretch
+    line.x[n] = boom_tip
+
+
+def _let_go(line: LineArrays, n: int, boom_tip: Array) -> bool:
+    """Let the line move until it is at rest; return whether it got there."""
+    start_time = float(line.top[at.NOW, at.TIME])
+    ends = np.zeros((4, 4))
+    ends[0, :3] = ends[2, :3] = boom_tip
+    ends[0, 3] = ends[2, 3] = line.top[at.NOW, at.TOTAL]
+    lengths = line.parts[:n, at.LENGTH]
+    weight = float(np.abs(line.parts[:n, at.WEIGHT]) @ lengths) + abs(float(line.unit[at.UNIT_FORCE + 2]))
+    mass = line.parts[:n, at.MASS] * lengths
+    mass[0] += line.unit[at.UNIT_INERTIA]
+    energy, quiet = 0.0, _QUIET
+    for _ in range(round(_LONGEST / _INTERVAL)):
+        if advance(line, _INTERVAL, ends) != at.DONE:
+            return False
+        line.top[at.NOW, at.TIME] = start_time
+        now = float(mass @ np.sum(line.v[:n] ** 2, axis=1))
+        if now >= energy:
+            energy = now
+            continue
+        line.v[: n + 1] = line.a[: n + 1] = 0.0
+        energy = 0.0
+        if _unbalanced(line, n) < quiet * weight:
+            if _balance(line, n, _AT_REST * weight):
+                return True
+            quiet *= 0.1
+    return False
+
+
+def _unbalanced(line: LineArrays, n: int) -> float:
+    """Return the largest component of force [N] on a node of the line, which does not move."""
+    evaluate(line)
+    return float(np.max(np.abs(line.residual[:n])))
+
+
+def _balance(line: LineArrays, n: int, tolerance: float) -> bool:
+    """Move the nodes to where forces balance to the tolerance [N]; return whether it succeeds, else change nothing."""
+    before = line.now.copy()
+    left = _unbalanced(line, n)
+    for _ in range(_CORRECTIONS):
+        if left < tolerance:
+            return True
+        correct(line, n)
+        last, left = left, _unbalanced(line, n)
+        if not left < 10.0 * last:
+            break
+    line.now[:] = before
+    return False

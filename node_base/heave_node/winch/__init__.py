@@ -1,0 +1,1 @@
+"""What plant and controller know alike of a winch."""
