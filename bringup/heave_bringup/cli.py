@@ -10,7 +10,7 @@ from pathlib import Path
 from heave_bags.errors import BagError
 from heave_node.parameters import ParameterError
 
-from heave_bringup.errors import CommandError
+from heave_bringup.errors import CommandError, NoRunError
 from heave_bringup.parser import make_parser
 
 EXIT_OK = 0
@@ -32,7 +32,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return _exit_with(f"--json {options.json}: no such folder: {Path(options.json).parent}", EXIT_USAGE)
     try:
         options.execute(options)
-    except ParameterError as error:
+    except (ParameterError, NoRunError) as error:
         return _exit_with(error, EXIT_USAGE)
     except (CommandError, BagError) as error:
         return _exit_with(error, EXIT_FAILED)

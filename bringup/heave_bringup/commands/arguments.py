@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import re
 from pathlib import Path
 
 
@@ -37,8 +38,24 @@ def add_bags(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def add_network(parser: argparse.ArgumentParser) -> None:
-    """Let the user of `parser` open the run to other hosts."""
+def add_network(parser: argparse.ArgumentParser, default: object = False) -> None:
+    """Let the user of `parser` open the run to other hosts; `default` where he does not."""
     parser.add_argument(
-        "--network", action="store_true", help="let nodes on other hosts join; without it, nothing leaves this machine"
+        "--network",
+        action="store_true",
+        default=default,
+        help="let nodes on other hosts join; without it, nothing leaves this machine",
     )
+
+
+def add_namespace(parser: argparse.ArgumentParser, what: str, default: str | None = None) -> None:
+    """Let the user of `parser` name the namespace of a run; `what` it does is its help, `default` holds without it."""
+    parser.add_argument("--namespace", type=_namespace, metavar="NAME", default=default, help=what)
+
+
+def _namespace(text: str) -> str:
+    if re.fullmatch(r"/?[A-Za-z][A-Za-z0-9_]*(/[A-Za-z][A-Za-z0-9_]*)*", text) is None:
+        raise argparse.ArgumentTypeError(
+            f"{text!r} is not a ROS namespace: letters, digits and _, parts separated by /"
+        )
+    return text

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import importlib
-import re
 import threading
 from collections.abc import Sequence
 from pathlib import Path
@@ -14,7 +13,7 @@ from heave_node.parameters import ParameterError
 from heave_node.run_parameters import LOCKSTEP, REALTIME, RunParameters
 from heave_node.scenario import WILDCARD
 
-from heave_bringup.commands.arguments import add_network, add_scenario
+from heave_bringup.commands.arguments import add_namespace, add_network, add_scenario
 from heave_bringup.commands.command import Command
 from heave_bringup.errors import CommandError
 from heave_bringup.nodes import MASTER, NODE_BY_NAME, RECORDER
@@ -59,11 +58,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="NODE=BAG",
         help="play back what NODE published in BAG in place of NODE; the other nodes run live",
     )
-    parser.add_argument(
-        "--namespace",
-        type=_namespace,
-        metavar="NAME",
-        help="put the nodes and topics of the run, its clock too, under /NAME: runs side by side in one ROS domain",
+    add_namespace(
+        parser, "put the nodes and topics of the run, its clock too, under /NAME: runs side by side in one ROS domain"
     )
     add_network(parser)
     parser.add_argument(
@@ -123,14 +119,6 @@ def _required(texts: Sequence[str]) -> list[Criterion]:
     from heave_bringup.run.criteria import parse_requirement
 
     return [parse_requirement(text) for text in texts if text != WANTED]
-
-
-def _namespace(text: str) -> str:
-    if re.fullmatch(r"/?[A-Za-z][A-Za-z0-9_]*(/[A-Za-z][A-Za-z0-9_]*)*", text) is None:
-        raise argparse.ArgumentTypeError(
-            f"{text!r} is not a ROS namespace: letters, digits and _, parts separated by /"
-        )
-    return text
 
 
 def _own_settings(options: argparse.Namespace) -> list[Setting]:
