@@ -6,6 +6,8 @@ import argparse
 import re
 from pathlib import Path
 
+from heave_bringup.commands.completion import completed_by
+
 
 def add_settings(parser: argparse.ArgumentParser) -> None:
     """Let the user of `parser` change parameters of a scenario."""
@@ -19,9 +21,16 @@ def add_settings(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def _scenarios() -> list[str]:
+    from heave_bringup.scenarios import shipped_scenarios
+
+    return [*shipped_scenarios(), *map(str, Path().glob("*.yaml"))]
+
+
 def add_scenario(parser: argparse.ArgumentParser) -> None:
     """Let the user of `parser` name a scenario and change its parameters."""
-    parser.add_argument("scenario", metavar="SCENARIO", help="a shipped scenario (heave list) or a parameter file")
+    scenario = parser.add_argument("scenario", metavar="SCENARIO", help="a shipped scenario (heave list) or a file")
+    completed_by(scenario, _scenarios)
     add_settings(parser)
 
 

@@ -70,6 +70,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="exit with status 1 unless a figure of merit meets the bound; wanted: unless the scenario's "
         "criteria are met and compensation was in force",
     )
+    parser.add_argument(
+        "--quiet",
+        action="store_true",
+        help="print only alarms and errors; --json and the exit status give the result",
+    )
     parser.add_argument("--no-report", action="store_true", help="do not write the HTML report")
 
 
@@ -77,11 +82,14 @@ def execute(options: argparse.Namespace) -> None:
     """Run, check, analyse, report, as `options` say."""
     from heave_bringup.network import set_up_transport
     from heave_bringup.output import write_result
+    from heave_bringup.progress import be_quiet
     from heave_bringup.run.criteria import refuse_unknown
     from heave_bringup.run.run import new_run_folder, run_scenario
     from heave_bringup.scenarios import load_scenario
 
     required = _required(options.require)
+    if options.quiet:
+        be_quiet()
     set_up_transport(network=options.network)
     scenario = load_scenario(options.scenario, settings=[*options.set, *_own_settings(options)])
     for criterion in scenario.wanted:
@@ -104,7 +112,9 @@ def execute(options: argparse.Namespace) -> None:
     result = evaluation.evaluate(scenario, folder.bag, report, required=required, alarms=len(outcome.alarms))
     places = [f"scenario  {scenario.path}", f"bag       {folder.bag}", *([f"report    {report}"] if report else [])]
     text = "\n".join([result.table, "", *_alarm_lines(outcome.alarms), *places, "", *result.verdict.lines()])
-    write_result(options, text, {**result.figures, "alarms": outcome.alarms, "folder": str(folder.path)})
+    write_result(
+        options, [] if options.quiet else text, {**result.figures, "alarms": outcome.alarms, "folder": str(folder.path)}
+    )
     missed = result.verdict.failures if WANTED in options.require else result.verdict.missed_requirements
     if outcome.strangers:
         raise CommandError("; ".join(outcome.strangers))
