@@ -26,7 +26,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def _names() -> list[str]:
-    from heave_bringup.parameter_tables import all_rows
+    from heave_bringup.pages.parameters import all_rows
 
     return list(dict.fromkeys(row.info.name for row in all_rows()))
 
@@ -34,7 +34,7 @@ def _names() -> list[str]:
 def execute(options: argparse.Namespace) -> None:
     """Print the parameters that `options` name."""
     from heave_bringup.output import write_result
-    from heave_bringup.parameter_tables import RUN, all_rows, matching
+    from heave_bringup.pages.parameters import RUN, all_rows, matching
 
     node, pattern = options.node, options.pattern
     if node is not None and node not in (*NODE_BY_NAME, RUN):
@@ -54,7 +54,7 @@ def execute(options: argparse.Namespace) -> None:
 
 def _table(rows: list) -> Table:  # type: ignore[type-arg]
     from heave_bringup.output import make_table
-    from heave_bringup.parameter_tables import COLUMNS, cells
+    from heave_bringup.pages.parameters import COLUMNS, cells
 
     lines = [cells(row) for row in rows]
     shown = [number for number, name in enumerate(COLUMNS) if name != "shared" or any(line[number] for line in lines)]

@@ -7,7 +7,7 @@ import pytest
 import yaml
 from heave_bringup.cli import main
 from heave_bringup.nodes import NODES
-from heave_bringup.parameter_tables import all_rows, cells, matching, page, value_words
+from heave_bringup.pages.parameters import all_rows, cells, matching, page, value_words
 from heave_node.parameters import describe
 from heave_node.system_parameters import own_name
 
@@ -16,7 +16,7 @@ ROWS = all_rows()
 
 
 def test_the_page_is_that_of_the_code():
-    assert PAGE.read_text() == page(), "python -m heave_bringup.parameter_tables > docs/parameters.md"
+    assert PAGE.read_text() == page(), "python -m heave_bringup.pages.parameters > docs/parameters.md"
 
 
 def test_every_parameter_of_every_node_has_a_row_with_a_meaning():
@@ -49,7 +49,7 @@ def test_a_pattern_is_a_part_of_the_name_or_has_wildcards_or_is_a_word_of_the_me
     assert "winch_controller.winch.speed_limit" in names("SPEED_LIMIT")
     assert names("mpc.*horizon") == ["winch_controller.mpc.horizon"]
     assert names("system.sea.peak_period") == ["wave_vessel.peak_period", "winch_controller.sea.peak_period"]
-    assert "winch_controller.factor" in names("share of the compensation")
+    assert "winch_controller.factor" in names("fraction of full compensation")
     assert names("whale") == []
 
 

@@ -1,6 +1,6 @@
 """Every parameter of every node, from the parameter sets: what `heave params` prints, and `docs/parameters.md`.
 
-The page is written by `python -m heave_bringup.parameter_tables > docs/parameters.md`; a test holds the two together.
+The page is written by `python -m heave_bringup.pages.parameters > docs/parameters.md`; a test holds the two together.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ TITLES = {
 
 HEAD = """# Parameters
 
-This page is written by `python -m heave_bringup.parameter_tables` from the code that runs. `heave params` prints the
+This page is written by `python -m heave_bringup.pages.parameters` from the code that runs. `heave params` prints the
 same, `heave params winch_controller mpc.` a part of it.
 
 `--set NODE.PARAM=VALUE` changes one for a run, and so does the section of a node in a
