@@ -10,7 +10,8 @@ from pathlib import Path
 from heave_bags.errors import BagError
 from heave_node.parameters import ParameterError
 
-from heave_bringup.errors import CommandError
+from heave_bringup.commands.completion import complete
+from heave_bringup.errors import CommandError, NoRunError
 from heave_bringup.parser import make_parser
 
 EXIT_OK = 0
@@ -27,12 +28,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """
     for number in (signal.SIGINT, signal.SIGTERM):  # a shell may have set SIGINT to be ignored in the background
         signal.signal(number, signal.default_int_handler)  # nodes are ended in order
-    options = make_parser().parse_args(arguments)
+    parser = make_parser()
+    complete(parser)
+    options = parser.parse_args(arguments)
     if options.json not in (None, "-") and not Path(options.json).resolve().parent.is_dir():
         return _exit_with(f"--json {options.json}: no such folder: {Path(options.json).parent}", EXIT_USAGE)
     try:
         options.execute(options)
-    except ParameterError as error:
+    except (ParameterError, NoRunError) as error:
         return _exit_with(error, EXIT_USAGE)
     except (CommandError, BagError) as error:
         return _exit_with(error, EXIT_FAILED)

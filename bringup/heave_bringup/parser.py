@@ -8,12 +8,13 @@ from typing import NoReturn
 from heave_bringup.commands.bags import import_sea, kpi, record, repair, replay, report
 from heave_bringup.commands.command import Command
 from heave_bringup.commands.models import design, identify, modes, static
-from heave_bringup.commands.runs import check, run
-from heave_bringup.commands.scenarios import list_scenarios
+from heave_bringup.commands.runs import check, operate, run
+from heave_bringup.commands.scenarios import list_scenarios, params
 from heave_bringup.commands.studies import bench, benchmark, campaign
+from heave_bringup.commands.version import VersionAction
 
 COMMANDS: tuple[Command, ...] = (
-    *(run.COMMAND, check.COMMAND, list_scenarios.COMMAND),
+    *(run.COMMAND, operate.COMMAND, check.COMMAND, list_scenarios.COMMAND, params.COMMAND),
     *(report.COMMAND, kpi.COMMAND, record.COMMAND, replay.COMMAND, import_sea.COMMAND, repair.COMMAND),
     *(design.COMMAND, identify.COMMAND, static.COMMAND, modes.COMMAND),
     *(campaign.COMMAND, benchmark.COMMAND, bench.COMMAND),
@@ -37,6 +38,7 @@ def make_parser() -> argparse.ArgumentParser:
         epilog="example: heave run b2_calm_300 --duration 600",
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
+    parser.add_argument("--version", action=VersionAction)
     subparsers = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
     for command in COMMANDS:
         subparser = subparsers.add_parser(

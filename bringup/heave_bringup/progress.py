@@ -16,6 +16,15 @@ QUIET_PERIOD = 10.0
 """Wall time between two lines where the output is not a terminal [s]."""
 
 
+_quiet = False
+
+
+def be_quiet() -> None:
+    """Show no progress from now on, in this process; lines that stay, alarms among them, are printed as ever."""
+    global _quiet  # noqa: PLW0603
+    _quiet = True
+
+
 class _Bar(BarColumn):
     """A bar where the share of the work that is done is known, and nothing elsewhere."""
 
@@ -72,6 +81,8 @@ class ProgressLine:
         text : what is being done
         share : part of the work that is done, 0 to 1; None where unknown
         """
+        if _quiet:
+            return
         if self._console.is_terminal:
             self._display.start()
             total = None if share is None else 1.0

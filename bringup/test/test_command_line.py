@@ -1,5 +1,9 @@
 """What the `heave` command says of a wrong command line."""
 
+import re
+from pathlib import Path
+from xml.etree import ElementTree
+
 import pytest
 from heave_bags.mcap.bag_writer import BagWriter
 from heave_bringup.cli import main
@@ -23,6 +27,13 @@ from heave_bringup.cli import main
         (["run", "b2_calm_300", "--external", "cable_sim"], "heave: "),
         (["design", "b2_calm_300", "--length", "-5"], "heave: --length: length = -5.0 is not allowed: it must be"),
         (["identify", "b2_calm_300", "--lengths", "300", "nan"], "heave: --lengths: length = nan is not allowed"),
+        (["operate", "sail"], "heave operate: argument VERB: invalid choice: 'sail'"),
+        (["operate", "factor", "2"], "heave operate factor: argument F: 2: must be a number from 0 to 1"),
+        (["operate", "depth", "nan"], "heave operate depth: argument D: nan: must be a number from "),
+        (["operate", "depth", "deep"], "heave operate depth: argument D: invalid number value: 'deep'"),
+        (["operate", "step", "0"], "heave operate step: argument N: 0: must be a whole number of at least 1"),
+        (["operate", "fault", "inject", "mru", "clear"], "heave operate fault inject: argument kind: invalid choice"),
+        (["operate", "--json", "-"], "heave: --json: needs a verb"),
         (["campaign", "b9_model_error", "--processes", "0"], "heave: --processes 0: must be at least 1"),
         (["static", "b3_deep_900", "--picture", "x.doc"], "heave: --picture x.doc: must end in .png or .svg"),
         (["identify", "b3_deep_900", "--picture", "x.doc"], "heave: --picture x.doc: must end in .png or .svg or"),
@@ -40,6 +51,14 @@ def test_a_wrong_command_line_is_one_line_and_status_2(arguments, words, capsys)
     assert status == 2
     assert said.startswith(words)
     assert said.count("\n") == 1
+
+
+def test_the_version_is_that_of_the_project_with_its_commit_where_it_is_known(capsys):
+    with pytest.raises(SystemExit) as exit_:
+        main(["--version"])
+    assert exit_.value.code == 0
+    version = ElementTree.parse(Path(__file__).parents[1] / "package.xml").findtext("version")
+    assert re.fullmatch(rf"heave {re.escape(version)}( \([0-9a-f]{{40}}(\+changes)?\))?\n", capsys.readouterr().out)
 
 
 def test_a_file_that_the_system_refuses_is_one_line_and_status_1(capsys):

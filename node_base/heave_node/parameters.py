@@ -65,6 +65,7 @@ class ParameterInfo:
     minimum, maximum : inclusive bounds, of each element of a list
     choices : the strings that are allowed; () allows any
     length : number of elements of a list; None allows any
+    is_live : may be changed while the node runs
     """
 
     name: str
@@ -77,6 +78,7 @@ class ParameterInfo:
     maximum: float | None = None
     choices: tuple[str, ...] = ()
     length: int | None = None
+    is_live: bool = False
 
     def allowed(self) -> str:
         """Describe what values are allowed."""
@@ -152,6 +154,7 @@ def parameter(
     maximum: float | None = None,
     choices: tuple[str, ...] = (),
     length: int | None = None,
+    is_live: bool = False,
 ) -> Any:
     """Return a dataclass field that is one node parameter.
 
@@ -163,6 +166,7 @@ def parameter(
     minimum, maximum : inclusive bounds, of each element of a list
     choices : the strings that are allowed; () allows any
     length : number of elements of a list; None allows any
+    is_live : may be changed while the node runs: by ROS's own service
     """
     metadata = {
         "unit": unit,
@@ -171,6 +175,7 @@ def parameter(
         "maximum": maximum,
         "choices": choices,
         "length": length,
+        "is_live": is_live,
     }
     return dataclasses.field(default=default, metadata={"parameter": metadata})
 

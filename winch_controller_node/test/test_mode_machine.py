@@ -35,6 +35,17 @@ def test_compensation_starts_by_itself_and_authority_rises_without_a_step():
     assert np.max(np.abs(np.diff(authority))) <= DT / 2.0 + 1e-12
 
 
+def test_another_factor_takes_authority_there_without_a_step_up_and_down():
+    modes = machine()
+    run(modes, 5.0)
+    for factor in (0.25, 0.75, 0.0, 1.0):
+        modes.factor = factor
+        authority = [output.authority for output in run(modes, 2.5)]
+        assert np.max(np.abs(np.diff(authority))) <= DT / 2.0 + 1e-12
+        assert authority[-1] == pytest.approx(factor)
+    assert modes.mode is Mode.COMPENSATING
+
+
 def test_law_off_keeps_the_brake_on_and_refuses_to_move():
     modes = machine(moves_winch=False)
     assert all(output.brake for output in run(modes, 5.0))

@@ -11,6 +11,7 @@ import math
 from concurrent.futures import Executor
 
 from heave_node.codes import WinchLimit
+from heave_node.parameters import describe
 
 from winch_controller_node.design.design import ControllerDesign
 from winch_controller_node.design.prediction import predict_loop
@@ -175,6 +176,15 @@ class WinchController:
         if self.mode is Mode.OFF or taken not in [mode.value for mode in Mode] or taken == name:
             return taken
         return f"{taken}, on the way to {name}"
+
+    def set_factor(self, factor: float) -> None:
+        """Ask for another share of compensation (`factor`, 0 to 1): authority goes there over the fade-in time.
+
+        Raises ParameterError for a share that is not allowed.
+        """
+        (info,) = (info for info in describe(WinchControllerParameters) if info.name == "factor")
+        info.check(factor, where="winch_controller")
+        self.modes.factor = factor
 
     def move_to_depth(self, depth: float, speed: float = 0.0) -> None:
         """Move the unit to the mean depth [m] at no more than `speed` [m/s] (0: the default).

@@ -5,8 +5,10 @@ from __future__ import annotations
 import dataclasses
 import math
 import sys
+from collections.abc import Sequence
 from concurrent import futures
 from concurrent.futures import ThreadPoolExecutor
+from typing import Any
 
 from geometry_msgs.msg import TwistStamped
 from heave_msgs.srv import Redesign, SetMode
@@ -14,13 +16,16 @@ from heave_node import topics
 from heave_node.codes import SensorLevel
 from heave_node.linear_model import ModelError
 from heave_node.messages import SensorMessages
+from heave_node.parameters import ParameterError
 from heave_node.ros.diagnostics import Health, Level
 from heave_node.ros.node import NodeError
 from heave_node.ros.participant import ParticipantNode
 from heave_node.ros.process import run_node
 from heave_node.sensors import SENSORS, Water
 from heave_node.tick.tick import Tick, nanoseconds_of
+from rcl_interfaces.msg import SetParametersResult
 from rclpy.lifecycle import LifecycleState, TransitionCallbackReturn
+from rclpy.parameter import Parameter
 from rclpy.task import Future
 
 from winch_controller_node.component import WinchController
@@ -76,6 +81,7 @@ class WinchControllerNode(ParticipantNode):
         self.sea_estimate = self.add_input(topics.SEA_STATE_ESTIMATE)
         self.create_service(SetMode, "controller/set_mode", self._serve_set_mode)
         self.create_service(Redesign, "controller/redesign", self._serve_redesign)
+        self.add_on_set_parameters_callback(self._take_parameters)
         self.move = MoveAction(self, lambda: self.controller)
         self.create_subscription(TwistStamped, "controller/operator_speed", self._take_operator_speed, 1)
 
@@ -137,7 +143,8 @@ class WinchControllerNode(ParticipantNode):
         is_stopped = report.mode in ("stopped", "emergency_stop", "stopping") or report.is_inhibited
         level = Level.ERROR if is_stopped else Level.WARN if report.mode == "fade_out" else Level.OK
         text = f"{report.mode}: {report.reason}" if report.reason else report.mode
-        parts = [Health("mode", level, text, {"authority": f"{report.authority:.2f}"})]
+        depth = f"{self.controller.depth:.3f}"
+        parts = [Health("mode", level, text, {"authority": f"{report.authority:.2f}", "mean depth [m]": depth})]
         for sensor in report.sensors:
             values = {"accepted": str(sensor.accepted), "rejected": str(sensor.refused)}
             parts.append(Health(f"sensor {sensor.sensor}", LEVELS[sensor.level], sensor.reason or "ok", values))
@@ -155,6 +162,17 @@ class WinchControllerNode(ParticipantNode):
             )
         except (DesignError, ModelError) as error:
             raise NodeError(f"{self.name}: {error}") from error
+
+    def _take_parameters(self, changes: Sequence[Parameter[Any]]) -> SetParametersResult:
+        """Take what may be changed while the controller runs, the factor; ROS refuses all others itself."""
+        try:
+            for change in changes:
+                if change.name == "factor":
+                    self.controller.set_factor(change.value)
+                    self.parameters = dataclasses.replace(self.parameters, factor=float(change.value))
+        except ParameterError as error:
+            return SetParametersResult(successful=False, reason=str(error))
+        return SetParametersResult(successful=True)
 
     def _take_operator_speed(self, twist: TwistStamped) -> None:
         """Take an operator's speed: linear.z, positive up as all heave, so that pulling up lifts the unit [m/s]."""

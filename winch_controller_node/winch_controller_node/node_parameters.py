@@ -62,7 +62,12 @@ class WinchControllerParameters(LawGroups):
         description=f"The control law. {describe_laws()}.",
     )
     factor: float = parameter(
-        1.0, unit="", minimum=0.0, maximum=1.0, description="Fraction of full compensation; 1 is full."
+        1.0,
+        unit="",
+        minimum=0.0,
+        maximum=1.0,
+        is_live=True,
+        description="Fraction of full compensation; 1 is full.",
     )
     length: float = parameter(
         300.0, unit="m", minimum=0.01, maximum=20_000.0, description="Unstretched cable length at payout 0."

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import argparse
+import re
 from pathlib import Path
+
+from heave_bringup.commands.completion import completed_by
 
 
 def add_settings(parser: argparse.ArgumentParser) -> None:
@@ -18,9 +21,16 @@ def add_settings(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def _scenarios() -> list[str]:
+    from heave_bringup.scenarios import shipped_scenarios
+
+    return [*shipped_scenarios(), *map(str, Path().glob("*.yaml"))]
+
+
 def add_scenario(parser: argparse.ArgumentParser) -> None:
     """Let the user of `parser` name a scenario and change its parameters."""
-    parser.add_argument("scenario", metavar="SCENARIO", help="a shipped scenario (heave list) or a parameter file")
+    scenario = parser.add_argument("scenario", metavar="SCENARIO", help="a shipped scenario (heave list) or a file")
+    completed_by(scenario, _scenarios)
     add_settings(parser)
 
 
@@ -37,8 +47,24 @@ def add_bags(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def add_network(parser: argparse.ArgumentParser) -> None:
-    """Let the user of `parser` open the run to other hosts."""
+def add_network(parser: argparse.ArgumentParser, default: object = False) -> None:
+    """Let the user of `parser` open the run to other hosts; `default` where he does not."""
     parser.add_argument(
-        "--network", action="store_true", help="let nodes on other hosts join; without it, nothing leaves this machine"
+        "--network",
+        action="store_true",
+        default=default,
+        help="let nodes on other hosts join; without it, nothing leaves this machine",
     )
+
+
+def add_namespace(parser: argparse.ArgumentParser, what: str, default: str | None = None) -> None:
+    """Let the user of `parser` name the namespace of a run; `what` it does is its help, `default` holds without it."""
+    parser.add_argument("--namespace", type=_namespace, metavar="NAME", default=default, help=what)
+
+
+def _namespace(text: str) -> str:
+    if re.fullmatch(r"/?[A-Za-z][A-Za-z0-9_]*(/[A-Za-z][A-Za-z0-9_]*)*", text) is None:
+        raise argparse.ArgumentTypeError(
+            f"{text!r} is not a ROS namespace: letters, digits and _, parts separated by /"
+        )
+    return text

@@ -104,7 +104,7 @@ def _descriptor(info: ParameterInfo) -> ParameterDescriptor:
         name=info.name,
         description=info.description,
         additional_constraints=info.allowed(),
-        read_only=True,
+        read_only=not info.is_live,
         dynamic_typing=True,
     )
     if info.minimum is None or info.maximum is None or info.is_array:

@@ -39,7 +39,7 @@ class ModeMachine:
     ----------
     parameters : times and rates
     moves_winch : False: the law never moves the winch, and mode off is never left
-    factor : largest authority
+    factor : largest authority; may be set to another one, to which authority goes over the fade-in time
     tick_period : [s]
 
     Attributes
@@ -51,7 +51,7 @@ class ModeMachine:
     def __init__(self, parameters: ModeParameters, *, moves_winch: bool, factor: float, tick_period: float) -> None:
         self._parameters = parameters
         self._dt = tick_period
-        self._factor = factor
+        self.factor = factor
         self.mode = Mode.STANDBY if moves_winch else Mode.OFF
         self.reason = SETTLED_ESTIMATE.name if moves_winch else "law off"
         self.target = factor
@@ -125,7 +125,7 @@ class ModeMachine:
             situation=self._situation,
             memory=self._memory,
             parameters=self._parameters,
-            factor=self._factor,
+            factor=self.factor,
             known_fault=self._known_fault or WinchFault.NONE,
             time=self._time,
             well_time=self._well_time,
@@ -182,7 +182,7 @@ class ModeMachine:
         """Move authority to what the winch can follow, and say why the mode stays what it is."""
         situation = self._situation
         if self.mode is Mode.COMPENSATING:
-            self.target = self._factor * situation.authority_limit
+            self.target = self.factor * situation.authority_limit
             self._approach(self.target, self._parameters.fade_in_time)
             self.reason = f"coasting on prediction: {situation.lost}" if situation.lost else ""
         elif self.mode is Mode.STANDBY and situation.lost:

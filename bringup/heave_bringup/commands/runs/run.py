@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import importlib
-import re
 import threading
 from collections.abc import Sequence
 from pathlib import Path
@@ -14,7 +13,7 @@ from heave_node.parameters import ParameterError
 from heave_node.run_parameters import LOCKSTEP, REALTIME, RunParameters
 from heave_node.scenario import WILDCARD
 
-from heave_bringup.commands.arguments import add_network, add_scenario
+from heave_bringup.commands.arguments import add_namespace, add_network, add_scenario
 from heave_bringup.commands.command import Command
 from heave_bringup.errors import CommandError
 from heave_bringup.nodes import MASTER, NODE_BY_NAME, RECORDER
@@ -59,11 +58,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="NODE=BAG",
         help="play back what NODE published in BAG in place of NODE; the other nodes run live",
     )
-    parser.add_argument(
-        "--namespace",
-        type=_namespace,
-        metavar="NAME",
-        help="put the nodes and topics of the run, its clock too, under /NAME: runs side by side in one ROS domain",
+    add_namespace(
+        parser, "put the nodes and topics of the run, its clock too, under /NAME: runs side by side in one ROS domain"
     )
     add_network(parser)
     parser.add_argument(
@@ -74,6 +70,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="exit with status 1 unless a figure of merit meets the bound; wanted: unless the scenario's "
         "criteria are met and compensation was in force",
     )
+    parser.add_argument(
+        "--quiet",
+        action="store_true",
+        help="print only alarms and errors; --json and the exit status give the result",
+    )
     parser.add_argument("--no-report", action="store_true", help="do not write the HTML report")
 
 
@@ -81,11 +82,14 @@ def execute(options: argparse.Namespace) -> None:
     """Run, check, analyse, report, as `options` say."""
     from heave_bringup.network import set_up_transport
     from heave_bringup.output import write_result
+    from heave_bringup.progress import be_quiet
     from heave_bringup.run.criteria import refuse_unknown
     from heave_bringup.run.run import new_run_folder, run_scenario
     from heave_bringup.scenarios import load_scenario
 
     required = _required(options.require)
+    if options.quiet:
+        be_quiet()
     set_up_transport(network=options.network)
     scenario = load_scenario(options.scenario, settings=[*options.set, *_own_settings(options)])
     for criterion in scenario.wanted:
@@ -108,7 +112,9 @@ def execute(options: argparse.Namespace) -> None:
     result = evaluation.evaluate(scenario, folder.bag, report, required=required, alarms=len(outcome.alarms))
     places = [f"scenario  {scenario.path}", f"bag       {folder.bag}", *([f"report    {report}"] if report else [])]
     text = "\n".join([result.table, "", *_alarm_lines(outcome.alarms), *places, "", *result.verdict.lines()])
-    write_result(options, text, {**result.figures, "alarms": outcome.alarms, "folder": str(folder.path)})
+    write_result(
+        options, [] if options.quiet else text, {**result.figures, "alarms": outcome.alarms, "folder": str(folder.path)}
+    )
     missed = result.verdict.failures if WANTED in options.require else result.verdict.missed_requirements
     if outcome.strangers:
         raise CommandError("; ".join(outcome.strangers))
@@ -123,14 +129,6 @@ def _required(texts: Sequence[str]) -> list[Criterion]:
     from heave_bringup.run.criteria import parse_requirement
 
     return [parse_requirement(text) for text in texts if text != WANTED]
-
-
-def _namespace(text: str) -> str:
-    if re.fullmatch(r"/?[A-Za-z][A-Za-z0-9_]*(/[A-Za-z][A-Za-z0-9_]*)*", text) is None:
-        raise argparse.ArgumentTypeError(
-            f"{text!r} is not a ROS namespace: letters, digits and _, parts separated by /"
-        )
-    return text
 
 
 def _own_settings(options: argparse.Namespace) -> list[Setting]:

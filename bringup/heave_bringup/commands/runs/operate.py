@@ -1,0 +1,257 @@
+"""`heave operate`: what an operator does to a run that is under way in another terminal, in one line or on a screen."""
+
+from __future__ import annotations
+
+import argparse
+import math
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from heave_node.faults import FAULTS
+from heave_node.parameters import ParameterError
+
+from heave_bringup.commands.arguments import add_namespace, add_network
+from heave_bringup.commands.command import Command
+from heave_bringup.errors import CommandError
+
+if TYPE_CHECKING:
+    from heave_bringup.operate.answer import Answer
+    from heave_bringup.operate.link import RunLink
+    from heave_bringup.operate.tasks import Move, Task
+
+MODES = ("standby", "compensating", "constant_tension", "manual", "stopped", "emergency_stop")
+"""Modes that can be requested."""
+MOST = 1e6
+"""Largest magnitude of a number that an operator gives; what is allowed is the controller's to say."""
+LISTENING_TIME = 1.5
+"""Wall time in which controller and winch of a run that is not paused are heard [s]."""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the command's own arguments to `parser`: a verb with arguments of its own, or none for the screen."""
+    _add_shared(parser)
+    verbs = parser.add_subparsers(dest="verb", metavar="VERB")
+
+    def verb(name: str, help_: str, example: str = "") -> argparse.ArgumentParser:
+        one = verbs.add_parser(
+            name,
+            help=help_,
+            description=f"{help_[0].upper()}{help_[1:]}.",
+            epilog=f"example: heave operate {example or name}",
+        )
+        one.add_argument(
+            "--json", metavar="FILE", default=argparse.SUPPRESS, help="write the answer as JSON; - for standard output"
+        )
+        _add_shared(one, default=argparse.SUPPRESS)
+        return one
+
+    verb("status", "say in one line how the run, the controller and the winch are")
+    mode = verb("mode", "request a mode of the controller", "mode compensating")
+    mode.add_argument("mode", choices=MODES)
+    mode.add_argument("--tension", type=_number(0.0), default=0.0, metavar="N", help="to hold in constant_tension [N]")
+    depth = verb(
+        "depth", "move the unit to a mean depth, and wait until it is there; Ctrl-C ends the move smoothly", "depth 295"
+    )
+    depth.add_argument("depth", type=_number(), metavar="D", help="positive down [m]")
+    _add_move(depth)
+    move = verb(
+        "move", "move the unit by some depth from where it hangs, and wait until it is there", "move -2 --speed 0.1"
+    )
+    move.add_argument("by", type=_number(), metavar="BY", help="positive lowers [m]")
+    _add_move(move)
+    verb("hold", "end a move smoothly; compensation goes on")
+    speed = verb("speed", "lower or lift at a speed for some time, as with a joystick", "speed -0.1 --for 5")
+    speed.add_argument("speed", type=_number(), metavar="V", help="positive lowers [m/s]")
+    speed.add_argument(
+        "--for", dest="seconds", type=_number(0.0), default=2.0, metavar="S", help="simulated time (default: 2)"
+    )
+    factor = verb("factor", "change the share of the sea that is compensated", "factor 0.5")
+    factor.add_argument("factor", type=_number(0.0, 1.0), metavar="F", help="0 to 1")
+    stop = verb("stop", "fade compensation out, bring the winch to rest and brake; wait until that is done")
+    stop.add_argument("--no-wait", action="store_true", help="answer as soon as the stop is taken")
+    verb("emergency-stop", "brake at once; wait until the drum is at rest")
+    _add_redesign(verb("redesign", "design the controller anew, without stopping", "redesign --height 2.5 --period 9"))
+    _add_fault(
+        verb("fault", "make a simulated device misbehave, or well again", "fault inject mru freeze --duration 10")
+    )
+    verb("pause", "let the run's clock stand")
+    verb("resume", "let the run's clock go on")
+    step = verb("step", "let a paused run go on for some ticks", "step 20")
+    step.add_argument("ticks", type=_count, nargs="?", default=1, metavar="N", help="ticks (default: 1)")
+    snapshot = verb("snapshot", "save the last seconds of the run as a bag of its own", "snapshot --seconds 30")
+    snapshot.add_argument(
+        "--seconds", type=_number(0.0), default=0.0, metavar="S", help="of the past (default: all that is kept)"
+    )
+    snapshot.add_argument("--directory", type=Path, metavar="DIR", help="of the bag (default: beside the run's)")
+
+
+def _add_shared(parser: argparse.ArgumentParser, default: str | None = None) -> None:
+    add_namespace(parser, "the run is in namespace NAME", default)
+    add_network(parser, default)
+
+
+def _add_move(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--speed", type=_number(0.0), default=0.0, metavar="V", help="largest [m/s] (default: the controller's)"
+    )
+    parser.add_argument("--no-wait", action="store_true", help="answer as soon as the move is under way")
+
+
+def _add_redesign(parser: argparse.ArgumentParser) -> None:
+    for name, unit, means in (
+        ("height", "m", "significant wave height (default: as estimated)"),
+        ("period", "s", "peak period (default: as estimated)"),
+        ("length", "m", "deployed cable length (default: the present one)"),
+    ):
+        parser.add_argument(f"--{name}", type=_number(0.0), default=0.0, metavar=unit.upper(), help=f"{means} [{unit}]")
+
+
+def _add_fault(parser: argparse.ArgumentParser) -> None:
+    from heave_node.sensors import SENSORS
+
+    devices = (*SENSORS, "encoder", "winch")
+    actions = parser.add_subparsers(dest="action", required=True, metavar="ACTION")
+    inject = actions.add_parser("inject", help="from the next tick on")
+    inject.add_argument("device", choices=devices)
+    inject.add_argument("kind", choices=[kind for kind in FAULTS if kind != "clear"])
+    inject.add_argument(
+        "--duration",
+        type=_number(0.0),
+        default=0.0,
+        metavar="S",
+        help="simulated time (default: once, or until cleared)",
+    )
+    inject.add_argument(
+        "--magnitude", type=_number(), default=0.0, metavar="X", help="in the unit of the kind of fault"
+    )
+    clear = actions.add_parser("clear", help="the faults of a device, or of all")
+    clear.add_argument("device", choices=(*devices, "all"))
+
+
+def _number(least: float = -MOST, most: float = MOST) -> Callable[[str], float]:
+    def number(text: str) -> float:
+        value = float(text)
+        if not (math.isfinite(value) and least <= value <= most):
+            raise argparse.ArgumentTypeError(f"{text}: must be a number from {least:g} to {most:g}")
+        return value
+
+    return number
+
+
+def _count(text: str) -> int:
+    value = int(text)
+    if not 1 <= value <= MOST:
+        raise argparse.ArgumentTypeError(f"{text}: must be a whole number of at least 1")
+    return value
+
+
+def execute(options: argparse.Namespace) -> None:
+    """Do what `options` say to the run in this ROS domain."""
+    from heave_bringup.network import set_up_transport
+    from heave_bringup.operate.link import RunLink
+    from heave_bringup.operate.screen import operate_on_screen
+
+    if options.verb is None and options.json:
+        raise ParameterError("--json: needs a verb, such as heave operate status --json -")
+    set_up_transport(network=options.network)
+    link = RunLink(options.namespace or "")
+    try:
+        if options.verb is None:
+            operate_on_screen(link, link.place)
+        elif options.verb == "status":
+            _tell_status(options, link)
+        else:
+            _tell_answer(options, _do(options, link))
+    finally:
+        link.close()
+
+
+def _tell_status(options: argparse.Namespace, link: RunLink) -> None:
+    from dataclasses import asdict
+
+    from heave_bringup.operate.situation import status_line
+    from heave_bringup.output import write_result
+
+    link.listen(LISTENING_TIME)
+    situation = link.situation
+    if not situation.is_paused and not math.isfinite(situation.depth):
+        link.spin(LISTENING_TIME)  # alarms and depth are told once per simulated second
+    write_result(options, status_line(situation), asdict(situation))
+
+
+def _tell_answer(options: argparse.Namespace, answer: Answer) -> None:
+    from heave_bringup.output import write_result
+
+    if options.json or not answer.is_refused:
+        write_result(options, answer.text, {"verb": options.verb, "done": not answer.is_refused, "answer": answer.text})
+    if answer.is_refused:
+        raise CommandError(answer.text)
+
+
+def _do(options: argparse.Namespace, link: RunLink) -> Answer:
+    """Do what the verb says, and return the answer."""
+    task = _task(options, link)
+    if options.verb in ("depth", "move"):
+        return _follow(task, link, waits=not options.no_wait)  # type: ignore[arg-type]
+    return link.finish(task)
+
+
+def _task(options: argparse.Namespace, link: RunLink) -> Task:
+    from heave_bringup.operate import requests, tasks
+
+    begin: dict[str, Callable[[], Task]] = {
+        "mode": lambda: link.start(requests.request_mode(options.mode, options.tension)),
+        "depth": lambda: link.start_move(options.depth, options.speed),
+        "move": lambda: tasks.MoveBy(link, options.by, options.speed),
+        "hold": link.cancel_moves,
+        "speed": lambda: tasks.Lowering(link, options.speed, options.seconds),
+        "factor": lambda: link.start(requests.request_factor(options.factor)),
+        "stop": lambda: link.start(requests.request_mode("stopped")) if options.no_wait else tasks.Stop(link),
+        "emergency-stop": lambda: tasks.EmergencyStop(link),
+        "redesign": lambda: link.start(requests.request_redesign(options.height, options.period, options.length)),
+        "fault": lambda: _fault(options, link),
+        "pause": lambda: tasks.ClockTask(link, is_paused=True),
+        "resume": lambda: tasks.ClockTask(link),
+        "step": lambda: tasks.ClockTask(link, ticks=options.ticks),
+        "snapshot": lambda: link.start(requests.request_snapshot(options.seconds, options.directory)),
+    }
+    return begin[options.verb]()
+
+
+def _fault(options: argparse.Namespace, link: RunLink) -> Task:
+    from heave_bringup.operate.requests import NODE_OF_DEVICE, request_fault
+    from heave_bringup.operate.tasks import AnyOf
+
+    if options.action == "inject":
+        return link.start(request_fault(options.device, options.kind, options.duration, options.magnitude))
+    devices = list(NODE_OF_DEVICE) if options.device == "all" else [options.device]
+    return AnyOf([link.start(request_fault(device, "clear")) for device in devices])
+
+
+def _follow(move: Move, link: RunLink, *, waits: bool) -> Answer:
+    """Show how a move goes until it has ended or, where nobody `waits` for that, is under way."""
+    from heave_bringup.operate.tasks import Followed
+    from heave_bringup.progress import ProgressLine
+
+    with ProgressLine() as line:
+
+        def show(depth: float, rate: float, time_to_go: float) -> None:
+            line.show(f"mean depth {depth:.2f} m at {rate:+.3f} m/s, {time_to_go:.0f} s to go")
+
+        return link.finish(Followed(move, show, waits=waits))
+
+
+COMMAND = Command(
+    name="operate",
+    summary="Operate a run that is under way in another terminal: on a screen, or with one verb.",
+    examples=(
+        "heave operate",
+        "heave operate status",
+        "heave operate depth 295 --speed 0.2",
+        "heave operate fault inject mru freeze --duration 10",
+        "heave operate emergency-stop",
+    ),
+    add_arguments=add_arguments,
+    execute=execute,
+)

@@ -1,0 +1,133 @@
+"""Requests to the services of a run: what each verb asks of whom."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from heave_msgs.srv import InjectFault, Redesign, SaveSnapshot, SetMode, StepSimulation
+from heave_node.sensors import SENSORS
+from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
+from rcl_interfaces.srv import SetParameters
+from std_srvs.srv import SetBool
+
+from heave_bringup.operate.answer import Answer
+
+CONTROLLER, MASTER, RECORDER, WINCH = "winch_controller", "cable_sim", "recorder", "virtual_winch"
+
+ANSWER_TIME = 5.0
+"""Wall time in which a service must answer [s]."""
+DESIGN_TIME = 60.0
+"""The same for a design and for a snapshot: both are work [s]."""
+
+NODE_OF_DEVICE = {
+    **{name: sensor.topic.publisher for name, sensor in SENSORS.items()},
+    "encoder": WINCH,
+    "winch": WINCH,
+}
+"""Which node simulates each device."""
+
+
+def plain_answer(response: Any) -> Answer:
+    """Return what a service with `success` and `message` said in its `response`."""
+    return Answer(response.message, is_refused=not response.success)
+
+
+@dataclass(frozen=True)
+class Request:
+    """A request to one service.
+
+    Attributes
+    ----------
+    kind : type of the service
+    service : its relative name
+    message : what is asked
+    node : that serves it
+    bound : wall time in which it must answer [s]
+    judge : makes the answer in words of the service's response
+    """
+
+    kind: type[Any]
+    service: str
+    message: Any
+    node: str
+    bound: float = ANSWER_TIME
+    judge: Callable[[Any], Answer] = plain_answer
+
+
+def request_mode(mode: str, tension: float = 0.0) -> Request:
+    """Request a `mode` of the controller, in constant_tension with the `tension` to hold [N] (0: the present mean)."""
+
+    def judge(response: Any) -> Answer:
+        if not response.success:
+            return plain_answer(response)
+        taken = response.message
+        return Answer(f"mode {taken}" if taken == mode else f"{mode}: {taken}")
+
+    return Request(SetMode, "controller/set_mode", SetMode.Request(mode=mode, tension=tension), CONTROLLER, judge=judge)
+
+
+def request_factor(factor: float) -> Request:
+    """Request another share of compensation: `factor`, 0 to 1."""
+    value = ParameterValue(type=ParameterType.PARAMETER_DOUBLE, double_value=factor)
+    message = SetParameters.Request(parameters=[Parameter(name="factor", value=value)])
+
+    def judge(response: Any) -> Answer:
+        (result,) = response.results
+        if result.successful:
+            return Answer(f"factor {factor:g}: authority goes there over the fade-in time")
+        return Answer(result.reason or "the controller does not take it", is_refused=True)
+
+    return Request(SetParameters, f"{CONTROLLER}/set_parameters", message, CONTROLLER, judge=judge)
+
+
+def request_redesign(height: float = 0.0, period: float = 0.0, length: float = 0.0) -> Request:
+    """Request a new design without stopping.
+
+    Parameters
+    ----------
+    height, period : significant wave height [m] and peak period [s] of the sea; 0: as estimated from the MRU
+    length : deployed cable length [m]; 0: the present one
+    """
+    message = Redesign.Request(significant_wave_height=height, peak_period=period, length=length)
+    return Request(Redesign, "controller/redesign", message, CONTROLLER, bound=DESIGN_TIME)
+
+
+def request_fault(device: str, kind: str, duration: float = 0.0, magnitude: float = 0.0) -> Request:
+    """Make a simulated device misbehave.
+
+    Parameters
+    ----------
+    device : of NODE_OF_DEVICE
+    kind : of fault, or clear
+    duration : simulated [s]; 0: once, or until cleared
+    magnitude : in the unit of the kind
+    """
+    node = NODE_OF_DEVICE[device]
+    message = InjectFault.Request(device=device, kind=kind, duration=duration, magnitude=magnitude)
+    return Request(InjectFault, f"{node}/inject_fault", message, node)
+
+
+def request_pause(*, is_paused: bool) -> Request:
+    """Request that the run's clock stands (`is_paused`), or goes on."""
+    return Request(SetBool, "simulation/pause", SetBool.Request(data=is_paused), MASTER)
+
+
+def request_step(ticks: int) -> Request:
+    """Request that a paused run goes on for a number of `ticks`."""
+    return Request(StepSimulation, "simulation/step", StepSimulation.Request(ticks=ticks), MASTER)
+
+
+def request_snapshot(seconds: float = 0.0, directory: Path | None = None) -> Request:
+    """Request that the recorder saves the last `seconds` of the run (0: all it keeps), in a `directory` of your own."""
+    where = "" if directory is None else str(directory.resolve())
+    message = SaveSnapshot.Request(seconds=seconds, directory=where)
+
+    def judge(response: Any) -> Answer:
+        if not response.success:
+            return plain_answer(response)
+        return Answer(f"snapshot: {response.messages} messages in {response.message}")
+
+    return Request(SaveSnapshot, f"{RECORDER}/snapshot", message, RECORDER, bound=DESIGN_TIME, judge=judge)

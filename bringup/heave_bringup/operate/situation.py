@@ -1,0 +1,204 @@
+"""What an operator knows of a run: the newest of what its nodes publish, and what that says in words."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+WAITING, RUNNING, PAUSED, ENDED, FAILED = range(5)
+"""States of a run, as in heave_msgs/TickStatus."""
+
+STATE_WORDS = {WAITING: "waiting", RUNNING: "running", PAUSED: "paused", ENDED: "ended", FAILED: "failed"}
+UNKNOWN = math.nan
+
+
+@dataclass
+class RunStatus:
+    """How the run goes, as its clock master tells.
+
+    Attributes
+    ----------
+    state : WAITING, RUNNING, PAUSED, ENDED or FAILED
+    reason : what is waited for, or why it failed
+    tick : number of the tick that is under way
+    time : simulated [s]
+    real_time_factor : simulated over wall time [-]
+    missed_deadlines : ticks whose inputs were not there in time
+    """
+
+    state: int
+    reason: str = ""
+    tick: int = 0
+    time: float = 0.0
+    real_time_factor: float = 0.0
+    missed_deadlines: int = 0
+
+
+@dataclass
+class ControllerStatus:
+    """What the controller says of a tick.
+
+    Attributes
+    ----------
+    time : simulated time of the tick [s]
+    mode, law, reason : as in heave_msgs/ControllerState
+    authority : share of the sea that is compensated, 0 to 1
+    unit_heave, boom_tip_heave, uncompensated_heave : estimated, about their means, positive up [m]
+    mean_payout : about which compensation works, positive lowers [m]
+    limits : that shape the command
+    """
+
+    time: float
+    mode: str
+    law: str = ""
+    reason: str = ""
+    authority: float = 0.0
+    unit_heave: float = UNKNOWN
+    boom_tip_heave: float = UNKNOWN
+    uncompensated_heave: float = UNKNOWN
+    mean_payout: float = UNKNOWN
+    limits: tuple[str, ...] = ()
+
+
+@dataclass
+class WinchStatus:
+    """What the winch says of itself.
+
+    Attributes
+    ----------
+    time : simulated [s]
+    payout, rate : of the encoder, positive lowers [m], [m/s]
+    tension : at the drum [N]
+    brake : whether it is on
+    fault : code, as in heave_msgs/WinchState; 0 for none
+    """
+
+    time: float
+    payout: float = UNKNOWN
+    rate: float = UNKNOWN
+    tension: float = UNKNOWN
+    brake: bool = False
+    fault: int = 0
+
+
+@dataclass
+class Figures:
+    """The controller's rolling figures of merit, from its estimates.
+
+    Attributes
+    ----------
+    window : over which they are taken [s]
+    unit_sigma : standard deviation of the unit's heave [m]
+    uncompensated_sigma : the same with the winch locked [m]
+    winch_speed_max : [m/s]
+    tension_min, tension_max : measured [N]
+    """
+
+    window: float
+    unit_sigma: float
+    uncompensated_sigma: float = UNKNOWN
+    winch_speed_max: float = UNKNOWN
+    tension_min: float = UNKNOWN
+    tension_max: float = UNKNOWN
+
+
+@dataclass(frozen=True)
+class Trouble:
+    """A part of a node that is not well.
+
+    Attributes
+    ----------
+    part : node and part
+    message : what is wrong
+    is_error : an alarm; else a warning
+    """
+
+    part: str
+    message: str
+    is_error: bool
+
+    def __str__(self) -> str:
+        return f"{self.part}: {self.message}"
+
+
+@dataclass
+class Situation:
+    """The newest of each; None where nothing has come yet.
+
+    Attributes
+    ----------
+    run, controller, winch, figures : from the run's topics
+    depth : estimated mean depth of the unit, positive down [m]; NaN where the controller does not know it
+    troubles : by part, what /diagnostics says is not well now
+    """
+
+    run: RunStatus | None = None
+    controller: ControllerStatus | None = None
+    winch: WinchStatus | None = None
+    figures: Figures | None = None
+    depth: float = UNKNOWN
+    troubles: dict[str, Trouble] = field(default_factory=dict)
+
+    @property
+    def is_over(self) -> bool:
+        """Whether the run has ended, well or not."""
+        return self.run is not None and self.run.state in (ENDED, FAILED)
+
+    @property
+    def is_paused(self) -> bool:
+        """Whether the run's clock stands."""
+        return self.run is not None and self.run.state == PAUSED
+
+    @property
+    def time(self) -> float:
+        """Newest simulated time that anybody has told [s]."""
+        return max((part.time for part in (self.run, self.controller, self.winch) if part is not None), default=0.0)
+
+    @property
+    def alarms(self) -> list[Trouble]:
+        """What is in error now."""
+        return [trouble for trouble in self.troubles.values() if trouble.is_error]
+
+    def note(self, part: str, level: int, message: str) -> None:
+        """Take what a node says of a `part` of itself: a `level` of diagnostics (1 warning, 2 error) and a message."""
+        if level in (1, 2):
+            self.troubles[part] = Trouble(part, message, level == 2)
+        else:
+            self.troubles.pop(part, None)
+
+
+def run_words(run: RunStatus | None) -> str:
+    """Say how the `run` goes."""
+    if run is None:
+        return "no word from the clock master"
+    if run.state == WAITING:
+        return f"waiting for {run.reason or 'the nodes'}"
+    where = f"{STATE_WORDS[run.state]} at t = {run.time:.2f} s (tick {run.tick})"
+    if run.state == RUNNING:
+        return f"{where}, {run.real_time_factor:.1f} x real time"
+    return f"{where}: {run.reason}" if run.reason else where
+
+
+def mode_words(controller: ControllerStatus) -> str:
+    """Say the mode of the `controller` and, where it is not simply at work, why."""
+    words = f"mode {controller.mode} (law {controller.law}, authority {controller.authority:.2f})"
+    return f"{words}: {controller.reason}" if controller.reason and controller.mode != "compensating" else words
+
+
+def status_line(situation: Situation) -> str:
+    """Say a `situation` in one line."""
+    parts = [run_words(situation.run)]
+    controller, winch, figures = situation.controller, situation.winch, situation.figures
+    if controller is not None:
+        parts.append(mode_words(controller))
+    if math.isfinite(situation.depth):
+        parts.append(f"mean depth {situation.depth:.2f} m")
+    if winch is not None:
+        parts.append(f"payout {winch.payout:.2f} m at {winch.rate:+.3f} m/s, brake {'on' if winch.brake else 'off'}")
+    if figures is not None and math.isfinite(figures.unit_sigma):
+        parts.append(f"unit sigma {100.0 * figures.unit_sigma:.2f} cm over {figures.window:.0f} s, as estimated")
+    if situation.is_paused and controller is None:
+        parts.append("nodes publish nothing while it is paused: step tells more")
+    alarms = [str(alarm) for alarm in situation.alarms]
+    parts.append(f"alarms: {', '.join(alarms)}" if alarms else "no alarm")
+    return "; ".join(parts)

@@ -1,0 +1,80 @@
+"""Every parameter, as a table: what is found, how it is worded, and the page that holds it."""
+
+import json
+from pathlib import Path
+
+import pytest
+import yaml
+from heave_bringup.cli import main
+from heave_bringup.nodes import NODES
+from heave_bringup.pages.parameters import all_rows, cells, matching, page, value_words
+from heave_node.parameters import describe
+from heave_node.system_parameters import own_name
+
+PAGE = Path(__file__).parents[2] / "docs" / "parameters.md"
+ROWS = all_rows()
+
+
+def test_the_page_is_that_of_the_code():
+    assert PAGE.read_text() == page(), "python -m heave_bringup.pages.parameters > docs/parameters.md"
+
+
+def test_every_parameter_of_every_node_has_a_row_with_a_meaning():
+    for node in NODES:
+        rows = [row for row in ROWS if row.node == node.name]
+        assert [row.info.name for row in rows] == [info.name for info in describe(node.parameters_type())]
+        assert all(row.meaning.endswith(".") for row in rows)
+
+
+@pytest.mark.parametrize("row", ROWS, ids=lambda row: f"{row.node}.{row.info.name}")
+def test_a_default_is_written_as_a_scenario_would_write_it_and_is_allowed(row):
+    read = yaml.safe_load(value_words(row.info, row.info.default))
+    if isinstance(read, str) and row.info.type is float:
+        read = float(read)  # YAML 1.1 reads 1e-07 as text
+    assert row.info.check(read, where="page") == row.info.default
+
+
+def test_a_shared_name_is_the_one_that_sets_it():
+    shared = [row for row in ROWS if row.shared]
+    assert len(shared) > 50
+    assert all(own_name(row.node, row.shared) == row.info.name for row in shared)
+
+
+def names(pattern):
+    return [f"{row.node}.{row.info.name}" for row in matching(ROWS, pattern)]
+
+
+def test_a_pattern_is_a_part_of_the_name_or_has_wildcards_or_is_a_word_of_the_meaning():
+    assert names("virtual_winch.speed_limit") == ["virtual_winch.speed_limit"]
+    assert "winch_controller.winch.speed_limit" in names("SPEED_LIMIT")
+    assert names("mpc.*horizon") == ["winch_controller.mpc.horizon"]
+    assert names("system.sea.peak_period") == ["wave_vessel.peak_period", "winch_controller.sea.peak_period"]
+    assert "winch_controller.factor" in names("fraction of full compensation")
+    assert names("whale") == []
+
+
+def test_the_command_prints_what_it_finds(capsys):
+    assert main(["params", "winch_controller", "factor"]) == 0
+    said = capsys.readouterr().out
+    assert "factor" in said
+    assert "0 to 1" in said
+    assert "May be changed during a run." in said
+    assert main(["params", "speed_limit", "--json", "-"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert {row["unit"] for row in found} == {"m/s"}
+    assert {row["node"] for row in found} == {"virtual_winch", "winch_controller"}
+
+
+def test_the_command_refuses_what_it_does_not_find_with_the_nearest_name(capsys):
+    assert main(["params", "sped_limt"]) == 2
+    assert capsys.readouterr().err == "heave: no parameter fits sped_limt; did you mean speed_limit?\n"
+    assert main(["params", "whale", "x"]) == 2
+    assert "there is no node whale; known: cable_sim," in capsys.readouterr().err
+
+
+def test_a_bar_in_a_text_does_not_split_a_cell():
+    assert all(
+        len(line.replace("\\|", "").split("|")) == len(cells(ROWS[0])) + 2
+        for line in page().splitlines()
+        if line.startswith("|")
+    )
