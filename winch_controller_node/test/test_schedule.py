@@ -135,7 +135,7 @@ def test_the_sea_that_is_seen_has_the_moments_that_were_seen():
         parameters().sea,
         dataclasses.replace(parameters().sea, significant_wave_height=2.0, peak_period=9.5),
     )
-    heave, frequency = sea_adaptation.boom_tip_moments(there, parameters().vessel)
+    heave, frequency = sea_adaptation.sigma_and_frequency(there, parameters().vessel)
     seen = SeaSeen(waves=1e4, heave=heave, frequency=frequency)
     found = sea_that_was_seen(seen, belief, belief, parameters().vessel)
     assert found.peak_period == pytest.approx(9.5, rel=1e-3)
@@ -145,7 +145,7 @@ def test_the_sea_that_is_seen_has_the_moments_that_were_seen():
 
 def test_a_few_waves_change_a_sea_less_unless_it_is_refuted():
     belief = parameters().sea
-    heave, frequency = sea_adaptation.boom_tip_moments(belief, parameters().vessel)
+    heave, frequency = sea_adaptation.sigma_and_frequency(belief, parameters().vessel)
     few = SeaSeen(3.0, heave, 0.5 * frequency)
     shrunk, taken = (
         sea_that_was_seen(dataclasses.replace(few, is_refuted=known), belief, belief, parameters().vessel)
@@ -180,7 +180,7 @@ def test_boom_tip_moments_of_the_spectrum_are_near_those_of_its_filter():
     # the six-state filter has a relative L2 error of 1.1 % of the Bretschneider spectrum
     tip = boom_tip_block(parameters().sea, parameters().vessel)
     P = state_covariance(tip)
-    m0, m2, _ = boom_tip_moments(parameters())
+    m0, m2, _ = boom_tip_moments(parameters().sea, parameters().vessel)
     heave, rate = tip.row("boom_tip_heave"), tip.row("boom_tip_heave_rate")
     assert m0 == pytest.approx(heave @ P @ heave, rel=0.02)
     assert m2 == pytest.approx(rate @ P @ rate, rel=0.03)

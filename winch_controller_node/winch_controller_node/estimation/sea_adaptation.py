@@ -12,10 +12,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from heave_node.arrays import Array
-from heave_node.linear_model import state_covariance
 
 from winch_controller_node.design.design import ControllerDesign
-from winch_controller_node.model.models import boom_tip_block
+from winch_controller_node.design.feasibility import boom_tip_moments
 from winch_controller_node.parameters.model import SeaModelParameters, VesselModelParameters
 
 MEMORY = 600.0
@@ -178,14 +177,15 @@ class SeaTracker:
         return counted * self._frequency / (2.0 * math.pi)
 
 
-def boom_tip_moments(sea: SeaModelParameters, vessel: VesselModelParameters) -> tuple[float, float]:
-    """Return standard deviation [m] and mean frequency [rad/s] of the boom tip in a sea."""
-    tip = boom_tip_block(sea, vessel)
-    P = state_covariance(tip)
-    heave, rate = (
-        math.sqrt(float(tip.row(name) @ P @ tip.row(name))) for name in ("boom_tip_heave", "boom_tip_heave_rate")
-    )
-    return heave, rate / heave
+def sigma_and_frequency(sea: SeaModelParameters, vessel: VesselModelParameters) -> tuple[float, float]:
+    """Return standard deviation [m] and mean frequency [rad/s] of the boom tip in a sea: of its spectrum, not a filter.
+
+    Parameters
+    ----------
+    sea, vessel : that are believed
+    """
+    heave, rate, _ = boom_tip_moments(sea, vessel)
+    return math.sqrt(heave), math.sqrt(rate / heave)
 
 
 def sea_that_was_seen(
@@ -198,19 +198,19 @@ def sea_that_was_seen(
     """
     weight = seen.waves / (seen.waves + (REFUTED_WAVES if seen.is_refuted else DOUBT_WAVES))
     # a higher sea than believed is most likely as steep, and so longer
-    higher = max(seen.heave / boom_tip_moments(believed, vessel)[0], 1.0)
-    expected = boom_tip_moments(_stretched(believed, min(math.sqrt(higher), LONGEST)), vessel)[1]
+    higher = max(seen.heave / sigma_and_frequency(believed, vessel)[0], 1.0)
+    expected = sigma_and_frequency(_stretched(believed, min(math.sqrt(higher), LONGEST)), vessel)[1]
     wanted = expected * (seen.frequency / expected) ** weight
     low, high = (limit / believed.peak_period for limit in PERIODS)
     for _ in range(24):
         factor = math.sqrt(low * high)
-        slower = boom_tip_moments(_stretched(believed, factor), vessel)[1] < wanted
+        slower = sigma_and_frequency(_stretched(believed, factor), vessel)[1] < wanted
         low, high = (low, factor) if slower else (factor, high)
-    off = math.log(wanted / boom_tip_moments(in_force, vessel)[1])
+    off = math.log(wanted / sigma_and_frequency(in_force, vessel)[1])
     if abs(off) < LEAST_CHANGE or (not seen.is_refuted and abs(off) < weight * SCATTER / math.sqrt(seen.waves)):
         return None
     sea = _stretched(believed, factor)
-    height = seen.heave / boom_tip_moments(sea, vessel)[0]
+    height = seen.heave / sigma_and_frequency(sea, vessel)[0]
     # a sea that may still grow is not held to be lower than believed
     return _heightened(sea, height if seen.is_settled else max(height, 1.0))
 
