@@ -28,6 +28,7 @@ UNIT_USBL = sensors.USBL.topic
 LOAD_CELL = sensors.LOAD_CELL.topic
 CONTROLLER_STATE = Topic("controller/state", "heave_msgs/msg/ControllerState", "winch_controller")
 CONTROLLER_KPI = Topic("controller/kpi", "heave_msgs/msg/CompensationKpi", "winch_controller")
+OPERATOR_SPEED = Topic("controller/operator_speed", "geometry_msgs/msg/TwistStamped", "")
 DIAGNOSTICS = Topic("/diagnostics", "diagnostic_msgs/msg/DiagnosticArray", "")
 MARKERS = Topic("markers", "visualization_msgs/msg/MarkerArray", "cable_sim")
 

@@ -332,14 +332,15 @@ def test_a_winch_other_than_believed_is_found_out_and_driven_to_its_limits_as_if
 
 
 def test_an_identified_winch_that_cannot_be_designed_for_is_an_alarm_and_the_loop_goes_on(monkeypatch):
-    loop = ClosedLoop(dataclasses.replace(loop_parameters(height=3.0), winch=WinchParameters(time_constant=0.08)))
+    loop = ClosedLoop(dataclasses.replace(loop_parameters(), winch=WinchParameters(time_constant=0.08)))
 
     def refuse(parameters):
         raise DesignError("no gain for that winch")
 
-    monkeypatch.setattr(loop.controller._in_force, "prepared_for_winch", refuse)
+    monkeypatch.setattr(loop.controller._in_force, "prepared_for", refuse)
     outputs = [loop.step()[0] for _ in range(800)]
-    assert any("identified winch not used: no gain for that winch" in tick.alarms for tick in outputs)
+    told = [words for tick in outputs for words in tick.alarms if "not used" in words]
+    assert told == ["what was learnt is not used: no gain for that winch"]
     assert outputs[-1].report.mode == "compensating"
 
 
@@ -540,7 +541,7 @@ def test_constant_tension_begins_at_the_measured_tension_each_time():
     for _ in range(200):
         loop.step()
     loop.controller.set_mode("compensating")
-    for _ in range(400):
+    for _ in range(430):
         loop.step()
     loop.controller.set_mode("constant_tension", static)
     # the ramp of 8 s begins where the tension is
@@ -600,3 +601,36 @@ def test_a_slow_winch_is_followed_by_the_baseline_that_inverts_its_lag():
         left[law] = float(np.std(tip - record.column("payout", after=40.0)) / np.std(tip))
     assert left["feedforward"] > 0.15
     assert left["industrial"] < 0.06
+
+
+def test_a_motion_reference_unit_that_samples_between_ticks_is_used_at_its_own_time():
+    """Samples 20 ms before the ticks: cubics through heave and rate of the ticks, with noise of 1 cm and 1 cm/s."""
+    early = 0.4
+
+    def sigma(*, is_shifted):
+        loop = ClosedLoop(loop_parameters(duration=55.0, sea={"mru.noise": 0.0, "mru.rate_noise": 0.0}))
+        noise, step, last = np.random.default_rng(5), loop.controller.step, []
+
+        def sampled(tick, measured):
+            (now,) = measured.mru
+            before = last.pop() if last else now
+            last.append(now)
+            heave, rate = cubic(before, now, 1.0 - early if is_shifted else 1.0)
+            added = 0.01 * noise.standard_normal(2)
+            time = now.time - (early * DT if is_shifted else 0.0)
+            reading = dataclasses.replace(now, time=time, heave=heave + added[0], heave_rate=rate + added[1])
+            return step(tick, dataclasses.replace(measured, mru=(reading,)))
+
+        loop.controller.step = sampled
+        return loop.run().unit_sigma(32.0)
+
+    assert sigma(is_shifted=True) < 1.15 * sigma(is_shifted=False)
+
+
+def cubic(start, end, share):
+    """Return heave and rate at a share of the tick from one reading to another."""
+    s, h00 = share, 2 * share**3 - 3 * share**2 + 1
+    heave = h00 * start.heave + (1 - h00) * end.heave
+    heave += DT * ((s**3 - 2 * s**2 + s) * start.heave_rate + (s**3 - s**2) * end.heave_rate)
+    slope = 6 * (s - s**2) * (end.heave - start.heave) / DT
+    return heave, slope + (3 * s**2 - 4 * s + 1) * start.heave_rate + (3 * s**2 - 2 * s) * end.heave_rate

@@ -37,8 +37,8 @@ def test_another_winch_keeps_every_state_and_repeats_the_oldest_command():
     in_force = DesignInForce(WinchControllerParameters(), tick_period=DT)
     old = in_force.design.model
     winch = dataclasses.replace(in_force.parameters.winch, command_delay=0.3)
-    prepared = in_force.prepared_for_winch(dataclasses.replace(in_force.parameters, winch=winch))
-    matrix = in_force.take_winch(prepared)
+    prepared = in_force.prepared_for(dataclasses.replace(in_force.parameters, winch=winch))
+    matrix, _ = in_force.take_learnt(prepared)
     new, x = in_force.design.model, np.random.default_rng(1).standard_normal(old.order)
     carried = matrix @ x
     for name in old.state_names:

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+import scipy.linalg
 from heave_node.linear_model import linear_model, state_covariance
 from heave_node.linear_sampling import discretise
 from winch_controller_node.model.estimator import KalmanEstimator, Measurement, MeasurementModel
@@ -186,3 +187,30 @@ def test_a_sensor_with_a_gate_of_its_own_is_never_refused_by_the_estimate():
     assert left[False] < 0.5
     estimator.step(40, 0.0, [Measurement("position", math.nan, 40)])
     assert np.all(np.isfinite(estimator.estimate))
+
+
+def test_a_stream_that_the_model_does_not_foresee_is_followed_and_a_lone_outlier_in_it_is_not():
+    """A position that runs away steadily: each reading continues what the last one said against the prediction."""
+    kalman = make(gate=9.0)
+    for k in range(1, 80):
+        value = 0.02 * k * k * DT
+        kalman.step(k, 0.0, [Measurement("position", value + (5.0 if k == 60 else 0.0), k)])
+        assert kalman.innovations["position"].accepted == (k != 60), k
+    assert kalman.estimate[0] == pytest.approx(0.02 * 79**2 * DT, rel=0.2)
+
+
+def test_a_sensor_that_jumps_is_not_a_stream():
+    kalman = make()
+    for k in range(1, 60):
+        kalman.step(k, 0.0, [Measurement("position", 5.0 if k > 30 else 0.0, k)])
+        assert kalman.innovations["position"].accepted == (k <= 30)
+
+
+@pytest.mark.parametrize("offset", [-0.5, -0.2, 0.3, 0.5])
+def test_a_reading_between_two_ticks_is_compared_with_the_state_at_its_own_time(offset):
+    """What is left of a wave of 1 rad/s at ticks of 0.1 s is its third difference, 1e-3; rounded off, it were 0.1."""
+    kalman = make()
+    kalman.reset(np.array([1.0, 2.0]))
+    row = kalman.row_of(Measurement("position", 0.0, 0, offset=offset))
+    later = scipy.linalg.fractional_matrix_power(kalman.model.A, offset).real
+    assert row @ [1.0, 2.0] == pytest.approx(float(kalman.measurements["position"].row @ later @ [1.0, 2.0]), abs=1e-3)

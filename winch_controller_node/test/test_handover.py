@@ -38,14 +38,14 @@ def loop_above(seabed, duration, seed, *, winch=None, **controller):
 @pytest.mark.parametrize("seed", [1, 2])
 def test_a_unit_is_landed_held_and_lifted_off_without_touching_again(seed):
     programme = {
-        "programme.move_times": [20.0],
+        "programme.move_times": [30.0],
         "programme.move_payouts": [6.0],
         "programme.move_speeds": [0.2],
-        "programme.mode_times": [60.0],
+        "programme.mode_times": [70.0],
         "programme.modes": ["compensating"],
         "tension.lift_height": 1.0,
     }
-    record = loop_above(575.0, 90.0, seed, **programme).run()
+    record = loop_above(575.0, 100.0, seed, **programme).run()
     words = [alarm for _, alarm in record.alarms]
     hangs = next(time for time, alarm in record.alarms if alarm == "unit suspended")
     assert "touchdown" in words
@@ -69,7 +69,8 @@ def test_compensation_after_constant_tension_holds_the_unit_where_it_is():
     rows = np.array([loop.step()[1] for _ in range(400)])
     # constant tension leaves the unit drifting by some decimetres; what it was at the change is the mean from then on
     assert abs(held[-1, 2] - held[0, 2]) > 0.05
-    assert np.max(np.abs(rows[:, 2] - held[-1, 2])) < 0.05
+    # a unit under way goes on for the half second of delay and lag
+    assert np.max(np.abs(rows[:, 2] - held[-1, 2])) < 0.05 + 0.5 * abs(held[-1, 11])
     assert np.max(np.abs(np.diff(rows[:, 5]))) <= 1.5 * DT + 1e-9
 
 

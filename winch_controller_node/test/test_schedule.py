@@ -1,5 +1,6 @@
 """Gain schedule over length, adaptation to the sea, demand on the winch."""
 
+import dataclasses
 import math
 
 import numpy as np
@@ -7,11 +8,13 @@ import pytest
 from cable_sim_node.peers.reference_systems import DEEP_900
 from heave_node.linear_model import state_covariance
 from heave_node.parameters import build_parameters
+from winch_controller_node.design.carry_sea import carry_sea
 from winch_controller_node.design.design import at_cable, carry_over, design_controller
 from winch_controller_node.design.feasibility import boom_tip_moments, feasibility_table, uncompensated_sigma
 from winch_controller_node.design.prediction import predict_loop
 from winch_controller_node.design.schedule import closed_loop_radius, design_schedule
-from winch_controller_node.estimation.sea_adaptation import PATIENCE, SeaTracker
+from winch_controller_node.estimation import sea_adaptation
+from winch_controller_node.estimation.sea_adaptation import PATIENCE, SeaSeen, SeaTracker, sea_that_was_seen
 from winch_controller_node.model.blocks import CableModel
 from winch_controller_node.model.lqr import DesignError
 from winch_controller_node.model.models import boom_tip_block
@@ -118,16 +121,66 @@ def test_the_tracker_finds_a_sea_twice_as_high_and_scales_the_noise_by_four():
     assert noise[payout, payout] == pytest.approx(design.model.noise_covariance[payout, payout])
 
 
-def test_the_tracker_waits_before_it_says_anything():
+def test_a_sea_is_not_said_to_be_lower_before_many_waves_have_been_seen_but_higher_within_two():
+    design = design_controller(parameters(), tick_period=DT)
+    sigma = math.sqrt(2.0) * design.sigma["boom_tip_heave"]
+    lower, higher = SeaTracker(design), SeaTracker(design)
+    assert all(lower.update(0.5 * sigma * math.sin(0.8 * k * DT)) is None for k in range(round(0.9 * PATIENCE / DT)))
+    assert any(higher.update(3.0 * sigma * math.sin(0.8 * k * DT)) is not None for k in range(round(16.0 / DT)))
+
+
+def test_the_sea_that_is_seen_has_the_moments_that_were_seen():
+    """A sea of twice the height and other period than believed, after many waves."""
+    belief, there = (
+        parameters().sea,
+        dataclasses.replace(parameters().sea, significant_wave_height=2.0, peak_period=9.5),
+    )
+    heave, frequency = sea_adaptation.sigma_and_frequency(there, parameters().vessel)
+    seen = SeaSeen(waves=1e4, heave=heave, frequency=frequency)
+    found = sea_that_was_seen(seen, belief, belief, parameters().vessel)
+    assert found.peak_period == pytest.approx(9.5, rel=1e-3)
+    assert found.significant_wave_height == pytest.approx(2.0, rel=1e-3)
+    assert sea_that_was_seen(seen, belief, found, parameters().vessel) is None
+
+
+def test_a_few_waves_change_a_sea_less_unless_it_is_refuted():
+    belief = parameters().sea
+    heave, frequency = sea_adaptation.sigma_and_frequency(belief, parameters().vessel)
+    few = SeaSeen(3.0, heave, 0.5 * frequency)
+    shrunk, taken = (
+        sea_that_was_seen(dataclasses.replace(few, is_refuted=known), belief, belief, parameters().vessel)
+        for known in (False, True)
+    )
+    assert belief.peak_period < shrunk.peak_period < taken.peak_period
+
+
+def test_a_sea_is_refuted_by_what_it_predicts_badly_and_by_nothing_else():
     tracker = SeaTracker(design_controller(parameters(), tick_period=DT))
-    assert all(tracker.update(5.0) is None for _ in range(100))
+    for nis in np.random.default_rng(0).chisquare(1, 2000):
+        tracker.note_surprise(float(nis))
+        assert not tracker.is_refuted
+    for _ in range(100):
+        tracker.note_surprise(9.0)
+    assert tracker.is_refuted
+
+
+def test_waves_are_carried_over_to_another_sea_by_the_motion_that_they_bring_about():
+    old = design_controller(parameters(), tick_period=DT)
+    new = design_controller(parameters(sea__peak_period=1.5 * parameters().sea.peak_period), tick_period=DT)
+    matrix, added = carry_sea(old, new)
+    P = old.initial_covariance
+    for ticks in (0, 10, 40):
+        before = old.model.row("boom_tip_heave") @ np.linalg.matrix_power(old.model.A, ticks)
+        after = new.model.row("boom_tip_heave") @ np.linalg.matrix_power(new.model.A, ticks) @ matrix
+        assert (after - before) @ P @ (after - before) < 0.05**2 * before @ P @ before
+    assert np.min(np.linalg.eigvalsh(added)) > -1e-12
 
 
 def test_boom_tip_moments_of_the_spectrum_are_near_those_of_its_filter():
     # the six-state filter has a relative L2 error of 1.1 % of the Bretschneider spectrum
     tip = boom_tip_block(parameters().sea, parameters().vessel)
     P = state_covariance(tip)
-    m0, m2, _ = boom_tip_moments(parameters())
+    m0, m2, _ = boom_tip_moments(parameters().sea, parameters().vessel)
     heave, rate = tip.row("boom_tip_heave"), tip.row("boom_tip_heave_rate")
     assert m0 == pytest.approx(heave @ P @ heave, rel=0.02)
     assert m2 == pytest.approx(rate @ P @ rate, rel=0.03)

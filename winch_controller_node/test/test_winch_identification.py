@@ -3,13 +3,14 @@
 import numpy as np
 import pytest
 from cable_sim_node.winch.component import VirtualWinch, WinchCommand
-from cable_sim_node.winch.parameters import WinchParameters
+from cable_sim_node.winch.parameters import EncoderParameters, WinchParameters
 from heave_node.faults import FaultParameters
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from winch_controller_node.design.design import design_controller
-from winch_controller_node.identification.drum_kernel import Drum, drum_record
-from winch_controller_node.identification.winch import LateCommands, WinchIdentifier
+from winch_controller_node.identification.drum_kernel import Drum, drum_records
+from winch_controller_node.identification.late_commands import LateCommands
+from winch_controller_node.identification.winch import WinchIdentifier
 from winch_controller_node.node_parameters import WinchControllerParameters
 
 DT = 0.05
@@ -54,7 +55,7 @@ def test_a_short_or_still_record_tells_nothing_and_changes_nothing(design):
     assert identifier.find() is None
     for rate, encoder in record_of(VirtualWinch(WinchParameters(time_constant=0.3), tick_period=DT), np.zeros(200)):
         identifier.add(0.0, rate, encoder)
-    assert identifier.improved_parameters(parameters) is None
+    assert identifier.improved_winch(parameters.winch) is None
 
 
 def test_a_position_loop_is_part_of_the_drum():
@@ -63,7 +64,8 @@ def test_a_position_loop_is_part_of_the_drum():
     commands = commands_of(20.0)
     encoder = np.array([payout for _, payout in record_of(winch, commands)])
     payouts, rates = np.zeros(len(commands) + 10), np.concatenate([np.zeros(10), commands])
-    drum = drum_record(payouts, rates, len(commands), Drum(0.15, 0.2, 0.5, 2.0, 1.5), 0.0, 0.0, DT)
+    drums = np.array([Drum(0.15, 0.2, speed_out=2.0, speed_in=2.0, acceleration_out=1.5, acceleration_in=1.5)])
+    drum = drum_records(payouts, rates, drums, np.zeros((1, 2)), 0.5, len(commands), DT)[0]
     # the encoder rounds to 1 mm; the position loop's steps of 5 ms differ by less
     np.testing.assert_allclose(drum, encoder, atol=1e-3)
 
@@ -82,3 +84,57 @@ def test_a_transport_that_becomes_slower_is_noticed_within_three_ticks_and_said_
     # a command of tick 100 was due at the end of tick 103: nothing can be seen before
     assert list(alarms) == [pytest.approx(105, abs=1)]
     assert "later than modelled" in next(iter(alarms.values()))
+
+
+def identified(design, winch, size=1.5):
+    """Return the identifier after 20 s of a winch that is not the one believed."""
+    identifier = WinchIdentifier(WinchControllerParameters().lag, design)
+    for rate, encoder in record_of(VirtualWinch(winch, tick_period=DT), commands_of(20.0, size=size)):
+        identifier.add(0.0, rate, encoder)
+    return identifier
+
+
+@pytest.mark.parametrize(
+    ("winch", "found"),
+    [
+        ({"acceleration_limit": 0.8, "stop_deceleration": 0.8}, {"acceleration_limit": 0.8}),
+        ({"hauling_acceleration_share": 0.7 / 1.5}, {"acceleration_limit": 0.7}),
+        ({"speed_limit": 1.0}, {"speed_limit": 1.0}),
+        ({"hauling_speed_share": 0.4}, {"speed_limit": 0.8}),
+        ({"speed_gain": 0.8}, {"speed_gain": 0.8}),
+        ({"speed_gain": 1.2}, {"speed_gain": 1.2}),
+    ],
+    ids=",".join,
+)
+def test_a_winch_weaker_or_other_than_believed_is_known_after_20_seconds(design, winch, found):
+    """Belief: 2 m/s, 1.5 m/s^2, gain 1, 0.15 s, 0.2 s. Of a limit 3 % are kept in hand; what is not wrong stays."""
+    belief = WinchControllerParameters().winch
+    better = identified(design, WinchParameters(**winch)).improved_winch(belief)
+    for name in ("time_constant", "command_delay", "speed_gain", "speed_limit", "acceleration_limit"):
+        wanted = found.get(name)
+        if wanted is None:
+            # lag and delay are told apart to some 0.02 s by an encoder of 1 mm
+            assert getattr(better, name) == pytest.approx(getattr(belief, name), abs=0.025), name
+        else:
+            share = 0.97 if "limit" in name else 1.0
+            assert getattr(better, name) == pytest.approx(share * wanted, rel=0.03), name
+
+
+def test_a_limit_that_is_not_reached_is_not_learnt(design):
+    weak = WinchParameters(acceleration_limit=0.8, stop_deceleration=0.8)
+    assert identified(design, weak, size=0.3).improved_winch(WinchControllerParameters().winch) is None
+
+
+def test_dead_zone_and_play_of_the_encoder_are_not_taken_for_lags_or_limits(design):
+    other = WinchParameters(speed_deadband=0.05, encoder=EncoderParameters(backlash=0.02))
+    belief = WinchControllerParameters().winch
+    better = identified(design, other, size=0.5).improved_winch(belief) or belief
+    assert (better.time_constant, better.command_delay) == pytest.approx((0.15, 0.2), abs=0.02)
+    assert better.speed_gain == pytest.approx(1.0, abs=0.02)
+    assert (better.speed_limit, better.acceleration_limit) == (2.0, 1.5)
+
+
+def test_the_drum_is_missed_within_a_second_where_the_winch_is_weaker(design):
+    belief = WinchControllerParameters().winch
+    assert abs(identified(design, WinchParameters(), size=1.5).error(belief)) < 0.002
+    assert abs(identified(design, WinchParameters(speed_gain=0.8)).error(belief)) > 0.04

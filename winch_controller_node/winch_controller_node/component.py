@@ -15,16 +15,15 @@ from heave_node.parameters import describe
 
 from winch_controller_node.design.design import ControllerDesign
 from winch_controller_node.design.prediction import predict_loop
-from winch_controller_node.design.work import DesignWork
 from winch_controller_node.design_in_force import DesignInForce, PreparedDesign
 from winch_controller_node.estimation.loop_estimation import LoopEstimation
 from winch_controller_node.estimation.loop_tick import LoopTick
 from winch_controller_node.estimation.observation import Observer
 from winch_controller_node.interface.readings import Measurements, Outputs, RollingKpi, WinchReading
 from winch_controller_node.laws.constant_tension import TRAVEL
+from winch_controller_node.learning import Learning
 from winch_controller_node.loop_command import LoopCommand, TickCommand
 from winch_controller_node.model.estimator import KalmanEstimator
-from winch_controller_node.model.lqr import DesignError
 from winch_controller_node.motion.operator_speed import OperatorRange, OperatorSpeed
 from winch_controller_node.motion.programme import Programme, ProgrammeStep
 from winch_controller_node.motion.trajectory import MeanPayout
@@ -43,9 +42,6 @@ DYNAMIC_LIMITS = ~WinchLimit.PAYOUT
 
 OPERATED = (Mode.COMPENSATING, Mode.MANUAL)
 """Modes in which an operator may ask for a speed."""
-
-DESIGN_TIME = 1.0
-"""A design that the loop asks for takes effect so long after it was begun [s], also where it is made at once."""
 
 LIFTING_SURPLUS = 0.06
 """Tension above the static one that lifts a unit off, in weights of the unit: more than the load cell may err."""
@@ -79,14 +75,13 @@ class WinchController:
         self._estimation = LoopEstimation(design)
         self._supervisor = Supervisor(design, law)
         self._command = LoopCommand(design, law)
-        self._winch = WinchWatch(design)
+        self._winch = WinchWatch(design, designer)
         self._load = LoadWatch(parameters.alarms, tick_period=tick_period)
         self._travel_end = Episode(tick_period)
         self._programme = Programme(parameters.programme)
         self._operator = OperatorSpeed(parameters.operator, tick_period=tick_period)
         self._kpi = KpiWindow(parameters.kpi_window, parameters.winch, tick_period=tick_period)
-        ticks = max(1, round(DESIGN_TIME / tick_period))
-        self._winch_work: DesignWork[PreparedDesign] = DesignWork(ticks, designer)
+        self._learning = Learning(self._in_force, self._estimation, self._winch, designer)
         self._alarms: list[str] = []
 
     @property
@@ -286,7 +281,7 @@ class WinchController:
         self._alarms = []
         self._run_programme(tick * self._dt)
         self._follow_operator()
-        self._follow_winch(tick)
+        self._learn(tick)
         self._follow_length()
         loop = self._estimation.step(
             tick, measurements, self._command.last.shares, unit_stands=self._supervisor.landing.unit_stands
@@ -316,7 +311,8 @@ class WinchController:
                 speed=self._command.speed(loop),
                 mean_payout=self.mean.point.payout,
                 settled_swing=self._command.settled_swing,
-                inhibition=transport.inhibition,
+                share=self._winch.share if identifies_winch(self.parameters) else 1.0,
+                inhibition=transport.inhibition or self._learning.inhibition,
             ),
         )
         self._alarms += [transport.alarm] if transport.alarm else []
@@ -396,7 +392,7 @@ class WinchController:
 
     def take_redesign(self, prepared: PreparedDesign) -> ControllerDesign:
         """Go on with a design that was prepared; called between two ticks."""
-        self._winch_work.drop()
+        self._learning.drop()
         factors = self._in_force.take(prepared)
         self._estimation.take_design(self.design, factors)
         self._take_law()
@@ -409,32 +405,12 @@ class WinchController:
         """
         return self.take_redesign(self.prepare_redesign(parameters))
 
-    def _follow_winch(self, tick: int) -> None:
-        """Design anew where the winch is found to follow its set-points otherwise than its model."""
-        try:
-            prepared = self._winch_work.take(tick)
-        except DesignError as error:
-            self._alarms.append(f"identified winch not used: {error}")
-            return
-        if prepared is not None:
-            self._take_winch(prepared, tick)
-        elif not self._winch_work.is_under_way and self.mode is Mode.COMPENSATING:
-            self._begin_to_follow_winch(tick)
-
-    def _begin_to_follow_winch(self, tick: int) -> None:
-        improved = self._winch.improved_parameters(tick, self.parameters) if identifies_winch(self.parameters) else None
-        if improved is not None:
-            in_force = self._in_force
-            self._winch_work.begin(tick, lambda: in_force.prepared_for_winch(improved))
-
-    def _take_winch(self, prepared: PreparedDesign, tick: int) -> None:
-        matrix = self._in_force.take_winch(prepared)
-        self._estimation.carry(self.design, matrix, tick - 1)
-        self._take_law()
-        winch = prepared.parameters.winch
-        self._alarms.append(
-            f"winch model updated: time constant {winch.time_constant:.3f} s, command delay {winch.command_delay:.3f} s"
-        )
+    def _learn(self, tick: int) -> None:
+        """Go on with what has been learnt of winch, sea and sensors, and say it."""
+        before = self.design
+        self._alarms += self._learning.follow(tick, compensates=self.mode is Mode.COMPENSATING)
+        if self.design is not before:
+            self._take_law()
 
     def _follow_length(self) -> None:
         """Follow the gain schedule, where there is one."""

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
+import numpy as np
 from heave_node.arrays import Array
 
+from winch_controller_node.design.carry_sea import carry_sea
 from winch_controller_node.design.design import ControllerDesign, carry_by_name, carry_over, design_controller
 from winch_controller_node.design.schedule import FOLLOW, GainSchedule, design_schedule, is_scheduled
 from winch_controller_node.laws.law import ControlLaw
 from winch_controller_node.model.lqr import DesignError
 from winch_controller_node.node_parameters import WinchControllerParameters
+from winch_controller_node.parameters.model import WinchModelParameters
 
 
 @dataclass(frozen=True)
@@ -97,23 +100,66 @@ class DesignInForce:
         self.law = self.design.make_law()
         return True
 
-    def prepared_for_winch(self, parameters: WinchControllerParameters) -> PreparedDesign:
-        """Design for the winch of `parameters`, and change nothing yet; takes longer than a tick.
+    def prepared_for(
+        self, parameters: WinchControllerParameters, factors: tuple[float, float] = (1.0, 1.0)
+    ) -> PreparedDesign:
+        """Design for winch, sea and sensors of `parameters` and the cable in force; takes longer than a tick.
+
+        `factors` multiply inertia and damping of that.
 
         Raises DesignError where that cannot be designed.
         """
-        design = design_controller(parameters, tick_period=self._dt, cable=self.design.cable)
+        cable = self.design.cable
+        cable = replace(cable, a=factors[0] * cable.a, b=factors[1] * cable.b)
+        design = design_controller(parameters, tick_period=self._dt, cable=cable)
         return PreparedDesign(parameters, design, design.make_law())
 
-    def take_winch(self, prepared: PreparedDesign) -> Array:
-        """Put a `prepared` design for another winch in force.
+    def take_learnt(self, prepared: PreparedDesign) -> tuple[Array, Array]:
+        """Put a design `prepared` for another winch or another sea in force; limits and gain stay those in force.
 
-        Returns the matrix that takes a present state to one of the new design, shape (n_new, n): every state keeps its
-        meaning, the chain of commands its newest.
+        Returns the matrix that takes a present state to one of the new design, shape (n_new, n), and the covariance
+        that this adds, shape (n_new, n_new). Waves of another sea are told by the boom-tip motion that they bring
+        about; every other state keeps its meaning, the chain of commands its newest.
+
+        Raises DesignError where another sea needs other states; the old design then stays.
+        """
+        old, new = self.design, prepared.design
+        matrix = carry_by_name(old, new)
+        added = np.zeros((new.model.order, new.model.order))
+        if prepared.parameters.sea != self.parameters.sea:
+            self._check_states(new)
+            matrix, added = carry_sea(old, new)
+        self._put_in_force_with_limits(prepared)
+        return matrix, added
+
+    def take_sensors(self, prepared: PreparedDesign) -> Array:
+        """Put a design `prepared` for other sensors in force; limits and gain of the winch stay those in force.
+
+        Returns the matrix that takes a present state to one of the new design, shape (n_new, n); what is new is zero.
         """
         matrix = carry_by_name(self.design, prepared.design)
-        self._put_in_force(prepared)
+        self._put_in_force_with_limits(prepared)
         return matrix
+
+    def _put_in_force_with_limits(self, prepared: PreparedDesign) -> None:
+        winch = self.parameters.winch
+        self._put_in_force(prepared)
+        self.take_limits(winch)
+
+    def take_limits(self, winch: WinchModelParameters) -> None:
+        """Keep limits and gain of another `winch`: model and gains stay what they are."""
+        mine = self.parameters.winch
+        kept = replace(
+            mine,
+            speed_gain=winch.speed_gain,
+            speed_limit=winch.speed_limit,
+            acceleration_limit=winch.acceleration_limit,
+        )
+        if kept == mine:
+            return
+        self.parameters = replace(self.parameters, winch=kept)
+        self.design = replace(self.design, parameters=self.parameters)
+        self.law.take_limits(self.design.limits)
 
     def _designed(
         self, parameters: WinchControllerParameters, payout: float

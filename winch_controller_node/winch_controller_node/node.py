@@ -78,12 +78,11 @@ class WinchControllerNode(ParticipantNode):
             for name in INPUTS
         }
         self.winch_state = self.add_input(topics.WINCH_STATE, check_stamps=False, holds_ahead=True)
-        self.sea_estimate = self.add_input(topics.SEA_STATE_ESTIMATE)
         self.create_service(SetMode, "controller/set_mode", self._serve_set_mode)
         self.create_service(Redesign, "controller/redesign", self._serve_redesign)
         self.add_on_set_parameters_callback(self._take_parameters)
         self.move = MoveAction(self, lambda: self.controller)
-        self.create_subscription(TwistStamped, "controller/operator_speed", self._take_operator_speed, 1)
+        self.create_subscription(TwistStamped, topics.OPERATOR_SPEED.name, self._take_operator_speed, 1)
 
     def on_activate(self, state: LifecycleState) -> TransitionCallbackReturn:
         """Start again in a run that is under way; `state` is the lifecycle state before."""
@@ -116,7 +115,6 @@ class WinchControllerNode(ParticipantNode):
         }
         states = self.take(self.winch_state)
         winch = conversions.winch_reading(states[-1], nanoseconds_of(states[-1].header.stamp)) if states else None
-        self.take(self.sea_estimate)  # the latest is what a redesign follows
         water = Water(self.parameters.water_density, self.parameters.gravity)
         measurements = conversions.measurements(delivered, winch, water)
         outputs = self.controller.step(tick.number, measurements)
@@ -201,11 +199,11 @@ class WinchControllerNode(ParticipantNode):
         if not all(math.isfinite(value) and value >= 0.0 for value in asked):
             response.message = "significant_wave_height, peak_period and length must be at least 0"
             return response
-        height, period = self._sea_in_force()
+        # what is left out stays as it is believed: the controller follows the sea by its own motion reference unit
         sea = dataclasses.replace(
             old.sea,
-            significant_wave_height=request.significant_wave_height or height,
-            peak_period=request.peak_period or period,
+            significant_wave_height=request.significant_wave_height or old.sea.significant_wave_height,
+            peak_period=request.peak_period or old.sea.peak_period,
         )
         new = dataclasses.replace(old, sea=sea, length=request.length or old.length)
         try:
@@ -243,13 +241,6 @@ class WinchControllerNode(ParticipantNode):
             in_force.set_result(None)
         except ValueError as error:
             in_force.set_exception(error)
-
-    def _sea_in_force(self) -> tuple[float, float]:
-        """Return Hs [m] and Tp [s] as estimated from the MRU; while there is no valid estimate, those of the design."""
-        estimate = self.sea_estimate.latest
-        if estimate is None or not estimate.valid:
-            return self.controller.parameters.sea.significant_wave_height, self.controller.parameters.sea.peak_period
-        return estimate.significant_wave_height, estimate.peak_period
 
 
 def main() -> None:

@@ -234,14 +234,14 @@ def carry_over(old: ControllerDesign, new: ControllerDesign) -> Array:
 def carry_by_name(old: ControllerDesign, new: ControllerDesign) -> Array:
     """Return the matrix that takes a state of `old` to one of `new`, shape (n_new, n_old).
 
-    States of one name are the same; a longer chain of past commands repeats its oldest.
+    States of one name are the same; a longer chain of past commands repeats its oldest, any other new state is zero.
     """
     chain = old.delay_states
     matrix = np.zeros((new.model.order, old.model.order))
     for row, name in enumerate(new.model.state_names):
         if old.model.has_state(name):
             matrix[row, old.model.state(name)] = 1.0
-        elif chain:
+        elif chain and name in new.delay_states:
             matrix[row, old.model.state(chain[-1])] = 1.0
     return matrix
 

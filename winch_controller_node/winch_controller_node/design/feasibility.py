@@ -13,6 +13,7 @@ from wave_vessel_node.vessel.second_order import SecondOrderVessel
 
 from winch_controller_node.model.models import PlantBelief, sea_spectrum
 from winch_controller_node.node_parameters import WinchControllerParameters
+from winch_controller_node.parameters.model import SeaModelParameters, VesselModelParameters
 
 BAND = 5.0
 """Upper end of the band that counts [rad/s]; a spectrum's tail above it moves no vessel."""
@@ -50,26 +51,27 @@ class WinchDemand:
     within_limits: bool
 
 
-def boom_tip_density(parameters: WinchControllerParameters, omega: Array) -> Array:
-    """Return the one-sided spectrum of boom-tip heave in the sea of `parameters`, of the shape of `omega`.
+def boom_tip_density(sea: SeaModelParameters, vessel: VesselModelParameters, omega: Array) -> Array:
+    """Return the one-sided spectrum of the boom-tip heave of a `vessel` in a `sea`, of the shape of `omega`.
 
     From the spectrum itself, not from the shaping filter that models it; [m^2 s/rad] at `omega` [rad/s].
     """
-    density = sea_spectrum(parameters.sea).density(omega)
-    vessel = parameters.vessel
+    density = sea_spectrum(sea).density(omega)
     if vessel.model == "second_order":
         response = SecondOrderVessel(vessel.natural_frequency, vessel.damping_ratio, vessel.gain).response(omega)
         density = density * np.abs(response) ** 2
     return np.asarray(density)
 
 
-def boom_tip_moments(parameters: WinchControllerParameters) -> tuple[float, float, float]:
-    """Return the variances of boom-tip heave [m^2], rate and acceleration, by quadrature up to 5 rad/s.
+def boom_tip_moments(sea: SeaModelParameters, vessel: VesselModelParameters) -> tuple[float, float, float]:
+    """Return the variances of the boom tip's heave [m^2], rate and acceleration, by quadrature up to 5 rad/s.
 
-    The sea is that of `parameters`.
+    Parameters
+    ----------
+    sea, vessel : that are believed
     """
     omega = np.linspace(1e-3, BAND, POINTS)
-    density = boom_tip_density(parameters, omega)
+    density = boom_tip_density(sea, vessel, omega)
     m0, m2, m4 = (float(np.sum(density * omega**power) * (omega[1] - omega[0])) for power in (0, 2, 4))
     return m0, m2, m4
 
@@ -83,7 +85,7 @@ def uncompensated_sigma(parameters: WinchControllerParameters, length: float) ->
     """
     plant = PlantBelief(parameters.cable, parameters.unit, parameters.water_density, parameters.gravity)
     omega = np.linspace(0.05, BAND, 400)
-    density = boom_tip_density(parameters, omega)
+    density = boom_tip_density(parameters.sea, parameters.vessel, omega)
     step = omega[1] - omega[0]
     amplitude = GAUSSIAN_TO_HARMONIC * math.sqrt(float(np.sum(density)) * step)
     transfer = heave_transfer_function(plant.line(length), length, omega, amplitude=amplitude)
@@ -96,7 +98,7 @@ def winch_demand(parameters: WinchControllerParameters, *, tension: float, drum_
     `tension` is the static one at the top [N]: compensated, the unit hangs still and the cable in the water hardly
     moves. `drum_radius` [m] gives the torque.
     """
-    m0, m2, m4 = boom_tip_moments(parameters)
+    m0, m2, m4 = boom_tip_moments(parameters.sea, parameters.vessel)
     cycles = STORM * math.sqrt(m2 / m0) / (2.0 * math.pi)
     largest = math.sqrt(2.0 * math.log(cycles))
     stroke, speed, acceleration = (largest * math.sqrt(m) for m in (m0, m2, m4))

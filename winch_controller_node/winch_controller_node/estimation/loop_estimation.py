@@ -15,14 +15,16 @@ from winch_controller_node.design.design import ControllerDesign
 from winch_controller_node.estimation.handover import hand_over, hand_over_standing
 from winch_controller_node.estimation.loop_tick import CommandShares, LoopTick, Sensed
 from winch_controller_node.estimation.observation import Observer
-from winch_controller_node.estimation.sea_adaptation import SeaTracker
+from winch_controller_node.estimation.reading_record import ReadingRecord, RecordedTick, Surprise
+from winch_controller_node.estimation.sea_adaptation import FIRST_WAVES, SeaTracker, sea_that_was_seen
 from winch_controller_node.estimation.tension_filter import TensionFilter
 from winch_controller_node.interface.readings import Measurements
 from winch_controller_node.interface.sensors import DEPTH_BIAS
-from winch_controller_node.model.estimator import Measurement
+from winch_controller_node.model.estimator import KalmanEstimator, Measurement
 from winch_controller_node.model.loop_rows import loop_rows
 from winch_controller_node.model.models import shadow_model
 from winch_controller_node.motion.mean_motion import MeanMotion
+from winch_controller_node.parameters.model import SeaModelParameters
 
 
 class LoopEstimation:
@@ -36,6 +38,7 @@ class LoopEstimation:
     ----------
     estimator, observer : the filter and the gates in front of it
     motion : mean payout and what it brings about
+    record, surprise : what the estimator was told in the last minute, and how far that was from what it foresaw
     """
 
     def __init__(self, design: ControllerDesign) -> None:
@@ -46,6 +49,8 @@ class LoopEstimation:
         self._uncompensated: Array = np.zeros(2)
         self._tension = TensionFilter(parameters.tension.time_constant, tick_period=dt)
         self._sea = SeaTracker(design)
+        self._believed_sea = parameters.sea
+        self.record, self.surprise = ReadingRecord(dt), Surprise(dt)
         self._refer_to(design)
 
     def _refer_to(self, design: ControllerDesign) -> None:
@@ -61,17 +66,42 @@ class LoopEstimation:
     def take_design(self, design: ControllerDesign, factors: Array | None = None) -> None:
         """Go on with a design of the same states; `factors`, shape (n,), multiply the estimate first."""
         self.estimator.set_model(design.model, design.measurements, factors)
+        self._begin_record()
         self._refer_to(design)
 
-    def carry(self, design: ControllerDesign, matrix: Array, tick: int) -> None:
-        """Go on after `tick` with a design whose states are `matrix`, shape (n_new, n), times the present ones."""
-        estimate, covariance = matrix @ self.estimator.estimate, matrix @ self.estimator.covariance @ matrix.T
+    def carry(self, design: ControllerDesign, matrix: Array, tick: int, added: Array | float = 0.0) -> None:
+        """Go on after `tick` with a design whose states are `matrix`, shape (n_new, n), times the present ones.
+
+        `added`, shape (n_new, n_new), is the covariance that this adds.
+        """
+        estimate = matrix @ self.estimator.estimate
+        covariance = matrix @ self.estimator.covariance @ matrix.T + added
+        streams = self.estimator.streams
         self.estimator = design.make_estimator()
-        self.estimator.reset(estimate, covariance)
+        self.estimator.reset(estimate, covariance, streams)
         self.estimator.step(tick, 0.0, [])
         self.motion.carry(matrix)
         self.observer.forget_shares()
         self._refer_to(design)
+
+    def adopt(self, design: ControllerDesign, matrix: Array, followed: KalmanEstimator, tick: int) -> None:
+        """Go on after `tick` with a design, where an estimator has `followed` that believes in all of its states.
+
+        The design's states are `matrix`, shape (n_new, n), times the present ones, or new.
+        """
+        among = [followed.model.state(name) for name in design.model.state_names]
+        self.estimator = design.make_estimator()
+        self.estimator.reset(followed.estimate[among], followed.covariance[np.ix_(among, among)])
+        self.estimator.step(tick, 0.0, [])
+        self.motion.carry(matrix)
+        self.observer.forget_shares()
+        self.surprise.restart()
+        self._refer_to(design)
+
+    def _begin_record(self) -> None:
+        """Forget what was read: it tells nothing of the state from now on."""
+        self.record.clear()
+        self.surprise.restart()
 
     # a tick
 
@@ -91,6 +121,8 @@ class LoopEstimation:
         rate = float(rows.payout_rate @ (estimator.estimate + mean_state)) + rows.payout_rate_through * command.total
         readings = self.observer.observe(number, measurements, estimator, rate, unit_stands=unit_stands)
         estimate = estimator.step(number, command.compensating, readings)
+        self.record.add(RecordedTick(number, command.compensating, (*readings, *self.observer.witnessed)))
+        self.surprise.add(estimator.innovations)
         self.observer.learn(estimator)
         self._follow_sea(estimate)
         if measurements.of("load_cell") and math.isfinite(self.observer.tension):
@@ -106,6 +138,9 @@ class LoopEstimation:
             mean_command=self.motion.reference_command(self._design.parameters.winch),
             left_over=self.motion.left_over.point.payout,
             uncompensated=self._uncompensated,
+            knows_sea=self.knows_sea,
+            is_sea_refuted=self._sea.is_refuted,
+            doubt=self.surprise.words,
         )
 
     def _sensed(self, readings: list[Measurement]) -> Sensed:
@@ -131,9 +166,26 @@ class LoopEstimation:
         """Let the estimator's driving noise follow the sea that is there."""
         if not self._design.parameters.estimator.sea_adaptation:
             return
-        noise = self._sea.update(float((self._rows.tip @ estimate)[0]))
+        surprise = self.estimator.innovations.get("mru_heave_rate")
+        if surprise is not None and math.isfinite(surprise.nis):
+            self._sea.note_surprise(surprise.nis)
+        heave, rate = self._rows.tip @ estimate
+        noise = self._sea.update(float(heave), float(rate))
         if noise is not None:
             self.estimator.set_process_noise(noise)
+
+    @property
+    def knows_sea(self) -> bool:
+        """Tell whether some waves have been seen, where the sea is followed."""
+        return not self._design.parameters.estimator.sea_adaptation or self._sea.waves >= FIRST_WAVES
+
+    def changed_sea(self) -> SeaModelParameters | None:
+        """Return the sea that is seen where it is another one than the design's; None: it is not, or not yet known."""
+        parameters = self._design.parameters
+        if not parameters.estimator.sea_adaptation:
+            return None
+        seen = self._sea.newly_seen()
+        return None if seen is None else sea_that_was_seen(seen, self._believed_sea, parameters.sea, parameters.vessel)
 
     def advance_mean(self, command: float, *, is_braked: bool) -> None:
         """Advance the mean payout by a tick with `command` as its share; a brake (`is_braked`) holds it."""
@@ -175,6 +227,7 @@ class LoopEstimation:
         else:
             after = hand_over(*now)
         self.motion.continue_at(after.mean_state, after.lowered)
+        self._begin_record()
         self.estimator.reset(after.estimate, after.covariance)
         self.estimator.step(tick.number, 0.0, [])
 

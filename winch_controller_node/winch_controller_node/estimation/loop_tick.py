@@ -83,6 +83,9 @@ class LoopTick:
     mean_command : share of the next command that moves the mean payout, in the terms of the model
     left_over : payout left over from before a stop, on its way to the mean [m]
     uncompensated : heave [m] and rate [m/s] of the unit with the winch locked, shape (2,)
+    knows_sea : some waves have been seen
+    is_sea_refuted : the sea of the design predicts badly what the motion reference unit reads
+    doubt : why what is read cannot be believed yet; empty where it can
     """
 
     number: int
@@ -94,6 +97,9 @@ class LoopTick:
     mean_command: float
     left_over: float
     uncompensated: Array
+    knows_sea: bool = True
+    is_sea_refuted: bool = False
+    doubt: str = ""
 
     @property
     def total_state(self) -> Array:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import deque
+from dataclasses import replace
 
 from heave_node.arrays import Array
 from heave_node.codes import SensorLevel, WinchFault
@@ -17,6 +18,7 @@ from winch_controller_node.estimation.sensor_health import (
     judge_mru,
     judge_scalar,
 )
+from winch_controller_node.estimation.sensor_noise import SensorNoise
 from winch_controller_node.interface.readings import Measurements, ScalarReading, SensorState
 from winch_controller_node.interface.sensors import (
     LEVER_ARM_X,
@@ -27,6 +29,9 @@ from winch_controller_node.interface.sensors import (
 )
 from winch_controller_node.model.estimator import KalmanEstimator, Measurement
 from winch_controller_node.parameters.laws import HealthParameters
+
+ON_TICK = 1e-4
+"""A stamp that is off its tick by a smaller share of the tick period is on it."""
 
 REMEMBERED = 64
 """Ticks for which the mean payout's share is kept, for readings that come late."""
@@ -47,6 +52,7 @@ class Observer:
     tension : newest accepted top tension [N]; NaN before the first
     mru_rate : newest accepted heave rate of the MRU [m/s]
     depths : stamp [s] and depth, positive down [m], of the depth readings accepted in this tick
+    witnessed : readings of this tick that the estimator does not take, in its terms: they tell which sensor is wrong
     stretch_per_payout : how much further than paid out the unit goes down at rest: stretch of the new cable [-]
     """
 
@@ -67,12 +73,18 @@ class Observer:
         rows = [(sensor, row) for sensor in self._use.values() for row in sensor.rows()]
         self._of_boom_tip = {row.name for sensor, row in rows if sensor.sees == "boom_tip"}
         self._heaves_of_unit = {row.name for _, row in rows if row.output == "unit_heave"}
+        self._noise = {
+            row.name: SensorNoise(row.sigma, sensor.period(self._dt))
+            for sensor, row in rows
+            if sensor.zero is not Zero.STATIC_TENSION
+        }
         self._zeros: dict[str, float] = {}
         self.payout: float | None = None
         self.tension = math.nan
         self.mru_rate = 0.0
         self.take_design(design)
         self.depths: list[tuple[float, float]] = []
+        self.witnessed: list[Measurement] = []
         self._unit_heave = 0.0
         self._levels: dict[str, SensorLevel] = {}
         self._attitude: tuple[float, float, float] | None = None
@@ -119,6 +131,7 @@ class Observer:
         """
         now = tick * self._dt
         self.depths.clear()
+        self.witnessed = []
         taken: list[Measurement] = []
         for mru in delivered.mru:
             if "mru" in self._use and judge_mru(self.gates["mru"], now, mru):
@@ -127,7 +140,12 @@ class Observer:
         for name in SCALAR_SENSORS:
             if name in self._watched:
                 of_unit = self._scalar(now, name, delivered.of(name))
-                taken += [] if unit_stands else of_unit
+                if unit_stands:
+                    continue
+                if name in self._use:
+                    taken += of_unit
+                else:
+                    self.witnessed += [self._without_share(reading, estimator) for reading in of_unit]
         for gate in self.gates.values():
             gate.tick(now)
         return [self._without_share(reading, estimator) for reading in taken]
@@ -156,6 +174,10 @@ class Observer:
                 is_jump = name == "encoder" and gate.reason == "jump"
                 detail = f"jump of {self.encoder.jump:+.3f} m subtracted" if is_jump else gate.reason
                 words.append(f"{name} {gate.level.name.lower()}: {detail}")
+        for name, noise in self._noise.items():
+            factor = noise.news()
+            if factor > 0.0:
+                words.append(f"noise of {name} is {noise.sigma:.3g}, {factor:.1f} times what is believed")
         return words
 
     def states(self, tick: int) -> tuple[SensorState, ...]:
@@ -172,14 +194,18 @@ class Observer:
         """
         return self._unit_heave - float(mean_state[unit]) * (1.0 + self.stretch_per_payout)
 
-    def _tick_of(self, time: float) -> int:
-        return round(time / self._dt)
+    def _tick_of(self, time: float) -> tuple[int, float]:
+        """Return the tick nearest to a `time` [s], and how much later than it that is, in ticks."""
+        tick = round(time / self._dt)
+        offset = time / self._dt - tick
+        return tick, offset if abs(offset) > ON_TICK else 0.0
 
     def _mru(self, reading: MruReading) -> list[Measurement]:
-        tick = self._tick_of(reading.time)
+        tick, offset = self._tick_of(reading.time)
         attitude, self._attitude = self._attitude, (reading.time, reading.roll, reading.pitch)
         level = {LEVER_ARM_X: -reading.pitch, LEVER_ARM_Y: reading.roll}
-        taken = [Measurement("mru_heave", reading.heave, tick, regressors=level)]
+        sigma = self._noise["mru_heave"].add(reading.heave, reading.heave_sigma)
+        taken = [Measurement("mru_heave", reading.heave, tick, sigma, offset, level)]
         if attitude is None or reading.time <= attitude[0]:
             return taken
         elapsed = reading.time - attitude[0]
@@ -188,7 +214,8 @@ class Observer:
             LEVER_ARM_Y: (reading.roll - attitude[1]) / elapsed,
         }
         self.mru_rate = reading.heave_rate
-        taken.append(Measurement("mru_heave_rate", reading.heave_rate, tick, regressors=turning))
+        sigma = self._noise["mru_heave_rate"].add(reading.heave_rate, reading.heave_rate_sigma)
+        taken.append(Measurement("mru_heave_rate", reading.heave_rate, tick, sigma, offset, turning))
         return taken
 
     def _encoder(self, now: float, delivered: Measurements, expected_rate: float) -> list[Measurement]:
@@ -200,10 +227,13 @@ class Observer:
         is_driven = not winch.brake and winch.fault == WinchFault.NONE
         payout = self.encoder.judge(now, reading, expected_rate, is_driven=is_driven)
         self.payout = payout
-        return [] if payout is None else [Measurement("payout", payout, self._tick_of(winch.time))]
+        if payout is None:
+            return []
+        tick, offset = self._tick_of(winch.time)
+        return [Measurement("payout", payout, tick, offset=offset)]
 
     def _scalar(self, now: float, name: str, readings: tuple[ScalarReading, ...]) -> list[Measurement]:
-        """Gate the readings of a sensor; return those for the estimator, about their zero and in the model's sign."""
+        """Gate the readings of a sensor and return them in the estimator's terms: about their zero, in its sign."""
         taken = []
         for reading in readings:
             if not judge_scalar(self.gates[name], now, reading):
@@ -215,9 +245,14 @@ class Observer:
             if name == "depth":
                 self._unit_heave = value
                 self.depths.append((reading.time, -value))
-            if name in self._use:
-                taken += [Measurement(row.name, value, self._tick_of(reading.time)) for row in sensor.rows()]
+            when, offset = self._tick_of(reading.time)
+            taken += [Measurement(row.name, value, when, self._sigma(row.name, value), offset) for row in sensor.rows()]
         return taken
+
+    def _sigma(self, measurement: str, value: float) -> float | None:
+        """Return the standard deviation of a reading's noise; None: as believed, a static tension is not known."""
+        noise = self._noise.get(measurement)
+        return None if noise is None else noise.add(value)
 
     def _zero(self, name: str, sensor: SensorModelParameters, value: float) -> float:
         """Return what a reading of `value` counts from."""
@@ -231,8 +266,7 @@ class Observer:
             return reading
         shares = [share for tick, share in self._shares if tick <= reading.tick]
         state = shares[-1] if shares else self._shares[0][1]
-        row = estimator.measurements[reading.name].row
-        share = float(row @ state)
+        share = float(estimator.row_of(reading) @ state)
         if reading.name in self._heaves_of_unit:
             share -= self.stretch_per_payout * float(estimator.model.row("payout") @ state)
-        return Measurement(reading.name, reading.value - share, reading.tick, reading.sigma, reading.regressors)
+        return replace(reading, value=reading.value - share)

@@ -1,29 +1,91 @@
-"""Adaptation to the sea that is there: the estimator's driving noise follows the boom-tip motion it sees.
+"""Adaptation to the sea that is there: height and period of the boom tip's motion against those of the design.
 
-The process noise of the waves goes with the square of their height. Only the noise is scaled, no state changes its
-meaning, so that nothing jumps and no redesign is needed; gains do not depend on the height of a sea at all.
+Height alone scales the estimator's driving noise: no state changes its meaning, nothing jumps, and gains do not depend
+on the height of a sea at all. Another period makes another design. Both are known from the motion reference unit alone,
+through the estimated boom tip, from standby on.
 """
 
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass, replace
 
 import numpy as np
 from heave_node.arrays import Array
 
 from winch_controller_node.design.design import ControllerDesign
+from winch_controller_node.design.feasibility import boom_tip_moments
+from winch_controller_node.parameters.model import SeaModelParameters, VesselModelParameters
 
 MEMORY = 600.0
 """Time constant of the running variances [s]: about 60 waves, a height good to 10 %."""
 
+GROUP_MEMORY = 20.0
+"""Time constant of the variance that sees a sea grow [s]: two waves."""
+
+GROUP_SHARE = 0.8
+"""A few waves may be so much lower than the group that they belong to."""
+
 PATIENCE = 200.0
-"""No adaptation before so much has been seen [s]."""
+"""A sea is not held to be lower than believed before so much has been seen [s]."""
 
 STEP = 0.15
 """The noise is changed when the height has changed by this share since the last time."""
 
 SMALLEST, LARGEST = 0.05, 20.0
 """Range of the height ratio; beyond it the sensor is doubted, not the sea."""
+
+FIRST_WAVES, JUDGED_AGAIN = 2.0, 1.3
+"""Waves after which the period is judged for the first time, and by what factor more for the next."""
+
+DOUBT_WAVES = 2.0
+"""Waves that the believed period counts for."""
+
+REFUTED_WAVES = 0.3
+"""The same where the believed sea is refuted."""
+
+SURPRISE_MEMORY, LARGEST_SURPRISE = 5.0, 30.0
+"""Memory of the normalised innovations [s], and what one counts at most."""
+
+REFUTED = 3.0
+"""Mean of the normalised innovations squared of the heave rate from which on the sea is refuted; it is 1 in its own."""
+
+REFUTED_PERIOD = 3.0
+"""Time from one judgement to the next while the sea is refuted [s]."""
+
+LEAST_CHANGE = 0.1
+"""Change of the period that is worth a design, relative."""
+
+LONGEST = 2.5
+"""Largest factor of the period that is concluded from the height alone."""
+
+SCATTER = 0.9
+"""Three standard deviations of the logarithm of the period that one wave tells, growing seas included."""
+
+LEAST_HEAVE = 0.03
+"""Standard deviation of the boom tip's heave below which its period is not judged [m]: noise has one as well."""
+
+PERIODS = (2.0, 30.0)
+"""Peak periods that a sea may have [s]."""
+
+
+@dataclass(frozen=True)
+class SeaSeen:
+    """A sea as it was seen.
+
+    Attributes
+    ----------
+    waves : that were seen
+    heave, frequency : standard deviation [m] and mean frequency [rad/s] of the boom tip
+    is_settled : it was seen for so long that it does not grow any more
+    is_refuted : the sea of the design cannot be the one that is there
+    """
+
+    waves: float
+    heave: float
+    frequency: float
+    is_settled: bool = True
+    is_refuted: bool = False
 
 
 class SeaTracker:
@@ -36,8 +98,10 @@ class SeaTracker:
 
     def __init__(self, design: ControllerDesign) -> None:
         self._seen = 0.0
-        self._variance = 0.0
+        self._variance = self._rate_variance = self._fourth_moment = self._group_variance = 0.0
         self._applied = 1.0
+        self._surprise = 1.0
+        self._waves_judged, self._since_judged = FIRST_WAVES / JUDGED_AGAIN, 0.0
         self.refer_to(design)
 
     def refer_to(self, design: ControllerDesign) -> None:
@@ -51,12 +115,12 @@ class SeaTracker:
     @property
     def height_ratio(self) -> float:
         """Height of the boom-tip motion over that of the design; 1 until enough has been seen."""
-        if self._seen < PATIENCE:
-            return 1.0
-        return float(np.clip(math.sqrt(self._variance / self._design_variance), SMALLEST, LARGEST))
+        settled = math.sqrt(self._variance / self._design_variance) if self._seen >= PATIENCE else 1.0
+        growing = GROUP_SHARE * math.sqrt(self._group_variance / self._design_variance)
+        return float(np.clip(max(settled, growing), SMALLEST, LARGEST))
 
-    def update(self, heave: float) -> Array | None:
-        """Take in the estimated boom-tip heave of a tick [m].
+    def update(self, heave: float, rate: float = 0.0) -> Array | None:
+        """Take in the estimated heave [m] and heave rate [m/s] of the boom tip at a tick.
 
         Returns the covariance of the process noise to use from now on, shape (n, n), when the sea has changed enough;
         else None.
@@ -65,7 +129,98 @@ class SeaTracker:
         # a plain mean at first, then one that forgets
         share = self._dt / min(self._seen, MEMORY)
         self._variance += share * (heave**2 - self._variance)
+        self._rate_variance += share * (rate**2 - self._rate_variance)
+        self._fourth_moment += share * (heave**4 - self._fourth_moment)
+        share = self._dt / min(self._seen, GROUP_MEMORY)
+        self._group_variance += share * (heave**2 - self._group_variance)
         if abs(self.height_ratio / self._applied - 1.0) < STEP:
             return None
         self._applied = self.height_ratio
         return self._quiet + self._applied**2 * self._sea_noise
+
+    def newly_seen(self) -> SeaSeen | None:
+        """Return the sea as seen so far, each time that twice as many waves have been seen; else None."""
+        waves = self.waves
+        if waves == 0.0:
+            return None
+        self._since_judged += self._dt
+        is_due = waves >= JUDGED_AGAIN * self._waves_judged or self._since_judged >= MEMORY
+        if not is_due and not (self.is_refuted and self._since_judged >= REFUTED_PERIOD):
+            return None
+        self._waves_judged, self._since_judged = waves, 0.0
+        is_settled = self._seen >= PATIENCE
+        heave = math.sqrt(self._variance if is_settled else max(self._variance, self._group_variance))
+        return SeaSeen(waves, heave, self._frequency, is_settled, self.is_refuted)
+
+    def note_surprise(self, nis: float) -> None:
+        """Take in the normalised innovation squared of a heave rate from the motion reference unit."""
+        self._surprise += self._dt / SURPRISE_MEMORY * (min(nis, LARGEST_SURPRISE) - self._surprise)
+
+    @property
+    def is_refuted(self) -> bool:
+        """Tell whether the sea of the design cannot be the one that is there: it predicts the heave rate badly."""
+        return self._surprise > REFUTED
+
+    @property
+    def _frequency(self) -> float:
+        return math.sqrt(self._rate_variance / self._variance)
+
+    @property
+    def waves(self) -> float:
+        """Waves that have been seen and not forgotten; in a sea that has just grown only the last ones count.
+
+        Of a normal sea the fourth moment is three times the variance squared; where heights differ more, fewer count.
+        """
+        if self._variance < LEAST_HEAVE**2:
+            return 0.0
+        counted = min(self._seen, MEMORY) * min(3.0 * self._variance**2 / self._fourth_moment, 1.0)
+        return counted * self._frequency / (2.0 * math.pi)
+
+
+def sigma_and_frequency(sea: SeaModelParameters, vessel: VesselModelParameters) -> tuple[float, float]:
+    """Return standard deviation [m] and mean frequency [rad/s] of the boom tip in a sea: of its spectrum, not a filter.
+
+    Parameters
+    ----------
+    sea, vessel : that are believed
+    """
+    heave, rate, _ = boom_tip_moments(sea, vessel)
+    return math.sqrt(heave), math.sqrt(rate / heave)
+
+
+def sea_that_was_seen(
+    seen: SeaSeen, believed: SeaModelParameters, in_force: SeaModelParameters, vessel: VesselModelParameters
+) -> SeaModelParameters | None:
+    """Return the sea that moves the boom tip as was `seen`, or None where the one `in_force` is as good.
+
+    All its periods and heights are those `believed` at first times one factor each, so that wind sea and swell stay
+    what they are to each other. A few waves tell little: the believed period counts for some waves as well.
+    """
+    weight = seen.waves / (seen.waves + (REFUTED_WAVES if seen.is_refuted else DOUBT_WAVES))
+    # a higher sea than believed is most likely as steep, and so longer
+    higher = max(seen.heave / sigma_and_frequency(believed, vessel)[0], 1.0)
+    expected = sigma_and_frequency(_stretched(believed, min(math.sqrt(higher), LONGEST)), vessel)[1]
+    wanted = expected * (seen.frequency / expected) ** weight
+    low, high = (limit / believed.peak_period for limit in PERIODS)
+    for _ in range(24):
+        factor = math.sqrt(low * high)
+        slower = sigma_and_frequency(_stretched(believed, factor), vessel)[1] < wanted
+        low, high = (low, factor) if slower else (factor, high)
+    off = math.log(wanted / sigma_and_frequency(in_force, vessel)[1])
+    if abs(off) < LEAST_CHANGE or (not seen.is_refuted and abs(off) < weight * SCATTER / math.sqrt(seen.waves)):
+        return None
+    sea = _stretched(believed, factor)
+    height = seen.heave / sigma_and_frequency(sea, vessel)[0]
+    # a sea that may still grow is not held to be lower than believed
+    return _heightened(sea, height if seen.is_settled else max(height, 1.0))
+
+
+def _stretched(sea: SeaModelParameters, factor: float) -> SeaModelParameters:
+    swell = replace(sea.swell, peak_period=factor * sea.swell.peak_period)
+    return replace(sea, peak_period=factor * sea.peak_period, swell=swell)
+
+
+def _heightened(sea: SeaModelParameters, factor: float) -> SeaModelParameters:
+    swell = replace(sea.swell, significant_wave_height=factor * sea.swell.significant_wave_height)
+    height = min(max(factor * sea.significant_wave_height, 0.01), 25.0)
+    return replace(sea, significant_wave_height=height, swell=swell)

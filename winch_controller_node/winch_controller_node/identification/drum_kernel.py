@@ -20,30 +20,33 @@ class Drum(NamedTuple):
     ----------
     lag : time constant of the servo [s]
     delay : from the start of a tick to the effect of its set-points [s]
-    gain : of the position loop [1/s]; 0: none
-    speed, acceleration : limits [m/s], [m/s^2]
+    gain : speed that it settles at over its set-point [-]
+    deadband : of the set-point only what is beyond it counts [m/s]
+    speed_out, speed_in : limits of paying out and hauling in [m/s]
+    acceleration_out, acceleration_in : limits towards paying out and hauling in [m/s^2]
+    backlash : play of the encoder's gear [m]
     """
 
     lag: float
     delay: float
-    gain: float
-    speed: float
-    acceleration: float
-
-
-@inner_kernel
-def _clip(value: float, largest: float) -> float:
-    return min(max(value, -largest), largest)
+    gain: float = 1.0
+    deadband: float = 0.0
+    speed_out: float = math.inf
+    speed_in: float = math.inf
+    acceleration_out: float = 1e9
+    acceleration_in: float = 1e9
+    backlash: float = 0.0
 
 
 @inner_kernel
 def _servo(u: float, v: float, v_set: float, drum: Drum, h: float) -> tuple[float, float]:
     """Return payout and rate after `h` [s]: constant acceleration while the limit acts, then the linear servo."""
     error = v_set - v
-    limited = (abs(error) - drum.acceleration * drum.lag) / drum.acceleration
+    acceleration = drum.acceleration_out if error > 0.0 else drum.acceleration_in
+    limited = (abs(error) - acceleration * drum.lag) / acceleration
     if limited > 0.0:
         time = min(limited, h)
-        gain = math.copysign(drum.acceleration * time, error)
+        gain = math.copysign(acceleration * time, error)
         u += (v + 0.5 * gain) * time
         v += gain
         h -= time
@@ -53,39 +56,58 @@ def _servo(u: float, v: float, v_set: float, drum: Drum, h: float) -> tuple[floa
 
 
 @inner_kernel
-def _piece(u: float, v: float, payout: float, rate: float, drum: Drum, h: float) -> tuple[float, float]:
+def _set_point(demand: float, drum: Drum) -> float:
+    """Return the speed that the servo goes for."""
+    wanted = drum.gain * math.copysign(max(abs(demand) - drum.deadband, 0.0), demand)
+    return min(max(wanted, -drum.speed_in), drum.speed_out)
+
+
+@inner_kernel
+def _piece(
+    u: float, v: float, payout: float, rate: float, drum: Drum, position_gain: float, h: float
+) -> tuple[float, float]:
     """Return payout and rate after `h` [s] of constant set-points `payout` and `rate`."""
     if h <= 0.0:
         return u, v
-    if drum.gain == 0.0:
-        return _servo(u, v, _clip(rate, drum.speed), drum, h)
+    if position_gain == 0.0:
+        return _servo(u, v, _set_point(rate, drum), drum, h)
     steps = math.ceil(h / POSITION_STEP)
     h /= steps
     for _ in range(steps):
-        u, v = _servo(u, v, _clip(rate + drum.gain * (payout - u - 0.5 * v * h), drum.speed), drum, h)
+        u, v = _servo(u, v, _set_point(rate + position_gain * (payout - u - 0.5 * v * h), drum), drum, h)
     return u, v
 
 
 @kernel
-def drum_record(payouts: Array, rates: Array, count: int, drum: Drum, u: float, v: float, dt: float) -> Array:
-    """Return the payout at the end of each of the last `count` ticks, shape (count,) [m].
+def drum_records(
+    payouts: Array, rates: Array, drums: Array, starts: Array, position_gain: float, count: int, dt: float
+) -> Array:
+    """Return the encoder's reading of each drum at the end of each of the last `count` ticks, shape (m, count) [m].
 
     Parameters
     ----------
     payouts, rates : set-points of the ticks, oldest first, at least count + delay/dt + 1 of them [m], [m/s]
+    drums : fields of `Drum`, shape (m, 9)
+    starts : payout and rate at the start of the `count` ticks, shape (m, 2) [m], [m/s]
+    position_gain : of the servo's position loop [1/s]; 0: none
     count : ticks
-    drum : the servo
-    u, v : payout and rate at the start of the `count` ticks [m], [m/s]
     dt : tick period [s]
     """
-    ticks = drum.delay / dt
-    whole = math.floor(ticks)
-    part = (ticks - whole) * dt
-    out = np.empty(count)
+    out = np.empty((len(drums), count))
     first = len(rates) - count
-    for j in range(count):
-        i = first + j - whole
-        u, v = _piece(u, v, payouts[i - 1], rates[i - 1], drum, part)
-        u, v = _piece(u, v, payouts[i], rates[i], drum, dt - part)
-        out[j] = u
+    for m in range(len(drums)):
+        p = drums[m]
+        drum = Drum(p[0], p[1], p[2], p[3], p[4], p[5], p[6], p[7], p[8])
+        ticks = drum.delay / dt
+        whole = math.floor(ticks)
+        part = (ticks - whole) * dt
+        u, v = starts[m, 0], starts[m, 1]
+        play = 0.5 * drum.backlash
+        reading = u - math.copysign(play, v)
+        for j in range(count):
+            i = first + j - whole
+            u, v = _piece(u, v, payouts[i - 1], rates[i - 1], drum, position_gain, part)
+            u, v = _piece(u, v, payouts[i], rates[i], drum, position_gain, dt - part)
+            reading = min(max(reading, u - play), u + play)
+            out[m, j] = reading
     return out

@@ -1,57 +1,91 @@
-"""Time constant and delay of the winch, identified from what it was sent and what its encoder read in a running loop.
+"""The winch as it is: servo, delay, gain and limits, from what it was sent and what its encoder read in a running loop.
 
 Servo and delay look alike at the frequencies of a sea, but not where the winch is at its limits: there the servo's lag
-vanishes and the delay stays. Both are found, by Gauss-Newton over the last seconds on the drum with its limits; noise
-in the commands and the winch's limits tell them apart. The design is made anew with what was found.
+vanishes and the delay stays. Noise in the commands and the winch's limits tell them apart. What is found is used when
+it explains the record clearly better than what is in force, so that each change is told once.
 """
 
 from __future__ import annotations
 
 import math
 from collections import deque
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
 from heave_node.arrays import Array
 
 from winch_controller_node.design.design import ControllerDesign
-from winch_controller_node.identification.drum_kernel import Drum, drum_record
-from winch_controller_node.node_parameters import WinchControllerParameters
+from winch_controller_node.identification.drum_fit import (
+    ACCELERATIONS,
+    BACKLASH,
+    DEADBAND,
+    DELAY,
+    GAIN,
+    IMPROVEMENT,
+    LAG,
+    LIMITS,
+    RESOLUTION,
+    SPEEDS,
+    START_PAYOUT,
+    START_RATE,
+    DrumBelief,
+    DrumFit,
+    DrumRecord,
+    best_lags,
+    fit_drum,
+    search_limits,
+)
+from winch_controller_node.identification.drum_kernel import Drum
 from winch_controller_node.parameters.laws import LagParameters
 from winch_controller_node.parameters.model import WinchModelParameters
 
 SHORTEST_RECORD = 4.0
-"""Record [s] from which on the lags are estimated."""
+"""Record [s] from which on the winch is identified."""
 
-PRIOR_SIGMAS = (0.05, 0.1)
-"""Prior standard deviations of time constant and delay [s]: how far they may well be from the nominal ones."""
-
-ITERATIONS = 6
-"""Largest number of Gauss-Newton steps; each record begins where the last one ended."""
-
-CONVERGED = 1e-4
-"""Iteration ends with a step of time constant and delay below this [s]."""
-
-DIFFERENCE = 1e-4
-"""Step of the sensitivities [s], [m/s]."""
-
-SIGNIFICANT = 4.0
-"""A change is taken when it is so many standard deviations off."""
-
-CORRELATED = 4.0
-"""Residuals in a row that count as one: they are not white."""
-
-RESOLUTION = 3e-4
-"""Least standard deviation of what is left [m]: an encoder of 1 mm."""
-
-LATE_TICKS = 2
-"""Ticks in a row with a command overdue that raise the alarm."""
-
-LATE_WINDOW = 2.0
-"""Commands of so many seconds are judged together: one hiccup of a machine is no slow transport."""
+SIGMAS = Drum(0.05, 0.1, 0.2, 0.02, math.inf, math.inf, math.inf, math.inf, 0.005)
+"""How far a drum may well be from the nominal one, 1 sigma; of limits nothing is known."""
 
 SMALLEST_LAG = 0.005
 """Least time constant of a servo [s]."""
+
+GAINS, LARGEST_DEADBAND, LARGEST_BACKLASH, LOWEST_LIMIT = (0.5, 2.0), 0.2, 0.2, 0.1
+"""What a drum can be at all: gain [-], dead zone [m/s], play [m], limits over the nominal ones [-]."""
+
+SIGNIFICANT = 4.0
+"""A change of lag or delay is taken when it is so many standard deviations off."""
+
+MISFIT = 0.002
+"""Limits are searched where so much is left [m]."""
+
+EXPLAINED = 0.006
+"""Nothing is learnt from a record of which more than this is left [m]."""
+
+BETTER = 1.15
+"""What is found must leave so many times less, mean square, than what is in force."""
+
+GAIN_STEP, LIMIT_STEP = 0.015, 0.03
+"""Changes of gain and limits, relative, that are worth it."""
+
+USED = 0.97
+"""Share that is used of a limit that was learnt."""
+
+LET_UP = 1.06
+"""Limits that were learnt are raised by this factor when they have stood for long."""
+
+FIRST_PATIENCE, LONGER = 120.0, 2.0
+"""Time that they stand at first [s], and the factor by which it grows each time that they prove true."""
+
+LIMIT_NAMES = tuple(Drum._fields[i] for i in LIMITS)
+
+CHECKED_TIME = 1.0
+"""The drum is compared with its prediction over this time [s]."""
+
+START_STEPS = 3
+"""Gauss-Newton steps to payout and rate at its start."""
+
+RATE_STEP = 1e-3
+"""Step of the sensitivity to the rate at the start [m/s]."""
 
 
 @dataclass(frozen=True)
@@ -60,24 +94,41 @@ class WinchLags:
 
     Attributes
     ----------
-    time_constant, delay : of servo and command [s]
-    covariance : of both, shape (2, 2) [s^2]
+    drum : servo, delay, gain and limits
+    covariance : of time constant and delay, shape (2, 2) [s^2]
     residual : standard deviation of the encoder about the drum's model [m]
     """
 
-    time_constant: float
-    delay: float
+    drum: Drum
     covariance: Array
     residual: float
 
+    @property
+    def time_constant(self) -> float:
+        """Time constant of the servo [s]."""
+        return self.drum.lag
+
+    @property
+    def delay(self) -> float:
+        """Delay of commands [s]."""
+        return self.drum.delay
+
     def is_far_from(self, winch: WinchModelParameters, step: float) -> bool:
-        """Tell whether the model `winch` differs by more than `step` [s], and significantly."""
+        """Tell whether the lags of the model `winch` differ by more than `step` [s], and significantly."""
         off = np.array([self.time_constant - winch.time_constant, self.delay - winch.command_delay])
         return bool(np.max(np.abs(off)) > step and off @ np.linalg.solve(self.covariance, off) > SIGNIFICANT**2)
 
 
+@dataclass(frozen=True)
+class Answer:
+    """Fit of the drum as it is believed at `present`, and the best that was `found`; None: the record does not tell."""
+
+    present: DrumFit
+    found: DrumFit | None
+
+
 class WinchIdentifier:
-    """Finds time constant and delay of a speed servo.
+    """Finds servo, delay, gain and limits of a winch with a speed servo.
 
     Parameters
     ----------
@@ -89,15 +140,21 @@ class WinchIdentifier:
         self._parameters = parameters
         self._dt = design.tick_period
         self._nominal = design.parameters.winch
-        self._found = (self._nominal.time_constant, self._nominal.command_delay)
+        self._belief = _belief(self._nominal, parameters.largest)
+        # a position loop hides what the drive makes of its set-point
+        has_loop = self._nominal.position_gain > 0.0
+        self._free = (LAG, DELAY) if has_loop else (LAG, DELAY, GAIN)
+        self._rare = (BACKLASH,) if has_loop else (DEADBAND, BACKLASH)
+        self._found = self._belief.nominal.copy()
         self._ahead = math.ceil((self._nominal.command_delay + parameters.largest) / self._dt) + 2
+        self._learnt_age, self._patience = 0.0, 0.0
         window = max(2, round(parameters.window / self._dt))
         self._payouts: deque[float] = deque(maxlen=window + self._ahead)
         self._rates: deque[float] = deque(maxlen=window + self._ahead)
         self._readings: deque[float] = deque(maxlen=window)
         self.reset()
         # compiled here, not in a tick of a run in real time
-        self._record(np.zeros(self._ahead + 1), np.zeros(self._ahead + 1), 1, np.array([*self._found, 0.0, 0.0]))
+        fit_drum(self._made(np.zeros(self._ahead + 3), np.zeros(3)), self._belief, self._start(np.zeros(3)), self._free)
 
     def reset(self, payout: float = 0.0) -> None:
         """Begin a new record with the drum at rest at `payout` [m]."""
@@ -112,13 +169,8 @@ class WinchIdentifier:
         self._readings.clear()
 
     def add(self, payout_set_point: float, rate_set_point: float, encoder: float | None) -> None:
-        """Take in a tick.
-
-        Parameters
-        ----------
-        payout_set_point, rate_set_point : of the tick that ends [m], [m/s]
-        encoder : reading at its end [m]; None: no reading
-        """
+        """Take in the set-points of the last tick [m], [m/s], and the encoder at its end [m]; None: no reading."""
+        self._learnt_age += self._dt
         self._payouts.append(payout_set_point)
         self._rates.append(rate_set_point)
         self._readings.append(math.nan if encoder is None else encoder)
@@ -128,102 +180,196 @@ class WinchIdentifier:
         """Tell whether the record has its full length."""
         return len(self._readings) == self._readings.maxlen
 
+    def error(self, winch: WinchModelParameters) -> float:
+        """Return how far the drum is off where the model `winch` predicted it a second ago [m]; 0 where unknown.
+
+        Payout and rate of then are those that explain the second before it best: at a limit an error of the rate stays.
+        """
+        count = round(CHECKED_TIME / self._dt)
+        if len(self._readings) < 2 * count:
+            return 0.0
+        readings = np.array([self._readings[i] for i in range(-2 * count, 0)])
+        if not np.all(np.isfinite(readings)):
+            return 0.0
+        record = self._made(self._rates, readings[1:])
+        start = np.array([*self._in_force(winch), readings[0], (readings[1] - readings[0]) / self._dt])
+        for _ in range(START_STEPS):
+            faster = start.copy()
+            faster[START_RATE] += RATE_STEP
+            plain, other = record.simulated(np.array([start, faster]))[:, :count]
+            slopes = np.stack([np.ones(count), (other - plain) / RATE_STEP], axis=1)
+            start[[START_PAYOUT, START_RATE]] += np.linalg.lstsq(slopes, record.readings[:count] - plain)[0]
+        return float(readings[-1] - record.simulated(start[None, :])[0, -1])
+
     def find(self) -> WinchLags | None:
-        """Return the lags that fit the record best, or None where it does not tell."""
-        count = len(self._readings)
+        """Return the drum that fits the record best, or None where it does not tell."""
+        record = self._record()
+        fit = None if record is None else self._fit(record, self._found)
+        return None if fit is None else self._lags(fit)
+
+    def _lags(self, fit: DrumFit) -> WinchLags:
+        """Keep what a fit has found, and return it."""
+        self._found = fit.drum[:START_PAYOUT].copy()
+        return WinchLags(Drum(*self._found.tolist()), fit.covariance, fit.residual)
+
+    def _in_force(self, winch: WinchModelParameters) -> Drum:
+        """Return the drum of the model `winch`, with limits as they were found: it uses a little less of them."""
+        found = Drum(*self._found.tolist())
+        return drum_of(winch)._replace(
+            deadband=found.deadband, backlash=found.backlash, **{name: getattr(found, name) for name in LIMIT_NAMES}
+        )
+
+    def improved_winch(self, winch: WinchModelParameters) -> WinchModelParameters | None:
+        """Return the winch that was found, or None where the model `winch` does."""
+        question = self.question(winch)
+        return None if question is None else self.take(question(), winch)
+
+    def question(self, winch: WinchModelParameters) -> Callable[[], Answer] | None:
+        """Return the work of looking for a better model than `winch`, longer than a tick; None: it is too early.
+
+        It works on the record as it is now and changes nothing.
+        """
+        record = self._record()
+        if record is None:
+            return None
+        in_force, found = self._start(record.readings, np.array(self._in_force(winch))), self._found.copy()
+        return lambda: Answer(fit_drum(record, self._belief, in_force, []), self._fit(record, found))
+
+    def take(self, answer: Answer, winch: WinchModelParameters) -> WinchModelParameters | None:
+        """Return the winch that an `answer` has found, or None where the model `winch` in force does."""
+        before = self._found
+        found = None if answer.found is None else self._lags(answer.found)
+        better = None if found is None or found.residual > EXPLAINED else self._with(winch, found)
+        if found is None or better is None or not self._is_worth_it(winch, better, answer.present, found):
+            self._found[list(LIMITS)] = before[list(LIMITS)]
+            return self._let_up(winch)
+        if _is_lower(better, winch):
+            self._patience = FIRST_PATIENCE if self._patience == 0.0 else LONGER * self._patience
+            self._learnt_age = 0.0
+        return better
+
+    def _with(self, winch: WinchModelParameters, found: WinchLags) -> WinchModelParameters:
+        """Return the model `winch` with what was found and differs clearly."""
+        better = replace(
+            winch,
+            speed_gain=found.drum.gain,
+            speed_limit=self._limit(found.drum, SPEEDS, winch.speed_limit),
+            acceleration_limit=self._limit(found.drum, ACCELERATIONS, winch.acceleration_limit),
+        )
+        if found.is_far_from(winch, self._parameters.step):
+            better = replace(better, time_constant=found.time_constant, command_delay=found.delay)
+        if abs(better.speed_gain / winch.speed_gain - 1.0) < GAIN_STEP:
+            better = replace(better, speed_gain=winch.speed_gain)
+        return better
+
+    @staticmethod
+    def _is_worth_it(
+        winch: WinchModelParameters, better: WinchModelParameters, present: DrumFit, found: WinchLags
+    ) -> bool:
+        """Tell whether a change explains the record clearly better; a weaker winch is always believed."""
+        if better == winch:
+            return False
+        floor = RESOLUTION**2 * present.count
+        return _is_lower(better, winch) or present.squares + floor > BETTER * (
+            found.residual**2 * present.count + floor
+        )
+
+    def _let_up(self, winch: WinchModelParameters) -> WinchModelParameters | None:
+        """Trust the winch with a little more when limits that were learnt have stood for long: false ones heal so."""
+        learnt = Drum(*self._found.tolist())
+        nominal = Drum(*self._belief.nominal.tolist())
+        if self._learnt_age < self._patience or all(self._found[list(LIMITS)] >= self._belief.nominal[list(LIMITS)]):
+            return None
+        self._learnt_age = 0.0
+        raised = {name: min(LET_UP * getattr(learnt, name), getattr(nominal, name)) for name in LIMIT_NAMES}
+        self._found = np.array(learnt._replace(**raised))
+        drum = Drum(*self._found.tolist())
+        return replace(
+            winch,
+            speed_limit=self._limit(drum, SPEEDS, winch.speed_limit),
+            acceleration_limit=self._limit(drum, ACCELERATIONS, winch.acceleration_limit),
+        )
+
+    def _limit(self, drum: Drum, pair: tuple[int, int], in_force: float) -> float:
+        """Return the limit to use: that of the weaker direction."""
+        nominal = float(min(self._belief.nominal[i] for i in pair))
+        weaker = min(drum[i] for i in pair)
+        limit = nominal if weaker >= nominal else USED * weaker
+        return in_force if abs(limit / in_force - 1.0) < LIMIT_STEP else limit
+
+    def _fit(self, record: DrumRecord, found: Array) -> DrumFit | None:
+        start = self._start(record.readings, found)
+        learnt: list[int] = []
+        for pair in (SPEEDS, ACCELERATIONS):
+            weaker = min(start[i] for i in pair)
+            if weaker < self._belief.nominal[pair[0]]:
+                # a direction that has not reached its limit yet is taken for no stronger than the other
+                start[[i for i in pair if start[i] >= self._belief.nominal[i]]] = weaker
+                learnt += pair
+        free = [*self._free, *(i for i in self._rare if start[i] > 0.0)]
+        fit = fit_drum(record, self._belief, start, free)
+        # limits that were learnt stay where they explain the record: what is not reached tells nothing
+        for other in [start, *best_lags(record, self._belief, start)] if fit.residual > MISFIT else []:
+            again = fit_drum(record, self._belief, other, [*free, *learnt])
+            fit = again if IMPROVEMENT * again.squares < fit.squares else fit
+        if fit.residual > MISFIT:
+            limited = search_limits(record, self._belief, start, free)
+            fit = limited if limited.squares < fit.squares else fit
+        if fit.residual > MISFIT and len(free) < len(self._free) + len(self._rare):
+            fit = self._with_rare(record, fit)
+        return fit if np.all(np.isfinite(fit.drum)) else None
+
+    def _with_rare(self, record: DrumRecord, fit: DrumFit) -> DrumFit:
+        """Return a fit with dead zone and play where the record is much better explained by them."""
+        lowered = [i for i in LIMITS if fit.drum[i] < self._belief.nominal[i]]
+        nominal = self._start(record.readings, self._belief.nominal)
+        nominal[list(LIMITS)] = fit.drum[list(LIMITS)]
+        found = [
+            fit_drum(record, self._belief, start, [*self._free, *self._rare, *lowered]) for start in (fit.drum, nominal)
+        ]
+        best = min(found, key=lambda other: other.squares)
+        return best if IMPROVEMENT * best.squares < fit.squares else fit
+
+    def _record(self) -> DrumRecord | None:
         readings = np.array(self._readings)
         seen = np.isfinite(readings)
-        if count * self._dt < SHORTEST_RECORD or np.count_nonzero(seen) < count // 2:
+        if len(readings) * self._dt < SHORTEST_RECORD or np.count_nonzero(seen) < len(readings) // 2:
             return None
-        payouts, rates = np.array(self._payouts), np.array(self._rates)
-        nominal = np.array([self._nominal.time_constant, self._nominal.command_delay])
-        guess = np.array([*self._found, readings[seen][0], 0.0])
-        variance = RESOLUTION**2
-        for _ in range(ITERATIONS):
-            record, slopes = self._linearise(payouts, rates, count, guess)
-            residual, slopes = (readings - record)[seen], slopes[seen]
-            variance = max(float(np.mean(residual**2)), RESOLUTION**2)
-            information = slopes.T @ slopes / (CORRELATED * variance)
-            pull = slopes.T @ residual / (CORRELATED * variance)
-            information[[0, 1], [0, 1]] += 1.0 / np.square(PRIOR_SIGMAS)
-            pull[:2] += (nominal - guess[:2]) / np.square(PRIOR_SIGMAS)
-            size = np.sqrt(np.diag(information))
-            covariance = np.linalg.inv(information / np.outer(size, size)) / np.outer(size, size)
-            before, guess = guess, self._bounded(guess + covariance @ pull)
-            if np.max(np.abs(guess - before)[:2]) < CONVERGED:
-                break
-        if not np.all(np.isfinite(guess)):
-            return None
-        self._found = (float(guess[0]), float(guess[1]))
-        return WinchLags(*self._found, covariance[:2, :2], math.sqrt(variance))
+        return self._made(self._rates, readings)
 
-    def improved_parameters(self, parameters: WinchControllerParameters) -> WinchControllerParameters | None:
-        """Return parameters with the lags that were found, or None where the present ones do."""
-        found, winch = self.find(), parameters.winch
-        if found is None or not found.is_far_from(winch, self._parameters.step):
-            return None
-        return replace(parameters, winch=replace(winch, time_constant=found.time_constant, command_delay=found.delay))
+    def _made(self, rates: deque[float] | Array, readings: Array) -> DrumRecord:
+        payouts = np.array(self._payouts) if len(self._payouts) == len(rates) else np.zeros(len(rates))
+        return DrumRecord(payouts, np.array(rates), readings, self._nominal.position_gain, self._dt)
 
-    def _linearise(self, payouts: Array, rates: Array, count: int, guess: Array) -> tuple[Array, Array]:
-        """Return the record and how it goes with time constant, delay, payout and rate at its start, (count, 4)."""
-        slopes = np.ones((count, 4))
-        record = self._record(payouts, rates, count, guess)
-        for column in (0, 1, 3):
-            other = guess.copy()
-            other[column] += DIFFERENCE
-            slopes[:, column] = (self._record(payouts, rates, count, other) - record) / DIFFERENCE
-        return record, slopes
-
-    def _record(self, payouts: Array, rates: Array, count: int, guess: Array) -> Array:
-        winch = self._nominal
-        lag, delay, payout, rate = (float(value) for value in guess)
-        drum = Drum(lag, delay, winch.position_gain, winch.speed_limit, winch.acceleration_limit)
-        return drum_record(payouts, rates, count, drum, payout, rate, self._dt)
-
-    def _bounded(self, guess: Array) -> Array:
-        """Keep the lags within what is allowed."""
-        largest, nominal = self._parameters.largest, self._nominal
-        guess[0] = min(max(guess[0], SMALLEST_LAG), nominal.time_constant + largest)
-        guess[1] = min(max(guess[1], nominal.command_delay - largest, 0.0), nominal.command_delay + largest)
-        return guess
+    def _start(self, readings: Array, drum: Array | None = None) -> Array:
+        """Return a drum with payout and rate at the start of the record, shape (11,)."""
+        first = readings[np.isfinite(readings)][0]
+        return np.array([*(self._found if drum is None else drum), first, 0.0])
 
 
-class LateCommands:
-    """Notices that the winch takes commands later than modelled, by the sequence numbers that it acknowledges.
+def drum_of(winch: WinchModelParameters) -> Drum:
+    """Return the drum of a model of the winch."""
+    speed, acceleration = winch.speed_limit, winch.acceleration_limit
+    return Drum(
+        winch.time_constant, winch.command_delay, winch.speed_gain, 0.0, speed, speed, acceleration, acceleration
+    )
 
-    A transport that becomes slower is seen so within three ticks, long before the record of the drum tells; that it
-    stays so is judged by the median over some seconds.
 
-    Parameters
-    ----------
-    tick_period : [s]
-    """
+def _is_lower(one: WinchModelParameters, other: WinchModelParameters) -> bool:
+    """Tell whether a limit of `one` is lower than that of `other`."""
+    return one.speed_limit < other.speed_limit or one.acceleration_limit < other.acceleration_limit
 
-    def __init__(self, tick_period: float) -> None:
-        self._dt = tick_period
-        self._late = 0
-        self._overdue: deque[float] = deque(maxlen=max(1, round(LATE_WINDOW / tick_period)))
 
-    @property
-    def overdue(self) -> float:
-        """Time by which more than half of the commands of the last seconds were later than modelled, at least [s]."""
-        window = self._overdue.maxlen or 1
-        later = sorted(self._overdue, reverse=True)
-        return later[window // 2] if len(later) > window // 2 else 0.0
-
-    def update(self, given: int, taken: int, delay: float) -> str:
-        """Return what is wrong in words, once each time; empty when nothing is.
-
-        Parameters
-        ----------
-        given, taken : number of the last command, and of the newest one in effect at the end of its tick
-        delay : of the model [s]
-        """
-        due = math.ceil(delay / self._dt - 1e-6) - 1
-        late_ticks = given - taken - due - 1
-        is_late = taken > 0 and late_ticks > 0
-        self._late = self._late + 1 if is_late else 0
-        self._overdue.append(late_ticks * self._dt if is_late else 0.0)
-        if self._late != LATE_TICKS:
-            return ""
-        return f"winch commands take effect at least {late_ticks * self._dt:.2f} s later than modelled"
+def _belief(winch: WinchModelParameters, largest: float) -> DrumBelief:
+    """Return what is believed of a drum at first; lag and delay change by `largest` [s] at most."""
+    nominal = drum_of(winch)
+    limits = {name: LOWEST_LIMIT * getattr(nominal, name) for name in LIMIT_NAMES}
+    lowest = nominal._replace(lag=SMALLEST_LAG, delay=max(nominal.delay - largest, 0.0), gain=GAINS[0], **limits)
+    highest = nominal._replace(
+        lag=nominal.lag + largest,
+        delay=nominal.delay + largest,
+        gain=GAINS[1],
+        deadband=LARGEST_DEADBAND,
+        backlash=LARGEST_BACKLASH,
+    )
+    return DrumBelief(*(np.array(drum) for drum in (nominal, SIGMAS, lowest, highest)))

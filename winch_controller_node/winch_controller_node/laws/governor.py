@@ -30,7 +30,7 @@ class GovernedCommand:
     ----------
     value : command in the terms of the linear model: what the estimator is told
     active : names of the limits that shaped it
-    sent : the same for the winch, whose acceleration limiter acts within the tick
+    sent : the same for the winch, whose acceleration limiter acts within the tick, and which has a gain of its own
     """
 
     value: float
@@ -126,7 +126,7 @@ class CommandGovernor:
                 active.append(name)
                 value = min(max(value, lower), upper)
         sent = min(max(self.servo.set_point(value, rate), -limits.speed), limits.speed)
-        return GovernedCommand(value + taken, tuple(active), sent + taken)
+        return GovernedCommand(value + taken, tuple(active), sent / self._winch.speed_gain + taken)
 
     def _room(self, payout: float, rate: float) -> tuple[float, float]:
         """Return the speeds asked for from which the winch can still stop before the ends of its range."""

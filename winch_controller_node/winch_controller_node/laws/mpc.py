@@ -36,6 +36,7 @@ from winch_controller_node.laws.governor import (
 )
 from winch_controller_node.laws.law import ControlLaw, LawCommand, LawDesign
 from winch_controller_node.laws.loop_state import LoopState
+from winch_controller_node.laws.winch_limits import WinchLimits
 from winch_controller_node.model.lqr import DesignError
 from winch_controller_node.model.regulator import output_gain
 from winch_controller_node.parameters.model import WinchModelParameters
@@ -181,8 +182,8 @@ class ConstrainedLaw(ControlLaw):
         self._constrained = constrained_gain(model, parameters)
         self._free_less_constrained = free_gain(model, parameters) - self._constrained
         self._releasing = math.exp(-model.dt * parameters.solve_ticks / max(parameters.release_time, 1e-9))
-        self.limits = design.limits
-        self._acceleration = SpeedServo(winch.time_constant, self.limits.acceleration, model.dt).linear_acceleration
+        self._lag, self._dt = winch.time_constant, model.dt
+        self.take_limits(design.limits)
         self._parameters = parameters
         horizon_ticks = round(parameters.horizon / model.dt)
         command = model.input_names[0]
@@ -195,6 +196,11 @@ class ConstrainedLaw(ControlLaw):
         self._build_rows(model, winch, delay, horizon_ticks)
         self._setup_cost(model.dt)
         self.reset()
+
+    def take_limits(self, limits: WinchLimits) -> None:
+        """Keep other limits from now on."""
+        self.limits = limits
+        self._acceleration = SpeedServo(self._lag, limits.acceleration, self._dt).linear_acceleration
 
     def _build_rows(self, model: LinearModel, winch: WinchModelParameters, delay: int, horizon_ticks: int) -> None:
         assert model.dt is not None

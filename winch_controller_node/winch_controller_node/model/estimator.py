@@ -50,6 +50,7 @@ class Measurement:
     name : of a MeasurementModel
     value : in its unit, about the same mean as the state
     tick : at which it was measured (its stamp over the tick period, to the nearest tick)
+    offset : how much later than that tick, in ticks, -0.5 to 0.5
     sigma : stated standard deviation; None: that of the model
     regressors : further weights of states for this reading, by state name (lever arm: pitch and roll)
     """
@@ -58,6 +59,7 @@ class Measurement:
     value: float
     tick: int
     sigma: float | None = None
+    offset: float = 0.0
     regressors: Mapping[str, float] = field(default_factory=dict)
 
 
@@ -103,7 +105,8 @@ class KalmanEstimator:
     implementation : of the filter of one step: "compiled", or "filterpy" for the reference
 
     `estimate`, shape (n,), and `covariance`, shape (n, n), are those after the last step; `innovations` those of the
-    readings given to it, by name (the newest of each).
+    readings given to it, by name (the newest of each); `streams` the innovation of the last accepted reading, by name:
+    what continues it is believed.
     """
 
     def __init__(
@@ -126,6 +129,7 @@ class KalmanEstimator:
         self._filter: StepFilter = IMPLEMENTATIONS[implementation](model.order)
         self.innovations: dict[str, Innovation] = {}
         self.refusals: dict[str, int] = dict.fromkeys(self.measurements, 0)
+        self.streams: dict[str, float] = {}
         self.set_model(model)
         self.reset()
 
@@ -142,6 +146,20 @@ class KalmanEstimator:
     def value(self, output: str) -> float:
         """Return the estimate of an output of the model."""
         return float(self.model.row(output) @ self.estimate)
+
+    def row_of(self, reading: Measurement) -> Array:
+        """Return the row of a reading, shape (n,), on the state of its tick: by the model where it lies between ticks.
+
+        Newton's formula over two ticks ahead; what a command changes within them is left to its delay.
+        """
+        known, offset = self.measurements.get(reading.name), reading.offset
+        # what is only witnessed is an output of the model
+        row = self.model.row(reading.name) if known is None else known.row
+        if offset == 0.0:
+            return row
+        change = row @ self.model.A - row
+        bend = change @ self.model.A - change
+        return np.asarray(row + offset * change + 0.5 * offset * (offset - 1.0) * bend)
 
     def set_model(
         self,
@@ -172,8 +190,16 @@ class KalmanEstimator:
         """Use another covariance of the process noise of a tick, shape (n, n), until the next model."""
         self._filter.set_model(self.model.A, self.model.B, covariance)
 
-    def reset(self, estimate: Array | None = None, covariance: Array | None = None) -> None:
-        """Begin anew at `estimate` (default: zero) with `covariance` (default: the initial one)."""
+    def reset(
+        self,
+        estimate: Array | None = None,
+        covariance: Array | None = None,
+        streams: Mapping[str, float] | None = None,
+    ) -> None:
+        """Begin anew at `estimate` (default: zero) with `covariance` (default: the initial one).
+
+        `streams` are those of an estimator that this one takes the place of.
+        """
         n = self.model.order
         self._filter.set_state(
             np.zeros(n) if estimate is None else np.array(estimate, dtype=float),
@@ -182,6 +208,7 @@ class KalmanEstimator:
         self._past.clear()
         self.innovations = {}
         self.refusals = dict.fromkeys(self.measurements, 0)
+        self.streams = dict(streams or {})
 
     def step(self, tick: int, command: float, readings: Sequence[Measurement]) -> Array:
         """Advance to `tick` and take in the readings delivered at it; return the estimate, shape (n,).
@@ -245,20 +272,26 @@ class KalmanEstimator:
         variance = float(row @ self._filter.P @ row) + (reading.sigma or measurement.sigma) ** 2
         innovation = reading.value - predicted
         nis = innovation * innovation / variance  # a power would raise OverflowError for a number that is absurd
-        accepted = bool(nis <= self._gate) or (not measurement.is_gated and math.isfinite(nis))
+        # a stream that goes on where its last reading was says something of the model, not of the sensor
+        step = innovation - self.streams.get(reading.name, 0.0)
+        is_stream = reading.name in self.streams and step * step <= 2.0 * self._gate * variance
+        accepted = bool(nis <= self._gate) or ((is_stream or not measurement.is_gated) and math.isfinite(nis))
         self.innovations[reading.name] = Innovation(innovation, math.sqrt(variance), nis, accepted)
+        if accepted:
+            self.streams[reading.name] = innovation
         self.refusals[reading.name] = 0 if accepted else self.refusals[reading.name] + 1
         if self.refusals[reading.name] > self._gate_limit and math.isfinite(nis):
             # that many in a row: it is the filter that is wrong, and its covariance must be large enough to come back
             self._filter.set_state(self._filter.x, self._filter.P + self._initial_covariance)
             self.refusals[reading.name] = 0
+            self.streams[reading.name] = innovation
             return True
         return accepted
 
     def _linearise(self, measurement: MeasurementModel, reading: Measurement) -> tuple[Array, float]:
         """Return the row of the reading at the present estimate, and its prediction."""
         x = self._filter.x
-        row = measurement.row
+        row = self.row_of(reading)
         if measurement.scale_state is None and not reading.regressors:
             return row, float(row @ x)
         row = row.copy()

@@ -91,10 +91,12 @@ class GuardParameters:
 
 @dataclass(frozen=True)
 class LagParameters:
-    """Adaptation to the winch's true servo and delay."""
+    """Adaptation to the winch's true servo, delay, gain and limits."""
 
     adaptation: bool = parameter(
-        True, unit="", description="Learn servo and delay of the winch from its encoder; not with a gain schedule."
+        True,
+        unit="",
+        description="Learn servo, delay, gain and limits of the winch from its encoder; not with a gain schedule.",
     )
     window: float = parameter(20.0, unit="s", minimum=5.0, maximum=600.0, description="Length of the record used.")
     step: float = parameter(

@@ -55,6 +55,9 @@ class WinchModelParameters:
         description="speed_servo: v' = (v_set - v)/T; first_order: u' = K (u_0 - u), thesis Eq. 6.1.",
     )
     time_constant: float = parameter(0.15, unit="s", minimum=1e-3, maximum=60.0, description="T of the speed servo.")
+    speed_gain: float = parameter(
+        1.0, unit="", minimum=0.1, maximum=10.0, description="Speed that the servo settles at over its set-point."
+    )
     position_gain: float = parameter(
         0.0,
         unit="1/s",
@@ -187,7 +190,7 @@ class EstimatorParameters:
     sea_adaptation: bool = parameter(
         True,
         unit="",
-        description="Follow the sea state seen in the estimate: scale the driving noise of the sea.",
+        description="Follow the sea that is seen: its height scales the noise, another period makes another design.",
     )
 
 

@@ -56,6 +56,9 @@ LEAST_AUTHORITY = 0.5
 FLOOR_FACTOR = 10.0
 """The checks over seconds ignore heave below so many times `guard.floor`: that is left to the comparison over waves."""
 
+LARGEST_DEMAND = 1.4
+"""Demand of the sea's share over the winch that a law is given which keeps the limits by itself."""
+
 HOLD_GROWTH = 4.0
 """The hold time grows by this factor each time: what all tries do together stays little."""
 
@@ -159,9 +162,15 @@ class HarmGuard:
         """What the sea asks of the winch over its limits: significant amplitude of speed or acceleration [-]."""
         return self._demand.significant(self._loop.limits)
 
-    @property
-    def authority_limit(self) -> float:
-        """Largest authority that keeps a law without limits of its own off the winch's limits, by the sea seen now."""
+    def authority_limit(self, *, keeps_limits: bool) -> float:
+        """Return the largest authority by the sea seen now.
+
+        It keeps a law without limits of its own off the winch's limits; a law that keeps them can still not compensate
+        a sea that asks for much more than the winch.
+        """
+        if keeps_limits:
+            demand = self.demand
+            return min(1.0, LARGEST_DEMAND / demand) if demand > 0.0 else 1.0
         return self._demand.largest_share(self._loop.limits, self._loop.effort, self._parameters.limit_use)
 
     def take_loop(self, loop: GuardedLoop) -> None:

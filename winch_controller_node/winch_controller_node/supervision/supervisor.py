@@ -27,6 +27,12 @@ HANGING_SHARES = (0.7, 1.3)
 TRANSPORT_HOLD = 5.0
 """Time for which compensation stays off after commands were late for long [s]: the transport is not the loop's harm."""
 
+UNKNOWN_SEA_SHARE = 0.3
+"""Share of a sea that is compensated while it is predicted badly."""
+
+LONGEST_WAIT = 2.0
+"""Time until which compensation waits for waves, over `modes.settling_time`: in calm water none come."""
+
 
 @dataclass(frozen=True, slots=True)
 class WinchSituation:
@@ -38,6 +44,7 @@ class WinchSituation:
     speed : as commanded [m/s], absolute
     mean_payout : that the winch goes to [m]
     settled_swing : swing of the unit at which a fade-out may end [m]
+    share : largest share of the sea that may be compensated with what is known of the winch
     inhibition : why compensation must be off; empty: it need not
     """
 
@@ -45,6 +52,7 @@ class WinchSituation:
     speed: float
     mean_payout: float
     settled_swing: float
+    share: float = 1.0
     inhibition: str = ""
 
 
@@ -103,6 +111,7 @@ class Supervisor:
         self.timeouts = CommandTimeouts(dt, resumes=parameters.modes.resume)
         self._reason_before = ""
         self._fades_by_law = False
+        self._longest_wait = LONGEST_WAIT * parameters.modes.settling_time
         self._refer_to(design, law)
 
     def take_design(self, design: ControllerDesign, law: ControlLaw) -> None:
@@ -134,11 +143,13 @@ class Supervisor:
                 winch_fault=winch.fault,
                 harm=self.guard.reason,
                 speed=winch.speed,
-                authority_limit=1.0 if self._keeps_limits else self.guard.authority_limit,
-                is_settled=self._is_settled(tick, winch.settled_swing),
-                closed_gates=self._gates.for_compensation(
-                    winch.mean_payout, self._limits, self.guard.demand, self._largest_demand
+                authority_limit=min(
+                    UNKNOWN_SEA_SHARE if tick.is_sea_refuted else 1.0,
+                    winch.share,
+                    self.guard.authority_limit(keeps_limits=self._keeps_limits),
                 ),
+                is_settled=self._is_settled(tick, winch.settled_swing),
+                closed_gates=self._closed_gates(tick, winch.mean_payout),
                 tension_refusal=self._why_no_tension(tick, winch.mean_payout),
             )
         )
@@ -189,6 +200,14 @@ class Supervisor:
         reason, before = self.guard.reason, self._reason_before
         self._reason_before = reason
         return (reason,) if self.modes.brake and reason and reason != before else ()
+
+    def _closed_gates(self, tick: LoopTick, mean_payout: float) -> str:
+        """Return why compensation may not begin about a mean payout [m]; empty where it may."""
+        if not tick.knows_sea and tick.number * self._dt < self._longest_wait:
+            return "waves are being looked at"
+        if tick.doubt:
+            return tick.doubt
+        return self._gates.for_compensation(mean_payout, self._limits, self.guard.demand, self._largest_demand)
 
     def _lost(self, tick: LoopTick) -> str:
         """Return which of the required sensors are lost and why; empty when none."""

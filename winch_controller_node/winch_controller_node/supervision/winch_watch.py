@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+from concurrent.futures import Executor
 from dataclasses import dataclass
 
 from heave_node.codes import WinchLimit
 
 from winch_controller_node.design.design import ControllerDesign
 from winch_controller_node.design.schedule import is_scheduled
-from winch_controller_node.identification.winch import LateCommands, WinchIdentifier
+from winch_controller_node.design.work import DesignWork
+from winch_controller_node.identification.late_commands import LateCommands
+from winch_controller_node.identification.winch import Answer, WinchIdentifier
 from winch_controller_node.interface.readings import WinchOrder, WinchReading
 from winch_controller_node.node_parameters import WinchControllerParameters
+from winch_controller_node.parameters.model import WinchModelParameters
 
 LEARNING_PERIOD, CHECKING_PERIOD = 2.0, 10.0
 """Time from one identification of the winch to the next [s], while its record grows and when that is full."""
@@ -18,8 +22,25 @@ LEARNING_PERIOD, CHECKING_PERIOD = 2.0, 10.0
 TOLERATED_SHARE = 0.5
 """Further delay with which compensation is tried, over lag and delay of the model, where these are not identified."""
 
-UNMODELLED_LIMITS = ~(WinchLimit.SPEED | WinchLimit.ACCELERATION)
+UNMODELLED_LIMITS = ~(WinchLimit.SPEED | WinchLimit.ACCELERATION | WinchLimit.POWER)
 """Limits of a winch that its identification does not know."""
+
+SUSPICIOUS, ALARMING = 0.01, 0.04
+"""Errors of the drum after a second [m]: the first has it identified at once, the second cuts the share of the sea."""
+
+CAUTIOUS_SHARE = 0.3
+"""Share of the sea that is compensated with a winch that does what nobody understands."""
+
+LIMITS = ("speed_limit", "acceleration_limit")
+
+CAUTIOUS_TIME = 3.0
+"""Time that the share stays cut after the drum was last off [s]."""
+
+ANSWER_TIME = 0.2
+"""What is identified takes effect so long after it was begun [s], also where it is found at once."""
+
+URGENT_PERIOD = 0.5
+"""Least time between two identifications of a winch that is off [s]."""
 
 
 def identifies_winch(parameters: WinchControllerParameters) -> bool:
@@ -47,30 +68,72 @@ class WinchWatch:
     Parameters
     ----------
     design : with the model of the winch at the start
+    designer : identifies beside the ticks, in real time; None: at once
     """
 
-    def __init__(self, design: ControllerDesign) -> None:
+    def __init__(self, design: ControllerDesign, designer: Executor | None = None) -> None:
         self._dt = design.tick_period
         self._identifier = WinchIdentifier(design.parameters.lag, design)
         self._late_commands = LateCommands(design.tick_period)
+        self._work: DesignWork[Answer] = DesignWork(max(1, round(ANSWER_TIME / self._dt)), designer)
         self._given: WinchOrder | None = None
+        self._since_found = 0.0
+        self._is_suspicious = False
+        self._cautious = 0.0
+        self._power_limited = False
+
+    @property
+    def share(self) -> float:
+        """Largest share of the sea that may be compensated with what is known of the winch."""
+        return CAUTIOUS_SHARE if self._cautious > 0.0 else 1.0
 
     def give(self, order: WinchOrder) -> None:
         """Note the order of a tick."""
         self._given = order
 
-    def improved_parameters(self, tick: int, parameters: WinchControllerParameters) -> WinchControllerParameters | None:
-        """Return parameters with the winch as identified; None: the present ones are as good, or it is not the time.
+    def improved_winch(self, tick: int, winch: WinchModelParameters) -> WinchModelParameters | None:
+        """Return the winch as identified; None: the model `winch` in force is as good, or it is not the time.
 
-        Parameters
-        ----------
-        tick : number of the present one
-        parameters : in force
+        `tick` is the number of the present one.
         """
+        self._since_found += self._dt
+        answer = self._work.take(tick)
+        better = None if answer is None else self._identifier.take(answer, winch)
+        if better is not None:
+            self._cautious = 0.0
+        elif not self._work.is_under_way:
+            self._begin(tick, winch)
+        return better
+
+    def _begin(self, tick: int, winch: WinchModelParameters) -> None:
+        """Begin to identify the winch beside the ticks, if it is time."""
         period = CHECKING_PERIOD if self._identifier.is_full else LEARNING_PERIOD
-        if tick % max(1, round(period / self._dt)) != 0:
-            return None
-        return self._identifier.improved_parameters(parameters)
+        is_urgent = self._is_suspicious and self._since_found > URGENT_PERIOD
+        if tick % max(1, round(period / self._dt)) != 0 and not is_urgent:
+            return
+        question = self._identifier.question(winch)
+        if question is not None:
+            self._since_found = 0.0
+            self._work.begin(tick, question)
+
+    def changes(self, before: WinchModelParameters, after: WinchModelParameters) -> str:
+        """Return in words what was learnt of the winch; empty where limits were but let up."""
+        named = [
+            ("time constant", "time_constant", "s"),
+            ("command delay", "command_delay", "s"),
+            ("gain", "speed_gain", ""),
+            ("speed limit", "speed_limit", "m/s"),
+            ("acceleration limit", "acceleration_limit", "m/s^2"),
+        ]
+        words = []
+        for label, name, unit in named:
+            old, new = getattr(before, name), getattr(after, name)
+            is_let_up = name in LIMITS and old < new
+            if old != new and not is_let_up:
+                is_by_power = name == "speed_limit" and self._power_limited
+                by_power = ", by its power limit" if is_by_power else ""
+                words.append(f"{label} {new:.3f} {unit}".rstrip() + f" (was {old:.3f}){by_power}")
+        return ", ".join(words)
 
     def watch(
         self, winch: WinchReading | None, payout: float | None, parameters: WinchControllerParameters
@@ -88,13 +151,23 @@ class WinchWatch:
         if given is not None and winch is not None:
             report = self._watch_transport(given.sequence, winch.command_sequence, parameters)
         if given is None or given.brake:
+            self._work.drop()
             self._identifier.reset(0.0 if given is None else given.payout)
         elif winch is not None and winch.limits_hit & UNMODELLED_LIMITS:
             self._identifier.add(given.payout, given.payout_rate, None)
             self._identifier.restart()
         else:
             self._identifier.add(given.payout, given.payout_rate, payout)
+            self._check_drum(parameters.winch)
+        if winch is not None and winch.limits_hit & WinchLimit.POWER:
+            self._power_limited = True
         return report
+
+    def _check_drum(self, winch: WinchModelParameters) -> None:
+        """Compare the drum with its prediction over the last second."""
+        error = abs(self._identifier.error(winch))
+        self._is_suspicious = error > SUSPICIOUS
+        self._cautious = CAUTIOUS_TIME if error > ALARMING else max(self._cautious - self._dt, 0.0)
 
     def _watch_transport(self, given: int, taken: int, parameters: WinchControllerParameters) -> TransportReport:
         """Notice late commands; nothing is compensated with more delay than can be identified or tolerated."""

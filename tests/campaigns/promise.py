@@ -1,0 +1,269 @@
+"""Never worse than off: winches, sensors and seas that are not what the controller believes (benchmark B9).
+
+    python -m tests.campaigns.promise --draws 256
+
+The controller believes in scenario b3_deep_900 as it is. Of the truth are drawn: limits of speed and acceleration, of
+hauling in apart, of power, the servo, its gain, delay, dead zone, the encoder's play, the radius of the drum, the
+noise of MRU and depth sensor, stamps of the MRU and its high-pass, the sea. A draw is kept whose unit is never worse
+than 1.05 times the uncompensated one over any minute that begins 30 s after compensation does. Components run in this
+process. Without --draws the plain table is run: one thing wrong at a time.
+"""
+
+from __future__ import annotations
+
+import argparse
+import math
+import sys
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from heave_bringup.closed_loop import ClosedLoop, LoopRecord, loop_parameters
+from heave_bringup.scenarios import load_scenario
+from heave_node.arrays import Array
+
+from tests.campaigns.commit import commit_line
+
+SCENARIO = "b3_deep_900"
+DURATION = 240.0
+"""Of a run [s]."""
+
+WINDOW, TROUBLE = 60.0, 30.0
+"""Length of a window that is judged, and time after the beginning of compensation from which on they are [s]."""
+
+LARGEST = 1.05
+"""Largest standard deviation of the unit over that of the uncompensated one."""
+
+HEIGHTS = (1.5, 1.8, 2.8)
+"""Significant wave heights [m]."""
+
+SPEED, ACCELERATION, DELAY, SERVO = 2.0, 1.5, 0.2, 0.15
+"""The winch that is believed in [m/s], [m/s^2], [s], [s]."""
+
+NOISES = {"wave_vessel.mru.noise": 0.01, "wave_vessel.mru.rate_noise": 0.01, "cable_sim.sensors.depth.noise": 0.02}
+"""Noise that is believed in [m], [m/s], [m]."""
+
+Settings = Mapping[str, float]
+
+PLAIN: dict[str, Settings] = {
+    "as believed": {},
+    "acceleration 0.8": {"virtual_winch.acceleration_limit": 0.8},
+    "acceleration 1.0": {"virtual_winch.acceleration_limit": 1.0},
+    "hauling in 0.7": {"virtual_winch.hauling_acceleration_share": 0.7 / ACCELERATION},
+    "power 100 kW": {"virtual_winch.power_limit": 1e5},
+    "speed 1.0": {"virtual_winch.speed_limit": 1.0},
+    "MRU noise x5": {"wave_vessel.mru.noise": 0.05, "wave_vessel.mru.rate_noise": 0.05},
+    "MRU and depth noise x5": {name: 5.0 * sigma for name, sigma in NOISES.items()},
+    "high-pass 30 s": {"wave_vessel.mru.high_pass_period": 30.0},
+}
+"""One thing other than believed."""
+
+
+@dataclass(frozen=True)
+class Draw:
+    """A truth.
+
+    Attributes
+    ----------
+    name : of the draw
+    seed : of its sea and noise
+    settings : other than believed
+    """
+
+    name: str
+    seed: int
+    settings: Settings
+
+
+def draw(number: int) -> Draw:
+    """Return draw `number`: every error of the winch at once, in a third of the draws one of a sensor as well."""
+    random = np.random.default_rng([13, 256, number])
+
+    def between(low: float, high: float) -> float:
+        return float(random.uniform(low, high))
+
+    def sometimes(value: float, otherwise: float, share: float) -> float:
+        return value if random.random() < share else otherwise
+
+    acceleration = ACCELERATION * between(0.5, 1.1)
+    settings = {
+        "wave_vessel.significant_wave_height": float(random.choice(HEIGHTS)),
+        "wave_vessel.peak_period": between(8.0, 13.0),
+        "virtual_winch.speed_limit": SPEED * between(0.5, 1.1),
+        "virtual_winch.acceleration_limit": acceleration,
+        "virtual_winch.hauling_speed_share": between(0.7, 1.0),
+        "virtual_winch.hauling_acceleration_share": between(0.6, 1.0),
+        "virtual_winch.power_limit": sometimes(between(1e5, 3e5), 0.0, 0.25),
+        "virtual_winch.time_constant": SERVO * between(0.7, 1.3),
+        "virtual_winch.command_delay": DELAY + between(-0.1, 0.1),
+        "virtual_winch.speed_gain": between(0.8, 1.2),
+        "virtual_winch.speed_deadband": sometimes(between(0.0, 0.05), 0.0, 0.5),
+        "virtual_winch.encoder.backlash": sometimes(between(0.0, 0.01), 0.0, 0.5),
+        "virtual_winch.drum_radius_error": between(-0.03, 0.03),
+    }
+    which = random.integers(9)
+    if which == 0:
+        settings |= {name: between(1.0, 5.0) * sigma for name, sigma in NOISES.items()}
+    elif which == 1:
+        settings["wave_vessel.mru.high_pass_period"] = between(20.0, 60.0)
+    elif which == 2:
+        settings["wave_vessel.mru.stamp_error"] = 0.05
+    return Draw(f"draw {number}", number + 1, settings)
+
+
+def parameters_of(one: Draw, duration: float = DURATION) -> Sequence[str]:
+    """Return the settings of a run of so long a `duration` [s]."""
+    values = dict(one.settings)
+    acceleration = values.get("virtual_winch.acceleration_limit", ACCELERATION)
+    values["virtual_winch.stop_deceleration"] = min(acceleration, ACCELERATION)
+    values |= {"all.duration": duration, "all.transient": 30.0, "wave_vessel.ramp": 30.0}
+    return [*(f"{name}={value!r}" for name, value in values.items()), f"all.seed={one.seed}"]
+
+
+@dataclass(frozen=True)
+class Kept:
+    """How the promise was kept.
+
+    Attributes
+    ----------
+    sigma, off : standard deviation of the unit, compensated and not, from `TROUBLE` after the beginning on [m]
+    worst, at : largest ratio of both over a window, and where that begins [s]
+    fades : how often compensation was given up
+    share : of the time since the first minute and a half in which it compensates
+    wrong : alarms that name what is not so
+    alarms : all that were given on winch, sea and sensors
+    """
+
+    sigma: float
+    off: float
+    worst: float
+    at: float
+    fades: int
+    share: float
+    wrong: tuple[str, ...]
+    alarms: tuple[str, ...]
+
+    @property
+    def holds(self) -> bool:
+        """Tell whether the unit was never worse than off."""
+        return self.worst <= LARGEST
+
+
+def run(one: Draw, duration: float = DURATION) -> Kept:
+    """Run a draw for a `duration` [s]."""
+    scenario = load_scenario(SCENARIO, settings=parameters_of(one, duration))
+    return kept(one, ClosedLoop(loop_parameters(scenario)).run())
+
+
+def kept(one: Draw, record: LoopRecord) -> Kept:
+    """Return how the promise was kept in the `record` of a draw."""
+    time = record.column("time")
+    unit = record.column("unit") + record.column("depth_set_point")
+    off = record.column("uncompensated")
+    compensates = np.array([mode == "compensating" for mode in record.modes])
+    begin = float(time[np.argmax(compensates)]) + TROUBLE if np.any(compensates) else WINDOW
+    ratio, at = worst_window(time, unit, off, begin)
+    entered = np.array([mode == "fade_out" for mode in record.modes])
+    told = tuple(f"{when:.0f} s: {words}" for when, words in record.alarms if _is_finding(words))
+    return Kept(
+        sigma=float(np.std(unit[time > begin])),
+        off=float(np.std(off[time > begin])),
+        worst=ratio,
+        at=at,
+        fades=int(np.count_nonzero(entered[1:] & ~entered[:-1])),
+        share=float(np.mean(compensates[time > 90.0])),
+        wrong=tuple(words for words in told if is_wrong(words, one.settings)),
+        alarms=told,
+    )
+
+
+def worst_window(time: Array, unit: Array, off: Array, begin: float) -> tuple[float, float]:
+    """Return the largest ratio of standard deviations over any window, and where that begins [s].
+
+    Parameters
+    ----------
+    time, unit, off : of each tick [s], heave of the unit and of the uncompensated one [m], shape (ticks,)
+    begin : of the first window [s]
+    """
+    dt = time[1] - time[0]
+    count, first = round(WINDOW / dt), int(np.searchsorted(time, begin))
+    worst = (0.0, math.nan)
+    for start in range(first, len(time) - count + 1, round(1.0 / dt)):
+        ratio = float(np.std(unit[start : start + count]) / np.std(off[start : start + count]))
+        worst = max(worst, (ratio, float(time[start])))
+    return worst
+
+
+def _is_finding(words: str) -> bool:
+    return any(mark in words for mark in ("updated", "suspect", "times what is believed", "explains it", "later"))
+
+
+def is_wrong(words: str, settings: Settings) -> bool:
+    """Tell whether an alarm names something that is as believed."""
+    truth = {name.removeprefix("virtual_winch."): value for name, value in settings.items()}
+    acceleration = truth.get("acceleration_limit", ACCELERATION) * truth.get("hauling_acceleration_share", 1.0)
+    speed = truth.get("speed_limit", SPEED) * truth.get("hauling_speed_share", 1.0)
+    noises = [settings.get(name, sigma) / sigma for name, sigma in NOISES.items()]
+    is_late = settings.get("wave_vessel.mru.stamp_error", 0.0) > 0.0
+    is_filtered = settings.get("wave_vessel.mru.high_pass_period", 0.0) > 0.0
+    is_power_limited = truth.get("power_limit", 0.0) > 0.0
+    drive = ("speed_gain", "speed_deadband", "encoder.backlash", "time_constant", "command_delay")
+    wrongs = {
+        "acceleration limit": acceleration > 0.98 * ACCELERATION,
+        "speed limit": speed > 0.98 * SPEED and not is_power_limited,
+        "gain": not any(name in truth for name in drive),
+        "time constant": not any(name in truth for name in drive),
+        "noise of": max(noises) < 1.5,
+        "mru suspect": not (is_filtered or is_late),
+        "depth suspect": True,
+        "cable suspect": True,
+    }
+    return any(is_wrong for mark, is_wrong in wrongs.items() if mark in words)
+
+
+def show(one: Draw, found: Kept) -> str:
+    """Return one line of the table, and one for each alarm that is wrong."""
+    line = (
+        f"{one.name:24s} {100 * found.sigma:6.2f} of {100 * found.off:5.1f} cm, worst minute {found.worst:5.3f} at "
+        f"{found.at:3.0f} s, given up {found.fades}, compensates {100 * found.share:3.0f} %, "
+        f"{len(found.alarms):2d} findings{'' if found.holds else ' WORSE THAN OFF'}"
+    )
+    return "\n".join([line, *(f"    wrong: {words}" for words in found.wrong)])
+
+
+def summary(found: Sequence[Kept]) -> str:
+    """Return what all draws came to."""
+    ratios = np.array([one.worst for one in found])
+    shares = ", ".join(f"p{p} {np.percentile(ratios, p):.3f}" for p in (10, 50, 90, 95))
+    kept_draws = sum(one.holds for one in found)
+    return (
+        f"{kept_draws} of {len(found)} never worse than {LARGEST} times off; worst minute {shares}, largest "
+        f"{np.max(ratios):.3f}; {sum(one.fades > 0 for one in found)} given up at least once, "
+        f"{sum(one.share == 0.0 for one in found)} lost; {sum(bool(one.wrong) for one in found)} with a wrong finding, "
+        f"{np.mean([len(one.alarms) for one in found]):.1f} findings a run"
+    )
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the campaign; return 1 where the promise was broken."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--draws", type=int, default=0, metavar="N", help="so many draws; 0: the plain table")
+    parser.add_argument("--first", type=int, default=0, metavar="N", help="number of the first one (default 0)")
+    parser.add_argument("--seeds", type=int, default=1, metavar="N", help="seeds of the plain table (default 1)")
+    parser.add_argument("--alarms", action="store_true", help="print all findings of each run")
+    options = parser.parse_args(arguments)
+    draws = [draw(number) for number in range(options.first, options.first + options.draws)]
+    draws = draws or [Draw(name, 1 + seed, values) for name, values in PLAIN.items() for seed in range(options.seeds)]
+    sys.stdout.write(commit_line() + "\n")
+    found = []
+    for one in draws:
+        found.append(run(one))
+        lines = [show(one, found[-1]), *(f"    {words}" for words in found[-1].alarms if options.alarms)]
+        sys.stdout.write("\n".join(lines) + "\n")
+        sys.stdout.flush()
+    sys.stdout.write(summary(found) + "\n")
+    return 0 if all(one.holds for one in found) else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,123 @@
+"""What the estimator was told in the last minute, and whether it was surprised by it."""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from winch_controller_node.model.estimator import Innovation, Measurement
+
+RECORD = 60.0
+"""Length of the record [s]."""
+
+MEMORY = 20.0
+"""Memory of the mean of the normalised innovations squared [s]."""
+
+SURPRISING = 2.0
+"""Mean of the normalised innovations squared above which a sensor is not what it is believed to be; 1 where it is."""
+
+LARGEST = 25.0
+"""What one normalised innovation squared counts at most: a spike is no lasting error."""
+
+ENCODER_ROW = "payout"
+"""Readings of the encoder are not judged: the winch is identified by them."""
+
+
+@dataclass(frozen=True)
+class RecordedTick:
+    """What the estimator was told at a tick: the command of the tick before, and the readings delivered at it."""
+
+    number: int
+    command: float
+    readings: tuple[Measurement, ...]
+
+
+class ReadingRecord:
+    """The readings of the last minute, for estimators that believe something else.
+
+    Parameters
+    ----------
+    tick_period : [s]
+    """
+
+    def __init__(self, tick_period: float) -> None:
+        self._ticks: deque[RecordedTick] = deque(maxlen=round(RECORD / tick_period))
+
+    def add(self, tick: RecordedTick) -> None:
+        """Take a tick in."""
+        self._ticks.append(tick)
+
+    def clear(self) -> None:
+        """Begin anew: the state has jumped."""
+        self._ticks.clear()
+
+    @property
+    def is_full(self) -> bool:
+        """Tell whether there is a whole minute."""
+        return len(self._ticks) == self._ticks.maxlen
+
+    def reaches_to(self, number: int) -> bool:
+        """Tell whether the tick of a `number` is still on record."""
+        return bool(self._ticks) and self._ticks[0].number <= number
+
+    def ticks(self, after: int = -1) -> tuple[RecordedTick, ...]:
+        """Return the ticks on record that come `after` one."""
+        return tuple(tick for tick in self._ticks if tick.number > after)
+
+
+class Surprise:
+    """How far the readings of each sensor are from what was foreseen, over some waves.
+
+    Parameters
+    ----------
+    tick_period : [s]
+
+    Attributes
+    ----------
+    is_excused : no sensor without which compensation fails is to blame
+    """
+
+    def __init__(self, tick_period: float) -> None:
+        self._dt = tick_period
+        self._means: dict[str, float] = {}
+        self._time = 0.0
+        self.is_excused = False
+
+    def add(self, innovations: Mapping[str, Innovation]) -> None:
+        """Take in the innovations of a tick, by measurement."""
+        weight = self._dt / MEMORY
+        for name, innovation in innovations.items():
+            if name != ENCODER_ROW and math.isfinite(innovation.nis):
+                before = self._means.get(name, 1.0)
+                self._means[name] = before + weight * (min(innovation.nis, LARGEST) - before)
+        self._time = self._time + self._dt if self.worst[1] > SURPRISING else 0.0
+
+    @property
+    def worst(self) -> tuple[str, float]:
+        """Measurement that is foreseen worst, and the mean of its normalised innovations squared."""
+        return max(self._means.items(), key=lambda pair: pair[1], default=("", 1.0))
+
+    @property
+    def words(self) -> str:
+        """What is read cannot be believed yet, in words; empty where it can, or has been excused."""
+        name, mean = self.worst
+        if self.is_excused or mean <= SURPRISING:
+            return ""
+        return f"{name} is {math.sqrt(mean):.1f} times as far off as foreseen: sensors are being compared"
+
+    @property
+    def time(self) -> float:
+        """Time since which readings have been foreseen badly without a pause [s]."""
+        return self._time
+
+    def excuse(self) -> None:
+        """Go on in spite of it, until something else is believed."""
+        self.is_excused = True
+
+    def restart(self) -> None:
+        """Begin anew: something else is believed from now on."""
+        self._means = {}
+        self._time = 0.0
+        self.is_excused = False

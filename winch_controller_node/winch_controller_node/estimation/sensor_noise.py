@@ -1,0 +1,71 @@
+"""The noise of a sensor by itself, from its readings alone: no model is needed, and other sensors have no part in it.
+
+A third difference of readings takes away what is smooth and leaves white noise, sqrt(20) times as large; the median of
+its magnitude does not see spikes.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+
+import numpy as np
+
+READINGS = 100
+"""Readings that the noise is judged by."""
+
+WORSE = 2.0
+"""Noise so many times as large as believed, or as last told, is worth telling."""
+
+UPDATED = 10
+"""Readings from one judgement to the next."""
+
+MEDIAN_OF_MAGNITUDE = 0.6745 * math.sqrt(20.0)
+"""Median of the magnitude of the third difference of white noise, over its standard deviation."""
+
+LONGEST_PERIOD = 0.25
+"""Between readings further apart [s] the sea itself is not smooth."""
+
+
+class SensorNoise:
+    """Standard deviation of a sensor's noise: as believed, or as stated or seen where that is more.
+
+    Parameters
+    ----------
+    believed : standard deviation, in the sensor's unit
+    period : between readings [s]
+
+    Attributes
+    ----------
+    sigma : now
+    """
+
+    def __init__(self, believed: float, period: float) -> None:
+        self._believed = believed
+        self._is_judged = period <= LONGEST_PERIOD
+        self._last: deque[float] = deque(maxlen=4)
+        self._differences: deque[float] = deque(maxlen=READINGS)
+        self._count = 0
+        self._seen = 0.0
+        self._told = believed
+        self.sigma = believed
+
+    def add(self, value: float, stated: float = math.nan) -> float:
+        """Take in a reading and the standard deviation that it states (NaN: none); return the one to use."""
+        self._last.append(value)
+        if self._is_judged and len(self._last) == 4:
+            a, b, c, d = self._last
+            self._differences.append(abs(d - 3.0 * c + 3.0 * b - a))
+            self._count += 1
+            if len(self._differences) == READINGS and self._count % UPDATED == 0:
+                self._seen = float(np.median(self._differences)) / MEDIAN_OF_MAGNITUDE
+        known = stated if math.isfinite(stated) else 0.0
+        self.sigma = max(self._believed, self._seen, known)
+        return self.sigma
+
+    def news(self) -> float:
+        """Return how many times as large as believed the noise is, when it has become much larger; else 0."""
+        if self.sigma < WORSE * self._told:
+            return 0.0
+        self._told = self.sigma
+        return self.sigma / self._believed

@@ -1,0 +1,293 @@
+"""The drum that explains a record best: Gauss-Newton on servo and delay, and a search for limits that it has reached.
+
+A limit has no slope where it is not reached, so that no descent finds it: a grid of lower limits is tried first. A
+lower limit stays only where the record is much less likely without it.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import product
+
+import numpy as np
+from heave_node.arrays import Array
+from numpy.typing import NDArray
+
+from winch_controller_node.identification.drum_kernel import Drum, drum_records
+
+LAG, DELAY, GAIN, DEADBAND, BACKLASH = (
+    Drum._fields.index(name) for name in ("lag", "delay", "gain", "deadband", "backlash")
+)
+SPEEDS = (Drum._fields.index("speed_out"), Drum._fields.index("speed_in"))
+ACCELERATIONS = (Drum._fields.index("acceleration_out"), Drum._fields.index("acceleration_in"))
+LIMITS = (*SPEEDS, *ACCELERATIONS)
+START_PAYOUT, START_RATE = len(Drum._fields), len(Drum._fields) + 1
+
+ITERATIONS = 15
+"""Largest number of Gauss-Newton steps."""
+
+CONVERGED = 1e-4
+"""Iteration ends with a step of every parameter below this."""
+
+DIFFERENCE = 1e-4
+"""Step of the sensitivities."""
+
+SHARES_OF_STEP = (1.0, 0.5, 0.25, 0.1)
+"""Shares of a Gauss-Newton step of which the best is taken."""
+
+CORRELATED = 4.0
+"""Residuals in a row that count as one: they are not white."""
+
+RESOLUTION = 3e-4
+"""Least standard deviation of what is left [m]: an encoder of 1 mm."""
+
+GRID = (1.0, 0.85, 0.7, 0.55, 0.42, 0.32)
+"""Lower limits that are tried, over the believed ones; those of speed over the highest speed asked for, if lower."""
+
+LAG_FACTORS, DELAY_CHANGES = (0.4, 0.7, 1.0, 1.5, 2.0), (-0.16, -0.12, -0.08, -0.04, 0.0, 0.04, 0.08, 0.12, 0.16, 0.24)
+"""Lags over the believed one and delays less the believed one [s] that a descent may begin with."""
+
+TRIED = 3
+"""Starts of the grid from which the descent begins."""
+
+LIKELIHOOD = 30.0
+"""A lower limit stays if the record without it is less likely by a factor of exp(-LIKELIHOOD/2) at least."""
+
+IMPROVEMENT = 1.5
+"""And if without it the mean square of what is left is so many times as large: no model is exact."""
+
+
+@dataclass(frozen=True)
+class DrumRecord:
+    """What a drum was sent and what its encoder read.
+
+    Attributes
+    ----------
+    payouts, rates : set-points of the ticks, oldest first, more of them than readings by the longest delay [m], [m/s]
+    readings : of the encoder at the end of the last ticks [m]; NaN: none
+    position_gain : of the servo's position loop [1/s]
+    dt : tick period [s]
+    """
+
+    payouts: Array
+    rates: Array
+    readings: Array
+    position_gain: float
+    dt: float
+
+    @property
+    def seen(self) -> Array:
+        """Where there is a reading, shape (count,)."""
+        return np.isfinite(self.readings)
+
+    def simulated(self, drums: Array) -> Array:
+        """Return the readings of `drums` with payout and rate at their start, shape (m, 11), as (m, count) [m]."""
+        return np.asarray(
+            drum_records(
+                self.payouts,
+                self.rates,
+                np.ascontiguousarray(drums[:, :START_PAYOUT]),
+                np.ascontiguousarray(drums[:, START_PAYOUT:]),
+                self.position_gain,
+                len(self.readings),
+                self.dt,
+            )
+        )
+
+    def squares(self, drums: Array) -> Array:
+        """Return the sums of squared residuals of `drums`, shape (m,) [m^2]."""
+        seen = self.seen
+        return np.asarray(np.sum(np.square(self.readings[seen] - self.simulated(drums)[:, seen]), axis=1))
+
+
+@dataclass(frozen=True)
+class DrumBelief:
+    """What is believed of a drum before it has moved: the nominal one, how sure that is, and what can be at all.
+
+    Attributes
+    ----------
+    nominal, sigmas, lowest, highest : fields of `Drum`, shape (9,)
+    """
+
+    nominal: Array
+    sigmas: Array
+    lowest: Array
+    highest: Array
+
+
+@dataclass(frozen=True)
+class DrumFit:
+    """The drum that fits best.
+
+    Attributes
+    ----------
+    drum : fields of `Drum`, then payout and rate at the start of the record, shape (11,)
+    squares : sum of the squared residuals [m^2]; count : residuals
+    covariance : of lag and delay, shape (2, 2) [s^2]
+    """
+
+    drum: Array
+    squares: float
+    count: int
+    covariance: Array
+
+    @property
+    def residual(self) -> float:
+        """Standard deviation of the encoder about the model [m]."""
+        return max(math.sqrt(self.squares / self.count), RESOLUTION)
+
+
+def fit_drum(record: DrumRecord, belief: DrumBelief, start: Array, free: Sequence[int]) -> DrumFit:
+    """Return the drum that fits a record best.
+
+    Parameters
+    ----------
+    record, belief : of the drum
+    start : where the descent begins, shape (11,)
+    free : indices that are found, lag and delay first; the others stay; payout and rate at the start are always found
+    """
+    theta = start.copy()
+    columns = [*free, START_PAYOUT, START_RATE]
+    kept = list(free)
+    precision = 1.0 / np.square(belief.sigmas[kept])
+    seen = record.seen
+    count = int(np.count_nonzero(seen))
+    covariance = np.diag(np.square(belief.sigmas))
+    for _ in range(ITERATIONS):
+        residual, slopes = _linearise(record, theta, columns)
+        squares = float(residual @ residual)
+        weight = 1.0 / (CORRELATED * max(squares / count, RESOLUTION**2))
+        information = weight * slopes.T @ slopes
+        pull = weight * slopes.T @ residual
+        for i, index in enumerate(kept):
+            information[i, i] += precision[i]
+            pull[i] += precision[i] * (belief.nominal[index] - theta[index])
+        covariance, step = _solved(information, pull)
+        blocked = _blocked(theta, columns, step, belief)
+        if np.any(blocked):
+            # what cannot go further must not shape the step of the others
+            open_ = ~blocked
+            step[blocked] = 0.0
+            step[open_] = _solved(information[np.ix_(open_, open_)], pull[open_])[1]
+        trials = np.array([_stepped(theta, columns, share * step, belief) for share in SHARES_OF_STEP])
+        costs = weight * record.squares(trials)
+        costs += np.sum(precision * np.square(trials[:, kept] - belief.nominal[kept]), axis=1)
+        best = int(np.argmin(costs))
+        moved = np.max(np.abs(trials[best] - theta)[columns])
+        if costs[best] > weight * squares + float(precision @ np.square(theta[kept] - belief.nominal[kept])):
+            break
+        theta = trials[best]
+        if moved < CONVERGED:
+            break
+    return DrumFit(theta, float(record.squares(theta[None, :])[0]), count, covariance[:2, :2])
+
+
+def _solved(information: Array, pull: Array) -> tuple[Array, Array]:
+    """Return the inverse of an information matrix, which may be singular, and the step that it gives."""
+    size = np.sqrt(np.diag(information)) + 1e-12
+    inverse = np.linalg.pinv(information / np.outer(size, size), hermitian=True) / np.outer(size, size)
+    return inverse, inverse @ pull
+
+
+def _blocked(theta: Array, columns: Sequence[int], step: Array, belief: DrumBelief) -> NDArray[np.bool_]:
+    """Tell which of `columns` stand at an end of their range and would go beyond it."""
+    lowest, highest = np.append(belief.lowest, [-np.inf] * 2), np.append(belief.highest, [np.inf] * 2)
+    values = theta[list(columns)]
+    low, high = lowest[list(columns)], highest[list(columns)]
+    return np.asarray(((values <= low) & (step < 0.0)) | ((values >= high) & (step > 0.0)))
+
+
+def _stepped(theta: Array, columns: Sequence[int], step: Array, belief: DrumBelief) -> Array:
+    moved = theta.copy()
+    moved[list(columns)] += step
+    moved[:START_PAYOUT] = np.clip(moved[:START_PAYOUT], belief.lowest, belief.highest)
+    return moved
+
+
+def _linearise(record: DrumRecord, theta: Array, columns: Sequence[int]) -> tuple[Array, Array]:
+    """Return the residuals, shape (count,), and how the record goes with each of `columns`, (count, columns)."""
+    drums = np.tile(theta, (len(columns) + 1, 1))
+    for row, column in enumerate(columns, start=1):
+        # limits can only be lowered from where they are
+        drums[row, column] += -DIFFERENCE if column in LIMITS else DIFFERENCE
+    seen = record.seen
+    simulated = record.simulated(drums)[:, seen]
+    signs = np.array([-1.0 if column in LIMITS else 1.0 for column in columns])
+    slopes = (simulated[1:] - simulated[0]).T / (DIFFERENCE * signs)
+    return record.readings[seen] - simulated[0], slopes
+
+
+def best_lags(record: DrumRecord, belief: DrumBelief, start: Array) -> list[Array]:
+    """Return `start`, shape (11,), with those lags and delays of a coarse grid that fit best, the best first.
+
+    At limits a descent from afar gets stuck.
+    """
+    trials = []
+    for lag, delay in product(LAG_FACTORS, DELAY_CHANGES):
+        trial = start.copy()
+        trial[LAG], trial[DELAY] = lag * belief.nominal[LAG], belief.nominal[DELAY] + delay
+        trial[:START_PAYOUT] = np.clip(trial[:START_PAYOUT], belief.lowest, belief.highest)
+        trials.append(trial)
+    order = np.argsort(record.squares(np.array(trials)), kind="stable")
+    return [trials[int(k)] for k in order[:TRIED]]
+
+
+def search_limits(record: DrumRecord, belief: DrumBelief, start: Array, free: Sequence[int]) -> DrumFit:
+    """Return the drum with those limits without which a record cannot be explained.
+
+    Parameters
+    ----------
+    record, belief, start, free : as for `fit_drum`
+    """
+    bare = start.copy()
+    bare[list(LIMITS)] = belief.nominal[list(LIMITS)]
+    best = fit_drum(record, belief, bare, free)
+    for grid in [start, *_grid_starts(record, belief, bare)]:
+        lowered = [i for i in LIMITS if grid[i] < belief.nominal[i]]
+        if not lowered:
+            continue
+        fit = fit_drum(record, belief, grid, [*free, *lowered])
+        best = fit if fit.squares < best.squares else best
+    return _without_needless(record, belief, best, free)
+
+
+def _grid_starts(record: DrumRecord, belief: DrumBelief, bare: Array) -> list[Array]:
+    """Return the best combinations of lower limits, the best first."""
+    fastest = float(np.max(np.abs(record.rates[-len(record.readings) :])))
+    bases = {i: min(float(belief.nominal[i]), fastest) for i in SPEEDS}
+    bases |= {i: float(belief.nominal[i]) for i in ACCELERATIONS}
+    ranked = []
+    for pair in (ACCELERATIONS, SPEEDS):
+        trials = []
+        for shares in product(GRID, GRID):
+            trial = bare.copy()
+            for i, share in zip(pair, shares, strict=True):
+                trial[i] = bare[i] if share == 1.0 else share * bases[i]
+            trials.append(trial)
+        order = np.argsort(record.squares(np.array(trials)), kind="stable")
+        ranked.append([trials[int(k)] for k in order[:TRIED]])
+    mixed = []
+    for by_acceleration, by_speed in product(*ranked):
+        trial = by_acceleration.copy()
+        trial[list(SPEEDS)] = by_speed[list(SPEEDS)]
+        mixed.append(trial)
+    candidates = [*ranked[0], *ranked[1], *mixed]
+    order = np.argsort(record.squares(np.array(candidates)), kind="stable")
+    return [candidates[int(k)] for k in order[:TRIED]]
+
+
+def _without_needless(record: DrumRecord, belief: DrumBelief, fit: DrumFit, free: Sequence[int]) -> DrumFit:
+    """Return the fit without each limit that the record does not prove."""
+    for index in LIMITS:
+        if fit.drum[index] >= belief.nominal[index]:
+            continue
+        start = fit.drum.copy()
+        start[index] = belief.nominal[index]
+        lowered = [i for i in LIMITS if start[i] < belief.nominal[i]]
+        other = fit_drum(record, belief, start, [*free, *lowered])
+        gain = (other.squares - fit.squares) / (CORRELATED * fit.residual**2)
+        if gain < LIKELIHOOD or other.squares < IMPROVEMENT * fit.squares:
+            fit = other
+    return fit

@@ -1,0 +1,223 @@
+"""Which sensor is not what it is believed to be, or the cable: the last minute is estimated anew under each suspicion.
+
+Each sensor tells something of the same motions, so that an estimator that believes in a wrong one foresees badly what
+all of them read. The suspicion under which the readings of a minute are by far the likeliest, and as far off as
+foreseen, names what is at fault.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from winch_controller_node.design.design import ControllerDesign
+from winch_controller_node.estimation.reading_record import ENCODER_ROW, ReadingRecord, RecordedTick
+from winch_controller_node.interface.sensors import KnownSensors
+from winch_controller_node.model.estimator import KalmanEstimator
+from winch_controller_node.node_parameters import WinchControllerParameters
+
+SETTLING = 15.0
+"""Time at the start of the record over which a suspicion is not judged: its estimate settles [s]."""
+
+CORNERS = (100.0, 60.0, 40.0, 30.0, 22.0, 16.0)
+"""Cut-off periods of an MRU's high-pass that are tried [s]."""
+
+REFINEMENTS = (1.12, 1.05, 1.02)
+"""Factors, up and down, by which the best of them is then refined."""
+
+LARGEST_NIS = 50.0
+"""What one normalised innovation counts at most."""
+
+INERTIAS, DAMPINGS = (0.65, 0.8, 0.9, 1.1, 1.25, 1.5), (4.0,)
+"""Inertias and dampings of the cable that are tried, over those believed."""
+
+EXPLAINED = 2.0
+"""Largest mean of normalised innovations squared, of any measurement, under a suspicion that holds; 1 if it is true."""
+
+CLEARLY = 100.0
+"""A suspicion holds if it makes the record likelier by a factor of exp(CLEARLY) at least, than no and any other."""
+
+
+@dataclass(frozen=True)
+class Suspicion:
+    """Something that may be wrong.
+
+    Attributes
+    ----------
+    culprit : the sensor, or the cable; empty: none
+    words : what is wrong with it
+    parameters : what is to be believed then
+    doubted : sensor whose readings count as noise; empty: none
+    cable : inertia and damping of the cable over those believed
+    """
+
+    culprit: str
+    words: str
+    parameters: WinchControllerParameters
+    doubted: str = ""
+    cable: tuple[float, float] = (1.0, 1.0)
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """The likeliest suspicion.
+
+    Attributes
+    ----------
+    suspicion : that holds
+    design : for it
+    estimator : that has gone through the record under it
+    last : number of the last tick that it knows
+    """
+
+    suspicion: Suspicion
+    design: ControllerDesign
+    estimator: KalmanEstimator
+    last: int
+
+
+Designer = Callable[[WinchControllerParameters, tuple[float, float]], ControllerDesign]
+
+
+def suspect(
+    parameters: WinchControllerParameters, record: Sequence[RecordedTick], design_for: Designer, tick_period: float
+) -> Verdict:
+    """Return the likeliest suspicion of a `record`: that all is as believed, where no other is clearly likelier.
+
+    Parameters
+    ----------
+    parameters : believed
+    record : of a minute
+    design_for : designs for parameters, and for inertia and damping of the cable over those believed
+    tick_period : [s]
+    """
+    first_judged = record[0].number + round(SETTLING / tick_period)
+
+    witnesses = _witnesses(record)
+
+    def tried(suspicion: Suspicion) -> _Trial:
+        sensors = suspicion.parameters.sensors
+        use = (*sensors.use, *(name for name in witnesses if name not in sensors.use))
+        design = design_for(replace(suspicion.parameters, sensors=replace(sensors, use=use)), suspicion.cable)
+        return _tried(suspicion, design, record, first_judged)
+
+    nothing = tried(Suspicion("", "", parameters))
+    trials = [tried(suspicion) for suspicion in _suspicions(parameters)]
+    best = max(trials, key=lambda trial: trial.likelihood)
+    for factor in REFINEMENTS:
+        trials = [best, *(tried(near) for near in _near(parameters, best.verdict.suspicion, factor))]
+        best = max(trials, key=lambda trial: trial.likelihood)
+    holds = best.likelihood > nothing.likelihood + CLEARLY and best.worst < EXPLAINED
+    return best.verdict if holds else nothing.verdict
+
+
+def continued(verdict: Verdict, record: ReadingRecord) -> KalmanEstimator:
+    """Return the estimator of a `verdict` that doubts no sensor, after the ticks of `record` that have come since."""
+    for tick in record.ticks(verdict.last):
+        _step(verdict.estimator, tick, {})
+    return verdict.estimator
+
+
+def _witnesses(record: Sequence[RecordedTick]) -> list[str]:
+    """Return the sensors whose readings are on `record`."""
+    read = {reading.name for tick in record for reading in tick.readings}
+    sensors = KnownSensors().by_name()
+    return [name for name, sensor in sensors.items() if any(row.name in read for row in sensor.rows())]
+
+
+def _cut_off(parameters: WinchControllerParameters, period: float) -> Suspicion:
+    sensors = parameters.sensors
+    before = sensors.mru.high_pass_period
+    was = f"{before:g} s" if before > 0.0 else "none"
+    mru = replace(sensors.mru, high_pass_period=period)
+    words = f"its heave has a high-pass with a cut-off period of {period:.0f} s (believed: {was})"
+    return Suspicion("mru", words, replace(parameters, sensors=replace(sensors, mru=mru)))
+
+
+def _cable(parameters: WinchControllerParameters, inertia: float, damping: float) -> Suspicion:
+    words = f"it answers with {inertia:.2f} times the inertia and {damping:.2g} times the damping that are believed"
+    return Suspicion("cable", words, parameters, cable=(inertia, damping))
+
+
+def _suspicions(parameters: WinchControllerParameters) -> list[Suspicion]:
+    """Return what may be wrong with the sensors in use, and with the cable."""
+    sensors = parameters.sensors
+    found = [_cut_off(parameters, corner) for corner in CORNERS] if "mru" in sensors.use else []
+    found += [_cable(parameters, inertia, 1.0) for inertia in INERTIAS]
+    found += [_cable(parameters, 1.0, damping) for damping in DAMPINGS]
+    found += [
+        Suspicion(name, "its readings contradict all others", parameters, doubted=name)
+        for name in sensors.use
+        if name != "encoder"
+    ]
+    return found
+
+
+def _near(parameters: WinchControllerParameters, suspicion: Suspicion, factor: float) -> list[Suspicion]:
+    """Return the neighbours of a suspicion that has a size, by a factor above and below it."""
+    if suspicion.doubted:
+        return []
+    if suspicion.culprit == "cable":
+        inertia, damping = suspicion.cable
+        return [_cable(parameters, inertia * factor, damping), _cable(parameters, inertia / factor, damping)]
+    corner = suspicion.parameters.sensors.mru.high_pass_period
+    return [_cut_off(parameters, corner * factor), _cut_off(parameters, corner / factor)]
+
+
+@dataclass(frozen=True)
+class _Trial:
+    """A suspicion that was tried.
+
+    Attributes
+    ----------
+    likelihood : logarithm of that of the record
+    worst : largest mean of the normalised innovations squared of a measurement
+    verdict : if it holds
+    """
+
+    likelihood: float
+    worst: float
+    verdict: Verdict
+
+
+def _tried(suspicion: Suspicion, design: ControllerDesign, record: Sequence[RecordedTick], first_judged: int) -> _Trial:
+    """Go through a `record` under a `suspicion`, and judge its readings from a tick on."""
+    estimator, doubted = design.make_estimator(), _sizes(suspicion.doubted, record)
+    likelihood = 0.0
+    squares: dict[str, list[float]] = {}
+    for tick in record:
+        _step(estimator, tick, doubted)
+        if tick.number < first_judged:
+            continue
+        for name, innovation in estimator.innovations.items():
+            if math.isfinite(innovation.nis):
+                nis = min(innovation.nis, LARGEST_NIS)
+                likelihood -= 0.5 * nis + math.log(innovation.sigma)
+                squares.setdefault(name, []).append(nis)
+    # the winch is identified by the encoder, which is right where the model of the winch is not
+    worst = max((float(np.mean(values)) for name, values in squares.items() if name != ENCODER_ROW), default=1.0)
+    return _Trial(likelihood, worst, Verdict(suspicion, design, estimator, record[-1].number))
+
+
+def _step(estimator: KalmanEstimator, tick: RecordedTick, doubted: Mapping[str, float]) -> None:
+    """Tell an estimator what was read at a tick; readings of a measurement that is `doubted` have its noise."""
+    readings = [
+        replace(reading, sigma=doubted[reading.name]) if reading.name in doubted else reading
+        for reading in tick.readings
+    ]
+    estimator.step(tick.number, tick.command, readings)
+
+
+def _sizes(sensor: str, record: Sequence[RecordedTick]) -> dict[str, float]:
+    """Return the standard deviations of what a sensor read, by measurement: all of it may be noise."""
+    if not sensor:
+        return {}
+    values: dict[str, list[float]] = {row.name: [] for row in KnownSensors().by_name()[sensor].rows()}
+    for tick in record:
+        for reading in tick.readings:
+            if reading.name in values:
+                values[reading.name].append(reading.value)
+    return {name: float(np.std(read)) for name, read in values.items() if read}

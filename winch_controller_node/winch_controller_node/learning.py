@@ -1,0 +1,183 @@
+"""Learning in a running loop: what winch, sea and sensors really are; each change is made and told once.
+
+Limits and gain of the winch are used at once. All else needs another design, which is made beside the ticks.
+"""
+
+from __future__ import annotations
+
+import math
+from concurrent.futures import Executor
+from dataclasses import dataclass, replace
+
+from winch_controller_node.design.schedule import is_scheduled
+from winch_controller_node.design.work import DesignWork
+from winch_controller_node.design_in_force import DesignInForce, PreparedDesign
+from winch_controller_node.estimation.loop_estimation import LoopEstimation
+from winch_controller_node.identification.suspicions import Verdict, continued, suspect
+from winch_controller_node.model.lqr import DesignError
+from winch_controller_node.node_parameters import WinchControllerParameters
+from winch_controller_node.parameters.model import SeaModelParameters, WinchModelParameters
+from winch_controller_node.supervision.winch_watch import WinchWatch, identifies_winch
+
+DESIGN_TIME = 1.0
+"""A design that the loop asks for takes effect so long after it was begun [s], also where it is made at once."""
+
+SURPRISED_TIME = 30.0
+"""Sensors are suspected when readings have been foreseen badly for so long [s]."""
+
+FIRST_PATIENCE, LONGER = 60.0, 2.0
+"""Time from one suspicion to the next [s], and the factor by which it grows each time that none holds."""
+
+
+@dataclass(frozen=True)
+class Learnt:
+    """A design for something that was learnt; `verdict` on the sensors; None: it was learnt of winch or sea."""
+
+    prepared: PreparedDesign
+    verdict: Verdict | None = None
+
+
+class Learning:
+    """Learns while the loop runs.
+
+    Parameters
+    ----------
+    in_force, estimation, winch : what goes on with what is learnt
+    designer : makes designs beside the ticks, in real time; None: at once
+    """
+
+    def __init__(
+        self, in_force: DesignInForce, estimation: LoopEstimation, winch: WinchWatch, designer: Executor | None
+    ) -> None:
+        self._in_force = in_force
+        self._estimation = estimation
+        self._winch = winch
+        self._dt = in_force.design.tick_period
+        self._work: DesignWork[Learnt] = DesignWork(max(1, round(DESIGN_TIME / self._dt)), designer)
+        self._patience = FIRST_PATIENCE
+        self._suspected = -math.inf
+        self._contradicted = self._refused = ""
+
+    @property
+    def inhibition(self) -> str:
+        """Why compensation must be off; empty: it need not."""
+        return self._contradicted
+
+    def drop(self) -> None:
+        """Forget the design that is under way: another one is in force."""
+        self._work.drop()
+
+    def follow(self, tick: int, *, compensates: bool) -> list[str]:
+        """Do what there is to learn before `tick`; return what has been learnt, in words.
+
+        The winch is learnt while the loop `compensates` only.
+        """
+        words = self._take(tick)
+        if self._estimation.surprise.time == 0.0:
+            self._contradicted = ""
+        parameters = self._in_force.parameters
+        if compensates and identifies_winch(parameters):
+            words += self._follow_winch(tick)
+        if not self._work.is_under_way and not is_scheduled(parameters):
+            self._follow_sea(tick)
+        if not self._work.is_under_way and not is_scheduled(parameters):
+            self._suspect_sensors(tick)
+        return words
+
+    def _take(self, tick: int) -> list[str]:
+        """Go on with a design once it is ready."""
+        try:
+            learnt = self._work.take(tick)
+        except DesignError as error:
+            refused = f"what was learnt is not used: {error}"
+            is_known, self._refused = refused == self._refused, refused
+            return [] if is_known else [refused]
+        if learnt is None:
+            return []
+        if learnt.verdict is not None:
+            return self._take_verdict(tick, learnt.prepared, learnt.verdict)
+        before = self._in_force.parameters
+        matrix, added = self._in_force.take_learnt(learnt.prepared)
+        self._estimation.carry(self._in_force.design, matrix, tick - 1, added)
+        after = self._in_force.parameters
+        words = self._winch_words(before.winch)
+        if after.sea != before.sea:
+            words.append(f"sea model updated: {_in_words(after.sea)} (was {_in_words(before.sea)})")
+        return words
+
+    # the winch
+
+    def _follow_winch(self, tick: int) -> list[str]:
+        """Use limits and gain as found at once; begin to design for another servo or delay."""
+        before = self._in_force.parameters.winch
+        found = self._winch.improved_winch(tick, before)
+        if found is None:
+            return []
+        self._in_force.take_limits(found)
+        if (found.time_constant, found.command_delay) != (before.time_constant, before.command_delay):
+            self._design_for(tick, replace(self._in_force.parameters, winch=found))
+        return self._winch_words(before)
+
+    def _winch_words(self, before: WinchModelParameters) -> list[str]:
+        changes = self._winch.changes(before, self._in_force.parameters.winch)
+        return [f"winch model updated: {changes}"] if changes else []
+
+    # the sea
+
+    def _follow_sea(self, tick: int) -> None:
+        """Begin to design for the sea that is seen, where its period is another one."""
+        sea = self._estimation.changed_sea()
+        if sea is not None:
+            self._design_for(tick, replace(self._in_force.parameters, sea=sea))
+
+    def _design_for(self, tick: int, parameters: WinchControllerParameters) -> None:
+        """Begin to design for another winch or sea, unless a design is under way: what is learnt comes again."""
+        if not self._work.is_under_way:
+            in_force = self._in_force
+            self._work.begin(tick, lambda: Learnt(in_force.prepared_for(parameters)))
+
+    # the sensors
+
+    def _suspect_sensors(self, tick: int) -> None:
+        """Begin to look for the sensor at fault where readings have been foreseen badly for long."""
+        estimation, now = self._estimation, tick * self._dt
+        is_time = estimation.surprise.time >= SURPRISED_TIME and now - self._suspected >= self._patience
+        if not is_time or not estimation.record.is_full:
+            return
+        self._suspected = now
+        self._patience *= LONGER
+        in_force, record = self._in_force, estimation.record.ticks()
+
+        def judged() -> Learnt:
+            verdict = suspect(
+                in_force.parameters, record, lambda *wanted: in_force.prepared_for(*wanted).design, self._dt
+            )
+            suspicion = verdict.suspicion
+            return Learnt(in_force.prepared_for(suspicion.parameters, suspicion.cable), verdict)
+
+        self._work.begin(tick, judged)
+
+    def _take_verdict(self, tick: int, prepared: PreparedDesign, verdict: Verdict) -> list[str]:
+        """Believe what was found of a sensor, and say which it is."""
+        suspicion, estimation = verdict.suspicion, self._estimation
+        if not estimation.record.reaches_to(verdict.last):
+            return []  # the state has jumped since
+        if not suspicion.culprit:
+            name, mean = estimation.surprise.worst
+            estimation.surprise.excuse()
+            return [f"{name} is {math.sqrt(mean):.1f} times as far off as foreseen; no sensor or cable explains it"]
+        if not suspicion.doubted:
+            matrix = self._in_force.take_sensors(prepared)
+            estimation.adopt(self._in_force.design, matrix, continued(verdict, estimation.record), tick - 1)
+            self._patience = FIRST_PATIENCE
+        words = f"{suspicion.culprit} suspect: {suspicion.words}"
+        is_needed = suspicion.culprit == "mru"
+        if not is_needed:
+            estimation.surprise.excuse()
+        elif suspicion.doubted:
+            self._contradicted = words
+        return [words]
+
+
+def _in_words(sea: SeaModelParameters) -> str:
+    return f"significant wave height {sea.significant_wave_height:.1f} m, peak period {sea.peak_period:.1f} s"
