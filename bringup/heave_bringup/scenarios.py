@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import difflib
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from importlib import resources
 from pathlib import Path
 from typing import Any
@@ -20,6 +20,8 @@ from heave_bringup.nodes import MASTER, NODE_BY_NAME, NODES
 from heave_bringup.settings import Setting, parse_setting
 
 SCENARIO_FOLDER = "scenarios"
+NAMES_OF_FILES = ("rao_file", "spectrum_file", "recording_file")
+"""How the names of parameters end that name files which a run reads."""
 QOS_OVERRIDES = "qos_overrides."
 """Parameters of ROS itself in a node's section: the node checks them when it makes its topics."""
 
@@ -82,19 +84,42 @@ def find_scenario(name: str) -> Path:
     raise ParameterError(f"{name}: no such scenario; {hint}")
 
 
-def load_scenario(name: str, *, settings: Iterable[Setting | str] = ()) -> Scenario:
+def load_scenario(name: str, *, settings: Iterable[Setting | str] = (), needs_files: bool = True) -> Scenario:
     """Find, merge and check a scenario.
 
     Parameters
     ----------
     name : shipped name or file
     settings : changes on top of the file; a string is read like the value of `--set`
+    needs_files : files that it names must be there; False: it is only looked at
+
+    Files that the scenario names are relative to its own folder.
 
     Raises ParameterError, in one line, for whatever is wrong. A wrong value is reported with its file and section, or
     with the option that gave it.
     """
     path = find_scenario(name)
-    return _checked(path.stem, path, _read(path), settings)
+    changes = [parse_setting(setting) if isinstance(setting, str) else setting for setting in settings]
+    in_file = _read(path)
+    if needs_files:
+        folder = path.resolve().parent
+        in_file = {node: {name: _found(one, folder) for name, one in of.items()} for node, of in in_file.items()}
+        changes = [replace(one, value=_found(Given(one.value, one.name, one.source)).value) for one in changes]
+    return _checked(path.stem, path, in_file, changes)
+
+
+def _found(given: Given, folder: Path | None = None) -> Given:
+    """Return a given value; of one that names a file its full path: in a `folder`, else where the command is given.
+
+    Raises ParameterError for a file that is in neither place.
+    """
+    if not (given.name.endswith(NAMES_OF_FILES) and isinstance(given.value, str) and given.value):
+        return given
+    places = [Path(given.value)] if folder is None else [folder / given.value, Path(given.value)]
+    path = next((place for place in places if place.exists()), None)
+    if path is None:
+        raise ParameterError(f"{given.where}: {given.name} = {given.value!r}: no such file")
+    return replace(given, value=str(path.resolve()))
 
 
 def make_scenario(values: Mapping[str, Mapping[str, object]], *, settings: Iterable[Setting | str] = ()) -> Scenario:

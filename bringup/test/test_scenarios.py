@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 import yaml
+from heave_bringup.cli import main
 from heave_bringup.scenarios import load_scenario, make_scenario, shipped_scenarios
 from heave_bringup.settings import Setting, make_setting, parse_setting
 from heave_bringup.stored_scenario import stored_sections, stored_title
@@ -224,3 +225,32 @@ def test_a_quality_of_service_of_ros_is_kept_for_its_node(file) -> None:
     assert stored["/**/virtual_winch"]["qos_overrides./winch/state.publisher.depth"] == 7
     write_sections(stored, file)
     assert load_scenario(str(file)).quality_of_service == scenario.quality_of_service
+
+
+def test_files_are_those_beside_the_scenario_and_found_before_anything_starts(tmp_path, monkeypatch):
+    (tmp_path / "ship").mkdir()
+    table = tmp_path / "ship" / "rao.csv"
+    table.write_text("anything\n")
+    scenario = tmp_path / "ship" / "own.yaml"
+    scenario.write_text("/**: {ros__parameters: {system.vessel.model: rao, system.vessel.rao_file: rao.csv}}\n")
+    monkeypatch.chdir(tmp_path)
+    loaded = load_scenario("ship/own.yaml")
+    assert loaded.parameters["wave_vessel"].vessel.rao_file == str(table)
+    assert loaded.parameters["winch_controller"].vessel.rao_file == str(table)
+    told = load_scenario("b2_calm_300", settings=["system.vessel.rao_file=ship/rao.csv"])
+    assert told.parameters["wave_vessel"].vessel.rao_file == str(table)
+    table.unlink()
+    with pytest.raises(ParameterError, match=r"own\.yaml: /\*\*: system\.vessel\.rao_file = 'rao\.csv': no such file"):
+        load_scenario("ship/own.yaml")
+    assert load_scenario("ship/own.yaml", needs_files=False).parameters["wave_vessel"].vessel.rao_file == "rao.csv"
+
+
+def test_a_file_that_cannot_be_used_is_refused_before_a_run_is_made(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    Path("rao.csv").write_text("no table\n")
+    options = ["--set", "system.vessel.model=rao", "--set", "system.vessel.rao_file=rao.csv"]
+    assert main(["run", "b2_calm_300", *options]) == 2
+    assert "rao.csv" in capsys.readouterr().err
+    assert not Path("runs").exists()
+    assert main(["design", "b2_calm_300", *options]) == 1
+    assert "rao.csv" in capsys.readouterr().err.splitlines()[-1]

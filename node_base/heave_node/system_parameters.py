@@ -28,6 +28,7 @@ _SEA = (
     *("spectrum", "significant_wave_height", "peak_period", "peak_enhancement", "shape", "direction"),
     *("spectrum_file", "spectrum_record", "spectrum_time"),
 )
+_COURSE = ("heading", "speed")
 _MRU = ("noise", "rate_noise", "high_pass_period", "high_pass_damping")
 _DEPTH = ("noise", "rate", "latency")
 
@@ -75,6 +76,7 @@ SHARED: tuple[Shared, ...] = (
     _shared("sea.filter_form", wave_vessel="filter.form", winch_controller="sea.filter_form"),
     _shared("sea.filter_states", wave_vessel="filter.states", winch_controller="sea.filter_states"),
     _shared("vessel.", wave_vessel="vessel.", winch_controller="vessel."),
+    *(_shared(f"course.{name}", wave_vessel=f"course.{name}", winch_controller=f"vessel.{name}") for name in _COURSE),
     *(
         _shared(f"sensors.mru.{name}", wave_vessel=f"mru.{name}", winch_controller=f"sensors.mru.{name}")
         for name in _MRU
@@ -96,12 +98,18 @@ def system_names(node: str, own_names: Collection[str]) -> dict[str, str]:
     own_names : dotted names of its parameters
     """
     names: dict[str, str] = {}
+    single = _single_names(node)
     for shared in (shared for shared in SHARED if node in shared.own):
         mine = shared.own[node]
         for name in own_names:
-            if name == mine or (mine.endswith(".") and name.startswith(mine)):
+            if name == mine or (mine.endswith(".") and name.startswith(mine) and name not in single):
                 names[f"{SYSTEM}{shared.word}{name.removeprefix(mine)}"] = name
     return names
+
+
+def _single_names(node: str) -> set[str]:
+    """Return a node's own names that have a word to themselves: no group around them has another for them."""
+    return {shared.own[node] for shared in SHARED if node in shared.own and not shared.own[node].endswith(".")}
 
 
 def own_name(node: str, name: str) -> str:
@@ -115,7 +123,9 @@ def own_name(node: str, name: str) -> str:
     word = name.removeprefix(SYSTEM) if name.startswith(SYSTEM) else ""
     for shared in SHARED:
         if node in shared.own and shared.covers(word):
-            return shared.own[node] + word.removeprefix(shared.word)
+            mine = shared.own[node] + word.removeprefix(shared.word)
+            if not shared.word.endswith(".") or mine not in _single_names(node):
+                return mine
     return ""
 
 

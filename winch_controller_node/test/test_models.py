@@ -4,11 +4,14 @@ import math
 
 import numpy as np
 import pytest
-from heave_node.linear_model import interconnect, is_stable
+from heave_node.linear_model import ModelError, interconnect, is_stable, state_covariance
+from heave_node.parameters import build_parameters
+from wave_vessel_node.parameters import WaveVesselParameters
+from wave_vessel_node.sources.scene import build_scene
 from winch_controller_node.interface.sensors import MruModelParameters
 from winch_controller_node.model.blocks import CableModel, cable_block, mru_block, winch_block
-from winch_controller_node.model.models import shadow_model
-from winch_controller_node.parameters.model import WinchModelParameters
+from winch_controller_node.model.models import boom_tip_block, boom_tip_response, sea_spectrum, shadow_model
+from winch_controller_node.parameters.model import SeaModelParameters, VesselModelParameters, WinchModelParameters
 
 
 def test_the_mru_states_are_its_high_pass():
@@ -44,3 +47,34 @@ def test_payout_lowers_the_unit_by_as_much_in_the_long_run():
     steady = -np.linalg.solve(model.A, model.B[:, list(model.input_names).index("payout_command")])
     assert steady[model.state("unit_heave")] == pytest.approx(-1.0)
     assert steady[model.state("payout")] == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize("course", [{}, {"heading": 1.0, "speed": 1.0}, {"heading": -2.0}])
+def test_a_vessel_with_raos_is_designed_for_as_the_ship_moves(course):
+    """The boom tip's variance in the belief is that of the ship's own scene, by quadrature over its RAOs."""
+    sea = {"significant_wave_height": 2.0, "peak_period": 9.0}
+    ship = build_scene(
+        build_parameters(
+            WaveVesselParameters,
+            {**sea, "vessel.model": "rao", **{f"course.{name}": value for name, value in course.items()}},
+            where="test",
+        ),
+        1,
+        0.05,
+    )
+    omega = np.linspace(0.02, 5.0, 5000)
+    variance = np.sum(ship.power_response(omega) * ship.spectrum.density(omega)) * (omega[1] - omega[0])
+    believed_sea, vessel = SeaModelParameters(**sea), VesselModelParameters(model="rao", **course)
+    response = boom_tip_response(believed_sea, vessel, omega)
+    believed = np.sum(np.abs(response) ** 2 * sea_spectrum(believed_sea).density(omega)) * (omega[1] - omega[0])
+    assert believed == pytest.approx(variance, rel=1e-9)
+    tip = boom_tip_block(believed_sea, vessel)
+    row = tip.row("boom_tip_heave")
+    # the second-order fit and the shaping filter are approximations: 5 % of sigma
+    assert math.sqrt(row @ state_covariance(tip) @ row) == pytest.approx(math.sqrt(variance), rel=0.05)
+
+
+def test_raos_that_cannot_be_read_are_refused_with_the_parameter():
+    vessel = VesselModelParameters(model="fitted", rao_file="no_such.csv")
+    with pytest.raises(ModelError, match=r"vessel\.rao_file: no_such\.csv: no such file"):
+        boom_tip_block(SeaModelParameters(), vessel)

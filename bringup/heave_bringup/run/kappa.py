@@ -150,6 +150,6 @@ def _parsed(content: bytes) -> Scenario | None:
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder) / "scenario.yaml"
             path.write_bytes(content)
-            return load_scenario(str(path))
+            return load_scenario(str(path), needs_files=False)
     except ValueError:  # ParameterError among them
         return None

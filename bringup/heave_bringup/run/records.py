@@ -27,7 +27,7 @@ def read_records(
 
     Raises BagError for the first bag that cannot be read, ParameterError for a scenario that cannot be.
     """
-    given = None if scenario is None else load_scenario(scenario)
+    given = None if scenario is None else load_scenario(scenario, needs_files=False)
     parameters = None if given is None else parameters_of(given)
     with ProgressLine() as progress:
         records = analysis.analyse(

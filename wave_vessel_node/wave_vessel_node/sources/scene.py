@@ -14,7 +14,7 @@ from wave_vessel_node.sea.sea import build_spectrum
 from wave_vessel_node.sea.spectra import WaveSpectrum
 from wave_vessel_node.source_registry import SOURCES
 from wave_vessel_node.vessel.course import Course
-from wave_vessel_node.vessel.fit import VesselFit, boom_tip_heave_response, fit_vessel
+from wave_vessel_node.vessel.fit import VesselFit, VesselOnCourse
 from wave_vessel_node.vessel.motion import lever_arm_matrix
 from wave_vessel_node.vessel.rao import ResponseTable
 from wave_vessel_node.vessel.rao_files import read_rao
@@ -126,9 +126,6 @@ def _read_rao(parameters: WaveVesselParameters, warnings: list[str]) -> Response
 
 def _fit_vessel(parameters: WaveVesselParameters, spectrum: WaveSpectrum) -> VesselFit:
     """Fit the second-order vessel to the RAO of the boom tip, in this sea, at the first heading and speed."""
-    arm = np.array(parameters.vessel.boom_tip_arm)
-    heading = parameters.direction - parameters.course.heading
-    speed = parameters.course.speed
-    omega = np.linspace(0.4, 3.5, 200) * spectrum.peak_frequency
-    table = read_rao(parameters.vessel.rao_file, sorted({0.0, speed}))
-    return fit_vessel(omega, boom_tip_heave_response(table, omega, heading, speed, arm), spectrum)
+    vessel, course = parameters.vessel, parameters.course
+    heading = parameters.direction - course.heading
+    return VesselOnCourse(vessel.rao_file, vessel.boom_tip_arm, heading, course.speed).fit(spectrum)

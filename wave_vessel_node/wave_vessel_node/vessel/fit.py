@@ -14,6 +14,7 @@ from scipy.optimize import least_squares
 from wave_vessel_node.sea.spectra import WaveSpectrum
 from wave_vessel_node.vessel.motion import lever_arm_matrix
 from wave_vessel_node.vessel.rao import RaoError, ResponseTable
+from wave_vessel_node.vessel.rao_files import read_rao
 from wave_vessel_node.vessel.second_order import SecondOrderVessel
 
 
@@ -48,6 +49,34 @@ def boom_tip_heave_response(
     """
     response = table.at(omega, np.full(omega.shape, heading), speed)
     return np.asarray(lever_arm_matrix(arm)[2] @ response)
+
+
+@dataclass(frozen=True)
+class VesselOnCourse:
+    """A vessel with RAOs that meets the sea at one heading and speed.
+
+    Attributes
+    ----------
+    rao_file : table of RAOs, as `read_rao` takes it
+    boom_tip_arm : boom tip from the vessel's reference point [m], shape (3,)
+    heading : of the waves relative to the bow [rad]
+    speed : forward speed [m/s]
+    """
+
+    rao_file: str
+    boom_tip_arm: tuple[float, ...]
+    heading: float
+    speed: float
+
+    def response(self, omega: Array) -> NDArray[np.complex128]:
+        """Return boom-tip heave per wave amplitude at `omega` [rad/s], shape (n,); raise RaoError for a wrong file."""
+        table = read_rao(self.rao_file, sorted({0.0, self.speed}))
+        return boom_tip_heave_response(table, omega, self.heading, self.speed, np.array(self.boom_tip_arm))
+
+    def fit(self, spectrum: WaveSpectrum) -> VesselFit:
+        """Return the second-order vessel fitted to this one in a sea (`spectrum`); raise RaoError as `response`."""
+        omega = np.linspace(0.4, 3.5, 200) * spectrum.peak_frequency
+        return fit_vessel(omega, self.response(omega), spectrum)
 
 
 def fit_vessel(omega: Array, response: NDArray[Any], spectrum: WaveSpectrum) -> VesselFit:

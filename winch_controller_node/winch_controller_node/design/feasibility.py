@@ -9,9 +9,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from cable_sim_node.vertical.linear import heave_transfer_function
 from heave_node.arrays import Array
-from wave_vessel_node.vessel.second_order import SecondOrderVessel
 
-from winch_controller_node.model.models import PlantBelief, sea_spectrum
+from winch_controller_node.model.models import PlantBelief, boom_tip_response, sea_spectrum
 from winch_controller_node.node_parameters import WinchControllerParameters
 from winch_controller_node.parameters.model import SeaModelParameters, VesselModelParameters
 
@@ -56,11 +55,8 @@ def boom_tip_density(sea: SeaModelParameters, vessel: VesselModelParameters, ome
 
     From the spectrum itself, not from the shaping filter that models it; [m^2 s/rad] at `omega` [rad/s].
     """
-    density = sea_spectrum(sea).density(omega)
-    if vessel.model == "second_order":
-        response = SecondOrderVessel(vessel.natural_frequency, vessel.damping_ratio, vessel.gain).response(omega)
-        density = density * np.abs(response) ** 2
-    return np.asarray(density)
+    response = boom_tip_response(sea, vessel, omega)
+    return np.asarray(sea_spectrum(sea).density(omega) * np.abs(response) ** 2)
 
 
 def boom_tip_moments(sea: SeaModelParameters, vessel: VesselModelParameters) -> tuple[float, float, float]:

@@ -17,11 +17,14 @@ from cable_sim_node.vertical.axial_line import AxialLine, axial_line
 from cable_sim_node.vertical.linear import fit_two_state, heave_transfer_function
 from heave_node.arrays import Array
 from heave_node.constants import SEAWATER_DENSITY, STANDARD_GRAVITY
-from heave_node.linear_model import LinearModel, interconnect, linear_model
+from heave_node.linear_model import LinearModel, ModelError, interconnect, linear_model
 from heave_node.linear_sampling import delay_command, discretise, sampled_matrices
+from numpy.typing import NDArray
 from wave_vessel_node.sea.sea import named_spectrum
 from wave_vessel_node.sea.shaping_filter import shaping_filter
 from wave_vessel_node.sea.spectra import WaveSpectrum
+from wave_vessel_node.vessel.fit import VesselOnCourse
+from wave_vessel_node.vessel.rao import RaoError
 from wave_vessel_node.vessel.second_order import SecondOrderVessel, boom_tip_model
 
 from winch_controller_node.interface.sensors import MruModelParameters
@@ -101,6 +104,46 @@ def sea_spectrum(sea: SeaModelParameters) -> WaveSpectrum:
     return named_spectrum(sea)
 
 
+def _on_course(sea: SeaModelParameters, vessel: VesselModelParameters) -> VesselOnCourse:
+    heading = sea.direction - vessel.heading
+    return VesselOnCourse(vessel.rao_file, vessel.boom_tip_arm, heading, vessel.speed)
+
+
+@lru_cache(maxsize=64)
+def second_order_vessel(sea: SeaModelParameters, vessel: VesselModelParameters) -> SecondOrderVessel | None:
+    """Return the `vessel` that the model is made of; None where the boom tip follows the surface of the `sea`.
+
+    That of a vessel with RAOs is fitted to them in the sea. Raises ModelError where the RAOs cannot be read.
+    """
+    if vessel.model == "direct":
+        return None
+    if vessel.model == "second_order":
+        return SecondOrderVessel(vessel.natural_frequency, vessel.damping_ratio, vessel.gain)
+    try:
+        return _on_course(sea, vessel).fit(sea_spectrum(sea)).vessel
+    except RaoError as error:
+        raise ModelError(f"vessel.rao_file: {error}") from error
+
+
+def boom_tip_response(sea: SeaModelParameters, vessel: VesselModelParameters, omega: Array) -> NDArray[np.complex128]:
+    """Return boom-tip heave per wave amplitude: of a vessel with RAOs by themselves.
+
+    Parameters
+    ----------
+    sea, vessel : of the design
+    omega : [rad/s], shape (n,)
+
+    Raises ModelError where the RAOs cannot be read.
+    """
+    if vessel.model == "rao":
+        try:
+            return _on_course(sea, vessel).response(omega)
+        except RaoError as error:
+            raise ModelError(f"vessel.rao_file: {error}") from error
+    second_order = second_order_vessel(sea, vessel)
+    return np.ones(omega.shape, dtype=complex) if second_order is None else second_order.response(omega)
+
+
 @lru_cache(maxsize=64)
 def boom_tip_block(sea: SeaModelParameters, vessel: VesselModelParameters) -> LinearModel:
     """Return white noise to boom tip: shaping filter of a `sea` and `vessel` (thesis Eq. 6.23, 6.26).
@@ -109,9 +152,7 @@ def boom_tip_block(sea: SeaModelParameters, vessel: VesselModelParameters) -> Li
     spectra.
     """
     waves = shaping_filter(sea_spectrum(sea), form=sea.filter_form, states=sea.filter_states)
-    if vessel.model == "direct":
-        return boom_tip_model(waves, None)
-    return boom_tip_model(waves, SecondOrderVessel(vessel.natural_frequency, vessel.damping_ratio, vessel.gain))
+    return boom_tip_model(waves, second_order_vessel(sea, vessel))
 
 
 @dataclass(frozen=True)

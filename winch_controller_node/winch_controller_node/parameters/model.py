@@ -5,11 +5,12 @@ Names are those of the plant's own parameters where both have one.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 from heave_node.parameters import ParameterError, parameter
 from heave_node.winch.position_loop import check_position_gain
-from wave_vessel_node.parameters import FILTER_CHOICES, SeaParameters
+from wave_vessel_node.parameters import FILTER_CHOICES, VESSEL_MODELS, SeaParameters
 
 
 @dataclass(frozen=True)
@@ -122,23 +123,53 @@ class SeaModelParameters(SeaParameters):
     filter_states: int = parameter(
         6, unit="", minimum=4, maximum=16, description="States of a fitted filter; even. Two-peaked seas need 10."
     )
+    direction: float = parameter(
+        math.pi,
+        unit="rad",
+        minimum=-6.3,
+        maximum=6.3,
+        description="Direction the waves travel to, from world x, anticlockwise; vessels with RAOs.",
+    )
 
 
 @dataclass(frozen=True)
 class VesselModelParameters:
-    """The second-order vessel of thesis Eq. 6.25, or the boom tip that follows the sea."""
+    """The vessel as the controller believes it: of second order (thesis Eq. 6.25), also where fitted to RAOs."""
 
     model: str = parameter(
         "second_order",
         unit="",
-        choices=("second_order", "direct"),
-        description="second_order (thesis Eq. 6.25), direct (boom tip follows the sea).",
+        choices=VESSEL_MODELS,
+        description="second_order (thesis Eq. 6.25), rao or fitted (second order, fitted to the RAO), direct.",
     )
     natural_frequency: float = parameter(
         0.9, unit="rad/s", minimum=0.01, maximum=10.0, description="omega_v of the vessel."
     )
     damping_ratio: float = parameter(0.4, unit="", minimum=0.01, maximum=5.0, description="xi_v of the vessel.")
     gain: float = parameter(1.0, unit="", minimum=1e-3, maximum=10.0, description="K_v of the vessel.")
+    rao_file: str = parameter(
+        "",
+        unit="",
+        description="RAO table (models rao, fitted), .csv or Capytaine .nc; empty is the hull form shipped.",
+    )
+    boom_tip_arm: tuple[float, ...] = parameter(
+        (-20.0, 10.0, 15.0),
+        unit="m",
+        minimum=-500.0,
+        maximum=500.0,
+        length=3,
+        description="Boom tip from the vessel's reference point (x forward, y port, z up); models rao, fitted.",
+    )
+    heading: float = parameter(
+        0.0,
+        unit="rad",
+        minimum=-6.3,
+        maximum=6.3,
+        description="Heading of the vessel from world x, anticlockwise; models rao, fitted.",
+    )
+    speed: float = parameter(
+        0.0, unit="m/s", minimum=0.0, maximum=15.0, description="Forward speed; models rao, fitted."
+    )
 
 
 @dataclass(frozen=True)

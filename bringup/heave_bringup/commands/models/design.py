@@ -22,6 +22,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def execute(options: argparse.Namespace) -> None:
     """Print gains, poles, margins, predictions, bounds and curves; draw them, as `options` say."""
     from cable_sim_node.errors import PlantError
+    from heave_node.linear_model import ModelError
     from winch_controller_node.design.report import design_report
     from winch_controller_node.design.report_figures import draw_report
     from winch_controller_node.model.lqr import DesignError
@@ -42,7 +43,7 @@ def execute(options: argparse.Namespace) -> None:
                 seed=scenario.run.seed,
                 length=options.length,
             )
-        except (PlantError, DesignError) as error:
+        except (PlantError, DesignError, ModelError) as error:
             where = scenario.path if options.length is None else f"--length {options.length:g} of {scenario.path}"
             raise CommandError(f"{where}: {error}") from error
     folder = options.pictures or Path(f"{scenario.name}_design")

@@ -84,6 +84,7 @@ def execute(options: argparse.Namespace) -> None:
     from heave_bringup.output import write_result
     from heave_bringup.progress import be_quiet
     from heave_bringup.run.criteria import refuse_unknown
+    from heave_bringup.run.files import check_files
     from heave_bringup.run.run import new_run_folder, run_scenario
     from heave_bringup.scenarios import load_scenario
 
@@ -95,13 +96,16 @@ def execute(options: argparse.Namespace) -> None:
     for criterion in scenario.wanted:
         refuse_unknown(criterion, f"{scenario.path}: wanted")
     _check_foreign(options.foreign, scenario.run)
+    substitutes = _substitutes(options.from_bag)
+    if "wave_vessel" not in (*scenario.run.external, *substitutes):
+        check_files(scenario)
     folder = new_run_folder(scenario.name, options.bag)
     # What judges the run takes seconds to load: time that the nodes need to find each other.
     threading.Thread(target=importlib.import_module, args=(EVALUATION,)).start()
     outcome = run_scenario(
         scenario,
         folder,
-        substitutes=_substitutes(options.from_bag),
+        substitutes=substitutes,
         foreign=options.foreign,
         namespace=options.namespace or "",
     )
