@@ -55,6 +55,7 @@ def record_of(truth, *, turned_over=()):
     return record.ticks()
 
 
+@pytest.mark.long
 def test_sensors_that_are_as_believed_are_not_suspected():
     belief = parameters()
     verdict = suspect(belief, record_of(belief), design_for, DT)
@@ -80,7 +81,8 @@ def test_a_cable_other_than_believed_is_no_fault_of_a_sensor():
 
 
 @pytest.mark.parametrize(
-    ("turned_over", "sensor"), [(("mru_heave", "mru_heave_rate"), "mru"), (("unit_heave",), "depth")]
+    ("turned_over", "sensor"),
+    [(("mru_heave", "mru_heave_rate"), "mru"), pytest.param(("unit_heave",), "depth", marks=pytest.mark.long)],
 )
 def test_the_load_cell_witnesses_which_of_two_sensors_has_the_wrong_sign(turned_over, sensor):
     """Without it nobody could say whether MRU or depth sensor is upside down."""

@@ -31,7 +31,13 @@ FIRST_PATIENCE, LONGER = 60.0, 2.0
 
 @dataclass(frozen=True)
 class Learnt:
-    """A design for something that was learnt; `verdict` on the sensors; None: it was learnt of winch or sea."""
+    """A design for something that was learnt.
+
+    Attributes
+    ----------
+    prepared : the design
+    verdict : on sensors and cable; None: it was learnt of winch or sea
+    """
 
     prepared: PreparedDesign
     verdict: Verdict | None = None

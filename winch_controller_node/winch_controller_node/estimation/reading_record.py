@@ -27,7 +27,14 @@ ENCODER_ROW = "payout"
 
 @dataclass(frozen=True)
 class RecordedTick:
-    """What the estimator was told at a tick: the command of the tick before, and the readings delivered at it."""
+    """What the estimator was told at a tick.
+
+    Attributes
+    ----------
+    number : of the tick
+    command : of the tick before
+    readings : delivered at it
+    """
 
     number: int
     command: float

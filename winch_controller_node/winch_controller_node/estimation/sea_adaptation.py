@@ -153,7 +153,7 @@ class SeaTracker:
         return SeaSeen(waves, heave, self._frequency, is_settled, self.is_refuted)
 
     def note_surprise(self, nis: float) -> None:
-        """Take in the normalised innovation squared of a heave rate from the motion reference unit."""
+        """Take in the normalised innovation squared, `nis`, of a heave rate from the motion reference unit."""
         self._surprise += self._dt / SURPRISE_MEMORY * (min(nis, LARGEST_SURPRISE) - self._surprise)
 
     @property
@@ -191,10 +191,16 @@ def sigma_and_frequency(sea: SeaModelParameters, vessel: VesselModelParameters) 
 def sea_that_was_seen(
     seen: SeaSeen, believed: SeaModelParameters, in_force: SeaModelParameters, vessel: VesselModelParameters
 ) -> SeaModelParameters | None:
-    """Return the sea that moves the boom tip as was `seen`, or None where the one `in_force` is as good.
+    """Return the sea that moves the boom tip as was seen, or None where the one in force is as good.
 
-    All its periods and heights are those `believed` at first times one factor each, so that wind sea and swell stay
+    All its periods and heights are those believed at first times one factor each, so that wind sea and swell stay
     what they are to each other. A few waves tell little: the believed period counts for some waves as well.
+
+    Parameters
+    ----------
+    seen : what was seen
+    believed, in_force : seas believed at first, and of the design in force
+    vessel : that is believed
     """
     weight = seen.waves / (seen.waves + (REFUTED_WAVES if seen.is_refuted else DOUBT_WAVES))
     # a higher sea than believed is most likely as steep, and so longer

@@ -51,7 +51,13 @@ class SensorNoise:
         self.sigma = believed
 
     def add(self, value: float, stated: float = math.nan) -> float:
-        """Take in a reading and the standard deviation that it states (NaN: none); return the one to use."""
+        """Take in a reading; return the standard deviation to use.
+
+        Parameters
+        ----------
+        value : of the reading
+        stated : standard deviation that it states of itself; NaN: none
+        """
         self._last.append(value)
         if self._is_judged and len(self._last) == 4:
             a, b, c, d = self._last

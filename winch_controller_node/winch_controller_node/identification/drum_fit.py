@@ -220,9 +220,14 @@ def _linearise(record: DrumRecord, theta: Array, columns: Sequence[int]) -> tupl
 
 
 def best_lags(record: DrumRecord, belief: DrumBelief, start: Array) -> list[Array]:
-    """Return `start`, shape (11,), with those lags and delays of a coarse grid that fit best, the best first.
+    """Return the start with those lags and delays of a coarse grid that fit best, the best first.
 
     At limits a descent from afar gets stuck.
+
+    Parameters
+    ----------
+    record, belief : of the drum
+    start : the rest of the drum, shape (11,)
     """
     trials = []
     for lag, delay in product(LAG_FACTORS, DELAY_CHANGES):

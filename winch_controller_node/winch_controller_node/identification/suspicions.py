@@ -34,7 +34,7 @@ LARGEST_NIS = 50.0
 INERTIAS, DAMPINGS = (0.65, 0.8, 0.9, 1.1, 1.25, 1.5), (4.0,)
 """Inertias and dampings of the cable that are tried, over those believed."""
 
-EXPLAINED = 2.0
+EXPLAINED = 4.0
 """Largest mean of normalised innovations squared, of any measurement, under a suspicion that holds; 1 if it is true."""
 
 CLEARLY = 100.0

@@ -169,7 +169,13 @@ class WinchIdentifier:
         self._readings.clear()
 
     def add(self, payout_set_point: float, rate_set_point: float, encoder: float | None) -> None:
-        """Take in the set-points of the last tick [m], [m/s], and the encoder at its end [m]; None: no reading."""
+        """Take in a tick.
+
+        Parameters
+        ----------
+        payout_set_point, rate_set_point : of the tick that ends [m], [m/s]
+        encoder : reading at its end [m]; None: no reading
+        """
         self._learnt_age += self._dt
         self._payouts.append(payout_set_point)
         self._rates.append(rate_set_point)

@@ -165,8 +165,8 @@ class HarmGuard:
     def authority_limit(self, *, keeps_limits: bool) -> float:
         """Return the largest authority by the sea seen now.
 
-        It keeps a law without limits of its own off the winch's limits; a law that keeps them can still not compensate
-        a sea that asks for much more than the winch.
+        It keeps a law off the winch's limits, or where it `keeps_limits` by itself, off a sea that asks for much more
+        than the winch can give.
         """
         if keeps_limits:
             demand = self.demand

@@ -117,7 +117,12 @@ class WinchWatch:
             self._work.begin(tick, question)
 
     def changes(self, before: WinchModelParameters, after: WinchModelParameters) -> str:
-        """Return in words what was learnt of the winch; empty where limits were but let up."""
+        """Return in words what was learnt of the winch; empty where limits were only raised a little.
+
+        Parameters
+        ----------
+        before, after : model of the winch
+        """
         named = [
             ("time constant", "time_constant", "s"),
             ("command delay", "command_delay", "s"),
