@@ -35,6 +35,6 @@ setup(
     extras_require={"test": ["pytest"]},
     zip_safe=False,
     entry_points={
-        "console_scripts": ["heave = heave_bringup.cli:main", "ship_clock = heave_bringup.ship_clock:main"],
+        "console_scripts": ["heave = heave_bringup.cli:main", "ship_clock = heave_bringup.external.ship_clock:main"],
     },
 )

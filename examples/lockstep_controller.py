@@ -7,7 +7,7 @@ import sys
 from dataclasses import dataclass
 
 from heave_msgs.msg import MruSample, WinchCommand
-from heave_node import topics
+from heave_node.interface import topics
 from heave_node.parameters import parameter
 from heave_node.ros.participant import ParticipantNode
 from heave_node.ros.process import run_node

@@ -15,9 +15,9 @@ import time
 import rclpy
 from heave_msgs.msg import TickStatus
 from heave_msgs.srv import SetMode
-from heave_node import topics
-from heave_node.ros.environment import prepare_environment
-from heave_node.ros.qos import qos_of
+from heave_node.interface import topics
+from heave_node.ros.transport.environment import prepare_environment
+from heave_node.ros.transport.qos import qos_of
 from heave_node.ros.spin import Spinner
 from lifecycle_msgs.msg import Transition
 from lifecycle_msgs.srv import ChangeState

@@ -13,7 +13,7 @@ pytestmark = pytest.mark.skipif(bool(UNABLE), reason=UNABLE)
 
 WRITER = """
 import sys, time
-from heave_node.ros.environment import prepare_environment
+from heave_node.ros.transport.environment import prepare_environment
 prepare_environment()
 import rclpy
 from rclpy.qos import QoSProfile
@@ -37,7 +37,7 @@ sys.stdin.readline()
 
 READER = """
 import sys, time
-from heave_node.ros.environment import prepare_environment
+from heave_node.ros.transport.environment import prepare_environment
 prepare_environment()
 import rclpy
 from rclpy.qos import QoSProfile

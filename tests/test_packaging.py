@@ -10,7 +10,7 @@ from xml.etree import ElementTree
 import pytest
 from ament_index_python.packages import get_package_prefix, get_package_share_path
 from heave_bringup.nodes import PROCESS_BY_NAME
-from heave_node.ros.environment import prepare_environment
+from heave_node.ros.transport.environment import prepare_environment
 
 if sys.version_info >= (3, 11):
     import tomllib

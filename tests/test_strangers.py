@@ -17,7 +17,7 @@ ROGUE = """
 import time
 import rclpy
 from heave_msgs.msg import WinchCommand
-from heave_node.ros.environment import prepare_environment
+from heave_node.ros.transport.environment import prepare_environment
 prepare_environment()
 rclpy.init()
 node = rclpy.create_node("rogue_controller")

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass, field
 
 import numpy as np
-from heave_node.arrays import Array
+from heave_node.numerics.arrays import Array
 
 TIME_ROUNDING = 1e-9
 """Stamps are whole nanoseconds: windows include their ends to this [s]."""

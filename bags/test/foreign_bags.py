@@ -6,8 +6,8 @@ import random
 from collections.abc import Callable, Iterable
 from pathlib import Path
 
-from heave_bags.mcap.qos import to_yaml
 from heave_bags.mcap.reader import Bag, RawMessage
+from heave_bags.mcap.ros.qos import to_yaml
 from mcap.writer import Writer
 
 HOST_TIME = 1_795_000_000_000_000_000

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import lz4.frame
 import zstandard
-from heave_bags.mcap.definitions import schema_text
+from heave_bags.mcap.ros.definitions import schema_text
 from heave_bags.mcap.summary import MAGIC, interim_ending
 from mcap.data_stream import RecordBuilder
 from mcap.opcode import Opcode

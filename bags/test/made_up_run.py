@@ -13,7 +13,7 @@ os.environ.setdefault("AMENT_PREFIX_PATH", sys.prefix)
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from geometry_msgs.msg import Point, Vector3
 from heave_bags.mcap.bag_writer import Attachment, BagPolicy, BagWriter
-from heave_bags.mcap.qos import OfferedQos
+from heave_bags.mcap.ros.qos import OfferedQos
 from heave_bags.mcap.writer import ChunkPolicy
 from heave_msgs.msg import (
     CableState,

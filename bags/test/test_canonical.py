@@ -5,7 +5,7 @@ import random
 import pytest
 from heave_bags.cdr.canonical import Canonical
 from heave_bags.cdr.layout import MessageLayouts
-from heave_bags.mcap.definitions import schema_text
+from heave_bags.mcap.ros.definitions import schema_text
 from heave_msgs.msg import ControllerState, SeaState, SensorHealth
 from hypothesis import given
 from hypothesis import strategies as st

@@ -17,7 +17,7 @@ from heave_bags.mcap.bag_writer import BagWriter
 from heave_bags.mcap.files import TopicSummary
 from heave_bags.mcap.reader import Bag
 from heave_msgs.srv import PlaybackControl, SaveSnapshot, StartRecording
-from heave_node.ros.environment import prepare_environment
+from heave_node.ros.transport.environment import prepare_environment
 from made_up_run import TYPES, MadeUpRun
 from rclpy.node import Node
 from std_msgs.msg import String

@@ -5,8 +5,8 @@ from types import SimpleNamespace
 import pytest
 from heave_bags.errors import BagError
 from heave_bags.mcap.bag_writer import BagWriter
-from heave_bags.mcap.qos import OfferedQos
 from heave_bags.mcap.reader import Bag
+from heave_bags.mcap.ros.qos import OfferedQos
 from heave_bags.record.recorder_node import RecorderNode
 from heave_bags.record.session import RecordingSession, SnapshotRing, missing_messages
 from heave_node.ros.node import NodeError

@@ -1,7 +1,8 @@
 """The whole loop in one process, without ROS: sea and vessel, winch, cable and unit, sensors, controller.
 
 The same components as the nodes', in the order of the tick protocol, for campaigns, design studies and tests. Readings
-are handed over as they travel, see `heave_node.sensors`: the loop over ROS gives the same numbers, to the last bit.
+are handed over as they travel, see `heave_node.interface.sensors`: the loop over ROS gives the same numbers, to the
+last bit.
 """
 
 from __future__ import annotations
@@ -15,8 +16,8 @@ from cable_sim_node.node_parameters import CableSimNodeParameters
 from cable_sim_node.sensors.suite import SensorReadings
 from cable_sim_node.winch.component import VirtualWinch, WinchCommand
 from cable_sim_node.winch.parameters import WinchParameters
-from heave_node.arrays import Array
-from heave_node.sensors import MRU, STANDARD_WATER, MruReading, Water, all_to_wire
+from heave_node.interface.sensors import MRU, STANDARD_WATER, MruReading, Water, all_to_wire
+from heave_node.numerics.arrays import Array
 from wave_vessel_node.component import WaveVessel
 from wave_vessel_node.parameters import WaveVesselParameters
 from winch_controller_node.component import WinchController

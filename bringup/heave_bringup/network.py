@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 
-from heave_node.ros.environment import open_to_network, prepare_environment
+from heave_node.ros.transport.environment import open_to_network, prepare_environment
 
 
 def set_up_transport(*, network: bool) -> None:

@@ -42,7 +42,9 @@ NODES: tuple[NodeEntry, ...] = (
     ),
     NodeEntry("recorder", "heave_bags.record.recorder_node", "heave_bags.record.parameters:RecorderParameters"),
 )
-SHIP_CLOCK = NodeEntry("ship_clock", "heave_bringup.ship_clock", "heave_bringup.ship_clock:ShipClockParameters")
+SHIP_CLOCK = NodeEntry(
+    "ship_clock", "heave_bringup.external.ship_clock", "heave_bringup.external.ship_clock:ShipClockParameters"
+)
 """Leads a run in which the plant is the ship itself."""
 NODE_BY_NAME = {node.name: node for node in NODES}
 PROCESS_BY_NAME = {node.name: node for node in (*NODES, SHIP_CLOCK)}

@@ -6,9 +6,9 @@ import math
 
 import numpy as np
 import pytest
-from heave_bringup.benchmark.loads import CarriedLoad, HangingLoad, Kinematics, WetLoad, mas409_load
-from heave_bringup.benchmark.motions import HarmonicMotion, RecordedMotion, mas409_sea, sine
 from heave_bringup.benchmark.records import HeaveRecord
+from heave_bringup.benchmark.worlds.loads import CarriedLoad, HangingLoad, Kinematics, WetLoad, mas409_load
+from heave_bringup.benchmark.worlds.motions import HarmonicMotion, RecordedMotion, mas409_sea, sine
 from hypothesis import given
 from hypothesis import strategies as st
 

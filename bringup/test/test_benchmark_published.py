@@ -14,14 +14,14 @@ from cable_sim_node.winch.drives.pump_controlled import PumpDrive
 from heave_bringup.benchmark.case import Case
 from heave_bringup.benchmark.entrants.table import Named
 from heave_bringup.benchmark.interface import Entrant, Facts, SeaFacts, SensorFacts, WinchFacts
-from heave_bringup.benchmark.loads import CarriedLoad
-from heave_bringup.benchmark.motions import sine
 from heave_bringup.benchmark.outcome import figures_of
 from heave_bringup.benchmark.published_cases import published_cases
 from heave_bringup.benchmark.records import FOLDER_VARIABLE, find_record
-from heave_bringup.benchmark.rigid_world import RigidProblem, RigidWorld
 from heave_bringup.benchmark.target import TargetProgramme
-from heave_bringup.benchmark.winches import DrivenWinch
+from heave_bringup.benchmark.worlds.loads import CarriedLoad
+from heave_bringup.benchmark.worlds.motions import sine
+from heave_bringup.benchmark.worlds.rigid_world import RigidProblem, RigidWorld
+from heave_bringup.benchmark.worlds.winches import DrivenWinch
 from winch_controller_node.node_parameters import WinchControllerParameters
 
 RECORDS = Path(os.environ.get(FOLDER_VARIABLE, "/nowhere"))

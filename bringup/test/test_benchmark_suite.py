@@ -10,8 +10,8 @@ import pytest
 from heave_bringup.benchmark.entrants.table import Named
 from heave_bringup.benchmark.interface import Command, Facts, Measurement
 from heave_bringup.benchmark.outcome import figures_of
-from heave_bringup.benchmark.scenario_world import ScenarioWorld
 from heave_bringup.benchmark.suite_cases import suite_cases
+from heave_bringup.benchmark.worlds.scenario_world import ScenarioWorld
 from heave_bringup.closed_loop import ClosedLoop, loop_parameters
 from heave_bringup.scenarios import load_scenario
 

@@ -5,11 +5,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from heave_bringup import contract
-from heave_bringup.check import Heard, Plan, WinchTrial, judge_topic, judge_winch
-from heave_bringup.contract import COMMAND, CONTRACTS, MRU, STATE
+from heave_bringup.external import contract
+from heave_bringup.external.check import Heard, Plan, WinchTrial, judge_topic, judge_winch
+from heave_bringup.external.contract import COMMAND, CONTRACTS, MRU, STATE
+from heave_node.interface.topics import ALL_TOPICS
 from heave_node.tick.clock_rule import ClockRule
-from heave_node.topics import ALL_TOPICS
 
 PAGE = Path(__file__).parents[2] / "docs" / "contract.md"
 
@@ -108,7 +108,7 @@ def test_a_winch_that_does_not_do_as_it_must_is_named(said, what):
 
 
 def test_the_page_is_what_the_code_says():
-    assert PAGE.read_text() == contract.page(), "python -m heave_bringup.contract > docs/contract.md"
+    assert PAGE.read_text() == contract.page(), "python -m heave_bringup.external.contract > docs/contract.md"
 
 
 def test_every_topic_that_the_loop_needs_of_a_node_stands_in_its_contract():

@@ -23,10 +23,10 @@ from heave_bringup.campaign.runs import run_signals
 from heave_bringup.closed_loop import ClosedLoop, LoopParameters, LoopRecord, loop_parameters
 from heave_bringup.scenarios import make_scenario
 from heave_msgs.msg import WinchState
-from heave_node.faults import FAULTS, LARGEST_DELAY, faults_of
-from heave_node.messages import SensorMessages
+from heave_node.interface.faults import FAULTS, LARGEST_DELAY, faults_of
+from heave_node.interface.messages import SensorMessages
+from heave_node.interface.sensors import MRU, SENSORS, STANDARD_WATER, Water, all_to_wire
 from heave_node.parameters import ParameterInfo, describe
-from heave_node.sensors import MRU, SENSORS, STANDARD_WATER, Water, all_to_wire
 from heave_node.tick.tick import Tick, nanoseconds_of
 from hypothesis import example, given, settings
 from hypothesis import strategies as st

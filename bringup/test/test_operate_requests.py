@@ -9,7 +9,7 @@ from heave_bringup.operate.requests import (
     request_snapshot,
 )
 from heave_msgs.srv import SaveSnapshot, SetMode
-from heave_node.topics import ALL_TOPICS
+from heave_node.interface.topics import ALL_TOPICS
 from rcl_interfaces.msg import SetParametersResult
 from rcl_interfaces.srv import SetParameters
 

@@ -11,9 +11,9 @@ import copy
 from dataclasses import dataclass
 
 import numpy as np
-from heave_node.arrays import Array
-from heave_node.kinematics import PointMotion
-from heave_node.sensors import Water
+from heave_node.interface.sensors import Water
+from heave_node.numerics.arrays import Array
+from heave_node.numerics.kinematics import PointMotion
 
 from cable_sim_node.errors import BadMotionError, PlantError
 from cable_sim_node.inputs import BridgedInput

@@ -1,4 +1,4 @@
-"""Plant and winch data as ROS messages, and back; readings of sensors are `heave_node.messages`."""
+"""Plant and winch data as ROS messages, and back; readings of sensors are `heave_node.interface.messages`."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ from heave_msgs.msg import CableState
 from heave_msgs.msg import PointMotion as PointMotionMessage
 from heave_msgs.msg import WinchCommand as WinchCommandMessage
 from heave_msgs.msg import WinchState as WinchStateMessage
-from heave_node.arrays import Array
-from heave_node.kinematics import PointMotion
+from heave_node.numerics.arrays import Array
+from heave_node.numerics.kinematics import PointMotion
 from heave_node.tick.tick import seconds_of
 from nav_msgs.msg import Odometry
 from std_msgs.msg import Header

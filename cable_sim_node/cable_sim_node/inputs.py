@@ -12,8 +12,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from heave_node.arrays import Array
-from heave_node.kinematics import PointMotion
+from heave_node.numerics.arrays import Array
+from heave_node.numerics.kinematics import PointMotion
 
 CLOSING_TIME = 2.0
 """Time constant of coasting to rest, and of the critically damped closing of the gap afterwards [s]."""

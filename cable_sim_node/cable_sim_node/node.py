@@ -5,14 +5,14 @@ from __future__ import annotations
 import sys
 from functools import partial
 
-from heave_node import topics
-from heave_node.messages import SensorMessages
+from heave_node.interface import topics
+from heave_node.interface.messages import SensorMessages
+from heave_node.interface.sensors import SENSORS, all_to_wire
 from heave_node.ros.diagnostics import Health, Level
 from heave_node.ros.fault_service import FaultService
 from heave_node.ros.master import ClockMasterNode
 from heave_node.ros.node import NodeError
 from heave_node.ros.process import run_node
-from heave_node.sensors import SENSORS, all_to_wire
 from heave_node.tick.tick import Tick
 
 from cable_sim_node import conversions

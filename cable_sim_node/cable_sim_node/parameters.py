@@ -9,8 +9,8 @@ from __future__ import annotations
 import itertools
 from dataclasses import dataclass
 
-from heave_node import hydrostatics
-from heave_node.constants import SEAWATER_DENSITY, STANDARD_GRAVITY
+from heave_node.numerics import hydrostatics
+from heave_node.numerics.constants import SEAWATER_DENSITY, STANDARD_GRAVITY
 from heave_node.parameters import check_ranges, group, parameter
 
 

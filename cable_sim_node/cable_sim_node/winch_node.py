@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import sys
 
-from heave_node import topics
-from heave_node.codes import RELEASE_WORDS, WinchFault, fault_words
+from heave_node.interface import topics
+from heave_node.interface.codes import RELEASE_WORDS, WinchFault, fault_words
 from heave_node.ros.diagnostics import Health, Level
 from heave_node.ros.fault_service import FaultService
 from heave_node.ros.participant import ParticipantNode

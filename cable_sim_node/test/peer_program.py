@@ -16,12 +16,12 @@ import rclpy
 from cable_sim_node.conversions import point_motion_message
 from heave_msgs.msg import TickStatus, WinchCommand, WinchState
 from heave_msgs.srv import InjectFault
-from heave_node import topics
-from heave_node.kinematics import PointMotion
+from heave_node.interface import topics
+from heave_node.numerics.kinematics import PointMotion
 from heave_node.parameters import parameter
 from heave_node.ros.participant import ParticipantNode
 from heave_node.ros.process import run_node
-from heave_node.ros.qos import qos_of
+from heave_node.ros.transport.qos import qos_of
 from heave_node.tick.tick import Tick, nanoseconds_of
 from std_msgs.msg import Header
 

@@ -19,7 +19,7 @@ from cable_sim_node.sensors.instruments import (
     SensorsParameters,
     VelocitySensorParameters,
 )
-from heave_node.kinematics import PointMotion
+from heave_node.numerics.kinematics import PointMotion
 from heave_node.parameters import build_parameters
 from hypothesis import Phase, given, settings
 from hypothesis import strategies as st

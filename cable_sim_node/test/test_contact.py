@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from cable_sim_node.line.dynamics import CableDynamics
 from cable_sim_node.parameters import CableParameters, CableSimParameters, SeabedParameters, UnitParameters
-from heave_node.kinematics import PointMotion
+from heave_node.numerics.kinematics import PointMotion
 
 STILL = PointMotion()
 TICK = 0.05

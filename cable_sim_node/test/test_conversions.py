@@ -17,7 +17,7 @@ from cable_sim_node.winch.component import VirtualWinch, WinchCommand
 from cable_sim_node.winch.parameters import WinchParameters
 from heave_msgs.msg import WinchCommand as WinchCommandMessage
 from heave_msgs.msg import WinchState as WinchStateMessage
-from heave_node.kinematics import PointMotion
+from heave_node.numerics.kinematics import PointMotion
 from visualization_msgs.msg import Marker
 
 from cable_sim_node import conversions, markers

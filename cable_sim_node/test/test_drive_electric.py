@@ -10,7 +10,7 @@ from cable_sim_node.winch.drive_parameters.electric import ElectricDriveParamete
 from cable_sim_node.winch.drive_parameters.motion import FrictionParameters, MotionParameters
 from cable_sim_node.winch.drives.electric import ElectricDrive
 from cable_sim_node.winch.drives.interface import DriveCommand
-from heave_node.codes import WinchLimit
+from heave_node.interface.codes import WinchLimit
 from scipy.linalg import expm
 
 TICK = 0.05

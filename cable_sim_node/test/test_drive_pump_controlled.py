@@ -11,7 +11,7 @@ from cable_sim_node.winch.drive_parameters.pump import PumpDriveParameters
 from cable_sim_node.winch.drives.interface import DriveCommand
 from cable_sim_node.winch.drives.published import zinage_drive
 from cable_sim_node.winch.drives.pump_controlled import PumpDrive
-from heave_node.codes import WinchLimit
+from heave_node.interface.codes import WinchLimit
 from scipy.linalg import expm
 
 LONG = MotionParameters(speed_limit=10.0, overspeed=0.0, payout_minimum=-500.0, payout_maximum=500.0)

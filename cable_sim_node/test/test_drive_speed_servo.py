@@ -8,7 +8,7 @@ from cable_sim_node.winch.component import VirtualWinch, WinchCommand
 from cable_sim_node.winch.drives.interface import DriveCommand
 from cable_sim_node.winch.drives.speed_servo import SpeedServo
 from cable_sim_node.winch.parameters import WinchParameters
-from heave_node.codes import WinchLimit
+from heave_node.interface.codes import WinchLimit
 
 
 def test_servo_moves_as_the_virtual_winch_does() -> None:

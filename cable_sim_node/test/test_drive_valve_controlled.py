@@ -13,7 +13,7 @@ from cable_sim_node.winch.drives.interface import DriveCommand
 from cable_sim_node.winch.drives.kernels import valve as valve_kernel
 from cable_sim_node.winch.drives.published import mas410_published_solution, mas410_radians_per_metre
 from cable_sim_node.winch.drives.valve_controlled import ValveDrive
-from heave_node.codes import WinchLimit
+from heave_node.interface.codes import WinchLimit
 from scipy.integrate import quad, solve_ivp
 
 FREE = ValveDriveParameters(

@@ -23,7 +23,7 @@ from cable_sim_node.winch.drives.ramp import RampedDrive
 from cable_sim_node.winch.drives.speed_servo import SpeedServo
 from cable_sim_node.winch.drives.valve_controlled import ValveDrive
 from cable_sim_node.winch.parameters import WinchParameters
-from heave_node.codes import WinchLimit
+from heave_node.interface.codes import WinchLimit
 from heave_node.parameters import ParameterError, build_parameters, describe, flatten
 from hypothesis import example, given, settings
 from hypothesis import strategies as st

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from cable_sim_node.inputs import CLOSING_TIME, LONGEST_EXTRAPOLATION, BridgedInput, NewestMotion
 from cable_sim_node.shadow import ShadowPayout
-from heave_node.kinematics import PointMotion
+from heave_node.numerics.kinematics import PointMotion
 
 TICK = 0.05
 OMEGA = 0.6

@@ -9,7 +9,7 @@ import pytest
 from cable_sim_node.errors import BadMotionError
 from cable_sim_node.parameters import CableSimParameters
 from cable_sim_node.vertical.linear_plant import LinearPlant
-from heave_node.kinematics import PointMotion
+from heave_node.numerics.kinematics import PointMotion
 from scipy.integrate import solve_ivp
 
 A, B = 0.8959, 0.1658

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from heave_node.codes import WinchFault
+from heave_node.interface.codes import WinchFault
 
 pytest.importorskip("rclpy")
 pytest.importorskip("heave_msgs")

@@ -21,9 +21,9 @@ from cable_sim_node.sensors.instruments import (
 )
 from cable_sim_node.sensors.sensor import Sensor
 from cable_sim_node.sensors.suite import SensorSuite
-from heave_node.faults import FaultParameters
+from heave_node.interface.faults import FaultParameters
+from heave_node.interface.sensors import SENSORS, Reading
 from heave_node.parameters import ParameterError, build_parameters, flatten
-from heave_node.sensors import SENSORS, Reading
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy import stats

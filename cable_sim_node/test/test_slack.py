@@ -10,7 +10,7 @@ from cable_sim_node.line.direction import FOLDED, direction_of
 from cable_sim_node.line.dynamics import CableDynamics
 from cable_sim_node.line.step import evaluate
 from cable_sim_node.parameters import CableParameters, CableSimParameters, SeabedParameters, UnitParameters
-from heave_node.kinematics import PointMotion
+from heave_node.numerics.kinematics import PointMotion
 from hypothesis import given
 from hypothesis import strategies as st
 

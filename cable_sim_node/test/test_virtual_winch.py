@@ -12,8 +12,8 @@ from cable_sim_node.winch.component import VirtualWinch, WinchCommand, WinchStat
 from cable_sim_node.winch.drive_parameters.electric import ElectricParameters
 from cable_sim_node.winch.drive_parameters.spool import SpoolParameters
 from cable_sim_node.winch.parameters import EncoderParameters, WinchParameters
-from heave_node.codes import WinchFault, WinchLimit, WinchRelease
-from heave_node.faults import FaultParameters
+from heave_node.interface.codes import WinchFault, WinchLimit, WinchRelease
+from heave_node.interface.faults import FaultParameters
 from heave_node.winch.position_loop import highest_position_gain
 from hypothesis import given, settings
 from hypothesis import strategies as st

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from heave_node.faces import lazy_face
 
 if TYPE_CHECKING:
-    from heave_node.kinematics import PointMotion
+    from heave_node.numerics.kinematics import PointMotion
     from heave_node.parameters import ParameterError, build_parameters, describe, group, parameter
     from heave_node.run_parameters import RunParameters
 
@@ -20,7 +20,7 @@ __getattr__ = lazy_face(
     __name__,
     {
         "ParameterError": "parameters",
-        "PointMotion": "kinematics",
+        "PointMotion": "numerics.kinematics",
         "RunParameters": "run_parameters",
         "build_parameters": "parameters",
         "describe": "parameters",

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from heave_node.arrays import Array
+from heave_node.numerics.arrays import Array
 
 AT_LIMIT = 0.999
 """A rate is at its limit from this fraction of the limit on."""

@@ -13,7 +13,7 @@ import time
 from dataclasses import dataclass
 
 from heave_msgs.msg import LoadCell, MruSample, PointMotion, TickStatus, WinchCommand, WinchState
-from heave_node import topics
+from heave_node.interface import topics
 from heave_node.parameters import parameter
 from heave_node.ros.master import ClockMasterNode
 from heave_node.ros.node import NodeError

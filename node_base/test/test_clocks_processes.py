@@ -12,9 +12,9 @@ import sys, time
 import rclpy
 from diagnostic_msgs.msg import DiagnosticArray
 from heave_msgs.msg import WinchCommand, WinchState
-from heave_node import topics
-from heave_node.ros.environment import prepare_environment
-from heave_node.ros.qos import qos_of
+from heave_node.interface import topics
+from heave_node.ros.transport.environment import prepare_environment
+from heave_node.ros.transport.qos import qos_of
 prepare_environment()
 rclpy.init()
 node = rclpy.create_node("hardware")

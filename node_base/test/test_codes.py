@@ -1,10 +1,10 @@
-"""The numbers of `heave_node.codes` are those of the messages, which are the contract."""
+"""The numbers of `heave_node.interface.codes` are those of the messages, which are the contract."""
 
 import enum
 
 import pytest
 from heave_msgs.msg import MruSample, SensorHealth, WinchState
-from heave_node.codes import MruStatus, SensorLevel, WinchFault, WinchLimit, WinchRelease, fault_words
+from heave_node.interface.codes import MruStatus, SensorLevel, WinchFault, WinchLimit, WinchRelease, fault_words
 
 
 @pytest.mark.parametrize(

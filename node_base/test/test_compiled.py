@@ -2,7 +2,7 @@ import os
 from types import SimpleNamespace
 
 import pytest
-from heave_node.compiled import drop_stale_kernels, is_compiled, kernel
+from heave_node.numerics.compiled import drop_stale_kernels, is_compiled, kernel
 
 
 @pytest.fixture

@@ -6,7 +6,7 @@ from importlib import resources
 from xml.etree import ElementTree
 
 import pytest
-from heave_node.ros.environment import (
+from heave_node.ros.transport.environment import (
     PROFILE_VARIABLE,
     is_bound_to_loopback,
     is_open_to_network,

@@ -4,7 +4,7 @@ import socket
 import sys
 
 import pytest
-from heave_node.ros.exposure import exposed_ports
+from heave_node.ros.transport.exposure import exposed_ports
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="the kernel's tables of sockets are Linux's")
 

@@ -4,7 +4,7 @@ from types import SimpleNamespace
 
 import pytest
 from heave_msgs.srv import InjectFault
-from heave_node.faults import FaultParameters, FaultSchedule
+from heave_node.interface.faults import FaultParameters, FaultSchedule
 from heave_node.ros.fault_service import FaultService
 from heave_node.tick.tick import Tick
 

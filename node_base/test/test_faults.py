@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from heave_node.faults import FAULTS, LARGEST_DELAY, FaultParameters, FaultSchedule, FaultyValues, faults_of
+from heave_node.interface.faults import FAULTS, LARGEST_DELAY, FaultParameters, FaultSchedule, FaultyValues, faults_of
 from hypothesis import given
 from hypothesis import strategies as st
 

@@ -1,7 +1,7 @@
 import math
 
 import pytest
-from heave_node.hydrostatics import displaced_area, weight_in_fluid
+from heave_node.numerics.hydrostatics import displaced_area, weight_in_fluid
 from hypothesis import given
 from hypothesis import strategies as st
 

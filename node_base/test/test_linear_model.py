@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from heave_node.linear_model import (
+from heave_node.numerics.linear_model import (
     NOISE_INTENSITY,
     ModelError,
     covariance_factor,

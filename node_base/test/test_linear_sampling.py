@@ -5,8 +5,8 @@ import math
 
 import numpy as np
 import pytest
-from heave_node.linear_model import ModelError, linear_model, state_covariance
-from heave_node.linear_sampling import delay_command, discretise, sampled_matrices
+from heave_node.numerics.linear_model import ModelError, linear_model, state_covariance
+from heave_node.numerics.linear_sampling import delay_command, discretise, sampled_matrices
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp

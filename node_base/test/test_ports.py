@@ -3,7 +3,7 @@
 from types import SimpleNamespace
 
 from heave_msgs.msg import WinchState
-from heave_node import topics
+from heave_node.interface import topics
 from heave_node.ros.ports import Input
 from heave_node.tick.gate import Inbox, TickGate
 from heave_node.tick.tick import Tick, nanoseconds_of, stamp_of

@@ -11,7 +11,7 @@ import sys
 import rclpy
 from diagnostic_msgs.msg import DiagnosticArray
 from heave_msgs.msg import WinchCommand, WinchState
-from heave_node.ros.environment import prepare_environment
+from heave_node.ros.transport.environment import prepare_environment
 from rclpy.qos import qos_profile_sensor_data
 from rosgraph_msgs.msg import Clock
 prepare_environment()

@@ -7,9 +7,9 @@ import math
 
 import numpy as np
 import pytest
-from heave_node import topics
-from heave_node.messages import SensorMessages, message_type
-from heave_node.sensors import (
+from heave_node.interface import topics
+from heave_node.interface.messages import SensorMessages, message_type
+from heave_node.interface.sensors import (
     DEPTH,
     IMU,
     LOAD_CELL,

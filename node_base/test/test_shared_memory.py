@@ -10,8 +10,8 @@ from pathlib import Path
 
 import pytest
 from domain_coordinator import domain_id
-from heave_node.ros import shared_memory
-from heave_node.ros.shared_memory import remove_dead_segments
+from heave_node.ros.transport import shared_memory
+from heave_node.ros.transport.shared_memory import remove_dead_segments
 
 SEGMENT = "fastdds_0123456789abcdef"
 PORT = "fastdds_port7411"
@@ -91,7 +91,7 @@ def test_a_machine_without_such_a_folder_has_nothing_to_clean(tmp_path):
 
 NODE = """
 import sys
-from heave_node.ros.environment import prepare_environment
+from heave_node.ros.transport.environment import prepare_environment
 prepare_environment()
 import rclpy
 rclpy.init()

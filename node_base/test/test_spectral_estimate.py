@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from heave_node.spectral_estimate import (
+from heave_node.numerics.spectral_estimate import (
     RecordTooShortError,
     estimate_spectrum,
     height_and_period,

@@ -142,7 +142,7 @@ def test_an_external_node_is_waited_for_and_used_as_it_comes(loop):
 EXTERNAL_WINCH = """
 import rclpy
 from heave_msgs.msg import WinchCommand, WinchState
-from heave_node.ros.environment import prepare_environment
+from heave_node.ros.transport.environment import prepare_environment
 prepare_environment()
 rclpy.init()
 node = rclpy.create_node("a_real_winch")
@@ -230,9 +230,9 @@ import time
 import rclpy
 from heave_msgs.msg import TickStatus, WinchCommand
 from heave_msgs.srv import StepSimulation
-from heave_node import topics
-from heave_node.ros.environment import prepare_environment
-from heave_node.ros.qos import qos_of
+from heave_node.interface import topics
+from heave_node.ros.transport.environment import prepare_environment
+from heave_node.ros.transport.qos import qos_of
 from heave_node.ros.spin import Spinner
 from lifecycle_msgs.msg import Transition
 from lifecycle_msgs.srv import ChangeState

@@ -27,10 +27,10 @@ from domain_coordinator import domain_id
 from heave_bags.mcap.reader import Bag
 from heave_bringup.progress import ProgressLine
 from heave_msgs.msg import TickDone
-from heave_node import topics
-from heave_node.messages import message_type
-from heave_node.ros.environment import prepare_environment
-from heave_node.ros.qos import qos_of
+from heave_node.interface import topics
+from heave_node.interface.messages import message_type
+from heave_node.ros.transport.environment import prepare_environment
+from heave_node.ros.transport.qos import qos_of
 from mcap.reader import make_reader
 from rosbags.highlevel import AnyReader
 

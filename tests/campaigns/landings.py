@@ -17,7 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 from heave_bringup.closed_loop import ClosedLoop, LoopRecord, loop_parameters
 from heave_bringup.scenarios import Scenario, load_scenario
-from heave_node.constants import SEAWATER_DENSITY, STANDARD_GRAVITY
+from heave_node.numerics.constants import SEAWATER_DENSITY, STANDARD_GRAVITY
 
 STEEL, SPECIFIC_STIFFNESS = 7850.0, 4.0e7 / 0.028**2
 """Density of steel [kg/m^3]; EA over diameter squared of a wire rope [N/m^2]."""

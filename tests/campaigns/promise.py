@@ -20,7 +20,7 @@ from dataclasses import dataclass
 import numpy as np
 from heave_bringup.closed_loop import ClosedLoop, LoopRecord, loop_parameters
 from heave_bringup.scenarios import load_scenario
-from heave_node.arrays import Array
+from heave_node.numerics.arrays import Array
 
 from tests.campaigns.commit import commit_line
 

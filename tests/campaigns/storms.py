@@ -22,8 +22,8 @@ from cable_sim_node.errors import PlantError
 from cable_sim_node.line.dynamics import CableDynamics
 from cable_sim_node.parameters import CableParameters, CableSimParameters, SeabedParameters, UnitParameters
 from heave_bringup.progress import ProgressLine
-from heave_node.arrays import Array
-from heave_node.kinematics import PointMotion
+from heave_node.numerics.arrays import Array
+from heave_node.numerics.kinematics import PointMotion
 
 from tests.campaigns.commit import commit_line
 

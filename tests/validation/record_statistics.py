@@ -9,8 +9,8 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from heave_node.arrays import Array
-from heave_node.spectral_estimate import estimate_spectrum
+from heave_node.numerics.arrays import Array
+from heave_node.numerics.spectral_estimate import estimate_spectrum
 from wave_vessel_node.sea.spectra import WaveSpectrum, cell_integrals
 
 _NORMAL_95 = 1.959964

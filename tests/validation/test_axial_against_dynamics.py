@@ -11,7 +11,7 @@ from cable_sim_node.parameters import CableParameters, CableSimParameters, Clump
 from cable_sim_node.vertical.axial import simulate_axial
 from cable_sim_node.vertical.axial_line import axial_line
 from cable_sim_node.vertical.linear import heave_transfer_function, natural_frequencies
-from heave_node.kinematics import PointMotion
+from heave_node.numerics.kinematics import PointMotion
 
 PERIOD = 0.05
 S300 = CableSimParameters(segments=30)

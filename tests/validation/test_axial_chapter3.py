@@ -14,8 +14,8 @@ from cable_sim_node.parameters import CableParameters, CableSimParameters, UnitP
 from cable_sim_node.vertical.axial import simulate_axial
 from cable_sim_node.vertical.axial_line import AxialLine, AxialSection, AxialUnit, axial_line
 from cable_sim_node.vertical.linear import heave_transfer_function, natural_frequencies, resonant_length
-from heave_node.constants import SEAWATER_DENSITY, STANDARD_GRAVITY
-from heave_node.kinematics import PointMotion
+from heave_node.numerics.constants import SEAWATER_DENSITY, STANDARD_GRAVITY
+from heave_node.numerics.kinematics import PointMotion
 
 
 def area(diameter):

@@ -11,8 +11,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from cable_sim_node.peers.reference_systems import DEEP_900
-from heave_node.arrays import Array
-from heave_node.linear_model import LinearModel, interconnect, linear_model, output_sigma, with_feedback
+from heave_node.numerics.arrays import Array
+from heave_node.numerics.linear_model import LinearModel, interconnect, linear_model, output_sigma, with_feedback
 from heave_node.parameters import build_parameters
 from winch_controller_node.identification.cable_response import identify_simulated
 from winch_controller_node.model.blocks import PAYOUT_COMMAND, CableModel, cable_block, winch_block

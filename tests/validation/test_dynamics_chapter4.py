@@ -19,8 +19,8 @@ from cable_sim_node.line.linearised import linearise
 from cable_sim_node.parameters import CableParameters, CableSimParameters, SolverParameters, UnitParameters
 from cable_sim_node.vertical.axial_line import axial_line
 from cable_sim_node.vertical.linear import heave_transfer_function
-from heave_node.constants import STANDARD_GRAVITY
-from heave_node.kinematics import PointMotion
+from heave_node.numerics.constants import STANDARD_GRAVITY
+from heave_node.numerics.kinematics import PointMotion
 
 LENGTH, RADIUS, MASS, CIRCLE = 4.573, 0.1016, 4.722, 0.1
 VOLUME = 4.0 / 3.0 * math.pi * RADIUS**3

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from cable_sim_node.line.dynamics import CableDynamics
 from cable_sim_node.parameters import CableParameters, CableSimParameters, SolverParameters, UnitParameters
-from heave_node.kinematics import PointMotion
+from heave_node.numerics.kinematics import PointMotion
 
 from tests.validation.line_energy import energy_of, power_lost
 

@@ -10,7 +10,7 @@ from cable_sim_node.line.dynamics import CableDynamics
 from cable_sim_node.parameters import CableParameters, CableSimParameters, SolverParameters, UnitParameters
 from cable_sim_node.peers.driven_run import run_driven
 from cable_sim_node.peers.reference_systems import s900
-from heave_node.kinematics import PointMotion
+from heave_node.numerics.kinematics import PointMotion
 
 
 @pytest.mark.parametrize("segments", [1, 8])

@@ -17,7 +17,7 @@ from cable_sim_node.parameters import (
     UnitParameters,
 )
 from cable_sim_node.peers.reference_systems import s300, s900
-from heave_node.kinematics import PointMotion
+from heave_node.numerics.kinematics import PointMotion
 from scipy.integrate import solve_ivp
 from scipy.optimize import root
 

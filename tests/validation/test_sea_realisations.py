@@ -8,9 +8,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from heave_node.linear_model import output_spectrum
-from heave_node.randomness import random_stream
-from heave_node.spectral_estimate import estimate_spectrum
+from heave_node.numerics.linear_model import output_spectrum
+from heave_node.numerics.randomness import random_stream
+from heave_node.numerics.spectral_estimate import estimate_spectrum
 from scipy.stats import binom, chi2
 from wave_vessel_node.sea.realisation import HarmonicSum, draw_components
 from wave_vessel_node.sea.shaping_filter import shaping_filter

@@ -4,8 +4,8 @@ import math
 
 import numpy as np
 import pytest
-from heave_node.codes import MruStatus
-from heave_node.linear_model import output_spectrum
+from heave_node.interface.codes import MruStatus
+from heave_node.numerics.linear_model import output_spectrum
 from heave_node.parameters import build_parameters
 from scipy.integrate import solve_ivp
 from wave_vessel_node.component import WaveVessel

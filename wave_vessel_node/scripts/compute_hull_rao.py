@@ -20,7 +20,7 @@ from typing import Any
 
 import capytaine as cpt
 import numpy as np
-from heave_node.constants import SEAWATER_DENSITY, STANDARD_GRAVITY
+from heave_node.numerics.constants import SEAWATER_DENSITY, STANDARD_GRAVITY
 from wave_vessel_node.vessel.rao_files import read_capytaine, write_rao_csv
 
 LENGTH, BEAM, DRAUGHT = 90.0, 18.0, 5.625

@@ -2,7 +2,7 @@ import math
 
 import numpy as np
 import pytest
-from heave_node.linear_model import output_sigma, output_spectrum
+from heave_node.numerics.linear_model import output_sigma, output_spectrum
 from heave_node.parameters import ParameterError, build_parameters, describe
 from wave_vessel_node.component import WaveVessel
 from wave_vessel_node.parameters import CourseParameters, DriftParameters, VesselParameters, WaveVesselParameters

@@ -2,8 +2,8 @@ import math
 
 import numpy as np
 import pytest
-from heave_node.codes import MruStatus
-from heave_node.faults import FaultParameters
+from heave_node.interface.codes import MruStatus
+from heave_node.interface.faults import FaultParameters
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from wave_vessel_node.mru.mru import HighPass, MotionReferenceUnit, high_pass_response

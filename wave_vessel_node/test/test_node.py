@@ -4,8 +4,8 @@ import math
 
 import numpy as np
 import pytest
-from heave_node import topics
-from heave_node.kinematics import PointMotion
+from heave_node.interface import topics
+from heave_node.numerics.kinematics import PointMotion
 from heave_node.tick.tick import stamp_of_seconds
 from wave_vessel_node.component import WaveVessel
 from wave_vessel_node.parameters import WaveVesselParameters

@@ -3,7 +3,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from heave_node.constants import STANDARD_GRAVITY
+from heave_node.numerics.constants import STANDARD_GRAVITY
 from wave_vessel_node.parameters import CourseParameters
 from wave_vessel_node.sea.realisation import WaveComponents
 from wave_vessel_node.sea.spectra import Bretschneider

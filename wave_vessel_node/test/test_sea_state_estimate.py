@@ -2,9 +2,9 @@ import math
 
 import numpy as np
 import pytest
-from heave_node.codes import MruStatus
-from heave_node.sensors import MruReading
-from heave_node.spectral_estimate import peak_frequency
+from heave_node.interface.codes import MruStatus
+from heave_node.interface.sensors import MruReading
+from heave_node.numerics.spectral_estimate import peak_frequency
 from wave_vessel_node.mru.mru import high_pass_response
 from wave_vessel_node.mru.sea_state_estimate import SeaStateEstimator
 from wave_vessel_node.parameters import SeaStateEstimateParameters

@@ -2,7 +2,7 @@ import math
 
 import numpy as np
 import pytest
-from heave_node.constants import STANDARD_GRAVITY
+from heave_node.numerics.constants import STANDARD_GRAVITY
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.special import gamma

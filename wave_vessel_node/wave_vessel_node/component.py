@@ -6,9 +6,9 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from heave_node.arrays import Array
-from heave_node.kinematics import PointMotion
-from heave_node.sensors import MruReading
+from heave_node.interface.sensors import MruReading
+from heave_node.numerics.arrays import Array
+from heave_node.numerics.kinematics import PointMotion
 
 from wave_vessel_node.mru.mru import MotionReferenceUnit, high_pass_response
 from wave_vessel_node.mru.sea_state_estimate import SeaStateEstimate, SeaStateEstimator

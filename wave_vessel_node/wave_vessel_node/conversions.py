@@ -1,4 +1,6 @@
-"""Messages of the sea and vessel from the plain data of its component; those of the MRU are `heave_node.messages`.
+"""Messages of the sea and vessel from the plain data of its component.
+
+Those of the MRU are made by `heave_node.interface.messages`.
 
 No rclpy: message classes are plain data.
 """
@@ -11,7 +13,7 @@ import numpy as np
 from builtin_interfaces.msg import Time
 from geometry_msgs.msg import Point, Quaternion, Vector3
 from heave_msgs.msg import PointMotion, SeaState, SeaStateEstimate, WaveElevation
-from heave_node import kinematics
+from heave_node.numerics import kinematics
 from nav_msgs.msg import Odometry
 
 from wave_vessel_node.mru import sea_state_estimate

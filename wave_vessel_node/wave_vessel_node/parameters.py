@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from heave_node.faults import FaultParameters
+from heave_node.interface.faults import FaultParameters
 from heave_node.parameters import group, parameter
 from heave_node.registry import describe_choices
 

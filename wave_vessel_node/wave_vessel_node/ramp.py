@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from heave_node.arrays import Array
+from heave_node.numerics.arrays import Array
 
 
 def smooth_ramp(time: float, duration: float) -> tuple[float, float, float]:

@@ -1,6 +1,6 @@
 """A hiccup between controller and winch: compensation goes on by itself, unless it comes again and again."""
 
-from heave_node.codes import WinchFault
+from heave_node.interface.codes import WinchFault
 from winch_controller_node.identification.late_commands import LATE_WINDOW, LateCommands
 from winch_controller_node.supervision.command_timeouts import MOST, WAIT, Advice, CommandTimeouts
 

@@ -11,10 +11,10 @@ from cable_sim_node.winch.parameters import WinchParameters
 from heave_bringup.closed_loop import ClosedLoop, LoopParameters
 from heave_bringup.closed_loop import loop_parameters as parameters_of
 from heave_bringup.scenarios import load_scenario
-from heave_node.codes import SensorLevel, WinchFault
-from heave_node.faults import FaultParameters
+from heave_node.interface.codes import SensorLevel, WinchFault
+from heave_node.interface.faults import FaultParameters
+from heave_node.interface.sensors import MruReading
 from heave_node.parameters import build_parameters
-from heave_node.sensors import MruReading
 from wave_vessel_node.parameters import WaveVesselParameters
 from winch_controller_node.component import WinchController
 from winch_controller_node.interface.readings import Measurements, ScalarReading, WinchReading

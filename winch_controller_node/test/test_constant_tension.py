@@ -7,7 +7,7 @@ import pytest
 from winch_controller_node.design.design import design_controller
 from winch_controller_node.estimation.tension_filter import FILTER_SHARE, TensionFilter
 from winch_controller_node.laws.constant_tension import ALONE_LAGS, ConstantTension, TensionSetPoint, Travel
-from winch_controller_node.laws.loop_state import LoopState, Reference
+from winch_controller_node.laws.parts.loop_state import LoopState, Reference
 from winch_controller_node.node_parameters import WinchControllerParameters
 from winch_controller_node.parameters.laws import TensionLawParameters
 

@@ -8,10 +8,10 @@ from heave_bringup.scenarios import load_scenario
 from heave_node.parameters import build_parameters
 from winch_controller_node.design.design import design_controller
 from winch_controller_node.design.prediction import error_covariances, predict_loop
-from winch_controller_node.laws.governor import SpeedServo
 from winch_controller_node.laws.law import LawDesign
-from winch_controller_node.laws.loop_state import AuthorityShift, LoopState, Reference
 from winch_controller_node.laws.mpc import ConstrainedLaw, MpcParameters, constrained_gain, free_gain
+from winch_controller_node.laws.parts.governor import SpeedServo
+from winch_controller_node.laws.parts.loop_state import AuthorityShift, LoopState, Reference
 from winch_controller_node.model.lqr import DesignError
 from winch_controller_node.node_parameters import WinchControllerParameters
 from winch_controller_node.parameters.model import SeaModelParameters, WinchModelParameters

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from heave_node.linear_model import linear_model, spectral_abscissa, with_feedback
+from heave_node.numerics.linear_model import linear_model, spectral_abscissa, with_feedback
 from heave_node.parameters import ParameterError, build_parameters
 from winch_controller_node.design.design import design_controller
 from winch_controller_node.model.lqr import DesignError, QuadraticCost, check_stabilisable, lqr_gain

@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 import scipy.linalg
-from heave_node.linear_model import linear_model, state_covariance
-from heave_node.linear_sampling import discretise
+from heave_node.numerics.linear_model import linear_model, state_covariance
+from heave_node.numerics.linear_sampling import discretise
 from winch_controller_node.model.estimator import KalmanEstimator, Measurement, MeasurementModel
 
 DT = 0.1

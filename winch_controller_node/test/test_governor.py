@@ -7,8 +7,8 @@ from cable_sim_node.winch.parameters import WinchParameters
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from winch_controller_node.design.design import design_controller
-from winch_controller_node.laws.governor import SpeedServo
-from winch_controller_node.laws.winch_limits import WinchLimits
+from winch_controller_node.laws.parts.governor import SpeedServo
+from winch_controller_node.laws.parts.winch_limits import WinchLimits
 from winch_controller_node.node_parameters import WinchControllerParameters
 from winch_controller_node.parameters.model import WinchModelParameters
 

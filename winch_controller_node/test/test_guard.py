@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 from winch_controller_node.estimation.loop_tick import Motion
-from winch_controller_node.laws.winch_limits import WinchLimits
+from winch_controller_node.laws.parts.winch_limits import WinchLimits
 from winch_controller_node.parameters.laws import GuardParameters
 from winch_controller_node.supervision.guard import GuardedLoop, GuardedMotions, HarmGuard
 

@@ -9,7 +9,7 @@ import pytest
 from heave_node.parameters import build_parameters
 from winch_controller_node.design.design import design_controller
 from winch_controller_node.laws.industrial import rule_gain
-from winch_controller_node.laws.loop_state import LoopState, Reference
+from winch_controller_node.laws.parts.loop_state import LoopState, Reference
 from winch_controller_node.model.lqr import DesignError
 from winch_controller_node.node_parameters import WinchControllerParameters
 

@@ -10,7 +10,7 @@ from winch_controller_node.component import WinchController
 from winch_controller_node.design.design import design_controller
 from winch_controller_node.interface.readings import Measurements
 from winch_controller_node.laws.law import ControlLaw, LawCommand
-from winch_controller_node.laws.loop_state import LoopState, Reference
+from winch_controller_node.laws.parts.loop_state import LoopState, Reference
 from winch_controller_node.laws.registry import LAWS
 from winch_controller_node.model.lqr import DesignError
 from winch_controller_node.node_parameters import WinchControllerParameters

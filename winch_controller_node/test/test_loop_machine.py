@@ -8,7 +8,7 @@ from cable_sim_node.node_parameters import CableSimNodeParameters, LinearModelPa
 from cable_sim_node.parameters import UnitParameters
 from cable_sim_node.winch.parameters import WinchParameters
 from heave_bringup.closed_loop import ClosedLoop, LoopParameters
-from heave_node.codes import WinchFault
+from heave_node.interface.codes import WinchFault
 from heave_node.parameters import build_parameters
 from hypothesis import settings
 from hypothesis import strategies as st

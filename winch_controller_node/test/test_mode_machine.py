@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from heave_node.codes import WinchFault
+from heave_node.interface.codes import WinchFault
 from winch_controller_node.parameters.laws import ModeParameters
 from winch_controller_node.supervision.mode_machine import ModeMachine
 from winch_controller_node.supervision.modes import Mode, ModeError, Situation

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from heave_node.linear_model import ModelError, interconnect, is_stable, state_covariance
+from heave_node.numerics.linear_model import ModelError, interconnect, is_stable, state_covariance
 from heave_node.parameters import build_parameters
 from wave_vessel_node.parameters import WaveVesselParameters
 from wave_vessel_node.sources.scene import build_scene

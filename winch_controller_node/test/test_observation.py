@@ -3,8 +3,8 @@
 from types import SimpleNamespace
 
 import pytest
+from heave_node.interface.sensors import MruReading
 from heave_node.parameters import build_parameters
-from heave_node.sensors import MruReading
 from winch_controller_node.component import WinchController
 from winch_controller_node.interface.readings import Measurements
 from winch_controller_node.model.estimator import Innovation

@@ -6,7 +6,7 @@ import math
 import numpy as np
 import pytest
 from cable_sim_node.peers.reference_systems import DEEP_900
-from heave_node.linear_model import state_covariance
+from heave_node.numerics.linear_model import state_covariance
 from heave_node.parameters import build_parameters
 from winch_controller_node.design.carry_sea import carry_sea
 from winch_controller_node.design.design import at_cable, carry_over, design_controller

@@ -1,8 +1,8 @@
 import math
 
 import pytest
-from heave_node.codes import MruStatus, SensorLevel
-from heave_node.sensors import MruReading
+from heave_node.interface.codes import MruStatus, SensorLevel
+from heave_node.interface.sensors import MruReading
 from winch_controller_node.estimation.sensor_health import EncoderGate, SensorGate, SensorTiming, judge_mru
 from winch_controller_node.interface.readings import ScalarReading
 from winch_controller_node.parameters.laws import HealthParameters

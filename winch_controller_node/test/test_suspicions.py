@@ -5,7 +5,7 @@ import math
 
 import numpy as np
 import pytest
-from heave_node.linear_model import covariance_factor
+from heave_node.numerics.linear_model import covariance_factor
 from heave_node.parameters import build_parameters
 from winch_controller_node.design.design import design_controller
 from winch_controller_node.estimation.reading_record import RECORD, ReadingRecord, RecordedTick, Surprise

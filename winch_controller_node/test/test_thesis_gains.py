@@ -6,8 +6,8 @@ from dataclasses import replace
 import control
 import numpy as np
 import pytest
-from heave_node.linear_model import interconnect, linear_model, output_sigma, with_feedback
-from heave_node.linear_sampling import discretise
+from heave_node.numerics.linear_model import interconnect, linear_model, output_sigma, with_feedback
+from heave_node.numerics.linear_sampling import discretise
 from scipy.integrate import trapezoid
 from winch_controller_node.model.blocks import PAYOUT_COMMAND, CableModel, cable_block, winch_block
 from winch_controller_node.model.lqr import QuadraticCost, lqr_gain

@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from concurrent.futures import Executor
 
-from heave_node.codes import WinchLimit
+from heave_node.interface.codes import WinchLimit
 from heave_node.parameters import describe
 
 from winch_controller_node.design.design import ControllerDesign
@@ -30,12 +30,12 @@ from winch_controller_node.motion.trajectory import MeanPayout
 from winch_controller_node.node_parameters import WinchControllerParameters
 from winch_controller_node.state_report import ControllerTick, state_report
 from winch_controller_node.supervision.landing import LandingEvent
-from winch_controller_node.supervision.load_watch import Episode, LoadWatch
 from winch_controller_node.supervision.mode_machine import ModeMachine
 from winch_controller_node.supervision.modes import BRAKED, Mode, ModeError, ModeOutput
 from winch_controller_node.supervision.rolling_kpi import KpiWindow
 from winch_controller_node.supervision.supervisor import Decision, Supervisor, WinchSituation
-from winch_controller_node.supervision.winch_watch import WinchWatch, identifies_winch
+from winch_controller_node.supervision.watch.load_watch import Episode, LoadWatch
+from winch_controller_node.supervision.watch.winch_watch import WinchWatch, identifies_winch
 
 DYNAMIC_LIMITS = ~WinchLimit.PAYOUT
 """Limits of the winch that a sea takes it to."""

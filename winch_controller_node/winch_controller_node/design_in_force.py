@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from heave_node.arrays import Array
+from heave_node.numerics.arrays import Array
 
 from winch_controller_node.design.carry_sea import carry_sea
 from winch_controller_node.design.design import ControllerDesign, carry_by_name, carry_over, design_controller

@@ -17,7 +17,7 @@ from winch_controller_node.identification.suspicions import Verdict, continued, 
 from winch_controller_node.model.lqr import DesignError
 from winch_controller_node.node_parameters import WinchControllerParameters
 from winch_controller_node.parameters.model import SeaModelParameters, WinchModelParameters
-from winch_controller_node.supervision.winch_watch import WinchWatch, identifies_winch
+from winch_controller_node.supervision.watch.winch_watch import WinchWatch, identifies_winch
 
 DESIGN_TIME = 1.0
 """A design that the loop asks for takes effect so long after it was begun [s], also where it is made at once."""

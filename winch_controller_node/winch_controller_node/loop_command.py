@@ -5,16 +5,16 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 
-from heave_node.arrays import Array
+from heave_node.numerics.arrays import Array
 
 from winch_controller_node.design.design import ControllerDesign
 from winch_controller_node.estimation.loop_tick import CommandShares, LoopTick
 from winch_controller_node.interface.readings import WinchOrder
 from winch_controller_node.laws.constant_tension import ConstantTension, TensionSetPoint, Travel
-from winch_controller_node.laws.governor import TENSION, GovernedCommand
 from winch_controller_node.laws.law import ControlLaw, LawCommand
-from winch_controller_node.laws.loop_state import AuthorityShift, LoopState, Reference
 from winch_controller_node.laws.outlet_hold import OutletHold
+from winch_controller_node.laws.parts.governor import TENSION, GovernedCommand
+from winch_controller_node.laws.parts.loop_state import AuthorityShift, LoopState, Reference
 from winch_controller_node.model.loop_rows import loop_rows
 from winch_controller_node.supervision.modes import Mode, ModeOutput
 from winch_controller_node.supervision.supervisor import Decision

@@ -12,16 +12,16 @@ from typing import Any
 
 from geometry_msgs.msg import TwistStamped
 from heave_msgs.srv import Redesign, SetMode
-from heave_node import topics
-from heave_node.codes import SensorLevel
-from heave_node.linear_model import ModelError
-from heave_node.messages import SensorMessages
+from heave_node.interface import topics
+from heave_node.interface.codes import SensorLevel
+from heave_node.interface.messages import SensorMessages
+from heave_node.interface.sensors import SENSORS, Water
+from heave_node.numerics.linear_model import ModelError
 from heave_node.parameters import ParameterError
 from heave_node.ros.diagnostics import Health, Level
 from heave_node.ros.node import NodeError
 from heave_node.ros.participant import ParticipantNode
 from heave_node.ros.process import run_node
-from heave_node.sensors import SENSORS, Water
 from heave_node.tick.tick import Tick, nanoseconds_of
 from rcl_interfaces.msg import SetParametersResult
 from rclpy.lifecycle import LifecycleState, TransitionCallbackReturn

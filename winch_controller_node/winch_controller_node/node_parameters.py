@@ -6,7 +6,7 @@ from dataclasses import dataclass, make_dataclass
 from typing import TYPE_CHECKING
 
 from cable_sim_node.parameters import CableParameters, UnitParameters
-from heave_node.constants import SEAWATER_DENSITY, STANDARD_GRAVITY
+from heave_node.numerics.constants import SEAWATER_DENSITY, STANDARD_GRAVITY
 from heave_node.parameters import ParameterError, group, parameter
 
 from winch_controller_node.interface.sensors import KNOWN_SENSORS, SensorsModelParameters

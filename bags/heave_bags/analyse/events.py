@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from heave_node.arrays import Array
-from heave_node.codes import SensorLevel, WinchFault, WinchLimit
+from heave_node.interface.codes import SensorLevel, WinchFault, WinchLimit
+from heave_node.numerics.arrays import Array
 from numpy.typing import NDArray
 
 from heave_bags.analyse.fields import Fields

@@ -10,7 +10,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from heave_node.arrays import Array
+from heave_node.numerics.arrays import Array
 from heave_node.tick.clock_rule import ClockRule
 from heave_node.tick.external_clock import ExternalClock
 from numpy.typing import NDArray

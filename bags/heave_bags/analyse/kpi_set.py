@@ -14,7 +14,7 @@ from types import MappingProxyType
 
 import numpy as np
 from heave_node import kpi
-from heave_node.arrays import Array
+from heave_node.numerics.arrays import Array
 from numpy.typing import NDArray
 
 from heave_bags.signals import RunSignals, Signal

@@ -12,7 +12,7 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
-from heave_node.arrays import Array
+from heave_node.numerics.arrays import Array
 from heave_node.tick.durations import EDGES, LAST
 
 from heave_bags.analyse.events import Interval

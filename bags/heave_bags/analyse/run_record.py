@@ -9,10 +9,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from heave_node import topics
-from heave_node.arrays import Array
-from heave_node.constants import SEAWATER_DENSITY, STANDARD_GRAVITY
-from heave_node.hydrostatics import displaced_area, weight_in_fluid
+from heave_node.interface import topics
+from heave_node.numerics.arrays import Array
+from heave_node.numerics.constants import SEAWATER_DENSITY, STANDARD_GRAVITY
+from heave_node.numerics.hydrostatics import displaced_area, weight_in_fluid
 from heave_node.parameters import ParameterError
 from heave_node.run_parameters import REALTIME
 from heave_node.scenario import parse_sections, values_of_node

@@ -11,7 +11,6 @@ from pathlib import Path
 from heave_bags.cdr.canonical import Canonical
 from heave_bags.errors import BagError, StorageError
 from heave_bags.mcap.bounds import LARGEST_MESSAGE
-from heave_bags.mcap.definitions import DefinitionError, schema_text, type_hash
 from heave_bags.mcap.files import (
     METADATA_KEY,
     METADATA_RECORD,
@@ -24,8 +23,9 @@ from heave_bags.mcap.files import (
     file_name,
     write_metadata,
 )
-from heave_bags.mcap.qos import OfferedQos, to_yaml
 from heave_bags.mcap.reader import Bag, summary_of
+from heave_bags.mcap.ros.definitions import DefinitionError, schema_text, type_hash
+from heave_bags.mcap.ros.qos import OfferedQos, to_yaml
 from heave_bags.mcap.storage import DirectStorage, Storage
 from heave_bags.mcap.writer import ChunkPolicy, McapWriter
 

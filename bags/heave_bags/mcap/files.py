@@ -11,7 +11,7 @@ import yaml
 from mcap.records import Metadata
 
 from heave_bags.mcap.bounds import LARGEST_YAML, load_yaml
-from heave_bags.mcap.qos import OfferedQos
+from heave_bags.mcap.ros.qos import OfferedQos
 
 METADATA_NAME = "metadata.yaml"
 METADATA_VERSION = 9

@@ -36,8 +36,8 @@ from heave_bags.mcap.files import (
     sorted_files,
 )
 from heave_bags.mcap.loss import Loss
-from heave_bags.mcap.qos import from_yaml
 from heave_bags.mcap.records import UNPARSEABLE, RecordFile, parse
+from heave_bags.mcap.ros.qos import from_yaml
 from heave_bags.mcap.scan import FileContents, McapScan, attachment_problem
 from heave_bags.mcap.summary import read_summary
 

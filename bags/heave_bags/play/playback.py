@@ -10,7 +10,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from fnmatch import fnmatch
 
-from heave_node.topics import TOPIC_BY_NAME
+from heave_node.interface.topics import TOPIC_BY_NAME
 
 from heave_bags.errors import BagError
 from heave_bags.mcap.reader import Bag, RawMessage

@@ -15,10 +15,10 @@ from typing import Any
 import rclpy
 from builtin_interfaces.msg import Time
 from heave_msgs.srv import PlaybackControl
-from heave_node.messages import message_type
-from heave_node.ros.environment import prepare_environment
+from heave_node.interface.messages import message_type
 from heave_node.ros.node import steady_clock
 from heave_node.ros.spin import spin
+from heave_node.ros.transport.environment import prepare_environment
 from rclpy.exceptions import InvalidNamespaceException, InvalidTopicNameException
 from rclpy.node import Node
 from rclpy.publisher import Publisher
@@ -27,9 +27,9 @@ from rclpy.utilities import remove_ros_args
 from rosgraph_msgs.msg import Clock
 
 from heave_bags.errors import BagError, one_line
-from heave_bags.mcap.definitions import is_installed
 from heave_bags.mcap.reader import Bag, BagTopic, RawMessage
-from heave_bags.mcap.ros_qos import offer_like
+from heave_bags.mcap.ros.definitions import is_installed
+from heave_bags.mcap.ros.ros_qos import offer_like
 from heave_bags.play.playback import Playback, PlaybackOptions, selected_topics
 from heave_bags.play.player_options import DISCOVERY_TIME, add_arguments, options_from
 

@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from heave_node.arrays import Array
+from heave_node.numerics.arrays import Array
 from scipy.interpolate import CubicSpline
 
 from heave_bags.errors import BagError

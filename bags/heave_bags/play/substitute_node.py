@@ -14,7 +14,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from heave_node import topics
+from heave_node.interface import topics
+from heave_node.interface.topic import Role, Topic
 from heave_node.parameters import parameter
 from heave_node.ros.master import ClockMasterNode
 from heave_node.ros.node import HeaveNode, NodeError
@@ -22,7 +23,6 @@ from heave_node.ros.participant import ParticipantNode
 from heave_node.ros.ports import Output
 from heave_node.ros.process import run_node
 from heave_node.tick.tick import Tick
-from heave_node.topic import Role, Topic
 
 from heave_bags.errors import BagError
 from heave_bags.mcap.reader import Bag

@@ -12,8 +12,8 @@ from collections.abc import Callable, Mapping
 
 import numpy as np
 from diagnostic_msgs.msg import DiagnosticArray
-from heave_node import topics
-from heave_node.arrays import Array
+from heave_node.interface import topics
+from heave_node.numerics.arrays import Array
 from rclpy.serialization import deserialize_message
 
 from heave_bags.cdr.layout import MessageLayouts

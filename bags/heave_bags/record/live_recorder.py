@@ -14,14 +14,14 @@ from pathlib import Path
 from types import FrameType
 
 import rclpy
-from heave_node import topics
-from heave_node.messages import message_type
+from heave_node.interface import topics
+from heave_node.interface.messages import message_type
 from heave_node.parameters import ParameterError
 from heave_node.ros.diagnostics import Health, Level, diagnostic_array
-from heave_node.ros.environment import prepare_environment
 from heave_node.ros.node import steady_clock
 from heave_node.ros.node_parameters import read_parameters
 from heave_node.ros.spin import spin
+from heave_node.ros.transport.environment import prepare_environment
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future

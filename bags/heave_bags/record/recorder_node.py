@@ -16,7 +16,8 @@ from functools import partial
 from pathlib import Path
 
 from heave_msgs.msg import TickJoin, TickRoster, TickStatus
-from heave_node import topics
+from heave_node.interface import topics
+from heave_node.interface.topic import Role, Topic
 from heave_node.ros.diagnostics import Health, Level
 from heave_node.ros.node import NodeError, expect_no, expect_sender, steady_clock
 from heave_node.ros.participant import HELD_MESSAGES, ParticipantNode
@@ -25,12 +26,11 @@ from heave_node.ros.spin import sender_callback
 from heave_node.tick.malformed import fault_in_join
 from heave_node.tick.speakers import Speakers, Standing
 from heave_node.tick.tick import Tick
-from heave_node.topic import Role, Topic
 
 from heave_bags.cdr.canonical import Canonical
 from heave_bags.errors import BagError
 from heave_bags.mcap.bag_writer import Attachment, BagWriter
-from heave_bags.mcap.definitions import schema_text
+from heave_bags.mcap.ros.definitions import schema_text
 from heave_bags.mcap.storage import BackgroundStorage, DirectStorage, Storage
 from heave_bags.record.parameter_survey import ParameterSurvey
 from heave_bags.record.parameters import RecorderParameters

@@ -11,7 +11,7 @@ from pathlib import Path
 
 from heave_bags.errors import BagError, StorageError
 from heave_bags.mcap.bag_writer import BagWriter
-from heave_bags.mcap.qos import OfferedQos
+from heave_bags.mcap.ros.qos import OfferedQos
 
 
 class SnapshotRing:

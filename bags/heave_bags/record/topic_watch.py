@@ -6,12 +6,12 @@ from collections.abc import Callable, Sequence
 from fnmatch import fnmatch
 from typing import Any
 
-from heave_node.messages import message_type
+from heave_node.interface.messages import message_type
 from rclpy.node import Node
 from rclpy.subscription import Subscription
 
-from heave_bags.mcap.qos import OfferedQos
-from heave_bags.mcap.ros_qos import offered_qos, request_for
+from heave_bags.mcap.ros.qos import OfferedQos
+from heave_bags.mcap.ros.ros_qos import offered_qos, request_for
 
 
 def is_hidden(topic: str) -> bool:

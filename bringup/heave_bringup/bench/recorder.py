@@ -16,7 +16,7 @@ from pathlib import Path
 import psutil
 import rclpy
 from heave_bags.mcap.reader import Bag
-from heave_node.ros.environment import prepare_environment
+from heave_node.ros.transport.environment import prepare_environment
 from rclpy.qos import QoSProfile
 from rclpy.serialization import serialize_message
 from std_msgs.msg import UInt8MultiArray

@@ -11,8 +11,8 @@ from typing import Protocol
 import numpy as np
 
 from heave_bringup.benchmark.interface import Controller, Facts
-from heave_bringup.benchmark.motions import HIGHEST, Motion
 from heave_bringup.benchmark.outcome import Outcome
+from heave_bringup.benchmark.worlds.motions import HIGHEST, Motion
 
 
 class World(Protocol):

@@ -9,7 +9,7 @@ import numpy as np
 from heave_bags.analyse import kpi_set
 from heave_bags.signals import RunSignals
 from heave_node import kpi
-from heave_node.arrays import Array
+from heave_node.numerics.arrays import Array
 
 FIGURES = (
     "unit_sigma_m",

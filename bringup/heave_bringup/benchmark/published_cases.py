@@ -27,12 +27,12 @@ from winch_controller_node.node_parameters import WinchControllerParameters
 
 from heave_bringup.benchmark.case import Case, Problem
 from heave_bringup.benchmark.interface import Facts, SeaFacts, SensorFacts, WinchFacts
-from heave_bringup.benchmark.loads import CarriedLoad, HangingLoad, Kinematics, Load, WetLoad, mas409_load
-from heave_bringup.benchmark.motions import Motion, RecordedMotion, mas409_sea, sine
 from heave_bringup.benchmark.records import HOW, find_record, read_record
-from heave_bringup.benchmark.rigid_world import RigidProblem, RigidWorld
 from heave_bringup.benchmark.target import TargetProgramme
-from heave_bringup.benchmark.winches import DrivenWinch, VirtualWinchUnderTest, Winch
+from heave_bringup.benchmark.worlds.loads import CarriedLoad, HangingLoad, Kinematics, Load, WetLoad, mas409_load
+from heave_bringup.benchmark.worlds.motions import Motion, RecordedMotion, mas409_sea, sine
+from heave_bringup.benchmark.worlds.rigid_world import RigidProblem, RigidWorld
+from heave_bringup.benchmark.worlds.winches import DrivenWinch, VirtualWinchUnderTest, Winch
 
 PERFECT = SensorFacts(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 NOISY = SensorFacts(0.01, 0.01, 0.01, 0.0, 0.02, 0.1, 0.001)

@@ -24,8 +24,8 @@ from pathlib import Path
 from typing import Any
 
 import yaml
+from heave_node.numerics.randomness import random_stream
 from heave_node.parameters import ParameterError
-from heave_node.randomness import random_stream
 from heave_node.scenario import WILDCARD, parse_yaml
 
 from heave_bringup.settings import Setting, make_setting

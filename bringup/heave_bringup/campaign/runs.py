@@ -14,7 +14,7 @@ from heave_bags.analyse import kpi_set
 from heave_bags.analyse.depth_programme import take_out_programme
 from heave_bags.analyse.events import COMPENSATES, OFF
 from heave_bags.signals import RunSignals, Signal
-from heave_node.arrays import Array
+from heave_node.numerics.arrays import Array
 from heave_node.parameters import ParameterError
 
 from heave_bringup.campaign.plan import Campaign, Case

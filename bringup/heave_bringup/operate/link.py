@@ -13,11 +13,11 @@ from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import TwistStamped
 from heave_msgs.action import MoveToDepth
 from heave_msgs.msg import CompensationKpi, ControllerState, TickStatus, WinchState
-from heave_node import topics
-from heave_node.ros.environment import prepare_environment
+from heave_node.interface import topics
 from heave_node.ros.process import in_namespace
-from heave_node.ros.qos import qos_of
 from heave_node.ros.spin import Spinner
+from heave_node.ros.transport.environment import prepare_environment
+from heave_node.ros.transport.qos import qos_of
 from heave_node.tick.tick import seconds_of
 from rclpy.action import ActionClient
 from rclpy.client import Client

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from heave_msgs.srv import InjectFault, Redesign, SaveSnapshot, SetMode, StepSimulation
-from heave_node.sensors import SENSORS
+from heave_node.interface.sensors import SENSORS
 from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
 from rcl_interfaces.srv import SetParameters
 from std_srvs.srv import SetBool

@@ -11,7 +11,7 @@ import numpy as np
 from heave_bags.analyse.run_record import RunRecord
 from heave_bags.mcap.bounds import check_yaml
 from heave_bags.mcap.reader import Bag
-from heave_node.arrays import Array
+from heave_node.numerics.arrays import Array
 from heave_node.parameters import build_parameters, describe, flatten
 from winch_controller_node.design.bounds import (
     BOUND_STEP,

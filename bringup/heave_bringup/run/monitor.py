@@ -9,11 +9,11 @@ import rclpy
 from builtin_interfaces.msg import Time
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from heave_msgs.msg import CompensationKpi, TickStatus
-from heave_node import topics
+from heave_node.interface import topics
 from heave_node.ros.process import in_namespace
-from heave_node.ros.qos import qos_of
 from heave_node.ros.spin import Spinner
-from heave_node.ros.strangers import PART as STRANGERS
+from heave_node.ros.transport.qos import qos_of
+from heave_node.ros.transport.strangers import PART as STRANGERS
 from heave_node.tick.tick import seconds_of
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions

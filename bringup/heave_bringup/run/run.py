@@ -13,8 +13,8 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from heave_msgs.msg import TickStatus
-from heave_node.ros.environment import prepare_environment
-from heave_node.ros.shared_memory import remove_dead_segments
+from heave_node.ros.transport.environment import prepare_environment
+from heave_node.ros.transport.shared_memory import remove_dead_segments
 from heave_node.scenario import write_sections
 
 from heave_bringup.errors import CommandError

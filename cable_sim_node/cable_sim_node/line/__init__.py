@@ -1,6 +1,6 @@
 """The line in three dimensions: its compiled kernels, its dynamics, its equilibrium and its small motion."""
 
-from heave_node.compiled import drop_stale_kernels
+from heave_node.numerics.compiled import drop_stale_kernels
 
 from cable_sim_node import physics
 

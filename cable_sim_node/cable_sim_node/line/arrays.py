@@ -9,7 +9,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from heave_node.arrays import Array
+from heave_node.numerics.arrays import Array
 from numpy.typing import NDArray
 
 from cable_sim_node.line import layout as at

@@ -14,8 +14,8 @@ from __future__ import annotations
 
 import math
 
-from heave_node.arrays import Array
-from heave_node.compiled import inner_kernel
+from heave_node.numerics.arrays import Array
+from heave_node.numerics.compiled import inner_kernel
 
 from cable_sim_node.line.contact import add_contact
 from cable_sim_node.line.direction import direction_of

@@ -12,8 +12,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from heave_node.arrays import Array
-from heave_node.compiled import inner_kernel, kernel
+from heave_node.numerics.arrays import Array
+from heave_node.numerics.compiled import inner_kernel, kernel
 
 from cable_sim_node.line.arrays import LineArrays
 from cable_sim_node.line.layout import (

@@ -13,7 +13,7 @@ as they are of a heap of cable.
 
 from __future__ import annotations
 
-from heave_node.compiled import inner_kernel
+from heave_node.numerics.compiled import inner_kernel
 
 FOLDED = 0.5
 """Chord over unstretched length below which a segment counts as folded.

@@ -11,8 +11,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from heave_node.arrays import Array
-from heave_node.kinematics import PointMotion
+from heave_node.numerics.arrays import Array
+from heave_node.numerics.kinematics import PointMotion
 from heave_node.parameters import ParameterError
 from numpy.typing import ArrayLike
 

@@ -11,8 +11,8 @@ from __future__ import annotations
 
 import math
 
-from heave_node.arrays import Array
-from heave_node.compiled import inner_kernel, kernel
+from heave_node.numerics.arrays import Array
+from heave_node.numerics.compiled import inner_kernel, kernel
 
 from cable_sim_node.line.arrays import LineArrays
 from cable_sim_node.line.assembly import assemble_nodes, assemble_segments

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from heave_node.arrays import Array
+from heave_node.numerics.arrays import Array
 
 from cable_sim_node.line import layout as at
 from cable_sim_node.line.arrays import LineArrays, allocate

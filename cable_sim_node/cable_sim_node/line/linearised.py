@@ -12,7 +12,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from heave_node.arrays import Array, ComplexArray
+from heave_node.numerics.arrays import Array, ComplexArray
 from numpy.typing import ArrayLike
 from scipy.linalg import eigh
 

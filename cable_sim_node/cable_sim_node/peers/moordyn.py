@@ -17,8 +17,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from heave_node.arrays import Array
-from heave_node.kinematics import PointMotion
+from heave_node.numerics.arrays import Array
+from heave_node.numerics.kinematics import PointMotion
 
 from cable_sim_node.line.dynamics import CableDynamics
 from cable_sim_node.parameters import CableSimParameters

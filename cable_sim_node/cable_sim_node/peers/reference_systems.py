@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from heave_node.constants import SEAWATER_DENSITY, STANDARD_GRAVITY
+from heave_node.numerics.constants import SEAWATER_DENSITY, STANDARD_GRAVITY
 
 from cable_sim_node.parameters import CableParameters, CableSimParameters, SolverParameters, UnitParameters
 

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from heave_node.arrays import Array
-from heave_node.compiled import inner_kernel, kernel
+from heave_node.numerics.arrays import Array
+from heave_node.numerics.compiled import inner_kernel, kernel
 from numpy.typing import ArrayLike
 
 from cable_sim_node.errors import StaticsError

@@ -6,8 +6,8 @@ import math
 from dataclasses import dataclass, replace
 
 import numpy as np
-from heave_node.arrays import Array
-from heave_node.hydrostatics import weight_in_fluid
+from heave_node.numerics.arrays import Array
+from heave_node.numerics.hydrostatics import weight_in_fluid
 
 from cable_sim_node.parameters import CableParameters, CableSimParameters
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 
-from heave_node.compiled import inner_kernel, kernel
+from heave_node.numerics.compiled import inner_kernel, kernel
 
 
 @inner_kernel

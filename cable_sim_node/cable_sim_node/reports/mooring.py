@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from heave_node.arrays import Array
+from heave_node.numerics.arrays import Array
 
 from cable_sim_node.parameters import CableSimParameters
 from cable_sim_node.physics.current import current_of

@@ -1,6 +1,7 @@
 """The sensors on the unit and the cable: the parameters of each, and its view of the truth.
 
-To add one, write a class here and name it in `SensorsParameters`; its name is that of the table `heave_node.sensors`.
+To add one, write a class here and name it in `SensorsParameters`; its name is that of the table
+`heave_node.interface.sensors`.
 """
 
 from __future__ import annotations
@@ -11,8 +12,8 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from heave_node.arrays import Array
-from heave_node.faults import FaultParameters
+from heave_node.interface.faults import FaultParameters
+from heave_node.numerics.arrays import Array
 from heave_node.parameters import group, parameter
 
 

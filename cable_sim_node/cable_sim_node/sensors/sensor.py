@@ -11,10 +11,10 @@ import math
 from collections import deque
 
 import numpy as np
-from heave_node.arrays import Array
-from heave_node.faults import TIME_TOLERANCE, FaultSchedule, FaultyValues
-from heave_node.randomness import random_stream
-from heave_node.sensors import Reading
+from heave_node.interface.faults import TIME_TOLERANCE, FaultSchedule, FaultyValues
+from heave_node.interface.sensors import Reading
+from heave_node.numerics.arrays import Array
+from heave_node.numerics.randomness import random_stream
 
 from cable_sim_node.sensors.instruments import SensorParameters, SensorTruth, View
 

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from heave_node.sensors import SENSORS, Reading
+from heave_node.interface.sensors import SENSORS, Reading
 
 from cable_sim_node.sensors.instruments import SensorsParameters, SensorTruth
 from cable_sim_node.sensors.sensor import Sensor
 
 SensorReadings = dict[str, tuple[Reading, ...]]
-"""Readings delivered at one tick, oldest delivery first, by sensor; values as `heave_node.sensors` says."""
+"""Readings delivered at one tick, oldest delivery first, by sensor; values as `heave_node.interface.sensors` says."""
 
 
 class SensorSuite:

@@ -4,7 +4,7 @@ The shape is a function of three unknowns, the tension vector at the end s = 0; 
 from segment to segment. Start at `problems` (submerged, towing, mooring), `footprint` and `laying`.
 """
 
-from heave_node.compiled import drop_stale_kernels
+from heave_node.numerics.compiled import drop_stale_kernels
 
 from cable_sim_node import physics
 

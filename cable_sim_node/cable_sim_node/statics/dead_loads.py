@@ -11,8 +11,8 @@ import math
 from dataclasses import dataclass, field
 
 import numpy as np
-from heave_node.arrays import Array
-from heave_node.compiled import inner_kernel, kernel
+from heave_node.numerics.arrays import Array
+from heave_node.numerics.compiled import inner_kernel, kernel
 from numpy.typing import NDArray
 
 from cable_sim_node.physics.current import Current

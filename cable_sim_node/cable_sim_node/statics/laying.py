@@ -13,7 +13,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from heave_node.arrays import Array
+from heave_node.numerics.arrays import Array
 from numpy.typing import ArrayLike
 
 from cable_sim_node.errors import NoEquilibriumError, StaticsError

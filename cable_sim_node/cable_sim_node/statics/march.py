@@ -11,8 +11,8 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from heave_node.arrays import Array
-from heave_node.compiled import inner_kernel, kernel
+from heave_node.numerics.arrays import Array
+from heave_node.numerics.compiled import inner_kernel, kernel
 
 from cable_sim_node.physics.current import FLOW, current_at
 from cable_sim_node.physics.drag import segment_drag

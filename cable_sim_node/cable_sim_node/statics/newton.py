@@ -10,7 +10,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from heave_node.arrays import Array
+from heave_node.numerics.arrays import Array
 
 from cable_sim_node.errors import NoEquilibriumError
 from cable_sim_node.statics.dead_loads import ACCEPTABLE, RELATIVE_TOLERANCE

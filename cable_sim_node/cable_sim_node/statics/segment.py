@@ -14,8 +14,8 @@ from __future__ import annotations
 
 import math
 
-from heave_node.arrays import Array
-from heave_node.compiled import inner_kernel, kernel
+from heave_node.numerics.arrays import Array
+from heave_node.numerics.compiled import inner_kernel, kernel
 
 SERIES_BELOW = 0.2
 """Below this `a` the power series in a^2 replace the closed forms, which would cancel."""

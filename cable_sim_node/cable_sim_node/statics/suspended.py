@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
-from heave_node.arrays import Array
+from heave_node.numerics.arrays import Array
 
 from cable_sim_node.errors import NoEquilibriumError
 from cable_sim_node.parameters import CableSimParameters

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from heave_node.arrays import Array
+from heave_node.numerics.arrays import Array
 
 # A segment: unstretched length [m], EA [N], weight in water [N/m], drag per speed squared across and along [N s2/m3].
 LENGTH, STIFFNESS, WEIGHT, NORMAL, TANGENTIAL = range(5)

@@ -11,7 +11,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from heave_node.arrays import Array
+from heave_node.numerics.arrays import Array
 from numpy.typing import ArrayLike
 from scipy.interpolate import CubicSpline
 

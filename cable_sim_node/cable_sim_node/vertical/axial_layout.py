@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from heave_node.arrays import Array
+from heave_node.numerics.arrays import Array
 
 # What a metre of cable brings: 1/EA [1/N], mass [kg/m], weight [N/m], drag [N s2/m3], internal damping over EA [s].
 COMPLIANCE, MASS, WEIGHT, DRAG, DELAY = range(5)

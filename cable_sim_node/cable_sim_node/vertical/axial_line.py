@@ -7,7 +7,7 @@ import math
 from dataclasses import dataclass, fields, replace
 
 import numpy as np
-from heave_node.arrays import Array
+from heave_node.numerics.arrays import Array
 
 from cable_sim_node.errors import NoEquilibriumError
 from cable_sim_node.parameters import CableSimParameters

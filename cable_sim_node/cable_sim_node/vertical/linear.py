@@ -11,7 +11,7 @@ import math
 from dataclasses import dataclass, replace
 
 import numpy as np
-from heave_node.arrays import Array, ComplexArray
+from heave_node.numerics.arrays import Array, ComplexArray
 from numpy.typing import ArrayLike
 from scipy.optimize import brentq, least_squares
 

@@ -9,8 +9,8 @@ where that is negative.
 from __future__ import annotations
 
 import numpy as np
-from heave_node.arrays import Array
-from heave_node.kinematics import PointMotion
+from heave_node.numerics.arrays import Array
+from heave_node.numerics.kinematics import PointMotion
 from numpy.typing import ArrayLike
 from scipy.linalg import expm
 

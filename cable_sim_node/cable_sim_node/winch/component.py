@@ -43,8 +43,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from heave_node.codes import WinchFault, WinchLimit, WinchRelease
-from heave_node.faults import FaultSchedule, FaultyValues
+from heave_node.interface.codes import WinchFault, WinchLimit, WinchRelease
+from heave_node.interface.faults import FaultSchedule, FaultyValues
 
 from cable_sim_node.winch.choice import make_drive
 from cable_sim_node.winch.drives.interface import Drive, DriveCommand

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from heave_node.codes import WinchLimit
+from heave_node.interface.codes import WinchLimit
 from numba import njit
 
 from cable_sim_node.winch.parameters import WinchParameters

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from heave_node.faults import FaultParameters
+from heave_node.interface.faults import FaultParameters
 from heave_node.parameters import check_ranges, group, parameter
 from heave_node.winch.position_loop import check_position_gain
 

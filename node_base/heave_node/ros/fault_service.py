@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 
 from heave_msgs.srv import InjectFault
 
-from heave_node.faults import FaultSchedule
+from heave_node.interface.faults import FaultSchedule
 from heave_node.ros.node import HeaveNode
 
 

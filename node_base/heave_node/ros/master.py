@@ -17,12 +17,12 @@ from rclpy.lifecycle import LifecycleState, TransitionCallbackReturn
 from rosgraph_msgs.msg import Clock
 from std_srvs.srv import SetBool, Trigger
 
-from heave_node import topics
+from heave_node.interface import topics
 from heave_node.ros.diagnostics import Health, Level
-from heave_node.ros.identity import describe_sender, identity_of_endpoint
 from heave_node.ros.input_timing import timing_health
 from heave_node.ros.node import HeaveNode, ProtocolError, expect_no, expect_sender, steady_clock
-from heave_node.ros.qos import mismatches
+from heave_node.ros.transport.identity import describe_sender, identity_of_endpoint
+from heave_node.ros.transport.qos import mismatches
 from heave_node.tick import malformed
 from heave_node.tick.loop_timing import LoopTiming
 from heave_node.tick.roster import Participant, Roster

@@ -23,23 +23,30 @@ from rclpy.serialization import deserialize_message
 from rclpy.subscription import Subscription
 from rclpy.task import Future
 
-from heave_node import topics
-from heave_node.messages import message_type
+from heave_node.interface import topics
+from heave_node.interface.messages import message_type
+from heave_node.interface.topic import Topic
 from heave_node.ros.diagnostics import Health, Level, diagnostic_array
-from heave_node.ros.identity import own_identity
 from heave_node.ros.input_timing import InputTiming
 from heave_node.ros.node_parameters import read_parameters
 from heave_node.ros.ports import Input, Output
-from heave_node.ros.qos import PUBLISHER, SUBSCRIPTION, overriding_options, qos_of, reader_qos_of, unused_overrides
 from heave_node.ros.spin import sender_callback
-from heave_node.ros.strangers import Strangers
+from heave_node.ros.transport.identity import own_identity
+from heave_node.ros.transport.qos import (
+    PUBLISHER,
+    SUBSCRIPTION,
+    overriding_options,
+    qos_of,
+    reader_qos_of,
+    unused_overrides,
+)
+from heave_node.ros.transport.strangers import Strangers
 from heave_node.run_parameters import RunParameters
 from heave_node.tick.external_clock import ExternalClock
 from heave_node.tick.gate import Inbox, TickGate
 from heave_node.tick.simulated_clock import SimulatedClock
 from heave_node.tick.speakers import ANYONE
 from heave_node.tick.tick import Tick, nanoseconds_of, stamp_of
-from heave_node.topic import Topic
 
 JOIN_PERIOD = 0.05
 """Wall time between two TickJoin messages while the run has not started [s]."""

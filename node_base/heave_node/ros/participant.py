@@ -9,7 +9,7 @@ from contextlib import suppress
 
 from heave_msgs.msg import TickDone, TickRoster, TickStart, TickStatus
 
-from heave_node import topics
+from heave_node.interface import topics
 from heave_node.ros.node import HeaveNode, ProtocolError, expect_no, expect_sender, steady_clock
 from heave_node.tick import malformed
 from heave_node.tick.speakers import ANYONE

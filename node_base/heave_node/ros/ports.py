@@ -11,11 +11,11 @@ from rclpy.node import Node
 from rclpy.publisher import Publisher
 from rclpy.serialization import serialize_message
 
-from heave_node.messages import message_type
-from heave_node.ros.qos import PUBLISHER, STREAM_DEPTH, overriding_options, qos_of
+from heave_node.interface.messages import message_type
+from heave_node.interface.topic import Topic
+from heave_node.ros.transport.qos import PUBLISHER, STREAM_DEPTH, overriding_options, qos_of
 from heave_node.tick.gate import TickGate
 from heave_node.tick.tick import Tick, nanoseconds_of
-from heave_node.topic import Topic
 
 
 class Output:

@@ -13,12 +13,12 @@ from rclpy.lifecycle import TransitionCallbackReturn
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
-from heave_node import topics
+from heave_node.interface import topics
 from heave_node.parameters import ParameterError
-from heave_node.ros.environment import is_bound_to_loopback, prepare_environment
-from heave_node.ros.exposure import exposed_ports
 from heave_node.ros.node import HeaveNode, one_line
 from heave_node.ros.spin import spin
+from heave_node.ros.transport.environment import is_bound_to_loopback, prepare_environment
+from heave_node.ros.transport.exposure import exposed_ports
 
 RCLError = rclpy_implementation.RCLError
 

@@ -16,7 +16,7 @@ from rclpy.experimental import EventsExecutor
 from rclpy.node import Node
 from rclpy.task import Future
 
-from heave_node.ros.identity import identity_of_sender
+from heave_node.ros.transport.identity import identity_of_sender
 
 IDLE_PERIOD = 0.2
 """Wall time between two calls of `on_idle` [s]."""

@@ -13,11 +13,11 @@ import math
 from collections import deque
 
 import numpy as np
-from heave_node.arrays import Array
-from heave_node.codes import MruStatus
-from heave_node.faults import LARGEST_DELAY, FaultSchedule, FaultyValues
-from heave_node.randomness import random_stream
-from heave_node.sensors import MruReading
+from heave_node.interface.codes import MruStatus
+from heave_node.interface.faults import LARGEST_DELAY, FaultSchedule, FaultyValues
+from heave_node.interface.sensors import MruReading
+from heave_node.numerics.arrays import Array
+from heave_node.numerics.randomness import random_stream
 from numpy.typing import NDArray
 
 from wave_vessel_node.mru.oscillator import DrivenOscillator

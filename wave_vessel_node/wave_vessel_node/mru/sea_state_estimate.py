@@ -13,10 +13,10 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from heave_node.arrays import Array
-from heave_node.codes import MruStatus
-from heave_node.sensors import MruReading
-from heave_node.spectral_estimate import (
+from heave_node.interface.codes import MruStatus
+from heave_node.interface.sensors import MruReading
+from heave_node.numerics.arrays import Array
+from heave_node.numerics.spectral_estimate import (
     height_interval,
     peak_frequency,
     peak_period_interval,

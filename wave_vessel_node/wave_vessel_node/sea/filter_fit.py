@@ -11,8 +11,8 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from heave_node.arrays import Array
-from heave_node.linear_model import LinearModel
+from heave_node.numerics.arrays import Array
+from heave_node.numerics.linear_model import LinearModel
 from scipy.optimize import least_squares
 
 from wave_vessel_node.sea.filter_form import FilterForm, sections_of

@@ -1,6 +1,6 @@
 """The form of a shaping filter: a chain of second-order sections, normalised to the peak and the energy of the sea.
 
-Noise convention: see `heave_node.linear_model` (one-sided spectra in rad/s, so white noise of unit density has
+Noise convention: see `heave_node.numerics.linear_model` (one-sided spectra in rad/s, so white noise of unit density has
 intensity pi). Each section is s^z / (s^2 + 2 zeta omega s + omega^2); zeros at the origin keep energy out of the low
 frequencies, where a long cable resonates.
 """
@@ -12,8 +12,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from heave_node.arrays import Array
-from heave_node.linear_model import NOISE_INTENSITY, LinearModel, linear_model
+from heave_node.numerics.arrays import Array
+from heave_node.numerics.linear_model import NOISE_INTENSITY, LinearModel, linear_model
 
 
 @dataclass(frozen=True)

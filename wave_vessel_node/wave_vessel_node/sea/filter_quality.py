@@ -6,8 +6,8 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from heave_node.arrays import Array
-from heave_node.linear_model import LinearModel, output_sigma, output_spectrum
+from heave_node.numerics.arrays import Array
+from heave_node.numerics.linear_model import LinearModel, output_sigma, output_spectrum
 
 from wave_vessel_node.sea.spectra import WaveSpectrum, cell_integrals
 

@@ -15,7 +15,7 @@ from datetime import datetime, timedelta, timezone
 from pathlib import Path
 
 import numpy as np
-from heave_node.arrays import Array
+from heave_node.numerics.arrays import Array
 
 from wave_vessel_node.sea.spectra import SpectrumError, TabulatedSpectrum
 from wave_vessel_node.sea.spectrum_record import (

@@ -10,9 +10,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from heave_node.arrays import Array, ComplexArray
-from heave_node.compiled import kernel
-from heave_node.constants import STANDARD_GRAVITY
+from heave_node.numerics.arrays import Array, ComplexArray
+from heave_node.numerics.compiled import kernel
+from heave_node.numerics.constants import STANDARD_GRAVITY
 from numpy.typing import ArrayLike
 
 from wave_vessel_node.sea.spectra import SpectrumError, WaveSpectrum, cell_integrals

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
-from heave_node.arrays import Array
+from heave_node.numerics.arrays import Array
 
 from wave_vessel_node.parameters import SeaParameters, WaveVesselParameters
 from wave_vessel_node.sea.spectra import WaveSpectrum

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from heave_node.linear_model import LinearModel
+from heave_node.numerics.linear_model import LinearModel
 
 from wave_vessel_node.sea.filter_form import FilterForm, Section, wave_model
 from wave_vessel_node.sea.spectra import Bretschneider, SpectrumError, WaveSpectrum

@@ -14,8 +14,8 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
-from heave_node.arrays import Array
-from heave_node.constants import STANDARD_GRAVITY
+from heave_node.numerics.arrays import Array
+from heave_node.numerics.constants import STANDARD_GRAVITY
 from numpy.typing import ArrayLike
 
 from wave_vessel_node.parameters import SeaParameters

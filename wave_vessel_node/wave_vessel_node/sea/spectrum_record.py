@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 from datetime import datetime, timedelta, timezone
 
-from heave_node.arrays import Array
+from heave_node.numerics.arrays import Array
 
 from wave_vessel_node.sea.spectra import TabulatedSpectrum
 

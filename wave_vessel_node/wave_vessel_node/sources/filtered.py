@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from heave_node.linear_model import LinearModel, covariance_factor, state_covariance
-from heave_node.linear_sampling import sampled_matrices
-from heave_node.randomness import random_stream
+from heave_node.numerics.linear_model import LinearModel, covariance_factor, state_covariance
+from heave_node.numerics.linear_sampling import sampled_matrices
+from heave_node.numerics.randomness import random_stream
 
 from wave_vessel_node.sea.shaping_filter import shaping_filter
 from wave_vessel_node.sources.motion_source import MotionSource

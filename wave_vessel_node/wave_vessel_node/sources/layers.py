@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from heave_node.randomness import random_stream
+from heave_node.numerics.randomness import random_stream
 
 from wave_vessel_node.parameters import DriftParameters
 from wave_vessel_node.ramp import apply_ramp

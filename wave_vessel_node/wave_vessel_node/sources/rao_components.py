@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from heave_node.arrays import Array, ComplexArray
-from heave_node.compiled import kernel
-from heave_node.constants import STANDARD_GRAVITY
+from heave_node.numerics.arrays import Array, ComplexArray
+from heave_node.numerics.compiled import kernel
+from heave_node.numerics.constants import STANDARD_GRAVITY
 
 from wave_vessel_node.sea.realisation import HarmonicSum, WaveComponents
 from wave_vessel_node.sources.motion_source import MotionSource

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from heave_node.arrays import Array
-from heave_node.randomness import random_stream
+from heave_node.numerics.arrays import Array
+from heave_node.numerics.randomness import random_stream
 
 from wave_vessel_node.parameters import WaveVesselParameters
 from wave_vessel_node.sea.realisation import WaveComponents, draw_components

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from heave_node.arrays import Array
+from heave_node.numerics.arrays import Array
 
 from wave_vessel_node.parameters import CourseParameters
 from wave_vessel_node.ramp import smooth_ramp

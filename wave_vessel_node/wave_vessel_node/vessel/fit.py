@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from heave_node.arrays import Array
+from heave_node.numerics.arrays import Array
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
 

@@ -9,8 +9,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
-from heave_node.arrays import Array
-from heave_node.kinematics import PointMotion
+from heave_node.numerics.arrays import Array
+from heave_node.numerics.kinematics import PointMotion
 
 SURGE, SWAY, HEAVE, ROLL, PITCH, YAW = range(6)
 DEGREES_OF_FREEDOM = ("surge", "sway", "heave", "roll", "pitch", "yaw")

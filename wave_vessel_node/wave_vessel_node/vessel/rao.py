@@ -10,8 +10,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from heave_node.arrays import Array, ComplexArray
-from heave_node.constants import STANDARD_GRAVITY
+from heave_node.numerics.arrays import Array, ComplexArray
+from heave_node.numerics.constants import STANDARD_GRAVITY
 from numpy.typing import ArrayLike
 from scipy.interpolate import CubicSpline
 

@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from heave_node.arrays import Array, ComplexArray
+from heave_node.numerics.arrays import Array, ComplexArray
 from scipy.interpolate import CubicSpline
 
 from wave_vessel_node.vessel.motion import DEGREES_OF_FREEDOM

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from heave_node.constants import STANDARD_GRAVITY
-from heave_node.linear_model import LinearModel, ModelError, interconnect, linear_model
+from heave_node.numerics.constants import STANDARD_GRAVITY
+from heave_node.numerics.linear_model import LinearModel, ModelError, interconnect, linear_model
 from numpy.typing import ArrayLike, NDArray
 
 

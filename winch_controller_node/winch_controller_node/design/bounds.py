@@ -10,11 +10,11 @@ import math
 from dataclasses import dataclass, replace
 
 import numpy as np
-from heave_node.arrays import Array
-from heave_node.linear_model import covariance_factor, state_covariance
-from heave_node.linear_sampling import discretise
-from heave_node.randomness import random_stream
-from heave_node.spectral_estimate import SEGMENT_TIME, RecordTooShortError, estimate_spectrum
+from heave_node.numerics.arrays import Array
+from heave_node.numerics.linear_model import covariance_factor, state_covariance
+from heave_node.numerics.linear_sampling import discretise
+from heave_node.numerics.randomness import random_stream
+from heave_node.numerics.spectral_estimate import SEGMENT_TIME, RecordTooShortError, estimate_spectrum
 from wave_vessel_node.sea.filter_fit import fitted_filter
 from wave_vessel_node.sea.spectra import SpectrumError, TabulatedSpectrum, WaveSpectrum
 from wave_vessel_node.vessel.second_order import boom_tip_model

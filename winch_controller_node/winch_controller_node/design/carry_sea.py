@@ -7,8 +7,8 @@ of the next seconds, which is all that the command depends on.
 from __future__ import annotations
 
 import numpy as np
-from heave_node.arrays import Array
-from heave_node.linear_model import LinearModel
+from heave_node.numerics.arrays import Array
+from heave_node.numerics.linear_model import LinearModel
 
 from winch_controller_node.design.design import ControllerDesign
 

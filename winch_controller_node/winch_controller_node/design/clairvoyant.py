@@ -10,10 +10,10 @@ that the effort grows with the record and no faster.
 from __future__ import annotations
 
 import numpy as np
-from heave_node.arrays import Array
-from heave_node.compiled import inner_kernel, kernel
-from heave_node.linear_model import interconnect, linear_model
-from heave_node.linear_sampling import discretise
+from heave_node.numerics.arrays import Array
+from heave_node.numerics.compiled import inner_kernel, kernel
+from heave_node.numerics.linear_model import interconnect, linear_model
+from heave_node.numerics.linear_sampling import discretise
 
 from winch_controller_node.model.blocks import CableModel, cable_block
 from winch_controller_node.model.lqr import DesignError

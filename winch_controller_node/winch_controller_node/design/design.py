@@ -10,8 +10,8 @@ import math
 from dataclasses import dataclass, replace
 
 import numpy as np
-from heave_node.arrays import Array
-from heave_node.linear_model import LinearModel, covariance_factor, state_covariance
+from heave_node.numerics.arrays import Array
+from heave_node.numerics.linear_model import LinearModel, covariance_factor, state_covariance
 
 from winch_controller_node.interface.sensors import (
     LEVER_ARM_X,
@@ -21,10 +21,10 @@ from winch_controller_node.interface.sensors import (
     SlowState,
     sensors_that_see,
 )
-from winch_controller_node.laws.governor import CommandGovernor
 from winch_controller_node.laws.law import ControlLaw, LawDesign
+from winch_controller_node.laws.parts.governor import CommandGovernor
+from winch_controller_node.laws.parts.winch_limits import WinchLimits, winch_limits
 from winch_controller_node.laws.registry import LAWS, make_law
-from winch_controller_node.laws.winch_limits import WinchLimits, winch_limits
 from winch_controller_node.model.blocks import CableModel
 from winch_controller_node.model.estimator import KalmanEstimator, MeasurementModel
 from winch_controller_node.model.lqr import DesignError, QuadraticCost, check_detectable

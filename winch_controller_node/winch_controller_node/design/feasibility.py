@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from cable_sim_node.vertical.linear import heave_transfer_function
-from heave_node.arrays import Array
+from heave_node.numerics.arrays import Array
 
 from winch_controller_node.model.models import PlantBelief, boom_tip_response, sea_spectrum
 from winch_controller_node.node_parameters import WinchControllerParameters

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from heave_node.arrays import Array, ComplexArray
+from heave_node.numerics.arrays import Array, ComplexArray
 
 from winch_controller_node.design.design import ControllerDesign
 from winch_controller_node.design.prediction import equivalent_filter

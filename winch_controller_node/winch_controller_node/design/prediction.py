@@ -13,8 +13,8 @@ from dataclasses import dataclass
 
 import numpy as np
 import scipy.linalg
-from heave_node.arrays import Array
-from heave_node.linear_model import LinearModel, with_feedback
+from heave_node.numerics.arrays import Array
+from heave_node.numerics.linear_model import LinearModel, with_feedback
 
 from winch_controller_node.design.design import ControllerDesign
 from winch_controller_node.model.estimator import MeasurementModel

@@ -7,9 +7,9 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
 
 import numpy as np
-from heave_node.arrays import Array, ComplexArray
 from heave_node.kpi import kappa
-from heave_node.linear_model import with_feedback
+from heave_node.numerics.arrays import Array, ComplexArray
+from heave_node.numerics.linear_model import with_feedback
 
 from winch_controller_node.design.bounds import BOUND_STEP, WinchLimits, actuator_bound, boom_tip_realisation
 from winch_controller_node.design.design import ControllerDesign, design_controller

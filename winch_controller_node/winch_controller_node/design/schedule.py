@@ -10,8 +10,8 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from heave_node.arrays import Array
-from heave_node.linear_model import spectral_abscissa, with_feedback
+from heave_node.numerics.arrays import Array
+from heave_node.numerics.linear_model import spectral_abscissa, with_feedback
 
 from winch_controller_node.design.design import ControllerDesign, at_cable, design_controller
 from winch_controller_node.model.blocks import CableModel

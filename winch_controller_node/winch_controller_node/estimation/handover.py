@@ -10,8 +10,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from heave_node.arrays import Array
-from heave_node.linear_model import LinearModel
+from heave_node.numerics.arrays import Array
+from heave_node.numerics.linear_model import LinearModel
 
 from winch_controller_node.interface.sensors import DEPTH_BIAS
 

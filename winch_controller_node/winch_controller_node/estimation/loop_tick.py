@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from heave_node.arrays import Array
+from heave_node.numerics.arrays import Array
 
 from winch_controller_node.model.estimator import Innovation
 from winch_controller_node.model.loop_rows import LoopRows

@@ -6,9 +6,9 @@ import math
 from collections import deque
 from dataclasses import replace
 
-from heave_node.arrays import Array
-from heave_node.codes import SensorLevel, WinchFault
-from heave_node.sensors import MruReading
+from heave_node.interface.codes import SensorLevel, WinchFault
+from heave_node.interface.sensors import MruReading
+from heave_node.numerics.arrays import Array
 
 from winch_controller_node.design.design import ControllerDesign
 from winch_controller_node.estimation.sensor_health import (

@@ -11,7 +11,7 @@ import math
 from dataclasses import dataclass, replace
 
 import numpy as np
-from heave_node.arrays import Array
+from heave_node.numerics.arrays import Array
 
 from winch_controller_node.design.design import ControllerDesign
 from winch_controller_node.design.feasibility import boom_tip_moments

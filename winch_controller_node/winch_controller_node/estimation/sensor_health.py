@@ -10,8 +10,8 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from heave_node.codes import MruStatus, SensorLevel
-from heave_node.sensors import MruReading
+from heave_node.interface.codes import MruStatus, SensorLevel
+from heave_node.interface.sensors import MruReading
 
 from winch_controller_node.interface.readings import ScalarReading, SensorState
 from winch_controller_node.parameters.laws import HealthParameters

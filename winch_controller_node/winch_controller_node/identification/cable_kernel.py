@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from heave_node.arrays import Array
-from heave_node.compiled import inner_kernel, kernel
+from heave_node.numerics.arrays import Array
+from heave_node.numerics.compiled import inner_kernel, kernel
 
 PAIRS = 5
 """Pairs (value, rate): x, and its derivatives by a, b, start heave, start rate."""

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from cable_sim_node.vertical.axial import simulate_axial
-from heave_node.arrays import Array
+from heave_node.numerics.arrays import Array
 from wave_vessel_node.ramp import smooth_ramp
 
 from winch_controller_node.design.bounds import boom_tip_realisation

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from itertools import product
 
 import numpy as np
-from heave_node.arrays import Array
+from heave_node.numerics.arrays import Array
 from numpy.typing import NDArray
 
 from winch_controller_node.identification.drum_kernel import Drum, drum_records

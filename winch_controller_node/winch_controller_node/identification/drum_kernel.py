@@ -6,8 +6,8 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from heave_node.arrays import Array
-from heave_node.compiled import inner_kernel, kernel
+from heave_node.numerics.arrays import Array
+from heave_node.numerics.compiled import inner_kernel, kernel
 
 POSITION_STEP = 0.005
 """Step of the position loop [s]; without one each piece of a tick is exact."""

@@ -8,7 +8,7 @@ from typing import Any
 
 from builtin_interfaces.msg import Time
 from heave_msgs.msg import CompensationKpi, ControllerState, SensorHealth, WinchCommand
-from heave_node.sensors import MRU, SENSORS, Water, WireReading, mru_reading
+from heave_node.interface.sensors import MRU, SENSORS, Water, WireReading, mru_reading
 from std_msgs.msg import Header
 
 from winch_controller_node.interface.readings import (

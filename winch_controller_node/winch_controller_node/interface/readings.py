@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from heave_node.codes import SensorLevel
-from heave_node.sensors import MruReading
+from heave_node.interface.codes import SensorLevel
+from heave_node.interface.sensors import MruReading
 
 
 @dataclass(frozen=True)
@@ -26,9 +26,9 @@ class WinchReading:
     time : of the state [s]
     encoder_payout, encoder_payout_rate : [m], [m/s]
     brake : it is on
-    fault : number of heave_node.codes.WinchFault; hardware may have others
+    fault : number of heave_node.interface.codes.WinchFault; hardware may have others
     command_sequence : of the newest command taken
-    limits_hit : heave_node.codes.WinchLimit that acted in the last interval
+    limits_hit : heave_node.interface.codes.WinchLimit that acted in the last interval
     """
 
     time: float

@@ -1,8 +1,8 @@
 """The sensors as the controller sees them: what it believes of each, and what of its readings the estimator is told.
 
-To add one, write a class here and name it in `KnownSensors`; its name is that of the table `heave_node.sensors`, which
-says what its readings are. Inputs of the node, gates, health, measurements of the estimator, parameters and
-predictions follow from here.
+To add one, write a class here and name it in `KnownSensors`; its name is that of the table
+`heave_node.interface.sensors`, which says what its readings are. Inputs of the node, gates, health, measurements of the
+estimator, parameters and predictions follow from here.
 """
 
 from __future__ import annotations
@@ -14,8 +14,8 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import ClassVar
 
+from heave_node.interface.sensors import MRU, SENSORS
 from heave_node.parameters import group, parameter
-from heave_node.sensors import MRU, SENSORS
 
 MRU_SCALE = "mru_scale"
 LEVER_ARM_X, LEVER_ARM_Y = "lever_arm_x", "lever_arm_y"

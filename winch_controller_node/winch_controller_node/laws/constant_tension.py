@@ -5,12 +5,12 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from heave_node.arrays import Array
-from heave_node.linear_model import LinearModel
+from heave_node.numerics.arrays import Array
+from heave_node.numerics.linear_model import LinearModel
 
-from winch_controller_node.laws.governor import standing_command
 from winch_controller_node.laws.law import LawCommand
-from winch_controller_node.laws.loop_state import LoopState
+from winch_controller_node.laws.parts.governor import standing_command
+from winch_controller_node.laws.parts.loop_state import LoopState
 from winch_controller_node.model.blocks import CableModel
 from winch_controller_node.parameters.laws import TensionLawParameters
 from winch_controller_node.parameters.model import WinchModelParameters

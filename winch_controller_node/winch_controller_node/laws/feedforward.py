@@ -10,12 +10,12 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
-from heave_node.arrays import Array
+from heave_node.numerics.arrays import Array
 from heave_node.parameters import parameter
 
-from winch_controller_node.laws.governor import standing_command
 from winch_controller_node.laws.law import ControlLaw, LawCommand, LawDesign
-from winch_controller_node.laws.loop_state import LoopState
+from winch_controller_node.laws.parts.governor import standing_command
+from winch_controller_node.laws.parts.loop_state import LoopState
 from winch_controller_node.model.lqr import DesignError
 
 

@@ -11,12 +11,12 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import numpy as np
-from heave_node.arrays import Array
-from heave_node.linear_model import LinearModel
+from heave_node.numerics.arrays import Array
+from heave_node.numerics.linear_model import LinearModel
 
-from winch_controller_node.laws.effort import Effort
-from winch_controller_node.laws.loop_state import LoopState
-from winch_controller_node.laws.winch_limits import WinchLimits
+from winch_controller_node.laws.parts.effort import Effort
+from winch_controller_node.laws.parts.loop_state import LoopState
+from winch_controller_node.laws.parts.winch_limits import WinchLimits
 from winch_controller_node.parameters.model import WeightParameters, WinchModelParameters
 
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import ClassVar
 
-from winch_controller_node.laws.effort import feedback_effort
 from winch_controller_node.laws.law import LawDesign
+from winch_controller_node.laws.parts.effort import feedback_effort
 from winch_controller_node.laws.state_feedback import StateFeedback
 from winch_controller_node.model.regulator import unit_regulator_gain
 

@@ -21,11 +21,12 @@ from typing import ClassVar
 
 import daqp
 import numpy as np
-from heave_node.arrays import Array
-from heave_node.linear_model import LinearModel
+from heave_node.numerics.arrays import Array
+from heave_node.numerics.linear_model import LinearModel
 from heave_node.parameters import parameter
 
-from winch_controller_node.laws.governor import (
+from winch_controller_node.laws.law import ControlLaw, LawCommand, LawDesign
+from winch_controller_node.laws.parts.governor import (
     ACCELERATION,
     PAYOUT,
     POWER,
@@ -34,9 +35,8 @@ from winch_controller_node.laws.governor import (
     SpeedServo,
     drum_ahead,
 )
-from winch_controller_node.laws.law import ControlLaw, LawCommand, LawDesign
-from winch_controller_node.laws.loop_state import LoopState
-from winch_controller_node.laws.winch_limits import WinchLimits
+from winch_controller_node.laws.parts.loop_state import LoopState
+from winch_controller_node.laws.parts.winch_limits import WinchLimits
 from winch_controller_node.model.lqr import DesignError
 from winch_controller_node.model.regulator import output_gain
 from winch_controller_node.parameters.model import WinchModelParameters

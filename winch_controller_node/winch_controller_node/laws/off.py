@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import ClassVar
 
 from winch_controller_node.laws.law import ControlLaw, LawCommand, LawDesign
-from winch_controller_node.laws.loop_state import LoopState
+from winch_controller_node.laws.parts.loop_state import LoopState
 
 
 class Off(ControlLaw):

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from heave_node.arrays import Array
+from heave_node.numerics.arrays import Array
 
 from winch_controller_node.laws.law import ControlLaw, LawCommand, LawDesign
-from winch_controller_node.laws.loop_state import LoopState
+from winch_controller_node.laws.parts.loop_state import LoopState
 
 
 class StateFeedback(ControlLaw):

@@ -1,5 +1,5 @@
 """Models: linear state space, the parts of the loop, regulator and Kalman filter."""
 
-from heave_node.compiled import drop_stale_kernels
+from heave_node.numerics.compiled import drop_stale_kernels
 
 drop_stale_kernels(__file__)

@@ -10,7 +10,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from heave_node.linear_model import LinearModel, ModelError, linear_model
+from heave_node.numerics.linear_model import LinearModel, ModelError, linear_model
 
 from winch_controller_node.interface.sensors import MruModelParameters
 from winch_controller_node.parameters.model import WinchModelParameters

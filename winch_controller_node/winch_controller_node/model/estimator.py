@@ -13,8 +13,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
-from heave_node.arrays import Array
-from heave_node.linear_model import LinearModel
+from heave_node.numerics.arrays import Array
+from heave_node.numerics.linear_model import LinearModel
 
 from winch_controller_node.model.kalman import IMPLEMENTATIONS, StepFilter
 

@@ -6,8 +6,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from heave_node.arrays import Array
-from heave_node.linear_model import LinearModel, is_stable, with_feedback
+from heave_node.numerics.arrays import Array
+from heave_node.numerics.linear_model import LinearModel, is_stable, with_feedback
 
 PBH_TOLERANCE = 1e-9
 """Relative size below which a singular value of a rank test counts as zero."""

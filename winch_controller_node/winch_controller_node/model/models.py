@@ -15,10 +15,10 @@ import numpy as np
 from cable_sim_node.parameters import CableParameters, CableSimParameters, UnitParameters
 from cable_sim_node.vertical.axial_line import AxialLine, axial_line
 from cable_sim_node.vertical.linear import fit_two_state, heave_transfer_function
-from heave_node.arrays import Array
-from heave_node.constants import SEAWATER_DENSITY, STANDARD_GRAVITY
-from heave_node.linear_model import LinearModel, ModelError, interconnect, linear_model
-from heave_node.linear_sampling import delay_command, discretise, sampled_matrices
+from heave_node.numerics.arrays import Array
+from heave_node.numerics.constants import SEAWATER_DENSITY, STANDARD_GRAVITY
+from heave_node.numerics.linear_model import LinearModel, ModelError, interconnect, linear_model
+from heave_node.numerics.linear_sampling import delay_command, discretise, sampled_matrices
 from numpy.typing import NDArray
 from wave_vessel_node.sea.sea import named_spectrum
 from wave_vessel_node.sea.shaping_filter import shaping_filter

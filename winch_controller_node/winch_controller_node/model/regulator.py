@@ -9,8 +9,8 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
-from heave_node.arrays import Array
-from heave_node.linear_model import LinearModel
+from heave_node.numerics.arrays import Array
+from heave_node.numerics.linear_model import LinearModel
 
 from winch_controller_node.interface.sensors import KNOWN_SENSORS, LEVER_ARM_X, LEVER_ARM_Y
 from winch_controller_node.model.lqr import QuadraticCost, lqr_gain, output_cost

@@ -7,8 +7,8 @@ with the rest. A payout left over from before a stop is a mean as well, and retu
 from __future__ import annotations
 
 import numpy as np
-from heave_node.arrays import Array
-from heave_node.linear_model import LinearModel
+from heave_node.numerics.arrays import Array
+from heave_node.numerics.linear_model import LinearModel
 
 from winch_controller_node.motion.trajectory import MeanPayout
 from winch_controller_node.parameters.laws import MoveParameters

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections import deque
 from enum import Enum
 
-from heave_node.codes import WinchFault
+from heave_node.interface.codes import WinchFault
 
 WAIT = 3.0
 """Time that the winch stands with all sensors well before compensation is tried again [s]."""

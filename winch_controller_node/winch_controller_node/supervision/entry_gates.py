@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from winch_controller_node.estimation.loop_tick import LoopTick
-from winch_controller_node.laws.winch_limits import WinchLimits
+from winch_controller_node.laws.parts.winch_limits import WinchLimits
 from winch_controller_node.parameters.laws import EntryParameters
 from winch_controller_node.supervision.checks import RunningSigma
 

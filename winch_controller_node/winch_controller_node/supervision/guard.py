@@ -20,11 +20,11 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from winch_controller_node.estimation.loop_tick import Motion
-from winch_controller_node.laws.effort import Effort
-from winch_controller_node.laws.winch_limits import WinchLimits
+from winch_controller_node.laws.parts.effort import Effort
+from winch_controller_node.laws.parts.winch_limits import WinchLimits
 from winch_controller_node.parameters.laws import GuardParameters
 from winch_controller_node.supervision.checks import AmplitudeCheck, AmplitudeLimit, DetrendedHeave, RunningSigma
-from winch_controller_node.supervision.winch_demand import WinchDemand
+from winch_controller_node.supervision.watch.winch_demand import WinchDemand
 
 FULL_SHARE = 0.95
 """Share of the wanted authority from which on compensation is judged over waves."""

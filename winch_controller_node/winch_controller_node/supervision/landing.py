@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from enum import Enum
 
 import numpy as np
-from heave_node.arrays import Array
+from heave_node.numerics.arrays import Array
 
 from winch_controller_node.estimation.loop_tick import Sensed
 from winch_controller_node.parameters.laws import TensionLawParameters

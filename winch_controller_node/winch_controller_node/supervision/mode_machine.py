@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from heave_node.codes import WinchFault, fault_words
+from heave_node.interface.codes import WinchFault, fault_words
 
 from winch_controller_node.parameters.laws import ModeParameters
 from winch_controller_node.supervision.modes import (

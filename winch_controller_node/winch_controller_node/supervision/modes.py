@@ -18,7 +18,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from enum import Enum
 
-from heave_node.codes import WinchFault, fault_words
+from heave_node.interface.codes import WinchFault, fault_words
 
 from winch_controller_node.parameters.laws import ModeParameters
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 from heave_node import kpi
-from heave_node.arrays import Array
+from heave_node.numerics.arrays import Array
 
 from winch_controller_node.interface.readings import RollingKpi
 from winch_controller_node.parameters.model import WinchModelParameters

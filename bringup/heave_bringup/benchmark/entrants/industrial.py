@@ -21,7 +21,7 @@ import math
 from collections import deque
 
 import numpy as np
-from heave_node.arrays import Array
+from heave_node.numerics.arrays import Array
 from scipy.linalg import expm, solve_discrete_are
 from winch_controller_node.laws.industrial import rule_gain
 

@@ -8,8 +8,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+from heave_node.interface.sensors import DEPTH, LOAD_CELL, MruReading
 from heave_node.parameters import build_parameters
-from heave_node.sensors import DEPTH, LOAD_CELL, MruReading
 from winch_controller_node.component import WinchController
 from winch_controller_node.interface.readings import Measurements, ScalarReading, WinchReading
 from winch_controller_node.node_parameters import WinchControllerParameters

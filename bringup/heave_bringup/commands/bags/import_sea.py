@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 from heave_bringup.commands.command import Command
 
 if TYPE_CHECKING:
-    from heave_node.arrays import Array
-    from heave_node.spectral_estimate import HeightAndPeriod
+    from heave_node.numerics.arrays import Array
+    from heave_node.numerics.spectral_estimate import HeightAndPeriod
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -62,7 +62,7 @@ def execute(options: argparse.Namespace) -> None:
 
 def _height_and_period(heave: Array, period: float) -> tuple[HeightAndPeriod | None, str]:
     """Return what the record of heave [m], samples `period` [s] apart, gives, and the line that says it."""
-    from heave_node.spectral_estimate import RecordTooShortError, height_and_period
+    from heave_node.numerics.spectral_estimate import RecordTooShortError, height_and_period
 
     try:
         found = height_and_period(heave, period)

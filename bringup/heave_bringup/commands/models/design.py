@@ -22,7 +22,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def execute(options: argparse.Namespace) -> None:
     """Print gains, poles, margins, predictions, bounds and curves; draw them, as `options` say."""
     from cable_sim_node.errors import PlantError
-    from heave_node.linear_model import ModelError
+    from heave_node.numerics.linear_model import ModelError
     from winch_controller_node.design.report import design_report
     from winch_controller_node.design.report_figures import draw_report
     from winch_controller_node.model.lqr import DesignError

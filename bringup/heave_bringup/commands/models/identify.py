@@ -27,7 +27,7 @@ def execute(options: argparse.Namespace) -> None:
     """Identify and print a and b with their uncertainty, and draw the response by them, as `options` say."""
     from cable_sim_node.errors import PlantError
     from cable_sim_node.vertical.axial_kernel import integrate
-    from heave_node.compiled import is_compiled
+    from heave_node.numerics.compiled import is_compiled
     from winch_controller_node.identification.cable import IdentificationError
     from winch_controller_node.identification.cable_response import draw_identification, identify_simulated
     from winch_controller_node.model.lqr import DesignError

@@ -33,7 +33,7 @@ def execute(options: argparse.Namespace) -> None:
     from cable_sim_node.line.step import evaluate
     from cable_sim_node.reports.modes import modes_report
     from cable_sim_node.reports.report import PICTURE_ENDINGS, save_picture
-    from heave_node.compiled import is_compiled
+    from heave_node.numerics.compiled import is_compiled
 
     from heave_bringup.output import check_output, write_result
     from heave_bringup.progress import ProgressLine

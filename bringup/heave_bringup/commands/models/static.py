@@ -78,7 +78,7 @@ def execute(options: argparse.Namespace) -> None:
     from cable_sim_node.errors import PlantError
     from cable_sim_node.reports.report import PICTURE_ENDINGS, save_picture
     from cable_sim_node.statics.march import march
-    from heave_node.compiled import is_compiled
+    from heave_node.numerics.compiled import is_compiled
 
     from heave_bringup.output import check_output, write_result
     from heave_bringup.progress import ProgressLine

@@ -30,8 +30,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def execute(options: argparse.Namespace) -> None:
     """Listen as `options` say, print the table and the verdict."""
-    from heave_bringup.contract import CONTRACT_OF
-    from heave_bringup.live_check import check_node
+    from heave_bringup.external.contract import CONTRACT_OF
+    from heave_bringup.external.live_check import check_node
     from heave_bringup.network import set_up_transport
     from heave_bringup.output import make_table, write_result
 

@@ -8,7 +8,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from heave_node.faults import FAULTS
+from heave_node.interface.faults import FAULTS
 from heave_node.parameters import ParameterError
 
 from heave_bringup.commands.arguments import add_namespace, add_network
@@ -108,7 +108,7 @@ def _add_redesign(parser: argparse.ArgumentParser) -> None:
 
 
 def _add_fault(parser: argparse.ArgumentParser) -> None:
-    from heave_node.sensors import SENSORS
+    from heave_node.interface.sensors import SENSORS
 
     devices = (*SENSORS, "encoder", "winch")
     actions = parser.add_subparsers(dest="action", required=True, metavar="ACTION")

@@ -1,6 +1,6 @@
 """The line at rest, exactly in equilibrium: hanging, or settled on the seabed."""
 
-from heave_node.compiled import drop_stale_kernels
+from heave_node.numerics.compiled import drop_stale_kernels
 
 from cable_sim_node import line, physics
 

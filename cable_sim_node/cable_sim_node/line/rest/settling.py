@@ -11,8 +11,8 @@ from __future__ import annotations
 import dataclasses
 
 import numpy as np
-from heave_node.arrays import Array
-from heave_node.compiled import kernel
+from heave_node.numerics.arrays import Array
+from heave_node.numerics.compiled import kernel
 
 from cable_sim_node.errors import NoEquilibriumError
 from cable_sim_node.line import layout as at

@@ -7,7 +7,7 @@ import math
 from collections.abc import Mapping
 
 import numpy as np
-from heave_node.codes import WinchLimit
+from heave_node.interface.codes import WinchLimit
 
 from cable_sim_node.winch.drives.interface import DriveCommand, DriveEnergy, DriveState, check_step
 from cable_sim_node.winch.drives.kernels.integration import STAGES

@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Protocol
 
-from heave_node.codes import WinchLimit
+from heave_node.interface.codes import WinchLimit
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ import dataclasses
 import math
 from collections.abc import Mapping
 
-from heave_node.codes import WinchLimit
+from heave_node.interface.codes import WinchLimit
 
 from cable_sim_node.winch.drives.interface import Drive, DriveCommand, DriveEnergy, DriveState, check_step
 

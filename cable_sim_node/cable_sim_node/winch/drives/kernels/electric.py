@@ -8,8 +8,8 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from heave_node.arrays import Array
-from heave_node.compiled import inner_kernel, kernel
+from heave_node.numerics.arrays import Array
+from heave_node.numerics.compiled import inner_kernel, kernel
 
 from cable_sim_node.winch import drive
 from cable_sim_node.winch.drives.kernels.integration import add_slopes, shift

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from heave_node.arrays import Array
-from heave_node.compiled import inner_kernel
+from heave_node.numerics.arrays import Array
+from heave_node.numerics.compiled import inner_kernel
 
 STAGES = 5
 """Rows of the work array: four slopes, and the state at which the next one is taken."""

@@ -17,9 +17,9 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from heave_node.arrays import Array
-from heave_node.codes import WinchLimit
-from heave_node.compiled import inner_kernel
+from heave_node.interface.codes import WinchLimit
+from heave_node.numerics.arrays import Array
+from heave_node.numerics.compiled import inner_kernel
 
 from cable_sim_node.winch import drive
 from cable_sim_node.winch.drive_parameters.motion import FrictionParameters, MotionParameters

@@ -16,7 +16,7 @@ from rclpy.qos import (
     ReliabilityPolicy,
 )
 
-from heave_bags.mcap.qos import INFINITE, OfferedQos
+from heave_bags.mcap.ros.qos import INFINITE, OfferedQos
 
 RECORDER_DEPTH = 5000
 """Messages kept for a recorder that is held up: half a second at 10,000 a second."""

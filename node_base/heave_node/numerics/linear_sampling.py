@@ -9,8 +9,8 @@ from dataclasses import replace
 import numpy as np
 import scipy.linalg
 
-from heave_node.arrays import Array
-from heave_node.linear_model import LinearModel, ModelError, covariance_factor
+from heave_node.numerics.arrays import Array
+from heave_node.numerics.linear_model import LinearModel, ModelError, covariance_factor
 
 
 def discretise(model: LinearModel, dt: float) -> LinearModel:

@@ -9,20 +9,20 @@ from operator import attrgetter
 from typing import Any
 
 import rclpy
-from heave_node import topics
-from heave_node.messages import message_type
-from heave_node.ros.environment import prepare_environment
-from heave_node.ros.qos import qos_of, reader_qos_of
+from heave_node.interface import topics
+from heave_node.interface.messages import message_type
 from heave_node.ros.spin import Spinner
+from heave_node.ros.transport.environment import prepare_environment
+from heave_node.ros.transport.qos import qos_of, reader_qos_of
 from heave_node.tick.clock_rule import ClockRule
 from heave_node.tick.tick import seconds_of, stamp_of_seconds
 from rclpy.node import Node
 from rclpy.qos import QoSCompatibility, qos_check_compatible
 from rclpy.signals import SignalHandlerOptions
 
-from heave_bringup.check import Finding, Heard, Plan, WinchTrial, is_plausible, judge_topic, judge_winch
-from heave_bringup.contract import TICK, Contract, Port
 from heave_bringup.errors import CommandError
+from heave_bringup.external.check import Finding, Heard, Plan, WinchTrial, is_plausible, judge_topic, judge_winch
+from heave_bringup.external.contract import TICK, Contract, Port
 
 DISCOVERY = 1.5
 """Wall time in which nodes find each other [s]."""

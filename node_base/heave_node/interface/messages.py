@@ -6,7 +6,7 @@ import importlib
 from operator import attrgetter
 from typing import Any
 
-from heave_node.sensors import Sensor, WireReading
+from heave_node.interface.sensors import Sensor, WireReading
 from heave_node.tick.tick import nanoseconds_of, stamp_of
 
 

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 from heave_node.parameters import parameter
 
 if TYPE_CHECKING:
-    from heave_node.arrays import Array  # numpy, which parameters need not load
+    from heave_node.numerics.arrays import Array  # numpy, which parameters need not load
 
 TIME_TOLERANCE = 1e-9
 """Times nearer than this are the same time [s]: tick times are rounded sums."""

@@ -6,8 +6,8 @@ table. The topics of sensors are in the table of `sensors`; those that code refe
 
 from __future__ import annotations
 
-from heave_node import sensors
-from heave_node.topic import Role, Topic
+from heave_node.interface import sensors
+from heave_node.interface.topic import Role, Topic
 
 CLOCK = Topic("/clock", "rosgraph_msgs/msg/Clock", "cable_sim")
 SEA_STATE = Topic("sea_state", "heave_msgs/msg/SeaState", "wave_vessel", Role.LATCHED)

@@ -21,7 +21,7 @@ from rclpy.qos import (
 )
 from rclpy.qos_overriding_options import QoSOverridingOptions
 
-from heave_node.topic import Role
+from heave_node.interface.topic import Role
 
 STREAM_DEPTH = 200
 """Messages kept for a subscriber that is slower than its publisher: ten seconds at 20 Hz."""

@@ -22,10 +22,10 @@ from typing import Any
 
 import numpy as np
 
-from heave_node.arrays import Array
-from heave_node.codes import MruStatus
-from heave_node.constants import ATMOSPHERIC_PRESSURE, SEAWATER_DENSITY, STANDARD_GRAVITY
-from heave_node.topic import Topic
+from heave_node.interface.codes import MruStatus
+from heave_node.interface.topic import Topic
+from heave_node.numerics.arrays import Array
+from heave_node.numerics.constants import ATMOSPHERIC_PRESSURE, SEAWATER_DENSITY, STANDARD_GRAVITY
 
 UNKNOWN_VARIANCE = 1e6
 """Variance [SI] of what a sensor does not measure, in messages that cannot leave it out."""

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from winch_controller_node.laws.effort import Effort
-from winch_controller_node.laws.winch_limits import WinchLimits
+from winch_controller_node.laws.parts.effort import Effort
+from winch_controller_node.laws.parts.winch_limits import WinchLimits
 from winch_controller_node.supervision.checks import RunningSigma
 
 PEAK = 3.0

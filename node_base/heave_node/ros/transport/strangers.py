@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from rclpy.node import Node
 
 from heave_node.ros.diagnostics import Health, Level
-from heave_node.ros.identity import UNKNOWN_SENDER, describe_sender, identity_of_endpoint
+from heave_node.ros.transport.identity import UNKNOWN_SENDER, describe_sender, identity_of_endpoint
 from heave_node.tick.speakers import Speakers, Standing
 
 PART = "strangers"

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from heave_node.arrays import Array
-from heave_node.linear_model import LinearModel, state_covariance, with_feedback
+from heave_node.numerics.arrays import Array
+from heave_node.numerics.linear_model import LinearModel, state_covariance, with_feedback
 
 from winch_controller_node.model.regulator import is_sensor_state
 

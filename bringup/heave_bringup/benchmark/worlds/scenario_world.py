@@ -6,8 +6,8 @@ from dataclasses import dataclass, field
 from typing import Any, cast
 
 import numpy as np
-from heave_node.arrays import Array
-from heave_node.sensors import DEPTH, LOAD_CELL
+from heave_node.interface.sensors import DEPTH, LOAD_CELL
+from heave_node.numerics.arrays import Array
 from winch_controller_node.interface.readings import Measurements, Outputs, WinchOrder
 
 from heave_bringup.benchmark.interface import (

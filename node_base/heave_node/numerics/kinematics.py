@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from heave_node.arrays import Array
+from heave_node.numerics.arrays import Array
 
 
 def _zeros() -> Array:

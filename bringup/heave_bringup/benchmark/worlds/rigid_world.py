@@ -10,15 +10,15 @@ import numpy as np
 from cable_sim_node.sensors.instruments import DepthSensorParameters, SensorParameters, SensorTruth, View
 from cable_sim_node.sensors.sensor import Sensor
 from heave_bags.signals import RunSignals, Signal
-from heave_node.arrays import Array
-from heave_node.constants import STANDARD_GRAVITY
+from heave_node.numerics.arrays import Array
+from heave_node.numerics.constants import STANDARD_GRAVITY
 
 from heave_bringup.benchmark.interface import Controller, Measurement, MruReading, Reading, SensorFacts
-from heave_bringup.benchmark.loads import Kinematics, Load
-from heave_bringup.benchmark.motions import Motion
 from heave_bringup.benchmark.outcome import Outcome
 from heave_bringup.benchmark.target import TargetProgramme
-from heave_bringup.benchmark.winches import Winch
+from heave_bringup.benchmark.worlds.loads import Kinematics, Load
+from heave_bringup.benchmark.worlds.motions import Motion
+from heave_bringup.benchmark.worlds.winches import Winch
 
 DEPTH_RATE = 10.0
 """Readings of the depth sensor per second, where it is not perfect."""

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.special import chdtri, stdtrit
 
-from heave_node.arrays import Array
+from heave_node.numerics.arrays import Array
 
 SEGMENT_TIME = 200.0
 """Usual length of a segment [s]: a resolution of 0.03 rad/s, a tenth of a swell's frequency."""

@@ -11,11 +11,11 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from heave_node.arrays import Array
-from heave_node.linear_model import LinearModel
-from heave_node.linear_sampling import discretise
+from heave_node.numerics.arrays import Array
+from heave_node.numerics.linear_model import LinearModel
+from heave_node.numerics.linear_sampling import discretise
 
-from winch_controller_node.laws.winch_limits import WinchLimits
+from winch_controller_node.laws.parts.winch_limits import WinchLimits
 from winch_controller_node.model.blocks import winch_block
 from winch_controller_node.parameters.model import WinchModelParameters
 

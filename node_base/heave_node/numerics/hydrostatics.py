@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from heave_node.constants import SEAWATER_DENSITY, STANDARD_GRAVITY
+from heave_node.numerics.constants import SEAWATER_DENSITY, STANDARD_GRAVITY
 
 
 def displaced_area(diameter: float, displaced_diameter: float = 0.0) -> float:

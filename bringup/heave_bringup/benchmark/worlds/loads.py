@@ -10,8 +10,8 @@ import math
 from dataclasses import dataclass
 from typing import NamedTuple, Protocol
 
-from heave_node.compiled import inner_kernel, kernel
-from heave_node.constants import SEAWATER_DENSITY, STANDARD_GRAVITY
+from heave_node.numerics.compiled import inner_kernel, kernel
+from heave_node.numerics.constants import SEAWATER_DENSITY, STANDARD_GRAVITY
 
 LONGEST_SUBSTEP = 1e-3
 """Inner step of a falling or standing load [s]."""

@@ -7,11 +7,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
-from heave_node.codes import WinchRelease
+from heave_node.interface.codes import WinchRelease
 from heave_node.tick.clock_rule import ClockRule
 from heave_node.tick.external_clock import ExternalClock
 
-from heave_bringup.contract import Port
+from heave_bringup.external.contract import Port
 
 SLOW = 0.8
 """A rate below this share of the wanted one is too low."""

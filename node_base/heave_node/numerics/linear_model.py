@@ -18,7 +18,7 @@ import numpy as np
 import scipy.linalg
 from numpy.typing import ArrayLike
 
-from heave_node.arrays import Array
+from heave_node.numerics.arrays import Array
 
 NOISE_INTENSITY = math.pi
 """Intensity of white noise whose one-sided spectral density in rad/s is 1."""

@@ -6,8 +6,8 @@ import math
 from typing import Protocol
 
 import numpy as np
-from heave_node.arrays import Array
-from heave_node.randomness import random_stream
+from heave_node.numerics.arrays import Array
+from heave_node.numerics.randomness import random_stream
 from scipy.interpolate import CubicSpline, make_interp_spline
 
 from heave_bringup.benchmark.records import HeaveRecord

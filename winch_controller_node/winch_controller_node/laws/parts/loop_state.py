@@ -12,8 +12,8 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from heave_node.arrays import Array
-from heave_node.linear_model import LinearModel
+from heave_node.numerics.arrays import Array
+from heave_node.numerics.linear_model import LinearModel
 
 
 @dataclass(frozen=True, slots=True)

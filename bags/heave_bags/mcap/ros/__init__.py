@@ -1,0 +1,1 @@
+"""What ROS puts into a bag: definitions of messages, quality of service."""

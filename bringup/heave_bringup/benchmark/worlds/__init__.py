@@ -1,0 +1,1 @@
+"""What an entrant is tried on: plants, winches, loads and motions."""

@@ -1,0 +1,1 @@
+"""Who can reach a node and whom it listens to: environment, quality of service, identity, strangers."""
