@@ -158,10 +158,12 @@ def test_faults_of_a_sensor_can_be_cleared(domain: int, tmp_path: Path) -> None:
 
 def test_plant_that_cannot_start_ends_with_one_line(domain: int, tmp_path: Path) -> None:
     environment = {**os.environ, "ROS_DOMAIN_ID": str(domain), "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"}
-    command = [sys.executable, *COMMANDS["cable_sim"], "--ros-args", "-p", "seabed.depth:=200.0"]
+    command = [sys.executable, *COMMANDS["cable_sim"], "--ros-args", "-p", "unit.volume:=30.0"]
     ended = subprocess.run(command, capture_output=True, text=True, env=environment, timeout=60.0, check=False)
     assert ended.returncode == 1
-    assert ended.stderr.strip().splitlines()[-1].startswith("cable_sim: at the start the line reaches 100.")
+    assert (
+        ended.stderr.strip().splitlines()[-1].startswith("cable_sim: the line does not hang: the unit's buoyancy lifts")
+    )
     assert "Traceback" not in ended.stderr
 
 

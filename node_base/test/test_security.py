@@ -31,4 +31,4 @@ def test_with_security_enforced_a_node_without_valid_keys_ends_in_one_line(loop,
         check=False,
     )
     assert node.returncode == 1
-    assert node.stderr.splitlines()[-1].startswith("virtual_winch: ROS does not start: error creating node: ")
+    assert node.stderr.splitlines()[-1].startswith("virtual_winch: ROS failed to start: error creating node: ")

@@ -64,7 +64,7 @@ def test_the_loop_of_the_thesis_runs_on_filterpy_as_on_the_compiled_filter():
             lambda tick, outputs, given=given: given.append(outputs.order.payout)
         )
         orders[implementation] = np.array(given)
-    assert np.std(orders["compiled"]) > 0.1
+    assert np.std(orders["compiled"]) > 0.05, "the winch moves, once two waves have been seen"
     np.testing.assert_allclose(orders["filterpy"], orders["compiled"], atol=1e-6)
 
 

@@ -179,7 +179,7 @@ class WinchController:
         """
         (info,) = (info for info in describe(WinchControllerParameters) if info.name == "factor")
         info.check(factor, where="winch_controller")
-        self.modes.factor = factor
+        self.modes.set_factor(factor)
 
     def move_to_depth(self, depth: float, speed: float = 0.0) -> None:
         """Move the unit to the mean depth [m] at no more than `speed` [m/s] (0: the default).

@@ -182,7 +182,8 @@ class LoopEstimation:
     def changed_sea(self) -> SeaModelParameters | None:
         """Return the sea that is seen where it is another one than the design's; None: it is not, or not yet known."""
         parameters = self._design.parameters
-        if not parameters.estimator.sea_adaptation:
+        # The filter of the thesis is a sea of its own: height and period of the spectrum it is named after say nothing.
+        if not parameters.estimator.sea_adaptation or parameters.sea.filter_form == "thesis":
             return None
         seen = self._sea.newly_seen()
         return None if seen is None else sea_that_was_seen(seen, self._believed_sea, parameters.sea, parameters.vessel)

@@ -81,6 +81,10 @@ class ModeMachine:
         """Tell whether the brake is to be on."""
         return self.mode in BRAKED
 
+    def set_factor(self, factor: float) -> None:
+        """Set the largest authority; while compensating, authority goes there over the fade-in time."""
+        self.factor = factor
+
     def request(self, name: str) -> None:
         """Request a mode by name.
 
