@@ -286,6 +286,7 @@ assert call(Trigger, "simulation/reset", Trigger.Request())
 """
 
 DEACTIVATE_AND_ACTIVATE = """
+go_on()  # until the subscription of this listener is matched, and commands come
 before = len(commands)
 change_state("winch_controller", Transition.TRANSITION_DEACTIVATE)
 listen(0.3)  # what was still on its way
