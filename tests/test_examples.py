@@ -74,6 +74,7 @@ def test_the_plant_may_be_the_ship_itself(tmp_path):
 
 
 @pytest.mark.slow
+@pytest.mark.long
 def test_a_foreign_controller_takes_part_in_lockstep_and_equal_seeds_give_equal_bytes(tmp_path):
     bags = []
     for name in ("first", "second"):

@@ -15,7 +15,13 @@ from tests.loop_runs import command, environment, process_of, wait_until
 NODES = ("cable_sim", "wave_vessel", "virtual_winch", "winch_controller", "recorder")
 
 
-@pytest.mark.parametrize("node", NODES)
+OTHERS = ("wave_vessel", "virtual_winch")
+"""Nodes that are killed by `make validate` alone."""
+
+
+@pytest.mark.parametrize(
+    "node", [pytest.param(node, marks=pytest.mark.long) if node in OTHERS else node for node in NODES]
+)
 def test_a_killed_node_ends_the_run_with_its_name_and_a_bag_that_reads_to_the_end(node, tmp_path):
     folder = tmp_path / "run"
     with domain_id() as domain:

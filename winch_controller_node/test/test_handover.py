@@ -35,7 +35,7 @@ def loop_above(seabed, duration, seed, *, winch=None, **controller):
     )
 
 
-@pytest.mark.parametrize("seed", [1, 2])
+@pytest.mark.parametrize("seed", [1, pytest.param(2, marks=pytest.mark.long)])
 def test_a_unit_is_landed_held_and_lifted_off_without_touching_again(seed):
     programme = {
         "programme.move_times": [30.0],
