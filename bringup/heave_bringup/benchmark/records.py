@@ -67,7 +67,8 @@ def read_record(path: Path) -> HeaveRecord:
     """Return the record in the file `path`; raises ParameterError, naming the file, for one that is not a record."""
     try:
         table = _read_matlab(path) if path.suffix == ".mat" else np.loadtxt(path, delimiter=",", skiprows=1, ndmin=2)
-    except (OSError, ValueError, KeyError, NotImplementedError) as error:  # the last: scipy on MATLAB 7.3
+    # scipy does not read the HDF5 files of MATLAB 7.3, and reports that by the last of these
+    except (OSError, ValueError, KeyError, NotImplementedError) as error:
         raise ParameterError(f"{path}: is not a record of time and heave: {' '.join(str(error).split())}") from error
     if table.ndim != 2 or table.shape[1] != 2 or table.shape[0] < 10 or not np.isfinite(table).all():
         raise ParameterError(f"{path}: must hold two columns of finite numbers, time and heave; got {table.shape}")
