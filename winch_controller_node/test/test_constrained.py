@@ -10,7 +10,7 @@ from winch_controller_node.design.design import design_controller
 from winch_controller_node.design.prediction import error_covariances, predict_loop
 from winch_controller_node.laws.law import LawDesign
 from winch_controller_node.laws.mpc import ConstrainedLaw, MpcParameters, constrained_gain, free_gain
-from winch_controller_node.laws.parts.governor import SpeedServo
+from winch_controller_node.laws.parts.governor import CommandGovernor, SpeedServo
 from winch_controller_node.laws.parts.loop_state import AuthorityShift, LoopState, Reference
 from winch_controller_node.model.lqr import DesignError
 from winch_controller_node.node_parameters import WinchControllerParameters
@@ -52,6 +52,19 @@ def test_without_a_limit_in_reach_the_constrained_law_is_the_lqr(design):
     command = law.command(state)
     assert command.value == pytest.approx(-float(law.gain @ state.x), rel=1e-12)
     assert command.status == "free"
+
+
+def test_noise_alone_does_not_reach_the_acceleration_limit(design):
+    law = make_law(design)
+    state = sea_state(design, 0.05)
+    winch = design.parameters.winch
+    limit = design.limits.acceleration * winch.time_constant
+    _, rate = CommandGovernor(design.model, winch, design.limits).predict(state.x)
+    wanted = -float(law.gain @ state.x)
+    beyond = next(scale for scale in np.arange(1.0, 50.0, 0.25) if abs(scale * (wanted - rate)) > 1.02 * limit)
+    spared = law.command(LoopState(state.x * beyond, Reference(), design.cable.static_tension))
+    assert spared.status == "free", "the plan may use the start of a tick"
+    assert abs(spared.value - beyond * rate) < limit
 
 
 def test_the_gain_spares_the_command_once_a_limit_shapes_the_plan_and_slides_back_after_it(design):

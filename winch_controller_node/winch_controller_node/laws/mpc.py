@@ -41,11 +41,16 @@ from winch_controller_node.model.lqr import DesignError
 from winch_controller_node.model.regulator import output_gain
 from winch_controller_node.parameters.model import WinchModelParameters
 
+FREE = "free"
+"""Status of a command that no limit shapes."""
 SOFT = 8
 """DAQP's mark of a soft constraint."""
 
 ACTIVE_TOLERANCE = 1e-3
 """A limit shapes the plan when the plan comes this near to it, relative to the limit."""
+
+SPARED = 0.02
+"""Share of the acceleration limit that a command leaves unused where no limit shapes the plan."""
 
 
 @dataclass(frozen=True)
@@ -183,6 +188,8 @@ class ConstrainedLaw(ControlLaw):
         self._free_less_constrained = free_gain(model, parameters) - self._constrained
         self._releasing = math.exp(-model.dt * parameters.solve_ticks / max(parameters.release_time, 1e-9))
         self._lag, self._dt = winch.time_constant, model.dt
+        payout, rate = drum_ahead(model, winch)
+        self._standing = rate + winch.position_gain * payout
         self.take_limits(design.limits)
         self._parameters = parameters
         horizon_ticks = round(parameters.horizon / model.dt)
@@ -210,7 +217,7 @@ class ConstrainedLaw(ControlLaw):
         commanded = [tick - delay for tick in dense]
         blocks = [
             _output_rows(model, self._constrained, "payout_rate", dense, responses),
-            self._acceleration_rows(model, winch, commanded, responses),
+            self._acceleration_rows(winch, commanded, responses),
             _output_rows(model, self._constrained, "payout", sparse, responses),
             _output_rows(model, self._constrained, "tension", sparse, responses),
         ]
@@ -222,11 +229,10 @@ class ConstrainedLaw(ControlLaw):
         self._forced = np.vstack([forced for _, forced in blocks])
 
     def _acceleration_rows(
-        self, model: LinearModel, winch: WinchModelParameters, ticks: list[int], responses: _Responses
+        self, winch: WinchModelParameters, ticks: list[int], responses: _Responses
     ) -> tuple[Array, Array]:
         """Return rows of the acceleration at the moment each command takes effect, which may be within a tick."""
-        payout, rate = drum_ahead(model, winch)
-        feedback = -(self._constrained + rate + winch.position_gain * payout) / winch.time_constant
+        feedback = -(self._constrained + self._standing) / winch.time_constant
         through = self._basis / winch.time_constant
         return (
             np.array([feedback @ responses.free[k] for k in ticks]),
@@ -283,7 +289,19 @@ class ConstrainedLaw(ControlLaw):
         if self._plan_age < len(self._basis):
             correction = float(self._basis[self._plan_age] @ self._plan)
         last = self._last
-        return LawCommand(correction - float(self.gain @ state.x), last.status, last.iterations, last.active)
+        value = correction - float(self.gain @ state.x)
+        if last.status == FREE:
+            value = self._spare(value, float(self._standing @ state.x))
+        return LawCommand(value, last.status, last.iterations, last.active)
+
+    def _spare(self, value: float, standing: float) -> float:
+        """Return the command that asks for no more than the acceleration limit, also at the start of the tick.
+
+        A plan may ask for more at the start of a tick, to gain over all of it what the limit allows; noise alone should
+        not. `standing` is the command [m/s] under which the drum would not accelerate.
+        """
+        step = (1.0 - SPARED) * self.limits.acceleration * self._lag
+        return min(max(value, standing - step), standing + step)
 
     def _solve(self, state: LoopState) -> None:
         free = self._free @ state.x
@@ -292,7 +310,7 @@ class ConstrainedLaw(ControlLaw):
             self._set_freedom(1.0 - self._releasing * (1.0 - self._freedom))
             self._plan[:] = 0.0
             self._plan_age = 0
-            self._last = LawCommand(0.0, "free")
+            self._last = LawCommand(0.0, FREE)
             return
         self._set_freedom(0.0)
         self._solver.update(bupper=upper - free, blower=lower - free)

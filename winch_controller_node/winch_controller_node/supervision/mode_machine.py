@@ -82,7 +82,7 @@ class ModeMachine:
         return self.mode in BRAKED
 
     def set_factor(self, factor: float) -> None:
-        """Set the largest authority; while compensating, authority goes there over the fade-in time."""
+        """Set the largest authority to `factor`; while compensating, authority goes there over the fade-in time."""
         self.factor = factor
 
     def request(self, name: str) -> None:
