@@ -49,6 +49,14 @@ def test_a_pump_too_weak_for_the_sea_moves_the_unit_no_more_than_none():
 
 
 @pytest.mark.long
+def test_a_valve_a_third_as_large_as_the_sea_asks_for_moves_the_unit_no_more_than_none():
+    """Its speed ends at 0.45 m/s by the flow that it lets through, which the winch does not call a speed limit."""
+    small = "virtual_winch.valve_controlled.valve.rated_flow=4e-3"
+    record = run("b4_limit_900_tp10", "virtual_winch.drive=valve_controlled", small, duration=300.0)
+    assert share_left(record) <= 1.02
+
+
+@pytest.mark.long
 @pytest.mark.parametrize("scenario", ["drive_electric_900", "drive_pump_300", "drive_valve_300"])
 def test_the_shipped_scenarios_of_drives_keep_what_they_want(scenario):
     record = run(scenario, duration=300.0)

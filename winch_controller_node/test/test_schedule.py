@@ -9,10 +9,11 @@ from cable_sim_node.peers.reference_systems import DEEP_900
 from heave_node.numerics.linear_model import state_covariance
 from heave_node.parameters import build_parameters
 from winch_controller_node.design.carry_sea import carry_sea
-from winch_controller_node.design.design import at_cable, carry_over, design_controller
+from winch_controller_node.design.design import at_cable, design_controller
 from winch_controller_node.design.feasibility import boom_tip_moments, feasibility_table, uncompensated_sigma
 from winch_controller_node.design.prediction import predict_loop
 from winch_controller_node.design.schedule import closed_loop_radius, design_schedule
+from winch_controller_node.design_in_force import DesignInForce
 from winch_controller_node.estimation import sea_adaptation
 from winch_controller_node.estimation.sea_adaptation import PATIENCE, SeaSeen, SeaTracker, sea_that_was_seen
 from winch_controller_node.model.blocks import CableModel
@@ -95,14 +96,20 @@ def test_another_cable_keeps_the_gain_given():
     assert other.gain == pytest.approx(0.5 * base.gain)
 
 
-def test_a_state_carried_over_to_another_sea_means_the_same_elevation_and_motion():
-    # the sixth derivative chain is the same signal, so elevation stays when only the height changes
-    old = design_controller(parameters(sea__significant_wave_height=1.0), tick_period=DT)
-    new = design_controller(parameters(sea__significant_wave_height=2.5), tick_period=DT)
-    x = np.random.default_rng(0).standard_normal(old.model.order)
-    moved = carry_over(old, new) * x
-    for output in ("wave_elevation", "boom_tip_heave", "unit_heave", "payout"):
-        assert new.model.row(output) @ moved == pytest.approx(old.model.row(output) @ x, rel=1e-9)
+@pytest.mark.parametrize("sea", [{"sea__significant_wave_height": 2.5}, {"sea__filter_form": "thesis"}])
+def test_a_redesign_for_another_sea_goes_on_with_the_same_motion(sea):
+    in_force = DesignInForce(parameters(sea__significant_wave_height=1.0), tick_period=DT)
+    old = in_force.design
+    prepared = in_force.prepared(parameters(**sea), 0.0)
+    matrix, _ = in_force.take(prepared)
+    x = np.linalg.cholesky(old.initial_covariance + 1e-12 * np.eye(old.model.order)) @ np.random.default_rng(
+        0
+    ).standard_normal(old.model.order)
+    for output in ("boom_tip_heave", "unit_heave", "payout"):
+        size = old.sigma["boom_tip_heave"]
+        assert in_force.design.model.row(output) @ matrix @ x == pytest.approx(
+            old.model.row(output) @ x, abs=0.01 * size
+        )
 
 
 def test_the_tracker_finds_a_sea_twice_as_high_and_scales_the_noise_by_four():

@@ -393,8 +393,9 @@ class WinchController:
     def take_redesign(self, prepared: PreparedDesign) -> ControllerDesign:
         """Go on with a design that was prepared; called between two ticks."""
         self._learning.drop()
-        factors = self._in_force.take(prepared)
-        self._estimation.take_design(self.design, factors)
+        matrix, added = self._in_force.take(prepared)
+        self._estimation.carry(self.design, matrix, added)
+        self._estimation.forget_readings()
         self._take_law()
         return self.design
 

@@ -8,7 +8,7 @@ import numpy as np
 from heave_node.numerics.arrays import Array
 
 from winch_controller_node.design.carry_sea import carry_sea
-from winch_controller_node.design.design import ControllerDesign, carry_by_name, carry_over, design_controller
+from winch_controller_node.design.design import ControllerDesign, carry_by_name, design_controller
 from winch_controller_node.design.schedule import FOLLOW, GainSchedule, design_schedule, is_scheduled
 from winch_controller_node.laws.law import ControlLaw
 from winch_controller_node.model.lqr import DesignError
@@ -64,18 +64,31 @@ class DesignInForce:
         self._check_states(design)
         return PreparedDesign(parameters, design, design.make_law(), schedule)
 
-    def take(self, prepared: PreparedDesign) -> Array:
+    def take(self, prepared: PreparedDesign) -> tuple[Array, Array]:
         """Put a `prepared` design in force.
 
-        Returns by what each state estimated so far is to be multiplied, shape (n,).
+        Returns the matrix that takes a present state to one of the new design, and the covariance that this adds, both
+        of shape (n, n).
 
         Raises DesignError where the states of the design in force have changed meanwhile; that stays.
         """
         self._check_states(prepared.design)
-        factors = carry_over(self.design, prepared.design)
+        carried = self._carried(prepared)
         self._schedule = prepared.schedule
         self._put_in_force(prepared)
-        return factors
+        return carried
+
+    def _carried(self, prepared: PreparedDesign) -> tuple[Array, Array]:
+        """Return the matrix that takes a present state to one of another design, and the covariance that this adds.
+
+        Waves of another sea are told by the boom-tip motion that they bring about; every other state keeps its meaning,
+        the chain of commands its newest.
+        """
+        old, new = self.design, prepared.design
+        if prepared.parameters.sea != self.parameters.sea:
+            self._check_states(new)
+            return carry_sea(old, new)
+        return carry_by_name(old, new), np.zeros((new.model.order, new.model.order))
 
     def _check_states(self, design: ControllerDesign) -> None:
         old, new = self.design.model.state_names, design.model.state_names
@@ -118,19 +131,13 @@ class DesignInForce:
         """Put a design `prepared` for another winch or another sea in force; limits and gain stay those in force.
 
         Returns the matrix that takes a present state to one of the new design, shape (n_new, n), and the covariance
-        that this adds, shape (n_new, n_new). Waves of another sea are told by the boom-tip motion that they bring
-        about; every other state keeps its meaning, the chain of commands its newest.
+        that this adds, shape (n_new, n_new).
 
         Raises DesignError where another sea needs other states; the old design then stays.
         """
-        old, new = self.design, prepared.design
-        matrix = carry_by_name(old, new)
-        added = np.zeros((new.model.order, new.model.order))
-        if prepared.parameters.sea != self.parameters.sea:
-            self._check_states(new)
-            matrix, added = carry_sea(old, new)
+        carried = self._carried(prepared)
         self._put_in_force_with_limits(prepared)
-        return matrix, added
+        return carried
 
     def take_sensors(self, prepared: PreparedDesign) -> Array:
         """Put a design `prepared` for other sensors in force; limits and gain of the winch stay those in force.

@@ -16,7 +16,8 @@ from winch_controller_node.estimation.loop_estimation import LoopEstimation
 from winch_controller_node.identification.suspicions import Verdict, continued, suspect
 from winch_controller_node.model.lqr import DesignError
 from winch_controller_node.node_parameters import WinchControllerParameters
-from winch_controller_node.parameters.model import SeaModelParameters, WinchModelParameters
+from winch_controller_node.parameters.model import SeaModelParameters
+from winch_controller_node.supervision.watch.winch_news import WinchNews
 from winch_controller_node.supervision.watch.winch_watch import WinchWatch, identifies_winch
 
 DESIGN_TIME = 1.0
@@ -60,6 +61,7 @@ class Learning:
         self._winch = winch
         self._dt = in_force.design.tick_period
         self._work: DesignWork[Learnt] = DesignWork(max(1, round(DESIGN_TIME / self._dt)), designer)
+        self._news = WinchNews(in_force.parameters.winch, tick_period=self._dt)
         self._patience = FIRST_PATIENCE
         self._suspected = -math.inf
         self._contradicted = self._refused = ""
@@ -82,8 +84,12 @@ class Learning:
         if self._estimation.surprise.time == 0.0:
             self._contradicted = ""
         parameters = self._in_force.parameters
-        if compensates and identifies_winch(parameters):
-            words += self._follow_winch(tick)
+        is_learning = compensates and identifies_winch(parameters)
+        if is_learning:
+            self._follow_winch(tick)
+        words += self._news.update(
+            self._in_force.parameters.winch, is_power_limited=self._winch.is_power_limited, is_learning=is_learning
+        )
         if not self._work.is_under_way and not is_scheduled(parameters):
             self._follow_sea(tick)
         if not self._work.is_under_way and not is_scheduled(parameters):
@@ -104,29 +110,23 @@ class Learning:
             return self._take_verdict(tick, learnt.prepared, learnt.verdict)
         before = self._in_force.parameters
         matrix, added = self._in_force.take_learnt(learnt.prepared)
-        self._estimation.carry(self._in_force.design, matrix, tick - 1, added)
+        self._estimation.carry(self._in_force.design, matrix, added)
         after = self._in_force.parameters
-        words = self._winch_words(before.winch)
-        if after.sea != before.sea:
-            words.append(f"sea model updated: {_in_words(after.sea)} (was {_in_words(before.sea)})")
-        return words
+        if after.sea == before.sea:
+            return []
+        return [f"sea model updated: {_in_words(after.sea)} (was {_in_words(before.sea)})"]
 
     # the winch
 
-    def _follow_winch(self, tick: int) -> list[str]:
+    def _follow_winch(self, tick: int) -> None:
         """Use limits and gain as found at once; begin to design for another servo or delay."""
         before = self._in_force.parameters.winch
         found = self._winch.improved_winch(tick, before)
         if found is None:
-            return []
+            return
         self._in_force.take_limits(found)
         if (found.time_constant, found.command_delay) != (before.time_constant, before.command_delay):
             self._design_for(tick, replace(self._in_force.parameters, winch=found))
-        return self._winch_words(before)
-
-    def _winch_words(self, before: WinchModelParameters) -> list[str]:
-        changes = self._winch.changes(before, self._in_force.parameters.winch)
-        return [f"winch model updated: {changes}"] if changes else []
 
     # the sea
 

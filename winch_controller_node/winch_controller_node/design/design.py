@@ -35,7 +35,6 @@ from winch_controller_node.model.models import (
     boom_tip_block,
     cable_model,
     sea_noise_covariance,
-    sea_spectrum,
 )
 from winch_controller_node.model.regulator import full_gain, is_sea_state, is_sensor_state, weighted_cost
 from winch_controller_node.node_parameters import WinchControllerParameters
@@ -209,26 +208,6 @@ def at_cable(design: ControllerDesign, cable: CableModel, length: float, gain: A
         gain=gain,
         cost=weighted_cost(parameters.weights, model),
     )
-
-
-def carry_over(old: ControllerDesign, new: ControllerDesign) -> Array:
-    """Return by what each state estimated under `old` must be multiplied to mean the same under `new`, shape (n,).
-
-    Wave states are derivatives of one signal, in units of the sea's height and peak frequency (companion form); all
-    other states are physical.
-    """
-    factors = np.ones(old.model.order)
-    before, after = old.parameters.sea, new.parameters.sea
-    if "thesis" in (before.filter_form, after.filter_form):
-        return factors
-    for sea, power in ((before, 1.0), (after, -1.0)):
-        spectrum = sea_spectrum(sea)
-        peak = spectrum.peak_frequency
-        unit = spectrum.significant_wave_height / math.sqrt(peak)
-        for i, name in enumerate(old.model.state_names):
-            if name.startswith("wave_"):
-                factors[i] *= (unit * peak ** int(name.removeprefix("wave_"))) ** power
-    return factors
 
 
 def carry_by_name(old: ControllerDesign, new: ControllerDesign) -> Array:

@@ -63,23 +63,24 @@ class LoopEstimation:
 
     # another design
 
-    def take_design(self, design: ControllerDesign, factors: Array | None = None) -> None:
-        """Go on with a design of the same states; `factors`, shape (n,), multiply the estimate first."""
-        self.estimator.set_model(design.model, design.measurements, factors)
-        self._begin_record()
+    def take_design(self, design: ControllerDesign) -> None:
+        """Go on with a design of the same states, each of which means the same."""
+        self.estimator.set_model(design.model, design.measurements)
+        self.forget_readings()
         self._refer_to(design)
 
-    def carry(self, design: ControllerDesign, matrix: Array, tick: int, added: Array | float = 0.0) -> None:
-        """Go on after `tick` with a design whose states are `matrix`, shape (n_new, n), times the present ones.
+    def carry(self, design: ControllerDesign, matrix: Array, added: Array | float = 0.0) -> None:
+        """Go on with a design whose states are `matrix`, shape (n_new, n), times the present ones.
 
         `added`, shape (n_new, n_new), is the covariance that this adds.
         """
         estimate = matrix @ self.estimator.estimate
         covariance = matrix @ self.estimator.covariance @ matrix.T + added
-        streams = self.estimator.streams
+        streams, tick = self.estimator.streams, self.estimator.tick
         self.estimator = design.make_estimator()
         self.estimator.reset(estimate, covariance, streams)
-        self.estimator.step(tick, 0.0, [])
+        if tick is not None:
+            self.estimator.step(tick, 0.0, [])
         self.motion.carry(matrix)
         self.observer.forget_shares()
         self._refer_to(design)
@@ -98,7 +99,7 @@ class LoopEstimation:
         self.surprise.restart()
         self._refer_to(design)
 
-    def _begin_record(self) -> None:
+    def forget_readings(self) -> None:
         """Forget what was read: it tells nothing of the state from now on."""
         self.record.clear()
         self.surprise.restart()
@@ -182,8 +183,7 @@ class LoopEstimation:
     def changed_sea(self) -> SeaModelParameters | None:
         """Return the sea that is seen where it is another one than the design's; None: it is not, or not yet known."""
         parameters = self._design.parameters
-        # The filter of the thesis is a sea of its own: height and period of the spectrum it is named after say nothing.
-        if not parameters.estimator.sea_adaptation or parameters.sea.filter_form == "thesis":
+        if not parameters.estimator.sea_adaptation or not parameters.sea.follows_spectrum:
             return None
         seen = self._sea.newly_seen()
         return None if seen is None else sea_that_was_seen(seen, self._believed_sea, parameters.sea, parameters.vessel)
@@ -228,7 +228,7 @@ class LoopEstimation:
         else:
             after = hand_over(*now)
         self.motion.continue_at(after.mean_state, after.lowered)
-        self._begin_record()
+        self.forget_readings()
         self.estimator.reset(after.estimate, after.covariance)
         self.estimator.step(tick.number, 0.0, [])
 

@@ -143,6 +143,11 @@ class KalmanEstimator:
         """Covariance of the estimate, shape (n, n)."""
         return self._filter.P
 
+    @property
+    def tick(self) -> int | None:
+        """Tick of the estimate; None before the first."""
+        return self._past[-1].tick if self._past else None
+
     def value(self, output: str) -> float:
         """Return the estimate of an output of the model."""
         return float(self.model.row(output) @ self.estimate)
@@ -161,16 +166,10 @@ class KalmanEstimator:
         bend = change @ self.model.A - change
         return np.asarray(row + offset * change + 0.5 * offset * (offset - 1.0) * bend)
 
-    def set_model(
-        self,
-        model: LinearModel,
-        measurements: Sequence[MeasurementModel] | None = None,
-        factors: Array | None = None,
-    ) -> None:
-        """Go on with another model of the same states (gain schedule, adapted sea); the estimate stays.
+    def set_model(self, model: LinearModel, measurements: Sequence[MeasurementModel] | None = None) -> None:
+        """Go on with another model of the same states (gain schedule); the estimate stays.
 
-        `measurements` of the new model; None: the present ones. `factors`, shape (n,), multiply each state first where
-        the new model counts it in another unit.
+        `measurements` of the new model; None: the present ones.
 
         Raises ValueError for a model with other states.
         """
@@ -180,11 +179,6 @@ class KalmanEstimator:
         if measurements is not None:
             self.measurements = {measurement.name: measurement for measurement in measurements}
         self._filter.set_model(model.A, model.B, model.noise_covariance)
-        if factors is not None:
-            both = np.outer(factors, factors)
-            self._filter.set_state(factors * self._filter.x, both * self._filter.P)
-            for entry in self._past:
-                entry.x, entry.P = factors * entry.x, both * entry.P
 
     def set_process_noise(self, covariance: Array) -> None:
         """Use another covariance of the process noise of a tick, shape (n, n), until the next model."""

@@ -131,6 +131,11 @@ class SeaModelParameters(SeaParameters):
         description="Direction the waves travel to, from world x, anticlockwise; vessels with RAOs.",
     )
 
+    @property
+    def follows_spectrum(self) -> bool:
+        """Tell whether another height or period gives another filter: that of the thesis is a sea of its own."""
+        return self.filter_form != "thesis"
+
 
 @dataclass(frozen=True)
 class VesselModelParameters:

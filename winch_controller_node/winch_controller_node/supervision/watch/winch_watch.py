@@ -22,16 +22,11 @@ LEARNING_PERIOD, CHECKING_PERIOD = 2.0, 10.0
 TOLERATED_SHARE = 0.5
 """Further delay with which compensation is tried, over lag and delay of the model, where these are not identified."""
 
-UNMODELLED_LIMITS = ~(WinchLimit.SPEED | WinchLimit.ACCELERATION | WinchLimit.POWER)
-"""Limits of a winch that its identification does not know."""
-
 SUSPICIOUS, ALARMING = 0.01, 0.04
 """Errors of the drum after a second [m]: the first has it identified at once, the second cuts the share of the sea."""
 
 CAUTIOUS_SHARE = 0.3
 """Share of the sea that is compensated with a winch that does what nobody understands."""
-
-LIMITS = ("speed_limit", "acceleration_limit")
 
 CAUTIOUS_TIME = 3.0
 """Time that the share stays cut after the drum was last off [s]."""
@@ -116,29 +111,10 @@ class WinchWatch:
             self._since_found = 0.0
             self._work.begin(tick, question)
 
-    def changes(self, before: WinchModelParameters, after: WinchModelParameters) -> str:
-        """Return in words what was learnt of the winch; empty where limits were only raised a little.
-
-        Parameters
-        ----------
-        before, after : model of the winch
-        """
-        named = [
-            ("time constant", "time_constant", "s"),
-            ("command delay", "command_delay", "s"),
-            ("gain", "speed_gain", ""),
-            ("speed limit", "speed_limit", "m/s"),
-            ("acceleration limit", "acceleration_limit", "m/s^2"),
-        ]
-        words = []
-        for label, name, unit in named:
-            old, new = getattr(before, name), getattr(after, name)
-            is_let_up = name in LIMITS and old < new
-            if old != new and not is_let_up:
-                is_by_power = name == "speed_limit" and self._power_limited
-                by_power = ", by its power limit" if is_by_power else ""
-                words.append(f"{label} {new:.3f} {unit}".rstrip() + f" (was {old:.3f}){by_power}")
-        return ", ".join(words)
+    @property
+    def is_power_limited(self) -> bool:
+        """Tell whether the winch has said that its power ends."""
+        return self._power_limited
 
     def watch(
         self, winch: WinchReading | None, payout: float | None, parameters: WinchControllerParameters
@@ -158,7 +134,8 @@ class WinchWatch:
         if given is None or given.brake:
             self._work.drop()
             self._identifier.reset(0.0 if given is None else given.payout)
-        elif winch is not None and winch.limits_hit & UNMODELLED_LIMITS:
+        elif winch is not None and winch.limits_hit & WinchLimit.PAYOUT:
+            # every other limit, also of torque, pressure and flow, acts as one of speed or acceleration
             self._identifier.add(given.payout, given.payout_rate, None)
             self._identifier.restart()
         else:

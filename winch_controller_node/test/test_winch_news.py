@@ -1,0 +1,55 @@
+"""One finding for each change of the winch, however often its model is corrected on the way."""
+
+from dataclasses import replace
+
+import numpy as np
+from hypothesis import given
+from hypothesis import strategies as st
+from winch_controller_node.parameters.model import WinchModelParameters
+from winch_controller_node.supervision.watch.winch_news import LONGEST, SETTLED, WinchNews
+
+DT = 0.05
+WINCH = WinchModelParameters()
+
+
+def told(models, *, seconds=60.0, is_learning=True):
+    """Show each of the models for `seconds`; return what was told with its time."""
+    news, words = WinchNews(WINCH, tick_period=DT), []
+    for k, winch in enumerate(models):
+        for i in range(round(seconds / DT)):
+            now = news.update(winch, is_power_limited=False, is_learning=is_learning)
+            words += [(k * seconds + i * DT, one) for one in now]
+    return words
+
+
+def test_a_weaker_winch_is_told_once_with_what_it_settled_at():
+    limits = [1.2, 0.9, 0.85, 0.8]
+    hunting = [replace(WINCH, acceleration_limit=value) for value in limits]
+    (when, words), *others = told([*hunting, *hunting[-1:] * 60], seconds=2.0)
+    assert not others
+    assert words == "winch model updated: acceleration limit 0.800 m/s^2 (was 1.500)"
+    assert SETTLED <= when < 2.0 * len(limits) + SETTLED + DT
+
+
+def test_a_model_that_never_rests_is_told_of_all_the_same():
+    hunting = [replace(WINCH, time_constant=0.15 + 0.1 * (k % 2 + 1)) for k in range(100)]
+    words = told(hunting, seconds=2.0)
+    assert 0 < len(words) <= 2.0 * len(hunting) / LONGEST
+
+
+def test_what_is_no_longer_learnt_is_told_at_once():
+    ((when, _),) = told([replace(WINCH, speed_gain=0.8)], is_learning=False)
+    assert when == 0.0
+
+
+def test_a_limit_that_recovers_is_no_news_and_one_that_falls_again_is():
+    weak = replace(WINCH, speed_limit=0.5)
+    let_up = [replace(WINCH, speed_limit=value) for value in (0.55, 0.7, 1.0, 1.5, 2.0)]
+    assert len(told([weak, *let_up])) == 1
+    assert len(told([weak, *let_up, weak])) == 2
+
+
+@given(st.lists(st.floats(-0.019, 0.019), min_size=1, max_size=30))
+def test_small_corrections_are_never_told(changes):
+    models = [replace(WINCH, time_constant=WINCH.time_constant + change) for change in np.array(changes)]
+    assert not told(models, seconds=1.0)

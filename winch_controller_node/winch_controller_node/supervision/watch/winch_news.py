@@ -1,0 +1,82 @@
+"""What was learnt of the winch, told once it has settled: it is used at once, and hunts a little before it rests."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from winch_controller_node.parameters.model import WinchModelParameters
+
+SETTLED, LONGEST = 12.0, 40.0
+"""It is told when it has rested for so long, and after the second time at the latest [s]."""
+
+NOTABLE = 0.1
+"""Relative change of a limit or a lag, since it was told, that is worth telling."""
+
+NOTABLE_LAG, NOTABLE_GAIN = 0.02, 0.02
+"""Least change of a lag [s], and of the gain, that is."""
+
+LET_UP = 1.5
+"""A limit that has recovered to so many times the one that was told is news when it falls again."""
+
+NAMED = (
+    ("time constant", "time_constant", "s"),
+    ("command delay", "command_delay", "s"),
+    ("gain", "speed_gain", ""),
+    ("speed limit", "speed_limit", "m/s"),
+    ("acceleration limit", "acceleration_limit", "m/s^2"),
+)
+LIMITS = ("speed_limit", "acceleration_limit")
+LAGS = ("time_constant", "command_delay")
+
+
+class WinchNews:
+    """Turns what is learnt of a winch into findings, one for each change.
+
+    Parameters
+    ----------
+    winch : that the operator knows of
+    tick_period : [s]
+    """
+
+    def __init__(self, winch: WinchModelParameters, *, tick_period: float) -> None:
+        self._dt = tick_period
+        self._told = self._last = winch
+        self._rested = self._withheld = 0.0
+
+    def update(self, winch: WinchModelParameters, *, is_power_limited: bool, is_learning: bool) -> list[str]:
+        """Return what is to be told in this tick; empty: nothing.
+
+        Parameters
+        ----------
+        winch : in force
+        is_power_limited : the winch has said that its power ends
+        is_learning : more may come; otherwise what there is, is told at once
+        """
+        self._rested = self._rested + self._dt if winch == self._last else 0.0
+        self._last = winch
+        self._forget_let_up(winch)
+        changed = [(label, name, unit) for label, name, unit in NAMED if self._is_notable(name, winch)]
+        self._withheld = self._withheld + self._dt if changed else 0.0
+        if not changed or (is_learning and self._rested < SETTLED and self._withheld < LONGEST):
+            return []
+        words = []
+        for label, name, unit in changed:
+            by_power = ", by its power limit" if name == "speed_limit" and is_power_limited else ""
+            value = f"{label} {getattr(winch, name):.3f} {unit}".rstrip()
+            words.append(f"{value} (was {getattr(self._told, name):.3f}){by_power}")
+        self._told = replace(self._told, **{name: getattr(winch, name) for _, name, _ in changed})
+        return [f"winch model updated: {', '.join(words)}"]
+
+    def _is_notable(self, name: str, winch: WinchModelParameters) -> bool:
+        """Tell whether a value differs from what was told; limits that are only let up again do not count."""
+        old, new = getattr(self._told, name), getattr(winch, name)
+        if name in LIMITS:
+            return bool(new < (1.0 - NOTABLE) * old)
+        if name in LAGS:
+            return bool(abs(new - old) > max(NOTABLE_LAG, NOTABLE * old))
+        return bool(abs(new - old) > NOTABLE_GAIN)
+
+    def _forget_let_up(self, winch: WinchModelParameters) -> None:
+        for name in LIMITS:
+            if getattr(winch, name) > LET_UP * getattr(self._told, name):
+                self._told = replace(self._told, **{name: getattr(winch, name)})
