@@ -13,7 +13,7 @@ from rosbags.highlevel import AnyReader
 from tests.loop_runs import command, environment, process_of, wait_until
 
 NODES = ("cable_sim", "wave_vessel", "virtual_winch", "winch_controller", "recorder")
-OTHERS = ("wave_vessel", "virtual_winch")
+OTHERS = ("wave_vessel", "virtual_winch", "winch_controller")
 """Nodes that are killed by `make validate` alone."""
 
 

@@ -59,6 +59,7 @@ def test_a_bag_of_several_runs_is_refused_as_a_substitute(calm_bag, tmp_path):
         TickPlayer(Bag(foreign), "wave_vessel", TICK)
 
 
+@pytest.mark.long
 def test_the_recorded_sea_through_the_same_scenario_gives_the_same_run(calm_bag, tmp_path):
     options = ["--from-bag", f"wave_vessel={calm_bag}"]
     again = run_scenario(tmp_path / "again", duration=CALM_DURATION, options=options)
