@@ -24,6 +24,20 @@ def test_the_truth_goes_before_the_estimate_also_while_the_unit_is_lowered(depth
     assert words == "compensating, true unit sigma 5.00 cm, efficiency 90.0 %"
 
 
+def test_a_move_that_has_come_to_its_end_is_no_heave():
+    """The controller tells the depth once per second; the unit with the winch locked stays where it was."""
+    live = LiveFigures()
+    live.note_mode(0.0, "compensating", "")
+    for number in range(601):
+        time = 0.1 * number
+        wave = math.sqrt(2.0) * math.cos(2.0 * math.pi * time / 6.0)
+        depth = 300.0 + min(max(time - 20.0, 0.0), 10.0) * 0.3
+        live.note_truth(time, -depth + 0.05 * wave, -300.0 + 0.5 * wave, is_landed=False)
+        if number % 10 == 0:
+            live.note_depth(time, depth)
+    assert live.words() == "compensating, true unit sigma 5.00 cm, efficiency 90.0 %"
+
+
 def test_a_law_that_is_off_and_a_unit_on_the_bottom_have_no_efficiency():
     assert running("off").words(0.1, 0.447) == "law off, true unit sigma 5.00 cm"
     assert running("constant_tension", is_landed=True).words(0.1, -1.93) == "unit on the bottom, tension held"

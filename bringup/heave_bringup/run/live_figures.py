@@ -8,6 +8,7 @@ from collections import deque
 import numpy as np
 from heave_bags.analyse.events import COMPENSATES, HOLDS_TENSION, OFF, is_loss, loss_words
 from heave_node import kpi
+from heave_node.numerics.arrays import Array
 
 WINDOW = 60.0
 """Simulated time over which figures are taken [s]."""
@@ -31,6 +32,7 @@ class LiveFigures:
         self.mode = self.reason = ""
         self.is_landed = self.has_truth = False
         self._samples: deque[tuple[float, float, float]] = deque()
+        self._depths: deque[tuple[float, float]] = deque()
 
     def note_mode(self, time: float, mode: str, reason: str) -> str:
         """Take the `mode` of the controller at a simulated `time` [s] and its `reason`.
@@ -63,6 +65,13 @@ class LiveFigures:
         while len(self._samples) > LEAST_SAMPLES and time - self._samples[0][0] > WINDOW:
             self._samples.popleft()
 
+    def note_depth(self, time: float, depth: float) -> None:
+        """Take the mean `depth` [m] at which the controller holds the unit at a simulated `time` [s]; NaN: unknown."""
+        if math.isfinite(depth):
+            self._depths.append((time, depth))
+        while self._depths and self._samples and self._depths[0][0] < self._samples[0][0] - WINDOW:
+            self._depths.popleft()
+
     def words(self, estimated_sigma: float = math.nan, estimated_efficiency: float = math.nan) -> str:
         """Return what the line says.
 
@@ -89,10 +98,20 @@ class LiveFigures:
         return f"{self.mode} ({self.reason})" if waits else self.mode
 
     def _figures(self) -> tuple[float, float]:
-        """Return sigma [m] and efficiency of the samples, about a straight line: the unit may be on its way."""
+        """Return sigma [m] and efficiency of the samples, about the depths to which the unit was moved."""
         samples = np.array(self._samples)
+        if self._depths and len(samples):
+            samples = samples[samples[:, 0] <= self._depths[-1][0]]
         if len(samples) < LEAST_SAMPLES or samples[-1, 0] - samples[0, 0] < LEAST_TIME:
             return math.nan, math.nan
-        time = samples[:, 0] - samples[0, 0]
-        unit, free = (values - np.polyval(np.polyfit(time, values, 1), time) for values in samples[:, 1:].T)
-        return kpi.sigma(unit), kpi.efficiency(kpi.sigma(unit), kpi.sigma(free))
+        time = samples[:, 0]
+        moved = np.interp(time, *np.array(self._depths).T) if self._depths else np.zeros(len(time))
+        # the locked winch's unit may follow the programme of depth or stay where it was
+        unit, free = (min(_sigma(time, values), _sigma(time, values + moved)) for values in samples[:, 1:].T)
+        return unit, kpi.efficiency(unit, free)
+
+
+def _sigma(time: Array, values: Array) -> float:
+    """Return the standard deviation about a straight line."""
+    since = time - time[0]
+    return kpi.sigma(values - np.polyval(np.polyfit(since, values, 1), since))

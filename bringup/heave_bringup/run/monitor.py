@@ -152,7 +152,10 @@ class Monitor:
         for part in message.status:
             if part.name == MODE_PART:
                 mode, _, reason = part.message.partition(": ")
-                loss = self.live.note_mode(seconds_of(message.header.stamp), mode, reason)
+                time_of_tick = seconds_of(message.header.stamp)
+                told = {value.key: value.value for value in part.values}
+                self.live.note_depth(time_of_tick, float(told.get("mean depth [m]", "nan")))
+                loss = self.live.note_mode(time_of_tick, mode, reason)
                 self._news += [loss] if loss else []
             if part.level != DiagnosticStatus.ERROR:
                 self._errors.pop(part.name, None)
