@@ -29,7 +29,7 @@ Begin = Callable[[RunLink], Task]
 
 @dataclass(frozen=True)
 class Entry:
-    """What came of a request, as one line; `time` is simulated [s]."""
+    """What came of a request: its `text`, whether it `is_refused`, and the simulated `time` [s]."""
 
     time: float
     text: str
