@@ -54,6 +54,11 @@ class RunSignals:
     slack : 1 where any part of the cable carries no tension
     winch_limited : 1 where the winch itself says that a limit acts
     compensating : 1 where the controller compensates or holds a tension
+    unit_height : vertical position of the unit as it was recorded, programme of depth and all, positive up [m]
+    touchdown : 1 where the bottom carries the unit
+    holds_tension : 1 where the controller holds a tension
+    mode_changes : 1 where the controller has just changed its mode
+    losses : 1 where compensation has just ended that nobody had asked to end
     nis_in_band : 1 where the normalised innovation squared lies inside its 95 % band
     uncompensated_tension : top tension with the winch locked, or following the programme of depth only [N]
     static_tension : top tension at rest [N], one sample where the deployed length stays; empty takes the mean tension
@@ -77,6 +82,11 @@ class RunSignals:
     slack: Signal = field(default_factory=_signal)
     winch_limited: Signal = field(default_factory=_signal)
     compensating: Signal = field(default_factory=_signal)
+    unit_height: Signal = field(default_factory=_signal)
+    touchdown: Signal = field(default_factory=_signal)
+    holds_tension: Signal = field(default_factory=_signal)
+    mode_changes: Signal = field(default_factory=_signal)
+    losses: Signal = field(default_factory=_signal)
     nis_in_band: Signal = field(default_factory=_signal)
     speed_limit: float = math.inf
     acceleration_limit: float = math.inf

@@ -129,3 +129,56 @@ def test_time_at_limit_counts_speed_or_acceleration_but_not_twice():
     values = kpi_set.evaluate(signals)
     assert values["time_at_speed_limit_percent"] == pytest.approx(25.0)
     assert values["time_at_limit_percent"] == pytest.approx(50.0)
+
+
+HEIGHT = np.interp(TIME, [0.0, 100.0, 130.0], [-560.0, -560.0, -590.0])
+"""Height of a unit that is lowered at 1 m/s from 100 s on [m]."""
+
+
+def landed(touching: np.ndarray, held: np.ndarray, height: np.ndarray = HEIGHT) -> dict[str, float]:
+    return kpi_set.evaluate(run(unit_height=height, touchdown=touching, holds_tension=held))
+
+
+def test_a_landing_has_the_speed_of_lowering_and_the_time_until_tension_is_held():
+    values = landed(TIME >= 120.0, TIME >= 121.5)
+    assert (values["landings"], values["landings_held"], values["lift_offs"]) == (1.0, 1.0, 0.0)
+    assert values["touchdown_speed_mps"] == pytest.approx(1.0)
+    assert values["landing_to_tension_s"] == pytest.approx(1.5)
+
+
+def test_a_unit_that_bounces_has_landed_once_with_its_rebound():
+    height = np.where((TIME > 121.0) & (TIME < 122.0), -579.7, np.where(TIME >= 120.0, -580.0, HEIGHT))
+    values = landed((TIME >= 120.0) & ~((TIME > 121.0) & (TIME < 122.0)), TIME < 0.0, height)
+    assert (values["landings"], values["landings_held"], values["lift_offs"]) == (1.0, 0.0, 1.0)
+    assert values["touchdown_rebound_m"] == pytest.approx(0.3)
+    assert math.isnan(values["landing_to_tension_s"])
+
+
+def test_what_lies_on_the_bottom_from_the_start_has_not_landed_and_two_places_are_two_landings():
+    assert landed(TIME < 50.0, TIME < 0.0)["landings"] == 0.0
+    twice = ((TIME > 110.0) & (TIME < 120.0)) | (TIME > 140.0)
+    assert landed(twice, TIME > 145.0)["landings_held"] == 1.0
+    assert landed(twice, TIME > 145.0)["landings"] == 2.0
+
+
+def test_an_efficiency_counts_only_while_the_unit_hangs():
+    """Landed from 100 s on, five whole periods in, where it lies still and the locked winch's unit goes on."""
+    lying = TIME >= 100.0
+    heave = np.where(lying, 0.0, sine(0.1))
+    values = kpi_set.evaluate(run(unit_heave=heave, uncompensated_heave=sine(1.0), touchdown=lying))
+    assert values["unit_efficiency"] == pytest.approx(0.9)
+
+
+def test_a_change_of_mode_is_charged_with_what_follows_within_ten_seconds():
+    changes = np.isclose(TIME, 50.0)
+    heave = 0.01 * np.isclose(TIME, 58.0) + 0.5 * np.isclose(TIME, 61.0)
+    values = kpi_set.evaluate(run(mode_changes=changes, losses=changes, unit_heave=heave))
+    assert (values["mode_changes"], values["compensation_losses"]) == (1.0, 1.0)
+    assert values["mode_change_heave_max_m"] == pytest.approx(0.01, rel=0.05)
+
+
+def test_people_see_what_counts_events_only_where_there_were_any():
+    without, with_one = (landed(touching, TIME < 0.0) for touching in (TIME < 0.0, TIME >= 120.0))
+    assert without["landings"] == 0.0
+    assert kpi_set.LANDING not in {one.group for one in kpi_set.shown([without])}
+    assert kpi_set.LANDING in {one.group for one in kpi_set.shown([without, with_one])}

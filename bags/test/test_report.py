@@ -6,10 +6,11 @@ import shutil
 import subprocess
 
 import pytest
-from heave_bags.analyse import analysis, kpi_set, report
+from heave_bags.analyse import analysis, kpi_set, report, run_words
 from heave_bags.analyse.events import Interval
 from heave_bags.analyse.report_figures import pack, run_figures, thin
 from heave_bags.signals import Signal
+from heave_node.criteria import Criterion
 from made_up_run import MadeUpRun
 from numpy import arange, sin, zeros
 
@@ -43,7 +44,7 @@ def test_a_browser_draws_every_figure_without_a_word_on_the_console(made_up_bag,
     drawn, console = browse(tmp_path / "report.html", tmp_path)
     assert console == []
     assert 'data-ready="true"' in drawn
-    figures = 2 + sum(len(run_figures(record)) for record in records)
+    figures = 2 + sum(len(run_figures(record)) for record in records)  # two of both
     assert drawn.count('class="plot-container') == figures
     assert "NaN" not in re.sub(r"<script.*?</script>", "", drawn, flags=re.DOTALL)
 
@@ -86,7 +87,69 @@ def test_the_figures_of_merit_stand_in_groups_and_those_nobody_knows_are_left_ou
     assert {"Unit", "Tension", "Winch", "Energy"} <= set(shown)
     rows = [definition for definition in kpi_set.KPI_DEFINITIONS if math.isfinite(record.kpis()[definition.key])]
     table = page[page.index('id="kpis"') : page.index("</table>")]
-    assert table.count("<tr><td>") == len(rows)
+    hidden = {"landings", "landings_held", "compensation_losses", "mode_changes"}  # nothing of that happened
+    assert table.count("<tr><td>") == len([row for row in rows if row.key not in hidden])
+
+
+def test_the_report_begins_with_what_was_run_the_verdict_and_six_figures(shared_bag):
+    (record,) = analysis.analyse([shared_bag])
+    record.wanted = (Criterion("unit_sigma_m", "<=", 0.01),)
+    page = report.render([record])
+    head = page[page.index("<header>") : page.index("</header>")]
+    assert "verdict: FAILED" in head
+    assert "MISSED: unit_sigma_m &lt;= 0.01" in head
+    assert "wanted &lt;= 1 cm" in head, "in the unit of the figure beside it"
+    assert head.count('class="tile"') == 6
+    assert page.index("<h3>Motion") < page.index("Figures of merit")
+
+
+def test_a_motion_has_one_unit_in_table_extremes_axes_and_under_the_pointer(shared_bag):
+    (record,) = analysis.analyse([shared_bag])
+    units = {one.unit for one in kpi_set.KPI_DEFINITIONS if one.key.endswith("_m")}
+    assert units == {"cm"}
+    assert {extreme.shown[1] for extreme in analysis.extremes(record) if extreme.unit == "m"} == {"cm"}
+    assert {one.unit for one in kpi_set.KPI_DEFINITIONS if one.key.endswith("_n")} == {"kN"}
+    for row, name in zip(record.innovations, ("mru_heave", "unit_heave"), strict=True):
+        row.name = name  # as the controller calls them
+    for figure in run_figures(record):
+        drawn = figure.to_mapping()
+        axes = [axis for name, axis in drawn["layout"].items() if name.startswith("yaxis") and "title" in axis]
+        assert all("[" in axis["title"]["text"] for axis in axes), figure.title
+        for trace in drawn["traces"]:
+            if trace.get("yaxis", "y") == "y" and "heave" in drawn["layout"]["yaxis"]["title"]["text"]:
+                assert trace["hovertemplate"].endswith((" cm", "</extra>"))
+
+
+def test_a_comparison_is_called_by_what_differs(shared_bag):
+    one, other = analysis.analyse([shared_bag, shared_bag])
+    one.parameters = {"winch_controller": {"law": "off"}}
+    other.parameters = {"winch_controller": {"law": "mpc"}}
+    assert run_words.title([one, other]) == "made_up: law: off / mpc"
+    assert run_words.labels([one, other]) == ["off", "mpc"]
+    page = report.page_content([one, other], figures := [])
+    assert [trace["name"] for trace in figures[0].traces] == ["off", "mpc"]
+    assert len({run["colour"] for run in page["runs"]}) == 2
+    other.parameters = {"winch_controller": {"law": "off", "sea.peak_period": 8.0}, "wave_vessel": {"peak_period": 8.0}}
+    assert run_words.labels([one, other]) == ["peak period - s", "peak period 8 s"], "the ship and the belief: once"
+
+
+def test_what_happened_is_told_in_words_and_in_order(shared_bag):
+    (record,) = analysis.analyse([shared_bag])
+    modes = [("standby", ""), ("compensating", ""), ("stopping", "mru frozen"), ("stopped", "mru frozen")]
+    record.modes = [Interval(10.0 * n, 10.0 * n + 10.0, mode, reason=reason) for n, (mode, reason) in enumerate(modes)]
+    texts = [one.text for one in run_words.happenings(record)]
+    assert "compensation lost: mode stopping: mru frozen" in texts
+    assert run_words.losses(record) == ["t = 20.00 s: compensation lost: mode stopping: mru frozen"]
+    times = [one.start for one in run_words.happenings(record)]
+    assert times == sorted(times)
+    assert any(re.fullmatch(r"winch at its speed limit for 2\.\d s", text) for text in texts)
+
+
+@pytest.mark.parametrize("reason", ["stop requested", "standby requested"])
+def test_what_somebody_has_asked_for_is_no_loss(shared_bag, reason):
+    (record,) = analysis.analyse([shared_bag])
+    record.modes = [Interval(0.0, 10.0, "compensating"), Interval(10.0, 20.0, "fade_out", reason=reason)]
+    assert run_words.losses(record) == []
 
 
 def test_a_run_with_little_in_it_still_gets_a_report(made_up_bag):

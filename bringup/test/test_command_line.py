@@ -33,6 +33,8 @@ from heave_bringup.cli import main
         (["operate", "depth", "deep"], "heave operate depth: argument D: invalid number value: 'deep'"),
         (["operate", "step", "0"], "heave operate step: argument N: 0: must be a whole number of at least 1"),
         (["operate", "fault", "inject", "mru", "clear"], "heave operate fault inject: argument kind: invalid choice"),
+        (["panel", "--port", "0"], "heave panel: argument --port: 0: must be a whole number from 1 to 65535"),
+        (["view", "--port", "high"], "heave view: argument --port: high: must be a whole number from 1 to 65535"),
         (["operate", "--json", "-"], "heave: --json: needs a verb"),
         (["campaign", "b9_model_error", "--processes", "0"], "heave: --processes 0: must be at least 1"),
         (["static", "b3_deep_900", "--picture", "x.doc"], "heave: --picture x.doc: must end in .png or .svg"),

@@ -136,6 +136,73 @@ def snap_times(time: ArrayLike, tension: ArrayLike, static_tension: ArrayLike) -
     return np.asarray(snaps)
 
 
+LANDING_GAP = 10.0
+"""A contact with the bottom that follows the one before by more than this is a landing of its own [s]."""
+
+
+@dataclass(frozen=True)
+class Landing:
+    """A unit that came down on the bottom.
+
+    Attributes
+    ----------
+    time : of the first contact [s]
+    end : of the last contact [s]
+    speed : downwards, just before the first contact [m/s]
+    rebound : height above the place of first contact that it reached before it left for good [m]
+    lift_offs : how often contact was lost in between
+    """
+
+    time: float
+    end: float
+    speed: float
+    rebound: float
+    lift_offs: int
+
+
+def landings(time: ArrayLike, height: ArrayLike, is_touching: ArrayLike) -> list[Landing]:
+    """Return the landings of a unit; one that lies on the bottom from the first sample has not landed.
+
+    Parameters
+    ----------
+    time : of the samples, shape (n,) [s]
+    height : of the unit, positive up, shape (n,) [m]
+    is_touching : whether the bottom carries it, shape (n,)
+    """
+    times, heights = np.asarray(time, dtype=float), np.asarray(height, dtype=float)
+    touching = np.flatnonzero(np.asarray(is_touching, dtype=bool))
+    if not touching.size:
+        return []
+    found: list[Landing] = []
+    for part in np.split(touching, np.flatnonzero(np.diff(times[touching]) > LANDING_GAP) + 1):
+        first, last = int(part[0]), int(part[-1])
+        if first < 2:
+            continue
+        # of the two samples before the contact: the bottom has not slowed the unit down yet
+        speed = (heights[first - 2] - heights[first - 1]) / (times[first - 1] - times[first - 2])
+        rebound = max(float(heights[first : last + 1].max() - heights[first]), 0.0)
+        lift_offs = int(np.count_nonzero(np.diff(part) > 1))
+        found.append(Landing(float(times[first]), float(times[last]), float(speed), rebound, lift_offs))
+    return found
+
+
+def largest_after(time: ArrayLike, values: ArrayLike, events: ArrayLike, within: float) -> float:
+    """Return the largest absolute value `within` [s] after any of the `events` [s]; NaN where there is none.
+
+    Parameters
+    ----------
+    time : of the samples, shape (n,) [s]
+    values : shape (n,)
+    events : shape (m,) [s]
+    within : length of what counts after each event [s]
+    """
+    times, array = np.asarray(time, dtype=float), np.asarray(values, dtype=float)
+    counts = np.zeros(times.shape, dtype=bool)
+    for event in np.asarray(events, dtype=float):
+        counts |= (times >= event) & (times <= event + within)
+    return float(np.abs(array[counts]).max()) if counts.any() else math.nan
+
+
 @dataclass(frozen=True)
 class WinchPower:
     """Power at the drum, `T v`. Hauling in under load motors, paying out under load regenerates.

@@ -25,12 +25,18 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Extreme:
-    """The largest or smallest value of something, its `name`, and when it was: `time` [s], `value` in `unit`."""
+    """The largest or smallest value of something, its `name`, and when it was: `time` [s], `value` in the SI `unit`."""
 
     name: str
     value: float
     unit: str
     time: float
+
+    @property
+    def shown(self) -> tuple[str, str]:
+        """The value and its unit as people see them, the same as in the table of figures of merit."""
+        unit, scale = kpi_set.QUANTITIES[self.unit]
+        return f"{scale * self.value:.2f}", unit
 
 
 def analyse(
@@ -80,7 +86,7 @@ def extremes(record: RunRecord) -> list[Extreme]:
     add("top tension, smallest", signals.tension, "N", smallest=True)
     add("top tension, largest", signals.tension, "N")
     add("winch speed", signals.payout_rate, "m/s")
-    add("winch acceleration", signals.payout_acceleration, "m/s2")
+    add("winch acceleration", signals.payout_acceleration, "m/s²")
     if signals.tension.size and signals.payout_rate.size:
         rate = signals.payout_rate
         add("winch power T v", Signal(rate.time, signals.tension.at(rate) * rate.value), "W")

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -17,8 +18,11 @@ REPEATED = 1.0
 """Time for which a message of /diagnostics holds, until the next [s]."""
 
 
-COMPENSATES = ("compensating", "constant_tension")
+HOLDS_TENSION = "constant_tension"
+COMPENSATES = ("compensating", HOLDS_TENSION)
 """Modes of the controller in which the winch does its work."""
+REQUESTED = "requested"
+"""Last word of the reason of a mode that somebody asked for."""
 OFF = "off"
 """Mode of a controller whose law never moves the winch."""
 
@@ -32,6 +36,8 @@ class Interval:
     name: str
     level: int = 0
     """0 plain, 1 warning, 2 error."""
+    reason: str = ""
+    """Of a mode: why it was taken, in the controller's words."""
 
 
 def words(code: WinchFault | WinchLimit | SensorLevel) -> str:
@@ -41,8 +47,35 @@ def words(code: WinchFault | WinchLimit | SensorLevel) -> str:
 
 def modes(state: Fields) -> list[Interval]:
     """Return the modes of the controller from the columns of its `state`."""
-    names = state.texts("mode")
-    return _unchanged(state.time, names) if names is not None and names.size else []
+    names, reasons = state.texts("mode"), state.texts("reason")
+    if names is None or not names.size:
+        return []
+    found = _unchanged(state.time, names)
+    if reasons is None:
+        return found
+    rows = np.searchsorted(state.time, [interval.start for interval in found])
+    return [replace(interval, reason=str(reasons[row])) for interval, row in zip(found, rows, strict=True)]
+
+
+def is_loss(before: str, mode: str, reason: str) -> bool:
+    """Return whether compensation was lost by a change of mode: it ended, and nobody had asked for that.
+
+    Parameters
+    ----------
+    before, mode : of the controller before and after the change
+    reason : of the change, as the controller says it
+    """
+    return before in COMPENSATES and mode not in COMPENSATES and not reason.endswith(REQUESTED)
+
+
+def loss_words(time: float, mode: str, reason: str) -> str:
+    """Return the line about a loss of compensation at a `time` [s] into a `mode` for a `reason`."""
+    return f"t = {time:.2f} s: compensation lost: mode {mode}{f': {reason}' if reason else ''}"
+
+
+def losses(found: Sequence[Interval]) -> list[Interval]:
+    """Return the modes, of those `found` one after another, into which compensation was lost."""
+    return [mode for before, mode in pairwise(found) if is_loss(before.name, mode.name, mode.reason)]
 
 
 def winch_limits(winch: Fields) -> list[Interval]:

@@ -7,7 +7,7 @@ formulas are those of `heave_node.kpi`.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence, Sized
 from dataclasses import dataclass
 from functools import cached_property
 from types import MappingProxyType
@@ -22,6 +22,10 @@ from heave_bags.signals import RunSignals, Signal
 NOT_KNOWN = math.nan
 SOURCES = ("estimated", "measured", "true")
 """What a motion may come from, the least certain first."""
+
+
+AFTER_CHANGE = 10.0
+"""Time after a change of mode that counts to it [s]."""
 
 
 class Window:
@@ -62,6 +66,28 @@ class Window:
         """Standard deviation of what the winch leaves of the boom tip's heave [m]."""
         boom_tip = self.of(self.run.boom_tip_heave)
         return kpi.sigma(boom_tip.value - self.run.payout.at(boom_tip)) if self.run.payout.size else NOT_KNOWN
+
+    def hanging(self, signal: Signal) -> Array:
+        """Return the values of a signal while the bottom does not carry the unit."""
+        part, touchdown = self.of(signal), self.of(self.run.touchdown)
+        if not touchdown.value.any():
+            return part.value
+        return np.asarray(part.value[touchdown.at(part) == 0.0])
+
+    @cached_property
+    def unit_efficiency(self) -> float:
+        """Efficiency at the unit, while it hangs: a unit on the bottom lies still by itself."""
+        free = kpi.sigma(self.hanging(self.run.uncompensated_heave))
+        return kpi.efficiency(kpi.sigma(self.hanging(self.run.unit_heave)), free)
+
+    @cached_property
+    def outlet_efficiency(self) -> float:
+        """Efficiency at the top of the cable, while the unit hangs."""
+        if not self.run.payout.size:
+            return NOT_KNOWN
+        tip = self.run.boom_tip_heave
+        left = Signal(tip.time, tip.value - self.run.payout.at(tip))
+        return kpi.efficiency(kpi.sigma(self.hanging(left)), kpi.sigma(self.hanging(tip)))
 
     @cached_property
     def tension_ratios(self) -> tuple[float, float]:
@@ -109,6 +135,42 @@ class Window:
         return limited | (flagged.value != 0.0) if flagged.size == self.rate.size else limited
 
     @cached_property
+    def landings(self) -> list[kpi.Landing]:
+        """Landings of the unit on the bottom."""
+        height, touchdown = self.of(self.run.unit_height), self.of(self.run.touchdown)
+        if height.size != touchdown.size or not height.size:
+            return []
+        return kpi.landings(height.time, height.value, touchdown.value)
+
+    def landed(self, figure: Callable[[kpi.Landing], float]) -> float:
+        """Return the largest of a figure of all landings; NaN where there is none."""
+        return max((figure(landing) for landing in self.landings), default=NOT_KNOWN)
+
+    @cached_property
+    def times_to_tension(self) -> list[float]:
+        """Time from the first contact of each landing until a tension is held [s]; NaN where none was."""
+        held = self.run.holds_tension
+        found = []
+        for landing in self.landings:
+            part = held.window(landing.time, landing.end)
+            times = part.time[part.value != 0.0]
+            found.append(float(times[0] - landing.time) if times.size else NOT_KNOWN)
+        return found
+
+    @cached_property
+    def mode_changes(self) -> Array:
+        """Times at which the controller changed its mode [s]."""
+        changes = self.of(self.run.mode_changes)
+        return np.asarray(changes.time[changes.value != 0.0])
+
+    def after_changes(self, signal: Signal) -> float:
+        """Return the largest absolute value of a signal about its mean within AFTER_CHANGE of a change of mode."""
+        part = self.of(signal)
+        if not part.size:
+            return NOT_KNOWN
+        return kpi.largest_after(part.time, part.value - part.value.mean(), self.mode_changes, AFTER_CHANGE)
+
+    @cached_property
     def power(self) -> kpi.WinchPower:
         """Power at the drum."""
         is_known = self.rate.size and self.run.tension.size
@@ -135,6 +197,11 @@ def _least(values: Array) -> float:
 
 def _largest(values: Array) -> float:
     return float(values.max()) if values.size else NOT_KNOWN
+
+
+def _count(signal: Signal, events: Sized) -> float:
+    """Return how many events there are; NaN where the signal that tells of them was not recorded."""
+    return float(len(events)) if signal.size else NOT_KNOWN
 
 
 def _mean(values: Array) -> float:
@@ -172,15 +239,19 @@ class KpiDefinition:
         return f"{value * self.scale:.{self.digits}f}" if math.isfinite(value) else "-"
 
 
-UNIT, TENSION, WINCH, ENERGY, ESTIMATE, TIMING, DRIVEN = GROUPS = (
+UNIT, TENSION, WINCH, ENERGY, ESTIMATE, TIMING, LANDING, CHANGES, DRIVEN = GROUPS = (
     "Unit",
     "Tension",
     "Winch",
     "Energy",
     "Estimate",
     "Timing",
+    "Landing",
+    "Changes of mode",
     "Driven motion",
 )
+COUNT_OF_EVENTS = {LANDING: "landings", CHANGES: "mode_changes"}
+"""Figures that count the events of a group; people see the group only where there are any."""
 
 KPI_DEFINITIONS: tuple[KpiDefinition, ...] = (
     KpiDefinition(
@@ -201,7 +272,7 @@ KPI_DEFINITIONS: tuple[KpiDefinition, ...] = (
         "unit efficiency 1 - s(z)/s(z_off)",
         "%",
         UNIT,
-        lambda w: kpi.efficiency(w.unit_sigma, kpi.sigma(w.uncompensated_heave)),
+        lambda w: w.unit_efficiency,
         100.0,
         2,
         heading="unit eff.",
@@ -211,7 +282,7 @@ KPI_DEFINITIONS: tuple[KpiDefinition, ...] = (
         "outlet efficiency 1 - s(z0-p)/s(z0)",
         "%",
         UNIT,
-        lambda w: kpi.efficiency(w.outlet_sigma, w.boom_tip_sigma),
+        lambda w: w.outlet_efficiency,
         100.0,
         2,
         heading="outlet eff.",
@@ -322,7 +393,7 @@ KPI_DEFINITIONS: tuple[KpiDefinition, ...] = (
     KpiDefinition(
         "winch_acceleration_max_mps2",
         "winch acceleration, largest",
-        "m/s2",
+        "m/s²",
         WINCH,
         lambda w: _largest(np.abs(w.acceleration)),
     ),
@@ -389,12 +460,96 @@ KPI_DEFINITIONS: tuple[KpiDefinition, ...] = (
         is_count=True,
     ),
     KpiDefinition(
+        "landings", "landings", "", LANDING, lambda w: _count(w.run.touchdown, w.landings), digits=0, is_count=True
+    ),
+    KpiDefinition(
+        "landings_held",
+        "landings after which tension was held",
+        "",
+        LANDING,
+        lambda w: _count(w.run.touchdown, [time for time in w.times_to_tension if math.isfinite(time)]),
+        digits=0,
+        is_count=True,
+    ),
+    KpiDefinition(
+        "touchdown_speed_mps",
+        "speed of the unit at touchdown",
+        "m/s",
+        LANDING,
+        lambda w: w.landed(lambda one: one.speed),
+    ),
+    KpiDefinition(
+        "touchdown_rebound_m",
+        "rebound above the place of touchdown",
+        "cm",
+        LANDING,
+        lambda w: w.landed(lambda one: one.rebound),
+        100.0,
+        2,
+    ),
+    KpiDefinition(
+        "lift_offs",
+        "contact lost before the unit was lifted off",
+        "",
+        LANDING,
+        lambda w: w.landed(lambda one: one.lift_offs),
+        digits=0,
+        is_count=True,
+    ),
+    KpiDefinition(
+        "landing_to_tension_s",
+        "from touchdown until tension is held",
+        "s",
+        LANDING,
+        lambda w: max(w.times_to_tension, default=NOT_KNOWN),
+        digits=2,
+    ),
+    KpiDefinition(
+        "mode_changes",
+        "changes of mode",
+        "",
+        CHANGES,
+        lambda w: _count(w.run.mode_changes, w.mode_changes),
+        digits=0,
+        is_count=True,
+    ),
+    KpiDefinition(
+        "compensation_losses",
+        "losses of compensation that nobody had requested",
+        "",
+        CHANGES,
+        lambda w: _count(w.run.losses, np.flatnonzero(w.of(w.run.losses).value)),
+        digits=0,
+        is_count=True,
+    ),
+    KpiDefinition(
+        "mode_change_heave_max_m",
+        f"largest unit heave within {AFTER_CHANGE:g} s of a change",
+        "cm",
+        CHANGES,
+        lambda w: w.after_changes(w.run.unit_heave),
+        100.0,
+        2,
+    ),
+    KpiDefinition(
+        "mode_change_acceleration_max_mps2",
+        f"largest winch acceleration within {AFTER_CHANGE:g} s of a change",
+        "m/s²",
+        CHANGES,
+        lambda w: (
+            kpi.largest_after(w.rate.time, w.acceleration, w.mode_changes, AFTER_CHANGE)
+            if w.acceleration.size == w.rate.size
+            else NOT_KNOWN
+        ),
+    ),
+    KpiDefinition(
         "unit_heave_amplitude_m",
         "unit heave, first harmonic",
-        "m",
+        "cm",
         DRIVEN,
         lambda w: w.harmonics[0].amplitude,
-        digits=5,
+        100.0,
+        digits=3,
     ),
     KpiDefinition(
         "unit_heave_phase_deg",
@@ -404,15 +559,16 @@ KPI_DEFINITIONS: tuple[KpiDefinition, ...] = (
         lambda w: kpi.phase_lead_degrees(w.harmonics[0], w.harmonics[1]),
     ),
     KpiDefinition(
-        "top_tension_mean_n", "top tension, mean of the fit", "N", DRIVEN, lambda w: w.harmonics[2].mean, digits=1
+        "top_tension_mean_n", "top tension, mean of the fit", "kN", DRIVEN, lambda w: w.harmonics[2].mean, 1e-3, 4
     ),
     KpiDefinition(
         "top_tension_amplitude_n",
         "top tension, first harmonic",
-        "N",
+        "kN",
         DRIVEN,
         lambda w: w.harmonics[2].amplitude,
-        digits=1,
+        1e-3,
+        digits=4,
     ),
 )
 """All KPIs in the order of a table."""
@@ -443,6 +599,15 @@ def source_of(key: str, sources: Mapping[str, str]) -> str:
     return next((source for source in SOURCES if source in found), "")
 
 
+QUANTITIES: Mapping[str, tuple[str, float]] = {
+    "m": ("cm", 100.0),
+    "N": ("kN", 1e-3),
+    "m/s": ("m/s", 1.0),
+    "m/s²": ("m/s²", 1.0),
+    "W": ("kW", 1e-3),
+}
+"""In which unit people see a quantity, wherever they see it, and that over its SI unit: motion, force, ... power."""
+
 DEFINITION_OF: Mapping[str, KpiDefinition] = {definition.key: definition for definition in KPI_DEFINITIONS}
 
 
@@ -463,6 +628,24 @@ def to_json(values: Mapping[str, float]) -> dict[str, float | int | None]:
     }
 
 
+def shown(columns: Sequence[Mapping[str, float]]) -> list[KpiDefinition]:
+    """Return the figures that people see of the KPIs of one or several runs, `columns`, in order.
+
+    Left out is what no run has a value of, and what counts events that there were none of.
+    """
+
+    def has_events(group: str) -> bool:
+        count = COUNT_OF_EVENTS.get(group)
+        return count is None or any(column.get(count, 0.0) > 0.0 for column in columns)
+
+    return [
+        definition
+        for definition in KPI_DEFINITIONS
+        if has_events(definition.group)
+        and any(math.isfinite(column.get(definition.key, math.nan)) for column in columns)
+    ]
+
+
 def table(
     columns: Mapping[str, Mapping[str, float]], sources: Mapping[str, Mapping[str, str]] = MappingProxyType({})
 ) -> str:
@@ -474,12 +657,11 @@ def table(
     sources : where the motions of each run come from; a figure that is not made from the truth says so
     """
     rows = [("", "", *columns)]
-    for definition in KPI_DEFINITIONS:
+    for definition in shown(list(columns.values())):
         cells = [definition.text(values.get(definition.key, math.nan)) for values in columns.values()]
-        if any(cell != "-" for cell in cells):
-            marks = {source_of(definition.key, of_run) for of_run in sources.values()} - {"", SOURCES[-1]}
-            unit = f"{definition.unit}  {', '.join(sorted(marks))}" if marks else definition.unit
-            rows.append((definition.title, unit, *cells))
+        marks = {source_of(definition.key, of_run) for of_run in sources.values()} - {"", SOURCES[-1]}
+        unit = f"{definition.unit}  {', '.join(sorted(marks))}" if marks else definition.unit
+        rows.append((definition.title, unit, *cells))
     widths = [max(len(row[column]) for row in rows) for column in range(len(rows[0]))]
     lines = [
         f"{row[0]:<{widths[0]}}  "

@@ -4,26 +4,64 @@ from __future__ import annotations
 
 import base64
 import hashlib
-import html
 import json
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from importlib import resources
 from pathlib import Path
+from typing import Any
 
-from heave_bags.analyse import analysis, kpi_set
-from heave_bags.analyse.analysis import Extreme
-from heave_bags.analyse.report_figures import Figure, comparison_figures, run_figures, without_nan
+from jinja2 import Environment, StrictUndefined
+
+from heave_bags.analyse import analysis, kpi_set, run_words
+from heave_bags.analyse.report_figures import (
+    RUN_COLOURS,
+    Figure,
+    comparison_figures,
+    run_figures,
+    without_nan,
+)
 from heave_bags.analyse.run_record import RunRecord
+from heave_bags.analyse.verdict import Verdict, judge
 from heave_bags.errors import BagError
 
-_LEVELS = ("", "warning", "error")
-_MOST_ALARMS = 50
+MOST_HAPPENINGS = 60
+"""Lines of what happened in a run; the bag has them all."""
+TILES = 6
+OF_A_LANDING = ("touchdown_speed_mps", "touchdown_rebound_m", "landing_to_tension_s")
+USUAL = (
+    *("unit_sigma_m", "uncompensated_sigma_m", "unit_efficiency", "tension_ratio_min", "winch_speed_max_mps"),
+    *("time_at_limit_percent", "outlet_efficiency", "power_peak_w", "boom_tip_sigma_m", "tension_max_n"),
+)
+"""Figures that are shown large, the first that are known: those of a landing, and those of any run."""
+OF_A_LAW = ("unit_efficiency", "outlet_efficiency")
+"""Figures that say nothing where the law is off."""
+TILE_NAMES = {
+    "unit_sigma_m": "unit heave, σ",
+    "uncompensated_sigma_m": "uncompensated, σ",
+    "unit_efficiency": "unit efficiency",
+    "tension_ratio_min": "smallest over static tension",
+    "winch_speed_max_mps": "largest winch speed",
+    "time_at_limit_percent": "time at winch limits",
+    "boom_tip_sigma_m": "boom-tip heave, σ",
+}
 
 
-def save_report(records: Sequence[RunRecord], output: Path) -> None:
-    """Write the report of the runs `records` to `output`. Raises BagError if the file cannot be written."""
-    text = render(records)
+@dataclass(frozen=True)
+class Place:
+    """The place of a figure in the page, by its number among all figures."""
+
+    number: int
+    figure: Figure
+
+
+def save_report(records: Sequence[RunRecord], output: Path, verdicts: Sequence[Verdict] = ()) -> None:
+    """Write the report of the runs `records` to `output`, with their `verdicts`, or those of the bags' own criteria.
+
+    Raises BagError if the file cannot be written.
+    """
+    text = render(records, verdicts)
     try:
         output.parent.mkdir(parents=True, exist_ok=True)
         output.write_text(text, encoding="utf-8")
@@ -31,56 +69,25 @@ def save_report(records: Sequence[RunRecord], output: Path) -> None:
         raise BagError(f"{output}: the report cannot be written: {error.strerror}") from error
 
 
-def render(records: Sequence[RunRecord]) -> str:
-    """Return the report of `records` as HTML text."""
-    title = _title(records)
-    body, figures = render_body(records)
-    return _page(title, body, figures)
-
-
-def _title(records: Sequence[RunRecord]) -> str:
-    return " and ".join(record.run.get("scenario") or record.name for record in records)
-
-
-def render_body(records: Sequence[RunRecord]) -> tuple[str, list[Figure]]:
-    """Return what a report of `records` says, as HTML, and the figures that its script draws."""
-    title = _title(records)
-    figures: list[Figure] = []
-    body = [_heading(title, records), _kpi_section(records)]
-    if len(records) > 1:
-        body += ["<h2>Comparison</h2>", *(_plot(figure, figures) for figure in comparison_figures(records))]
-    body += [_run_section(record, figures, is_only=len(records) == 1) for record in records]
-    return "\n".join(body), figures
-
-
-def _page(title: str, body: str, figures: Sequence[Figure]) -> str:
+def render(records: Sequence[RunRecord], verdicts: Sequence[Verdict] = ()) -> str:
+    """Return the report of `records` as HTML text; `verdicts` as for `save_report`."""
     from plotly.offline import get_plotlyjs  # noqa: PLC0415 - slow to import, needed for its script only
 
-    assets = resources.files("heave_bags.analyse") / "report_assets"
-    style = (assets / "report.css").read_text(encoding="utf-8")
-    script = (assets / "report.js").read_text(encoding="utf-8")
-    scripts = [get_plotlyjs(), f"\n{script}"]
-    return f"""<!doctype html>
-<html lang="en">
-<head>
-<meta charset="utf-8">
-<meta http-equiv="Content-Security-Policy" content="{security_policy(scripts)}">
-<meta name="viewport" content="width=device-width, initial-scale=1">
-<title>{html.escape(title)} - heave compensation report</title>
-<link rel="icon" href="data:,">
-<style>
-{style}</style>
-</head>
-<body>
-{body}
-<footer>SI units; heave positive up, payout positive lowers the unit. Drag to zoom, double-click to see all;
-figures over time zoom together. For a PDF, print this page.</footer>
-<script>{scripts[0]}</script>
-<script type="application/json" id="figures">{_as_script(figures)}</script>
-<script>{scripts[1]}</script>
-</body>
-</html>
-"""
+    figures: list[Figure] = []
+    content = page_content(records, figures, verdicts)
+    scripts = [get_plotlyjs(), f"\n{_asset('report.js')}"]
+    page = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True).from_string(_asset("report.html"))
+    return page.render(
+        **content,
+        policy=security_policy(scripts),
+        style=_asset("report.css"),
+        scripts=scripts,
+        figures=_as_script(figures),
+    )
+
+
+def _asset(name: str) -> str:
+    return (resources.files("heave_bags.analyse") / "report_assets" / name).read_text(encoding="utf-8")
 
 
 def security_policy(scripts: Sequence[str]) -> str:
@@ -102,102 +109,120 @@ def _as_script(figures: Sequence[Figure]) -> str:
     return json.dumps(data, allow_nan=False).replace("<", "\\u003c")
 
 
-def _heading(title: str, records: Sequence[RunRecord]) -> str:
-    lines = [f"<h1>{html.escape(title)}</h1>", '<p class="lead">Active heave compensation: run report</p>']
-    for record in records:
-        prefix = f"{record.name}: " if len(records) > 1 else ""
-        lines += [f'<div class="notice">{html.escape(prefix + text)}</div>' for text in record.remarks()]
-    return "\n".join(lines)
+def page_content(
+    records: Sequence[RunRecord], figures: list[Figure], verdicts: Sequence[Verdict] = ()
+) -> dict[str, Any]:
+    """Return what the page of `records` says.
+
+    Parameters
+    ----------
+    records : of the runs
+    figures : those that the page's script draws are added
+    verdicts : as for `save_report`
+    """
+    labels = run_words.labels(records)
+    judged = list(verdicts) or [judge(record, record.wanted, moves_winch=record.moves_winch) for record in records]
+    values = [record.kpis() for record in records]
+
+    def places(drawn: Sequence[Figure]) -> list[Place]:
+        figures.extend(drawn)
+        return [Place(len(figures) - len(drawn) + number, figure) for number, figure in enumerate(drawn)]
+
+    own = [run_figures(record) for record in records]
+    is_only = len(records) == 1
+    first = places(own[0][:1] if is_only else comparison_figures(records, labels))
+    runs = [
+        {
+            **_run(record, verdict, column),
+            "label": label,
+            "colour": RUN_COLOURS[number % len(RUN_COLOURS)],
+            "places": places(drawn[1:] if is_only else drawn),
+        }
+        for number, (record, verdict, column, label, drawn) in enumerate(
+            zip(records, judged, values, labels, own, strict=True)
+        )
+    ]
+    for run in runs[1:]:  # what they have in common is said once
+        run["facts"] = {name: text for name, text in run["facts"].items() if text != runs[0]["facts"].get(name)}
+    return {
+        "title": run_words.title(records),
+        "runs": runs,
+        "first_places": first,
+        "differences": [] if is_only else run_words.differences(records),
+        "groups": _groups(values, [record.sources for record in records]),
+    }
 
 
-def _kpi_section(records: Sequence[RunRecord]) -> str:
-    columns = [record.kpis() for record in records]
-    names = "".join(f'<th class="number">{html.escape(record.name)}</th>' for record in records)
-    sources = [record.sources for record in records]
-    groups = [_kpi_group(group, columns, sources) for group in kpi_set.GROUPS]
-    window = "; ".join(f"{record.start:.2f} s to {record.end:.2f} s" for record in records)
-    return (
-        f'<h2>Figures of merit</h2>\n<p class="caption">Evaluation window: {window}.</p>\n'
-        f'<div class="scroll"><table id="kpis"><thead><tr><th>KPI</th>{names}<th>unit</th></tr></thead>\n'
-        + "\n".join(groups)
-        + "</table></div>"
-    )
+def _run(record: RunRecord, verdict: Verdict, values: Mapping[str, float]) -> dict[str, Any]:
+    happenings = run_words.happenings(record)
+    is_silent = verdict.lines()[0].startswith(("verdict: none", "verdict: no"))
+    return {
+        "name": record.name,
+        "facts": run_words.facts(record),
+        "remarks": record.remarks(),
+        "verdict": [line.strip() for line in verdict.lines()],
+        "verdict_class": "bad" if not verdict.is_good else "" if is_silent else "good",
+        "tiles": _tiles(record, values),
+        "happenings": happenings[:MOST_HAPPENINGS],
+        "more": max(len(happenings) - MOST_HAPPENINGS, 0),
+        "extremes": analysis.extremes(record),
+        "provenance": {
+            name: value for name, value in {**record.run, **record.outcome}.items() if "publishers." not in name
+        },
+    }
 
 
-def _kpi_group(group: str, columns: Sequence[Mapping[str, float]], sources: Sequence[Mapping[str, str]]) -> str:
-    """Return the rows of one group of KPIs under its heading, with what each is made from; "" where none is known."""
-    rows = []
-    for definition in kpi_set.KPI_DEFINITIONS:
-        values = [column[definition.key] for column in columns]
-        if definition.group == group and any(math.isfinite(value) for value in values):
-            made_from = [kpi_set.source_of(definition.key, of_run) for of_run in sources]
-            titles = [f' title="{source}"' if source else "" for source in made_from]
-            marks = ["" if source in ("", "true") else f" <small>{source}</small>" for source in made_from]
-            cells = "".join(
-                f'<td class="number"{title}>{definition.text(value)}{mark}</td>'
-                for value, title, mark in zip(values, titles, marks, strict=True)
-            )
-            rows.append(f"<tr><td>{html.escape(definition.title)}</td>{cells}<td>{definition.unit}</td></tr>")
-    if not rows:
-        return ""
-    heading = f'<tr><th class="group" colspan="{len(columns) + 2}">{group}</th></tr>'
-    return "\n".join(["<tbody>", heading, *rows, "</tbody>"])
+def _tiles(record: RunRecord, values: Mapping[str, float]) -> list[dict[str, str]]:
+    """Return the figures of a run that are shown large."""
+    keys = [key for key in (*OF_A_LANDING, *USUAL) if math.isfinite(values[key])]
+    if not record.moves_winch:
+        keys = [key for key in keys if key not in OF_A_LAW]
+    found = []
+    for key in keys[:TILES]:
+        definition = kpi_set.DEFINITION_OF[key]
+        found.append(
+            {
+                "name": TILE_NAMES.get(key, definition.title),
+                "value": definition.text(values[key]),
+                "unit": definition.unit,
+                "note": _note(record, key),
+                "source": kpi_set.source_of(key, record.sources),
+            }
+        )
+    return found
 
 
-def _run_section(record: RunRecord, figures: list[Figure], *, is_only: bool) -> str:
-    plots = "\n".join(_plot(figure, figures) for figure in run_figures(record))
-    details = _details(record)
-    heading = "Figures" if is_only else f"Run {html.escape(record.name)}"
-    return f"<h2>{heading}</h2>\n{plots}\n{details}"
+def _note(record: RunRecord, key: str) -> str:
+    """Return what stands beside a large figure: what was wanted of it, its limit, and what it is made from."""
+    definition = kpi_set.DEFINITION_OF[key]
+    notes = [
+        f"wanted {one.relation} {definition.scale * one.bound:.4g} {definition.unit}".rstrip()
+        for one in record.wanted
+        if one.kpi == key
+    ]
+    if key == "winch_speed_max_mps" and math.isfinite(record.signals.speed_limit):
+        notes.append(f"limit {record.signals.speed_limit:g} m/s")
+    source = kpi_set.source_of(key, record.sources)
+    return "; ".join([*notes, *([source] if source not in ("", kpi_set.SOURCES[-1]) else [])])
 
 
-def _plot(figure: Figure, figures: list[Figure]) -> str:
-    """Return the place of a figure in the page, and add it to those the script draws."""
-    figures.append(figure)
-    title, caption = html.escape(figure.title), html.escape(figure.caption)
-    return (
-        f'<section class="plot"><h3>{title}</h3><p class="caption">{caption}</p>'
-        f'<div class="figure" id="figure-{len(figures) - 1}" style="min-height:{figure.height}px"></div></section>'
-    )
-
-
-def _details(record: RunRecord) -> str:
-    return (
-        "<h3>Extremes, alarms and provenance</h3>"
-        f'<div class="tables">{_extremes_table(analysis.extremes(record))}{_alarm_table(record)}</div>'
-        f"<details><summary>Where this bag comes from</summary>{_provenance_table(record)}</details>"
-    )
-
-
-def _extremes_table(found: Sequence[Extreme]) -> str:
-    rows = "".join(
-        f"<tr><td>{html.escape(extreme.name)}</td>"
-        f'<td class="number">{extreme.value:.5g}</td><td>{extreme.unit}</td>'
-        f'<td class="number">{extreme.time:.2f}</td></tr>'
-        for extreme in found
-    )
-    head = '<tr><th>extreme</th><th class="number">value</th><th>unit</th><th class="number">time [s]</th></tr>'
-    return f"<table><thead>{head}</thead><tbody>{rows}</tbody></table>"
-
-
-def _alarm_table(record: RunRecord) -> str:
-    alarms = sorted(record.alarms, key=lambda alarm: alarm.start)
-    if not alarms:
-        return "<p>No alarms.</p>"
-    rows = "".join(
-        f'<tr><td class="number">{alarm.start:.2f}</td><td class="number">{alarm.end:.2f}</td>'
-        f"<td>{_LEVELS[alarm.level]}</td><td>{html.escape(alarm.name)}</td></tr>"
-        for alarm in alarms[:_MOST_ALARMS]
-    )
-    more = f"<p>and {len(alarms) - _MOST_ALARMS} more</p>" if len(alarms) > _MOST_ALARMS else ""
-    head = '<tr><th class="number">from [s]</th><th class="number">to [s]</th><th>level</th><th>alarm</th></tr>'
-    return f"<div><table><thead>{head}</thead><tbody>{rows}</tbody></table>{more}</div>"
-
-
-def _provenance_table(record: RunRecord) -> str:
-    rows = "".join(
-        f"<tr><td>{html.escape(name)}</td><td><code>{html.escape(value)}</code></td></tr>"
-        for name, value in {**record.run, **record.outcome}.items()
-        if not name.startswith("publishers.")
-    )
-    return f"<table><tbody>{rows}</tbody></table>"
+def _groups(columns: Sequence[Mapping[str, float]], sources: Sequence[Mapping[str, str]]) -> list[dict[str, Any]]:
+    """Return the figures of merit in groups, with what each is made from; those that nobody knows are left out."""
+    shown = kpi_set.shown(columns)
+    groups = []
+    for group in kpi_set.GROUPS:
+        rows = [
+            {
+                "title": definition.title,
+                "unit": definition.unit,
+                "cells": [
+                    {"text": definition.text(column[definition.key]), "source": kpi_set.source_of(definition.key, of)}
+                    for column, of in zip(columns, sources, strict=True)
+                ],
+            }
+            for definition in shown
+            if definition.group == group
+        ]
+        if rows:
+            groups.append({"name": group, "rows": rows})
+    return groups

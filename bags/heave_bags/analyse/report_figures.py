@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import base64
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import Any
@@ -16,6 +16,7 @@ from heave_node.numerics.arrays import Array
 from heave_node.tick.durations import EDGES, LAST
 
 from heave_bags.analyse.events import Interval
+from heave_bags.analyse.kpi_set import QUANTITIES
 from heave_bags.analyse.run_record import Innovation, RunRecord
 from heave_bags.analyse.spectra import Spectrum, spectrum, transmissibility
 from heave_bags.signals import Signal
@@ -26,7 +27,7 @@ UNIT = "#009e73"
 UNCOMPENSATED = "#999999"
 LIMIT = "#d55e00"
 OTHER = "#cc79a7"
-RUN_COLOURS = ("#009e73", "#0072b2", "#e69f00", "#cc79a7", "#56b4e9", "#d55e00", "#000000")
+RUN_COLOURS = ("#009e73", "#0072b2", "#e69f00", "#cc79a7", "#56b4e9", "#d55e00", "#8c564b")
 LEVEL_COLOURS = ("#0072b2", "#e69f00", "#d55e00")
 MODE_COLOURS = {
     "off": "#bbbbbb",
@@ -38,6 +39,12 @@ MODE_COLOURS = {
     "stopped": "#d55e00",
     "emergency_stop": "#d55e00",
 }
+
+CM, KN = QUANTITIES["m"][1], QUANTITIES["N"][1]
+"""Motions [cm] and forces [kN] as people see them, over their SI units."""
+
+LABEL_HEIGHT = 18.0
+"""From one name of a trace to the next [pixels]."""
 
 MAXIMUM_SAMPLES = 200_000
 """Longer signals are thinned before they enter the page; their extremes stay."""
@@ -64,8 +71,35 @@ class Figure:
     height: int = 380
 
     def to_mapping(self) -> dict[str, Any]:
-        """Return what the page's script draws."""
-        return {"traces": self.traces, "layout": self.layout, "time": self.is_over_time, "height": self.height}
+        """Return what the page's script draws: hovering says units, and names stand beside what they name."""
+        traces = [self._with_hover(trace) for trace in self.traces]
+        drawn = {"traces": traces, "layout": self.layout, "labels": self._labels()}
+        return {**drawn, "time": self.is_over_time, "height": self.height}
+
+    def _axis(self, trace: Mapping[str, Any]) -> dict[str, Any]:
+        axis: dict[str, Any] = self.layout.get(f"yaxis{trace.get('yaxis', 'y')[1:]}", {})
+        return axis
+
+    def _with_hover(self, trace: dict[str, Any]) -> dict[str, Any]:
+        title = self._axis(trace).get("title", {}).get("text", "")
+        return trace if "hovertemplate" in trace else {**trace, "hovertemplate": _hover(title)}
+
+    def _labels(self) -> list[dict[str, Any]]:
+        """Return the names of the traces as they stand at the right of their axes, from the top down."""
+        named: dict[str, list[dict[str, Any]]] = {}
+        for trace in self.traces:
+            if trace.get("showlegend", True) and trace.get("mode") == "lines":
+                named.setdefault(trace.get("yaxis", "y"), []).append(trace)
+        found = []
+        for traces in named.values():
+            bottom, top = self._axis(traces[0]).get("domain", (0.0, 1.0))
+            middle, step = 0.5 * (bottom + top), LABEL_HEIGHT / max(self.height - 55.0, 1.0)
+            first = middle + 0.5 * step * (len(traces) - 1)
+            found += [
+                {"text": trace["name"], "y": first - number * step, "color": trace["line"]["color"]}
+                for number, trace in enumerate(traces)
+            ]
+        return found
 
 
 def without_nan(value: Any) -> Any:
@@ -124,7 +158,14 @@ def line(signal: Signal, name: str, colour: str, **style: Any) -> dict[str, Any]
 
 
 def _about_mean(signal: Signal) -> Signal:
-    return Signal(signal.time, signal.value - signal.value.mean()) if signal.size else signal
+    """Return a motion about its mean as people see motions [cm]."""
+    return Signal(signal.time, CM * (signal.value - signal.value.mean())) if signal.size else signal
+
+
+def _hover(axis_title: str) -> str:
+    """Return what a trace says under the pointer: its value in the unit of its axis."""
+    unit = axis_title[axis_title.rfind("[") + 1 :].rstrip("]") if "[" in axis_title else ""
+    return f"%{{y:.4~g}} {unit}".rstrip()
 
 
 def _level(height: float, name: str, axis: str = "y") -> list[dict[str, Any]]:
@@ -160,8 +201,8 @@ def _transient(record: RunRecord) -> list[dict[str, Any]]:
             "yref": "paper",
             "y0": 0,
             "y1": 1,
-            "fillcolor": "#000000",
-            "opacity": 0.05,
+            "fillcolor": "#888888",
+            "opacity": 0.14,
             "line": {"width": 0},
             "layer": "below",
         }
@@ -222,7 +263,7 @@ def motion_figure(record: RunRecord) -> Figure:
         "Motion",
         "Heave about the mean: the sum of boom tip and minus payout is what the cable's top does. "
         "Above: mode, active winch limits and alarms. Grey: transient, not counted.",
-        layout=_time_layout(record, "heave about the mean [m]"),
+        layout=_time_layout(record, "heave about the mean [cm]"),
         height=480,
     )
     figure.traces += [
@@ -251,7 +292,7 @@ def unit_figure(record: RunRecord) -> Figure:
     figure = Figure(
         "Unit heave, compensated and uncompensated",
         "Uncompensated: the same sea and cable with the winch locked, computed beside the run.",
-        layout=_time_layout(record, "unit heave about the mean [m]"),
+        layout=_time_layout(record, "unit heave about the mean [cm]"),
     )
     figure.traces += [
         line(_about_mean(signals.uncompensated_heave), "uncompensated", UNCOMPENSATED),
@@ -270,20 +311,20 @@ def tension_figure(record: RunRecord) -> Figure:
     is_steady = static.size == 1
     shapes = _level(0.0, "slack")
     for share, name in ((1.0, "static"), (1.3, "1.3 static"), (0.1, "0.1 static")) if is_steady else ():
-        shapes += _level(share * static.value[0] * 1e-3, name)
+        shapes += _level(share * static.value[0] * KN, name)
     figure = Figure(
         "Top tension",
         "A snap is a tension below 0.1 of the static one followed by more than 1.3 of it within 2 s.",
         layout=_time_layout(record, "top tension [kN]", shapes),
     )
-    figure.traces.append(line(Signal(tension.time, tension.value * 1e-3), "top tension", BOOM_TIP))
-    shown = np.concatenate([tension.value * 1e-3, static.value * 1e-3, [shape["y0"] for shape in shapes]])
+    figure.traces.append(line(Signal(tension.time, tension.value * KN), "top tension", BOOM_TIP))
+    shown = np.concatenate([tension.value * KN, static.value * KN, [shape["y0"] for shape in shapes]])
     shown = shown[np.isfinite(shown)]
     lowest, highest = float(shown.min()), float(shown.max())
     margin = 0.08 * (highest - lowest)  # the lines and their names keep clear of the frame
     figure.layout["yaxis"]["range"] = [lowest - margin, highest + margin]
     if static.size > 1:
-        figure.traces.append(line(Signal(static.time, static.value * 1e-3), "static", LIMIT, dash="dash"))
+        figure.traces.append(line(Signal(static.time, static.value * KN), "static", LIMIT, dash="dash"))
     return figure
 
 
@@ -329,12 +370,16 @@ def _spectrum_line(shown: Spectrum, name: str, colour: str, **style: Any) -> dic
     return line(Signal(shown.omega[visible], shown.density[visible]), name, colour, **style)
 
 
+def _density_line(shown: Spectrum, name: str, colour: str) -> dict[str, Any]:
+    return _spectrum_line(Spectrum(shown.omega, CM**2 * shown.density), name, colour)
+
+
 HIGHEST_OMEGA = 4.0
 """Spectra are in the page up to this angular frequency [rad/s]; a sea has nothing above it."""
 SHOWN_OMEGA = 2.5
 """Spectra are shown up to this angular frequency [rad/s] before anyone zooms."""
 SCALED_FLOOR = 1e-2
-"""Share of the boom tip's peak density above which a transmissibility decides the scale of its axis."""
+"""Share of the boom tip's peak density above which a transmissibility is shown: below, it divides noise by noise."""
 
 
 def _spectrum_layout(pairs: Sequence[tuple[Spectrum, Spectrum]]) -> dict[str, Any]:
@@ -345,7 +390,7 @@ def _spectrum_layout(pairs: Sequence[tuple[Spectrum, Spectrum]]) -> dict[str, An
     return {
         "xaxis": {"title": {"text": "angular frequency ω [rad/s]"}, "range": [0.0, SHOWN_OMEGA]},
         "yaxis": {
-            "title": {"text": "S(ω) [m² s/rad]"},
+            "title": {"text": "S(ω) [cm² s/rad]"},
             "type": "log",
             "exponentformat": "power",
             "domain": [0.54, 1.0],
@@ -361,7 +406,7 @@ def spectrum_figure(record: RunRecord) -> Figure:
     figure = Figure(
         "Spectra and transmissibility",
         "One-sided spectra over angular frequency (Welch). Transmissibility √(S_unit/S_boom tip), "
-        "where the boom tip has at least 10⁻⁴ of its peak density; its axis fits where it has 10⁻².",
+        "where the boom tip has at least a hundredth of its peak density.",
         layout=_spectrum_layout([(spectra[name], spectra["boom tip"]) for name in compared]),
         is_over_time=False,
         height=560,
@@ -369,12 +414,21 @@ def spectrum_figure(record: RunRecord) -> Figure:
     figure.layout["xaxis"]["anchor"] = "y2"
     colours = {"boom tip": BOOM_TIP, "uncompensated": UNCOMPENSATED, "unit": UNIT}
     for name, found in spectra.items():
-        figure.traces.append(_spectrum_line(found, f"S {name}", colours[name]))
+        figure.traces.append(_density_line(found, name, colours[name]))
     for name in compared:
-        ratio = transmissibility(spectra[name], spectra["boom tip"])
-        label = "transmissibility, " + ("compensated" if name == "unit" else name)
-        figure.traces.append(_spectrum_line(ratio, label, colours[name], axis="y2", dash="dot"))
+        ratio = transmissibility(spectra[name], spectra["boom tip"], SCALED_FLOOR)
+        label = "compensated" if name == "unit" else name
+        figure.traces.append(_spectrum_line(ratio, label, colours[name], axis="y2"))
     return figure
+
+
+INNOVATION_UNITS = {
+    **dict.fromkeys(("mru_heave", "unit_heave", "payout"), "[cm]"),
+    **dict.fromkeys(("mru_heave_rate", "unit_velocity"), "[m/s]"),
+    "unit_acceleration": "[m/s²]",
+    "tension": "[kN]",
+}
+"""Units by the names of measurements."""
 
 
 def innovation_figure(record: RunRecord) -> Figure | None:
@@ -392,25 +446,33 @@ def innovation_figure(record: RunRecord) -> Figure | None:
         height=120 + 190 * len(rows),
     )
     gap = 0.08 / len(rows)
-    for index, row in enumerate(rows):
+    for index, row in enumerate(map(_shown_innovation, rows)):
         axis = "y" if index == 0 else f"y{index + 1}"
         colour = RUN_COLOURS[index % len(RUN_COLOURS)]
         band = 2.0 * row.sigma
         edge = {"axis": axis, "dash": "dot", "width": 1.0}
         figure.traces += [
             line(Signal(row.time, row.value), row.name, colour, axis=axis, width=1.0),
-            line(Signal(row.time, band), "2 sigma", "#555555", **edge) | {"showlegend": index == 0},
-            line(Signal(row.time, -band), "2 sigma", "#555555", **edge) | {"showlegend": False},
+            line(Signal(row.time, band), "2 sigma", "#888888", **edge) | {"showlegend": index == 0},
+            line(Signal(row.time, -band), "2 sigma", "#888888", **edge) | {"showlegend": False},
         ]
         top = 1.0 - index / len(rows)
         name = "yaxis" + axis[1:]
         figure.layout[name] = {
-            "title": {"text": row.name},
+            "title": {
+                "text": f"{row.name.replace('_', ' ')}<br>{INNOVATION_UNITS.get(row.name, '')}".removesuffix("<br>")
+            },
             "domain": [max(0.0, top - 1.0 / len(rows) + gap), top],
             "range": _settled_range(row, record),
         }
     figure.layout["xaxis"]["anchor"] = "y" if len(rows) == 1 else f"y{len(rows)}"
     return figure
+
+
+def _shown_innovation(row: Innovation) -> Innovation:
+    """Return an innovation in the unit in which people see its quantity."""
+    scale = {"[cm]": CM, "[kN]": KN}.get(INNOVATION_UNITS.get(row.name, ""), 1.0)
+    return Innovation(row.name, row.time, scale * row.value, scale * row.sigma)
 
 
 def _settled_range(row: Innovation, record: RunRecord) -> list[float]:
@@ -460,30 +522,29 @@ def run_figures(record: RunRecord) -> list[Figure]:
     return [figure for figure in figures if figure is not None]
 
 
-def comparison_figures(records: Sequence[RunRecord]) -> list[Figure]:
-    """Return the figures that show the runs `records` together."""
+def comparison_figures(records: Sequence[RunRecord], names: Sequence[str]) -> list[Figure]:
+    """Return the figures that show the runs `records` together, each by its name among `names`."""
     heave = Figure(
         "Unit heave of all runs",
-        "About the mean of each run.",
-        layout=_time_layout(records[0], "unit heave about the mean [m]"),
+        "About the mean of each run. Grey: transient, not counted.",
+        layout=_time_layout(records[0], "unit heave about the mean [cm]"),
     )
     found_of = [spectrum_lines(record) for record in records]
     pairs = [(found["unit"], found["boom tip"]) for found in found_of if {"unit", "boom tip"} <= set(found)]
     spectra = Figure(
         "Spectra and transmissibility of all runs",
-        "Of the compensated unit.",
+        "Of the unit; the transmissibility where the boom tip has at least a hundredth of its peak density.",
         layout=_spectrum_layout(pairs),
         is_over_time=False,
         height=560,
     )
     spectra.layout["xaxis"]["anchor"] = "y2"
-    for index, (record, found) in enumerate(zip(records, found_of, strict=True)):
+    for index, (record, found, label) in enumerate(zip(records, found_of, names, strict=True)):
         colour = RUN_COLOURS[index % len(RUN_COLOURS)]
-        heave.traces.append(line(_about_mean(record.signals.unit_heave), record.name, colour))
+        heave.traces.append(line(_about_mean(record.signals.unit_heave), label, colour))
         if "unit" in found:
-            spectra.traces.append(_spectrum_line(found["unit"], record.name, colour))
+            spectra.traces.append(_density_line(found["unit"], label, colour))
         if {"unit", "boom tip"} <= set(found):
-            ratio = transmissibility(found["unit"], found["boom tip"])
-            label = f"{record.name}: transmissibility"
-            spectra.traces.append(_spectrum_line(ratio, label, colour, axis="y2", dash="dot"))
+            ratio = transmissibility(found["unit"], found["boom tip"], SCALED_FLOOR)
+            spectra.traces.append(_spectrum_line(ratio, label, colour, axis="y2"))
     return [heave, spectra]

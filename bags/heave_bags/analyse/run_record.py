@@ -9,13 +9,14 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from heave_node.criteria import WANTED, Criterion, parse_criterion
 from heave_node.interface import topics
 from heave_node.numerics.arrays import Array
 from heave_node.numerics.constants import SEAWATER_DENSITY, STANDARD_GRAVITY
 from heave_node.numerics.hydrostatics import displaced_area, weight_in_fluid
-from heave_node.parameters import ParameterError
+from heave_node.parameters import Given, ParameterError
 from heave_node.run_parameters import REALTIME
-from heave_node.scenario import parse_sections, values_of_node
+from heave_node.scenario import WILDCARD, Sections, parse_sections, values_of_node
 from heave_node.tick.durations import parse_histogram
 
 from heave_bags.analyse import events, kpi_set
@@ -53,7 +54,7 @@ SELECTION: dict[str, tuple[str, ...]] = {
         "fault",
     ),
     LOAD_CELL: ("tension",),
-    CABLE: ("top_tension", "slack_segments"),
+    CABLE: ("top_tension", "slack_segments", "touchdown_force"),
     CONTROLLER: (
         "mode",
         "reason",
@@ -84,6 +85,11 @@ LONGEST_SIMULATION = 1e8
 """Stamps below this are simulated time, which begins at 0 [s]; those of a host's clock count from 1970."""
 START = 1.0
 """Tension is static until this simulated time [s]: the sea has hardly begun."""
+
+
+NodeParameters = Mapping[str, Mapping[str, Any]]
+"""Parameters of nodes: node -> dotted name -> value. Those of all nodes are under ALL_NODES."""
+ALL_NODES = "**"
 
 
 @dataclass
@@ -118,6 +124,8 @@ class RunRecord:
     losses : what of the bag could not be read
     notes : what a reader of the figures must know
     sources : where each motion comes from: TRUE, MEASURED or ESTIMATED
+    parameters : of the run's nodes, as far as they are known: node -> dotted name -> value
+    wanted : criteria of the scenario that the bag carries
     timings : histograms of durations in wall time by name, real time only: upper edge [ms] -> count
     is_past_transient : the run went on after its transient; False: the figures are of its start-up
     """
@@ -135,8 +143,17 @@ class RunRecord:
     losses: list[Loss] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
     sources: dict[str, str] = field(default_factory=dict)
+    parameters: NodeParameters = field(default_factory=dict)
+    wanted: tuple[Criterion, ...] = ()
     timings: dict[str, dict[str, int]] = field(default_factory=dict)
     is_past_transient: bool = True
+
+    @property
+    def moves_winch(self) -> bool:
+        """Whether the run had a law that moves the winch, as far as the bag says."""
+        law = self.parameters.get("winch_controller", {}).get("law")
+        by_modes = any(mode.name != events.OFF for mode in self.modes)
+        return bool(law != events.OFF) if isinstance(law, str) else by_modes
 
     def remarks(self) -> list[str]:
         """Return what a reader of the figures must know: the notes, and what of the bag could not be read."""
@@ -147,9 +164,6 @@ class RunRecord:
         return kpi_set.evaluate(self.signals, self.start if start is None else start, self.end if end is None else end)
 
 
-NodeParameters = Mapping[str, Mapping[str, Any]]
-"""Parameters of nodes: node -> dotted name -> value. Those of all nodes are under ALL_NODES."""
-ALL_NODES = "**"
 TRUE, MEASURED, ESTIMATED = "true", "measured", "estimated"
 """What a figure is made from: what only a simulator knows, a sensor, or the controller's estimate."""
 LAST_WORDS = 5_000_000_000
@@ -192,7 +206,8 @@ def read_run(
         for topic, found in fields.items()
         if found.resets
     ]
-    known = {**(parameters or {}), **_parameters(bag)}
+    record.wanted, own = _scenario(bag)
+    known = record.parameters = {**(parameters or {}), **own}
     _fill(record, fields, known)
     if transient is None:
         of_all = _number(known.get(ALL_NODES, {}), "transient", 0.0)
@@ -296,6 +311,9 @@ def _fill_motion(record: RunRecord, fields: Mapping[str, Fields]) -> None:
         "boom-tip heave",
         ((TRUE, fields[BOOM_TIP].signal("position.z")), (MEASURED, fields[MRU].signal("heave"))),
     )
+    signals.unit_height = fields[UNIT].signal("pose.pose.position.z")
+    force = fields[CABLE].signal("touchdown_force")
+    signals.touchdown = Signal(force.time, (force.value > 0.0).astype(float))
     slack = fields[CABLE].signal("slack_segments")
     signals.slack = Signal(slack.time, (slack.value > 0.0).astype(float))
     tensions = (
@@ -337,6 +355,11 @@ def _fill_controller(record: RunRecord, state: Fields) -> None:
     names = state.texts("mode")
     if names is not None and names.size > 1 and not all(mode.name == events.OFF for mode in record.modes):
         record.signals.compensating = Signal(state.time, np.isin(names, events.COMPENSATES).astype(float))
+        record.signals.holds_tension = Signal(state.time, (names == events.HOLDS_TENSION).astype(float))
+        lost = [mode.start for mode in events.losses(record.modes)]
+        record.signals.losses = Signal(state.time, np.isin(state.time, lost).astype(float))
+        changed = [mode.start for mode in record.modes[1:]]
+        record.signals.mode_changes = Signal(state.time, np.isin(state.time, changed).astype(float))
     record.alarms += events.sensor_alarms(state)
     record.innovations = _innovations(state)
     nis = state.table("nis")
@@ -385,23 +408,33 @@ def _as_number(value: Any, default: float = math.nan) -> float:
         return default
 
 
-def _parameters(bag: Bag) -> dict[str, dict[str, Any]]:
-    """Return the parameters of the run's nodes, as far as the bag carries them: node -> dotted name -> value.
+def _scenario(bag: Bag) -> tuple[tuple[Criterion, ...], dict[str, dict[str, Any]]]:
+    """Return what was wanted of a run, and its nodes' parameters by node and dotted name, as far as the bag has them.
 
     A killed recorder had no time to add what the nodes reported; the scenario is there from the start.
     """
     attachments = bag.attachments
+    wanted: tuple[Criterion, ...] = ()
     nodes: dict[str, dict[str, Any]] = {}
     for name in (SCENARIO_ATTACHMENT, PARAMETERS_ATTACHMENT):
         try:
             content = attachments.get(name, b"")
             check_yaml(content)  # held to bounds, since anyone may have written the bag
             sections = parse_sections(content, name)
+            if name == SCENARIO_ATTACHMENT:
+                wanted = _wanted(sections, name)
         except (ParameterError, ValueError):
             continue
         for node in ("cable_sim", "wave_vessel", "virtual_winch", "winch_controller"):
             nodes.setdefault(node, {}).update(values_of_node(sections, f"/{node}"))
-    return nodes
+    return wanted, nodes
+
+
+def _wanted(sections: Sections, name: str) -> tuple[Criterion, ...]:
+    """Return the criteria of a stored scenario, for figures that are still known."""
+    given = (Given(value, key, name) for key, value in sections.get(WILDCARD, {}).items() if key.startswith(WANTED))
+    criteria = [parse_criterion(one) for one in given]
+    return tuple(criterion for criterion in criteria if criterion.kpi in kpi_set.DEFINITION_OF)
 
 
 def _number(parameters: Mapping[str, Any], name: str, default: float) -> float:

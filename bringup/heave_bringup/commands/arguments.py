@@ -57,6 +57,13 @@ def add_network(parser: argparse.ArgumentParser, default: object = False) -> Non
     )
 
 
+def port_number(text: str) -> int:
+    """Return the number of a TCP port that `text` is; raise what argparse understands for another."""
+    if not (text.isascii() and text.isdigit() and 1 <= int(text) <= 65535):
+        raise argparse.ArgumentTypeError(f"{text}: must be a whole number from 1 to 65535")
+    return int(text)
+
+
 def add_namespace(parser: argparse.ArgumentParser, what: str, default: str | None = None) -> None:
     """Let the user of `parser` name the namespace of a run; `what` it does is its help, `default` holds without it."""
     parser.add_argument("--namespace", type=_namespace, metavar="NAME", default=default, help=what)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,7 +11,7 @@ from typing import Any
 from heave_msgs.srv import InjectFault, Redesign, SaveSnapshot, SetMode, StepSimulation
 from heave_node.interface.sensors import SENSORS
 from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
-from rcl_interfaces.srv import SetParameters
+from rcl_interfaces.srv import GetParameters, SetParameters
 from std_srvs.srv import SetBool
 
 from heave_bringup.operate.answer import Answer
@@ -81,6 +82,39 @@ def request_factor(factor: float) -> Request:
         return Answer(result.reason or "the controller does not take it", is_refused=True)
 
     return Request(SetParameters, f"{CONTROLLER}/set_parameters", message, CONTROLLER, judge=judge)
+
+
+@dataclass(frozen=True)
+class WinchLimits:
+    """Limits of the winch as the controller believes them; NaN: unknown.
+
+    Attributes
+    ----------
+    speed : largest [m/s]
+    payout_minimum, payout_maximum : of the drum, positive lowers [m]
+    """
+
+    speed: float = math.nan
+    payout_minimum: float = math.nan
+    payout_maximum: float = math.nan
+
+
+LIMIT_NAMES = ("winch.speed_limit", "winch.payout_minimum", "winch.payout_maximum")
+
+
+def request_limits(take: Callable[[WinchLimits], None]) -> Request:
+    """Ask the controller for the limits of the winch, which it knows of a real one as well; `take` is given them."""
+
+    def judge(response: Any) -> Answer:
+        values = [
+            value.double_value if value.type == ParameterType.PARAMETER_DOUBLE else math.nan
+            for value in response.values
+        ]
+        take(WinchLimits(*values))
+        return Answer("limits of the winch are known")
+
+    message = GetParameters.Request(names=list(LIMIT_NAMES))
+    return Request(GetParameters, f"{CONTROLLER}/get_parameters", message, CONTROLLER, judge=judge)
 
 
 def request_redesign(height: float = 0.0, period: float = 0.0, length: float = 0.0) -> Request:

@@ -9,15 +9,15 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from heave_bags.analyse import analysis
+from heave_bags.analyse import analysis, run_words
 from heave_bags.analyse.report import save_report
+from heave_bags.analyse.verdict import Verdict, judge
 from heave_bags.mcap.reader import Bag
 from heave_msgs.msg import TickStatus
 from heave_node.criteria import Criterion
 
 from heave_bringup.errors import CommandError
 from heave_bringup.run.records import read_records
-from heave_bringup.run.verdict import Verdict, judge
 from heave_bringup.scenarios import Scenario
 
 
@@ -39,10 +39,13 @@ def check_complete(bag: Path, status: TickStatus) -> None:
 
 @dataclass(frozen=True)
 class Evaluation:
-    """What a run gave: the table of its figures of merit, the same for a machine, and the verdict."""
+    """What a run gave: the table of its figures of merit, the same for a machine, each loss of compensation in words,
+    and the verdict.
+    """
 
     table: str
     figures: dict[str, object]
+    losses: list[str]
     verdict: Verdict
 
 
@@ -60,9 +63,10 @@ def evaluate(
     alarms : number of errors that the nodes reported
     """
     records = read_records([bag])
-    if report is not None:
-        save_report(records, report)
     (record,) = records
     verdict = judge(record, scenario.wanted, required=required, moves_winch=scenario.moves_winch, alarms=alarms)
-    figures = {**analysis.to_json(record), "verdict": verdict.to_json()}
-    return Evaluation(analysis.table(records), figures, verdict)
+    if report is not None:
+        save_report(records, report, [verdict])
+    losses = run_words.losses(record)
+    figures = {**analysis.to_json(record), "losses_of_compensation": losses, "verdict": verdict.to_json()}
+    return Evaluation(analysis.table(records), figures, losses, verdict)

@@ -4,19 +4,24 @@ from __future__ import annotations
 
 import re
 import time
+from typing import Any
 
 import rclpy
 from builtin_interfaces.msg import Time
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
-from heave_msgs.msg import CompensationKpi, TickStatus
+from heave_msgs.msg import CableState, CompensationKpi, PointMotion, TickStatus
 from heave_node.interface import topics
 from heave_node.ros.process import in_namespace
 from heave_node.ros.spin import Spinner
 from heave_node.ros.transport.qos import qos_of
 from heave_node.ros.transport.strangers import PART as STRANGERS
 from heave_node.tick.tick import seconds_of
+from nav_msgs.msg import Odometry
 from rclpy.node import Node
+from rclpy.qos import QoSProfile, ReliabilityPolicy
 from rclpy.signals import SignalHandlerOptions
+
+from heave_bringup.run.live_figures import LiveFigures
 
 DISCOVERY = 0.5
 """Wall time in which a run that is under way in this domain nearly always shows itself [s].
@@ -26,6 +31,54 @@ One that shows itself later is noticed during the run.
 
 _FIGURES = re.compile(r"[0-9.]+")
 """What changes in a message while the fault stays the same."""
+
+
+MODE_PART = "winch_controller: mode"
+"""Part of the diagnostics in which the controller tells its mode and why."""
+
+NEWEST = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
+
+
+class TruthSampler:
+    """Looks at the newest of what only a simulator knows, and at no more of it: a run may be much faster than a look.
+
+    Parameters
+    ----------
+    namespace : of the run; "" for none
+    """
+
+    def __init__(self, namespace: str = "") -> None:
+        # in no executor: nobody takes what is not looked at
+        self._node = Node(
+            "heave_command_truth", namespace=namespace, cli_args=in_namespace(namespace), start_parameter_services=False
+        )
+        kinds = (
+            (Odometry, topics.UNIT_ODOMETRY),
+            (PointMotion, topics.UNIT_UNCOMPENSATED),
+            (CableState, topics.CABLE_STATE),
+        )
+        self._readers = [self._node.create_subscription(kind, topic.name, print, NEWEST) for kind, topic in kinds]
+        self._newest: list[Any] = [None, None, None]
+
+    def look(self, live: LiveFigures) -> None:
+        """Tell the newest to `live`."""
+        for number, reader in enumerate(self._readers):
+            with reader.handle:
+                taken = reader.handle.take_message(reader.msg_type, False)
+            if taken is not None:
+                self._newest[number] = taken[0]
+        unit, free, cable = self._newest
+        if unit is not None and free is not None and cable is not None:
+            live.note_truth(
+                seconds_of(unit.header.stamp),
+                unit.pose.pose.position.z,
+                free.position.z,
+                is_landed=cable.touchdown_force > 0.0,
+            )
+
+    def close(self) -> None:
+        """Leave ROS."""
+        self._node.destroy_node()
 
 
 class Monitor:
@@ -38,6 +91,7 @@ class Monitor:
     Attributes
     ----------
     status, kpi : the newest of each
+    live : what the unit does, and the mode of the controller
     alarms : errors that the nodes reported on /diagnostics, in order, each once
     strangers : what they said of processes that publish where only others may, in order
     """
@@ -50,10 +104,11 @@ class Monitor:
         )
         self.status: TickStatus | None = None
         self.kpi: CompensationKpi | None = None
+        self.live = LiveFigures()
         self.alarms: list[str] = []
+        self._news: list[str] = []
         self.strangers: dict[str, None] = {}
         self._errors: dict[str, str] = {}
-        self._taken = 0
         self._over_since = 0.0
         self._node.create_subscription(
             TickStatus, topics.TICK_STATUS.name, self._on_status, qos_of(topics.TICK_STATUS.role)
@@ -64,6 +119,7 @@ class Monitor:
         self._node.create_subscription(
             DiagnosticArray, topics.DIAGNOSTICS.name, self._on_diagnostics, qos_of(topics.DIAGNOSTICS.role)
         )
+        self._truth = TruthSampler(namespace)
         self._spinner = Spinner(self._node)
 
     def _on_status(self, message: TickStatus) -> None:
@@ -94,6 +150,13 @@ class Monitor:
         if message.header.stamp == Time():
             return
         for part in message.status:
+            if part.name == MODE_PART:
+                mode, _, reason = part.message.partition(": ")
+                time_of_tick = seconds_of(message.header.stamp)
+                told = {value.key: value.value for value in part.values}
+                self.live.note_depth(time_of_tick, float(told.get("mean depth [m]", "nan")))
+                loss = self.live.note_mode(time_of_tick, mode, reason)
+                self._news += [loss] if loss else []
             if part.level != DiagnosticStatus.ERROR:
                 self._errors.pop(part.name, None)
             elif self._errors.get(part.name) != _FIGURES.sub("", part.message):
@@ -101,11 +164,12 @@ class Monitor:
                 if part.name.endswith(f": {STRANGERS}"):
                     self.strangers |= dict.fromkeys(part.message.split("; "))
                 self.alarms.append(f"t = {seconds_of(message.header.stamp):.2f} s: {part.name}: {part.message}")
+                self._news.append(self.alarms[-1])
 
-    def take_alarms(self) -> list[str]:
-        """Return the alarms that came since the last call."""
-        new, self._taken = self.alarms[self._taken :], len(self.alarms)
-        return new
+    def take_news(self) -> list[str]:
+        """Return the alarms and losses of compensation that came since the last call."""
+        news, self._news = self._news, []
+        return news
 
     @property
     def is_over_for(self) -> float:
@@ -115,6 +179,7 @@ class Monitor:
     def spin(self, seconds: float) -> None:
         """Listen for `seconds` of wall time."""
         self._spinner.spin_for(seconds)
+        self._truth.look(self.live)
 
     def another_run(self) -> bool:
         """Return whether another run's clock master is in this ROS domain."""
@@ -132,5 +197,6 @@ class Monitor:
     def close(self) -> None:
         """Leave ROS."""
         self._spinner.close()
+        self._truth.close()
         self._node.destroy_node()
         rclpy.try_shutdown()

@@ -240,14 +240,14 @@ def _watch(
         monitor.spin(LOOK_PERIOD)
         if on_look is not None:
             on_look(launcher, monitor.status)
-        _report_alarms(monitor, progress)
+        _report_news(monitor, progress)
         _show_progress(scenario, monitor, progress)
         failed = launcher.failed() or _left_early(launcher, monitor)
         if failed:
             monitor.spin_until_over(END_NEWS_WAIT)  # the master may know why
             cause = _cause(failed, monitor)
             _record_the_stop(scenario, monitor)
-            _report_alarms(monitor, progress)
+            _report_news(monitor, progress)
             raise CommandError(f"{cause}; {_where_to_look(folder)}")
         if launcher.all_ended():
             break
@@ -259,9 +259,9 @@ def _watch(
     return status
 
 
-def _report_alarms(monitor: Monitor, progress: ProgressLine) -> None:
-    for alarm in monitor.take_alarms():
-        progress.tell(alarm)
+def _report_news(monitor: Monitor, progress: ProgressLine) -> None:
+    for news in monitor.take_news():
+        progress.tell(news)
 
 
 def _where_to_look(folder: RunFolder) -> str:
@@ -307,7 +307,8 @@ def _show_progress(scenario: Scenario, monitor: Monitor, progress: ProgressLine)
         return
     duration = scenario.run.duration
     text = f"{status.simulated_time:7.1f} s of {duration:g} s  {status.real_time_factor:5.1f} x real time"
-    if kpi is not None and status.simulated_time > kpi.window:  # before that the window holds the start-up
-        text += f"  estimated: unit sigma {100.0 * kpi.unit_sigma:.2f} cm"
-        text += f"  efficiency {100.0 * kpi.unit_efficiency:.1f} %"
+    # before that the window holds the start-up
+    is_known = kpi is not None and status.simulated_time > kpi.window
+    estimated = (kpi.unit_sigma, kpi.unit_efficiency) if kpi is not None and is_known else ()
+    text += f"  {monitor.live.words(*estimated)}"
     progress.show(text, min(status.simulated_time / duration, 1.0) if duration else 1.0)

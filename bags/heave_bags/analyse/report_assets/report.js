@@ -48,19 +48,41 @@
     return { x, y };
   }
 
-  const common = {
-    autosize: true, margin: { l: 70, r: 20, t: 10, b: 45 }, hovermode: "x", dragmode: "zoom",
-    paper_bgcolor: "#fff", plot_bgcolor: "#fff", font: { size: 12, color: "#1b2733" },
-    legend: { orientation: "h", y: 1.02, yanchor: "bottom", x: 0 },
-  };
-  const axis = { gridcolor: "#e6ecf1", zerolinecolor: "#c5d0d9", linecolor: "#9fb0bf", ticks: "outside", automargin: true };
+  const WIDE = 640;
+  const dark = window.matchMedia("(prefers-color-scheme: dark)");
   const config = { responsive: true, displaylogo: false, toImageButtonOptions: { format: "svg" } };
+  let printing = false;
+
+  function colours() {
+    return dark.matches && !printing
+      ? { page: "#12181e", ink: "#dde5ec", grid: "#2a3641", zero: "#4a5a68", line: "#62737f" }
+      : { page: "#ffffff", ink: "#1b2733", grid: "#e6ecf1", zero: "#c5d0d9", line: "#9fb0bf" };
+  }
+
+  // What of a layout depends on the light and on the width: in a wide figure names stand beside the traces.
+  function dress(div, figure) {
+    const c = colours(), beside = figure.labels.length > 0 && div.clientWidth >= WIDE;
+    const layout = Object.assign({}, figure.layout, {
+      autosize: true, height: figure.height, hovermode: "x", dragmode: "zoom",
+      margin: beside ? { l: 70, r: 120, t: 26, b: 45 } : { l: 50, r: 10, t: 26, b: 45 },
+      paper_bgcolor: c.page, plot_bgcolor: c.page, font: { size: beside ? 12 : 11, color: c.ink },
+      showlegend: !beside, legend: { orientation: "h", y: 1.02, yanchor: "bottom", x: 0 },
+      annotations: beside ? figure.labels.map((label) => ({
+        text: label.text, font: { color: label.color, size: 13 }, showarrow: false,
+        xref: "paper", x: 1.005, xanchor: "left", yref: "paper", y: label.y, yanchor: "middle",
+      })) : [],
+    });
+    for (const name of Object.keys(layout)) {
+      if (/^[xy]axis/.test(name)) {
+        layout[name] = Object.assign({ gridcolor: c.grid, zerolinecolor: c.zero, linecolor: c.line, ticks: "outside",
+          automargin: true }, layout[name]);
+      }
+    }
+    return layout;
+  }
 
   function draw(div, figure) {
-    const layout = Object.assign({}, common, figure.layout, { height: figure.height });
-    for (const name of Object.keys(layout)) {
-      if (/^[xy]axis/.test(name)) layout[name] = Object.assign({}, axis, layout[name]);
-    }
+    const layout = dress(div, figure);
     const signals = [], traces = [];
     figure.traces.forEach((trace, index) => {
       const drawn = Object.assign({ type: "scatter" }, trace);
@@ -98,10 +120,28 @@
   const drawn = figures.map((figure, index) => draw(document.getElementById("figure-" + index), figure));
   Promise.all(drawn).then(() => { document.body.dataset.ready = "true"; });
 
+  // Light, width or paper have changed: everything is dressed anew, and what was zoomed into stays.
+  const dressAll = () => figures.forEach((figure, index) => {
+    const div = document.getElementById("figure-" + index);
+    if (!div.layout) return;
+    const layout = dress(div, figure);
+    for (const name of Object.keys(layout)) {
+      const now = div.layout[name];
+      if (/^[xy]axis/.test(name) && now && now.range) {
+        layout[name] = Object.assign({}, layout[name], { range: now.range, autorange: now.autorange });
+      }
+    }
+    Plotly.react(div, div.data, layout, config);
+  });
+  dark.addEventListener("change", dressAll);
+  let settling = 0;
+  window.addEventListener("resize", () => { clearTimeout(settling); settling = setTimeout(dressAll, 150); });
   const resizeAll = () => document.querySelectorAll(".figure").forEach((div) => Plotly.Plots.resize(div));
   document.querySelectorAll("details").forEach((element) => element.addEventListener("toggle", resizeAll));
   window.addEventListener("beforeprint", () => {
     document.querySelectorAll("details").forEach((element) => { element.open = true; });
-    resizeAll();
+    printing = true;
+    dressAll();
   });
+  window.addEventListener("afterprint", () => { printing = false; dressAll(); });
 })();

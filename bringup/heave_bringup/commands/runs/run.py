@@ -115,7 +115,11 @@ def execute(options: argparse.Namespace) -> None:
     report = None if options.no_report else folder.report
     result = evaluation.evaluate(scenario, folder.bag, report, required=required, alarms=len(outcome.alarms))
     places = [f"scenario  {scenario.path}", f"bag       {folder.bag}", *([f"report    {report}"] if report else [])]
-    text = "\n".join([result.table, "", *_alarm_lines(outcome.alarms), *places, "", *result.verdict.lines()])
+    told = [
+        *_told("errors reported by the nodes:", outcome.alarms),
+        *_told("compensation was lost:", result.losses),
+    ]
+    text = "\n".join([result.table, "", *told, *places, "", *result.verdict.lines()])
     write_result(
         options, [] if options.quiet else text, {**result.figures, "alarms": outcome.alarms, "folder": str(folder.path)}
     )
@@ -178,8 +182,8 @@ def _substitutes(settings: Sequence[str]) -> dict[str, Path]:
     return chosen
 
 
-def _alarm_lines(alarms: Sequence[str]) -> list[str]:
-    return ["errors reported by the nodes:", *(f"  {alarm}" for alarm in alarms), ""] if alarms else []
+def _told(heading: str, lines: Sequence[str]) -> list[str]:
+    return [heading, *(f"  {line}" for line in lines), ""] if lines else []
 
 
 COMMAND = Command(

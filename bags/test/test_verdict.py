@@ -4,12 +4,9 @@ import numpy as np
 import pytest
 from heave_bags.analyse.events import Interval
 from heave_bags.analyse.run_record import RunRecord
+from heave_bags.analyse.verdict import judge
 from heave_bags.signals import RunSignals, Signal
-from heave_bringup.cli import main
-from heave_bringup.run.criteria import parse_requirement
-from heave_bringup.run.verdict import judge
 from heave_node.criteria import Criterion
-from heave_node.parameters import ParameterError
 
 TIME = np.arange(0.0, 100.0, 0.05)
 SIGMA = 0.01
@@ -60,26 +57,3 @@ def test_a_run_that_ended_within_its_transient_is_not_judged_but_held_to_what_is
     assert "ended within its transient" in verdict.lines()[0]
     required = judge(short, required=[Criterion("unit_sigma_m", "<", 0.001)], moves_winch=True)
     assert required.missed_requirements == ["MISSED: unit_sigma_m < 0.001, got 0.01"]
-
-
-@pytest.mark.parametrize("text", ["unit_sigma_m<0.01", "unit_sigma_m <= 0.01", " kappa>1e-3"])
-def test_a_requirement_is_a_figure_a_relation_and_a_number(text):
-    assert f"{parse_requirement(text).kpi}" in text
-
-
-@pytest.mark.parametrize("text", ["unit_sigma_m", "unit_sigma_m=3", "unit_sigma_m<big", "no_such_figure<1", "<1"])
-def test_another_requirement_is_refused_with_the_option(text):
-    with pytest.raises(ParameterError, match="--require"):
-        parse_requirement(text)
-
-
-def test_a_wrong_requirement_is_refused_before_anything_starts(capsys):
-    assert main(["run", "b2_calm_300", "--require", "no_such_figure<1"]) == 2
-    assert "no_such_figure is not a figure of merit; known: unit_sigma_m" in capsys.readouterr().err
-
-
-def test_a_scenario_that_wants_no_figure_of_merit_is_refused_before_anything_starts(tmp_path, capsys):
-    scenario = tmp_path / "own.yaml"
-    scenario.write_text("/**: {ros__parameters: {wanted: {no_such_figure: '< 1'}}}\n")
-    assert main(["run", str(scenario)]) == 2
-    assert f"{scenario}: wanted: no_such_figure is not a figure of merit" in capsys.readouterr().err

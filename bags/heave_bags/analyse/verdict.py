@@ -6,8 +6,9 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from heave_bags.analyse.run_record import RunRecord
 from heave_node.criteria import Criterion
+
+from heave_bags.analyse.run_record import RunRecord
 
 LEAST_SHARE = 0.9
 """Compensation that was in force for a smaller share of the evaluation window is worth a line of its own."""

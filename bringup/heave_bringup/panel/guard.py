@@ -1,0 +1,79 @@
+"""Who may open the page: on this machine only pages of its own; from elsewhere whoever has the token."""
+
+from __future__ import annotations
+
+import hmac
+from collections.abc import Awaitable, Callable, MutableMapping
+from http.cookies import SimpleCookie
+from ipaddress import ip_address
+from typing import Any
+from urllib.parse import parse_qs, urlsplit
+
+Scope = MutableMapping[str, Any]
+Send = Callable[[MutableMapping[str, Any]], Awaitable[None]]
+Receive = Callable[[], Awaitable[MutableMapping[str, Any]]]
+Application = Callable[[Scope, Receive, Send], Awaitable[None]]
+
+COOKIE, PARAMETER = "heave_panel", "token"
+REFUSED = b"The token is missing or wrong: open the address that heave panel has printed.\n"
+
+
+def is_loopback(host: str) -> bool:
+    """Return whether `host`, a name or an address, is this machine and nothing else."""
+    if host == "localhost":
+        return True
+    try:
+        return ip_address(host.strip("[]")).is_loopback
+    except ValueError:
+        return False
+
+
+class Guard:
+    """Lets requests through to an application, or not.
+
+    Parameters
+    ----------
+    application : ASGI
+    token : that a browser must bring once, in the address, and then as a cookie; "" where the page is served on
+        localhost: then the browser must have asked for localhost, so that no other site can speak through it
+    """
+
+    def __init__(self, application: Application, token: str = "") -> None:
+        self._application, self._token = application, token
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Serve one request or connection."""
+        if scope["type"] not in ("http", "websocket") or self._may_pass(scope):
+            await self._application(scope, receive, send)
+        elif scope["type"] == "websocket":
+            await send({"type": "websocket.close", "code": 1008})
+        elif self._has_token(self._given(scope)):
+            cookie = f"{COOKIE}={self._token}; HttpOnly; SameSite=Strict; Path=/"
+            await _answer(send, 303, b"", [(b"location", b"/"), (b"set-cookie", cookie.encode())])
+        else:
+            await _answer(send, 403, REFUSED, [])
+
+    def _may_pass(self, scope: Scope) -> bool:
+        headers = {name.decode("latin-1").lower(): value.decode("latin-1") for name, value in scope["headers"]}
+        host = headers.get("host", "")
+        origin = headers.get("origin", "")
+        if origin and urlsplit(origin).netloc != host:
+            return False
+        if not self._token:
+            return is_loopback(urlsplit(f"//{host}").hostname or "")
+        cookies = SimpleCookie(headers.get("cookie", ""))
+        return COOKIE in cookies and self._has_token(cookies[COOKIE].value)
+
+    @staticmethod
+    def _given(scope: Scope) -> str:
+        query: bytes = scope.get("query_string", b"")
+        return parse_qs(query.decode("latin-1")).get(PARAMETER, [""])[0]
+
+    def _has_token(self, given: str) -> bool:
+        return bool(self._token) and hmac.compare_digest(given.encode(), self._token.encode())
+
+
+async def _answer(send: Send, status: int, body: bytes, headers: list[tuple[bytes, bytes]]) -> None:
+    headers = [(b"content-type", b"text/plain; charset=utf-8"), *headers]
+    await send({"type": "http.response.start", "status": status, "headers": headers})
+    await send({"type": "http.response.body", "body": body})

@@ -1,0 +1,1 @@
+"""A live stream of a run for Foxglove, on this machine."""

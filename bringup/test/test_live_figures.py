@@ -1,0 +1,65 @@
+"""The live line: truth where there is truth, no efficiency of a law that is off or of a unit on the bottom."""
+
+import math
+
+import pytest
+from heave_bringup.run.live_figures import LiveFigures
+
+
+def running(mode: str, *, is_landed: bool = False, depth_rate: float = 0.0) -> LiveFigures:
+    """Return what has seen 60 s, ten whole waves, of a unit that moves a tenth of the uncompensated one."""
+    live = LiveFigures()
+    live.note_mode(0.0, mode, "")
+    for number in range(600):
+        time = 0.1 * number
+        wave = math.sqrt(2.0) * math.cos(2.0 * math.pi * time / 6.0)  # whole periods of it have no slope
+        mean = -300.0 - depth_rate * time
+        live.note_truth(time, mean + 0.05 * wave, mean + 0.5 * wave, is_landed=is_landed)
+    return live
+
+
+@pytest.mark.parametrize("depth_rate", [0.0, 0.2])
+def test_the_truth_goes_before_the_estimate_also_while_the_unit_is_lowered(depth_rate):
+    words = running("compensating", depth_rate=depth_rate).words(1.0, -0.5)
+    assert words == "compensating, true unit sigma 5.00 cm, efficiency 90.0 %"
+
+
+def test_a_move_that_has_come_to_its_end_is_no_heave():
+    """The controller tells the depth once per second; the unit with the winch locked stays where it was."""
+    live = LiveFigures()
+    live.note_mode(0.0, "compensating", "")
+    for number in range(601):
+        time = 0.1 * number
+        wave = math.sqrt(2.0) * math.cos(2.0 * math.pi * time / 6.0)
+        depth = 300.0 + min(max(time - 20.0, 0.0), 10.0) * 0.3
+        live.note_truth(time, -depth + 0.05 * wave, -300.0 + 0.5 * wave, is_landed=False)
+        if number % 10 == 0:
+            live.note_depth(time, depth)
+    assert live.words() == "compensating, true unit sigma 5.00 cm, efficiency 90.0 %"
+
+
+def test_a_law_that_is_off_and_a_unit_on_the_bottom_have_no_efficiency():
+    assert running("off").words(0.1, 0.447) == "law off, true unit sigma 5.00 cm"
+    assert running("constant_tension", is_landed=True).words(0.1, -1.93) == "unit on the bottom, tension held"
+    assert "efficiency" not in running("standby").words(0.1, 0.2)
+
+
+def test_without_truth_the_estimate_is_called_one():
+    live = LiveFigures()
+    live.note_mode(1.0, "compensating", "")
+    assert live.words(0.01, 0.9) == "compensating, estimated unit sigma 1.00 cm, efficiency 90.0 %"
+
+
+def test_what_was_before_a_change_of_mode_does_not_count():
+    live = running("standby")
+    live.note_mode(60.0, "compensating", "")
+    assert live.words() == "compensating"
+
+
+def test_a_loss_is_told_once_and_a_request_is_none():
+    live = LiveFigures()
+    assert live.note_mode(1.0, "compensating", "") == ""
+    assert live.note_mode(2.0, "stopping", "mru frozen") == "t = 2.00 s: compensation lost: mode stopping: mru frozen"
+    assert live.note_mode(3.0, "stopped", "mru frozen") == ""
+    live.note_mode(4.0, "compensating", "")
+    assert live.note_mode(5.0, "fade_out", "standby requested") == ""

@@ -1,0 +1,100 @@
+"""The operator's page in a real browser, at a run under way."""
+
+import subprocess
+
+import pytest
+from domain_coordinator import domain_id
+
+from tests.browser import CHROMIUM, Browser
+from tests.loop_runs import command, environment, wait_until
+
+PRESENT = "document.getElementById('lost') && document.getElementById('lost').style.display === 'none'"
+
+
+@pytest.fixture
+def panel(tmp_path):
+    """Begin a run and a panel for it; return the run's process, the panel's, and its address."""
+    with domain_id() as domain:
+        settings = ["--set", "recorder.snapshot_duration=20", "--set", "winch_controller.modes.start=standby"]
+        # lockstep: a machine under load is slow, but no message comes late
+        general = ["--pacing", "lockstep", "--duration", "20000", "--no-report", "--bag", str(tmp_path / "run")]
+        log = (tmp_path / "run.log").open("w")
+        run = subprocess.Popen(
+            command("run", "b2_calm_300", *general, *settings), env=environment(domain), stdout=log, stderr=log
+        )
+        served = None
+        try:
+            wait_until(lambda: " x real time" in (tmp_path / "run.log").read_text(), 180.0)
+            served = subprocess.Popen(
+                command("panel", "--port", "8079"), env=environment(domain), stdout=subprocess.PIPE, text=True
+            )
+            address = served.stdout.readline().split()[-1]
+            yield run, served, address
+        finally:
+            for process in (served, run):
+                if process is not None:
+                    process.send_signal(2)
+                    process.wait(60.0)
+
+
+@pytest.mark.slow
+@pytest.mark.long
+@pytest.mark.skipif(CHROMIUM is None, reason="no Chromium on this machine")
+def test_two_viewers_operate_a_run_in_turns_and_a_dead_panel_is_seen_at_once_and_stops_nothing(panel, tmp_path):
+    run, served, address = panel
+    with Browser(tmp_path / "profile") as browser:
+        first, second = browser.tab(), browser.tab()
+        for tab, width in ((first, 1400), (second, 420)):
+            tab.size(width, 900)
+            tab.open(address)
+            tab.wait_for("nobody is in command; ")
+        first.wait_for("2 watching")
+
+        first.click("take command")
+        first.wait_for("you are in command")
+        second.wait_for("viewer 1 is in command")
+        first.click("compensate")
+        first.wait_for("Sure?")
+        first.click("yes, do it")
+        first.wait_for("mode compensating (law mpc, authority 1.00)", 120.0)
+        first.click("move by")
+        first.write("0.5")
+        first.click("yes, do it")
+        first.wait_for("arrived", 120.0)
+        first.click("factor")
+        first.write("many")
+        first.click("do it")
+        first.wait_for("'many' is no number")
+        first.click("inject")
+        first.wait_for("magnitude")
+        first.click("yes, do it")  # mru, freeze
+        first.wait_for("sensor mru: frozen", 60.0)
+        first.click("clear faults")
+        first.wait_for("(over)", 60.0)
+        first.click("seen")
+        first.wait("!document.body.innerText.includes('sensor mru: frozen (over)')")
+
+        second.click("ask for it")
+        first.wait_for("Viewer 2 asks for the command.")
+        first.click("hand over")
+        second.wait_for("you are in command")
+        second.click("compensate")
+        second.click("yes, do it")
+        second.wait_for("mode compensating", 60.0)
+
+        # the emergency stop is in reach wherever the page is scrolled to, and who is in command does not matter
+        for tab in (first, second):
+            tab.get("window.scrollTo(0, 1e6)")
+            top = tab.get("document.querySelector('.emergency').getBoundingClientRect().top")
+            assert 0.0 <= top < 300.0
+        first.click("emergency stop")
+        second.wait_for("emergency stop by the controller: the brake is on and the drum at rest", 30.0)
+        assert first.complaints == []
+        assert second.complaints == []
+
+        assert first.get(PRESENT)
+        served.kill()
+        first.wait(f"!({PRESENT})", 5.0)
+        assert first.text.startswith("NO CONNECTION") or "NO CONNECTION" in first.text
+        served.wait()
+        assert run.poll() is None, "the run goes on"
