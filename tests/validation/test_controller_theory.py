@@ -32,12 +32,16 @@ THESIS_VESSEL = VesselModelParameters(natural_frequency=0.393, damping_ratio=0.6
 STATED_CABLE = CableModel(7.339769, 0.1906759)  # thesis 6.2.6
 
 
-def optimum(model: LinearModel, q: float) -> tuple[float, float]:
-    """Unit sigma [m] and the thesis's index sqrt(sum G^2) of the LQR: weights q on the unit, 1 on the command."""
+def optimum(model: LinearModel, q: float) -> tuple[float, float, float]:
+    """Return sigma of the unit [m], the thesis's index sqrt(sum G^2), and sigma of the unit's rate [m/s].
+
+    Of the LQR with the weights q on the unit and 1 on the command.
+    """
     row = model.row("unit_heave")
     gain = lqr_gain(model, QuadraticCost(q * np.outer(row, row), np.zeros((model.order, 1)), np.eye(1)))
     plant = [i for i, name in enumerate(model.state_names) if not name.startswith(("wave_", "vessel_"))]
-    return output_sigma(with_feedback(model, gain))["unit_heave"], float(np.linalg.norm(gain[0, plant]))
+    sigma = output_sigma(with_feedback(model, gain))
+    return sigma["unit_heave"], float(np.linalg.norm(gain[0, plant])), sigma["unit_heave_rate"]
 
 
 def winch(K: float) -> WinchModelParameters:
@@ -66,25 +70,36 @@ def curve(delay: float, weights: Array) -> Array:
     return np.array([optimum(model, q) for q in weights])
 
 
-def test_delay_asks_for_more_control_energy_for_the_same_effect(gallery) -> None:
-    """Thesis 6.2.6: to achieve the same control effect, more control energy is required with the time delay."""
-    weights = np.geomspace(1.0, 1e6, 13)
-    delays = (0.0, 0.2, 0.5)
-    curves = {delay: curve(delay, weights) for delay in delays}
+DELAYS = (0.0, 0.2, 0.5)
+SHOWN = {
+    "thesis_fig_6_18": (0, "unit heave, 1 sigma [cm]", "Displacement"),
+    "thesis_fig_6_19": (2, "unit heave rate, 1 sigma [cm/s]", "Velocity"),
+}
+
+
+@pytest.mark.parametrize("name", SHOWN)
+def test_delay_asks_for_more_control_energy_for_the_same_effect(name: str, gallery) -> None:
+    """Thesis 6.2.6: to achieve the same control effect, more control energy is required with the time delay.
+
+    In displacement (fig 6.18) and in velocity (fig 6.19).
+    """
+    column, label, words = SHOWN[name]
+    curves = {delay: curve(delay, np.geomspace(1.0, 1e6, 13)) for delay in DELAYS}
 
     def draw(figure) -> None:
         axes = figure.add_subplot()
         for delay, points in curves.items():
-            axes.loglog(points[:, 1], 100.0 * points[:, 0], "o-", label=f"delay {delay:g} s")
+            axes.loglog(points[:, 1], 100.0 * points[:, column], "o-", label=f"delay {delay:g} s")
         axes.set_xlabel("sqrt(sum G²), the thesis's index [-]")
-        axes.set_ylabel("unit heave, 1 sigma [cm]")
+        axes.set_ylabel(label)
         axes.legend()
 
-    gallery(
-        "thesis_fig_6_18", "Displacement against the gain index with and without delay (thesis figs 6.18, 6.19).", draw
-    )
-    for sigma in (0.02, 0.005):
-        index = [np.interp(-math.log(sigma), -np.log(curves[d][:, 0]), np.log(curves[d][:, 1])) for d in delays]
+    figure = name.removeprefix("thesis_fig_").replace("_", ".")
+    gallery(name, f"{words} against the gain index with and without delay (thesis fig {figure}).", draw)
+    assert all(np.all(np.diff(points[:, column]) < 0.0) for points in curves.values())
+    least = max(points[-1, column] for points in curves.values())
+    for sigma in (8.0 * least, 2.0 * least):
+        index = [np.interp(-math.log(sigma), -np.log(p[:, column]), np.log(p[:, 1])) for p in curves.values()]
         assert index[0] < index[1] < index[2]
 
 

@@ -87,3 +87,38 @@ def test_the_set_point_gains_with_the_limiter_what_the_linear_servo_gains_withou
     for _ in range(fine):
         v += max(-limit, min(limit, (set_point - v) / lag)) * DT / fine
     assert v - rate == pytest.approx(step * -math.expm1(-DT / lag), abs=3e-5)
+
+
+@settings(max_examples=20, deadline=None)
+@given(st.lists(st.floats(-30.0, 30.0), min_size=1, max_size=12))
+def test_a_slow_servo_that_takes_set_points_beyond_its_speed_is_driven_with_them_and_keeps_its_speed(targets):
+    """v' = (v_set - v)/T, T = 1 s, exact over a tick: within 1.1 m/s, however large the set-points."""
+    winch = WinchModelParameters(
+        time_constant=1.0, command_delay=0.0, speed_limit=1.1, acceleration_limit=100.0, set_point_reach=20.0
+    )
+    governor = design_controller(WinchControllerParameters(winch=winch), tick_period=DT).make_governor()
+    rate, rates = 0.0, [0.0]
+    for wanted in np.repeat(targets, 10):
+        governed = governor.govern(wanted, 0.0, rate, 1e4)
+        assert governed.sent == governed.value
+        assert abs(governed.sent) <= 22.0
+        rate -= (governed.sent - rate) * math.expm1(-DT)
+        rates.append(rate)
+    assert np.max(np.abs(rates)) <= 1.1 + 1e-9
+
+
+def test_full_speed_is_reached_in_the_time_that_the_larger_set_point_needs():
+    """T = 1 s: 11 m/s reaches 1.1 m/s within -ln(1 - 0.1) = 0.105 s, three ticks; a set-point of 1.1 m/s never does."""
+
+    def speed(reach):
+        winch = WinchModelParameters(
+            time_constant=1.0, command_delay=0.0, speed_limit=1.1, acceleration_limit=100.0, set_point_reach=reach
+        )
+        governor = design_controller(WinchControllerParameters(winch=winch), tick_period=DT).make_governor()
+        rate = 0.0
+        for _ in range(3):
+            rate -= (governor.govern(11.0, 0.0, rate, 1e4).sent - rate) * math.expm1(-DT)
+        return rate
+
+    assert speed(10.0) == pytest.approx(1.1)
+    assert speed(1.0) == pytest.approx(1.1 * -math.expm1(-3.0 * DT))

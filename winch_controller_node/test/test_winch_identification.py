@@ -1,5 +1,7 @@
 """Time constant and delay of a winch from its set-points and its encoder, on the virtual winch."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from cable_sim_node.winch.component import VirtualWinch, WinchCommand
@@ -138,3 +140,28 @@ def test_the_drum_is_missed_within_a_second_where_the_winch_is_weaker(design):
     belief = WinchControllerParameters().winch
     assert abs(identified(design, WinchParameters(), size=1.5).error(belief)) < 0.002
     assert abs(identified(design, WinchParameters(speed_gain=0.8)).error(belief)) > 0.04
+
+
+def test_a_drum_at_its_speed_limit_under_larger_set_points_is_where_it_was_predicted():
+    """A lag of 1 s driven beyond its speed: there the rate at the start of a record tells nothing."""
+    winch = replace(
+        WinchControllerParameters().winch,
+        time_constant=1.0,
+        command_delay=0.0,
+        speed_limit=1.1,
+        acceleration_limit=1e6,
+        set_point_reach=100.0,
+    )
+    other = design_controller(WinchControllerParameters(winch=winch), tick_period=DT)
+    identifier = WinchIdentifier(WinchControllerParameters().lag, other)
+    payout, rate, errors = 0.0, 0.0, []
+    noise = np.random.default_rng(1)
+    for k in range(600):
+        rate = min(max(rate, -1.1), 1.1)
+        set_point = 1.8 * np.sin(0.5 * k * DT)
+        change = -(set_point - rate) * np.expm1(-DT)
+        payout, rate = payout + set_point * DT - change, rate + change
+        identifier.add(0.0, set_point, round(payout + 1e-4 * noise.standard_normal(), 3))
+        errors.append(identifier.error(winch))
+    assert abs(rate) <= 1.8
+    assert np.max(np.abs(errors)) < 0.01

@@ -83,7 +83,7 @@ class DrumRecord:
         return np.isfinite(self.readings)
 
     def simulated(self, drums: Array) -> Array:
-        """Return the readings of `drums` with payout and rate at their start, shape (m, 11), as (m, count) [m]."""
+        """Return the readings of `drums` with payout and rate at their start, shape (m, 12), as (m, count) [m]."""
         return np.asarray(
             drum_records(
                 self.payouts,
@@ -108,7 +108,7 @@ class DrumBelief:
 
     Attributes
     ----------
-    nominal, sigmas, lowest, highest : fields of `Drum`, shape (9,)
+    nominal, sigmas, lowest, highest : fields of `Drum`, shape (10,)
     """
 
     nominal: Array
@@ -123,7 +123,7 @@ class DrumFit:
 
     Attributes
     ----------
-    drum : fields of `Drum`, then payout and rate at the start of the record, shape (11,)
+    drum : fields of `Drum`, then payout and rate at the start of the record, shape (12,)
     squares : sum of the squared residuals [m^2]; count : residuals
     covariance : of lag and delay, shape (2, 2) [s^2]
     """
@@ -145,7 +145,7 @@ def fit_drum(record: DrumRecord, belief: DrumBelief, start: Array, free: Sequenc
     Parameters
     ----------
     record, belief : of the drum
-    start : where the descent begins, shape (11,)
+    start : where the descent begins, shape (12,)
     free : indices that are found, lag and delay first; the others stay; payout and rate at the start are always found
     """
     theta = start.copy()
@@ -227,7 +227,7 @@ def best_lags(record: DrumRecord, belief: DrumBelief, start: Array) -> list[Arra
     Parameters
     ----------
     record, belief : of the drum
-    start : the rest of the drum, shape (11,)
+    start : the rest of the drum, shape (12,)
     """
     trials = []
     for lag, delay in product(LAG_FACTORS, DELAY_CHANGES):

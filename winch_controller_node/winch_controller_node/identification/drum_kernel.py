@@ -25,6 +25,7 @@ class Drum(NamedTuple):
     speed_out, speed_in : limits of paying out and hauling in [m/s]
     acceleration_out, acceleration_in : limits towards paying out and hauling in [m/s^2]
     backlash : play of the encoder's gear [m]
+    reach : largest set-point that has an effect, over the limit of the speed [-]
     """
 
     lag: float
@@ -36,11 +37,14 @@ class Drum(NamedTuple):
     acceleration_out: float = 1e9
     acceleration_in: float = 1e9
     backlash: float = 0.0
+    reach: float = 1.0
 
 
 @inner_kernel
 def _servo(u: float, v: float, v_set: float, drum: Drum, h: float) -> tuple[float, float]:
     """Return payout and rate after `h` [s]: constant acceleration while the limit acts, then the linear servo."""
+    if drum.reach > 1.0:
+        v = min(max(v, -drum.speed_in), drum.speed_out)
     error = v_set - v
     acceleration = drum.acceleration_out if error > 0.0 else drum.acceleration_in
     limited = (abs(error) - acceleration * drum.lag) / acceleration
@@ -59,7 +63,7 @@ def _servo(u: float, v: float, v_set: float, drum: Drum, h: float) -> tuple[floa
 def _set_point(demand: float, drum: Drum) -> float:
     """Return the speed that the servo goes for."""
     wanted = drum.gain * math.copysign(max(abs(demand) - drum.deadband, 0.0), demand)
-    return min(max(wanted, -drum.speed_in), drum.speed_out)
+    return min(max(wanted, -drum.reach * drum.speed_in), drum.reach * drum.speed_out)
 
 
 @inner_kernel
@@ -87,7 +91,7 @@ def drum_records(
     Parameters
     ----------
     payouts, rates : set-points of the ticks, oldest first, at least count + delay/dt + 1 of them [m], [m/s]
-    drums : fields of `Drum`, shape (m, 9)
+    drums : fields of `Drum`, shape (m, 10)
     starts : payout and rate at the start of the `count` ticks, shape (m, 2) [m], [m/s]
     position_gain : of the servo's position loop [1/s]; 0: none
     count : ticks
@@ -97,7 +101,7 @@ def drum_records(
     first = len(rates) - count
     for m in range(len(drums)):
         p = drums[m]
-        drum = Drum(p[0], p[1], p[2], p[3], p[4], p[5], p[6], p[7], p[8])
+        drum = Drum(p[0], p[1], p[2], p[3], p[4], p[5], p[6], p[7], p[8], p[9])
         ticks = drum.delay / dt
         whole = math.floor(ticks)
         part = (ticks - whole) * dt

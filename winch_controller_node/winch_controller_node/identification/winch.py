@@ -46,6 +46,9 @@ SHORTEST_RECORD = 4.0
 SIGMAS = Drum(0.05, 0.1, 0.2, 0.02, math.inf, math.inf, math.inf, math.inf, 0.005)
 """How far a drum may well be from the nominal one, 1 sigma; of limits nothing is known."""
 
+WEAK_SLOPE = 1e-6
+"""Effect of the rate at the start of a record, relative to that of the payout, that counts as none."""
+
 SMALLEST_LAG = 0.005
 """Least time constant of a servo [s]."""
 
@@ -204,7 +207,9 @@ class WinchIdentifier:
             faster[START_RATE] += RATE_STEP
             plain, other = record.simulated(np.array([start, faster]))[:, :count]
             slopes = np.stack([np.ones(count), (other - plain) / RATE_STEP], axis=1)
-            start[[START_PAYOUT, START_RATE]] += np.linalg.lstsq(slopes, record.readings[:count] - plain)[0]
+            # at the speed limit the start rate has no effect
+            step = np.linalg.lstsq(slopes, record.readings[:count] - plain, rcond=WEAK_SLOPE)[0]
+            start[[START_PAYOUT, START_RATE]] += step
         return float(readings[-1] - record.simulated(start[None, :])[0, -1])
 
     def find(self) -> WinchLags | None:
@@ -348,7 +353,7 @@ class WinchIdentifier:
         return DrumRecord(payouts, np.array(rates), readings, self._nominal.position_gain, self._dt)
 
     def _start(self, readings: Array, drum: Array | None = None) -> Array:
-        """Return a drum with payout and rate at the start of the record, shape (11,)."""
+        """Return a drum with payout and rate at the start of the record, shape (12,)."""
         first = readings[np.isfinite(readings)][0]
         return np.array([*(self._found if drum is None else drum), first, 0.0])
 
@@ -357,7 +362,14 @@ def drum_of(winch: WinchModelParameters) -> Drum:
     """Return the drum of a model of the winch."""
     speed, acceleration = winch.speed_limit, winch.acceleration_limit
     return Drum(
-        winch.time_constant, winch.command_delay, winch.speed_gain, 0.0, speed, speed, acceleration, acceleration
+        lag=winch.time_constant,
+        delay=winch.command_delay,
+        gain=winch.speed_gain,
+        speed_out=speed,
+        speed_in=speed,
+        acceleration_out=acceleration,
+        acceleration_in=acceleration,
+        reach=winch.set_point_reach,
     )
 
 

@@ -73,6 +73,14 @@ class WinchModelParameters:
         0.2, unit="s", minimum=0.0, maximum=60.0, description="From the start of a command's tick to its effect."
     )
     speed_limit: float = parameter(2.0, unit="m/s", minimum=1e-3, maximum=100.0, description="Largest payout speed.")
+    set_point_reach: float = parameter(
+        1.0,
+        unit="",
+        minimum=1.0,
+        maximum=1e3,
+        description="Largest speed set-point that has an effect, over speed_limit; above 1 it drives a slow servo "
+        "harder.",
+    )
     acceleration_limit: float = parameter(
         1.5, unit="m/s^2", minimum=1e-3, maximum=1e6, description="Largest payout acceleration."
     )

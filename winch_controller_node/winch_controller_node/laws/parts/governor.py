@@ -118,15 +118,28 @@ class CommandGovernor:
         taken = self._winch.position_gain * (payout + 0.5 * rate * self._dt)
         value = wanted - taken
         for lower, upper, name in (
-            (-speed, speed, SPEED if speed >= limits.speed else POWER),
+            (*self._reach(speed, rate), SPEED if speed >= limits.speed else POWER),
             (*self._room(payout, rate), PAYOUT),
             (rate - step, rate + step, ACCELERATION),
         ):
             if value < lower or value > upper:
                 active.append(name)
                 value = min(max(value, lower), upper)
-        sent = min(max(self.servo.set_point(value, rate), -limits.speed), limits.speed)
+        reach = self._winch.set_point_reach * limits.speed
+        sent = min(max(self.servo.set_point(value, rate), -reach), reach)
         return GovernedCommand(value + taken, tuple(active), sent / self._winch.speed_gain + taken)
+
+    def _reach(self, speed: float, rate: float) -> tuple[float, float]:
+        """Return the set-points under which the speed stays within `speed` at the end of the tick, from `rate` [m/s].
+
+        A set-point beyond the speed limit drives a slow servo harder, where the winch takes one.
+        """
+        reach = self._winch.set_point_reach * speed
+        if reach <= speed:
+            return -speed, speed
+        share = -math.expm1(-self._dt / self._winch.time_constant)
+        lower, upper = rate + (-speed - rate) / share, rate + (speed - rate) / share
+        return min(max(lower, -reach), speed), max(min(upper, reach), -speed)
 
     def _room(self, payout: float, rate: float) -> tuple[float, float]:
         """Return the speeds asked for from which the winch can still stop before the ends of its range."""
