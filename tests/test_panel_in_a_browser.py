@@ -48,6 +48,7 @@ def test_two_viewers_operate_a_run_in_turns_and_a_dead_panel_is_seen_at_once_and
             tab.size(width, 900)
             tab.open(address)
             tab.wait_for("nobody is in command; ")
+            assert tab.get("document.documentElement.scrollWidth") <= width
         first.wait_for("2 watching")
 
         first.click("take command")

@@ -197,6 +197,36 @@ def test_even_times_travel_as_three_numbers_and_others_as_they_are():
     assert "float32" in pack(sin(arange(100.0)))
 
 
+@pytest.mark.skipif(BROWSER is None, reason="no Chromium on this machine")
+def test_the_report_fits_a_wide_screen_a_telephone_the_dark_and_paper(made_up_bag, tmp_path):
+    from tests.browser import Browser  # noqa: PLC0415 - needs a package that no other test here does
+
+    report.save_report(analysis.analyse([made_up_bag()]), tmp_path / "report.html")
+    width = "document.documentElement.scrollWidth"
+    page = "getComputedStyle(document.body).backgroundColor"
+    drawn = "document.querySelector('.figure .bg').style.fill"
+    named = "document.querySelectorAll('.figure')[0].querySelectorAll('.annotation').length"
+    with Browser(tmp_path / "browser") as browser:
+        tab = browser.tab()
+        tab.size(1400, 1000)
+        tab.open((tmp_path / "report.html").as_uri())
+        tab.wait("document.body && document.body.dataset.ready === 'true'")
+        assert tab.get(width) <= 1400
+        assert tab.get(named) == 3, "names stand beside the traces"
+        assert tab.get("document.querySelector('.figure').getBoundingClientRect().bottom") < 1100, "on the first screen"
+        tab.size(420, 900)
+        tab.wait(f"{named} === 0")
+        assert tab.get(width) <= 420
+        tab("Emulation.setEmulatedMedia", media="", features=[{"name": "prefers-color-scheme", "value": "dark"}])
+        tab.wait(f"{page} === 'rgb(18, 24, 30)'")
+        tab.wait(f"{drawn} === 'rgb(18, 24, 30)'")
+        tab("Emulation.setEmulatedMedia", media="print")
+        tab.get("window.dispatchEvent(new Event('beforeprint'))")
+        tab.wait(f"{drawn} === 'rgb(255, 255, 255)'")
+        assert tab.get(page) == "rgb(255, 255, 255)"
+        assert tab.complaints == []
+
+
 PROBE = """
 <script>
 const watch = setInterval(() => {
