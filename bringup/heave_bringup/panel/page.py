@@ -42,6 +42,7 @@ body { background: #10161c; color: #dde5ec; }
 #lost { display: none; position: fixed; inset: 0 0 auto 0; z-index: 9999; background: #b00020; color: #fff;
   padding: .7rem 1rem; font-weight: 600; text-align: center; }
 .nicegui-content { padding: 0; }
+@media (min-width: 1024px) { .heave-page { grid-template-rows: auto 1fr; } }
 @media (max-width: 560px) { .heave-value { font-size: 1.2rem; } }
 </style>
 """
@@ -87,14 +88,15 @@ class Page:
         ui.add_body_html(LOST)
         ui.dark_mode(True)
         self._build_bar()
-        with ui.element("main").classes("w-full p-3 grid grid-cols-1 lg:grid-cols-3 gap-3"):
+        with ui.element("main").classes("heave-page w-full p-3 grid grid-cols-1 lg:grid-cols-3 gap-3"):
             with ui.column().classes("lg:col-span-2 gap-3 w-full"):
                 self._build_figures()
-                self._build_charts()
-            with ui.column().classes("gap-3 w-full"):
-                self._build_commands()
+            with ui.column().classes("lg:row-span-2 gap-3 w-full"):  # on a telephone before the trends
+                self._build_commands()  # above what grows, so that no button moves under a finger
                 self._build_alarms()
                 self._build_log()
+            with ui.column().classes("lg:col-span-2 gap-3 w-full"):
+                self._build_charts()
         self._build_handover()
         ui.timer(PERIOD, self.refresh)
 
