@@ -21,7 +21,7 @@ MOST_DIFFERENCES = 3
 """Runs that differ in more are called by the names of their bags."""
 BURST = 10.0
 """A limit that acts again within this time is told once [s]."""
-UNITS = {"peak_period": "s", "significant_wave_height": "m", "length": "m", "mass": "kg"}
+UNITS = {"duration": "s", "peak_period": "s", "significant_wave_height": "m", "length": "m", "mass": "kg"}
 
 
 def facts(record: RunRecord) -> dict[str, str]:
