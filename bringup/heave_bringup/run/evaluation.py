@@ -39,8 +39,14 @@ def check_complete(bag: Path, status: TickStatus) -> None:
 
 @dataclass(frozen=True)
 class Evaluation:
-    """What a run gave: the table of its figures of merit, the same for a machine, each loss of compensation in words,
-    and the verdict.
+    """What a run gave.
+
+    Attributes
+    ----------
+    table : of the figures of merit
+    figures : the same for a machine
+    losses : of compensation, each in words
+    verdict : by the criteria of the scenario and of the command line
     """
 
     table: str
