@@ -291,7 +291,7 @@ class WinchController:
         self._change_mode(decision.mode, loop)
         self._act_on(decision.landing, loop)
         loop = self._estimation.refreshed(loop)
-        command = self._command.command(loop, decision)
+        command = self._command.command(loop, decision, measurements.preview)
         self._estimation.advance_mean(command.shares.mean, is_braked=self.modes.brake)
         self._watch_load(loop, measurements.winch, command)
         order = self._command.order(command, decision.mode, self._estimation.motion.set_point)

@@ -9,7 +9,7 @@ from heave_node.numerics.arrays import Array
 
 from winch_controller_node.design.design import ControllerDesign
 from winch_controller_node.estimation.loop_tick import CommandShares, LoopTick
-from winch_controller_node.interface.readings import WinchOrder
+from winch_controller_node.interface.readings import HeavePreview, WinchOrder
 from winch_controller_node.laws.constant_tension import ConstantTension, TensionSetPoint, Travel
 from winch_controller_node.laws.law import ControlLaw, LawCommand
 from winch_controller_node.laws.outlet_hold import OutletHold
@@ -112,9 +112,18 @@ class LoopCommand:
         """Speed that was last asked of a speed servo [m/s]."""
         return self.last.governed.value - self.last.standing
 
-    def command(self, tick: LoopTick, decision: Decision) -> TickCommand:
-        """Return the command of a tick: the law's and the mean payout's share, governed, as the `decision` has it."""
+    def command(self, tick: LoopTick, decision: Decision, preview: HeavePreview | None = None) -> TickCommand:
+        """Return the command of a tick: the law's and the mean payout's share, governed.
+
+        Parameters
+        ----------
+        tick : what is known of the loop
+        decision : what is to be done
+        preview : of the boom tip; None: there is none
+        """
         mode = decision.mode
+        if preview is not None:
+            preview = HeavePreview(preview.ahead, mode.authority * preview.heave)
         payout, rate = self.governor.predict(tick.total_state)
         standing = self._standing_command(tick.total_state, payout)
         mean_payout, mean_rate = self.governor.predict(tick.mean_state)
@@ -124,6 +133,7 @@ class LoopCommand:
             static_tension=self._static_tension,
             measured_tension=tick.sensed.filtered_tension,
             mru_rate=mode.authority * tick.sensed.mru_rate,
+            preview=preview,
         )
         asked = self._give_way(self._ask(tick, state, standing, decision), tick, mode)
         if mode.brake:

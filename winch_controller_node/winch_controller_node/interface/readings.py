@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 
 from heave_node.interface.codes import SensorLevel
 from heave_node.interface.sensors import MruReading
+from heave_node.numerics.arrays import Array
 
 
 @dataclass(frozen=True)
@@ -40,6 +41,20 @@ class WinchReading:
     limits_hit: int = 0
 
 
+@dataclass(frozen=True, slots=True)
+class HeavePreview:
+    """Boom-tip heave ahead, as waves that were measured up-sea or by radar tell it.
+
+    Attributes
+    ----------
+    ahead : times from now, ascending [s], shape (m,)
+    heave : about its mean, positive up [m], shape (m,)
+    """
+
+    ahead: Array
+    heave: Array
+
+
 @dataclass(frozen=True)
 class Measurements:
     """All that was delivered at a tick.
@@ -50,11 +65,13 @@ class Measurements:
     scalar : of the other sensors, by name: `depth` of the unit, positive down [m]; `velocity`, vertical, positive up
         [m/s]; `imu`, its vertical acceleration without gravity [m/s^2]; `load_cell`, the top tension [N]
     winch : newest state of the winch; None: none came
+    preview : of the boom tip; None: there is none
     """
 
     mru: tuple[MruReading, ...] = ()
     scalar: Mapping[str, tuple[ScalarReading, ...]] = field(default_factory=dict)
     winch: WinchReading | None = None
+    preview: HeavePreview | None = None
 
     def of(self, sensor: str) -> tuple[ScalarReading, ...]:
         """Return the readings of a sensor; none where none came."""

@@ -36,6 +36,7 @@ from winch_controller_node.laws.parts.governor import (
     drum_ahead,
 )
 from winch_controller_node.laws.parts.loop_state import LoopState
+from winch_controller_node.laws.parts.preview import STEP, PreviewReader, feedforward
 from winch_controller_node.laws.parts.winch_limits import WinchLimits
 from winch_controller_node.model.lqr import DesignError
 from winch_controller_node.model.regulator import output_gain
@@ -97,6 +98,16 @@ class MpcParameters:
         maximum=1e4,
         description="Time constant with which the law returns to full effort after a limit shaped its plan.",
     )
+    preview_time: float = parameter(
+        0.0,
+        unit="s",
+        minimum=0.0,
+        maximum=60.0,
+        description="Time ahead for which a preview of the boom tip is used, where one is given; 0: not used.",
+    )
+    preview_noise: float = parameter(
+        0.05, unit="m", minimum=1e-3, maximum=10.0, description="Error of that preview, 1 sigma."
+    )
     softness: float = parameter(
         1e-7, unit="", minimum=1e-12, maximum=1.0, description="Reciprocal weight of a violated constraint."
     )
@@ -116,8 +127,11 @@ def free_gain(model: LinearModel, parameters: MpcParameters) -> Array:
 
 
 def _gain(model: LinearModel, parameters: MpcParameters, acceleration: float, command: float) -> Array:
-    sizes = {"unit_heave": parameters.unit_heave, "payout": parameters.payout, "payout_acceleration": acceleration}
-    return output_gain(model, sizes, command)
+    return output_gain(model, _sizes(parameters, acceleration), command)
+
+
+def _sizes(parameters: MpcParameters, acceleration: float) -> dict[str, float]:
+    return {"unit_heave": parameters.unit_heave, "payout": parameters.payout, "payout_acceleration": acceleration}
 
 
 def correction_knots(horizon: float, dt: float) -> list[int]:
@@ -200,6 +214,7 @@ class ConstrainedLaw(ControlLaw):
                 f"mpc.horizon = {parameters.horizon:g} s must be longer than the command delay ({delay * model.dt:g} s)"
             )
         self._basis = _hat_functions(correction_knots(parameters.horizon, model.dt), horizon_ticks)
+        self._prepare_preview(model, parameters)
         self._build_rows(model, winch, delay, horizon_ticks)
         self._setup_cost(model.dt)
         self.reset()
@@ -209,11 +224,28 @@ class ConstrainedLaw(ControlLaw):
         self.limits = limits
         self._acceleration = SpeedServo(self._lag, limits.acceleration, self._dt).linear_acceleration
 
+    def _prepare_preview(self, model: LinearModel, parameters: MpcParameters) -> None:
+        """Make what a preview needs; without one all of it has no columns."""
+        self._reader: PreviewReader | None = None
+        self._disturbances, self._fed = np.zeros((0, model.order, 0)), np.zeros((0, 0))
+        if parameters.preview_time < STEP:
+            return
+        self._reader = PreviewReader(model, parameters.preview_time, parameters.preview_noise)
+        self._disturbances = self._reader.disturbances
+
+        def fed(gain: Array, acceleration: float, command: float) -> Array:
+            return feedforward(model, gain, _sizes(parameters, acceleration), command, self._disturbances)
+
+        free = self._constrained + self._free_less_constrained
+        self._fed = fed(self._constrained, parameters.payout_acceleration, parameters.command)
+        now = fed(free, parameters.free_payout_acceleration, parameters.free_command)[0]
+        self._free_less_constrained_feed = now - self._fed[0]
+
     def _build_rows(self, model: LinearModel, winch: WinchModelParameters, delay: int, horizon_ticks: int) -> None:
         assert model.dt is not None
         dense = constrained_ticks(delay, horizon_ticks, model.dt)
         sparse = dense[::3]
-        responses = _responses(model, self._constrained, self._basis, horizon_ticks)
+        responses = _responses(model, self._constrained, self._basis, self._disturbances, self._fed)
         commanded = [tick - delay for tick in dense]
         blocks = [
             _output_rows(model, self._constrained, "payout_rate", dense, responses),
@@ -225,18 +257,18 @@ class ConstrainedLaw(ControlLaw):
         for name, ticks in ((SPEED, dense), (ACCELERATION, dense), (PAYOUT, sparse), (TENSION, sparse)):
             self._rows.append(_Rows(name, slice(start, start + len(ticks)), np.array(ticks) * model.dt))
             start += len(ticks)
-        self._free = np.vstack([free for free, _ in blocks])
-        self._forced = np.vstack([forced for _, forced in blocks])
+        self._free, self._forced, self._previewed = (np.vstack(rows) for rows in zip(*blocks, strict=True))
 
     def _acceleration_rows(
         self, winch: WinchModelParameters, ticks: list[int], responses: _Responses
-    ) -> tuple[Array, Array]:
+    ) -> tuple[Array, Array, Array]:
         """Return rows of the acceleration at the moment each command takes effect, which may be within a tick."""
         feedback = -(self._constrained + self._standing) / winch.time_constant
         through = self._basis / winch.time_constant
         return (
             np.array([feedback @ responses.free[k] for k in ticks]),
             np.array([feedback @ responses.forced[k] + through[k] for k in ticks]),
+            np.array([feedback @ responses.previewed[k] + responses.fed[k] / winch.time_constant for k in ticks]),
         )
 
     def _setup_cost(self, dt: float) -> None:
@@ -280,8 +312,9 @@ class ConstrainedLaw(ControlLaw):
 
     def command(self, state: LoopState) -> LawCommand:
         """Return the command at `state`: solve when it is time, else follow the plan."""
+        surprise = None if self._reader is None else self._reader.surprise(state.preview, state.x)
         if self._since_solution == 0:
-            self._solve(state)
+            self._solve(state, surprise)
         else:
             self._plan_age += 1
         self._since_solution = (self._since_solution + 1) % self._parameters.solve_ticks
@@ -290,6 +323,8 @@ class ConstrainedLaw(ControlLaw):
             correction = float(self._basis[self._plan_age] @ self._plan)
         last = self._last
         value = correction - float(self.gain @ state.x)
+        if surprise is not None:
+            value += float((self._fed[0] + self._freedom * self._free_less_constrained_feed) @ surprise)
         if last.status == FREE:
             value = self._spare(value, float(self._standing @ state.x))
         return LawCommand(value, last.status, last.iterations, last.active)
@@ -303,8 +338,10 @@ class ConstrainedLaw(ControlLaw):
         step = (1.0 - SPARED) * self.limits.acceleration * self._lag
         return min(max(value, standing - step), standing + step)
 
-    def _solve(self, state: LoopState) -> None:
+    def _solve(self, state: LoopState, surprise: Array | None) -> None:
         free = self._free @ state.x
+        if surprise is not None:
+            free += self._previewed @ surprise
         lower, upper = self._bounds(state)
         if np.all(free <= upper) and np.all(free >= lower):
             self._set_freedom(1.0 - self._releasing * (1.0 - self._freedom))
@@ -370,30 +407,42 @@ def _hat_functions(knots: list[int], ticks: int) -> Array:
 
 @dataclass(frozen=True)
 class _Responses:
-    """Per tick 0..ticks the free response of the closed loop (n, n) and that to each basis function (n, m)."""
+    """Per tick 0..ticks the free response of the closed loop (n, n), that to each basis function (n, m), and that to
+    each surprise of a preview with the commands `fed` forward for it.
+    """
 
     free: list[Array]
     forced: list[Array]
+    previewed: list[Array]
     basis: Array
+    fed: Array
 
 
-def _responses(model: LinearModel, gain: Array, basis: Array, ticks: int) -> _Responses:
+def _responses(model: LinearModel, gain: Array, basis: Array, disturbances: Array, fed: Array) -> _Responses:
     closed = model.A - model.B @ gain[None, :]
+    ticks, surprises = len(basis), fed.shape[1]
+    # no more is known of what comes after the preview than the estimate says
+    fed = np.vstack([fed, np.zeros((max(ticks - len(fed), 0), surprises))])
     free, forced = [np.eye(model.order)], [np.zeros((model.order, basis.shape[1]))]
+    previewed = [np.zeros((model.order, surprises))]
     for k in range(ticks):
         free.append(closed @ free[-1])
         forced.append(closed @ forced[-1] + model.B @ basis[k][None, :])
-    return _Responses(free, forced, basis)
+        previewed.append(closed @ previewed[-1] + model.B @ fed[k][None, :])
+        if k < len(disturbances):
+            previewed[-1] += disturbances[k]
+    return _Responses(free, forced, previewed, basis, fed)
 
 
 def _output_rows(
     model: LinearModel, gain: Array, output: str, ticks: list[int], responses: _Responses
-) -> tuple[Array, Array]:
-    """Return rows that give an output at `ticks` from the state now and from the correction."""
+) -> tuple[Array, Array, Array]:
+    """Return rows that give an output at `ticks` from the state now, from the correction and from a preview."""
     row, through = model.row(output), float(model.D[model.output_names.index(output), 0])
     feedback = row - through * gain
-    basis = responses.basis
+    basis, fed = responses.basis, responses.fed
     return (
         np.array([feedback @ responses.free[k] for k in ticks]),
         np.array([feedback @ responses.forced[k] + through * basis[min(k, len(basis) - 1)] for k in ticks]),
+        np.array([feedback @ responses.previewed[k] + through * fed[min(k, len(fed) - 1)] for k in ticks]),
     )

@@ -15,6 +15,8 @@ import numpy as np
 from heave_node.numerics.arrays import Array
 from heave_node.numerics.linear_model import LinearModel
 
+from winch_controller_node.interface.readings import HeavePreview
+
 
 @dataclass(frozen=True, slots=True)
 class Reference:
@@ -42,6 +44,7 @@ class LoopState:
     static_tension : tension at the top about which the model's tension counts [N]
     measured_tension : low-passed reading of the load cell [N]; NaN before the first
     mru_rate : newest heave rate that the MRU read, times the authority [m/s]
+    preview : boom-tip heave ahead, times the authority; None: there is none
     """
 
     x: Array
@@ -49,6 +52,7 @@ class LoopState:
     static_tension: float
     measured_tension: float = math.nan
     mru_rate: float = 0.0
+    preview: HeavePreview | None = None
 
 
 class AuthorityShift:
