@@ -226,6 +226,8 @@ class Supervisor:
                 f"the unit is suspended: the cable carries {100.0 * share:.0f} % of its weight, and constant tension "
                 "would let it drop; land it first, or set tension.hanging"
             )
+        if self.modes.mode is Mode.CONSTANT_TENSION:
+            return ""  # the winch follows already
         return self._gates.for_tension(payout, self._limits, self.guard.demand)
 
     def _is_settled(self, tick: LoopTick, settled_swing: float) -> bool:
