@@ -25,6 +25,20 @@ def be_quiet() -> None:
     _quiet = True
 
 
+def time_to_go(elapsed: float, share: float) -> str:
+    """Return in words how long work will still take, if it goes on as it went.
+
+    Parameters
+    ----------
+    elapsed : wall time so far [s]
+    share : part of the work that is done, above 0
+    """
+    rest = elapsed * (1.0 - share) / share
+    if rest < 90.0:
+        return f"{rest:.0f} s to go"
+    return f"{rest / 60.0:.0f} min to go" if rest < 5400.0 else f"{rest / 3600.0:.1f} h to go"
+
+
 class _Bar(BarColumn):
     """A bar where the share of the work that is done is known, and nothing elsewhere."""
 

@@ -12,12 +12,13 @@ from typing import Any
 from heave_node.criteria import WANTED, Criterion
 from heave_node.parameters import Given, ParameterError, describe, unknown_parameter
 from heave_node.run_parameters import NodeParameters, RunParameters, build_node_parameters
-from heave_node.scenario import WILDCARD, read_sections
+from heave_node.scenario import WILDCARD, Sections, parse_sections, read_sections
 from heave_node.system_parameters import SYSTEM, owned_names, system_names
 from winch_controller_node.supervision.modes import Mode
 
 from heave_bringup.nodes import MASTER, NODE_BY_NAME, NODES
 from heave_bringup.settings import Setting, parse_setting
+from heave_bringup.tables.case_table import scenario_of, split_reference
 
 SCENARIO_FOLDER = "scenarios"
 NAMES_OF_FILES = ("rao_file", "spectrum_file", "recording_file")
@@ -65,13 +66,20 @@ def shipped_scenarios() -> dict[str, Path]:
 
 def description_of(path: Path) -> str:
     """Return the first comment line of the scenario file `path`: what it is, in one line."""
-    first = path.read_text(encoding="utf-8").split("\n", 1)[0]
+    case = split_reference(str(path))
+    text = scenario_of(*case) if case else path.read_text(encoding="utf-8")
+    first = text.split("\n", 1)[0]
     return first.lstrip("# ").strip() if first.startswith("#") else ""
 
 
 def find_scenario(name: str) -> Path:
-    """Return the file of the shipped scenario `name`, or the file `name`; raise ParameterError where neither is."""
+    """Return the file of the shipped scenario `name`, or the file `name`; raise ParameterError where neither is.
+
+    A case of a campaign, `FILE.parquet:CASE`, stands for itself.
+    """
     shipped = shipped_scenarios()
+    if split_reference(name):
+        return Path(name)
     if name in shipped:
         return shipped[name]
     path = Path(name)
@@ -89,7 +97,7 @@ def load_scenario(name: str, *, settings: Iterable[Setting | str] = (), needs_fi
 
     Parameters
     ----------
-    name : shipped name or file
+    name : shipped name, file, or a case of a campaign (`FILE.parquet:CASE`)
     settings : changes on top of the file; a string is read like the value of `--set`
     needs_files : files that it names must be there; False: it is only looked at
 
@@ -105,7 +113,18 @@ def load_scenario(name: str, *, settings: Iterable[Setting | str] = (), needs_fi
         folder = path.resolve().parent
         in_file = {node: {name: _found(one, folder) for name, one in of.items()} for node, of in in_file.items()}
         changes = [replace(one, value=_found(Given(one.value, one.name, one.source)).value) for one in changes]
-    return _checked(path.stem, path, in_file, changes)
+    return _checked(_stem(path), path, in_file, changes)
+
+
+def _stem(path: Path) -> str:
+    """Return the name of the scenario at `path`, fit for a folder."""
+    case = split_reference(str(path))
+    return f"{case[0].stem}_case_{case[1]}" if case else path.stem
+
+
+def _sections(path: Path) -> Sections:
+    case = split_reference(str(path))
+    return parse_sections(scenario_of(*case).encode(), str(path)) if case else read_sections(path)
 
 
 def _found(given: Given, folder: Path | None = None) -> Given:
@@ -173,7 +192,7 @@ def _checked(name: str, path: Path, in_file: Values, settings: Iterable[Setting 
 def _read(path: Path) -> Values:
     """Read a scenario file by node; refuse sections for no node of the suite, and shared names out of their place."""
     values: Values = {}
-    for section, given in read_sections(path).items():
+    for section, given in _sections(path).items():
         node = WILDCARD if section == WILDCARD else _node_of(section, path)
         of_node = values.setdefault(node, {})
         repeated = of_node.keys() & given.keys()

@@ -25,7 +25,8 @@ def completions(line):
 @pytest.mark.parametrize(
     ("line", "word"),
     [
-        ("heave op", "operate"),
+        ("heave operat", "operate"),
+        ("heave operab", "operability"),
         ("heave operate emer", "emergency-stop"),
         ("heave run b3_", "b3_deep_900"),
         ("heave run b3_deep_900 --qui", "--quiet"),

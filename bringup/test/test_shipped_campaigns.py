@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from heave_bringup.campaign.plan import read_campaign
+from heave_bringup.campaign.campaign_file import read_campaign
 from heave_bringup.scenarios import load_scenario
 from heave_node.parameters import ParameterError
 

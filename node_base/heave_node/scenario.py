@@ -68,9 +68,27 @@ _RosDumper.add_representer(
 )
 
 
-def parse_yaml(text: str) -> Any:
-    """Return the value of a YAML text, numbers as ROS 2 reads them; raises yaml.YAMLError."""
-    return yaml.load(text, Loader=_RosLoader)
+class _WordsLoader(_RosLoader):
+    """Reads `on`, `off`, `yes` and `no` as words: only `true` and `false` are truth values, as in YAML 1.2."""
+
+
+_BOOLEAN = "tag:yaml.org,2002:bool"
+_WordsLoader.yaml_implicit_resolvers = {
+    first: [(tag, form) for tag, form in resolvers if tag != _BOOLEAN]
+    for first, resolvers in _RosLoader.yaml_implicit_resolvers.items()
+}
+_WordsLoader.add_implicit_resolver(_BOOLEAN, re.compile(r"^(true|True|TRUE|false|False|FALSE)$"), list("tTfF"))
+
+
+def parse_yaml(text: str, *, only_true_and_false: bool = False) -> Any:
+    """Return the value of a YAML text, numbers as ROS 2 reads them; raises yaml.YAMLError.
+
+    Parameters
+    ----------
+    text : a document
+    only_true_and_false : `off` is a word, not a truth value as ROS 2 and YAML 1.1 have it
+    """
+    return yaml.load(text, Loader=_WordsLoader if only_true_and_false else _RosLoader)
 
 
 def read_sections(path: Path) -> Sections:
@@ -211,10 +229,20 @@ def write_sections(sections: Mapping[str, Mapping[str, object]], path: Path, *, 
     path : of the file
     title : comment at its top
     """
+    path.write_text(sections_text(sections, title=title), encoding="utf-8")
+
+
+def sections_text(sections: Mapping[str, Mapping[str, object]], *, title: str = "") -> str:
+    """Return what `write_sections` writes.
+
+    Parameters
+    ----------
+    sections : values by section and dotted name
+    title : comment at the top
+    """
     content = {
         section: {PARAMETERS_KEY: nest_names({name: value for name, value in values.items() if value not in ((), [])})}
         for section, values in sections.items()
     }
     comment = "".join(f"# {line}\n" for line in title.splitlines())
-    text = yaml.dump(content, Dumper=_RosDumper, sort_keys=False, allow_unicode=True, width=10_000)
-    path.write_text(comment + text, encoding="utf-8")
+    return comment + str(yaml.dump(content, Dumper=_RosDumper, sort_keys=False, allow_unicode=True, width=10_000))

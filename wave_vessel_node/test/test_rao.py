@@ -1,4 +1,5 @@
 import math
+import os
 from pathlib import Path
 
 import numpy as np
@@ -9,7 +10,7 @@ from wave_vessel_node.sea.realisation import WaveComponents
 from wave_vessel_node.sea.spectra import Bretschneider
 from wave_vessel_node.sources.rao_components import RaoSource
 from wave_vessel_node.vessel.course import Course
-from wave_vessel_node.vessel.fit import boom_tip_heave_response, fit_vessel
+from wave_vessel_node.vessel.fit import VesselOnCourse, boom_tip_heave_response, fit_vessel
 from wave_vessel_node.vessel.motion import VesselMotion, lever_arm_matrix, point_motion
 from wave_vessel_node.vessel.rao import RaoError, ResponseTable, encounter_frequency
 from wave_vessel_node.vessel.rao_files import (
@@ -284,3 +285,21 @@ def test_the_shipped_table_says_where_it_comes_from():
     comments = [line for line in path.read_text().splitlines() if line.startswith("#")]
     assert any("Capytaine" in line for line in comments)
     assert any("compute_hull_rao.py" in line for line in comments)
+
+
+def test_a_vessel_on_its_course_is_the_table_at_its_heading_and_reads_its_file_once(tmp_path, monkeypatch):
+    path, arm, omega = tmp_path / "own.csv", (-20.0, 10.0, 15.0), np.linspace(0.1, 6.0, 300)
+    write_rao_csv(path, shipped_rao())
+    read = []
+    monkeypatch.setattr(
+        "wave_vessel_node.vessel.fit.read_rao", lambda *arguments: read.append(arguments) or read_rao(*arguments)
+    )
+    vessel = VesselOnCourse(str(path), arm, 2.5, 1.0)
+    first, again = vessel.response(omega), vessel.response(omega)
+    expected = boom_tip_heave_response(read_rao(path), omega, 2.5, 1.0, np.array(arm))
+    np.testing.assert_allclose(first, expected, rtol=1e-9, atol=1e-12)  # both orders of two splines, to rounding
+    np.testing.assert_array_equal(first, again)
+    assert len(read) == 1
+    os.utime(path, (1, 1))  # another file in its place
+    vessel.response(omega)
+    assert len(read) == 2

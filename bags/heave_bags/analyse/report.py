@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import hashlib
+import html
 import json
 import math
 from collections.abc import Mapping, Sequence
@@ -107,6 +108,41 @@ def _as_script(figures: Sequence[Figure]) -> str:
     """Return the figures as JSON that no text in them can end; what is not a number is null."""
     data = [without_nan(figure.to_mapping()) for figure in figures]
     return json.dumps(data, allow_nan=False).replace("<", "\\u003c")
+
+
+def render_page(title: str, body: str, figures: Sequence[Figure], footer: str) -> str:
+    """Return a page of another study as HTML, which opens offline, zooms and prints as a report of a run does.
+
+    Parameters
+    ----------
+    title : of the page
+    body : HTML, with the places of the figures (`place_figure`)
+    figures : in the order of their places
+    footer : a line at the end
+    """
+    from plotly.offline import get_plotlyjs  # noqa: PLC0415 - slow to import, needed for its script only
+
+    scripts = [get_plotlyjs(), f"\n{_asset('report.js')}"]
+    page = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True).from_string(_asset("study.html"))
+    return page.render(
+        title=title,
+        body=body,
+        footer=footer,
+        policy=security_policy(scripts),
+        style=_asset("report.css"),
+        scripts=scripts,
+        figures=_as_script(figures),
+    )
+
+
+def place_figure(figure: Figure, figures: list[Figure]) -> str:
+    """Return the place of a `figure` in a page, as HTML, and add it to the `figures` that the script draws."""
+    figures.append(figure)
+    title, caption = html.escape(figure.title), html.escape(figure.caption)
+    return (
+        f'<section class="plot"><h3>{title}</h3><p class="caption">{caption}</p>'
+        f'<div class="figure" id="figure-{len(figures) - 1}" style="min-height:{figure.height}px"></div></section>'
+    )
 
 
 def page_content(

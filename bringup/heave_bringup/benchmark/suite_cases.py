@@ -12,7 +12,7 @@ from winch_controller_node.node_parameters import WinchControllerParameters
 from heave_bringup.benchmark.case import Case, Problem
 from heave_bringup.benchmark.interface import Facts, SeaFacts, SensorFacts, WinchFacts
 from heave_bringup.benchmark.worlds.scenario_world import ScenarioWorld
-from heave_bringup.campaign.plan import find_campaign, read_campaign
+from heave_bringup.campaign.campaign_file import find_campaign, read_campaign
 from heave_bringup.scenarios import Scenario, load_scenario
 from heave_bringup.settings import Setting
 

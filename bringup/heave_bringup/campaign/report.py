@@ -1,114 +1,126 @@
-"""What a campaign came to: its table, its summary, and both for a machine."""
+"""What a campaign came to: its table and summary for people, and both for a machine."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 
 import numpy as np
+import pandas
 from heave_bags.analyse import kpi_set
 from heave_node import kpi
 from rich.table import Table
 
-from heave_bringup.campaign.plan import Campaign
-from heave_bringup.campaign.runs import CaseResult
+from heave_bringup.campaign.plan import Campaign, Case
+from heave_bringup.campaign.table import FAILURE, LOST, MET, MISSED, NOMINAL, REASON, SEED, SHARE, settings_of
 from heave_bringup.output import make_table
+from heave_bringup.tables.case_table import CASE, SCENARIO
 
-COLUMNS = (
-    *("case", "unit cm", "off cm", "ratio", "max cm", "off max cm", "DAF", "DAF off", "Tmin kN", "Tmax kN"),
-    *("speed m/s", "at limit %", "remark"),
-)
+SHOWN = {
+    "unit_sigma_m": "unit",
+    "uncompensated_sigma_m": "off",
+    "max_abs_heave_m": "max",
+    "uncompensated_max_abs_heave_m": "off max",
+    "dynamic_amplification": "DAF",
+    "uncompensated_dynamic_amplification": "DAF off",
+    "tension_min_n": "Tmin",
+    "tension_max_n": "Tmax",
+    "winch_speed_max_mps": "speed",
+    "time_at_limit_percent": "at limit",
+}
+"""Figures of merit in the table for people, with their headings; all of them are in files."""
 
 
-def to_json(campaign: Campaign, results: Sequence[CaseResult]) -> dict[str, object]:
+def to_json(campaign: Campaign, frame: pandas.DataFrame) -> dict[str, object]:
     """Return everything that a campaign gave, for a machine.
 
     Parameters
     ----------
     campaign : that was run
-    results : of its cases, in their order
+    frame : a row for each case, as `case_frame` gives it
     """
     return {
         "campaign": str(campaign.path),
         "scenario": campaign.scenario,
-        "cases": [_case_content(result) for result in results],
-        "summary": summarise(results),
+        "cases": [_case_content(row, settings_of(frame)) for row in frame.to_dict("records")],
+        "summary": summarise(frame),
     }
 
 
-def _case_content(result: CaseResult) -> dict[str, object]:
-    case = result.case
-    content: dict[str, object] = {"seed": case.seed, "nominal": case.is_nominal, **case.settings}
-    if result.failure:
-        return {**content, "failure": result.failure}
-    return {
-        **content,
-        "failure": "",
-        "compensating_share": result.compensating,
-        "lost": result.is_lost,
-        **kpi_set.to_json(result.kpis),
-    }
+def _case_content(row: dict[object, object], settings: list[str]) -> dict[str, object]:
+    kpis = {key: float(row[key]) for key in kpi_set.DEFINITION_OF}  # type: ignore[arg-type]
+    head: dict[str, object] = {name: row[name] for name in (CASE, SEED, NOMINAL)}
+    given = {name: row[name] for name in settings if row[name] is not None}
+    if row[FAILURE]:
+        return {**head, **given, FAILURE: row[FAILURE]}
+    outcome = {name: row[name] for name in (FAILURE, LOST, REASON, MET, MISSED, SHARE)}
+    return {**head, **given, **outcome, **kpi_set.to_json(kpis)}
 
 
-def summarise(results: Sequence[CaseResult]) -> dict[str, float]:
-    """Return what the `results` of the cases come to together, nominal ones apart."""
-    drawn = [result for result in results if not result.case.is_nominal]
-    good = [result for result in drawn if not result.failure]
+def summarise(frame: pandas.DataFrame) -> dict[str, float]:
+    """Return what the cases of a `frame` come to together, nominal ones apart."""
+    drawn = frame[~frame[NOMINAL]]
+    good = drawn[drawn[FAILURE] == ""]
     counts = {"cases": float(len(drawn)), "failed": float(len(drawn) - len(good))}
-    if not good:
+    if good.empty:
         return counts
-    unit = np.array([result.kpis["unit_sigma_m"] for result in good])
-    off = np.array([result.kpis["uncompensated_sigma_m"] for result in good])
+    unit = good["unit_sigma_m"]
     p90 = float(np.percentile(unit, 90))
     return {
         **counts,
-        "lost": float(sum(result.is_lost for result in good)),
-        "unit_sigma_m_median": float(np.median(unit)),
+        "lost": float(good[LOST].sum()),
+        "met": float(good[MET].sum()),
+        "unit_sigma_m_median": float(unit.median()),
         "unit_sigma_m_p90": p90,
         "unit_sigma_m_max": float(unit.max()),
-        **_against_nominal(results, p90),
-        "worse": kpi.worse(unit, off),
-        "snaps": float(np.nansum([result.kpis["snaps"] for result in good])),
-        "snaps_uncompensated": float(np.nansum([result.kpis["uncompensated_snaps"] for result in good])),
+        **_against_nominal(frame, p90),
+        "worse": kpi.worse(unit, good["uncompensated_sigma_m"]),
+        "snaps": float(good["snaps"].sum()),
+        "snaps_uncompensated": float(good["uncompensated_snaps"].sum()),
     }
 
 
-def _against_nominal(results: Sequence[CaseResult], p90: float) -> dict[str, float]:
+def _against_nominal(frame: pandas.DataFrame, p90: float) -> dict[str, float]:
     """Return the nominal cases' unit sigma (root mean square) and the others' 90th percentile over it."""
-    sigmas = [r.kpis["unit_sigma_m"] for r in results if r.case.is_nominal and not r.failure]
-    if not sigmas:
+    sigmas = frame.loc[frame[NOMINAL] & (frame[FAILURE] == ""), "unit_sigma_m"]
+    if sigmas.empty:
         return {}
     nominal = float(np.sqrt(np.mean(np.square(sigmas))))
     return {"unit_sigma_m_nominal": nominal, "p90_over_nominal": p90 / nominal}
 
 
-def case_table(results: Sequence[CaseResult]) -> Table:
-    """Return a row for each case of `results`: unit and uncompensated motion, tension, use of the winch."""
-    return make_table(COLUMNS, [_row(result) for result in results], texts=["remark"])
+def case_table(frame: pandas.DataFrame) -> Table:
+    """Return a row for each case of a `frame`: unit and uncompensated motion, tension, use of the winch."""
+    units = [kpi_set.DEFINITION_OF[key].unit for key in SHOWN]
+    headings = [f"{heading} {unit}".strip() for heading, unit in zip(SHOWN.values(), units, strict=True)]
+    columns = ["no.", "case", *headings, "ratio", "remark"]
+    settings = settings_of(frame)
+    rows = [_cells(row, settings) for row in frame.to_dict("records")]
+    return make_table(columns, rows, texts=["case", "remark"])
 
 
-def summary_table(results: Sequence[CaseResult]) -> Table:
-    """Return what the `results` of the cases come to together."""
-    return make_table(["all cases", "value"], [[name, f"{value:.6g}"] for name, value in summarise(results).items()])
+def _cells(row: dict[object, object], settings: list[str]) -> list[str]:
+    label = Case(
+        int(row[CASE]),  # type: ignore[call-overload]
+        int(row[SEED]),  # type: ignore[call-overload]
+        {place: row[place] for place in settings},
+        bool(row[NOMINAL]),
+    ).label
+    head = [str(row[CASE]), label]
+    if row[FAILURE]:
+        return [*head, *[""] * (len(SHOWN) + 1), f"failed: {row[FAILURE]}"]
+    values = {key: float(row[key]) for key in SHOWN}  # type: ignore[arg-type]
+    off = values["uncompensated_sigma_m"]
+    ratio = values["unit_sigma_m"] / off if off > 0.0 else math.nan
+    remark = f"lost: {row[REASON]}" if row[LOST] else str(row[MISSED])
+    cells = [kpi_set.DEFINITION_OF[key].text(value) for key, value in values.items()]
+    return [*head, *cells, f"{ratio:.4f}" if math.isfinite(ratio) else "-", remark]
 
 
-def _row(result: CaseResult) -> list[str]:
-    if result.failure:
-        return [result.case.label, *[""] * (len(COLUMNS) - 2), result.failure]
-    k = result.kpis
-    ratio = k["unit_sigma_m"] / k["uncompensated_sigma_m"] if k["uncompensated_sigma_m"] > 0.0 else math.nan
-    return [
-        result.case.label,
-        f"{100 * k['unit_sigma_m']:.3f}",
-        f"{100 * k['uncompensated_sigma_m']:.2f}",
-        f"{ratio:.4f}",
-        f"{100 * k['max_abs_heave_m']:.2f}",
-        f"{100 * k['uncompensated_max_abs_heave_m']:.1f}",
-        f"{k['dynamic_amplification']:.2f}",
-        f"{k['uncompensated_dynamic_amplification']:.2f}",
-        f"{k['tension_min_n'] / 1e3:.1f}",
-        f"{k['tension_max_n'] / 1e3:.1f}",
-        f"{k['winch_speed_max_mps']:.3f}",
-        f"{k['time_at_limit_percent']:.2f}",
-        f"lost: compensating {100 * result.compensating:.0f} % of the time" if result.is_lost else "",
-    ]
+def summary_table(frame: pandas.DataFrame) -> Table:
+    """Return what the cases of a `frame` come to together."""
+    return make_table(["all cases", "value"], [[name, f"{value:.6g}"] for name, value in summarise(frame).items()])
+
+
+def without_scenario(frame: pandas.DataFrame) -> pandas.DataFrame:
+    """Return a `frame` for people's programs: without the text of each scenario."""
+    return frame.drop(columns=SCENARIO)

@@ -1,25 +1,51 @@
-"""The runs of a campaign: pure components in worker processes, no ROS."""
+"""One case of a campaign: pure components in this process, no ROS; its figures, its verdict, why it was lost."""
 
 from __future__ import annotations
 
 import math
-import multiprocessing
-import os
-from collections.abc import Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 from heave_bags.analyse import kpi_set
 from heave_bags.analyse.depth_programme import take_out_programme
 from heave_bags.analyse.events import COMPENSATES, OFF
+from heave_bags.analyse.verdict import Judged, Verdict
 from heave_bags.signals import RunSignals, Signal
 from heave_node.numerics.arrays import Array
 from heave_node.parameters import ParameterError
+from heave_node.scenario import sections_text
 
 from heave_bringup.campaign.plan import Campaign, Case
 from heave_bringup.closed_loop import ClosedLoop, LoopParameters, LoopRecord, loop_parameters
+from heave_bringup.run.criteria import refuse_unknown
 from heave_bringup.scenarios import Scenario, load_scenario
+from heave_bringup.stored_scenario import stored_sections, stored_title
+
+BOUND = "kappa"
+"""Figure that needs bounds, seconds of work: computed only where a criterion asks for it."""
+
+WITH_THE_END = 0.2
+"""An alarm that comes so soon after compensation ended still tells why [s]."""
+
+
+@dataclass(frozen=True)
+class Task:
+    """A case that is ready to run, here or in another process.
+
+    Attributes
+    ----------
+    case : of the campaign
+    scenario : checked
+    """
+
+    case: Case
+    scenario: Scenario
+
+    @property
+    def text(self) -> str:
+        """All values in force as a scenario file has them: what repeats the case."""
+        return sections_text(stored_sections(self.scenario), title=stored_title(self.scenario))
 
 
 @dataclass(frozen=True)
@@ -33,40 +59,26 @@ class CaseResult:
     failure : why it could not be run; "" where it could
     compensating : share of the time after the transient in which the winch compensated or held a tension; NaN under
         law off
+    reason : why it was lost; "" where it was not
+    missed : criteria that it does not meet, one line each
     """
 
     case: Case
-    kpis: dict[str, float] = field(default_factory=dict)
+    kpis: Mapping[str, float] = field(default_factory=dict)
     failure: str = ""
     compensating: float = math.nan
+    reason: str = ""
+    missed: tuple[str, ...] = ()
 
     @property
     def is_lost(self) -> bool:
         """Return whether compensation was given up, or the unit moves more than uncompensated."""
-        return self.compensating < 1.0 or self.kpis["unit_sigma_m"] > self.kpis["uncompensated_sigma_m"]
+        return bool(self.reason)
 
 
-def run_cases(campaign: Campaign, cases: Sequence[Case], processes: int | None) -> Iterator[CaseResult]:
-    """Run every case and yield the results as they come.
-
-    Parameters
-    ----------
-    campaign : that the cases are of
-    cases : to be run
-    processes : number of worker processes; None takes one per processor, 1 runs them here
-
-    Every case's parameters are checked before the first one runs; raises ParameterError for the first that is wrong.
-    """
-    scenarios = [_scenario(campaign, case) for case in cases]
-    if processes == 1:
-        for scenario, case in zip(scenarios, cases, strict=True):
-            yield _run_case(scenario, case)
-        return
-    workers = min(len(cases), processes or os.cpu_count() or 1)
-    with ProcessPoolExecutor(workers, mp_context=multiprocessing.get_context("spawn")) as pool:
-        pending = [pool.submit(_run_case, scenario, case) for scenario, case in zip(scenarios, cases, strict=True)]
-        for finished in as_completed(pending):
-            yield finished.result()
+def make_tasks(campaign: Campaign, cases: Sequence[Case]) -> list[Task]:
+    """Return the `cases` of a campaign with their parameters; raise ParameterError for the first that is wrong."""
+    return [Task(case, _scenario(campaign, case)) for case in cases]
 
 
 def _scenario(campaign: Campaign, case: Case) -> Scenario:
@@ -78,24 +90,93 @@ def _scenario(campaign: Campaign, case: Case) -> Scenario:
         raise ParameterError(
             f"{source}: duration = {run.duration:g} s leaves nothing after the transient of {run.transient:g} s"
         )
+    for criterion in scenario.wanted:
+        refuse_unknown(criterion, f"{campaign.path}: wanted")
     return scenario
 
 
-def _run_case(scenario: Scenario, case: Case) -> CaseResult:
+def run_task(task: Task) -> CaseResult:
+    """Run the case of a `task`; one that cannot be run says why, and harms no other."""
+    case, scenario = task.case, task.scenario
     parameters = loop_parameters(scenario)
     try:
         record = ClosedLoop(parameters).run()
+        signals = run_signals(record, parameters)
+        _add_bounds(signals, record, scenario)
+        kpis = kpi_set.evaluate(signals, scenario.run.transient, scenario.run.duration)
     except Exception as error:  # one case that cannot be run must not end the others; it is named in the table
         return CaseResult(case, failure=" ".join(str(error).split()) or type(error).__name__)
-    kpis = kpi_set.evaluate(run_signals(record, parameters), scenario.run.transient, scenario.run.duration)
-    return CaseResult(case, kpis, compensating=_compensating(record, scenario))
+    share = _compensating(record, scenario)
+    judged = tuple(Judged(criterion, kpis[criterion.kpi]) for criterion in scenario.wanted)
+    verdict = Verdict(judged, (), _time_in_modes(record, scenario), share)
+    return CaseResult(case, kpis, "", share, lost_because(record, scenario, kpis), tuple(verdict.failures))
+
+
+def _add_bounds(signals: RunSignals, record: LoopRecord, scenario: Scenario) -> None:
+    """Put in what kappa is counted from, where it is wanted."""
+    if not scenario.moves_winch or BOUND not in {criterion.kpi for criterion in scenario.wanted}:
+        return
+    from winch_controller_node.design.bounds import BOUND_STEP  # noqa: PLC0415 - seconds to load, seldom needed
+    from winch_controller_node.model.lqr import DesignError  # noqa: PLC0415
+
+    from heave_bringup.run.kappa import bounds_of  # noqa: PLC0415
+
+    tip = Signal(record.column("time"), record.column("boom_tip")).window(scenario.run.transient, scenario.run.duration)
+    time = np.arange(tip.time[0], tip.time[-1], BOUND_STEP)
+    try:
+        bounds = bounds_of(scenario, np.interp(time, tip.time, tip.value), BOUND_STEP)
+    except (DesignError, ArithmeticError, ValueError):  # no bound, and kappa stays unknown, as for a bag
+        return
+    signals.sensor_bound, signals.actuator_bound = bounds
+
+
+def _judged(record: LoopRecord, scenario: Scenario) -> list[str]:
+    """Return the modes in the time that is judged."""
+    after = record.column("time") >= scenario.run.transient
+    return [mode for mode, counts in zip(record.modes, after, strict=True) if counts]
 
 
 def _compensating(record: LoopRecord, scenario: Scenario) -> float:
     if not scenario.moves_winch:
         return math.nan
-    after = record.column("time") >= scenario.run.transient
-    return float(np.mean([mode in COMPENSATES for mode, counts in zip(record.modes, after, strict=True) if counts]))
+    return float(np.mean([mode in COMPENSATES for mode in _judged(record, scenario)]))
+
+
+def _time_in_modes(record: LoopRecord, scenario: Scenario) -> dict[str, float]:
+    modes = _judged(record, scenario)
+    shares = {mode: modes.count(mode) / len(modes) for mode in dict.fromkeys(modes)}
+    return dict(sorted(shares.items(), key=lambda item: -item[1]))
+
+
+def lost_because(record: LoopRecord, scenario: Scenario, kpis: Mapping[str, float]) -> str:
+    """Return why a case was lost: when compensation ended, and the last alarm before; "" where it was not.
+
+    Parameters
+    ----------
+    record, scenario : of the run
+    kpis : its figures
+    """
+    if not scenario.moves_winch:
+        return ""
+    time, ahead = record.column("time"), scenario.run.transient
+    works = np.isin(record.modes, COMPENSATES)
+    out = np.flatnonzero(~works & (time >= ahead))
+    if not out.size:
+        is_worse = kpis["unit_sigma_m"] > kpis["uncompensated_sigma_m"]
+        return "the unit moves more than uncompensated" if is_worse else ""
+    begun = np.flatnonzero(works)
+    share = f"in force {100.0 * float(np.mean(works[time >= ahead])):.1f} % of the time"
+    if not begun.size:
+        when, words = float(time[-1]), f"compensation never began (mode {record.modes[-1]})"
+    elif begun[0] > out[0]:
+        when = float(time[begun[0]])
+        words = f"compensation began only at {when:.2f} s, {share}"
+    else:
+        end = int(begun[begun < out[0]][-1]) + 1
+        when = float(time[end])
+        words = f"compensation ended at {when:.2f} s (mode {record.modes[end]}), {share}"
+    alarms = [text for at, text in record.alarms if at <= when + WITH_THE_END]
+    return f"{words}: {' '.join(alarms[-1].split())}" if alarms else words
 
 
 def _working(record: LoopRecord, time: Array) -> Signal:

@@ -4,16 +4,19 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 from heave_node.numerics.arrays import Array
 from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline
 from scipy.optimize import least_squares
 
 from wave_vessel_node.sea.spectra import WaveSpectrum
 from wave_vessel_node.vessel.motion import lever_arm_matrix
-from wave_vessel_node.vessel.rao import RaoError, ResponseTable
+from wave_vessel_node.vessel.rao import RaoError, ResponseTable, above_the_table
 from wave_vessel_node.vessel.rao_files import read_rao
 from wave_vessel_node.vessel.second_order import SecondOrderVessel
 
@@ -70,13 +73,33 @@ class VesselOnCourse:
 
     def response(self, omega: Array) -> NDArray[np.complex128]:
         """Return boom-tip heave per wave amplitude at `omega` [rad/s], shape (n,); raise RaoError for a wrong file."""
-        table = read_rao(self.rao_file, sorted({0.0, self.speed}))
-        return boom_tip_heave_response(table, omega, self.heading, self.speed, np.array(self.boom_tip_arm))
+        path = Path(self.rao_file)
+        changed = path.stat().st_mtime_ns if self.rao_file and path.is_file() else 0
+        spline = _heave_on_course(self, changed)
+        first, last = spline.x[0], spline.x[-1]
+        return np.asarray(spline(np.clip(omega, first, last)) * above_the_table(omega, last))
 
     def fit(self, spectrum: WaveSpectrum) -> VesselFit:
         """Return the second-order vessel fitted to this one in a sea (`spectrum`); raise RaoError as `response`."""
         omega = np.linspace(0.4, 3.5, 200) * spectrum.peak_frequency
         return fit_vessel(omega, self.response(omega), spectrum)
+
+
+@lru_cache(maxsize=16)
+def _heave_on_course(vessel: VesselOnCourse, changed: int) -> CubicSpline:  # noqa: ARG001
+    """Return boom-tip heave per wave amplitude at the frequencies of the table, with a spline between them.
+
+    A design asks for it again and again, and the whole table takes a second to read and to turn to one heading. Splines
+    in heading and in frequency may be taken in either order, so the values are those of the table.
+
+    Parameters
+    ----------
+    vessel : and its course
+    changed : when the file of RAOs was: a new file is read anew
+    """
+    table = read_rao(vessel.rao_file, sorted({0.0, vessel.speed}))
+    heave = boom_tip_heave_response(table, table.frequency, vessel.heading, vessel.speed, np.array(vessel.boom_tip_arm))
+    return CubicSpline(table.frequency, heave)
 
 
 def fit_vessel(omega: Array, response: NDArray[Any], spectrum: WaveSpectrum) -> VesselFit:

@@ -78,7 +78,7 @@ class ResponseTable:
         lowest it is held.
         """
         inside = np.clip(frequency, self.frequency[0], self.frequency[-1])
-        tail = np.where(frequency > self.frequency[-1], (self.frequency[-1] / frequency) ** 4, 1.0)
+        tail = above_the_table(frequency, self.frequency[-1])
         headings = self._headings()
         coefficients = []
         for response in self.response:
@@ -143,6 +143,17 @@ class SampledResponse:
         powers = (angle - self.knots[cell])[:, None] ** np.arange(3, -1, -1)
         chosen = np.tensordot(self.speed_weights(speed), self.coefficients[:, np.arange(angle.size), cell], axes=1)
         return np.asarray(np.einsum("ndp,np->dn", chosen, powers))
+
+
+def above_the_table(frequency: Array, highest: float) -> Array:
+    """Return by what motions fall above the `highest` frequency of a table, (highest/omega)^4; 1 below it.
+
+    Parameters
+    ----------
+    frequency : of the waves [rad/s], shape (n,)
+    highest : [rad/s]
+    """
+    return np.where(frequency > highest, (highest / frequency) ** 4, 1.0)
 
 
 def encounter_frequency(frequency: ArrayLike, heading: ArrayLike, speed: float) -> Array:

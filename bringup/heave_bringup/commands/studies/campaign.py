@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import argparse
+from pathlib import Path
 
 from heave_node.parameters import ParameterError
 
+from heave_bringup.commands.arguments import add_workers
 from heave_bringup.commands.command import Command
 
 
@@ -14,41 +16,65 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "campaign",
         metavar="CAMPAIGN",
-        help="a shipped campaign, or a file (format: heave_bringup/campaign/plan.py)",
+        help="a shipped campaign, or a file (format: heave_bringup/campaign/campaign_file.py)",
     )
-    parser.add_argument("--processes", type=int, metavar="N", help="default: one per processor")
+    add_workers(parser)
     parser.add_argument("--duration", type=float, metavar="S", help="simulated time of a case, instead of the file's")
     parser.add_argument("--draws", type=int, metavar="N", help="only the first N of the file's random draws")
+    parser.add_argument(
+        "--output",
+        type=Path,
+        metavar="FILE.parquet",
+        help="table with all that repeats each case (heave run FILE.parquet:CASE). Results are kept as they come: the "
+        "same command again goes on where it was ended",
+    )
+    parser.add_argument("--csv", type=Path, metavar="FILE", help="the figures of every case as CSV")
+    parser.add_argument(
+        "--plot",
+        type=Path,
+        metavar="FILE",
+        help="a picture (.png, .svg, .pdf) over what was varied",
+    )
+    parser.add_argument(
+        "--kpi", default="unit_sigma_m", metavar="KPI", help="figure of merit of the picture (default: unit_sigma_m)"
+    )
 
 
 def execute(options: argparse.Namespace) -> None:
     """Run every case as `options` say; print what the unit and the winch did in each, then the summary."""
-    from heave_bringup.campaign.plan import find_campaign, read_campaign
-    from heave_bringup.campaign.report import case_table, summary_table, to_json
-    from heave_bringup.campaign.runs import run_cases
-    from heave_bringup.output import write_result
-    from heave_bringup.progress import ProgressLine
+    from heave_bags.analyse.kpi_set import DEFINITION_OF
+
+    from heave_bringup.campaign import picture
+    from heave_bringup.campaign.campaign_file import find_campaign, read_campaign
+    from heave_bringup.campaign.report import case_table, summary_table, to_json, without_scenario
+    from heave_bringup.campaign.study import run_study
+    from heave_bringup.output import check_output, write_result
 
     for option, value in (("--processes", options.processes), ("--draws", options.draws)):
         if value is not None and value < 1:
             raise ParameterError(f"{option} {value}: must be at least 1")
+    if options.kpi not in DEFINITION_OF:
+        raise ParameterError(f"--kpi {options.kpi}: is not a figure of merit; known: {', '.join(DEFINITION_OF)}")
+    check_output("--output", options.output, (".parquet",))
+    check_output("--csv", options.csv, (".csv",))
+    check_output("--plot", options.plot, picture.ENDINGS)
     campaign = read_campaign(find_campaign(options.campaign))
     campaign = campaign.shortened(duration=options.duration, draws=options.draws)
-    cases = list(campaign.cases())
-    results = []
-    with ProgressLine() as progress:
-        progress.show(f"{len(cases)} cases of {campaign.scenario}", 0.0)
-        for result in run_cases(campaign, cases, options.processes):
-            results.append(result)
-            progress.show(f"case {len(results)} of {len(cases)}: {result.case.label}", len(results) / len(cases))
-    results.sort(key=lambda result: result.case.number)
-    write_result(options, [case_table(results), summary_table(results)], to_json(campaign, results))
+    frame = run_study(campaign, output=options.output, processes=options.processes, dask=options.dask)
+    if options.csv is not None:
+        without_scenario(frame).to_csv(options.csv, index=False)
+    if options.plot is not None:
+        picture.save_picture(frame, options.kpi, options.plot)
+    write_result(options, [case_table(frame), summary_table(frame)], to_json(campaign, frame))
 
 
 COMMAND = Command(
     name="campaign",
     summary="Run many cases of a scenario (seeds, a grid, random draws) without ROS, and print a table.",
-    examples=("heave campaign b9_model_error --json result.json",),
+    examples=(
+        "heave campaign b9_model_error --json result.json",
+        "heave campaign b9_model_error --output b9.parquet --plot b9.svg",
+    ),
     add_arguments=add_arguments,
     execute=execute,
 )

@@ -1,0 +1,145 @@
+"""Campaign files.
+
+A campaign file is YAML:
+
+    scenario: b9_model_error
+    duration: 600                     # optional; the scenario's own otherwise
+    seeds: [1, 2, 3]                  # or a number of seeds, counted from 1
+    set: {winch_controller.law: mpc}  # for every case
+    wanted: {unit_sigma_m: "<= 0.01"} # criteria, as in a scenario
+    vary:                             # every combination of what stands in the list ...
+      - {system.sea.peak_period: [8, 10, 12]}
+      - {virtual_winch.speed_limit: [1, 2], virtual_winch.power_limit: [1e5, 2e5]}      # ... these two move together
+      - {"virtual_winch.command_delay, winch_controller.winch.command_delay": [0.2, 0.3]}   # one value for both
+    draw:                             # random cases, seeded
+      count: 64
+      seed: 1
+      method: latin                   # random (default), latin (hypercube) or sobol
+      nominal: true                   # before them the scenario itself, to compare with
+      uniform: {cable_sim.cable.axial_stiffness: [1.1e7, 2.0e7]}   # the plant alone
+      log_uniform: {cable_sim.unit.mass: [1.0e4, 1.0e5]}
+      choose: {winch_controller.law: [off, lqg, mpc]}
+
+`vary` may also be a mapping: each of its parameters is then varied by itself.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from importlib import resources
+from pathlib import Path
+from typing import Any
+
+import yaml
+from heave_node.parameters import ParameterError
+from heave_node.scenario import parse_yaml
+
+from heave_bringup.campaign.plan import Campaign, Link
+from heave_bringup.campaign.sampling import Draws
+
+_KEYS = {"scenario", "duration", "seeds", "set", "wanted", "vary", "draw"}
+_DRAW_KEYS = {"count", "seed", "method", "nominal", "uniform", "log_uniform", "choose"}
+
+
+def find_campaign(name: str) -> Path:
+    """Return the file of the shipped campaign `name`, or the file `name`; raise ParameterError where neither is."""
+    folder = Path(str(resources.files("heave_bringup"))) / "campaigns"
+    shipped = {path.stem: path for path in sorted(folder.glob("*.yaml"))}
+    path = shipped.get(name, Path(name))
+    if not path.is_file():
+        raise ParameterError(f"{name}: no such campaign or file; shipped are: {', '.join(shipped)}")
+    return path
+
+
+def read_campaign(path: Path) -> Campaign:
+    """Read and check the campaign file `path`; raise ParameterError, in one line, for what is wrong with it."""
+    try:
+        content = parse_yaml(path.read_text(encoding="utf-8"), only_true_and_false=True)
+    except OSError as error:
+        raise ParameterError(f"{path}: cannot be read: {error.strerror}") from error
+    except (yaml.YAMLError, UnicodeDecodeError) as error:
+        raise ParameterError(f"{path}: is not valid YAML: {' '.join(str(error).split())}") from error
+    if not isinstance(content, Mapping) or "scenario" not in content:
+        raise ParameterError(f"{path}: must be a mapping with at least the key scenario")
+    _refuse_unknown(content, _KEYS, str(path))
+    draw = content.get("draw") or {}
+    try:
+        _refuse_unknown(_mapping(draw, "draw"), _DRAW_KEYS, f"{path}: draw")
+        return Campaign(
+            path=path,
+            scenario=str(content["scenario"]),
+            duration=float(content["duration"]) if "duration" in content else None,
+            seeds=_seeds(content.get("seeds", 1)),
+            common=dict(_mapping(content.get("set") or {}, "set")),
+            wanted=dict(_mapping(content.get("wanted") or {}, "wanted")),
+            vary=_links(content.get("vary") or {}),
+            draws=_draws(draw) if draw else None,
+            has_nominal=bool(draw.get("nominal", False)),
+        )
+    except (TypeError, ValueError) as error:
+        raise error if isinstance(error, ParameterError) else ParameterError(f"{path}: {error}") from error
+
+
+def _links(vary: Any) -> tuple[Link, ...]:
+    """Return the groups of parameters that move together: each of a mapping by itself, or the mappings of a list."""
+    groups = [{name: values} for name, values in vary.items()] if isinstance(vary, Mapping) else vary
+    if not isinstance(groups, list):
+        raise ValueError("vary: must be a mapping of parameters to lists of values, or a list of such mappings")
+    links = []
+    for group in groups:
+        link = {name: _values(name, values) for name, values in _mapping(group, "vary").items()}
+        counts = {name: len(values) for name, values in link.items()}
+        if len(set(counts.values())) > 1:
+            numbers = ", ".join(f"{name} {count}" for name, count in counts.items())
+            raise ValueError(f"vary: parameters that move together need equally many values: {numbers}")
+        links.append(link)
+    return tuple(links)
+
+
+def _values(name: str, values: Any) -> tuple[object, ...]:
+    if not isinstance(values, list) or not values:
+        raise ValueError(f"vary: {name} = {values!r}: must be a list of at least one value")
+    return tuple(values)
+
+
+def _draws(draw: Mapping[str, Any]) -> Draws:
+    return Draws(
+        count=int(draw.get("count", 1)),
+        seed=int(draw.get("seed", 1)),
+        method=str(draw.get("method", "random")),
+        uniform=_bounds(draw, "uniform"),
+        log_uniform=_bounds(draw, "log_uniform"),
+        choose={
+            name: _values(name, values) for name, values in _mapping(draw.get("choose") or {}, "draw.choose").items()
+        },
+    )
+
+
+def _bounds(draw: Mapping[str, Any], key: str) -> dict[str, tuple[float, float]]:
+    bounds = {}
+    for name, given in _mapping(draw.get(key) or {}, f"draw.{key}").items():
+        if not isinstance(given, list) or len(given) != 2:
+            raise ValueError(f"draw.{key}: {name} = {given!r}: must be [smallest, largest]")
+        bounds[name] = (float(given[0]), float(given[1]))
+    return bounds
+
+
+def _mapping(value: Any, name: str) -> Mapping[str, Any]:
+    if not isinstance(value, Mapping):
+        raise ValueError(f"{name}: must be a mapping, not {value!r}")
+    return value
+
+
+def _seeds(value: Any) -> tuple[int, ...]:
+    if isinstance(value, bool) or not isinstance(value, int | list):
+        raise ValueError(f"seeds = {value!r}: must be a number of seeds or a list of seeds")
+    seeds = tuple(range(1, value + 1)) if isinstance(value, int) else tuple(int(seed) for seed in value)
+    if not seeds:
+        raise ValueError("seeds must be a number of at least 1 or a list of seeds")
+    return seeds
+
+
+def _refuse_unknown(content: Mapping[str, object], known: set[str], where: str) -> None:
+    unknown = sorted(set(content) - known)
+    if unknown:
+        raise ParameterError(f"{where}: unknown key {unknown[0]}; known: {', '.join(sorted(known))}")

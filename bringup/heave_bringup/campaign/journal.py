@@ -1,0 +1,117 @@
+"""Results of a campaign as they come, in a file beside its table, so that one that was ended goes on where it was."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from types import TracebackType
+
+from heave_node.parameters import ParameterError
+
+from heave_bringup.campaign.plan import Case
+from heave_bringup.campaign.runs import CaseResult, Task
+
+
+def digest_of(tasks: Sequence[Task], version: str) -> str:
+    """Return what tells campaigns apart: every value of every case, and the version of the program.
+
+    Parameters
+    ----------
+    tasks : the cases, in their order
+    version : of the program that computes them
+    """
+    digest = hashlib.sha256(version.encode())
+    for task in tasks:
+        digest.update(task.text.encode())
+    return digest.hexdigest()
+
+
+def journal_path(table: Path) -> Path:
+    """Return the file with the results so far of the campaign whose table will be at `table`."""
+    return table.with_name(f"{table.name}.partial")
+
+
+class Journal:
+    """Keeps results as lines of JSON, each written at once; a context manager.
+
+    Parameters
+    ----------
+    path : of the file
+    digest : of the campaign
+
+    Attributes
+    ----------
+    results : found in the file, by number of case
+
+    Raises ParameterError for a file of another campaign.
+    """
+
+    def __init__(self, path: Path, digest: str) -> None:
+        self.path = path
+        self.results: dict[int, Mapping[str, object]] = {}
+        kept = self._read(digest) if path.exists() else []
+        self._file = path.open("w", encoding="utf-8")
+        for line in (json.dumps({"digest": digest}), *kept):
+            self._file.write(line + "\n")
+        self._file.flush()
+
+    def __enter__(self) -> Journal:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
+    ) -> None:
+        self._file.close()
+
+    def _read(self, digest: str) -> list[str]:
+        """Return the whole lines of results; the last one may have been cut off by what ended the campaign."""
+        head, *lines = self.path.read_text(encoding="utf-8").split("\n")
+        try:
+            found = json.loads(head)["digest"]
+        except (ValueError, KeyError, TypeError):
+            found = ""
+        if found != digest:
+            raise ParameterError(
+                f"{self.path}: holds results of another campaign, or of another version of the program: remove it to "
+                "begin anew, or name another table"
+            )
+        kept = []
+        for line in lines[:-1]:
+            result = json.loads(line)
+            self.results[result["number"]] = result
+            kept.append(line)
+        return kept
+
+    def result_of(self, case: Case) -> CaseResult | None:
+        """Return the result that `case` had before; None where it has none yet."""
+        found = self.results.get(case.number)
+        if found is None:
+            return None
+        return CaseResult(
+            case,
+            kpis=found["kpis"],  # type: ignore[arg-type]
+            failure=str(found["failure"]),
+            compensating=float(found["compensating"]),  # type: ignore[arg-type]
+            reason=str(found["reason"]),
+            missed=tuple(found["missed"]),  # type: ignore[arg-type]
+        )
+
+    def add(self, result: CaseResult) -> None:
+        """Keep a result: after this it is on the disk."""
+        content = {
+            "number": result.case.number,
+            "kpis": dict(result.kpis),
+            "failure": result.failure,
+            "compensating": result.compensating,
+            "reason": result.reason,
+            "missed": list(result.missed),
+        }
+        self._file.write(json.dumps(content) + "\n")
+        self._file.flush()
+
+    def remove(self) -> None:
+        """Remove the file: the table holds everything."""
+        self._file.close()
+        self.path.unlink()

@@ -1,0 +1,93 @@
+"""Draws of a campaign: random, or spread evenly over the space of what is drawn."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+from heave_node.numerics.arrays import Array
+from heave_node.numerics.randomness import random_stream
+from scipy.stats import qmc
+
+STREAM = "campaign/draws"
+"""Name of the random stream that draws come from."""
+
+
+def _random(count: int, dimensions: int, seed: int) -> Array:
+    return random_stream(seed, STREAM).uniform(size=(count, dimensions))
+
+
+def _latin(count: int, dimensions: int, seed: int) -> Array:
+    return np.asarray(qmc.LatinHypercube(dimensions, seed=random_stream(seed, STREAM)).random(count))
+
+
+def _sobol(count: int, dimensions: int, seed: int) -> Array:
+    whole = int(np.ceil(np.log2(count)))  # the sequence is balanced at powers of two only
+    return np.asarray(qmc.Sobol(dimensions, seed=random_stream(seed, STREAM)).random_base2(whole))[:count]
+
+
+METHODS: Mapping[str, Callable[[int, int, int], Array]] = {"random": _random, "latin": _latin, "sobol": _sobol}
+"""How draws are spread, by name: number, dimensions and seed give points of the unit cube, (count, dimensions)."""
+
+
+@dataclass(frozen=True)
+class Draws:
+    """Random values of parameters.
+
+    Attributes
+    ----------
+    count : of draws; Latin hypercubes and Sobol sequences depend on it
+    seed : fixes them
+    method : key of METHODS
+    uniform : smallest and largest value by place
+    log_uniform : the same, even in the logarithm; both above 0
+    choose : values of which one is taken, by place
+    first : only so many of them are used; None: all
+    """
+
+    count: int
+    seed: int = 1
+    method: str = "random"
+    uniform: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    log_uniform: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    choose: Mapping[str, tuple[object, ...]] = field(default_factory=dict)
+    first: int | None = None
+
+    def __post_init__(self) -> None:
+        if self.count < 1:
+            raise ValueError(f"draw.count = {self.count}: must be at least 1")
+        if self.method not in METHODS:
+            raise ValueError(f"draw.method = {self.method}: must be one of {', '.join(METHODS)}")
+        names = [*self.uniform, *self.log_uniform, *self.choose]
+        if not names:
+            raise ValueError("draw: has nothing to draw: give uniform, log_uniform or choose")
+        twice = [name for name in dict.fromkeys(names) if names.count(name) > 1]
+        if twice:
+            raise ValueError(f"draw: {twice[0]} is drawn twice")
+        for name, (low, high) in {**self.uniform, **self.log_uniform}.items():
+            if not low <= high or (name in self.log_uniform and low <= 0.0):
+                lowest = " above 0" if name in self.log_uniform else ""
+                raise ValueError(f"draw: {name} = [{low:g}, {high:g}]: must be a smallest{lowest} and a largest value")
+        for name, choices in self.choose.items():
+            if not choices:
+                raise ValueError(f"draw.choose: {name}: has nothing to choose from")
+
+    def values(self) -> list[dict[str, object]]:
+        """Return the values of each draw by place."""
+        names = [*self.uniform, *self.log_uniform, *self.choose]
+        points = METHODS[self.method](self.count, len(names), self.seed)
+        return [
+            {name: self._value(name, float(share)) for name, share in zip(names, point, strict=True)}
+            for point in points[: self.first]
+        ]
+
+    def _value(self, name: str, share: float) -> object:
+        if name in self.choose:
+            choices = self.choose[name]
+            return choices[min(int(share * len(choices)), len(choices) - 1)]
+        if name in self.uniform:
+            low, high = self.uniform[name]
+            return low + (high - low) * share
+        low, high = self.log_uniform[name]
+        return float(low * (high / low) ** share)

@@ -1,0 +1,219 @@
+"""The largest sea in which criteria hold, by period, from the cases of a grid of seas.
+
+Between two heights a figure of merit is taken as linear; below the smallest it goes to its value in a calm sea. Each
+seed has a limit of its own, and their spread is the confidence in the mean (Student's t).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import pandas
+from heave_bags.analyse.kpi_set import DEFINITION_OF
+from heave_node.criteria import Criterion
+from heave_node.numerics.arrays import Array
+from scipy import stats
+
+from heave_bringup.campaign.table import FAILURE, LOST, SEED, settings_of
+from heave_bringup.operability.seas import HEIGHT, PERIOD
+
+CONFIDENCE = 0.9
+"""Two-sided, of the interval about a mean limit."""
+
+LOST_LIMIT = "compensation lost"
+"""What limits where compensation is given up, or a case cannot be run."""
+
+CALM = {
+    "dynamic_amplification": 1.0,
+    "tension_ratio_min": 1.0,
+    "compensating_percent": 100.0,
+    "unit_efficiency": 1.0,
+    "outlet_efficiency": 1.0,
+}
+"""Figures that are not 0 in a calm sea."""
+
+UNCOMPENSATED = {
+    "unit_sigma_m": ("uncompensated_sigma_m", 1.0),
+    "significant_residual_m": ("uncompensated_sigma_m", 4.0),
+    "max_abs_heave_m": ("uncompensated_max_abs_heave_m", 1.0),
+    "dynamic_amplification": ("uncompensated_dynamic_amplification", 1.0),
+    "tension_ratio_min": ("uncompensated_tension_ratio_min", 1.0),
+    "snaps": ("uncompensated_snaps", 1.0),
+}
+"""Figures that are known of the locked winch in the same sea: their key, and a factor."""
+
+
+@dataclass(frozen=True)
+class SeedLimit:
+    """The limit of one seed at one period.
+
+    Attributes
+    ----------
+    height : largest significant wave height in which every criterion holds [m]
+    governs : figure of merit that ends it; "" where nothing does up to the largest height of the grid
+    """
+
+    height: float
+    governs: str
+
+
+def situations(frame: pandas.DataFrame) -> list[tuple[str, pandas.DataFrame]]:
+    """Return the cases in `frame` apart by what was varied beside the sea (heading, depth, ...), each with its name."""
+    others = [place for place in settings_of(frame) if place not in (HEIGHT, PERIOD)]
+    if not others:
+        return [("", frame)]
+    groups = frame.groupby([frame[place].astype(str) for place in others], sort=False)
+    return [(_name(others, part), part) for _, part in groups]
+
+
+def _name(places: Sequence[str], part: pandas.DataFrame) -> str:
+    words = []
+    for place in places:
+        value = part[place].iloc[0]
+        is_angle = place.endswith("heading")
+        shown = f"{math.degrees(value):.0f} deg" if is_angle else f"{value:g}" if isinstance(value, float) else value
+        words.append(f"{place.rsplit('.', 1)[-1]} {shown}")
+    return ", ".join(words)
+
+
+def limit_curve(frame: pandas.DataFrame, criteria: Sequence[Criterion], *, locked: bool = False) -> pandas.DataFrame:
+    """Return the limit by period.
+
+    Parameters
+    ----------
+    frame : cases of one situation
+    criteria : that are to hold
+    locked : of the uncompensated unit, by those criteria that it has a figure for
+
+    Returns
+    -------
+    curve : a row for each peak period, with `period`, `limit` (mean over the seeds), `lower` and `upper` (ends of its
+        confidence interval, NaN for a single seed), `is_open` (nothing limits some seed up to the largest height),
+        `governs`, `seeds`
+    """
+    top = float(frame[HEIGHT].max())
+    rows = []
+    for period, of_period in frame.groupby(PERIOD):
+        found = [seed_limit(of_seed, criteria, locked=locked) for _, of_seed in of_period.groupby(SEED)]
+        heights = np.array([min(one.height, top) for one in found])
+        half = _half_width(heights)
+        names = [one.governs for one in found if one.governs]
+        rows.append(
+            {
+                "period": float(period),  # type: ignore[arg-type]
+                "limit": float(heights.mean()),
+                "lower": max(float(heights.mean()) - half, 0.0),
+                "upper": float(heights.mean()) + half,
+                "is_open": any(math.isinf(one.height) for one in found),
+                "governs": max(names, key=names.count) if names else "",
+                "seeds": len(found),
+            }
+        )
+    return pandas.DataFrame(rows)
+
+
+def _half_width(heights: Array) -> float:
+    """Return half the confidence interval of a mean; NaN for a single value."""
+    count = heights.size
+    if count < 2:
+        return math.nan
+    quantile = float(stats.t.ppf(0.5 + 0.5 * CONFIDENCE, count - 1))
+    return quantile * float(heights.std(ddof=1)) / math.sqrt(count)
+
+
+def seed_limit(frame: pandas.DataFrame, criteria: Sequence[Criterion], *, locked: bool = False) -> SeedLimit:
+    """Return the limit of one seed at one period.
+
+    Parameters
+    ----------
+    frame : its cases, one for each height
+    criteria : that are to hold
+    locked : of the uncompensated unit
+    """
+    cases = frame.sort_values(HEIGHT)
+    heights = cases[HEIGHT].to_numpy(dtype=float)
+    limits = {}
+    for criterion in criteria:
+        values = figure(cases, criterion.kpi, locked=locked)
+        if values is not None:
+            limits[criterion.kpi] = crossing(heights, values, criterion)
+    if not locked:
+        gone = (cases[LOST].to_numpy(dtype=bool)) | (cases[FAILURE] != "").to_numpy()
+        limits[LOST_LIMIT] = _last_before(heights, gone)
+    if not limits:
+        return SeedLimit(math.inf, "")
+    governs = min(limits, key=lambda name: limits[name])
+    return SeedLimit(limits[governs], governs if math.isfinite(limits[governs]) else "")
+
+
+def figure(cases: pandas.DataFrame, kpi: str, *, locked: bool) -> Array | None:
+    """Return a figure of merit of `cases`, or that of the locked winch in the same seas; None where it has none.
+
+    Parameters
+    ----------
+    cases : rows of a campaign's table
+    kpi : key of the figure
+    locked : of the uncompensated unit
+    """
+    if not locked:
+        return np.asarray(cases[kpi], dtype=float)
+    if kpi not in UNCOMPENSATED:
+        return None
+    key, factor = UNCOMPENSATED[kpi]
+    return np.asarray(factor * cases[key], dtype=float)
+
+
+def crossing(heights: Array, values: Array, criterion: Criterion) -> float:
+    """Return the height at which a figure reaches its bound for the first time; infinite where it does not.
+
+    Parameters
+    ----------
+    heights : rising, shape (n,) [m]
+    values : of the figure at them, shape (n,)
+    criterion : on the figure
+    """
+    height, value = 0.0, CALM.get(criterion.kpi, 0.0)
+    for next_height, next_value in zip(heights, values, strict=True):
+        if math.isnan(next_value):
+            return height  # such a case is lost, which ends the limit anyhow
+        if not criterion.is_met(float(next_value)):
+            share = (criterion.bound - value) / (next_value - value) if next_value != value else 0.0
+            return float(height + (next_height - height) * min(max(share, 0.0), 1.0))
+        height, value = next_height, next_value
+    return math.inf
+
+
+def _last_before(heights: Array, gone: Array) -> float:
+    """Return the last height before the first case that is lost; infinite where none is."""
+    first = np.flatnonzero(gone)
+    if not first.size:
+        return math.inf
+    return float(heights[first[0] - 1]) if first[0] else 0.0
+
+
+def utilisation(cases: pandas.DataFrame, criterion: Criterion, *, locked: bool = False) -> Array | None:
+    """Return how much of a bound each case uses: 1 at the bound, above 1 beyond; None where there is no figure.
+
+    Parameters
+    ----------
+    cases : rows of a campaign's table
+    criterion : on a figure of merit
+    locked : of the uncompensated unit
+    """
+    values = figure(cases, criterion.kpi, locked=locked)
+    if values is None:
+        return None
+    calm = CALM.get(criterion.kpi, 0.0)
+    room = criterion.bound - calm
+    if room == 0.0:  # nothing is allowed: any of it is beyond
+        met = np.array([criterion.is_met(float(value)) for value in values])
+        return np.where(met, 0.0, 2.0)
+    return np.asarray((values - calm) / room)
+
+
+def title_of(name: str) -> str:
+    """Return what limits, by the `name` of a figure of merit or `LOST_LIMIT`, in words."""
+    return DEFINITION_OF[name].title if name in DEFINITION_OF else name

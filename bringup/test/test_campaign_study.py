@@ -1,0 +1,221 @@
+"""A campaign from plan to table: ended and begun again, failed cases, dead processes, a row that repeats its case."""
+
+from __future__ import annotations
+
+from concurrent.futures import Future
+from concurrent.futures.process import BrokenProcessPool
+from pathlib import Path
+
+import numpy as np
+import pandas
+import pytest
+from heave_bags.analyse import kpi_set
+from heave_bringup.campaign import executors, picture, runs, study
+from heave_bringup.campaign.campaign_file import read_campaign
+from heave_bringup.campaign.report import case_table, summarise, to_json
+from heave_bringup.campaign.runs import CaseResult, Task, lost_because, make_tasks, run_task
+from heave_bringup.closed_loop import COLUMNS, LoopRecord
+from heave_bringup.errors import CommandError
+from heave_bringup.progress import time_to_go
+from heave_bringup.scenarios import load_scenario
+from heave_bringup.tables.case_table import read_cases
+from heave_node.parameters import ParameterError
+
+TEXT = """
+scenario: b2_calm_300
+duration: 3
+seeds: 2
+set: {all.transient: 1.0, wave_vessel.ramp: 0.5, cable_sim.segments: 2}
+wanted: {unit_sigma_m: "<= 0.5"}
+vary: {winch_controller.law: [off, mpc], system.sea.peak_period: [6.0, 7.0]}
+"""
+
+
+@pytest.fixture
+def campaign(tmp_path: Path):
+    path = tmp_path / "own.yaml"
+    path.write_text(TEXT)
+    return read_campaign(path)
+
+
+def pretended(task: Task) -> CaseResult:
+    """Stand for a run: figures that depend on the case alone; case 3 cannot be run, case 5 is lost."""
+    if task.case.number == 3:
+        return CaseResult(task.case, failure="the cable parted")
+    kpis = dict.fromkeys(kpi_set.DEFINITION_OF, 0.1 * task.case.number) | {"snaps": 0.0, "uncompensated_snaps": 0.0}
+    return CaseResult(task.case, kpis, "", 0.5, "compensation ended at 2.00 s" if task.case.number == 5 else "")
+
+
+class KilledError(Exception):
+    """What ends a campaign in the middle."""
+
+
+def test_a_campaign_that_was_ended_goes_on_where_it_was_and_gives_the_same_file(campaign, tmp_path, monkeypatch):
+    monkeypatch.setattr(executors, "run_task", pretended)
+    whole, resumed = tmp_path / "whole.parquet", tmp_path / "resumed.parquet"
+    study.run_study(campaign, output=whole, processes=1)
+    run: list[int] = []
+
+    def ends_after_four(task: Task) -> CaseResult:
+        run.append(task.case.number)
+        if task.case.number == 5 and len(run) == 5:
+            raise KilledError
+        return pretended(task)
+
+    monkeypatch.setattr(executors, "run_task", ends_after_four)
+    with pytest.raises(KilledError):
+        study.run_study(campaign, output=resumed, processes=1)
+    assert not resumed.exists()
+    partial = resumed.with_name("resumed.parquet.partial")
+    partial.write_text(partial.read_text() + '{"number": 5, "kp')  # killed within a line
+    study.run_study(campaign, output=resumed, processes=1)
+    assert run == [1, 2, 3, 4, 5, 5, 6, 7, 8]
+    assert resumed.read_bytes() == whole.read_bytes()
+    assert not partial.exists()
+    assert len(study.run_study(campaign, output=resumed, processes=1)) == 8
+    assert len(run) == 9  # nothing was left to be run
+
+
+def test_the_results_of_another_campaign_are_not_taken(campaign, tmp_path, monkeypatch):
+    monkeypatch.setattr(executors, "run_task", pretended)
+    output = tmp_path / "cases.parquet"
+    output.with_name("cases.parquet.partial").write_text('{"digest": "other"}\n')
+    with pytest.raises(ParameterError, match=r"cases\.parquet\.partial: holds results of another campaign"):
+        study.run_study(campaign, output=output, processes=1)
+
+
+def test_a_failed_case_is_a_row_and_stops_no_other(campaign, monkeypatch):
+    monkeypatch.setattr(executors, "run_task", pretended)
+    frame = study.run_study(campaign, processes=1)
+    assert len(frame) == 8
+    assert frame.set_index("case")["failure"].to_dict()[3] == "the cable parted"
+    assert np.isnan(frame.set_index("case")["unit_sigma_m"].to_dict()[3])
+    assert not frame.set_index("case")["met"].to_dict()[3]
+    assert frame.set_index("case")["reason"].to_dict()[5] == "compensation ended at 2.00 s"
+    summary = summarise(frame)
+    assert (summary["cases"], summary["failed"], summary["lost"]) == (8, 1, 1)
+    assert to_json(campaign, frame)["cases"][2]["failure"] == "the cable parted"  # type: ignore[index]
+    assert case_table(frame).row_count == 8
+
+
+def test_a_case_that_raises_says_why(campaign, monkeypatch):
+    class Parts:
+        def __init__(self, parameters: object) -> None:
+            raise ValueError("no equilibrium:\n 3 m of cable")
+
+    monkeypatch.setattr(runs, "ClosedLoop", Parts)
+    (task, *_) = make_tasks(campaign, list(campaign.cases()))
+    assert run_task(task).failure == "no equilibrium: 3 m of cable"
+
+
+class DyingPool:
+    """Stands for worker processes: whoever runs case 2 dies, with all that its pool has in hand."""
+
+    def __init__(self, processes: int) -> None:
+        self.is_dead = False
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        pass
+
+    def submit(self, _: object, task: Task) -> Future[CaseResult]:
+        future: Future[CaseResult] = Future()
+        self.is_dead |= task.case.number == 2
+        if self.is_dead:
+            future.set_exception(BrokenProcessPool("a process died"))
+        else:
+            future.set_result(pretended(task))
+        return future
+
+
+def test_a_process_that_dies_costs_its_own_case_only(campaign, monkeypatch):
+    monkeypatch.setattr(executors, "_pool", DyingPool)
+    results = list(executors.run_tasks(make_tasks(campaign, list(campaign.cases())), processes=2))
+    assert sorted(result.case.number for result in results) == list(range(1, 9))
+    failures = {result.case.number: result.failure for result in results if result.failure}
+    assert failures == {2: executors.DIED, 3: "the cable parted"}
+
+
+def record_of(modes: list[str], alarms: list[tuple[float, str]]) -> LoopRecord:
+    rows = np.zeros((len(modes), len(COLUMNS)))
+    rows[:, 0] = np.arange(len(modes))
+    return LoopRecord(rows, modes, alarms)
+
+
+def test_why_a_case_was_lost_is_when_compensation_ended_and_the_alarm_before():
+    scenario = load_scenario("b2_calm_300", settings=["all.transient=3"])
+    kpis = {"unit_sigma_m": 0.1, "uncompensated_sigma_m": 0.2}
+    on, off = "compensating", "standby"
+    whole = record_of([off, on, on, on, on, on], [])
+    assert lost_because(whole, scenario, kpis) == ""
+    assert "more than uncompensated" in lost_because(whole, scenario, {**kpis, "unit_sigma_m": 0.3})
+    ended = record_of([off, on, on, on, "fade_out", on], [(1.0, "begins"), (4.0, "MRU is  frozen"), (5.0, "begins")])
+    assert lost_because(ended, scenario, kpis) == (
+        "compensation ended at 4.00 s (mode fade_out), in force 66.7 % of the time: MRU is frozen"
+    )
+    never = record_of([off] * 6, [(2.0, "the sea is beyond the winch")])
+    assert lost_because(never, scenario, kpis) == (
+        "compensation never began (mode standby): the sea is beyond the winch"
+    )
+    late = record_of([off, off, off, off, on, on], [])
+    assert lost_because(late, scenario, kpis).startswith("compensation began only at 4.00 s")
+    locked = load_scenario("b2_calm_300", settings=["winch_controller.law=off"])
+    assert lost_because(never, locked, kpis) == ""
+
+
+def test_a_row_alone_repeats_its_case_and_gives_its_figures(campaign, tmp_path):
+    output = tmp_path / "cases.parquet"
+    cases = list(campaign.cases())
+    frame = study.run_study(campaign, output=output, processes=1)
+    (tmp_path / "own.yaml").unlink()
+    for number in (1, 8):
+        scenario = load_scenario(f"{output}:{number}")
+        again = run_task(Task(cases[number - 1], scenario))
+        row = frame.set_index("case").loc[number]
+        assert {key: value for key, value in again.kpis.items() if np.isfinite(value)} == {
+            key: row[key] for key in again.kpis if np.isfinite(row[key])
+        }
+        assert (again.is_lost, not again.missed) == (row["lost"], row["met"])
+        assert scenario.name == f"cases_case_{number}"
+    # kept as it was computed, and read by anyone
+    pandas.testing.assert_frame_equal(pandas.read_parquet(output), frame)
+    _, about = read_cases(output)
+    assert about["scenario"] == "b2_calm_300"
+    picture.save_picture(frame, "unit_sigma_m", tmp_path / "own.svg")
+    assert "peak_period" in (tmp_path / "own.svg").read_text()
+
+
+def test_a_reference_to_no_case_is_one_line(campaign, tmp_path, monkeypatch):
+    monkeypatch.setattr(executors, "run_task", pretended)
+    output = tmp_path / "cases.parquet"
+    study.run_study(campaign, output=output, processes=1)
+    with pytest.raises(ParameterError, match="has no case 9: it has 1 to 8"):
+        load_scenario(f"{output}:9")
+    with pytest.raises(ParameterError, match=r"none\.parquet: no such file"):
+        load_scenario(f"{tmp_path}/none.parquet:1")
+    broken = tmp_path / "broken.parquet"
+    broken.write_bytes(b"no parquet")
+    with pytest.raises(ParameterError, match="cannot be read as a table of cases"):
+        load_scenario(f"{broken}:1")
+
+
+def test_the_time_to_go_is_told_in_the_unit_of_a_person():
+    assert time_to_go(10.0, 0.5) == "10 s to go"
+    assert time_to_go(600.0, 0.5) == "10 min to go"
+    assert time_to_go(7200.0, 0.25) == "6.0 h to go"
+
+
+@pytest.mark.long
+def test_workers_of_a_dask_scheduler_give_the_same_numbers(campaign):
+    distributed = pytest.importorskip("distributed")
+    with distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster:
+        over_dask = study.run_study(campaign, dask=cluster.scheduler_address)
+    pandas.testing.assert_frame_equal(over_dask, study.run_study(campaign, processes=1))
+
+
+def test_a_scheduler_that_does_not_answer_is_one_line():
+    pytest.importorskip("distributed")
+    with pytest.raises(CommandError, match="--dask nonsense: no scheduler answers"):
+        next(executors.run_tasks([], dask="nonsense"))

@@ -1,0 +1,163 @@
+"""Limit curves from a grid of cases whose limits are known, and the page of them."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pandas
+import pytest
+from heave_bags.analyse import kpi_set
+from heave_bringup.campaign import executors
+from heave_bringup.campaign.runs import CaseResult, Task
+from heave_bringup.cli import main
+from heave_bringup.operability.limits import LOST_LIMIT, crossing, limit_curve, seed_limit, situations, utilisation
+from heave_bringup.operability.seas import HEADING, HEIGHT, PERIOD, SeaGrid
+from heave_node.criteria import Criterion
+from scipy import stats
+
+RESIDUAL = Criterion("significant_residual_m", "<=", 0.5)
+AMPLIFICATION = Criterion("dynamic_amplification", "<=", 1.3)
+SPEED = Criterion("winch_speed_max_mps", "<=", 2.0)
+
+
+def cases(heights=(1.0, 2.0, 3.0), periods=(8.0,), seeds=(1,), residual=0.2, lost_from=math.inf) -> pandas.DataFrame:
+    """Return cases whose residual grows by `residual` for each metre, times the seed; locked it is five times that."""
+    rows = []
+    for period in periods:
+        for height in heights:
+            for seed in seeds:
+                kpis = dict.fromkeys(kpi_set.DEFINITION_OF, 0.0)
+                kpis["significant_residual_m"] = residual * height * seed
+                kpis["uncompensated_sigma_m"] = 5.0 * residual * height / 4.0
+                kpis["dynamic_amplification"] = 1.0 + 0.05 * height
+                kpis["uncompensated_dynamic_amplification"] = 1.0 + 0.2 * height
+                outcome = {"failure": "", "lost": height >= lost_from, "reason": "", "met": True, "missed": ""}
+                head = {"case": len(rows) + 1, "seed": seed, "nominal": False, PERIOD: period, HEIGHT: height}
+                rows.append({**head, **outcome, "compensating_share": 1.0, **kpis, "scenario": ""})
+    return pandas.DataFrame(rows)
+
+
+def test_the_limit_is_where_the_figure_reaches_its_bound():
+    found = seed_limit(cases(), [RESIDUAL, AMPLIFICATION])
+    assert found.height == pytest.approx(0.5 / 0.2)
+    assert found.governs == "significant_residual_m"
+    # of the locked winch the residual ends at 0.5 m, the amplification at 1.5 m; winch speed it has none
+    locked = seed_limit(cases(), [RESIDUAL, AMPLIFICATION, SPEED], locked=True)
+    assert (locked.height, locked.governs) == (pytest.approx(0.5), "significant_residual_m")
+    by_tension = seed_limit(cases(), [AMPLIFICATION], locked=True)
+    assert (by_tension.height, by_tension.governs) == (pytest.approx(1.5), "dynamic_amplification")
+
+
+def test_nothing_limits_where_every_criterion_holds():
+    found = seed_limit(cases(residual=0.01), [RESIDUAL])
+    assert (found.height, found.governs) == (math.inf, "")
+    (row,) = limit_curve(cases(residual=0.01), [RESIDUAL]).to_dict("records")
+    assert (row["limit"], row["is_open"]) == (3.0, True)
+
+
+def test_a_lost_case_ends_the_limit_at_the_height_before():
+    found = seed_limit(cases(lost_from=2.0), [RESIDUAL])
+    assert (found.height, found.governs) == (1.0, LOST_LIMIT)
+    assert seed_limit(cases(lost_from=1.0), [RESIDUAL]).height == 0.0
+    assert seed_limit(cases(lost_from=1.0), [RESIDUAL], locked=True).height == pytest.approx(0.5)
+
+
+def test_a_bound_that_allows_nothing_ends_at_the_last_height_with_none():
+    values = np.array([0.0, 0.0, 0.4])
+    assert crossing(np.array([1.0, 2.0, 3.0]), values, Criterion("slack_percent", "<=", 0.0)) == pytest.approx(2.0)
+    ratio = Criterion("tension_ratio_min", ">=", 0.5)
+    assert crossing(np.array([1.0, 2.0]), np.array([0.9, 0.1]), ratio) == pytest.approx(1.5)
+    assert crossing(np.array([1.0]), np.array([0.0]), ratio) == pytest.approx(0.5)  # 1 in a calm sea
+
+
+def test_the_confidence_of_a_limit_is_student_s_over_the_seeds():
+    (row,) = limit_curve(cases(seeds=(1, 2, 4), heights=(0.5, 1.0, 2.0, 3.0)), [RESIDUAL]).to_dict("records")
+    limits = [2.5, 1.25, 0.625]
+    interval = stats.t.interval(0.9, 2, loc=np.mean(limits), scale=stats.sem(limits))
+    assert row["limit"] == pytest.approx(np.mean(limits))
+    assert row["upper"] == pytest.approx(interval[1])
+    assert row["lower"] == max(interval[0], 0.0)
+    (single,) = limit_curve(cases(), [RESIDUAL]).to_dict("records")
+    assert math.isnan(single["lower"])
+
+
+def test_how_much_of_a_bound_is_used_counts_from_a_calm_sea():
+    np.testing.assert_allclose(utilisation(cases(), RESIDUAL), [0.4, 0.8, 1.2])
+    np.testing.assert_allclose(utilisation(cases(), AMPLIFICATION), [0.05 / 0.3, 0.1 / 0.3, 0.15 / 0.3])
+    assert utilisation(cases(), SPEED, locked=True) is None
+
+
+def test_each_heading_is_a_situation_of_its_own():
+    frame = cases()
+    both = pandas.concat([frame.assign(**{HEADING: 0.0}), frame.assign(**{HEADING: math.pi / 2})])
+    assert [name for name, _ in situations(both)] == ["heading 0 deg", "heading 90 deg"]
+    assert [name for name, _ in situations(frame)] == [""]
+
+
+def test_a_grid_of_seas_is_every_combination_in_each_situation():
+    grid = SeaGrid((1.0, 2.0), (8.0, 9.0), (0.0, 90.0), (1, 2, 3), {"system.length": [500, 900]})
+    made = list(grid.campaign("b2_calm_300", settings={}, wanted={}, duration=None).cases())
+    assert len(made) == 2 * 2 * 2 * 3 * 2
+    assert made[-1].settings == {"system.length": 900, HEADING: pytest.approx(math.pi / 2), PERIOD: 9.0, HEIGHT: 2.0}
+
+
+@pytest.mark.parametrize(("name", "values"), [("heights", (1.0,)), ("periods", (9.0, 8.0)), ("heights", (0.0, 1.0))])
+def test_a_grid_that_is_none_is_refused(name, values):
+    with pytest.raises(ValueError, match=f"--{name}: needs at least two values"):
+        SeaGrid(**{name: values})
+
+
+def pretended(task: Task) -> CaseResult:
+    (row,) = cases(
+        (float(task.case.settings[HEIGHT]),),  # type: ignore[arg-type]
+        seeds=(task.case.seed,),
+        residual=0.1,
+    ).to_dict("records")
+    return CaseResult(task.case, {key: row[key] for key in kpi_set.DEFINITION_OF}, "", 1.0)
+
+
+def test_the_command_writes_page_and_tables_and_makes_them_again_without_running(tmp_path: Path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(executors, "run_task", pretended)
+    (tmp_path / "seas.csv").write_text(
+        "time,hs,tp\n" + "".join(f"2001-0{1 + d // 28}-{1 + d % 28:02d},{1 + d % 3},8\n" for d in range(56))
+    )
+    command = [
+        *("operability", "b2_calm_300", "--heights", "1", "5", "--periods", "6", "9", "--processes", "1"),
+        *("--require", "significant_residual_m<=0.4", "--record", "seas.csv", "--windows", "24", "--csv", "own.csv"),
+    ]
+    assert main(command) == 0
+    said = capsys.readouterr().out
+    # seeds 1 and 2: 4 m and 2 m; b2's own criterion on the outlet is never met where its efficiency is 0
+    page = (tmp_path / "b2_calm_300_operability.html").read_text()
+    assert "workable seas of seas.csv" in said
+    assert "heave run b2_calm_300_operability.parquet:CASE" in page
+    assert page.count('class="figure"') > 5
+    assert len(pandas.read_csv("own.csv")) == 4
+    monkeypatch.setattr(executors, "run_task", None)
+    again = ["operability", "b2_calm_300", "--cases", "b2_calm_300_operability.parquet", "--report", "again.html"]
+    assert main(again) == 0
+    assert (tmp_path / "again.html").is_file()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["--heights", "2"], "--heights: needs at least two values above 0 that rise"),
+        (["--windows", "6"], "--windows and --alpha need --record"),
+        (["--seeds", "0"], "--seeds 0: must be at least 1"),
+        (["--vary", "system.length"], "--vary system.length: must be PLACE=[V, ...]"),
+        (["--record", "none.csv"], "none.csv: no such file"),
+        (["--report", "own.pdf"], "--report own.pdf: must end in .html"),
+        (["--cases", "none.parquet"], "none.parquet: cannot be read"),
+        (["--require", "sgima<3"], "sgima is not a figure of merit"),
+    ],
+)
+def test_a_wrong_command_line_is_one_line(arguments, words, capsys, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert main(["operability", "b2_calm_300", *arguments]) == 2
+    said = capsys.readouterr().err
+    assert words in said
+    assert said.count("\n") == 1
