@@ -21,7 +21,7 @@ class Controller(Node):
         self.publisher = self.create_publisher(WinchCommand, "winch/command", 10)
         self.create_subscription(MruSample, "mru", self.on_mru, 10)
         self.create_subscription(WinchState, "winch/state", self.on_state, 10)
-        self.create_subscription(Clock, "/clock", self.on_clock, 10)
+        self.create_subscription(Clock, "clock", self.on_clock, 10)
 
     def on_mru(self, message: MruSample) -> None:
         self.sample = message if message.status == MruSample.STATUS_OK else None

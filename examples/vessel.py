@@ -19,7 +19,7 @@ class Vessel(Node):
         self.samples = 0
         self.mru = self.create_publisher(MruSample, "mru", 10)
         self.boom_tip = self.create_publisher(PointMotion, "boom_tip", 10)
-        self.create_subscription(Clock, "/clock", self.on_clock, 10)
+        self.create_subscription(Clock, "clock", self.on_clock, 10)
 
     def on_clock(self, message: Clock) -> None:
         heave, rate, acceleration = motion(message.clock.sec + 1e-9 * message.clock.nanosec)

@@ -23,7 +23,7 @@ class Winch(Node):
         self.time = self.heard_at = 0.0
         self.publisher = self.create_publisher(WinchState, "winch/state", 10)
         self.create_subscription(WinchCommand, "winch/command", self.on_command, 1)
-        self.create_subscription(Clock, "/clock", self.on_clock, 10)
+        self.create_subscription(Clock, "clock", self.on_clock, 10)
 
     def on_command(self, message: WinchCommand) -> None:
         is_resync = self.fault and message.brake and message.sequence != self.command.sequence

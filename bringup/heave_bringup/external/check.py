@@ -85,7 +85,7 @@ def judge_topic(port: Port, heard: Heard, rule: ClockRule = ClockRule.DETECT) ->
     if wrong or heard.refusals:
         return found
     if not heard.arrivals:
-        return [*found, finding("messages", False, "none received: does the node receive /clock?")]
+        return [*found, finding("messages", False, "none received: does the node receive clock?")]
     return [*found, _rate(port, heard), _stamps(port, heard, rule), _numbers(port, heard), *_counter(port, heard)]
 
 
@@ -112,7 +112,7 @@ def _stamps(port: Port, heard: Heard, rule: ClockRule) -> Finding:
         return Finding(name, "clock", True, clock.describe())
     oldest = float(np.max(np.subtract(heard.clock, heard.stamps))) if clock.rule is ClockRule.SIMULATED else 0.0
     if oldest > OLD:
-        return Finding(name, "clock", False, f"stamps are up to {oldest:.3g} s older than /clock")
+        return Finding(name, "clock", False, f"stamps are up to {oldest:.3g} s older than the clock")
     is_ordered = bool(np.all(np.diff(heard.stamps) > 0.0))
     return Finding(name, "clock", is_ordered, clock.describe() + ("" if is_ordered else "; stamps do not increase"))
 

@@ -455,7 +455,8 @@ class ClockMasterNode(HeaveNode):
             self._warned_at = now
             warning = f"waiting for {waited:.0f} s: {text}"
             self.get_logger().warning(warning)
-            self.publish_protocol_error(warning)
+            # before the run begins it is normal that nodes are not there yet
+            self.publish_protocol_notice(warning, Level.OK if self.run_state == TickStatus.WAITING else Level.ERROR)
 
     def _publish_status(self) -> None:
         is_over = self.run_state in (TickStatus.ENDED, TickStatus.FAILED)

@@ -6,6 +6,7 @@ Nodes do not derive from `HeaveNode` but from `participant.ParticipantNode` or, 
 
 from __future__ import annotations
 
+import inspect
 import math
 import socket
 import time
@@ -290,6 +291,8 @@ class HeaveNode(LifecycleNode):
             self.join_protocol()
             self.on_build()
             self._refuse_unused_overrides()
+            # The first line of a log looks for its caller among all modules, which takes up to a second: not in a tick.
+            inspect.getmodule(inspect.currentframe())
         except Exception as error:  # rclpy would swallow it and say only that the transition failed
             self.fail(one_line(error), error)
             return TransitionCallbackReturn.ERROR
@@ -394,12 +397,12 @@ class HeaveNode(LifecycleNode):
             ]
             self._diagnostics.publish_deferred(lambda: diagnostic_array(self.name, tick.stamp, parts))
 
-    def publish_protocol_error(self, text: str) -> None:
-        """Publish on /diagnostics, as `text`, what is wrong in wall time.
+    def publish_protocol_notice(self, text: str, level: Level = Level.ERROR) -> None:
+        """Publish on /diagnostics, as `text`, what is wrong in wall time, and how much (`level`).
 
         Its stamp of 0 keeps it out of counts and recordings.
         """
-        part = Health("tick protocol", Level.ERROR, text)
+        part = Health("tick protocol", level, text)
         self._diagnostics.publisher.publish(diagnostic_array(self.name, Time(), [part]))
 
     def diagnose_timing(self) -> list[Health]:
