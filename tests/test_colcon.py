@@ -22,7 +22,8 @@ PACKAGES = (
     "winch_controller_node",
 )
 
-pytestmark = pytest.mark.slow
+# three minutes, most of them for messages that `make` has compiled already: `make validate` runs it
+pytestmark = [pytest.mark.slow, pytest.mark.long]
 
 
 @dataclass(frozen=True)

@@ -20,9 +20,10 @@ PROGRAM = {"virtual_winch": "winch.py", "wave_vessel": "vessel.py", "winch_contr
 
 
 @contextmanager
-def running(nodes: list[str], domain: int) -> Iterator[None]:
+def running(nodes: list[str], domain: int, *arguments: str) -> Iterator[None]:
     programs = [
-        subprocess.Popen([sys.executable, str(EXAMPLES / PROGRAM[node])], env=environment(domain)) for node in nodes
+        subprocess.Popen([sys.executable, str(EXAMPLES / PROGRAM[node]), *arguments], env=environment(domain))
+        for node in nodes
     ]
     try:
         yield
@@ -113,11 +114,22 @@ def test_each_example_is_as_the_contract_says(node):
     assert check.stdout.strip().endswith("verdict: the contract is kept")
 
 
-def test_a_node_that_is_not_there_is_named():
+@pytest.mark.parametrize("node", ["wave_vessel", "cable_sim"])
+def test_a_node_that_is_not_there_is_named(node):
+    """Of the plant no topic is required: each sensor may be left off, but not all."""
     with domain_id() as domain:
-        check = give(domain, "check", "--external", "wave_vessel", "--seconds", "2")
+        check = give(domain, "check", "--external", node, "--seconds", "2")
     assert check.returncode == 1
-    assert check.stderr == "heave: wave_vessel: mru: publisher: it has no publisher\n"
+    assert check.stderr.startswith(f"heave: {node}: all: publisher: nobody publishes any of these topics: is the node")
+
+
+def test_a_node_in_a_namespace_is_checked_there_and_hinted_at_elsewhere():
+    in_namespace = ("--ros-args", "-r", "__ns:=/alpha")
+    with domain_id() as domain, running(["wave_vessel"], domain, *in_namespace):
+        elsewhere = give(domain, "check", "--external", "wave_vessel", "--seconds", "2")
+        there = give(domain, "check", "--external", "wave_vessel", "--seconds", "3", "--namespace", "alpha")
+    assert "/alpha/mru" in elsewhere.stderr
+    assert there.returncode == 0, there.stdout + there.stderr
 
 
 @pytest.mark.parametrize("program", PROGRAM.values())

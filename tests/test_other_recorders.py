@@ -9,6 +9,8 @@ from pathlib import Path
 import pytest
 from domain_coordinator import domain_id
 from heave_bags.analyse import kpi_set
+from heave_bags.mcap.reader import Bag
+from heave_bags.record.recording import header_stamp
 
 from tests.loop_runs import command, environment, heave, recorded_messages, run_scenario, wait_until
 
@@ -49,6 +51,14 @@ def test_the_figures_of_a_run_are_the_same_to_every_digit_whoever_recorded_it(ba
     assert {key: found[key] for key in of_run} == {key: own[key] for key in of_run}
     assert (found["window_start_s"], found["window_end_s"]) == (own["window_start_s"], own["window_end_s"])
     assert found["unit_sigma_m"] > 0.0
+
+
+@pytest.mark.slow
+def test_what_another_recorder_says_of_itself_is_no_part_of_a_run_in_lockstep(bags):
+    """`heave record` tells of its health each second, by the host's clock."""
+    stamps = [header_stamp(message.data) for message in Bag(bags["suite"]).messages(topics=["/diagnostics"])]
+    assert stamps
+    assert max(stamps) <= (DURATION + 1.0) * 1e9
 
 
 @pytest.mark.slow

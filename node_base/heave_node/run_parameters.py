@@ -92,8 +92,8 @@ class RunParameters:
     def __post_init__(self) -> None:
         if self.external and self.pacing != REALTIME:
             raise ValueError(
-                f"external = {list(self.external)} needs pacing: realtime, because hardware does not wait for a "
-                "simulation"
+                f"external = {list(self.external)} needs pacing: realtime (`heave run --pacing realtime`), because "
+                "hardware does not wait for a simulation"
             )
 
         for node, _ in map(parse_clock, self.external_clocks):

@@ -240,13 +240,15 @@ def _ribbon(intervals: Sequence[Interval], row: str, colour: str, name: str) -> 
 
 
 def ribbon_traces(record: RunRecord) -> list[dict[str, Any]]:
-    """Return the mode and alarm ribbon of the run `record`: one row each for modes, active limits and alarms."""
+    """Return the mode and alarm ribbon of the run `record`: one row each for modes, brake, active limits, alarms."""
     traces = []
     for mode in dict.fromkeys(interval.name for interval in record.modes):
         part = [interval for interval in record.modes if interval.name == mode]
         traces.append(_ribbon(part, "mode", MODE_COLOURS.get(mode, OTHER), mode))
-    if record.limits:
-        traces.append(_ribbon(record.limits, "limits", PAYOUT, "limits"))
+    for row, colour in (("brake", OTHER), ("limits", PAYOUT)):
+        acted = [interval for interval in record.limits if (interval.name == "brake") == (row == "brake")]
+        if acted:
+            traces.append(_ribbon(acted, row, colour, row))
     for level in (1, 2):
         alarms = [interval for interval in record.alarms if interval.level == level]
         if alarms:
@@ -262,7 +264,8 @@ def motion_figure(record: RunRecord) -> Figure:
     figure = Figure(
         "Motion",
         "Heave about the mean: the sum of boom tip and minus payout is what the cable's top does. "
-        "Above: mode, active winch limits and alarms. Grey: transient, not counted.",
+        "Above: mode, brake, active winch limits and alarms (a pointer over them tells which). Grey: transient, not "
+        "counted.",
         layout=_time_layout(record, "heave about the mean [cm]"),
         height=480,
     )
@@ -272,7 +275,7 @@ def motion_figure(record: RunRecord) -> Figure:
         line(_about_mean(signals.unit_heave), "unit", UNIT, width=1.8),
     ]
     if ribbon:
-        rows = [row for row in ("alarms", "limits", "mode") if any(trace["y"][0] == row for trace in ribbon)]
+        rows = [row for row in ("alarms", "limits", "brake", "mode") if any(trace["y"][0] == row for trace in ribbon)]
         figure.traces += ribbon
         figure.layout["yaxis"]["domain"] = [0.0, 0.78]
         figure.layout["yaxis2"] = {

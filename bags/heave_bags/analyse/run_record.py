@@ -193,6 +193,8 @@ def read_run(
     bag = Bag(path)
     selection = {topic: fields for topic, fields in SELECTION.items() if bag.has(topic)}
     if not set(selection) - {DIAGNOSTICS}:
+        if bag.losses:
+            raise BagError(f"{bag.path}: nothing of a run in it can be read: {bag.losses[0]}")
         raise BagError(f"{bag.path}: it holds none of a run's topics; it holds {', '.join(bag.topics) or 'none'}")
     surveyed = list(bag.losses)
     room = ROOM + ROOM_PER_BYTE * bag.size

@@ -24,7 +24,8 @@ class Loss:
     ----------
     file, position : where it begins [bytes]; the position is None where it is no one place
     reason : what is wrong there
-    start, end : log times between which messages are missing [ns]; None where it cannot be known
+    start, end : log times between which messages are missing [ns]; None where it cannot be known, such as the end of
+        what a cut has taken
     messages : how many were lost; None where it cannot be known
     """
 
@@ -36,8 +37,10 @@ class Loss:
     messages: int | None = None
 
     def __str__(self) -> str:
-        if self.start is None or self.end is None:
+        if self.start is None:
             span = "an unknown span of time"
+        elif self.end is None:
+            span = f"everything from {self.start * 1e-9:.3f} s on"
         else:
             span = f"{(self.end - self.start) * 1e-9:.3f} s (from {self.start * 1e-9:.3f} s to {self.end * 1e-9:.3f} s)"
         count = "an unknown number of" if self.messages is None else str(self.messages)
@@ -91,8 +94,17 @@ class LossAccount:
         """Say how many messages the last loss cost."""
         self._losses[-1] = replace(self._losses[-1], messages=messages)
 
-    def settle(self, total: int | None) -> list[Loss]:
-        """Return the losses of the pass; `total` is how many messages the file lacks, None where that is not known."""
+    def settle(self, total: int | None, *, is_cut: bool) -> list[Loss]:
+        """Return the losses of the pass.
+
+        Parameters
+        ----------
+        total : messages that the file lacks; None where that is not known
+        is_cut : the file does not end as it should
+        """
+        if is_cut and self.is_open:
+            behind = [replace(loss, end=None) if loss.messages != 0 else loss for loss in self._losses[self._settled :]]
+            self._losses[self._settled :] = behind
         if total is not None:
             return self._adding_up_to(total, self._losses)
         before, behind = self._losses[: self._settled], self._losses[self._settled :]

@@ -377,7 +377,8 @@ class McapScan:
         read = sum(self.counts.values())
         expected = self._expected if self._expected is not None else count_in_record(self.contents.metadata)
         is_told = self._is_whole and expected is not None and expected >= read
-        self.contents.losses = self._account.settle(expected - read if is_told and expected is not None else None)
+        lacking = expected - read if is_told and expected is not None else None
+        self.contents.losses = self._account.settle(lacking, is_cut=not self.contents.complete)
         if self._numbering is not None:
             channels = self.contents.channels
             self._numbering.update({channels[key].topic: number for key, number in self._next_number.items()})

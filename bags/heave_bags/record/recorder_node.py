@@ -190,7 +190,9 @@ class RecorderNode(ParticipantNode):
         latched = all(offer.durability == "transient_local" for offer in self.watch.offers[topic])
         role = Role.LATCHED if latched else Role.STREAM
         keep = self._keep_callback(topic)
-        on_stranger = None if topic in self._owned else lambda _, data: keep(data)
+        # what others say of themselves on /diagnostics, by clocks of their own, is no part of a run that a seed fixes
+        is_left_out = topic in self._owned or topic == self._diagnostics_topic
+        on_stranger = (lambda *_: None) if is_left_out else lambda _, data: keep(data)
         self.add_raw_input(Topic(topic, self.watch.types[topic], "", role), on_stranger=on_stranger)
 
     def _subscribe_foreign(self, topic: str) -> None:

@@ -291,7 +291,8 @@ def _table(contract: Contract) -> list[str]:
             rate = f"{port.rate:g} Hz" if port.rate else "-"
             required = "yes" if port.is_required and direction == "out" else "no"
             qos = offered_words(port.topic) if direction == "out" else heard_words(port.topic)
-            cells = (direction, f"`{port.topic.name}`", f"`{port.topic.type}`", qos, rate, required)
+            name = port.topic.name.lstrip("/")
+            cells = (direction, f"`{name}`", f"`{port.topic.type}`", qos, rate, required)
             rows.append(f"| {' | '.join(cells)} | {port.meaning} |")
     return rows
 

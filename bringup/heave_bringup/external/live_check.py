@@ -11,6 +11,7 @@ from typing import Any
 import rclpy
 from heave_node.interface import topics
 from heave_node.interface.messages import message_type
+from heave_node.ros.process import in_namespace
 from heave_node.ros.spin import Spinner
 from heave_node.ros.transport.environment import prepare_environment
 from heave_node.ros.transport.qos import qos_of, reader_qos_of
@@ -33,7 +34,9 @@ QUIET_SEA = (0.05, 8.0)
 ME = "heave_check"
 
 
-def check_node(contract: Contract, seconds: float, rule: ClockRule = ClockRule.DETECT) -> list[Finding]:
+def check_node(
+    contract: Contract, seconds: float, rule: ClockRule = ClockRule.DETECT, namespace: str = ""
+) -> list[Finding]:
     """Listen to the live node that a contract is for, and return what was found.
 
     Parameters
@@ -41,12 +44,13 @@ def check_node(contract: Contract, seconds: float, rule: ClockRule = ClockRule.D
     contract : of the node
     seconds : wall time of each phase of the listening [s]
     rule : how the node stamps, as declared
+    namespace : in which its topics are; "": none
 
     Raises CommandError where a run is under way in this ROS domain: the node would then take part in that run.
     """
     prepare_environment()
     rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
-    listener = _Listener(contract, seconds)
+    listener = _Listener(contract, seconds, namespace)
     try:
         return listener.listen(rule)
     finally:
@@ -56,9 +60,9 @@ def check_node(contract: Contract, seconds: float, rule: ClockRule = ClockRule.D
 class _Listener:
     """The other side of an external node."""
 
-    def __init__(self, contract: Contract, seconds: float) -> None:
+    def __init__(self, contract: Contract, seconds: float, namespace: str) -> None:
         self._contract = contract
-        self._node = Node(ME, start_parameter_services=False)
+        self._node = Node(ME, namespace=namespace, cli_args=in_namespace(namespace), start_parameter_services=False)
         self._spinner = Spinner(self._node)
         self._plan = Plan(seconds, 2 * seconds, 2 * seconds + 2.5, 2 * seconds + 3.5, 2 * seconds + 6.0)
         self._heard = {port.topic.name: Heard() for port in contract.publishes}
@@ -96,6 +100,8 @@ class _Listener:
             self._survey(port)
         heard = [(port, self._heard[port.topic.name]) for port in self._contract.publishes]
         found = [line for port, came in heard for line in judge_topic(port, came, rule)]
+        if not any(came.publishers for _, came in heard):
+            found.insert(0, Finding("all", "publisher", is_good=False, words=self._elsewhere()))
         return found + (judge_winch(self._plan, self._trial) if self._trial else [])
 
     @property
@@ -105,6 +111,15 @@ class _Listener:
     @property
     def _is_silent(self) -> bool:
         return self._plan.phase(self._time) == "silent"
+
+    def _elsewhere(self) -> str:
+        """Return in words where topics of these names have publishers, if not here."""
+        wanted = tuple("/" + port.topic.name.lstrip("/") for port in self._contract.publishes)
+        names = [name for name, _ in self._node.get_topic_names_and_types() if name.endswith(wanted)]
+        there = sorted(name for name in names if self._node.count_publishers(name))
+        if there:
+            return f"nobody publishes any of these topics here; but there is {', '.join(there)}: see --namespace"
+        return "nobody publishes any of these topics: is the node running, in this ROS_DOMAIN_ID, on this machine?"
 
     def _survey(self, port: Port) -> None:
         """Note who publishes a topic, and what does not match."""

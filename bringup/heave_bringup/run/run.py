@@ -265,7 +265,8 @@ def _report_news(monitor: Monitor, progress: ProgressLine) -> None:
 
 
 def _where_to_look(folder: RunFolder) -> str:
-    return f"the recording is in {folder.bag}, the logs of the nodes are in {folder.logs}"
+    recording = f"the recording is in {folder.bag}" if folder.bag.exists() else "nothing was recorded yet"
+    return f"{recording}, the logs of the nodes are in {folder.logs}"
 
 
 def _left_early(launcher: Launcher, monitor: Monitor) -> list[NodeProcess]:

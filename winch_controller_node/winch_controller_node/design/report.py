@@ -55,6 +55,9 @@ BOUND_DURATION = 400.0
 BOUND_RECORDS = 3
 """Records it plans over."""
 
+DESIGNED_LAW = "lqg"
+"""The law whose gains, margins and predictions a report gives: the estimate of all states and its feedback."""
+
 
 @dataclass(frozen=True)
 class TradeOff:
@@ -119,6 +122,7 @@ class DesignReport:
         """Return the report as plain values for a machine."""
         design = self.design
         return {
+            "law": DESIGNED_LAW,
             "length_m": design.length,
             "a_s2": design.cable.a,
             "b_s": design.cable.b,
@@ -297,8 +301,10 @@ def _feasibility(parameters: WinchControllerParameters) -> list[WinchDemand]:
 
 def _head(report: DesignReport) -> str:
     design = report.design
-    sea = design.parameters.sea
+    sea, law = design.parameters.sea, design.parameters.law
+    of_another = "" if law == DESIGNED_LAW else f" (law {law} of the scenario is another one: a run shows what it does)"
     return (
+        f"What law {DESIGNED_LAW} will do{of_another}\n"
         f"Design at {design.length:g} m: a = {design.cable.a:.4g} s2, b = {design.cable.b:.4g} s, static tension "
         f"{design.cable.static_tension / 1e3:.1f} kN\n"
         f"Sea {sea.spectrum}, Hs {sea.significant_wave_height:g} m, Tp {sea.peak_period:g} s; winch "

@@ -1,4 +1,4 @@
-"""`heave design`: what the controller of a scenario will do, before anyone starts it."""
+"""`heave design`: what the law lqg of a scenario will do, before anyone starts it."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ def execute(options: argparse.Namespace) -> None:
 
 COMMAND = Command(
     name="design",
-    summary="Design a controller: gains, poles, margins, predicted motion, bounds, trade-offs, demand on the winch.",
+    summary="Design the law lqg: gains, poles, margins, predicted motion, bounds, trade-offs, demand on the winch.",
     examples=("heave design b3_deep_900 --set system.sea.peak_period=12",),
     add_arguments=add_arguments,
     execute=execute,

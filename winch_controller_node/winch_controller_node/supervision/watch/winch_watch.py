@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from concurrent.futures import Executor
 from dataclasses import dataclass
 
@@ -72,6 +73,7 @@ class WinchWatch:
         self._late_commands = LateCommands(design.tick_period)
         self._work: DesignWork[Answer] = DesignWork(max(1, round(ANSWER_TIME / self._dt)), designer)
         self._given: WinchOrder | None = None
+        self._last_state, self._commands_behind, self._ticks_since_state = -math.inf, 0, 0
         self._since_found = 0.0
         self._is_suspicious = False
         self._cautious = 0.0
@@ -128,13 +130,14 @@ class WinchWatch:
         parameters : with the model of the winch in force
         """
         given = self._given
+        self._ticks_since_state += 1
         report = TransportReport()
         if given is not None and winch is not None:
             report = self._watch_transport(given.sequence, winch.command_sequence, parameters)
         if given is None or given.brake:
             self._work.drop()
             self._identifier.reset(0.0 if given is None else given.payout)
-        elif winch is not None and winch.limits_hit & WinchLimit.PAYOUT:
+        elif winch is not None and (self._is_irregular(given, winch) or winch.limits_hit & WinchLimit.PAYOUT):
             # every other limit, also of torque, pressure and flow, acts as one of speed or acceleration
             self._identifier.add(given.payout, given.payout_rate, None)
             self._identifier.restart()
@@ -144,6 +147,19 @@ class WinchWatch:
         if winch is not None and winch.limits_hit & WinchLimit.POWER:
             self._power_limited = True
         return report
+
+    def _is_irregular(self, given: WinchOrder, winch: WinchReading) -> bool:
+        """Tell whether a command or a state was late: what the drum did then is not what it was sent a delay before.
+
+        A machine that stalls for a moment must not be taken for a winch that is weak. A transport that is slower for
+        good is regular.
+        """
+        behind, passed = given.sequence - winch.command_sequence, winch.time - self._last_state
+        is_irregular = behind != self._commands_behind or abs(passed - self._ticks_since_state * self._dt) > (
+            0.5 * self._dt
+        )
+        self._commands_behind, self._last_state, self._ticks_since_state = behind, winch.time, 0
+        return is_irregular
 
     def _check_drum(self, winch: WinchModelParameters) -> None:
         """Compare the drum with its prediction over the last second."""
