@@ -60,6 +60,16 @@ def test_the_share_that_survives_a_cut_is_the_share_that_was_left(sound, tmp_pat
     assert len(got) > 0.45 * len(messages)
 
 
+@pytest.mark.parametrize("position", range(8))
+def test_a_damaged_byte_of_the_magic_costs_nothing_and_is_told(sound, tmp_path, position):
+    data, messages = sound
+    broken = bytearray(data)
+    broken[position] ^= 0x10
+    bag, got = read(bytes(broken), tmp_path)
+    assert got == messages
+    assert "every MCAP file begins with are damaged" in str(bag.losses[0])
+
+
 def test_damage_to_the_chunk_of_the_definitions_costs_no_message(sound, tmp_path):
     data, messages = sound
     broken = bytearray(data)

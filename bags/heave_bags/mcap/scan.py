@@ -122,8 +122,11 @@ class McapScan:
     def messages(self) -> Iterator[Message]:
         """Yield the messages in the order of the file. Raises BagError if the file is not MCAP or cannot be opened."""
         with RecordFile(self.path) as file:
-            if file.read(0, len(MAGIC)) != MAGIC:
+            begins = file.read(0, len(MAGIC))
+            if not _is_like_magic(begins):
                 raise BagError(f"{self.path}: not an MCAP file")
+            if begins != MAGIC:
+                self._lose(0, "the bytes that every MCAP file begins with are damaged", 0)
             self._take_summary(read_summary(file))
             yield from self._records(file)
         self._settle()
@@ -382,6 +385,11 @@ class McapScan:
         if self._numbering is not None:
             channels = self.contents.channels
             self._numbering.update({channels[key].topic: number for key, number in self._next_number.items()})
+
+
+def _is_like_magic(begins: bytes) -> bool:
+    """Return whether the first bytes of a file are those of MCAP, one of them damaged at most."""
+    return len(begins) == len(MAGIC) and sum(a != b for a, b in zip(begins, MAGIC, strict=True)) <= 1
 
 
 def attachment_problem(attachment: Attachment, body: bytes, before: Sequence[Attachment]) -> str:
