@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from heave_bags.analyse import kpi_set
 from heave_bags.analyse.depth_programme import take_out_programme
-from heave_bags.analyse.events import COMPENSATES, OFF
+from heave_bags.analyse.events import COMPENSATES, HOLDS_TENSION, OFF
 from heave_bags.analyse.verdict import Judged, Verdict
 from heave_bags.signals import RunSignals, Signal
 from heave_node.numerics.arrays import Array
@@ -211,9 +211,15 @@ def run_signals(record: LoopRecord, parameters: LoopParameters) -> RunSignals:
         winch_limited=Signal(time, (record.column("limits_hit") != 0.0).astype(float)),
         compensating=_working(record, time),
         static_tension=Signal(time[:1], record.column("top_tension")[:1]),
+        unit_height=signal("unit"),
+        touchdown=Signal(time, (record.column("touchdown_force") > 0.0).astype(float)),
         speed_limit=parameters.winch.speed_limit,
         acceleration_limit=parameters.winch.acceleration_limit,
     )
     weight = plant.cable.weight_in_fluid(plant.water_density, plant.gravity)
+    modes = np.asarray(record.modes)
+    if signals.compensating.size:
+        signals.holds_tension = Signal(time, (modes == HOLDS_TENSION).astype(float))
+        signals.mode_changes = Signal(time, np.append(0.0, modes[1:] != modes[:-1]))
     take_out_programme(signals, signal("depth_set_point"), weight)
     return signals

@@ -25,7 +25,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "stamps: simulated, own, none; detected if not given",
     )
     parser.add_argument("--seconds", type=float, default=4.0, metavar="S", help="duration of each phase (default: 4)")
-    add_namespace(parser, "the node is in namespace NAME", "")
+    add_namespace(parser, "the node is in namespace NAME")
     add_network(parser)
 
 
@@ -42,7 +42,7 @@ def execute(options: argparse.Namespace) -> None:
     if node not in REPLACEABLE:
         raise ParameterError(f"--external {node}: must be one of {', '.join(REPLACEABLE)}")
     set_up_transport(network=options.network)
-    findings = check_node(CONTRACT_OF[node], options.seconds, rule, options.namespace)
+    findings = check_node(CONTRACT_OF[node], options.seconds, rule, options.namespace or "")
     wrong = [finding for finding in findings if not finding.is_good]
     rows = [[f.topic, f.what, "ok" if f.is_good else "WRONG", f.words] for f in findings]
     verdict = (

@@ -91,6 +91,10 @@ def unused_overrides(node: Node, used: set[tuple[str, str]]) -> list[str]:
     return sorted(f"{OVERRIDES}{name}" for name in given if not name.startswith(prefixes))
 
 
+NOT_YET_NAMED = "_NODE_NAME_UNKNOWN_"
+"""Name that ROS gives a node before it has discovered the real one."""
+
+
 def mismatches(node: Node, topic: str, names: Collection[str]) -> list[str]:
     """Describe which publishers of a topic certain readers cannot receive from, and why.
 
@@ -100,7 +104,8 @@ def mismatches(node: Node, topic: str, names: Collection[str]) -> list[str]:
     topic : resolved name
     names : of the nodes that read
     """
-    publishers = node.get_publishers_info_by_topic(topic)
+    # a node's name is discovered a moment after its publishers: it is looked at again
+    publishers = [info for info in node.get_publishers_info_by_topic(topic) if info.node_name != NOT_YET_NAMED]
     readers = [info for info in node.get_subscriptions_info_by_topic(topic) if info.node_name in names]
     found: dict[str, None] = {}
     for publisher in publishers:
