@@ -13,6 +13,7 @@ from heave_node.numerics.arrays import Array
 from numpy.typing import NDArray
 
 from heave_bags.analyse.fields import Fields
+from heave_bags.signals import RunSignals, Signal
 
 REPEATED = 1.0
 """Time for which a message of /diagnostics holds, until the next [s]."""
@@ -55,6 +56,24 @@ def modes(state: Fields) -> list[Interval]:
         return found
     rows = np.searchsorted(state.time, [interval.start for interval in found])
     return [replace(interval, reason=str(reasons[row])) for interval, row in zip(found, rows, strict=True)]
+
+
+def take_modes(signals: RunSignals, time: Array, modes: NDArray[Any]) -> None:
+    """Fill in the `signals` of a run when its controller worked, held a tension and changed its mode.
+
+    Nothing is filled in under law off, which has one mode alone.
+
+    Parameters
+    ----------
+    signals : to fill in
+    time : of the modes [s]
+    modes : names, as many
+    """
+    if modes.size < 2 or np.all(modes == OFF):
+        return
+    signals.compensating = Signal(time, np.isin(modes, COMPENSATES).astype(float))
+    signals.holds_tension = Signal(time, (modes == HOLDS_TENSION).astype(float))
+    signals.mode_changes = Signal(time, np.append(0.0, modes[1:] != modes[:-1]))
 
 
 def is_loss(before: str, mode: str, reason: str) -> bool:

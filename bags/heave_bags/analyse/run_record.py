@@ -355,13 +355,11 @@ def _fill_winch(record: RunRecord, winch: Fields) -> None:
 def _fill_controller(record: RunRecord, state: Fields) -> None:
     record.modes = events.modes(state)
     names = state.texts("mode")
-    if names is not None and names.size > 1 and not all(mode.name == events.OFF for mode in record.modes):
-        record.signals.compensating = Signal(state.time, np.isin(names, events.COMPENSATES).astype(float))
-        record.signals.holds_tension = Signal(state.time, (names == events.HOLDS_TENSION).astype(float))
+    if names is not None:
+        events.take_modes(record.signals, state.time, names)
+    if record.signals.mode_changes.size:
         lost = [mode.start for mode in events.losses(record.modes)]
         record.signals.losses = Signal(state.time, np.isin(state.time, lost).astype(float))
-        changed = [mode.start for mode in record.modes[1:]]
-        record.signals.mode_changes = Signal(state.time, np.isin(state.time, changed).astype(float))
     record.alarms += events.sensor_alarms(state)
     record.innovations = _innovations(state)
     nis = state.table("nis")

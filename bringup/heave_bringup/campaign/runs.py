@@ -9,10 +9,9 @@ from dataclasses import dataclass, field
 import numpy as np
 from heave_bags.analyse import kpi_set
 from heave_bags.analyse.depth_programme import take_out_programme
-from heave_bags.analyse.events import COMPENSATES, HOLDS_TENSION, OFF
+from heave_bags.analyse.events import COMPENSATES, take_modes
 from heave_bags.analyse.verdict import Judged, Verdict
 from heave_bags.signals import RunSignals, Signal
-from heave_node.numerics.arrays import Array
 from heave_node.parameters import ParameterError
 from heave_node.scenario import sections_text
 
@@ -179,12 +178,6 @@ def lost_because(record: LoopRecord, scenario: Scenario, kpis: Mapping[str, floa
     return f"{words}: {' '.join(alarms[-1].split())}" if alarms else words
 
 
-def _working(record: LoopRecord, time: Array) -> Signal:
-    """Return when the controller compensated or held a tension; empty under law off."""
-    modes = np.asarray(record.modes)
-    return Signal() if np.all(modes == OFF) else Signal(time, np.isin(modes, COMPENSATES).astype(float))
-
-
 def run_signals(record: LoopRecord, parameters: LoopParameters) -> RunSignals:
     """Return the signals that KPIs are computed from, as a bag of the same run would give them.
 
@@ -209,7 +202,6 @@ def run_signals(record: LoopRecord, parameters: LoopParameters) -> RunSignals:
         uncompensated_tension=signal("uncompensated_tension"),
         slack=Signal(time, (record.column("slack_segments") > 0.0).astype(float)),
         winch_limited=Signal(time, (record.column("limits_hit") != 0.0).astype(float)),
-        compensating=_working(record, time),
         static_tension=Signal(time[:1], record.column("top_tension")[:1]),
         unit_height=signal("unit"),
         touchdown=Signal(time, (record.column("touchdown_force") > 0.0).astype(float)),
@@ -217,9 +209,6 @@ def run_signals(record: LoopRecord, parameters: LoopParameters) -> RunSignals:
         acceleration_limit=parameters.winch.acceleration_limit,
     )
     weight = plant.cable.weight_in_fluid(plant.water_density, plant.gravity)
-    modes = np.asarray(record.modes)
-    if signals.compensating.size:
-        signals.holds_tension = Signal(time, (modes == HOLDS_TENSION).astype(float))
-        signals.mode_changes = Signal(time, np.append(0.0, modes[1:] != modes[:-1]))
+    take_modes(signals, time, np.asarray(record.modes))
     take_out_programme(signals, signal("depth_set_point"), weight)
     return signals

@@ -397,7 +397,7 @@ class HeaveNode(LifecycleNode):
             ]
             self._diagnostics.publish_deferred(lambda: diagnostic_array(self.name, tick.stamp, parts))
 
-    def publish_protocol_notice(self, text: str, level: Level = Level.ERROR) -> None:
+    def publish_protocol_notice(self, text: str, level: Level) -> None:
         """Publish on /diagnostics, as `text`, what is wrong in wall time, and how much (`level`).
 
         Its stamp of 0 keeps it out of counts and recordings.
