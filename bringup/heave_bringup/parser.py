@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import argparse
-from typing import NoReturn
+import difflib
+from collections.abc import Sequence
+from typing import Any, NoReturn
 
 from heave_bringup.commands.bags import import_sea, kpi, record, repair, replay, report
 from heave_bringup.commands.command import Command
@@ -23,7 +25,20 @@ COMMANDS: tuple[Command, ...] = (
 
 
 class OneLineParser(argparse.ArgumentParser):
-    """Complains in one line."""
+    """Complains in one line, each subcommand of its own arguments."""
+
+    def parse_known_args(self, args: Sequence[str] | None = None, namespace: Any = None) -> tuple[Any, list[str]]:  # type: ignore[override]
+        """Parse as the base class does, but refuse what is not known here: the subcommand's help is the one to read."""
+        options, unknown = super().parse_known_args(args, namespace)
+        if unknown:
+            self.error(self._refusal(unknown))
+        return options, unknown
+
+    def _refusal(self, unknown: list[str]) -> str:
+        known = [option for action in self._actions for option in action.option_strings]
+        near = difflib.get_close_matches(unknown[0].partition("=")[0], known, n=1)
+        hint = f"; did you mean {near[0]}?" if near else ""
+        return f"unrecognized arguments: {' '.join(unknown)}{hint}"
 
     def error(self, message: str) -> NoReturn:
         """Say in `message` what is wrong, and where help is; exit with status 2."""

@@ -13,7 +13,10 @@ from heave_bringup.cli import main
     ("arguments", "words"),
     [
         (["run"], "heave run: the following arguments are required: SCENARIO"),
-        (["run", "b2_calm_300", "--duratoin", "3"], "heave: unrecognized arguments: --duratoin 3"),
+        (
+            ["run", "b2_calm_300", "--duratoin", "3"],
+            "heave run: unrecognized arguments: --duratoin 3; did you mean --duration?",
+        ),
         (["run", "b2_calm_300", "--seed", "one"], "heave run: argument --seed: invalid int value: 'one'"),
         (["repair", "bag"], "heave repair: one of the arguments --output --reindex is required"),
         (["sail"], "heave: argument COMMAND: invalid choice: 'sail'"),

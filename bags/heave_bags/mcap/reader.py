@@ -499,7 +499,7 @@ def _find_files(path: Path) -> list[Path]:
     files = sorted_files([found for found in path.glob("*.mcap") if found.is_file()])
     if not files:
         kind = "storage other than MCAP" if list(path.glob("*.db3")) else "no MCAP file"
-        raise BagError(f"{path}: this folder holds {kind}")
+        raise BagError(f"{path}: this folder holds {kind}; give the folder of a bag, or its .mcap file")
     return files
 
 
