@@ -1,0 +1,143 @@
+"""Seas other than believed: four scenarios in a grid of seas, with the shipped belief and with the matching one.
+
+    python -m tests.campaigns.seas
+
+The vessel meets the sea of each cell; the controller believes in the sea of its scenario, or in that of the cell. A
+cell is kept whose unit moves at most 1.3 times as much under the shipped belief as under the matching one, and whose
+compensation is not lost where the matching belief keeps it. Components run in this process.
+"""
+
+from __future__ import annotations
+
+import argparse
+import itertools
+import sys
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from heave_bringup.closed_loop import ClosedLoop, loop_parameters
+from heave_bringup.scenarios import load_scenario
+
+from tests.campaigns.commit import commit_line
+
+SCENARIOS = ("b2_calm_300", "b3_deep_900", "b4_limit_900_tp10", "b10_real_mru_swell")
+HEIGHTS = (0.5, 1.0, 2.0, 3.0, 4.0)
+"""Significant wave heights [m]."""
+
+PERIODS = (6.0, 8.0, 10.0, 12.0, 14.0)
+"""Peak periods [s]."""
+
+DURATION, TRANSIENT = 400.0, 130.0
+"""Of a run, and of its beginning that is not judged [s]."""
+
+LARGEST = 1.3
+"""Largest standard deviation of the unit over that of the matching belief."""
+
+NEGLIGIBLE = 0.001
+"""Standard deviation of the unit that no one would notice, whatever the ratio [m]."""
+
+
+@dataclass(frozen=True)
+class Cell:
+    """A scenario in a sea.
+
+    Attributes
+    ----------
+    scenario : its name
+    height, period : significant wave height [m] and peak period [s]
+    """
+
+    scenario: str
+    height: float
+    period: float
+
+
+@dataclass(frozen=True)
+class Held:
+    """What became of the unit.
+
+    Attributes
+    ----------
+    sigma, off : standard deviation of its heave, compensated and not [m]
+    share : of the judged time in which it was compensated
+    """
+
+    sigma: float
+    off: float
+    share: float
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """A cell with both beliefs.
+
+    Attributes
+    ----------
+    shipped, matching : held under the belief that the scenario ships, and under that in the cell's sea
+    """
+
+    shipped: Held
+    matching: Held
+
+    @property
+    def holds(self) -> bool:
+        """Tell whether the shipped belief does as well as the matching one."""
+        is_close = self.shipped.sigma <= max(LARGEST * self.matching.sigma, self.matching.sigma + NEGLIGIBLE)
+        return is_close and self.shipped.share >= self.matching.share - 0.1
+
+
+def run(cell: Cell, seed: int) -> Outcome:
+    """Run a cell with a `seed`, with either belief."""
+    return Outcome(shipped=_held(cell, "wave_vessel", seed), matching=_held(cell, "system.sea", seed))
+
+
+def _held(cell: Cell, owner: str, seed: int) -> Held:
+    settings = [
+        f"{owner}.significant_wave_height={cell.height!r}",
+        f"{owner}.peak_period={cell.period!r}",
+        *(f"all.duration={DURATION!r}", f"all.transient={TRANSIENT!r}", f"all.seed={seed}"),
+    ]
+    record = ClosedLoop(loop_parameters(load_scenario(cell.scenario, settings=settings))).run()
+    judged = record.column("time") > TRANSIENT
+    unit = record.column("unit") + record.column("depth_set_point")
+    compensates = np.array([mode == "compensating" for mode in record.modes])
+    return Held(
+        sigma=float(np.std(unit[judged])),
+        off=float(np.std(record.column("uncompensated")[judged])),
+        share=float(np.mean(compensates[judged])),
+    )
+
+
+def show(cell: Cell, outcome: Outcome) -> str:
+    """Return one line of the table."""
+    shipped, matching = outcome.shipped, outcome.matching
+    told = "" if outcome.holds else " NOT KEPT"
+    return (
+        f"{cell.scenario:18s} Hs {cell.height:3.1f} Tp {cell.period:4.1f}: {100 * shipped.sigma:6.2f} cm, "
+        f"matching belief {100 * matching.sigma:6.2f}, off {100 * shipped.off:6.1f}; "
+        f"compensates {100 * shipped.share:3.0f} % and {100 * matching.share:3.0f} %{told}"
+    )
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the campaign; return 1 where a cell was not kept."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--scenarios", nargs="+", default=SCENARIOS, metavar="NAME")
+    parser.add_argument("--heights", nargs="+", type=float, default=HEIGHTS, metavar="HS")
+    parser.add_argument("--periods", nargs="+", type=float, default=PERIODS, metavar="TP")
+    parser.add_argument("--seed", type=int, default=1)
+    options = parser.parse_args(arguments)
+    sys.stdout.write(commit_line() + "\n")
+    kept, cells = 0, list(itertools.product(options.scenarios, options.heights, options.periods))
+    for cell in itertools.starmap(Cell, cells):
+        outcome = run(cell, options.seed)
+        kept += outcome.holds
+        sys.stdout.write(show(cell, outcome) + "\n")
+        sys.stdout.flush()
+    sys.stdout.write(f"{kept} of {len(cells)} kept\n")
+    return 0 if kept == len(cells) else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())
