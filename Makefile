@@ -27,7 +27,7 @@ run: $(VENV)/.installed  ## set up, then the calm-sea scenario for ten simulated
 	$(BIN)/heave run b2_calm_300 --duration 600
 
 test: lint  ## set up, then every check: ruff, mypy, pytest on two cores
-	$(BIN)/python -m pytest --numprocesses 2 --dist loadfile $(PYTEST)
+	$(BIN)/python -m pytest --numprocesses 2 --dist loadfile --no-loadscope-reorder $(PYTEST)
 
 validate: $(VENV)/.test-installed  ## the longest tests, and campaigns of an hour or two: 100 landings, 256 wrong beliefs, 100 foreign seas, 1,000 damaged bags, 100 killed runs, 1,000 storms
 	$(BIN)/python -m pytest -m long

@@ -5,6 +5,7 @@ import json
 import re
 from collections import Counter
 
+import pytest
 import yaml
 from mcap.reader import make_reader
 from mcap_ros2.decoder import DecoderFactory
@@ -79,6 +80,7 @@ def test_the_bag_says_what_it_is(calm_bag):
     assert any(b"wave_vessel" in data for data in attachments.values())
 
 
+@pytest.mark.slow
 def test_the_same_seed_gives_the_same_bytes_and_another_seed_does_not(calm_bag, tmp_path):
     again = run_scenario(tmp_path / "again", duration=CALM_DURATION)
     assert recorded_messages(again) == recorded_messages(calm_bag)

@@ -30,8 +30,10 @@ def share_left(record: LoopRecord) -> float:
 
 
 @pytest.mark.parametrize(
-    "drive", ["electric", "pump_controlled", pytest.param("valve_controlled", marks=pytest.mark.long)]
+    "drive",
+    ["electric", *(pytest.param(name, marks=pytest.mark.long) for name in ("pump_controlled", "valve_controlled"))],
 )
+@pytest.mark.slow
 def test_a_drive_with_its_physics_compensates_as_the_servo_does(drive):
     """The servo leaves 2 %: `b2_calm_300` with it, the controller and the sensors being the same."""
     known = KNOWN_LAG if drive == "pump_controlled" else ()

@@ -2,9 +2,12 @@
 
 import json
 
+import pytest
+
 from tests.loop_runs import heave
 
 
+@pytest.mark.slow
 def test_a_required_figure_that_is_missed_sets_the_exit_status(tmp_path):
     options = ["--duration", "5", "--set", "all.transient=1.0", "--no-report", "--json", str(tmp_path / "kpi.json")]
     require = ["--require", "unit_sigma_m<1e-9", "--require", "missed_deadlines<1"]

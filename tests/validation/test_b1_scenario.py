@@ -15,7 +15,7 @@ from wave_vessel_node.component import WaveVessel
 from winch_controller_node.design.prediction import predict_loop
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_uncontrolled_sigma_is_that_of_the_lyapunov_equation_within_its_confidence_interval() -> None:
     """Expected: 0.2551 m, the Lyapunov equation of thesis 6.3.6 with white noise of intensity pi (printed: 0.255 m)."""
     scenario = load_scenario("b1_thesis")

@@ -1,6 +1,7 @@
 """A sensor lost in a storm: the fade-out is orderly, and the cable none the worse for the compensation."""
 
 import numpy as np
+import pytest
 from cable_sim_node.peers.reference_systems import DEEP_900
 from heave_bringup.closed_loop import ClosedLoop, loop_parameters
 from heave_bringup.scenarios import make_scenario
@@ -14,6 +15,7 @@ SLOWEST = 1.5 + FADE + 2.0 / 0.5 + 0.5
 """Coasting, fade-out, and a stop from the winch's 2 m/s at the 0.5 m/s^2 of an orderly one; delay and lag [s]."""
 
 
+@pytest.mark.slow
 def test_an_mru_lost_in_a_storm_fades_compensation_out_without_a_jerk_and_without_a_snap():
     record = ClosedLoop(
         loop_parameters(
