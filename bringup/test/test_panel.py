@@ -1,6 +1,7 @@
 """The operator's page: who is in command, alarms, what is drawn, who may open it, and the thread behind it."""
 
 import asyncio
+import math
 import socket
 import time
 
@@ -145,9 +146,9 @@ def test_the_limits_of_the_winch_are_those_that_the_controller_believes():
     request = request_limits(taken.append)
     response = type("Response", (), {})()
     kind = ParameterType.PARAMETER_DOUBLE
-    response.values = [ParameterValue(type=kind, double_value=value) for value in (2.0, -50.0, 60.0)]
+    response.values = [ParameterValue(type=kind, double_value=value) for value in (2.0, 1.5, -50.0, 60.0)]
     assert not request.judge(response).is_refused
-    assert taken == [WinchLimits(2.0, -50.0, 60.0)]
+    assert taken == [WinchLimits(2.0, 1.5, -50.0, 60.0)]
     response.values = []
     request.judge(response)
     assert str(taken[-1].speed) == "nan"
@@ -270,3 +271,12 @@ def test_a_port_that_is_taken_is_said_in_one_line_before_the_run_is_looked_for(c
     said = capsys.readouterr().err
     assert said.count("\n") == 1
     assert f"127.0.0.1:{port}: cannot be served: Address already in use; see --host and --port" in said
+
+
+def test_the_acceleration_of_the_winch_is_the_change_of_its_rate_and_unknown_until_there_are_two():
+    first = WinchStatus(1.0, rate=0.2).since(None)
+    assert math.isnan(first.acceleration)
+    later = WinchStatus(1.5, rate=0.9).since(first)
+    assert later.acceleration == pytest.approx(1.4)
+    assert math.isnan(WinchStatus(1.5, rate=0.4).since(later).acceleration), "the same state again"
+    assert math.isnan(WinchStatus(0.1, rate=0.4).since(later).acceleration), "a run that begins anew"

@@ -224,7 +224,7 @@ class RunLink:
         )
 
     def _on_winch(self, message: WinchState) -> None:
-        self.situation.winch = WinchStatus(
+        newest = WinchStatus(
             seconds_of(message.header.stamp),
             message.encoder_payout,
             message.encoder_payout_rate,
@@ -232,6 +232,7 @@ class RunLink:
             message.brake,
             message.fault,
         )
+        self.situation.winch = newest.since(self.situation.winch)
 
     def _on_figures(self, message: CompensationKpi) -> None:
         self.situation.figures = Figures(

@@ -90,16 +90,17 @@ class WinchLimits:
 
     Attributes
     ----------
-    speed : largest [m/s]
+    speed, acceleration : largest [m/s], [m/s^2]
     payout_minimum, payout_maximum : of the drum, positive lowers [m]
     """
 
     speed: float = math.nan
+    acceleration: float = math.nan
     payout_minimum: float = math.nan
     payout_maximum: float = math.nan
 
 
-LIMIT_NAMES = ("winch.speed_limit", "winch.payout_minimum", "winch.payout_maximum")
+LIMIT_NAMES = ("winch.speed_limit", "winch.acceleration_limit", "winch.payout_minimum", "winch.payout_maximum")
 
 
 def request_limits(take: Callable[[WinchLimits], None]) -> Request:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 WAITING, RUNNING, PAUSED, ENDED, FAILED = range(5)
 """States of a run, as in heave_msgs/TickStatus."""
@@ -68,6 +68,7 @@ class WinchStatus:
     ----------
     time : simulated [s]
     payout, rate : of the encoder, positive lowers [m], [m/s]
+    acceleration : change of that rate since the state before [m/s^2]
     tension : at the drum [N]
     brake : whether it is on
     fault : code, as in heave_msgs/WinchState; 0 for none
@@ -79,6 +80,13 @@ class WinchStatus:
     tension: float = UNKNOWN
     brake: bool = False
     fault: int = 0
+    acceleration: float = UNKNOWN
+
+    def since(self, before: WinchStatus | None) -> WinchStatus:
+        """Return this with its acceleration, by the rate that was read `before`."""
+        if before is None or self.time <= before.time:
+            return self
+        return replace(self, acceleration=(self.rate - before.rate) / (self.time - before.time))
 
 
 @dataclass

@@ -120,9 +120,9 @@ class Page:
                 with ui.element("div").classes("heave-box"):
                     ui.label(name).classes("heave-name")
                     self._figures[name] = ui.label("-").classes("heave-value")
-        with ui.element("section").classes("heave-box grid grid-cols-1 sm:grid-cols-2 gap-x-6 gap-y-1 w-full"):
+        with ui.element("section").classes("heave-box grid grid-cols-1 sm:grid-cols-3 gap-x-6 gap-y-1 w-full"):
             self._uses: dict[str, tuple[Any, Any]] = {}
-            for name in ("winch speed", "payout"):
+            for name in ("winch speed", "winch acceleration", "payout"):
                 with ui.column().classes("gap-1 w-full"):
                     label = ui.label(name).classes("text-sm")
                     with ui.element("div").classes("heave-use w-full"):
@@ -269,10 +269,15 @@ class Page:
 
     def _show_uses(self, picture: Picture) -> None:
         winch, limits = picture.situation.winch, picture.limits
-        rate, payout = (winch.rate, winch.payout) if winch else (math.nan, math.nan)
+        rate, acceleration, payout = (winch.rate, winch.acceleration, winch.payout) if winch else 3 * (math.nan,)
         span = limits.payout_maximum - limits.payout_minimum
         for name, text, share in (
             ("winch speed", f"{rate:+.2f} of {limits.speed:g} m/s", abs(rate) / limits.speed),
+            (
+                "winch acceleration",
+                f"{acceleration:+.2f} of {limits.acceleration:g} m/s^2",
+                abs(acceleration) / limits.acceleration,
+            ),
             (
                 "payout",
                 f"{payout:.2f} m, from {limits.payout_minimum:g} to {limits.payout_maximum:g} m",
