@@ -28,7 +28,13 @@ class OneLineParser(argparse.ArgumentParser):
     """Complains in one line, each subcommand of its own arguments."""
 
     def parse_known_args(self, args: Sequence[str] | None = None, namespace: Any = None) -> tuple[Any, list[str]]:  # type: ignore[override]
-        """Parse as the base class does, but refuse what is not known here: the subcommand's help is the one to read."""
+        """Parse as the base class does, but refuse what is not known here: the subcommand's help is the one to read.
+
+        Parameters
+        ----------
+        args : of the command line; None: those of this process
+        namespace : to which the options are added; None: a new one
+        """
         options, unknown = super().parse_known_args(args, namespace)
         if unknown:
             self.error(self._refusal(unknown))
