@@ -32,9 +32,6 @@ Dynamics = CableDynamics | LinearPlant
 
 LARGEST_START_GAP = 20.0
 """Largest distance between the first boom tip or payout and where the plant rests at the start [m]."""
-LARGEST_STRAIN = 0.1
-"""Beyond it the cable is said to be strained too much: no steel wire or umbilical gets there, few ropes do, and the
-model takes its strain for small."""
 IMPLAUSIBLE_SPEED = 20.0
 """An input that moves faster [m/s] is a false number, not a motion."""
 
