@@ -317,8 +317,8 @@ class CableDynamics:
         line.settings[at.BED_ON] = float(self.parameters.seabed.depth > 0.0)
         if line.x[0, 2] > boom_tip[2]:
             raise NoEquilibriumError(
-                f"the line does not hang: the unit's buoyancy lifts the whole cable, up to {line.x[0, 2]:.0f} m; there "
-                "is no surface here to float on: use a heavier unit or more cable"
+                f"the line does not hang: the unit's buoyancy lifts it above the boom tip, to {line.x[0, 2]:.0f} m; "
+                "there is no surface here to float on: use a heavier unit or more cable"
             )
         hold_here(line, n)
         if self.is_on_seabed:
