@@ -10,7 +10,7 @@ from pathlib import Path
 
 os.environ.setdefault("AMENT_PREFIX_PATH", sys.prefix)
 
-from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from geometry_msgs.msg import Point, Vector3
 from heave_bags.mcap.bag_writer import Attachment, BagPolicy, BagWriter
 from heave_bags.mcap.ros.qos import OfferedQos
@@ -122,6 +122,7 @@ def tick_messages(run: MadeUpRun, nanoseconds: int) -> dict[str, object]:
     if nanoseconds % 1_000_000_000 == 0:
         level = DiagnosticStatus.WARN if 40.0 <= time <= 42.0 else DiagnosticStatus.OK
         status = DiagnosticStatus(level=level, name="cable_sim: cable", message="touches ground")
+        status.values = [KeyValue(key="largest strain", value=f"{1e-4 * time:.4f}")]
         messages["/diagnostics"] = DiagnosticArray(header=head, status=[status])
     return messages
 

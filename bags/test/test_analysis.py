@@ -33,6 +33,11 @@ def test_the_window_is_what_the_bag_says(record):
     assert (record.start, record.end) == (10.0, pytest.approx(60.0))
 
 
+def test_the_largest_strain_is_the_last_that_the_plant_told(record):
+    """0.0001 for each second up to the last whole one of the run."""
+    assert record.largest_strain == pytest.approx(1e-4 * math.floor(record.end), abs=1.01e-4)
+
+
 def test_kpis_over_whole_periods_are_those_of_sines(record):
     values = record.kpis(12.0, 12.0 + 5 * RUN.period - RUN.tick)
     assert values["unit_sigma_m"] == pytest.approx(RUN.unit / ROOT)

@@ -1,5 +1,7 @@
 """The verdict on a run: its criteria, the values reached, and whether compensation was in force at all."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from heave_bags.analyse.events import Interval
@@ -48,6 +50,18 @@ def test_a_law_that_is_off_need_not_compensate():
 def test_a_figure_that_is_not_known_is_missed():
     verdict = judge(record(100.0), [Criterion("kappa", "<=", 2.0)], moves_winch=True)
     assert verdict.failures == ["MISSED: kappa <= 2.0, got unknown"]
+
+
+def test_a_cable_that_would_have_parted_is_no_success():
+    good = judge(replace(record(100.0), largest_strain=0.0999), moves_winch=True)
+    assert good.is_good
+    parted = judge(
+        replace(record(100.0), largest_strain=0.2434), [Criterion("unit_sigma_m", "<", 1.0)], moves_winch=True
+    )
+    assert parted.lines()[:2] == [
+        "verdict: FAILED",
+        "  MISSED: cable strained by at most 10 %, got 24.3 %: it would part, or its tension law does not hold",
+    ]
 
 
 def test_a_run_that_ended_within_its_transient_is_not_judged_but_held_to_what_is_required():

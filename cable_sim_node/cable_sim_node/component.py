@@ -19,6 +19,7 @@ from cable_sim_node.errors import BadMotionError, PlantError
 from cable_sim_node.inputs import BridgedInput
 from cable_sim_node.line.dynamics import CableDynamics
 from cable_sim_node.node_parameters import CableSimNodeParameters
+from cable_sim_node.physics.seabed import Seabed
 from cable_sim_node.sensors.instruments import SensorTruth
 from cable_sim_node.sensors.sensor import Sensor
 from cable_sim_node.sensors.suite import SensorReadings, SensorSuite
@@ -31,9 +32,6 @@ Dynamics = CableDynamics | LinearPlant
 
 LARGEST_START_GAP = 20.0
 """Largest distance between the first boom tip or payout and where the plant rests at the start [m]."""
-LARGEST_STRAIN = 0.1
-"""Beyond it the cable is said to be strained too much: no steel wire or umbilical gets there, few ropes do, and the
-model takes its strain for small."""
 IMPLAUSIBLE_SPEED = 20.0
 """An input that moves faster [m/s] is a false number, not a motion."""
 
@@ -102,6 +100,7 @@ class CableSim:
         self.water = Water(parameters.water_density, parameters.gravity)
         self._static_top_tension = self._plant.top_tension
         self.largest_strain = self._plant.largest_strain
+        self._seabed = Seabed(parameters.seabed)
         self._suite = SensorSuite(parameters.sensors, seed=seed, tick_period=tick_period)
 
     @property
@@ -214,10 +213,8 @@ class CableSim:
         return None if is_fast else value
 
     def _height_above_seabed(self, position: Array) -> float:
-        seabed = self._parameters.seabed
-        if seabed.depth == 0.0:
-            return float("inf")
-        return float(position[2] + seabed.depth - np.dot(seabed.slope, position[:2]))
+        has_seabed = self._parameters.seabed.depth > 0.0
+        return self._seabed.clearance(position) if has_seabed else float("inf")
 
 
 def _at_rest(parameters: CableSimNodeParameters, boom_tip: Array) -> Dynamics:

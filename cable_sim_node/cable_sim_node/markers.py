@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import itertools
+from collections.abc import Callable
+
+import numpy as np
 from builtin_interfaces.msg import Duration, Time
 from geometry_msgs.msg import Point, Vector3
 from heave_node.numerics.arrays import Array
@@ -11,8 +15,11 @@ from visualization_msgs.msg import Marker, MarkerArray
 from cable_sim_node.component import PlantState
 from cable_sim_node.conversions import WORLD, header, point_message
 from cable_sim_node.parameters import SeabedParameters
+from cable_sim_node.physics.seabed import Seabed
 
 NAMESPACE = "plant"
+PROFILE_PLACES = 101
+"""How many places of a seabed's profile are shown."""
 TAUT = ColorRGBA(r=1.0, g=0.8, b=0.1, a=1.0)
 SLACK = ColorRGBA(r=0.9, g=0.1, b=0.1, a=1.0)
 YELLOW = ColorRGBA(r=1.0, g=0.6, b=0.0, a=1.0)
@@ -31,16 +38,18 @@ def plant_markers(state: PlantState, seabed: SeabedParameters, stamp: Time) -> M
     stamp : of all markers
     """
     length = max(float(state.unstretched_length), 1.0)
-    size = max(0.01 * length, 0.5)
+    size, half = max(0.01 * length, 0.5), 0.5 * length
     markers = [
         _cable(state, stamp, width=0.2 * size),
         _body(1, Marker.CUBE, state.unit.position, size, YELLOW, stamp),
         _body(2, Marker.CUBE, state.uncompensated.position, size, GREY, stamp),
         _body(3, Marker.SPHERE, state.node_positions[-1], 0.5 * size, YELLOW, stamp),
-        _plane(4, 0.0, (0.0, 0.0), length, SEA, stamp),
+        _ground(4, lambda _: 0.0, np.array([-half, half]), (1.0, 0.0), SEA, stamp),
     ]
     if seabed.depth > 0.0:
-        markers.append(_plane(5, -seabed.depth, (seabed.slope[0], seabed.slope[1]), length, BED, stamp))
+        bottom, points = Seabed(seabed), seabed.profile.distance
+        places = np.linspace(min(-half, points[0]), max(half, points[-1]), PROFILE_PLACES) if points else (-half, half)
+        markers.append(_ground(5, bottom.height, np.array(places), bottom.direction, BED, stamp))
     return MarkerArray(markers=markers)
 
 
@@ -69,17 +78,34 @@ def _body(identifier: int, kind: int, position: Array, size: float, color: Color
     return marker
 
 
-def _plane(
-    identifier: int, height: float, slope: tuple[float, float], length: float, color: ColorRGBA, stamp: Time
+def _ground(
+    identifier: int,
+    height: Callable[[tuple[float, float]], float],
+    places: Array,
+    along: tuple[float, float],
+    color: ColorRGBA,
+    stamp: Time,
 ) -> Marker:
-    """Return a square about the origin, as wide as the cable is long, seen from both sides."""
+    """Return a surface of strips, seen from both sides.
+
+    Parameters
+    ----------
+    identifier : of the marker
+    height : z of the surface at x, y [m]
+    places : distances of the strips' edges from the origin [m]; the surface reaches to the first one on either side
+    along : unit vector of these distances
+    color, stamp : of the marker
+    """
     marker = _marker(identifier, Marker.TRIANGLE_LIST, stamp)
     marker.scale = Vector3(x=1.0, y=1.0, z=1.0)
-    half = 0.5 * length
-    corners = [
-        Point(x=x, y=y, z=height + slope[0] * x + slope[1] * y)
-        for x, y in ((-half, -half), (half, -half), (half, half), (-half, half))
-    ]
-    marker.points = [corners[i] for i in (0, 1, 2, 0, 2, 3, 0, 2, 1, 0, 3, 2)]
+    half = abs(float(places[0]))
+
+    def corner(s: float, side: float) -> Point:
+        x, y = s * along[0] - side * along[1], s * along[1] + side * along[0]
+        return Point(x=x, y=y, z=height((x, y)))
+
+    for start, end in itertools.pairwise(places.tolist()):
+        corners = [corner(start, -half), corner(end, -half), corner(end, half), corner(start, half)]
+        marker.points += [corners[i] for i in (0, 1, 2, 0, 2, 3, 0, 2, 1, 0, 3, 2)]
     marker.color = color
     return marker

@@ -8,6 +8,7 @@ from functools import partial
 from heave_node.interface import topics
 from heave_node.interface.messages import SensorMessages
 from heave_node.interface.sensors import SENSORS, all_to_wire
+from heave_node.numerics.constants import LARGEST_STRAIN
 from heave_node.ros.diagnostics import Health, Level
 from heave_node.ros.fault_service import FaultService
 from heave_node.ros.master import ClockMasterNode
@@ -16,7 +17,7 @@ from heave_node.ros.process import run_node
 from heave_node.tick.tick import Tick
 
 from cable_sim_node import conversions
-from cable_sim_node.component import LARGEST_STRAIN, CableSim, PlantState
+from cable_sim_node.component import CableSim, PlantState
 from cable_sim_node.errors import PlantError
 from cable_sim_node.inputs import NewestMotion
 from cable_sim_node.markers import plant_markers
@@ -38,6 +39,7 @@ class CableSimNode(ClockMasterNode):
         warm_up.advance(1, None, None)
         self.plant = self._make_plant()
         self.newest_tip, self.newest_payout = NewestMotion(), NewestMotion()
+        self._strain_was_said = False
         self.state: PlantState | None = None
         self.sensor_outputs = {
             name: (self.add_output(SENSORS[name].topic), SensorMessages(SENSORS[name])) for name in self.plant.sensors
@@ -57,6 +59,7 @@ class CableSimNode(ClockMasterNode):
         """Start from rest again, without the faults that were injected."""
         self.plant = self._make_plant()
         self.newest_tip, self.newest_payout = NewestMotion(), NewestMotion()
+        self._strain_was_said = False
 
     def on_readings(self, tick: Tick) -> None:
         """Publish the state of t_k, the time of `tick`, and the sensor readings delivered at t_k."""
@@ -118,13 +121,18 @@ class CableSimNode(ClockMasterNode):
             parts.append(Health(f"input {signal.name}", level, text, {"missing": str(signal.missing)}))
         return [*parts, self._cable_health()]
 
+    def has_urgent_news(self) -> bool:
+        """Whether the cable has just been strained too much: the run may end before diagnostics are due."""
+        was_said, self._strain_was_said = self._strain_was_said, self.plant.largest_strain > LARGEST_STRAIN
+        return self._strain_was_said and not was_said
+
     def _cable_health(self) -> Health:
         """Say that the cable is strained too much, which stays said, or slack."""
         strain = self.plant.largest_strain
         values = {"largest strain": f"{strain:.4f}"}
         if strain > LARGEST_STRAIN:
             text = (
-                f"the cable was strained by {strain:.0%}, more than {LARGEST_STRAIN:.0%}: it would part, or its "
+                f"the cable was strained by {strain:.1%}, more than {LARGEST_STRAIN:.0%}: it would part, or its "
                 "tension law does not hold; check cable.axial_stiffness, the masses and the snaps of this run"
             )
             return Health("cable", Level.ERROR, text, values)

@@ -161,8 +161,31 @@ class UnitParameters:
 
 
 @dataclass(frozen=True)
+class SeabedProfileParameters:
+    """Hills and valleys of the seabed along one direction, on its plane.
+
+    A smooth curve joins the points; beyond them the height stays that of the last one.
+    """
+
+    distance: tuple[float, ...] = parameter(
+        (), unit="m", description="Distances from the origin along `direction`, increasing; empty means a plane."
+    )
+    height: tuple[float, ...] = parameter((), unit="m", description="Height of the bottom above the plane there.")
+    direction: float = parameter(0.0, unit="rad", description="Direction of the profile, from x towards y.")
+
+    def __post_init__(self) -> None:
+        check_ranges(self)
+        if len(self.distance) != len(self.height):
+            raise ValueError("seabed.profile.distance and .height must have the same number of values")
+        if len(self.distance) == 1:
+            raise ValueError("seabed.profile needs two points at least, or none")
+        if any(later <= earlier for earlier, later in itertools.pairwise(self.distance)):
+            raise ValueError("seabed.profile.distance must be strictly increasing")
+
+
+@dataclass(frozen=True)
 class SeabedParameters:
-    """A plane seabed, elastic with friction. Contact forces of the cable are per unstretched metre.
+    """The seabed, elastic with friction. Contact forces of the cable are per unstretched metre.
 
     Stiffness and damping hold along the bottom as well, up to the Coulomb force: what stands within it stays at rest.
     """
@@ -171,6 +194,7 @@ class SeabedParameters:
     slope: tuple[float, ...] = parameter(
         (0.0, 0.0), unit="", length=2, description="Rise of the bottom per metre along x and y."
     )
+    profile: SeabedProfileParameters = group(SeabedProfileParameters)
     stiffness: float = parameter(
         1e4, unit="N/m^2", minimum=1.0, description="Normal force per metre of cable and metre of penetration."
     )

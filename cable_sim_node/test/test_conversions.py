@@ -12,7 +12,8 @@ pytest.importorskip("heave_msgs")
 
 from builtin_interfaces.msg import Time
 from cable_sim_node.component import PlantState
-from cable_sim_node.parameters import SeabedParameters
+from cable_sim_node.parameters import SeabedParameters, SeabedProfileParameters
+from cable_sim_node.physics.seabed import Seabed
 from cable_sim_node.winch.component import VirtualWinch, WinchCommand
 from cable_sim_node.winch.parameters import WinchParameters
 from heave_msgs.msg import WinchCommand as WinchCommandMessage
@@ -107,6 +108,16 @@ def test_markers_show_every_part_and_a_slack_segment_in_red() -> None:
         assert p.z == pytest.approx(-300.0 + 0.01 * p.x)
     assert all(m.header.frame_id == "world" and m.header.stamp == STAMP for m in shown)
     assert all(m.pose.orientation.w == 1.0 and m.color.a > 0.0 for m in shown)
+
+
+def test_a_seabed_with_a_profile_is_shown_as_far_as_that_reaches() -> None:
+    profile = SeabedProfileParameters(distance=(0.0, 1000.0), height=(0.0, 50.0), direction=0.5)
+    seabed = SeabedParameters(depth=300.0, slope=(0.0, 0.02), profile=profile)
+    points = markers.plant_markers(STATE, seabed, STAMP).markers[5].points
+    assert len(points) % 3 == 0
+    for p in points:
+        assert p.z == pytest.approx(Seabed(seabed).height((p.x, p.y)))
+    assert max(p.x * math.cos(0.5) + p.y * math.sin(0.5) for p in points) == pytest.approx(1000.0)
 
 
 def test_without_a_seabed_none_is_shown() -> None:

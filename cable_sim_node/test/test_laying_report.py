@@ -68,6 +68,21 @@ def test_table_and_values_name_every_speed():
     assert len(report.table().splitlines()) == 3
 
 
+def test_on_a_slope_the_payout_is_what_covers_it():
+    """Zajac: V cos((a + b)/2)/cos((a - b)/2); steeper than the cable hangs: refused."""
+    (up,), (flat,), (down,) = (laying_report(PLANT, 280.0, [1.5], rise=rise).lays for rise in (0.1, 0.0, -0.1))
+    rise = math.atan(0.1)
+    assert up.payout == pytest.approx(
+        1.5 * math.cos(0.5 * (up.critical_angle + rise)) / math.cos(0.5 * (up.critical_angle - rise))
+    )
+    assert flat.payout == pytest.approx(1.5)
+    assert up.payout < flat.payout < down.payout
+    (given,) = laying_report(PLANT, 280.0, [1.5], rise=2.0, payout_speed=1.4).lays
+    assert given.payout == 1.4
+    with pytest.raises(StaticsError, match=r"at 1\.5 m/s: it would span the foot of the slope; lay more slowly"):
+        laying_report(PLANT, 280.0, [1.5], rise=2.0)
+
+
 def test_what_cannot_be_laid_is_refused():
     with pytest.raises(StaticsError, match="above 0"):
         laying_report(PLANT, 280.0, [0.0])

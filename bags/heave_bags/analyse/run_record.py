@@ -128,6 +128,7 @@ class RunRecord:
     wanted : criteria of the scenario that the bag carries
     timings : histograms of durations in wall time by name, real time only: upper edge [ms] -> count
     is_past_transient : the run went on after its transient; False: the figures are of its start-up
+    largest_strain : of the cable in the whole run, as the plant told it [-]; NaN: it did not
     """
 
     name: str
@@ -147,6 +148,7 @@ class RunRecord:
     wanted: tuple[Criterion, ...] = ()
     timings: dict[str, dict[str, int]] = field(default_factory=dict)
     is_past_transient: bool = True
+    largest_strain: float = math.nan
 
     @property
     def moves_winch(self) -> bool:
@@ -168,6 +170,8 @@ TRUE, MEASURED, ESTIMATED = "true", "measured", "estimated"
 """What a figure is made from: what only a simulator knows, a sensor, or the controller's estimate."""
 LAST_WORDS = 5_000_000_000
 """Time before the end of a bag within which every node publishes diagnostics [ns]."""
+STRAIN_KEY = "largest strain"
+"""Name of the plant's figure in its diagnostics."""
 TIMING_PREFIX = "timing "
 """Begins the name of a diagnostic status with a histogram of durations in wall time."""
 
@@ -216,21 +220,27 @@ def read_run(
         transient = _as_number(bag.run.get("transient_s"), of_all)
     _set_window(record, transient)
     _refuse_nothing(record, bag)
-    if bag.run.get("pacing") == REALTIME and bag.has(DIAGNOSTICS):
-        record.timings = _timings(bag)
+    if bag.has(DIAGNOSTICS):
+        _fill_last_words(record, bag, is_paced=bag.run.get("pacing") == REALTIME)
     return record
 
 
-def _timings(bag: Bag) -> dict[str, dict[str, int]]:
-    """Return the histograms that the nodes published last: each holds all durations of the run up to then."""
-    found: dict[str, dict[str, int]] = {}
+def _fill_last_words(record: RunRecord, bag: Bag, *, is_paced: bool) -> None:
+    """Take what the nodes published last: histograms of durations, if it `is_paced`, and strain are of all the run."""
     for _, message in bag.decoded([DIAGNOSTICS], start=bag.end_time - LAST_WORDS):
-        for status in message.status:
-            values = {value.key: value.value for value in status.values}
-            node, _, name = status.name.partition(": ")
-            if name.startswith(TIMING_PREFIX) and "histogram_ms" in values:
-                found[f"{node}: {name.removeprefix(TIMING_PREFIX)}"] = parse_histogram(values["histogram_ms"])
-    return found
+        for title, values in _statuses(message):
+            node, _, name = title.partition(": ")
+            if is_paced and name.startswith(TIMING_PREFIX) and "histogram_ms" in values:
+                record.timings[f"{node}: {name.removeprefix(TIMING_PREFIX)}"] = parse_histogram(values["histogram_ms"])
+            record.largest_strain = _as_number(values.get(STRAIN_KEY, record.largest_strain))
+
+
+def _statuses(message: Any) -> list[tuple[str, dict[str, Any]]]:
+    """Return name and values of each status of a diagnostic message; none of one whose definition is another."""
+    try:
+        return [(str(part.name), {value.key: value.value for value in part.values}) for part in message.status]
+    except (AttributeError, TypeError):
+        return []
 
 
 def _name(path: Path) -> str:

@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from heave_node.criteria import Criterion
+from heave_node.numerics.constants import LARGEST_STRAIN
 
 from heave_bags.analyse.run_record import RunRecord
 
@@ -48,6 +49,7 @@ class Verdict:
     share : of the evaluation window in which compensation was in force, 0 to 1; NaN: unknown, or not required
     alarms : number of errors that came
     is_judged : the run is longer than its transient
+    strain : largest of the cable in the whole run [-]; NaN: unknown
     """
 
     judged: tuple[Judged, ...]
@@ -56,6 +58,7 @@ class Verdict:
     share: float
     alarms: int = 0
     is_judged: bool = True
+    strain: float = math.nan
 
     @property
     def is_good(self) -> bool:
@@ -69,12 +72,19 @@ class Verdict:
 
     @property
     def failures(self) -> list[str]:
-        """Return in words which criteria are not met."""
+        """Return in words which criteria are not met, and what no run may do."""
         missed = [str(judged) for judged in (*self.judged, *self.required) if not judged.is_met]
         if self.share < LEAST_SHARE:
             modes = ", ".join(f"{mode} {100.0 * share:.0f} %" for mode, share in self.time_in_modes.items())
             when = "never" if self.share == 0.0 else f"only {100.0 * self.share:.0f} % of the time"
             missed.insert(0, f"MISSED: compensation was {when} in force ({modes})")
+        if self.strain > LARGEST_STRAIN:
+            bound = f"{100.0 * LARGEST_STRAIN:.0f} %"
+            missed.insert(
+                0,
+                f"MISSED: cable strained by at most {bound}, got {100.0 * self.strain:.3g} %: it would part, or its "
+                "tension law does not hold",
+            )
         return missed
 
     def lines(self) -> list[str]:
@@ -127,7 +137,15 @@ def judge(
     # the start-up says nothing about the loop
     wanted = wanted if record.is_past_transient else ()
     share = values["compensating_percent"] / 100.0 if moves_winch and record.is_past_transient else math.nan
-    return Verdict(held(wanted), held(required), time_in_modes(record), share, alarms, record.is_past_transient)
+    return Verdict(
+        held(wanted),
+        held(required),
+        time_in_modes(record),
+        share,
+        alarms,
+        record.is_past_transient,
+        record.largest_strain,
+    )
 
 
 def time_in_modes(record: RunRecord) -> dict[str, float]:

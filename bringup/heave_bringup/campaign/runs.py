@@ -99,7 +99,8 @@ def run_task(task: Task) -> CaseResult:
     case, scenario = task.case, task.scenario
     parameters = loop_parameters(scenario)
     try:
-        record = ClosedLoop(parameters).run()
+        loop = ClosedLoop(parameters)
+        record = loop.run()
         signals = run_signals(record, parameters)
         _add_bounds(signals, record, scenario)
         kpis = kpi_set.evaluate(signals, scenario.run.transient, scenario.run.duration)
@@ -107,7 +108,7 @@ def run_task(task: Task) -> CaseResult:
         return CaseResult(case, failure=" ".join(str(error).split()) or type(error).__name__)
     share = _compensating(record, scenario)
     judged = tuple(Judged(criterion, kpis[criterion.kpi]) for criterion in scenario.wanted)
-    verdict = Verdict(judged, (), _time_in_modes(record, scenario), share)
+    verdict = Verdict(judged, (), _time_in_modes(record, scenario), share, strain=loop.plant.largest_strain)
     return CaseResult(case, kpis, "", share, lost_because(record, scenario, kpis), tuple(verdict.failures))
 
 

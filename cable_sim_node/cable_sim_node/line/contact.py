@@ -1,10 +1,11 @@
-"""The seabed under a node: an elastic, damped plane with Coulomb friction that sticks and slips.
+"""The seabed under a node: elastic and damped, with Coulomb friction that sticks and slips.
 
-Normal to the plane z = -depth + slope . (x, y): N = k d + c d' while positive, d the depth of penetration. Along it the
-node holds to a place h by the same k and c, F = k (x - h) + c v, at most mu N; beyond that it slips at mu N and takes
-its hold along, so that k |x - h| is mu N (Coulomb friction as return mapping: Simo & Hughes 1998, section 1.4). What
-sticks is therefore at rest for good, within mu N/k of where it came to hold. Arguments as in `assembly`;
-`line` is the `LineArrays`, `normal` the unit vector normal to the seabed, upwards.
+Normal to the plane that touches it above or below the node: N = k d + c d' while positive, d the depth of penetration.
+Along it the node holds to a place h by the same k and c, F = k (x - h) + c v, at most mu N; beyond that it slips at
+mu N and takes its hold along, so that k |x - h| is mu N (Coulomb friction as return mapping: Simo & Hughes 1998,
+section 1.4). What sticks is therefore at rest for good, within mu N/k of where it came to hold.
+
+Arguments as in `assembly`; `line` is the `LineArrays`, `normal` the unit vector normal to the seabed there, upwards.
 """
 
 from __future__ import annotations
@@ -37,9 +38,13 @@ from cable_sim_node.line.layout import (
     HOLD_Y,
     HOLD_Z,
     LENGTH,
+    PROFILE_ROWS,
+    PROFILE_X,
+    PROFILE_Y,
     RX,
     RY,
     RZ,
+    SETTING_COLUMNS,
     VX,
     VY,
     VZ,
@@ -48,23 +53,25 @@ from cable_sim_node.line.layout import (
     Z,
 )
 from cable_sim_node.physics.drag import Vector
+from cable_sim_node.physics.seabed import height_and_slope
 
 _FIRM_DEPTH = 0.01
 """Normal damping sets in over this penetration [m]: no jump in force at first touch."""
 
 
 @inner_kernel
-def normal_of(settings: Array) -> Vector:
-    """Return the unit vector normal to the seabed, upwards."""
+def bottom_under(node: Array, settings: Array) -> tuple[float, Vector]:
+    """Return how deep `node` is in the seabed [m], negative above it, and the unit vector normal to it, upwards."""
     sx, sy = settings[BED_SLOPE_X], settings[BED_SLOPE_Y]
+    x, y = node[X], node[Y]
+    height = sx * x + sy * y - settings[BED_DEPTH]
+    rows = int(settings[PROFILE_ROWS])
+    if rows > 0:
+        along_x, along_y = settings[PROFILE_X], settings[PROFILE_Y]
+        hill, slope = height_and_slope(along_x * x + along_y * y, settings, SETTING_COLUMNS, rows)
+        height, sx, sy = height + hill, sx + slope * along_x, sy + slope * along_y
     norm = 1.0 / math.sqrt(1.0 + sx * sx + sy * sy)
-    return -sx * norm, -sy * norm, norm
-
-
-@inner_kernel
-def depth_of(node: Array, settings: Array, normal: Vector) -> float:
-    """Return how deep `node` is in the seabed [m], negative above it."""
-    return -(node[X] * normal[0] + node[Y] * normal[1] + (node[Z] + settings[BED_DEPTH]) * normal[2])
+    return (height - node[Z]) * norm, (-sx * norm, -sy * norm, norm)
 
 
 @inner_kernel
@@ -78,7 +85,7 @@ def ground_of(i: int, parts: Array, settings: Array) -> tuple[float, float]:
 
 @inner_kernel
 def across(vector: Vector, normal: Vector) -> Vector:
-    """Return the part of `vector` along the plane with that `normal`."""
+    """Return the part of `vector` along the seabed with that `normal`."""
     off = vector[0] * normal[0] + vector[1] * normal[1] + vector[2] * normal[2]
     return vector[0] - off * normal[0], vector[1] - off * normal[1], vector[2] - off * normal[2]
 
@@ -96,8 +103,8 @@ def push_of(node: Array, depth: float, normal: Vector, stiffness: float, damping
 @inner_kernel
 def add_contact(i: int, nodes: Array, parts: Array, settings: Array, c_velocity: float, equations: Array) -> bool:
     """Add the seabed's push and friction on node i; return whether it touches."""
-    node, out, m = nodes[i], equations[i], normal_of(settings)
-    depth = depth_of(node, settings, m)
+    node, out = nodes[i], equations[i]
+    depth, m = bottom_under(node, settings)
     if depth <= 0.0:
         return False
     stiffness, damping = ground_of(i, parts, settings)
@@ -137,10 +144,9 @@ def carry_holds(line: LineArrays, n: int) -> None:
     settings = line.settings
     if settings[BED_ON] == 0.0:
         return
-    m = normal_of(settings)
     for i in range(n):
-        node = line.now[i]
-        reach, depth = 0.0, depth_of(node, settings, m)
+        node, reach = line.now[i], 0.0
+        depth, m = bottom_under(node, settings)
         if depth > 0.0:
             stiffness, damping = ground_of(i, line.parts, settings)
             reach = settings[BED_FRICTION] * push_of(node, depth, m, stiffness, damping) / stiffness

@@ -33,6 +33,7 @@ from cable_sim_node.line.rest.settling import settle
 from cable_sim_node.line.step import advance, evaluate, unit_acceleration
 from cable_sim_node.parameters import CableSimParameters
 from cable_sim_node.physics.properties import unit_properties
+from cable_sim_node.physics.seabed import Seabed
 
 _MOVING_ARRAYS = ("now", "parts", "unit", "top", "settings", "counters")
 """What changes in a run, and is kept where the line's arrays grow."""
@@ -55,6 +56,7 @@ class CableDynamics:
     def __init__(self, parameters: CableSimParameters) -> None:
         self.parameters = parameters
         _check_seabed(parameters)
+        self._seabed = Seabed(parameters.seabed)
         self._line = build_line(parameters, 2.0 * parameters.length)
         self._ends = np.zeros((4, 4))
         self._fresh = False
@@ -261,9 +263,7 @@ class CableDynamics:
     @property
     def touchdown(self) -> bool:
         """Whether the unit rests on the seabed."""
-        bed = self.parameters.seabed
-        x, y, z = self._line.x[0]
-        return bed.depth > 0.0 and z <= -bed.depth + bed.slope[0] * x + bed.slope[1] * y
+        return self.parameters.seabed.depth > 0.0 and self._seabed.clearance(self._line.x[0]) <= 0.0
 
     @property
     def touchdown_force(self) -> float:
@@ -317,8 +317,8 @@ class CableDynamics:
         line.settings[at.BED_ON] = float(self.parameters.seabed.depth > 0.0)
         if line.x[0, 2] > boom_tip[2]:
             raise NoEquilibriumError(
-                f"the line does not hang: the unit's buoyancy lifts the whole cable, up to {line.x[0, 2]:.0f} m; there "
-                "is no surface here to float on: use a heavier unit or more cable"
+                f"the line does not hang: the unit's buoyancy lifts it above the boom tip, to {line.x[0, 2]:.0f} m; "
+                "there is no surface here to float on: use a heavier unit or more cable"
             )
         hold_here(line, n)
         if self.is_on_seabed:
@@ -350,11 +350,9 @@ class CableDynamics:
 
     def _clearance(self) -> float:
         """Return how far the lowest node is above the seabed [m], negative in it; infinite without one."""
-        bed = self.parameters.seabed
-        if bed.depth == 0.0:
+        if self.parameters.seabed.depth == 0.0:
             return math.inf
-        x = self._line.x[: self.segments]
-        return float(np.min(x[:, 2] + bed.depth - bed.slope[0] * x[:, 0] - bed.slope[1] * x[:, 1]))
+        return min(map(self._seabed.clearance, self._line.x[: self.segments]))
 
 
 def _check_seabed(parameters: CableSimParameters) -> None:

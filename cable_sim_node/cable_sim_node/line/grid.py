@@ -12,6 +12,7 @@ from cable_sim_node.line.arrays import LineArrays, allocate
 from cable_sim_node.parameters import CableSimParameters
 from cable_sim_node.physics.current import profile_of, schedule_of
 from cable_sim_node.physics.properties import CableProperties, body_properties, cable_sections, unit_properties
+from cable_sim_node.physics.seabed import Seabed
 
 _SPARE_SEGMENTS = 8
 """Grid segments beyond the longest line, so that the kernels may look ahead."""
@@ -90,7 +91,8 @@ def settings_row(parameters: CableSimParameters) -> Array:
 
     The coefficients of generalised-alpha follow from the spectral radius (Chung & Hulbert 1993).
     """
-    row = np.zeros(at.SETTING_COLUMNS)
+    seabed = Seabed(parameters.seabed)
+    row = np.append(np.zeros(at.SETTING_COLUMNS), seabed.profile)
     solver, bed, wave, spring = parameters.solver, parameters.seabed, parameters.wave, parameters.compensator
     radius = solver.spectral_radius
     alpha_m, alpha_f = (2.0 * radius - 1.0) / (radius + 1.0), radius / (radius + 1.0)
@@ -100,6 +102,7 @@ def settings_row(parameters: CableSimParameters) -> Array:
     row[at.TOLERANCE], row[at.ITERATIONS], row[at.STEP] = solver.tolerance, solver.iterations, solver.time_step
     row[at.BED_ON], row[at.BED_DEPTH] = float(bed.depth > 0.0), bed.depth
     row[at.BED_SLOPE_X], row[at.BED_SLOPE_Y] = bed.slope
+    (row[at.PROFILE_X], row[at.PROFILE_Y]), row[at.PROFILE_ROWS] = seabed.direction, len(seabed.profile)
     row[at.BED_STIFFNESS], row[at.BED_DAMPING], row[at.BED_FRICTION] = bed.stiffness, bed.damping, bed.friction
     row[at.BED_UNIT_STIFFNESS], row[at.BED_UNIT_DAMPING] = bed.unit_stiffness, bed.unit_damping
     omega = 2.0 * math.pi / wave.period

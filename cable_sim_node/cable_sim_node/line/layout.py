@@ -58,7 +58,7 @@ EQUATION_COLUMNS = 28
 CENTRE, RIGHT = 8, 17
 BAND_COLUMNS = 18
 
-# Settings: generalised-alpha, Newton, contact plane, wave, compensator; the largest step, and the one that the next
+# Settings: generalised-alpha, Newton, seabed, wave, compensator; the largest step, and the one that the next
 # interval begins with (0: the largest).
 (
     ALPHA_F,
@@ -92,8 +92,12 @@ BAND_COLUMNS = 18
     BENDING_ON,
     STEP,
     RESUMED_STEP,
-) = range(31)
-SETTING_COLUMNS = 31
+    PROFILE_X,
+    PROFILE_Y,
+    PROFILE_ROWS,
+) = range(34)
+SETTING_COLUMNS = 34
+"""The points of the seabed's profile follow, three numbers each: distance [m], height [m], slope."""
 
 # Counters that a kernel writes: segments in use; Newton iterations, steps taken and steps refused since the start.
 SEGMENTS, NEWTON, STEPS, REFUSED = range(4)

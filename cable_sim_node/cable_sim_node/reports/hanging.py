@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 from cable_sim_node.errors import StaticsError
 from cable_sim_node.parameters import CableSimParameters
 from cable_sim_node.physics.current import current_of
+from cable_sim_node.physics.seabed import Seabed
 from cable_sim_node.reports.report import labelled_rows
 from cable_sim_node.statics.problems import towing_cable
 from cable_sim_node.statics.shape import StaticShape
@@ -169,7 +170,7 @@ def hanging_report(parameters: CableSimParameters, boom_tip: ArrayLike = (0.0, 0
     seabed = parameters.seabed
     clearance = None
     if seabed.depth > 0.0:
-        clearance = float(unit[2] + seabed.depth - np.dot(seabed.slope, unit[:2]))
+        clearance = Seabed(seabed).clearance(unit)
         if clearance < 0.0:
             raise StaticsError(
                 f"the unit would hang {-clearance:.3g} m below the seabed: reduce length ({parameters.length:g} m) "

@@ -13,7 +13,7 @@ from cable_sim_node.errors import StaticsError
 from cable_sim_node.parameters import CableSimParameters
 from cable_sim_node.physics.current import current_of
 from cable_sim_node.reports.report import columns
-from cable_sim_node.statics.laying import Laying, critical_angle, lay
+from cable_sim_node.statics.laying import Laying, covering_payout, critical_angle, lay
 from cable_sim_node.statics.suspended import static_sections
 
 if TYPE_CHECKING:
@@ -30,6 +30,7 @@ class LaidCable:
     behind, sideways : where the cable touches the bottom, from the ship along and across its course, positive astern
         and to port [m]
     critical_angle : from the horizontal, of a straight line in still water without tangential drag [rad]
+    payout : speed of the cable [m/s]
     laying : the steady shape
     """
 
@@ -37,6 +38,7 @@ class LaidCable:
     behind: float
     sideways: float
     critical_angle: float
+    payout: float
     laying: Laying
 
     def values(self) -> dict[str, float]:
@@ -49,6 +51,7 @@ class LaidCable:
             "tension_n": self.laying.tension,
             "departure_angle_deg": math.degrees(self.laying.departure_angle),
             "critical_angle_deg": math.degrees(self.critical_angle),
+            "payout_mps": self.payout,
         }
 
 
@@ -79,7 +82,7 @@ class LayingReport:
         """Return the report as text for a person."""
         headings = (
             *("speed m/s", "touchdown astern m", "to port m", "suspended m", "tension kN"),
-            *("angle at ship deg", "critical angle deg"),
+            *("angle at ship deg", "critical angle deg", "payout m/s"),
         )
         rows = [
             (
@@ -90,6 +93,7 @@ class LayingReport:
                 f"{laid.laying.tension / 1e3:.3f}",
                 f"{math.degrees(laid.laying.departure_angle):.2f}",
                 f"{math.degrees(laid.critical_angle):.2f}",
+                f"{laid.payout:.3f}",
             )
             for laid in self.lays
         ]
@@ -128,26 +132,29 @@ def laying_report(
     speeds: Sequence[float],
     *,
     course: float = 0.0,
+    rise: float = 0.0,
     payout_speed: float | None = None,
     bottom_tension: float = 0.0,
     boom_tip_height: float = 0.0,
 ) -> LayingReport:
-    """Return the steady lay of a plant's main cable on a flat bottom at every speed of the ship.
+    """Return the lay of a plant's main cable at every speed of the ship.
 
     Parameters
     ----------
     parameters : of the plant; unit, sections and bodies have no part in it
-    depth : of the bottom below still water [m]
+    depth : of the bottom below still water, at the touchdown [m]
     speeds : of the ship over ground [m/s]
     course : direction in which it steams, from x towards y [rad]
-    payout_speed : of the cable [m/s]; the ship's speed if None
+    rise : of the bottom ahead, per metre along the course
+    payout_speed : of the cable [m/s]; if None what covers the bottom in still water: the ship's speed where it is flat
     bottom_tension : with which the cable lands [N]
     boom_tip_height : z of the sheave [m]
 
     Raises
     ------
     StaticsError
-        for a cable that does not sink, or speeds that are not positive.
+        for a cable that does not sink, speeds that are not positive, or a bottom that rises more steeply than the
+        cable hangs.
     NoEquilibriumError
         if the cable does not come up to the ship.
     """
@@ -157,15 +164,15 @@ def laying_report(
     for speed in speeds:
         if not (math.isfinite(speed) and speed > 0.0):
             raise StaticsError(f"the laying speed must be finite and above 0; got {speed:g}")
+        angle = critical_angle(section, speed)
+        payout = covering_payout(angle, math.atan(rise), speed) if payout_speed is None else payout_speed
         laying = lay(
             *(section, depth, speed * along, current),
-            payout_speed=payout_speed,
+            payout_speed=payout,
             bottom_tension=bottom_tension,
             sheave_height=boom_tip_height,
         )
         x, y = laying.touchdown
         sideways = float(y * along[0] - x * along[1])
-        lays.append(
-            LaidCable(speed, -float(laying.touchdown @ along), sideways, critical_angle(section, speed), laying)
-        )
+        lays.append(LaidCable(speed, -float(laying.touchdown @ along), sideways, angle, payout, laying))
     return LayingReport(depth, course, tuple(lays))

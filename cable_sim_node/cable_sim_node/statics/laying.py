@@ -62,9 +62,35 @@ def critical_angle(section: StaticSection, speed: float) -> float:
         for a speed, weight or normal drag that is not positive.
     """
     if not speed > 0.0 or section.weight <= 0.0 or section.normal_drag <= 0.0:
-        raise StaticsError("a critical angle needs a positive speed, weight and normal drag")
+        raise StaticsError("a critical angle needs a cable that sinks, normal drag and a positive speed")
     ratio = section.weight / (section.normal_drag * speed**2)
     return math.acos(0.5 * (-ratio + math.sqrt(ratio**2 + 4.0)))
+
+
+def covering_payout(angle: float, rise: float, speed: float) -> float:
+    """Return the payout speed [m/s] that covers a sloping bottom, neither hanging free of it nor lying slack.
+
+    The cable is a straight line in still water that moves along with the ship. It touches down where it meets the
+    bottom, which runs ahead at V sin a/sin(a - b); that and the change of the length that hangs give
+    V cos((a + b)/2)/cos((a - b)/2): less than V uphill, more downhill (Zajac 1957; Pinto's fig. 1).
+
+    Parameters
+    ----------
+    angle : of the cable from the horizontal [rad]: `critical_angle`
+    rise : angle of the bottom from the horizontal [rad], positive where it rises ahead of the ship
+    speed : of the ship [m/s]
+
+    Raises
+    ------
+    StaticsError
+        for a bottom that rises as steeply as the cable hangs, or more: no payout covers it, only a slower ship does.
+    """
+    if not -0.5 * math.pi < rise < angle:
+        raise StaticsError(
+            f"the bottom rises by {math.degrees(rise):.1f} deg and the cable hangs at {math.degrees(angle):.1f} deg at "
+            f"{speed:g} m/s: it would span the foot of the slope; lay more slowly"
+        )
+    return speed * math.cos(0.5 * (angle + rise)) / math.cos(0.5 * (angle - rise))
 
 
 def lay(

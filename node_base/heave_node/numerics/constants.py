@@ -8,3 +8,7 @@ SEAWATER_DENSITY = 1025.0
 
 ATMOSPHERIC_PRESSURE = 101_325.0
 """Mean pressure at the sea surface [Pa]."""
+
+LARGEST_STRAIN = 0.1
+"""Beyond it a cable is said to be strained too much: no steel wire or umbilical gets there, few ropes do, and the plant
+takes its strain for small."""

@@ -388,10 +388,14 @@ class HeaveNode(LifecycleNode):
             port.reset()
         self.fail_on_error(self.on_reset)
 
+    def has_urgent_news(self) -> bool:
+        """Whether the health of this node must be told in this tick; for a node to say otherwise."""
+        return False
+
     def publish_diagnostics(self, tick: Tick) -> None:
         """Publish the health of this node if it is due at `tick`: once per simulated second, strangers at once."""
         every = max(1, round(DIAGNOSTICS_PERIOD / self.run.tick_period))
-        if tick.number % every == 1 % every or self.strangers.has_news:
+        if self.has_urgent_news() or tick.number % every == 1 % every or self.strangers.has_news:
             parts = [*self.diagnose(), *self.diagnose_inputs(), *self.diagnose_timing(), *self.strangers.health()] or [
                 Health("node")
             ]

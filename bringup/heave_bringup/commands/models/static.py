@@ -66,7 +66,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
             "N",
             "footprint: vertical pull of the cable that lifts the unit (default: its weight in water)",
         ),
-        ("--payout-speed", "M/S", "laying: payout speed of the cable (default: the ship's speed)"),
+        (
+            "--payout-speed",
+            "M/S",
+            "laying: payout speed of the cable (default: what covers seabed.slope, the ship's speed on the flat)",
+        ),
         ("--bottom-tension", "N", "laying: tension of the cable at touchdown (default: 0)"),
     ):
         parser.add_argument(name, type=float, metavar=metavar, help=text)
@@ -187,6 +191,7 @@ def _laying(scenario: Scenario, options: argparse.Namespace) -> Report:
         _depth(scenario, options),
         options.speed,
         course=_course(options),
+        rise=math.cos(_course(options)) * plant.seabed.slope[0] + math.sin(_course(options)) * plant.seabed.slope[1],
         payout_speed=options.payout_speed,
         bottom_tension=options.bottom_tension or 0.0,
         boom_tip_height=plant.boom_tip_height,

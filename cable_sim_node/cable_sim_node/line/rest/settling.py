@@ -25,6 +25,7 @@ from cable_sim_node.line.layout import BENDING_ON, CX, CY, CZ, X
 from cable_sim_node.line.rest.hanging import add_drag_turning
 from cable_sim_node.line.step import advance, evaluate
 from cable_sim_node.parameters import CableSimParameters
+from cable_sim_node.physics.seabed import Seabed
 
 _INTERVAL = 0.25
 """Time between two looks at the kinetic energy, and longest inner step [s]."""
@@ -74,7 +75,7 @@ def settle(line: LineArrays, parameters: CableSimParameters, boom_tip: Array) ->
     line.settings[:] = settings_row(dataclasses.replace(parameters, solver=solver))
     line.settings[at.WAVE_AMPLITUDE] = line.settings[at.SPRING_ON] = 0.0
     evaluate(line)  # sets the flow, by which it is laid out
-    _lay_out(line, n, boom_tip)
+    _lay_out(line, n, boom_tip, Seabed(parameters.seabed))
     hold_here(line, n)
     rests = _let_go(line, n, boom_tip)
     line.settings[:] = settings
@@ -85,21 +86,24 @@ def settle(line: LineArrays, parameters: CableSimParameters, boom_tip: Array) ->
         )
 
 
-def _lay_out(line: LineArrays, n: int, boom_tip: Array) -> None:
+def _lay_out(line: LineArrays, n: int, boom_tip: Array, seabed: Seabed) -> None:
     """Place the nodes from below the boom tip straight up, what is longer along the seabed, down the current."""
-    settings = line.settings
-    slope = settings[[at.BED_SLOPE_X, at.BED_SLOPE_Y]]
-    foot = np.append(boom_tip[:2], slope @ boom_tip[:2] - settings[at.BED_DEPTH])
+    foot = np.append(boom_tip[:2], seabed.height(boom_tip))
     current = line.flow[0, [at.FLOW_X, at.FLOW_Y]]
     speed = float(np.hypot(*current))
-    along = current / speed if speed > 0.0 else np.array([1.0, 0.0])
-    down = np.append(along, slope @ along)
-    down /= np.linalg.norm(down)
+    along = np.append(current / speed if speed > 0.0 else np.array([1.0, 0.0]), 0.0)
     label = np.append(0.0, np.cumsum(line.parts[:n, at.LENGTH]))
     height = boom_tip[2] - foot[2]
     on_bed = max(label[-1] - height, 0.0)
     stretch = height / (label[-1] - on_bed)
-    line.x[: n + 1] = foot + np.outer(np.maximum(on_bed - label, 0.0), down)
+    point, reached = foot, 0.0
+    for i in range(n, -1, -1):
+        step = max(on_bed - label[i], 0.0) - reached
+        rise = seabed.height(point + step * along) - point[2]
+        point = point + along * step * step / max(float(np.hypot(step, rise)), 1e-12)
+        point[2] = seabed.height(point)
+        reached += step
+        line.x[i] = point
     line.x[: n + 1, 2] += np.maximum(label - on_bed, 0.0) * stretch
     line.x[n] = boom_tip
 
