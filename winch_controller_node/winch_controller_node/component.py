@@ -307,7 +307,7 @@ class WinchController:
         decision = self._supervisor.decide(
             loop,
             WinchSituation(
-                fault=0 if winch is None else winch.fault,
+                fault=self._winch.fault,
                 speed=self._command.speed(loop),
                 mean_payout=self.mean.point.payout,
                 settled_swing=self._command.settled_swing,

@@ -9,6 +9,7 @@ from heave_node.interface.codes import WinchFault, fault_words
 from winch_controller_node.parameters.laws import ModeParameters
 from winch_controller_node.supervision.modes import (
     BRAKED,
+    MAY_RESUME,
     NOTHING_KNOWN,
     REQUESTS,
     SETTLED_ESTIMATE,
@@ -70,6 +71,11 @@ class ModeMachine:
     def wants_compensation(self) -> bool:
         """Tell whether compensation is to begin, or to go on, by itself."""
         return self._memory.wants_compensation
+
+    @property
+    def may_resume(self) -> bool:
+        """Tell whether compensation that a lost sensor has ended may go on by itself: all are back for long enough."""
+        return MAY_RESUME.holds(self._view)
 
     @property
     def obstacle(self) -> str:

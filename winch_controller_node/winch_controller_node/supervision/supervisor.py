@@ -172,12 +172,12 @@ class Supervisor:
 
     def _resume_after_timeout(self, tick: LoopTick, fault: int) -> tuple[str, ...]:
         """Ask for compensation again where only late commands ended it; return what is to be told."""
-        is_compensating = self.modes.mode is Mode.COMPENSATING
+        wants_compensation = self.modes.wants_compensation
         advice = self.timeouts.update(
             fault,
-            was_compensating=is_compensating or (self.modes.mode is Mode.FADE_OUT and self.guard.inhibits),
+            wants_compensation=wants_compensation,
             is_stopped=self.modes.mode is Mode.STOPPED,
-            is_well=not self._lost(tick),
+            is_well=not self._lost(tick) and (self.modes.may_resume or not wants_compensation),
         )
         if advice is Advice.RESUME:
             self.modes.request(Mode.COMPENSATING.value)

@@ -6,7 +6,7 @@ import math
 from concurrent.futures import Executor
 from dataclasses import dataclass
 
-from heave_node.interface.codes import WinchLimit
+from heave_node.interface.codes import WinchFault, WinchLimit
 
 from winch_controller_node.design.design import ControllerDesign
 from winch_controller_node.design.schedule import is_scheduled
@@ -65,9 +65,14 @@ class WinchWatch:
     ----------
     design : with the model of the winch at the start
     designer : identifies beside the ticks, in real time; None: at once
+
+    Attributes
+    ----------
+    fault : of the winch, as it told last: a state that misses its tick takes no fault away
     """
 
     def __init__(self, design: ControllerDesign, designer: Executor | None = None) -> None:
+        self.fault = int(WinchFault.NONE)
         self._dt = design.tick_period
         self._identifier = WinchIdentifier(design.parameters.lag, design)
         self._late_commands = LateCommands(design.tick_period)
@@ -132,6 +137,8 @@ class WinchWatch:
         given = self._given
         self._ticks_since_state += 1
         report = TransportReport()
+        if winch is not None:
+            self.fault = winch.fault
         if given is not None and winch is not None:
             report = self._watch_transport(given.sequence, winch.command_sequence, parameters)
         if given is None or given.brake:
