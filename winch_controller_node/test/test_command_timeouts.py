@@ -20,6 +20,29 @@ def test_a_transport_that_stays_slow_is_told_by_its_median():
     assert abs(late.overdue - 0.35) < 1e-9 + DT
 
 
+def late_in_bursts(burst: int, every: int, ticks: int) -> tuple[LateCommands, list[str]]:
+    """Return what becomes of `burst` commands in a row that are late in each `every` ticks."""
+    late = LateCommands(DT)
+    told = [late.update(tick, tick - (5 if tick % every < burst else 4), 0.2) for tick in range(100, 100 + ticks)]
+    return late, [words for words in told if words]
+
+
+def test_hiccups_are_counted_and_not_told():
+    """2 commands late in each 100: two in a row, as of one tick that a machine was late."""
+    late, told = late_in_bursts(2, 100, 12_000)
+    assert told == []
+    assert (late.late, late.known) == (240, 12_000)
+    assert abs(late.largest - DT) < 1e-9
+
+
+def test_a_machine_that_is_late_too_often_is_told_once_with_its_share():
+    """3 commands late in each 20: never most of two seconds, but 15 % of a minute."""
+    late, told = late_in_bursts(3, 20, 12_000)
+    assert len(told) == 1
+    assert told[0].startswith("10 % of the winch commands of the last 60 s took effect later than modelled, up to 0.05")
+    assert late.is_told
+
+
 def feed(timeouts: CommandTimeouts, seconds: float, fault: WinchFault, **situation: bool) -> list[Advice]:
     given = {"wants_compensation": False, "is_stopped": True, "is_well": True} | situation
     found = [timeouts.update(int(fault), **given) for _ in range(round(seconds / DT))]

@@ -19,6 +19,7 @@ from winch_controller_node.design_in_force import DesignInForce, PreparedDesign
 from winch_controller_node.estimation.loop_estimation import LoopEstimation
 from winch_controller_node.estimation.loop_tick import LoopTick
 from winch_controller_node.estimation.observation import Observer
+from winch_controller_node.identification.late_commands import LateCommands
 from winch_controller_node.interface.readings import Measurements, Outputs, RollingKpi, WinchReading
 from winch_controller_node.laws.constant_tension import TRAVEL
 from winch_controller_node.learning import Learning
@@ -123,6 +124,11 @@ class WinchController:
     def depth(self) -> float:
         """Estimated mean depth of the unit, positive down [m]; NaN before the first depth reading."""
         return self._estimation.mean_depth
+
+    @property
+    def late_commands(self) -> LateCommands:
+        """How many commands the winch took later than modelled."""
+        return self._winch.late_commands
 
     def figures(self) -> RollingKpi:
         """Return the figures of merit of the last window."""

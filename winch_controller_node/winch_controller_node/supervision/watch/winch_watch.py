@@ -69,13 +69,14 @@ class WinchWatch:
     Attributes
     ----------
     fault : of the winch, as it told last: a state that misses its tick takes no fault away
+    late_commands : how many commands were late so far, and whether that is more than hiccups
     """
 
     def __init__(self, design: ControllerDesign, designer: Executor | None = None) -> None:
         self.fault = int(WinchFault.NONE)
         self._dt = design.tick_period
         self._identifier = WinchIdentifier(design.parameters.lag, design)
-        self._late_commands = LateCommands(design.tick_period)
+        self.late_commands = LateCommands(design.tick_period)
         self._work: DesignWork[Answer] = DesignWork(max(1, round(ANSWER_TIME / self._dt)), designer)
         self._given: WinchOrder | None = None
         self._last_state, self._commands_behind, self._ticks_since_state = -math.inf, 0, 0
@@ -177,12 +178,12 @@ class WinchWatch:
     def _watch_transport(self, given: int, taken: int, parameters: WinchControllerParameters) -> TransportReport:
         """Notice late commands; nothing is compensated with more delay than can be identified or tolerated."""
         winch = parameters.winch
-        alarm = self._late_commands.update(given, taken, winch.command_delay)
-        if alarm:
+        alarm = self.late_commands.update(given, taken, winch.command_delay)
+        if self.late_commands.has_begun:
             self._identifier.restart()
         lag = winch.command_delay + winch.time_constant
         tolerated = parameters.lag.largest if identifies_winch(parameters) else TOLERATED_SHARE * lag
-        overdue = self._late_commands.overdue
+        overdue = self.late_commands.overdue
         if overdue <= tolerated:
             return TransportReport(alarm)
         return TransportReport(
