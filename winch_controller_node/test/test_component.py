@@ -161,6 +161,8 @@ def test_after_a_hiccup_that_trips_the_watchdog_compensation_is_back_within_a_mi
     assert set(record.modes[round(70.0 / DT) :]) == {"compensating"}
     assert loop.winch.state.fault is WinchFault.NONE
     assert record.unit_sigma(100.0) < 0.005, "as before: the swing that the sudden stop has left is taken out"
+    cause = "winch fault: command timeout: commands were given in time, but the winch has taken none for 0."
+    assert any(cause in words for _, words in record.alarms)
 
 
 def test_a_latched_fault_is_left_also_where_states_of_the_winch_miss_their_tick():

@@ -293,7 +293,7 @@ class WinchController:
             tick, measurements, self._command.last.shares, unit_stands=self._supervisor.landing.unit_stands
         )
         self._alarms += loop.sensed.faults
-        decision = self._decide(loop, measurements.winch)
+        decision = self._decide(loop, measurements)
         self._change_mode(decision.mode, loop)
         self._act_on(decision.landing, loop)
         loop = self._estimation.refreshed(loop)
@@ -307,13 +307,14 @@ class WinchController:
         kpi = self._kpi.figures() if tick % max(1, round(1.0 / self._dt)) == 0 else None
         return Outputs(order, report, kpi, tuple(self._alarms))
 
-    def _decide(self, loop: LoopTick, winch: WinchReading | None) -> Decision:
+    def _decide(self, loop: LoopTick, measurements: Measurements) -> Decision:
         """Have winch and loop supervised."""
-        transport = self._winch.watch(winch, loop.sensed.payout, self.parameters)
+        transport = self._winch.watch(measurements.winch, loop.sensed.payout, self.parameters)
         decision = self._supervisor.decide(
             loop,
             WinchSituation(
                 fault=self._winch.fault,
+                fault_cause=self._winch.fault_cause(measurements.lateness),
                 speed=self._command.speed(loop),
                 mean_payout=self.mean.point.payout,
                 settled_swing=self._command.settled_swing,

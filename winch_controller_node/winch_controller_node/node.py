@@ -32,7 +32,7 @@ from winch_controller_node.component import WinchController
 from winch_controller_node.design.design import ControllerDesign
 from winch_controller_node.design_in_force import PreparedDesign
 from winch_controller_node.interface import conversions
-from winch_controller_node.interface.readings import Measurements, Outputs
+from winch_controller_node.interface.readings import Lateness, Measurements, Outputs
 from winch_controller_node.interface.sensors import INPUTS
 from winch_controller_node.model.lqr import DesignError
 from winch_controller_node.move_action import MoveAction
@@ -116,7 +116,8 @@ class WinchControllerNode(ParticipantNode):
         states = self.take(self.winch_state)
         winch = conversions.winch_reading(states[-1], nanoseconds_of(states[-1].header.stamp)) if states else None
         water = Water(self.parameters.water_density, self.parameters.gravity)
-        measurements = conversions.measurements(delivered, winch, water)
+        lateness = Lateness(self.punctuality.of_clock, self.punctuality.of_node)
+        measurements = dataclasses.replace(conversions.measurements(delivered, winch, water), lateness=lateness)
         outputs = self.controller.step(tick.number, measurements)
         self.outputs_of_tick = outputs
         self.command.publish(conversions.command_message(outputs.order, tick.stamp))

@@ -12,6 +12,7 @@ from heave_msgs.msg import TickDone, TickRoster, TickStart, TickStatus
 from heave_node.interface import topics
 from heave_node.ros.node import HeaveNode, ProtocolError, expect_no, expect_sender, steady_clock
 from heave_node.tick import malformed
+from heave_node.tick.punctuality import Punctuality
 from heave_node.tick.speakers import ANYONE
 from heave_node.tick.tick import Tick, nanoseconds_of
 
@@ -24,6 +25,7 @@ class ParticipantNode(HeaveNode):
 
     A node sets `name`, `parameters_type` and `after`, makes its component, inputs and outputs in `on_build`, and does
     its part of a tick in `on_tick`. `lag` is the number of ticks that it may be behind the others (a recorder).
+    `punctuality` tells, in real time, whether ticks began late or this node was.
     """
 
     def on_tick(self, tick: Tick) -> None:
@@ -34,6 +36,7 @@ class ParticipantNode(HeaveNode):
 
     def join_protocol(self) -> None:
         """Make the publisher and the subscriptions by which a participant follows the clock master and answers it."""
+        self.punctuality = Punctuality()
         self._starts: deque[TickStart] = deque()
         self._answered: TickStart | None = None
         self._roster_epoch = 0
@@ -111,7 +114,10 @@ class ParticipantNode(HeaveNode):
         newest = self._starts[-1] if self._starts else self._answered
         if newest is None or _order(message) > _order(newest):
             self._starts.append(message)
-            self.clock_of_run.tick_began(nanoseconds_of(message.stamp), time.monotonic_ns())
+            start = nanoseconds_of(message.stamp)
+            self.clock_of_run.tick_began(start, time.monotonic_ns())
+            if not self.run.is_lockstep:
+                self.punctuality.entered(start, self.message_sent, time.time_ns())
             if len(self._starts) == 1:
                 self._begin_next()
             elif not self.run.is_lockstep:

@@ -164,7 +164,8 @@ class ModeMachine:
         """Return why an event changes the mode."""
         situation = self._situation
         if event in (Event.WINCH_FAULT, Event.WINCH_EMERGENCY_STOP):
-            return f"winch fault: {fault_words(situation.winch_fault)}"
+            cause = f": {situation.fault_cause}" if situation.fault_cause else ""
+            return f"winch fault: {fault_words(situation.winch_fault)}{cause}"
         if event in (Event.SENSOR_LOST, Event.ENCODER_LOST):
             return situation.lost
         if event is Event.HARM:

@@ -46,6 +46,7 @@ class WinchSituation:
     settled_swing : swing of the unit at which a fade-out may end [m]
     share : largest share of the sea that may be compensated with what is known of the winch
     inhibition : why compensation must be off; empty: it need not
+    fault_cause : why the winch has its fault, in words; empty: unknown
     """
 
     fault: int
@@ -54,6 +55,7 @@ class WinchSituation:
     settled_swing: float
     share: float = 1.0
     inhibition: str = ""
+    fault_cause: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -141,6 +143,7 @@ class Supervisor:
                 lost=lost,
                 has_estimate=tick.sensed.has_encoder,
                 winch_fault=winch.fault,
+                fault_cause=winch.fault_cause,
                 harm=self.guard.reason,
                 speed=winch.speed,
                 authority_limit=min(
