@@ -120,6 +120,15 @@ def test_real_time_does_not_wait_for_a_late_participant(loop):
     assert missed >= 10, "0.8 s late at 20 Hz"
 
 
+def test_a_participant_that_was_stopped_finds_the_readings_of_each_tick_that_it_makes_up_for(loop):
+    start_all(loop, "winch_controller", fault="stop", pacing="realtime", duration=4.0, strict=False)
+    status, out, err = loop.end("cable_sim")
+    assert status == 0, err
+    assert int(out.split("missed=")[1].split()[0]) >= 10, "0.8 s stopped at 20 Hz"
+    _, out, _ = loop.end("winch_controller")
+    assert int(out.split("without_load=")[1]) <= 6, "of 80 ticks, with all but a few of the 16 it was stopped for"
+
+
 def test_an_external_node_is_waited_for_and_used_as_it_comes(loop):
     start = {"pacing": "realtime", "external": "[virtual_winch]", "strict": False, "start_timeout": 20.0}
     loop.start("cable_sim", "wave_vessel", "winch_controller", **start)

@@ -16,6 +16,8 @@ from heave_node.tick.punctuality import Punctuality
 from heave_node.tick.speakers import ANYONE
 from heave_node.tick.tick import Tick, nanoseconds_of
 
+CATCH_UP_SHARE = 0.4
+"""Share of a tick for which a node that was held up takes messages in before it makes up for ticks."""
 HELD_MESSAGES = 1000
 """Messages of the protocol that wait at most for the roster to say who may publish."""
 
@@ -56,6 +58,10 @@ class ParticipantNode(HeaveNode):
             wait = self.run.in_tick_wait * self.run.tick_period
             self._deadline = self.create_timer(wait, self._on_deadline, clock=steady_clock())
             self._deadline.cancel()
+            self._catch_up = self.create_timer(
+                CATCH_UP_SHARE * self.run.tick_period, self._on_catch_up, clock=steady_clock()
+            )
+            self._catch_up.cancel()
 
     def _done_callback(self, node: str) -> Callable[[TickDone, str], None]:
         def on_done(message: TickDone, identity: str) -> None:
@@ -121,9 +127,24 @@ class ParticipantNode(HeaveNode):
             if len(self._starts) == 1:
                 self._begin_next()
             elif not self.run.is_lockstep:
-                self._step()
+                self._step_or_catch_up()
         elif _order(message) == _order(newest):
             self._answer_again()
+
+    def _step_or_catch_up(self) -> None:
+        """End the tick before the newest one, or where this node was held up, let what was delivered meanwhile come in
+        first: each tick that is made up for shall see its own readings.
+        """
+        if self.punctuality.newest_of_node <= self.run.tick_period:
+            self._step()
+        elif self._catch_up.is_canceled():
+            self._catch_up.reset()
+
+    def _on_catch_up(self) -> None:
+        """Make up for the ticks that have queued up, up to the newest one."""
+        self._catch_up.cancel()
+        while len(self._starts) > 1 and not self.failure:
+            self._step()
 
     def _leave_foreign_run(self, message: TickStart, identity: str) -> None:
         """End this node where the run that is under way began without it."""

@@ -48,6 +48,11 @@ class Punctuality:
         """Time by which this node entered ticks of the last seconds late, after they had begun [s]."""
         return self._largest(2)
 
+    @property
+    def newest_of_node(self) -> float:
+        """Time by which this node entered the newest tick late, after it had begun [s]."""
+        return (self._delays[-1][2] - min(delays[2] for delays in self._delays)) / _SECOND if self._delays else 0.0
+
     def _largest(self, column: int) -> float:
         if not self._delays:
             return 0.0

@@ -25,6 +25,9 @@ from winch_controller_node.supervision.modes import (
     View,
 )
 
+HICCUP = 0.5
+"""Sensors that were lost for no longer than this [s] need not be good for the whole of a wait again."""
+
 ROWS: dict[tuple[Mode, Event], tuple[Transition, ...]] = {
     (mode, event): tuple(row for row in TABLE if mode in row.sources and row.event is event)
     for mode in Mode
@@ -120,7 +123,10 @@ class ModeMachine:
             self._known_fault = situation.winch_fault
         self._time += self._dt
         self._lost_time = self._lost_time + self._dt if situation.lost else 0.0
-        self._well_time = 0.0 if situation.lost or not situation.has_estimate else self._well_time + self._dt
+        if not situation.has_estimate or self._lost_time > HICCUP:
+            self._well_time = 0.0
+        elif not situation.lost:
+            self._well_time += self._dt
         if self.mode is Mode.FADE_OUT:
             self._approach(0.0, self._parameters.fade_out_time)
         changed = any(happens(self._view) and self._take(event) for event, happens in TICK_EVENTS.items())
@@ -138,7 +144,7 @@ class ModeMachine:
             factor=self.factor,
             known_fault=self._known_fault or WinchFault.NONE,
             time=self._time,
-            well_time=self._well_time,
+            well_time=0.0 if self._situation.lost else self._well_time,
             lost_time=self._lost_time,
         )
 
