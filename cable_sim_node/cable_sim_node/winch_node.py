@@ -34,9 +34,15 @@ class VirtualWinchNode(ParticipantNode):
         self.winch = self._make_winch()
         self._cause = ""
         self.state = self.add_output(topics.WINCH_STATE)
-        # what is older than the watchdog's time must not feed it: a controller that was stalled answers for old ticks
-        self.command = self.add_input(topics.WINCH_COMMAND, lifespan=self.parameters.command_timeout)
-        self.cable_state = self.add_input(topics.CABLE_STATE)
+        self.command = self.add_input(
+            topics.WINCH_COMMAND,
+            # what is older than the watchdog's time must not feed it: a controller that was stalled answers for old
+            # ticks
+            lifespan=self.parameters.command_timeout,
+            # a winch that was stalled makes up for each tick with its own command; those of hardware hold from now on
+            holds_ahead=CONTROLLER not in self.run.external,
+        )
+        self.cable_state = self.add_input(topics.CABLE_STATE, holds_ahead=True)
         FaultService(self, lambda: {"winch": self.winch.faults, "encoder": self.winch.encoder.faults})
 
     def on_reset(self) -> None:

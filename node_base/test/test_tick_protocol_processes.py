@@ -54,7 +54,7 @@ def test_participants_leave_when_the_master_dies(loop):
     for name in PEERS:
         status, _, err = loop.end(name)
         assert status == 1
-        assert "no message from the clock master for" in err
+        assert "no message from the clock master cable_sim for" in err
 
 
 def test_lockstep_waits_for_a_late_participant_and_asks_again(loop):

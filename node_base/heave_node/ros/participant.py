@@ -245,7 +245,8 @@ class ParticipantNode(HeaveNode):
         limit = self.run.participant_timeout if self.has_started else self.run.start_timeout
         silence = time.monotonic() - self._master_heard_at
         if (self.is_active or self.has_started) and silence > limit:
-            self.fail(f"no message from the clock master for {silence:.1f} s")
+            name = f" {self._roster.nodes[0]}" if self._roster is not None and self._roster.nodes else ""
+            self.fail(f"no message from the clock master{name} for {silence:.1f} s")
 
 
 def _order(message: TickStart) -> tuple[int, int]:
