@@ -5,6 +5,7 @@ plain rclpy.
 """
 
 import sys
+import threading
 import time
 from pathlib import Path
 
@@ -114,6 +115,27 @@ def test_opened_by_network_a_run_says_so_and_another_host_matches(hosts, started
     assert said.startswith("heave: open to the network: any host of the subnet can join ROS domain 0")
     assert stranger(other, "matched", 60.0, ROS_AUTOMATIC_DISCOVERY_RANGE="SUBNET").startswith("1 1")
     assert port_that_answers(other, this.address) == "7400", "the port of multicast discovery"
+
+
+@pytest.mark.slow
+@pytest.mark.long
+def test_a_second_publisher_on_another_host_is_told_with_process_and_host(hosts, started, tmp_path):
+    this, other = hosts
+    subnet = {"ROS_AUTOMATIC_DISCOVERY_RANGE": "SUBNET"}
+    run = this.start(*live_run(tmp_path, "--network"))
+    started.append(run)
+    started.append(other.start(sys.executable, "-c", STRANGER, "nothing", "120", environment=subnet))
+    numbers = []
+    for host in hosts:
+        identity = host.start(sys.executable, "-m", "heave_node.ros.transport.identity", environment=subnet)
+        numbers.append(identity.communicate(timeout=60.0)[0].split()[-1])
+    assert numbers[0] != numbers[1]
+    named = f"/stranger (process {started[1].pid & 0xFFFF} on another machine or container, DDS host {numbers[1]})"
+    patience = threading.Timer(100.0, run.kill)
+    patience.start()
+    line = next((line for line in run.stderr if "publishes on /winch/command" in line), "nobody was named")
+    patience.cancel()
+    assert named in line
 
 
 def test_a_node_started_without_the_command_is_on_this_machine_alone_too(hosts, started):

@@ -67,6 +67,7 @@ class RunSignals:
         regular motion
     sensor_bound, actuator_bound : the two bounds in kappa [m]; NaN when unknown
     real_time_factor, missed_deadlines : of the run as a whole; NaN when unknown
+    late_commands : commands that took effect later than the controller's model says; NaN when unknown
     loop_age : start of a tick to its last answer, wall time: p50, p99 and largest [s]; NaN when unknown
     """
 
@@ -95,6 +96,7 @@ class RunSignals:
     actuator_bound: float = math.nan
     real_time_factor: float = math.nan
     missed_deadlines: float = math.nan
+    late_commands: float = math.nan
     loop_age: tuple[float, float, float] = (math.nan, math.nan, math.nan)
 
     def static_at(self, tension: Signal) -> Array:

@@ -13,6 +13,7 @@ from pathlib import Path
 import pytest
 import rclpy
 from domain_coordinator import domain_id
+from heave_bags.analyse.run_record import read_run
 from heave_bags.mcap.bag_writer import BagWriter
 from heave_bags.mcap.files import TopicSummary
 from heave_bags.mcap.reader import Bag
@@ -96,6 +97,7 @@ def test_a_bag_that_is_played_and_recorded_again_is_the_same(processes, made_up_
         assert (recorded.type, recorded.schema) == (original.topics[topic].type, original.topics[topic].schema)
         assert recorded.qos[0].durability == original.topics[topic].qos[0].durability
     assert again.topics["/clock"].message_count > 10
+    assert not [note for note in read_run(again.path).notes if "end normally" in note], "Ctrl-C is how recording ends"
 
 
 def test_topics_whose_types_are_not_installed_are_left_out_with_a_warning(processes, tmp_path):

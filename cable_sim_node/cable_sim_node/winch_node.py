@@ -10,11 +10,15 @@ from heave_node.ros.diagnostics import Health, Level
 from heave_node.ros.fault_service import FaultService
 from heave_node.ros.participant import ParticipantNode
 from heave_node.ros.process import run_node
-from heave_node.tick.tick import Tick
+from heave_node.tick.tick import Tick, nanoseconds_of
 
 from cable_sim_node.conversions import winch_command_of, winch_state_message
 from cable_sim_node.winch.component import VirtualWinch
 from cable_sim_node.winch.parameters import WinchParameters
+
+CONTROLLER = "winch_controller"
+NOTABLE_DELAY = 0.2
+"""Delay that may be the cause of a command timeout [s]."""
 
 
 class VirtualWinchNode(ParticipantNode):
@@ -22,16 +26,23 @@ class VirtualWinchNode(ParticipantNode):
 
     name = "virtual_winch"
     parameters_type = WinchParameters
-    after = ("winch_controller",)
+    after = (CONTROLLER,)
 
     def on_build(self) -> None:
         """Make the winch; one step of a throw-away winch compiles the drive."""
         self._make_winch().step(0, None, 0.0)
         self.winch = self._make_winch()
+        self._cause = ""
         self.state = self.add_output(topics.WINCH_STATE)
-        # what is older than the watchdog's time must not feed it: a controller that was stalled answers for old ticks
-        self.command = self.add_input(topics.WINCH_COMMAND, lifespan=self.parameters.command_timeout)
-        self.cable_state = self.add_input(topics.CABLE_STATE)
+        self.command = self.add_input(
+            topics.WINCH_COMMAND,
+            # what is older than the watchdog's time must not feed it: a controller that was stalled answers for old
+            # ticks
+            lifespan=self.parameters.command_timeout,
+            # a winch that was stalled makes up for each tick with its own command; those of hardware hold from now on
+            holds_ahead=CONTROLLER not in self.run.external,
+        )
+        self.cable_state = self.add_input(topics.CABLE_STATE, holds_ahead=True)
         FaultService(self, lambda: {"winch": self.winch.faults, "encoder": self.winch.encoder.faults})
 
     def on_reset(self) -> None:
@@ -49,10 +60,36 @@ class VirtualWinchNode(ParticipantNode):
             cable.top_tension if cable is not None else float("nan"),
         )
         self.state.publish(winch_state_message(state, tick.end_stamp))
+        self._note_cause(tick)
 
     def on_inactive_tick(self, tick: Tick) -> None:
         """See ParticipantNode. Commands are not taken: the watchdog stops the drum."""
         self.winch.step(tick.number, None)
+
+    def _note_cause(self, tick: Tick) -> None:
+        """Note who was silent when the drum has just been stopped by its watchdog: the cause, not what follows."""
+        if self.winch.state.fault is not WinchFault.COMMAND_TIMEOUT:
+            self._cause = ""
+        elif not self._cause:
+            self._cause = f": {self._who_was_silent(tick)}"
+
+    def _who_was_silent(self, tick: Tick) -> str:
+        """Return in words why no command came in time."""
+        late = {
+            "ticks began {:.2f} s late, the machine or the clock master stalled": self.punctuality.of_clock,
+            "this winch was held up for {:.2f} s": self.punctuality.of_node,
+            f"{CONTROLLER} was silent for {{:.2f}} s": self.gate.ticks_behind(CONTROLLER) * self.run.tick_period,
+        }
+        text, delay = max(late.items(), key=lambda cause: cause[1])
+        if delay > NOTABLE_DELAY:
+            return text.format(delay)
+        command = self.command.latest
+        if command is None:
+            return "no command has come"
+        age = tick.time - 1e-9 * nanoseconds_of(command.header.stamp)
+        if age > NOTABLE_DELAY:
+            return f"no command has come for {age:.2f} s"
+        return "commands came, but did not reach the drive"
 
     def diagnose(self) -> list[Health]:
         """Say why the winch stopped by itself, and what commands it refused."""
@@ -61,7 +98,7 @@ class VirtualWinchNode(ParticipantNode):
         values |= {name: f"{value:.6g}" for name, value in self.winch.instruments().items()}
         if state.fault is WinchFault.NONE:
             return [Health("drive", Level.OK, "ok", values)]
-        reason = fault_words(state.fault)
+        reason = f"{fault_words(state.fault)}{self._cause}"
         waits = RELEASE_WORDS[state.release]
         return [Health("drive", Level.ERROR, f"stopped by itself: {reason}; {waits}", values)]
 

@@ -8,6 +8,7 @@ end.
 
 import os
 import signal
+import subprocess
 import sys
 import time
 from dataclasses import dataclass
@@ -22,7 +23,7 @@ from heave_node.ros.process import run_node
 from heave_node.tick.tick import stamp_of
 from rclpy.serialization import serialize_message
 
-FAULTS = ("", "die", "hang", "late", "duplicate", "lose", "lose_for_ever", "future_stamp", "old_stamp", "raise")
+FAULTS = ("", "die", "hang", "late", "stop", "duplicate", "lose", "lose_for_ever", "future_stamp", "old_stamp", "raise")
 
 
 @dataclass(frozen=True)
@@ -58,6 +59,9 @@ class LoopNode(ParticipantNode):
             time.sleep(60.0)
         if fault == "late":
             time.sleep(0.8)
+        if fault == "stop":
+            subprocess.Popen(["sh", "-c", f"sleep 0.8; kill -CONT {os.getpid()}"])
+            os.kill(os.getpid(), signal.SIGSTOP)
         if fault in ("future_stamp", "old_stamp"):
             shift = 10_000_000_000 if fault == "future_stamp" else -tick.period_nanoseconds * 5
             message.header.stamp = stamp_of(tick.start_nanoseconds + shift)
@@ -93,17 +97,23 @@ class Controller(LoopNode):
     after = ("wave_vessel",)
 
     def on_build(self) -> None:
-        self.inputs = [self.add_input(t) for t in (topics.MRU, topics.LOAD_CELL, topics.WINCH_STATE)]
+        wanted = (topics.MRU, topics.LOAD_CELL, topics.WINCH_STATE)
+        self.inputs = [self.add_input(topic, holds_ahead=not self.parameters.strict) for topic in wanted]
+        self.without_load = 0
         self.command = self.add_output(topics.WINCH_COMMAND)
 
     def on_tick(self, tick) -> None:
         mru, load, winch = (self.take(port) for port in self.inputs)
+        self.without_load += not load
         self.check(tick, len(mru), 1, "mru samples")
         self.check(tick, len(load), 1, "load cell readings")
         self.check(tick, len(winch), int(tick.number > 1), "winch states")
         message = WinchCommand(sequence=tick.number, payout=float(mru[-1].sequence if mru else -1))
         message.header.stamp = tick.stamp
         self.send(self.command, message, tick)
+
+    def on_exit(self) -> None:
+        sys.stdout.write(f"without_load={self.without_load}\n")
 
 
 class Winch(LoopNode):

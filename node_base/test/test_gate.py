@@ -34,6 +34,16 @@ def test_a_message_from_before_the_run_does_not_count():
     assert inbox.received == 0
 
 
+def test_the_gate_tells_for_how_many_ticks_a_peer_was_silent():
+    gate = make_gate(lockstep=False)
+    gate.begin(1, 3, [0, 0, 1])
+    assert gate.ticks_behind("sea") == 2, "of this tick nobody need have an answer yet"
+    gate.peer_done("sea", 1, 2, [0, 0])
+    assert gate.ticks_behind("sea") == 0
+    gate.begin(1, 9, [0, 0, 1])
+    assert (gate.ticks_behind("sea"), gate.ticks_behind("a node outside")) == (6, 0)
+
+
 def test_the_gate_waits_for_the_peer_and_for_every_counted_message():
     gate = make_gate()
     gate.begin(1, 1, [0, 0, 1])

@@ -20,15 +20,38 @@ def test_a_transport_that_stays_slow_is_told_by_its_median():
     assert abs(late.overdue - 0.35) < 1e-9 + DT
 
 
+def late_in_bursts(burst: int, every: int, ticks: int) -> tuple[LateCommands, list[str]]:
+    """Return what becomes of `burst` commands in a row that are late in each `every` ticks."""
+    late = LateCommands(DT)
+    told = [late.update(tick, tick - (5 if tick % every < burst else 4), 0.2) for tick in range(100, 100 + ticks)]
+    return late, [words for words in told if words]
+
+
+def test_hiccups_are_counted_and_not_told():
+    """2 commands late in each 100: two in a row, as of one tick that a machine was late."""
+    late, told = late_in_bursts(2, 100, 12_000)
+    assert told == []
+    assert (late.late, late.known) == (240, 12_000)
+    assert abs(late.largest - DT) < 1e-9
+
+
+def test_a_machine_that_is_late_too_often_is_told_once_with_its_share():
+    """3 commands late in each 20: never most of two seconds, but 15 % of a minute."""
+    late, told = late_in_bursts(3, 20, 12_000)
+    assert len(told) == 1
+    assert told[0].startswith("10 % of the winch commands of the last 60 s took effect later than modelled, up to 0.05")
+    assert late.is_told
+
+
 def feed(timeouts: CommandTimeouts, seconds: float, fault: WinchFault, **situation: bool) -> list[Advice]:
-    given = {"was_compensating": False, "is_stopped": True, "is_well": True} | situation
+    given = {"wants_compensation": False, "is_stopped": True, "is_well": True} | situation
     found = [timeouts.update(int(fault), **given) for _ in range(round(seconds / DT))]
     return [advice for advice in found if advice]
 
 
 def time_out(timeouts: CommandTimeouts) -> list[Advice]:
     """Let a compensating winch time out, wait, and release it."""
-    told = [timeouts.update(int(WinchFault.COMMAND_TIMEOUT), was_compensating=True, is_stopped=False, is_well=True)]
+    told = [timeouts.update(int(WinchFault.COMMAND_TIMEOUT), wants_compensation=True, is_stopped=False, is_well=True)]
     told += feed(timeouts, 2.0 * WAIT, WinchFault.COMMAND_TIMEOUT)
     feed(timeouts, 1.0, WinchFault.NONE)
     return [advice for advice in told if advice]
@@ -43,14 +66,25 @@ def test_the_fourth_timeout_in_ten_minutes_waits_for_an_operator():
 
 def test_nothing_goes_on_while_a_sensor_is_lost_or_after_an_operator_has_spoken():
     timeouts = CommandTimeouts(DT, resumes=True)
-    timeouts.update(int(WinchFault.COMMAND_TIMEOUT), was_compensating=True, is_stopped=False, is_well=True)
+    timeouts.update(int(WinchFault.COMMAND_TIMEOUT), wants_compensation=True, is_stopped=False, is_well=True)
     assert feed(timeouts, 3.0 * WAIT, WinchFault.COMMAND_TIMEOUT, is_well=False) == []
     timeouts.cancel()
     assert feed(timeouts, 3.0 * WAIT, WinchFault.COMMAND_TIMEOUT) == []
 
 
+def test_a_winch_that_keeps_its_fault_when_it_is_released_is_tried_again_but_not_for_ever():
+    """It is released, and two seconds later the mode is stopped again, for the same fault."""
+    timeouts = CommandTimeouts(DT, resumes=True)
+    timeouts.update(int(WinchFault.COMMAND_TIMEOUT), wants_compensation=True, is_stopped=False, is_well=True)
+    told = []
+    for _ in range(MOST + 3):
+        told += feed(timeouts, WAIT + DT, WinchFault.COMMAND_TIMEOUT)
+        told += feed(timeouts, 2.0, WinchFault.COMMAND_TIMEOUT, is_stopped=False)
+    assert told == [Advice.RESUME] * MOST + [Advice.GIVE_UP]
+
+
 def test_a_winch_that_did_not_compensate_or_must_not_resume_stays_where_it_is():
     for resumes, compensated in ((True, False), (False, True)):
         timeouts = CommandTimeouts(DT, resumes=resumes)
-        timeouts.update(int(WinchFault.COMMAND_TIMEOUT), was_compensating=compensated, is_stopped=False, is_well=True)
+        timeouts.update(int(WinchFault.COMMAND_TIMEOUT), wants_compensation=compensated, is_stopped=False, is_well=True)
         assert feed(timeouts, 3.0 * WAIT, WinchFault.COMMAND_TIMEOUT) == []

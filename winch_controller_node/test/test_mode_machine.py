@@ -76,6 +76,16 @@ def test_a_short_gap_does_not_end_compensation():
     assert run(modes, 0.1)[-1] == type(run(modes, 0.05)[-1])(Mode.COMPENSATING, "", 1.0, False)
 
 
+def test_hiccups_of_a_sensor_do_not_put_compensation_off_for_ever():
+    """Four readings of the encoder that are late each second, while the estimate settles for two."""
+    modes = machine()
+    late = situation(lost="encoder stale")
+    for _ in range(5):
+        run(modes, 0.8)
+        assert run(modes, 0.2, late)[-1].brake == (modes.mode is Mode.STANDBY)
+    assert modes.mode is Mode.COMPENSATING
+
+
 def test_an_emergency_stop_brakes_at_once_and_waits_for_somebody():
     modes = machine()
     run(modes, 5.0)

@@ -1,5 +1,6 @@
 import math
 
+import numpy as np
 import pytest
 from heave_node.interface.codes import MruStatus, SensorLevel
 from heave_node.interface.sensors import MruReading
@@ -87,6 +88,20 @@ def test_an_encoder_jump_is_noticed_at_once_and_taken_off():
     assert taken[19] is None
     assert gate.offset == pytest.approx(0.2, abs=2e-3)
     assert taken[-1] == pytest.approx(0.975, abs=3e-3)
+
+
+def test_a_drum_that_follows_the_sea_through_a_gap_of_the_encoder_has_not_jumped():
+    """0.8 s without readings, in which the drum turns round; then an old one comes, and in the next tick the newest."""
+    gate = EncoderGate(SensorTiming(DT, DT), HealthParameters(), tick_period=DT)
+    times = DT * np.arange(1, 200)
+    payouts, rates = 0.6 * np.sin(times), 0.6 * np.cos(times)
+    for tick, now in enumerate(times):
+        expected = rates[max(tick - 1, 0)]
+        gate.pass_tick(now, expected)
+        if not 86 <= tick < 102:
+            late = 9 if tick == 102 else 0
+            gate.judge(now, ScalarReading(now - late * DT, payouts[tick - late]), expected)
+    assert gate.offset == 0.0
 
 
 def test_a_drum_that_turns_unseen_is_a_frozen_encoder():

@@ -19,6 +19,7 @@ from winch_controller_node.design_in_force import DesignInForce, PreparedDesign
 from winch_controller_node.estimation.loop_estimation import LoopEstimation
 from winch_controller_node.estimation.loop_tick import LoopTick
 from winch_controller_node.estimation.observation import Observer
+from winch_controller_node.identification.late_commands import LateCommands
 from winch_controller_node.interface.readings import Measurements, Outputs, RollingKpi, WinchReading
 from winch_controller_node.laws.constant_tension import TRAVEL
 from winch_controller_node.learning import Learning
@@ -123,6 +124,11 @@ class WinchController:
     def depth(self) -> float:
         """Estimated mean depth of the unit, positive down [m]; NaN before the first depth reading."""
         return self._estimation.mean_depth
+
+    @property
+    def late_commands(self) -> LateCommands:
+        """How many commands the winch took later than modelled."""
+        return self._winch.late_commands
 
     def figures(self) -> RollingKpi:
         """Return the figures of merit of the last window."""
@@ -287,7 +293,7 @@ class WinchController:
             tick, measurements, self._command.last.shares, unit_stands=self._supervisor.landing.unit_stands
         )
         self._alarms += loop.sensed.faults
-        decision = self._decide(loop, measurements.winch)
+        decision = self._decide(loop, measurements)
         self._change_mode(decision.mode, loop)
         self._act_on(decision.landing, loop)
         loop = self._estimation.refreshed(loop)
@@ -301,13 +307,14 @@ class WinchController:
         kpi = self._kpi.figures() if tick % max(1, round(1.0 / self._dt)) == 0 else None
         return Outputs(order, report, kpi, tuple(self._alarms))
 
-    def _decide(self, loop: LoopTick, winch: WinchReading | None) -> Decision:
+    def _decide(self, loop: LoopTick, measurements: Measurements) -> Decision:
         """Have winch and loop supervised."""
-        transport = self._winch.watch(winch, loop.sensed.payout, self.parameters)
+        transport = self._winch.watch(measurements.winch, loop.sensed.payout, self.parameters)
         decision = self._supervisor.decide(
             loop,
             WinchSituation(
-                fault=0 if winch is None else winch.fault,
+                fault=self._winch.fault,
+                fault_cause=self._winch.fault_cause(measurements.lateness),
                 speed=self._command.speed(loop),
                 mean_payout=self.mean.point.payout,
                 settled_swing=self._command.settled_swing,

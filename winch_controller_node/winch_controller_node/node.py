@@ -13,7 +13,7 @@ from typing import Any
 from geometry_msgs.msg import TwistStamped
 from heave_msgs.srv import Redesign, SetMode
 from heave_node.interface import topics
-from heave_node.interface.codes import SensorLevel
+from heave_node.interface.codes import COMMANDS, LATE, SensorLevel
 from heave_node.interface.messages import SensorMessages
 from heave_node.interface.sensors import SENSORS, Water
 from heave_node.numerics.linear_model import ModelError
@@ -32,7 +32,7 @@ from winch_controller_node.component import WinchController
 from winch_controller_node.design.design import ControllerDesign
 from winch_controller_node.design_in_force import PreparedDesign
 from winch_controller_node.interface import conversions
-from winch_controller_node.interface.readings import Measurements, Outputs
+from winch_controller_node.interface.readings import Lateness, Measurements, Outputs
 from winch_controller_node.interface.sensors import INPUTS
 from winch_controller_node.model.lqr import DesignError
 from winch_controller_node.move_action import MoveAction
@@ -116,7 +116,8 @@ class WinchControllerNode(ParticipantNode):
         states = self.take(self.winch_state)
         winch = conversions.winch_reading(states[-1], nanoseconds_of(states[-1].header.stamp)) if states else None
         water = Water(self.parameters.water_density, self.parameters.gravity)
-        measurements = conversions.measurements(delivered, winch, water)
+        lateness = Lateness(self.punctuality.of_clock, self.punctuality.of_node)
+        measurements = dataclasses.replace(conversions.measurements(delivered, winch, water), lateness=lateness)
         outputs = self.controller.step(tick.number, measurements)
         self.outputs_of_tick = outputs
         self.command.publish(conversions.command_message(outputs.order, tick.stamp))
@@ -143,12 +144,21 @@ class WinchControllerNode(ParticipantNode):
         text = f"{report.mode}: {report.reason}" if report.reason else report.mode
         depth = f"{self.controller.depth:.3f}"
         parts = [Health("mode", level, text, {"authority": f"{report.authority:.2f}", "mean depth [m]": depth})]
+        parts.append(self._diagnose_commands())
         for sensor in report.sensors:
             values = {"accepted": str(sensor.accepted), "rejected": str(sensor.refused)}
             parts.append(Health(f"sensor {sensor.sensor}", LEVELS[sensor.level], sensor.reason or "ok", values))
         if report.solver_status.startswith("not solved"):
             parts.append(Health("solver", Level.WARN, report.solver_status))
         return parts
+
+    def _diagnose_commands(self) -> Health:
+        """Say how many commands the winch took late."""
+        commands = self.controller.late_commands
+        values = {LATE: str(commands.late), "known": str(commands.known), "largest [s]": f"{commands.largest:.2f}"}
+        text = f"{commands.late} of {commands.known} commands took effect later than modelled"
+        text += f", by up to {commands.largest:.2f} s" if commands.late else ""
+        return Health(COMMANDS, Level.WARN if commands.is_told else Level.OK, text, values)
 
     def _make_controller(self) -> WinchController:
         try:

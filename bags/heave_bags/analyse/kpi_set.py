@@ -460,6 +460,9 @@ KPI_DEFINITIONS: tuple[KpiDefinition, ...] = (
         is_count=True,
     ),
     KpiDefinition(
+        "late_commands", "late winch commands", "", TIMING, lambda w: w.run.late_commands, digits=0, is_count=True
+    ),
+    KpiDefinition(
         "landings", "landings", "", LANDING, lambda w: _count(w.run.touchdown, w.landings), digits=0, is_count=True
     ),
     KpiDefinition(

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from heave_node.criteria import WANTED, Criterion, parse_criterion
 from heave_node.interface import topics
+from heave_node.interface.codes import COMMANDS, LATE
 from heave_node.numerics.arrays import Array
 from heave_node.numerics.constants import SEAWATER_DENSITY, STANDARD_GRAVITY
 from heave_node.numerics.hydrostatics import displaced_area, weight_in_fluid
@@ -25,6 +26,7 @@ from heave_bags.analyse.events import Interval
 from heave_bags.analyse.fields import Fields, on_one_clock
 from heave_bags.errors import BagError, one_line
 from heave_bags.mcap.bounds import check_yaml
+from heave_bags.mcap.files import COMPLETE, SNAPSHOT
 from heave_bags.mcap.loss import Loss
 from heave_bags.mcap.reader import Bag, Progress, no_progress
 from heave_bags.record.provenance import PARAMETERS_ATTACHMENT, SCENARIO_ATTACHMENT
@@ -226,12 +228,14 @@ def read_run(
 
 
 def _fill_last_words(record: RunRecord, bag: Bag, *, is_paced: bool) -> None:
-    """Take what the nodes published last: histograms of durations, if it `is_paced`, and strain are of all the run."""
+    """Take what the nodes published last, of all the run: strain, and if it `is_paced`, durations and late commands."""
     for _, message in bag.decoded([DIAGNOSTICS], start=bag.end_time - LAST_WORDS):
         for title, values in _statuses(message):
             node, _, name = title.partition(": ")
             if is_paced and name.startswith(TIMING_PREFIX) and "histogram_ms" in values:
                 record.timings[f"{node}: {name.removeprefix(TIMING_PREFIX)}"] = parse_histogram(values["histogram_ms"])
+            if is_paced and name == COMMANDS:
+                record.signals.late_commands = _as_number(values.get(LATE))
             record.largest_strain = _as_number(values.get(STRAIN_KEY, record.largest_strain))
 
 
@@ -404,7 +408,7 @@ def _fill_outcome(record: RunRecord) -> None:
     signals.missed_deadlines = number("missed_deadlines")
     signals.loop_age = (number("loop_age_p50_s"), number("loop_age_p99_s"), number("loop_age_max_s"))
     ended = record.outcome.get("ended", "")
-    if ended not in ("complete", ""):
+    if ended not in (COMPLETE, SNAPSHOT, ""):
         record.notes.append(f"the run did not end normally: {ended}")
     if "lost" in record.outcome:
         record.notes.append(f"messages lost while recording: {record.outcome['lost']}")

@@ -28,6 +28,7 @@ from rclpy.task import Future
 
 from heave_bags.errors import BagError
 from heave_bags.mcap.bag_writer import BagWriter
+from heave_bags.mcap.files import COMPLETE
 from heave_bags.mcap.storage import BackgroundStorage, DirectStorage
 from heave_bags.record.parameters import RecorderParameters
 from heave_bags.record.provenance import describe_run, scenario_attachment
@@ -115,10 +116,10 @@ class LiveRecorder(Node):
         self._diagnostics.publish(diagnostic_array(self.get_name(), stamp, [self.health()]))
 
     def close(self) -> list[str]:
-        """End the bag; return what went wrong."""
+        """End the bag, as whoever recorded wants it; return what went wrong."""
         if self.session.is_recording:
             try:
-                self.session.stop({"ended": "the recorder was stopped"})
+                self.session.stop({"ended": "; ".join(self.session.state.problems) or COMPLETE})
             except BagError as error:
                 self.session.state.problems.append(str(error))
         return self.session.state.problems

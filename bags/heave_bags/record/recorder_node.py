@@ -30,6 +30,7 @@ from heave_node.tick.tick import Tick
 from heave_bags.cdr.canonical import Canonical
 from heave_bags.errors import BagError
 from heave_bags.mcap.bag_writer import Attachment, BagWriter
+from heave_bags.mcap.files import COMPLETE
 from heave_bags.mcap.ros.definitions import schema_text
 from heave_bags.mcap.storage import BackgroundStorage, DirectStorage, Storage
 from heave_bags.record.parameter_survey import ParameterSurvey
@@ -332,7 +333,7 @@ class RecorderNode(ParticipantNode):
     def on_run_ended(self, status: TickStatus) -> None:
         """Note from `status` how the run went, and how many messages the nodes say they published."""
         self._outcome = {
-            "ended": "complete" if status.state == TickStatus.ENDED else status.reason or "failed",
+            "ended": COMPLETE if status.state == TickStatus.ENDED else status.reason or "failed",
             "ticks": str(status.tick),
             "real_time_factor": repr(status.real_time_factor),
             "loop_age_p50_s": repr(status.loop_age_p50),

@@ -11,6 +11,7 @@ from pathlib import Path
 
 from heave_bags.errors import BagError, StorageError
 from heave_bags.mcap.bag_writer import BagWriter
+from heave_bags.mcap.files import SNAPSHOT
 from heave_bags.mcap.ros.qos import OfferedQos
 
 
@@ -204,7 +205,7 @@ class RecordingSession:
             writer.add_topic(name, topic.type, topic.qos)
         for name, log_time, data in messages:
             writer.write(name, log_time, data)
-        writer.close({"ended": "snapshot"})
+        writer.close({"ended": SNAPSHOT})
         return len(messages)
 
     def counts(self) -> dict[str, int]:

@@ -18,6 +18,7 @@ from heave_node.interface.topic import Role, Topic
 from heave_node.run_parameters import RunParameters
 from wave_vessel_node.parameters import WaveVesselParameters
 from winch_controller_node.node_parameters import WinchControllerParameters
+from winch_controller_node.supervision.command_timeouts import MOST, PERIOD, WAIT
 
 TICK = RunParameters().tick_period
 WINCH = WinchParameters()
@@ -163,7 +164,9 @@ CONTRACTS: tuple[Contract, ...] = (
         f"encoder for lost, runs on prediction for {COAST:g} s, then fades out and stops the winch.",
         handshake=f"Begin with the brake on, `encoder_payout` 0. Without a fresh command for {WATCHDOG:g} s, once "
         "released, the drive must stop by itself, brake, and say `fault: 1` (FAULT_COMMAND_TIMEOUT). A set-point that "
-        f"is not finite: stop, brake, `fault: 2`. `brake: true` is no fault: stop, brake.\n\n{RELEASE}",
+        f"is not finite: stop, brake, `fault: 2`. `brake: true` is no fault: stop, brake.\n\n{RELEASE}\n\nThe suite's "
+        f"controller acknowledges `fault: 1` at once, releases the drive {WAIT:g} s later and compensates again, "
+        f"{MOST} times in {PERIOD / 60.0:g} minutes; every other fault waits for an operator.",
         advice="Publish one state for each `clock` message that comes, from the first one on, also before the first "
         "command. Follow `payout_rate` within your limits of speed and acceleration; `payout` is where the controller "
         "wants the drum, for a position loop of your own. `command_sequence` echoes the number of the newest command "

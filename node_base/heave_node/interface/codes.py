@@ -1,4 +1,6 @@
-"""Numbers that messages carry in place of words. Pure; a test holds them against the constants of heave_msgs."""
+"""Numbers that messages carry in place of words, and words by which a figure is found in diagnostics. Pure; a test
+holds the numbers against the constants of heave_msgs.
+"""
 
 from __future__ import annotations
 
@@ -60,6 +62,9 @@ RELEASE_WORDS = {
     WinchRelease.COMMAND: "waiting for a command with brake off",
 }
 """What a latched fault waits for, in words."""
+
+COMMANDS, LATE = "commands", "late"
+"""Part of the controller's diagnostics about its commands, and the value in it that counts those that came late."""
 
 
 def fault_words(code: int) -> str:

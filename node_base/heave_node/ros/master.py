@@ -87,6 +87,7 @@ class ClockMasterNode(HeaveNode):
     def _on_join(self, message: TickJoin, identity: str) -> None:
         expect_no(malformed.fault_in_join(message))
         expect_sender(identity, message.identity)
+        self.strangers.note_host(identity, message.host)
         if message.node not in self.roster.expected:
             return
         known = self.roster.participants.get(message.node)

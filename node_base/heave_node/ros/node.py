@@ -31,7 +31,7 @@ from heave_node.ros.diagnostics import Health, Level, diagnostic_array
 from heave_node.ros.input_timing import InputTiming
 from heave_node.ros.node_parameters import read_parameters
 from heave_node.ros.ports import Input, Output
-from heave_node.ros.spin import sender_callback
+from heave_node.ros.spin import sender_callback, timed_callback
 from heave_node.ros.transport.identity import own_identity
 from heave_node.ros.transport.qos import (
     PUBLISHER,
@@ -96,6 +96,7 @@ class HeaveNode(LifecycleNode):
     clocks : of the external inputs, by topic
     clock_of_run : simulated time by monotonic wall time [ns]
     strangers : processes noticed that are not part of the run
+    message_sent : when the message of the protocol that is handled now was sent, by its sender's clock [ns]
     """
 
     name: ClassVar[str]
@@ -120,6 +121,7 @@ class HeaveNode(LifecycleNode):
         self.clocks: dict[str, ExternalClock] = {}
         self.clock_of_run = SimulatedClock()
         self.is_active = False
+        self.message_sent = 0
         self._outputs: list[Output] = []
         self._inputs: list[Input] = []
         self._input_timings: dict[str, InputTiming] = {}
@@ -264,7 +266,8 @@ class HeaveNode(LifecycleNode):
         """
         name, kind = self.resolve_topic_name(topic.name), message_type(topic.type)
 
-        def on_data(data: bytes, identity: str) -> None:
+        def on_data(data: bytes, identity: str, sent: int) -> None:
+            self.message_sent = sent
             try:
                 message = deserialize_message(data, kind)
             except (RuntimeError, ValueError):  # of the middleware, and of text that is not UTF-8
@@ -276,7 +279,7 @@ class HeaveNode(LifecycleNode):
                 self.strangers.refuse(name, identity, str(error))
 
         qos = reader_qos_of(topic.role, is_external=False)
-        self.create_subscription(kind, name, sender_callback(on_data), qos, raw=True)
+        self.create_subscription(kind, name, timed_callback(on_data), qos, raw=True)
 
     def create_protocol_publisher(self, topic: Topic) -> Publisher[Any]:
         """Return a publisher of a `topic` of the tick protocol."""

@@ -12,9 +12,12 @@ from heave_msgs.msg import TickDone, TickRoster, TickStart, TickStatus
 from heave_node.interface import topics
 from heave_node.ros.node import HeaveNode, ProtocolError, expect_no, expect_sender, steady_clock
 from heave_node.tick import malformed
+from heave_node.tick.punctuality import Punctuality
 from heave_node.tick.speakers import ANYONE
 from heave_node.tick.tick import Tick, nanoseconds_of
 
+CATCH_UP_SHARE = 0.4
+"""Share of a tick for which a node that was held up takes messages in before it makes up for ticks."""
 HELD_MESSAGES = 1000
 """Messages of the protocol that wait at most for the roster to say who may publish."""
 
@@ -24,6 +27,7 @@ class ParticipantNode(HeaveNode):
 
     A node sets `name`, `parameters_type` and `after`, makes its component, inputs and outputs in `on_build`, and does
     its part of a tick in `on_tick`. `lag` is the number of ticks that it may be behind the others (a recorder).
+    `punctuality` tells, in real time, whether ticks began late or this node was.
     """
 
     def on_tick(self, tick: Tick) -> None:
@@ -34,6 +38,7 @@ class ParticipantNode(HeaveNode):
 
     def join_protocol(self) -> None:
         """Make the publisher and the subscriptions by which a participant follows the clock master and answers it."""
+        self.punctuality = Punctuality()
         self._starts: deque[TickStart] = deque()
         self._answered: TickStart | None = None
         self._roster_epoch = 0
@@ -53,6 +58,10 @@ class ParticipantNode(HeaveNode):
             wait = self.run.in_tick_wait * self.run.tick_period
             self._deadline = self.create_timer(wait, self._on_deadline, clock=steady_clock())
             self._deadline.cancel()
+            self._catch_up = self.create_timer(
+                CATCH_UP_SHARE * self.run.tick_period, self._on_catch_up, clock=steady_clock()
+            )
+            self._catch_up.cancel()
 
     def _done_callback(self, node: str) -> Callable[[TickDone, str], None]:
         def on_done(message: TickDone, identity: str) -> None:
@@ -111,13 +120,31 @@ class ParticipantNode(HeaveNode):
         newest = self._starts[-1] if self._starts else self._answered
         if newest is None or _order(message) > _order(newest):
             self._starts.append(message)
-            self.clock_of_run.tick_began(nanoseconds_of(message.stamp), time.monotonic_ns())
+            start = nanoseconds_of(message.stamp)
+            self.clock_of_run.tick_began(start, time.monotonic_ns())
+            if not self.run.is_lockstep:
+                self.punctuality.entered(start, self.message_sent, time.time_ns())
             if len(self._starts) == 1:
                 self._begin_next()
             elif not self.run.is_lockstep:
-                self._step()
+                self._step_or_catch_up()
         elif _order(message) == _order(newest):
             self._answer_again()
+
+    def _step_or_catch_up(self) -> None:
+        """End the tick before the newest one, or where this node was held up, let what was delivered meanwhile come in
+        first: each tick that is made up for shall see its own readings.
+        """
+        if self.punctuality.newest_of_node <= self.run.tick_period:
+            self._step()
+        elif self._catch_up.is_canceled():
+            self._catch_up.reset()
+
+    def _on_catch_up(self) -> None:
+        """Make up for the ticks that have queued up, up to the newest one."""
+        self._catch_up.cancel()
+        while len(self._starts) > 1 and not self.failure:
+            self._step()
 
     def _leave_foreign_run(self, message: TickStart, identity: str) -> None:
         """End this node where the run that is under way began without it."""
@@ -218,7 +245,8 @@ class ParticipantNode(HeaveNode):
         limit = self.run.participant_timeout if self.has_started else self.run.start_timeout
         silence = time.monotonic() - self._master_heard_at
         if (self.is_active or self.has_started) and silence > limit:
-            self.fail(f"no message from the clock master for {silence:.1f} s")
+            name = f" {self._roster.nodes[0]}" if self._roster is not None and self._roster.nodes else ""
+            self.fail(f"no message from the clock master{name} for {silence:.1f} s")
 
 
 def _order(message: TickStart) -> tuple[int, int]:

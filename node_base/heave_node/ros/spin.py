@@ -31,14 +31,20 @@ _WITH_INFORMATION = inspect.Signature(
 
 
 def sender_callback(handle: Callable[[Any, str], object]) -> Callable[..., None]:
-    """Return `handle`, which takes a message and the identity of the process that sent it, as a callback.
+    """Return `handle`, which takes a message and the identity of the process that sent it, as a callback."""
+    return timed_callback(lambda message, identity, _: handle(message, identity))
 
-    The events executor of some releases gives message and information as one argument, others as two.
+
+def timed_callback(handle: Callable[[Any, str, int], object]) -> Callable[..., None]:
+    """Return `handle`, which takes a message, who sent it, and when, as a callback.
+
+    The identity is that of the sender's process; the time is by the sender's clock [ns], 0 where the middleware does
+    not tell. The events executor of some releases gives message and information as one argument, others as two.
     """
 
     def on_message(*given: Any) -> None:
         message, info = given if len(given) == 2 else given[0]
-        handle(message, identity_of_sender(info))
+        handle(message, identity_of_sender(info), int(info.get("source_timestamp", 0)))
 
     on_message.__signature__ = _WITH_INFORMATION  # type: ignore[attr-defined]
     return on_message

@@ -197,6 +197,13 @@ class TickGate:
                 waiting.append(f"{topic} from {names} ({inbox.received} of {expected} messages)")
         return ", ".join(waiting)
 
+    def ticks_behind(self, node: str) -> int:
+        """Return for how many ticks before this one a `node` has not answered; 0 where none waits for it."""
+        if node not in self.after:
+            return 0
+        epoch, done = self._tick_of(node)
+        return max(0, self.tick[1] - 1 - (done if epoch == self.tick[0] else 0))
+
     def take(self, topic: str) -> list[Any]:
         """Return the new messages on `topic`; in lockstep those of the next tick stay in the inbox."""
         return self.inboxes[topic].take(self._due(topic))

@@ -221,6 +221,7 @@ class Observer:
     def _encoder(self, now: float, delivered: Measurements, expected_rate: float) -> list[Measurement]:
         winch = delivered.winch
         self.payout = None
+        self.encoder.pass_tick(now, expected_rate)
         if winch is None:
             return []
         reading = ScalarReading(winch.time, winch.encoder_payout)

@@ -7,9 +7,11 @@ cannot be, a value that does not change. What only the estimate can tell (spike,
 from __future__ import annotations
 
 import math
+from collections import deque
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import numpy as np
 from heave_node.interface.codes import MruStatus, SensorLevel
 from heave_node.interface.sensors import MruReading
 
@@ -21,6 +23,11 @@ BAD_IN_A_ROW = 3
 
 JUMP_SHOWN = 2.0
 """A jump that was taken off is shown for so long [s]: diagnostics come once a second."""
+
+AT_ONCE, TRAVEL_KNOWN = 1.5, 10.0
+"""A reading that comes later than so many ticks after the last one is judged by all that the drum should have turned
+meanwhile, as far as that is known, so long [s].
+"""
 
 MOVING_SPEED = 0.05
 """A drum commanded faster than this [m/s] must show in the encoder."""
@@ -192,6 +199,18 @@ class EncoderGate:
         self._dt = tick_period
         self._last: tuple[float, float] | None = None
         self._still = 0
+        self._travel: deque[tuple[float, float]] = deque(maxlen=max(2, round(TRAVEL_KNOWN / tick_period)))
+
+    def pass_tick(self, now: float, expected_rate: float) -> None:
+        """Note how the drum should have turned since the last tick, whether a reading comes or not.
+
+        Parameters
+        ----------
+        now : present time [s]
+        expected_rate : payout rate the drum should have had since the last tick [m/s]
+        """
+        total = self._travel[-1][1] if self._travel else 0.0
+        self._travel.append((now, total + expected_rate * self._dt))
 
     def judge(
         self, now: float, reading: ScalarReading, expected_rate: float, *, is_driven: bool = True
@@ -202,7 +221,7 @@ class EncoderGate:
         ----------
         now : present time [s]
         reading : the encoder's
-        expected_rate : payout rate the drum should have had since the last reading [m/s]
+        expected_rate : payout rate the drum should have had since the last tick [m/s]
         is_driven : the winch follows its commands; a braked drum stands still and is not frozen
         """
         status = self._status(reading, expected_rate, is_driven)
@@ -221,11 +240,25 @@ class EncoderGate:
             return ""
         elapsed = max(reading.time - last[0], self._dt)
         step = reading.value - last[1]
-        error = step - expected_rate * elapsed
-        if abs(error) > self._parameters.encoder_step:
+        ticks = elapsed / self._dt
+        if ticks < AT_ONCE:
+            expected, tolerance = expected_rate * elapsed, self._parameters.encoder_step
+        else:
+            # in a gap the drum may have been off its model in each tick
+            expected, tolerance = self._expected_travel(last[0], reading.time), ticks * self._parameters.encoder_step
+        error = step - expected
+        if abs(error) > tolerance:
             self.offset += error
             self.jump = error
             return "jump"
         is_still = is_driven and step == 0.0 and abs(expected_rate) > MOVING_SPEED
         self._still = self._still + 1 if is_still else 0
         return "frozen" if self._still >= self._parameters.frozen_samples else ""
+
+    def _expected_travel(self, start: float, end: float) -> float:
+        """Return by how much the drum should have turned between two readings, from `start` to `end` [s]."""
+        if not self._travel:
+            return 0.0
+        times, totals = np.array(self._travel).T
+        before, after = np.interp([start, end], times, totals)
+        return float(after - before)

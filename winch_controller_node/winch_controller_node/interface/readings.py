@@ -55,6 +55,20 @@ class HeavePreview:
     heave: Array
 
 
+@dataclass(frozen=True, slots=True)
+class Lateness:
+    """What held the ticks of the last seconds up, in wall time; nothing in lockstep.
+
+    Attributes
+    ----------
+    of_clock : ticks began so much late: the whole machine stalled, or the clock master [s]
+    of_controller : the controller entered them so much later than they began [s]
+    """
+
+    of_clock: float = 0.0
+    of_controller: float = 0.0
+
+
 @dataclass(frozen=True)
 class Measurements:
     """All that was delivered at a tick.
@@ -66,12 +80,14 @@ class Measurements:
         [m/s]; `imu`, its vertical acceleration without gravity [m/s^2]; `load_cell`, the top tension [N]
     winch : newest state of the winch; None: none came
     preview : of the boom tip; None: there is none
+    lateness : of the ticks, so that a command timeout is told with its cause
     """
 
     mru: tuple[MruReading, ...] = ()
     scalar: Mapping[str, tuple[ScalarReading, ...]] = field(default_factory=dict)
     winch: WinchReading | None = None
     preview: HeavePreview | None = None
+    lateness: Lateness = Lateness()
 
     def of(self, sensor: str) -> tuple[ScalarReading, ...]:
         """Return the readings of a sensor; none where none came."""

@@ -39,40 +39,42 @@ class CommandTimeouts:
         self._time = 0.0
         self._timeouts: deque[float] = deque(maxlen=MOST + 1)
         self._fault_before = int(WinchFault.NONE)
-        self._is_pending = False
+        self._is_pending = self._is_tried = False
         self._well_time = 0.0
 
     def cancel(self) -> None:
         """Leave it to the operator, who has asked for something."""
         self._is_pending = False
 
-    def update(self, fault: int, *, was_compensating: bool, is_stopped: bool, is_well: bool) -> Advice | None:
+    def update(self, fault: int, *, wants_compensation: bool, is_stopped: bool, is_well: bool) -> Advice | None:
         """Take in a tick and return what is to be done; None: nothing.
 
         Parameters
         ----------
-        fault : of the winch
-        was_compensating : the winch was moved to compensate up to now
+        fault : of the winch, as it told last
+        wants_compensation : the winch compensated up to now, or was to begin or to go on by itself
         is_stopped : the mode is stopped
-        is_well : all sensors are well
+        is_well : all sensors are well, and have been for long enough where the winch was stopped for them
         """
         self._time += self._dt
         is_new = fault == WinchFault.COMMAND_TIMEOUT and self._fault_before != fault
         self._fault_before = fault
-        if is_new and was_compensating and self._resumes:
+        if is_new and wants_compensation and self._resumes:
             return self._note()
+        self._is_pending = self._is_pending and fault == WinchFault.COMMAND_TIMEOUT
         if not self._is_pending:
             return None
-        self._is_pending = fault == WinchFault.COMMAND_TIMEOUT
         self._well_time = self._well_time + self._dt if is_stopped and is_well else 0.0
-        if not self._is_pending or self._well_time < WAIT:
+        if self._well_time < WAIT:
             return None
-        self._is_pending = False
-        return Advice.RESUME
+        # a winch that was released and kept its fault counts as one that has timed out again
+        advice = self._note() if self._is_tried else None
+        self._is_tried, self._well_time = self._is_pending, 0.0
+        return advice or Advice.RESUME
 
     def _note(self) -> Advice | None:
         """Note a timeout that ended compensation."""
         self._timeouts.append(self._time)
         is_often = len(self._timeouts) > MOST and self._time - self._timeouts[0] < PERIOD
-        self._is_pending, self._well_time = not is_often, 0.0
+        self._is_pending, self._is_tried, self._well_time = not is_often, False, 0.0
         return Advice.GIVE_UP if is_often else None

@@ -9,6 +9,7 @@ from heave_node.interface.codes import WinchFault, fault_words
 from winch_controller_node.parameters.laws import ModeParameters
 from winch_controller_node.supervision.modes import (
     BRAKED,
+    MAY_RESUME,
     NOTHING_KNOWN,
     REQUESTS,
     SETTLED_ESTIMATE,
@@ -23,6 +24,9 @@ from winch_controller_node.supervision.modes import (
     Transition,
     View,
 )
+
+HICCUP = 0.5
+"""Sensors that were lost for no longer than this [s] need not be good for the whole of a wait again."""
 
 ROWS: dict[tuple[Mode, Event], tuple[Transition, ...]] = {
     (mode, event): tuple(row for row in TABLE if mode in row.sources and row.event is event)
@@ -72,6 +76,11 @@ class ModeMachine:
         return self._memory.wants_compensation
 
     @property
+    def may_resume(self) -> bool:
+        """Tell whether compensation that a lost sensor has ended may go on by itself: all are back for long enough."""
+        return MAY_RESUME.holds(self._view)
+
+    @property
     def obstacle(self) -> str:
         """What keeps compensation from beginning now, in words; empty where nothing does."""
         return self._situation.lost or self._situation.harm or self._situation.closed_gates
@@ -114,7 +123,10 @@ class ModeMachine:
             self._known_fault = situation.winch_fault
         self._time += self._dt
         self._lost_time = self._lost_time + self._dt if situation.lost else 0.0
-        self._well_time = 0.0 if situation.lost or not situation.has_estimate else self._well_time + self._dt
+        if not situation.has_estimate or self._lost_time > HICCUP:
+            self._well_time = 0.0
+        elif not situation.lost:
+            self._well_time += self._dt
         if self.mode is Mode.FADE_OUT:
             self._approach(0.0, self._parameters.fade_out_time)
         changed = any(happens(self._view) and self._take(event) for event, happens in TICK_EVENTS.items())
@@ -132,7 +144,7 @@ class ModeMachine:
             factor=self.factor,
             known_fault=self._known_fault or WinchFault.NONE,
             time=self._time,
-            well_time=self._well_time,
+            well_time=0.0 if self._situation.lost else self._well_time,
             lost_time=self._lost_time,
         )
 
@@ -158,7 +170,8 @@ class ModeMachine:
         """Return why an event changes the mode."""
         situation = self._situation
         if event in (Event.WINCH_FAULT, Event.WINCH_EMERGENCY_STOP):
-            return f"winch fault: {fault_words(situation.winch_fault)}"
+            cause = f": {situation.fault_cause}" if situation.fault_cause else ""
+            return f"winch fault: {fault_words(situation.winch_fault)}{cause}"
         if event in (Event.SENSOR_LOST, Event.ENCODER_LOST):
             return situation.lost
         if event is Event.HARM:

@@ -114,6 +114,7 @@ class Situation:
     is_settled : the unit moves as it would with the winch locked: the winch may stop
     closed_gates : why compensation may not begin now, with figures; empty when it may
     tension_refusal : why constant tension may not begin now; empty when it may
+    fault_cause : why the winch has its fault, in words; empty where that is not known
     """
 
     lost: str
@@ -125,6 +126,7 @@ class Situation:
     is_settled: bool = True
     closed_gates: str = ""
     tension_refusal: str = ""
+    fault_cause: str = ""
 
 
 NOTHING_KNOWN = Situation(lost="", has_estimate=False, winch_fault=WinchFault.NONE, harm="", speed=0.0)

@@ -46,6 +46,7 @@ class WinchSituation:
     settled_swing : swing of the unit at which a fade-out may end [m]
     share : largest share of the sea that may be compensated with what is known of the winch
     inhibition : why compensation must be off; empty: it need not
+    fault_cause : why the winch has its fault, in words; empty: unknown
     """
 
     fault: int
@@ -54,6 +55,7 @@ class WinchSituation:
     settled_swing: float
     share: float = 1.0
     inhibition: str = ""
+    fault_cause: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -141,6 +143,7 @@ class Supervisor:
                 lost=lost,
                 has_estimate=tick.sensed.has_encoder,
                 winch_fault=winch.fault,
+                fault_cause=winch.fault_cause,
                 harm=self.guard.reason,
                 speed=winch.speed,
                 authority_limit=min(
@@ -172,12 +175,12 @@ class Supervisor:
 
     def _resume_after_timeout(self, tick: LoopTick, fault: int) -> tuple[str, ...]:
         """Ask for compensation again where only late commands ended it; return what is to be told."""
-        is_compensating = self.modes.mode is Mode.COMPENSATING
+        wants_compensation = self.modes.wants_compensation
         advice = self.timeouts.update(
             fault,
-            was_compensating=is_compensating or (self.modes.mode is Mode.FADE_OUT and self.guard.inhibits),
+            wants_compensation=wants_compensation,
             is_stopped=self.modes.mode is Mode.STOPPED,
-            is_well=not self._lost(tick),
+            is_well=not self._lost(tick) and (self.modes.may_resume or not wants_compensation),
         )
         if advice is Advice.RESUME:
             self.modes.request(Mode.COMPENSATING.value)

@@ -1,12 +1,17 @@
 """The process behind a message, as the middleware knows it.
 
 The identifier of a publisher (GID) begins, in every DDS, with the prefix of its participant: one per process. A sender
-cannot choose it, and no two processes share it.
+cannot choose it, and no two processes share it. Fast DDS writes a number of the host into it, which it makes from the
+host's addresses: the same for all processes of a machine (of a container, where that has addresses of its own), but no
+name. A name is known only of hosts on which a node of this suite has told it (TickJoin). The number of a machine is
+printed there by `python -m heave_node.ros.transport.identity`.
 """
 
 from __future__ import annotations
 
 import secrets
+import socket
+import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -15,12 +20,16 @@ import rclpy
 from builtin_interfaces.msg import Time
 from rclpy.node import Node
 
+from heave_node.ros.transport.environment import prepare_environment
 from heave_node.tick.speakers import ANYONE
 
 _PREFIX = 12
 """Bytes of a GID that all publishers of one process share: DDSI-RTPS 2.5, section 8.2.4.1 (GuidPrefix_t)."""
 _OF_DDS = ("fastrtps", "cyclonedds", "connextdds")
 UNKNOWN_SENDER = "a node that has left"
+NAMELESS_SENDER = "a program without a ROS node name"
+_NO_NAME = "_NODE_NAME_UNKNOWN_"
+"""What the graph calls a publisher of a DDS program that is no ROS node, or whose node it does not know yet."""
 _FAST_DDS = bytes([0x01, 0x0F])
 """Vendor number at the start of Fast DDS's prefixes; 2 bytes for the host and 2 for the process follow."""
 
@@ -49,7 +58,7 @@ def identity_of_sender(info: Mapping[str, Any]) -> str:
     return ANYONE if gid is None else _identity(gid["data"])
 
 
-def describe_sender(node: Node, topic: str, identity: str, own: str) -> str:
+def describe_sender(node: Node, topic: str, identity: str, own: str, hosts: Mapping[str, str] | None = None) -> str:
     """Describe the process that published on a topic: nodes, process, machine.
 
     Parameters
@@ -58,27 +67,53 @@ def describe_sender(node: Node, topic: str, identity: str, own: str) -> str:
     topic : resolved name
     identity : of the process
     own : identity of this process
+    hosts : names of machines, as far as they are known, by `host_of`
     """
     if ANYONE in (identity, own):
         return UNKNOWN_SENDER
-    names = {
-        f"{info.node_namespace.rstrip('/')}/{info.node_name}"
-        for info in node.get_publishers_info_by_topic(topic)
-        if identity_of_endpoint(info) == identity
-    }
-    return f"{' and '.join(sorted(names)) or UNKNOWN_SENDER} ({place_of(identity, own)})"
+    found = [info for info in node.get_publishers_info_by_topic(topic) if identity_of_endpoint(info) == identity]
+    names = {f"{info.node_namespace.rstrip('/')}/{info.node_name}" for info in found if info.node_name != _NO_NAME}
+    who = " and ".join(sorted(names)) or (NAMELESS_SENDER if found else UNKNOWN_SENDER)
+    return f"{who} ({place_of(identity, own, hosts)})"
 
 
-def place_of(identity: str, own: str) -> str:
-    """Describe where the process of an `identity` runs, seen from the process `own`."""
-    prefix, here = bytes.fromhex(identity), bytes.fromhex(own)
-    if not prefix.startswith(_FAST_DDS) or not here.startswith(_FAST_DDS):
+def host_of(identity: str) -> str:
+    """Return the number of the machine of a process of an `identity`, in hexadecimal; "" where the DDS gives none."""
+    prefix = bytes.fromhex(identity)
+    return prefix[2:4].hex() if prefix.startswith(_FAST_DDS) else ""
+
+
+def place_of(identity: str, own: str, hosts: Mapping[str, str] | None = None) -> str:
+    """Describe where the process of an `identity` runs, seen from the process `own`.
+
+    `hosts` are names of machines, as far as they are known, by `host_of`.
+    """
+    host, here = host_of(identity), host_of(own)
+    if not host or not here:
         return f"process {identity}"
-    if prefix[2:4] != here[2:4]:
-        return f"on another machine, process {identity}"
-    process = int.from_bytes(prefix[4:6], "little")  # the low 16 bits of its number
-    return f"process {process} on this machine" if Path(f"/proc/{process}").exists() else "on this machine"
+    process = int.from_bytes(bytes.fromhex(identity)[4:6], "little")  # the low 16 bits of its number
+    if host == here:
+        return f"process {process} on this machine" if Path(f"/proc/{process}").exists() else "on this machine"
+    name = (hosts or {}).get(host, "")
+    machine = f"machine {name}" if name else "another machine or container"
+    return f"process {process} on {machine}, DDS host {host}"
 
 
 def _identity(gid: bytes | Sequence[int]) -> str:
     return bytes(gid)[:_PREFIX].hex()
+
+
+def main() -> None:
+    """Print the number of this machine, as it is named in alarms about processes on other machines."""
+    prepare_environment()
+    rclpy.init()
+    node = rclpy.create_node("heave_identity")
+    try:
+        sys.stdout.write(f"{socket.gethostname()} is DDS host {host_of(own_identity(node)) or 'without a number'}\n")
+    finally:
+        node.destroy_node()
+        rclpy.try_shutdown()
+
+
+if __name__ == "__main__":
+    main()

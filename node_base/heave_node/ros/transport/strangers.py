@@ -9,7 +9,13 @@ from dataclasses import dataclass
 from rclpy.node import Node
 
 from heave_node.ros.diagnostics import Health, Level
-from heave_node.ros.transport.identity import UNKNOWN_SENDER, describe_sender, identity_of_endpoint
+from heave_node.ros.transport.identity import (
+    NAMELESS_SENDER,
+    UNKNOWN_SENDER,
+    describe_sender,
+    host_of,
+    identity_of_endpoint,
+)
 from heave_node.tick.speakers import Speakers, Standing
 
 PART = "strangers"
@@ -56,7 +62,16 @@ class Strangers:
         self._known: dict[tuple[str, str, str], Stranger] = {}
         self._looked_at = 0.0
         self._left_looked_at = 0.0
+        self._hosts: dict[str, str] = {}
         self.has_news = False
+
+    def note_host(self, identity: str, name: str) -> None:
+        """Note that the machine of the process of an `identity` has this `name`: strangers on it are named with it."""
+        if identity and name and len(self._hosts) < _MOST:
+            self._hosts.setdefault(host_of(identity), name)
+
+    def _describe(self, topic: str, identity: str) -> str:
+        return describe_sender(self._node, topic, identity, self._own, self._hosts)
 
     def refuse(self, topic: str, identity: str, why: str = "") -> None:
         """Note that a message on a resolved `topic` was refused.
@@ -69,8 +84,9 @@ class Strangers:
         """
         stranger = self._notice(topic, identity, why)
         stranger.refused += 1
-        if stranger.who.startswith(UNKNOWN_SENDER) and stranger.refused < _MOST:  # its name may come a little later
-            stranger.who = describe_sender(self._node, topic, identity, self._own)
+        is_unknown = stranger.who.startswith((UNKNOWN_SENDER, NAMELESS_SENDER))
+        if is_unknown and stranger.refused < _MOST:  # its name may come a little later
+            stranger.who = self._describe(topic, identity)
 
     def look(self, speakers: Mapping[str, Speakers]) -> None:
         """Look at the publishers of topics, a few times per second of wall time.
@@ -121,7 +137,7 @@ class Strangers:
         if key not in self._known and len(self._known) >= _MOST:
             key = ("other topics", "", "")
         if key not in self._known:
-            self._known[key] = Stranger(describe_sender(self._node, topic, identity, self._own), why=why)
+            self._known[key] = Stranger(self._describe(topic, identity), why=why)
             self.has_news = True
             self._node.get_logger().error(_in_words(topic, self._known[key]))
         return self._known[key]

@@ -6,16 +6,17 @@ import math
 from concurrent.futures import Executor
 from dataclasses import dataclass
 
-from heave_node.interface.codes import WinchLimit
+from heave_node.interface.codes import WinchFault, WinchLimit
 
 from winch_controller_node.design.design import ControllerDesign
 from winch_controller_node.design.schedule import is_scheduled
 from winch_controller_node.design.work import DesignWork
 from winch_controller_node.identification.late_commands import LateCommands
 from winch_controller_node.identification.winch import Answer, WinchIdentifier
-from winch_controller_node.interface.readings import WinchOrder, WinchReading
+from winch_controller_node.interface.readings import Lateness, WinchOrder, WinchReading
 from winch_controller_node.node_parameters import WinchControllerParameters
 from winch_controller_node.parameters.model import WinchModelParameters
+from winch_controller_node.supervision.watch.timeout_cause import TimeoutCause
 
 LEARNING_PERIOD, CHECKING_PERIOD = 2.0, 10.0
 """Time from one identification of the winch to the next [s], while its record grows and when that is full."""
@@ -65,13 +66,20 @@ class WinchWatch:
     ----------
     design : with the model of the winch at the start
     designer : identifies beside the ticks, in real time; None: at once
+
+    Attributes
+    ----------
+    fault : of the winch, as it told last: a state that misses its tick takes no fault away
+    late_commands : how many commands were late so far, and whether that is more than hiccups
     """
 
     def __init__(self, design: ControllerDesign, designer: Executor | None = None) -> None:
+        self.fault = int(WinchFault.NONE)
         self._dt = design.tick_period
         self._identifier = WinchIdentifier(design.parameters.lag, design)
-        self._late_commands = LateCommands(design.tick_period)
+        self.late_commands = LateCommands(design.tick_period)
         self._work: DesignWork[Answer] = DesignWork(max(1, round(ANSWER_TIME / self._dt)), designer)
+        self._timeout_cause = TimeoutCause(self._dt)
         self._given: WinchOrder | None = None
         self._last_state, self._commands_behind, self._ticks_since_state = -math.inf, 0, 0
         self._since_found = 0.0
@@ -83,6 +91,10 @@ class WinchWatch:
     def share(self) -> float:
         """Largest share of the sea that may be compensated with what is known of the winch."""
         return CAUTIOUS_SHARE if self._cautious > 0.0 else 1.0
+
+    def fault_cause(self, lateness: Lateness) -> str:
+        """Return why the winch has the fault it has, in words, with the `lateness` of the ticks; empty: unknown."""
+        return self._timeout_cause.words(lateness) if self.fault == WinchFault.COMMAND_TIMEOUT else ""
 
     def give(self, order: WinchOrder) -> None:
         """Note the order of a tick."""
@@ -132,6 +144,11 @@ class WinchWatch:
         given = self._given
         self._ticks_since_state += 1
         report = TransportReport()
+        if winch is not None:
+            self.fault = winch.fault
+        untaken = 0 if given is None or winch is None else given.sequence - winch.command_sequence
+        overdue = untaken * self._dt - parameters.winch.command_delay
+        self._timeout_cause.update(has_state=winch is not None, untaken=overdue)
         if given is not None and winch is not None:
             report = self._watch_transport(given.sequence, winch.command_sequence, parameters)
         if given is None or given.brake:
@@ -170,12 +187,12 @@ class WinchWatch:
     def _watch_transport(self, given: int, taken: int, parameters: WinchControllerParameters) -> TransportReport:
         """Notice late commands; nothing is compensated with more delay than can be identified or tolerated."""
         winch = parameters.winch
-        alarm = self._late_commands.update(given, taken, winch.command_delay)
-        if alarm:
+        alarm = self.late_commands.update(given, taken, winch.command_delay)
+        if self.late_commands.has_begun:
             self._identifier.restart()
         lag = winch.command_delay + winch.time_constant
         tolerated = parameters.lag.largest if identifies_winch(parameters) else TOLERATED_SHARE * lag
-        overdue = self._late_commands.overdue
+        overdue = self.late_commands.overdue
         if overdue <= tolerated:
             return TransportReport(alarm)
         return TransportReport(
