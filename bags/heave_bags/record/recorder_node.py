@@ -16,6 +16,7 @@ from functools import partial
 from pathlib import Path
 
 from heave_msgs.msg import TickJoin, TickRoster, TickStatus
+from heave_node.cdr.definitions import schema_text
 from heave_node.interface import topics
 from heave_node.interface.topic import Role, Topic
 from heave_node.ros.diagnostics import Health, Level
@@ -31,7 +32,6 @@ from heave_bags.cdr.canonical import Canonical
 from heave_bags.errors import BagError
 from heave_bags.mcap.bag_writer import Attachment, BagWriter
 from heave_bags.mcap.files import COMPLETE
-from heave_bags.mcap.ros.definitions import schema_text
 from heave_bags.mcap.storage import BackgroundStorage, DirectStorage, Storage
 from heave_bags.record.parameter_survey import ParameterSurvey
 from heave_bags.record.parameters import RecorderParameters
