@@ -46,14 +46,15 @@ def _plant(rows: list[dict[str, Any]]) -> list[Table | str]:
 def _loop(values: dict[str, Any]) -> list[Table | str]:
     used = values["cpu_ms_per_tick"]
     total = sum(used.values())
-    floor = total / (os.cpu_count() or 1)
+    many = "all nodes in one process" if values["processes"] == 1 else f"over ROS, {values['processes']} processes"
     head = (
-        f"loop over ROS, {values['processes']} processes, recorded: {values['ticks_per_s']:.0f} ticks/s, "
+        f"loop {many}, recorded: {values['ticks_per_s']:.0f} ticks/s, "
         f"{values['real_time_factor']:.1f} x real time, loop age p50 {1e3 * values['loop_age_p50_s']:.2f} ms, "
         f"p99 {1e3 * values['loop_age_p99_s']:.2f} ms"
     )
     rows = [[name, f"{milliseconds:.3f}"] for name, milliseconds in [*used.items(), ("together", total)]]
-    bound = f"that allows at most {1e3 / floor:.0f} ticks/s on this machine"
+    processors = min(len(used), os.cpu_count() or 1)
+    bound = f"that allows at most {1e3 * processors / total:.0f} ticks/s on this machine"
     return [head, make_table(["process", "ms of processor time per tick"], rows), bound]
 
 
@@ -79,6 +80,7 @@ def _recorder(values: dict[str, Any]) -> list[Table | str]:
 _PARTS: dict[str, Callable[[Any], list[Table | str]]] = {
     "plant": _plant,
     "loop": _loop,
+    "composed_loop": _loop,
     "controller": _controller,
     "recorder": _recorder,
 }

@@ -20,7 +20,8 @@ from heave_msgs.msg import TickJoin, TickStatus
 from rclpy.clock import Clock, ClockType
 from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackReturn
 from rclpy.publisher import Publisher
-from rclpy.qos_overriding_options import InvalidQosOverridesError
+from rclpy.qos import QoSProfile
+from rclpy.qos_overriding_options import InvalidQosOverridesError, QoSOverridingOptions
 from rclpy.serialization import deserialize_message
 from rclpy.subscription import Subscription
 from rclpy.task import Future
@@ -32,7 +33,8 @@ from heave_node.ros.diagnostics import Health, Level, diagnostic_array
 from heave_node.ros.input_timing import InputTiming
 from heave_node.ros.node_parameters import read_parameters
 from heave_node.ros.ports import Input, Output, decoder_of, of_any_machine, stamped
-from heave_node.ros.spin import sender_callback, timed_callback
+from heave_node.ros.spin import timed_callback
+from heave_node.ros.transport.exchange import Exchange, LocalPublisher, LocalSubscription, Reader
 from heave_node.ros.transport.identity import own_identity
 from heave_node.ros.transport.qos import (
     PUBLISHER,
@@ -92,18 +94,20 @@ class HeaveNode(LifecycleNode):
     parameters : the node's own
     gate : messages received, and whether those of the tick are complete
     tick, epoch : the tick and the run the node is in
-    failure : why the node ended, "" while nothing went wrong
+    failure : why the node ended, "" while nothing went wrong; `failed_at` when [s of monotonic wall time]
     identity : of this node's process, as the others see it on each of its messages
     clocks : of the external inputs, by topic
     clock_of_run : simulated time by monotonic wall time [ns]
     strangers : processes noticed that are not part of the run
     message_sent : when the message of the protocol that is handled now was sent, by its sender's clock [ns]
+    exchange : of the topics of a run whose nodes share one process; None: they go through the middleware
     """
 
     name: ClassVar[str]
     parameters_type: ClassVar[type[Any]]
     after: ClassVar[tuple[str, ...]] = ()
     lag: ClassVar[int] = 0
+    exchange: ClassVar[Exchange | None] = None
 
     def __init__(self) -> None:
         super().__init__(self.name, automatically_declare_parameters_from_overrides=True)
@@ -115,7 +119,7 @@ class HeaveNode(LifecycleNode):
         self.identity = own_identity(self)
         self.strangers = Strangers(self, self.identity)
         self.finished: Future[None] = Future()
-        self.failure = ""
+        self.failure, self.failed_at = "", 0.0
         self.tick: Tick | None = None
         self.epoch = 0
         self.has_started = False
@@ -126,7 +130,7 @@ class HeaveNode(LifecycleNode):
         self._outputs: list[Output] = []
         self._inputs: list[Input] = []
         self._input_timings: dict[str, InputTiming] = {}
-        self._input_subscriptions: dict[str, Subscription[Any]] = {}
+        self._input_subscriptions: dict[str, Subscription[Any] | LocalSubscription] = {}
 
     # What a node fills in ------------------------------------------------------------------------------------------
 
@@ -155,7 +159,9 @@ class HeaveNode(LifecycleNode):
 
     def add_output(self, topic: Topic) -> Output:
         """Publish `topic` within ticks."""
-        output = Output(self, topic, is_lockstep=self.run.is_lockstep)
+        name = self.resolve_topic_name(topic.name)
+        options = overriding_options(self, name, PUBLISHER, is_lockstep=self.run.is_lockstep)
+        output = Output(self._publisher(topic, options))
         self._outputs.append(output)
         return output
 
@@ -234,7 +240,7 @@ class HeaveNode(LifecycleNode):
         is_external = topic.publisher in self.run.external
         inbox = self.gate.add_inbox(Inbox(name, decode, is_external=is_external, on_stranger=on_stranger or refuse))
 
-        def on_data(data: bytes, identity: str) -> None:
+        def on_data(data: bytes, identity: str, _: int) -> None:
             if is_external and not self.has_started:
                 return  # there is no simulated time yet
             try:
@@ -245,14 +251,9 @@ class HeaveNode(LifecycleNode):
             if is_new:
                 self._advance()
 
-        self._input_subscriptions[name] = self.create_subscription(
-            message_type(topic.type),
-            name,
-            sender_callback(on_data),
-            reader_qos_of(topic.role, is_external=is_external),
-            raw=True,
-            qos_overriding_options=overriding_options(self, name, SUBSCRIPTION, is_lockstep=self.run.is_lockstep),
-        )
+        qos = reader_qos_of(topic.role, is_external=is_external)
+        options = overriding_options(self, name, SUBSCRIPTION, is_lockstep=self.run.is_lockstep)
+        self._input_subscriptions[name] = self._subscription(topic, on_data, qos, options)
 
     def take(self, port: Input) -> list[Any]:
         """Return what is new in this tick on the input `port`, oldest first."""
@@ -288,12 +289,28 @@ class HeaveNode(LifecycleNode):
             except ProtocolError as error:
                 self.strangers.refuse(name, identity, str(error))
 
-        qos = reader_qos_of(topic.role, is_external=False)
-        self.create_subscription(kind, name, timed_callback(on_data), qos, raw=True)
+        self._subscription(topic, on_data, reader_qos_of(topic.role, is_external=False))
 
-    def create_protocol_publisher(self, topic: Topic) -> Publisher[Any]:
+    def create_protocol_publisher(self, topic: Topic) -> Publisher[Any] | LocalPublisher:
         """Return a publisher of a `topic` of the tick protocol."""
-        return self.create_publisher(message_type(topic.type), topic.name, qos_of(topic.role))
+        return self._publisher(topic)
+
+    def _publisher(self, topic: Topic, options: QoSOverridingOptions | None = None) -> Publisher[Any] | LocalPublisher:
+        """Return a publisher by the way that the nodes of this run hand each other messages."""
+        kind, qos = message_type(topic.type), qos_of(topic.role)
+        publisher = self.create_publisher(kind, topic.name, qos, qos_overriding_options=options)
+        return publisher if self.exchange is None else self.exchange.add_publisher(topic, publisher, self.identity)
+
+    def _subscription(
+        self, topic: Topic, on_data: Reader, qos: QoSProfile, options: QoSOverridingOptions | None = None
+    ) -> Subscription[Any] | LocalSubscription:
+        """Subscribe by the way that the nodes of this run hand each other messages."""
+        name = self.resolve_topic_name(topic.name)
+        if self.exchange is not None:
+            return self.exchange.subscribe(name, on_data)
+        callback = timed_callback(on_data)
+        kind = message_type(topic.type)
+        return self.create_subscription(kind, name, callback, qos, raw=True, qos_overriding_options=options)
 
     # Lifecycle -----------------------------------------------------------------------------------------------------
 
@@ -458,7 +475,7 @@ class HeaveNode(LifecycleNode):
         if self.failure:
             return
         when = f" at t = {self.tick.time:.3f} s" if self.tick is not None else ""
-        self.failure = f"{reason}{when}"
+        self.failure, self.failed_at = f"{reason}{when}", time.monotonic()
         if error is not None:
             self.get_logger().debug("".join(traceback.format_exception(error)))
         self.finish()

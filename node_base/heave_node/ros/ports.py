@@ -16,7 +16,8 @@ from heave_node.cdr.layout import LayoutError
 from heave_node.interface.messages import MessageReader, message_type
 from heave_node.interface.sensors import WireReading
 from heave_node.interface.topic import Topic
-from heave_node.ros.transport.qos import PUBLISHER, STREAM_DEPTH, overriding_options, qos_of
+from heave_node.ros.transport.exchange import LocalPublisher
+from heave_node.ros.transport.qos import STREAM_DEPTH
 from heave_node.tick.gate import TickGate
 from heave_node.tick.tick import Tick, nanoseconds_of, stamp_of
 
@@ -29,24 +30,16 @@ class Output:
 
     Parameters
     ----------
-    node : that publishes
-    topic : its name, type and role; the attribute of this name is the resolved name
-    is_lockstep : refuses a quality of service, chosen by the user, that could lose a message
+    publisher : of rclpy, or in memory
 
     Attributes
     ----------
-    publisher : of rclpy
+    topic : resolved name
     published : messages since the start, deferred ones included
     """
 
-    def __init__(self, node: Node, topic: Topic, *, is_lockstep: bool = True) -> None:
-        name = node.resolve_topic_name(topic.name)
-        self.publisher: Publisher[Any] = node.create_publisher(
-            message_type(topic.type),
-            name,
-            qos_of(topic.role),
-            qos_overriding_options=overriding_options(node, name, PUBLISHER, is_lockstep=is_lockstep),
-        )
+    def __init__(self, publisher: Publisher[Any] | LocalPublisher) -> None:
+        self.publisher = publisher
         self.topic = self.publisher.topic_name
         self.published = 0
         self._sent_this_tick: list[bytes] = []

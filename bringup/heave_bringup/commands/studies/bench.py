@@ -40,8 +40,10 @@ def execute(options: argparse.Namespace) -> None:
             result["plant"] = measure_plant(SEGMENTS, peer=has_peer())
         if "loop" in options.only:
             from heave_bringup.bench.loop import measure_loop
+            from heave_bringup.run.run import Composed
 
             result["loop"] = measure_loop(options.seconds, progress.show)
+            result["composed_loop"] = measure_loop(options.seconds, progress.show, Composed())
         if "controller" in options.only:
             from heave_bringup.bench.controller import measure_controller
 
