@@ -26,21 +26,21 @@ def tables(result: Mapping[str, Any]) -> list[Table | str]:
 
 
 def _plant(rows: list[dict[str, Any]]) -> list[Table | str]:
-    columns = ["plant", "ms per simulated s", "times real time", "error %", "MoorDyn's time over ours"]
-    table = make_table(
-        columns,
-        [
-            [
-                f"{row['segments']} segments",
-                f"{row['ms_per_simulated_s']:.3f}",
-                f"{1e3 / row['ms_per_simulated_s']:.0f}",
-                f"{row['error_percent']:.4f}",
-                f"{row['ratio_to_moordyn']:.1f}" if math.isfinite(row["ratio_to_moordyn"]) else "-",
-            ]
-            for row in rows
-        ],
-    )
-    return [table] if all(math.isfinite(row["ratio_to_moordyn"]) for row in rows) else [table, HOW_TO_GET_THE_PEER]
+    peers = list(rows[0]["peers"])
+    columns = ["plant", "ms per simulated s", "times real time", "error %"]
+    columns += [column for name in peers for column in (f"MoorDyn {name}: ms", "error %")]
+    columns += ["MoorDyn's best time over ours"] if peers else []
+    cells = []
+    for row in rows:
+        own = row["ms_per_simulated_s"]
+        line = [f"{row['segments']} segments", f"{own:.3f}", f"{1e3 / own:.0f}", f"{row['error_percent']:.4f}"]
+        for name in peers:
+            peer = row["peers"][name]
+            error = peer["error_percent"]
+            line += [f"{peer['ms_per_simulated_s']:.2f}", f"{error:.4f}" if math.isfinite(error) else "-"]
+        cells.append([*line, f"{row['ratio_to_moordyn']:.1f}"] if peers else line)
+    table = make_table(columns, cells)
+    return [table] if peers else [table, HOW_TO_GET_THE_PEER]
 
 
 def _loop(values: dict[str, Any]) -> list[Table | str]:

@@ -12,7 +12,7 @@ from heave_node.parameters import ParameterError
 from heave_bringup.commands.command import Command
 
 PARTS = ("plant", "loop", "controller", "recorder")
-SEGMENTS = (20, 50, 100, 200)
+SEGMENTS = (20, 50, 100, 200, 400, 1000)
 LONGEST_RECORDING = 20.0
 """The recorder's load is constant: more of it says nothing new [s]."""
 
