@@ -174,5 +174,5 @@ class Plant(ClockMasterNode):
 if __name__ == "__main__":
     programs = {program.name: program for program in (Sea, Controller, Winch, Plant)}
     if sys.argv[1] == "composed":
-        sys.exit(run_composed([Sea, Controller, Winch, Plant], sys.argv, is_public=False))
+        sys.exit(run_composed([Plant, Sea, Controller, Winch], sys.argv, is_public=False))
     sys.exit(run_node(programs[sys.argv[1]]))

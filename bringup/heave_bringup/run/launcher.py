@@ -17,6 +17,9 @@ from heave_node.ros.process import EXIT_FAILED, EXIT_OK, EXIT_REFUSED, EXIT_STUC
 from heave_bringup.nodes import PROCESS_BY_NAME
 from heave_bringup.run import composed
 
+TOGETHER = "process of all nodes"
+"""Name of a process that holds them all; its log is nodes.log."""
+
 GRACE = 8.0
 """Wall time that a node has to end after it was asked to [s]."""
 
@@ -116,11 +119,11 @@ class Launcher:
         is_public : other processes get every message
         """
         ros = [*_ros_arguments(scenario_file), *in_namespace(namespace)]
-        self._start("nodes", names, [*composed.command(names, is_public=is_public), *ros], logs)
+        self._start(TOGETHER, names, [*composed.command(names, is_public=is_public), *ros], logs)
 
     def _start(self, name: str, nodes: Sequence[str], command: list[str], logs: Path) -> None:
         logs.mkdir(parents=True, exist_ok=True)
-        log = logs / f"{name}.log"
+        log = logs / f"{'nodes' if name == TOGETHER else name}.log"
         with log.open("wb") as sink:
             process = subprocess.Popen(
                 command,

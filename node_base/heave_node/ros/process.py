@@ -62,7 +62,7 @@ def run_composed(node_types: Sequence[type[HeaveNode]], args: list[str], *, is_p
 
     Parameters
     ----------
-    node_types : their classes
+    node_types : their classes, that of the clock master first: it is built last, and waits for nobody
     args : command line of ROS
     is_public : other processes get every message of every topic, not only a glance
 
@@ -93,7 +93,7 @@ def _run(
     if notice:
         nodes[0].get_logger().warning(notice)
     _end_on_signals(nodes)
-    for node in nodes:
+    for node in reversed(nodes):
         node.fail_on_error(partial(_start, node))
     spin_nodes(nodes)
     failed = sorted((node for node in nodes if node.failure), key=lambda node: node.failed_at, reverse=True)
