@@ -10,13 +10,14 @@ import sys
 import time
 
 import rclpy
-from cable_sim_node.conversions import winch_command_of, winch_state_message
+from cable_sim_node.conversions import winch_state_message
 from cable_sim_node.winch.component import VirtualWinch
+from cable_sim_node.winch.component import WinchCommand as WinchOrder
 from heave_bringup.scenarios import load_scenario
 from heave_msgs.msg import WinchCommand, WinchState
-from heave_node.tick.tick import stamp_of
 from rclpy.node import Node
 from rclpy.qos import qos_profile_sensor_data
+from rclpy.serialization import deserialize_message
 
 PERIOD = 0.01
 """Of its own loop [s]; every second state is published."""
@@ -35,7 +36,7 @@ class Drive(Node):
         self.create_timer(PERIOD, self.work)
 
     def on_command(self, message: WinchCommand) -> None:
-        self.newest = winch_command_of(message)
+        self.newest = WinchOrder(message.sequence, message.payout, message.payout_rate, message.brake)
 
     def work(self) -> None:
         elapsed = time.monotonic() - self.began
@@ -43,7 +44,8 @@ class Drive(Node):
             self.state = self.winch.step(self.winch.tick, self.newest)
         if self.winch.tick % 2:
             return
-        message = winch_state_message(self.state, stamp_of(round((OFFSET + (1.0 + DRIFT) * elapsed) * 1e9)))
+        stamp = round((OFFSET + (1.0 + DRIFT) * elapsed) * 1e9)
+        message = deserialize_message(winch_state_message(self.state, stamp), WinchState)
         message.payout = message.payout_rate = message.payout_acceleration = message.power = math.nan
         self.publisher.publish(message)
 

@@ -10,7 +10,7 @@ import pytest
 from domain_coordinator import domain_id
 from heave_bags.analyse import kpi_set
 from heave_bags.mcap.reader import Bag
-from heave_bags.record.recording import header_stamp
+from heave_node.cdr.unpacker import header_stamp
 
 from tests.loop_runs import command, environment, heave, recorded_messages, run_scenario, wait_until
 

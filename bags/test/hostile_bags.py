@@ -11,8 +11,8 @@ from pathlib import Path
 
 import lz4.frame
 import zstandard
-from heave_bags.mcap.ros.definitions import schema_text
 from heave_bags.mcap.summary import MAGIC, interim_ending
+from heave_node.cdr.definitions import schema_text
 from mcap.data_stream import RecordBuilder
 from mcap.opcode import Opcode
 from mcap.records import Attachment, Channel, Chunk, Footer, Header, McapRecord, Message, Metadata, Schema, Statistics

@@ -15,7 +15,7 @@ from heave_bags.analyse.fields import on_one_clock
 from heave_bags.errors import BagError
 from heave_bags.mcap.bag_writer import BagWriter
 from heave_bags.mcap.reader import Bag
-from heave_bags.mcap.ros.definitions import schema_text
+from heave_node.cdr.definitions import schema_text
 from made_up_run import TYPES, MadeUpRun, tick_messages, write_run
 from rclpy.serialization import serialize_message
 

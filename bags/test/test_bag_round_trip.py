@@ -10,9 +10,9 @@ from heave_bags.cdr.canonical import Canonical
 from heave_bags.errors import BagError
 from heave_bags.mcap.bag_writer import BagPolicy, BagWriter
 from heave_bags.mcap.reader import Bag, summary_of
-from heave_bags.mcap.ros.definitions import DefinitionError, schema_text, type_hash
 from heave_bags.mcap.ros.qos import OfferedQos, from_yaml, to_yaml
 from heave_bags.mcap.writer import ChunkPolicy
+from heave_node.cdr.definitions import DefinitionError, schema_text, type_hash
 from made_up_run import TYPES, MadeUpRun, tick_messages, write_run
 from mcap_ros2.reader import read_ros2_messages
 from rclpy.serialization import serialize_message

@@ -6,10 +6,9 @@ import sys
 from pathlib import Path
 
 import pytest
-from heave_bags.cdr.layout import MessageLayouts
-from heave_bags.errors import BagError
 from heave_bags.mcap.bounds import LARGEST_RECORD, BoundError, load_yaml, unpack, unpack_part
 from heave_bags.mcap.reader import Bag
+from heave_node.cdr.layout import LayoutError, MessageLayouts
 from hostile_bags import hostile_files, write_hostile_bags
 
 MEMORY = 500 << 20
@@ -100,13 +99,13 @@ def test_yaml_as_bags_have_it_is_read():
 
 
 def test_a_definition_without_an_end_is_refused():
-    with pytest.raises(BagError, match="nests types"):
+    with pytest.raises(LayoutError, match="nests types"):
         MessageLayouts("p/msg/T", "T a\n")
 
 
 def test_a_sequence_longer_than_its_message_is_refused_at_once():
     layouts = MessageLayouts("p/msg/A", "E[] a\n" + "=" * 80 + "\nMSG: p/E\nuint8[0] nothing\n")
-    with pytest.raises(BagError, match="4294967295 elements"):
+    with pytest.raises(LayoutError, match="4294967295 elements"):
         layouts.of(b"\x00\x01\x00\x00\xff\xff\xff\xff")
 
 

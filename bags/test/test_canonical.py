@@ -4,9 +4,9 @@ import random
 
 import pytest
 from heave_bags.cdr.canonical import Canonical
-from heave_bags.cdr.layout import MessageLayouts
-from heave_bags.mcap.ros.definitions import schema_text
 from heave_msgs.msg import ControllerState, SeaState, SensorHealth
+from heave_node.cdr.definitions import schema_text
+from heave_node.cdr.layout import MessageLayouts
 from hypothesis import given
 from hypothesis import strategies as st
 from rclpy.serialization import deserialize_message, serialize_message

@@ -7,8 +7,8 @@ from xml.etree import ElementTree
 
 import pytest
 import yaml
-from heave_bags.cdr.layout import PRIMITIVES, parse_schema
-from heave_bags.mcap.ros.definitions import schema_text
+from heave_node.cdr.definitions import schema_text
+from heave_node.cdr.layout import PRIMITIVES, parse_schema
 from heave_node.interface.topics import ALL_TOPICS
 
 CONFIG = Path(__file__).parent.parent / "config"

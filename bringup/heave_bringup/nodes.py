@@ -17,33 +17,52 @@ class NodeEntry:
     Attributes
     ----------
     name : node name
-    module : that runs it (`python -m module`)
+    node : its class, as "module:class"; the module runs it (`python -m module`)
     parameters : its parameter set, as "module:class"
     """
 
     name: str
-    module: str
+    node: str
     parameters: str
 
+    @property
+    def module(self) -> str:
+        """Name of the module that runs the node."""
+        return self.node.partition(":")[0]
+
+    def node_type(self) -> type[Any]:
+        """Return the node's class; imported only on request, since plants and controllers are heavy."""
+        return _imported(self.node)
+
     def parameters_type(self) -> type[Any]:
-        """Return the parameter set's class; imported only on request, since plants and controllers are heavy."""
-        module, name = self.parameters.split(":")
-        return getattr(importlib.import_module(module), name)  # type: ignore[no-any-return]
+        """Return the parameter set's class; imported only on request too."""
+        return _imported(self.parameters)
+
+
+def _imported(place: str) -> type[Any]:
+    module, name = place.split(":")
+    return getattr(importlib.import_module(module), name)  # type: ignore[no-any-return]
 
 
 NODES: tuple[NodeEntry, ...] = (
-    NodeEntry("cable_sim", "cable_sim_node.node", "cable_sim_node.node_parameters:CableSimNodeParameters"),
-    NodeEntry("wave_vessel", "wave_vessel_node.node", "wave_vessel_node.parameters:WaveVesselParameters"),
-    NodeEntry("virtual_winch", "cable_sim_node.winch_node", "cable_sim_node.winch.parameters:WinchParameters"),
+    NodeEntry("cable_sim", "cable_sim_node.node:CableSimNode", "cable_sim_node.node_parameters:CableSimNodeParameters"),
+    NodeEntry(
+        "wave_vessel", "wave_vessel_node.node:WaveVesselNode", "wave_vessel_node.parameters:WaveVesselParameters"
+    ),
+    NodeEntry(
+        "virtual_winch", "cable_sim_node.winch_node:VirtualWinchNode", "cable_sim_node.winch.parameters:WinchParameters"
+    ),
     NodeEntry(
         "winch_controller",
-        "winch_controller_node.node",
+        "winch_controller_node.node:WinchControllerNode",
         "winch_controller_node.node_parameters:WinchControllerParameters",
     ),
-    NodeEntry("recorder", "heave_bags.record.recorder_node", "heave_bags.record.parameters:RecorderParameters"),
+    NodeEntry(
+        "recorder", "heave_bags.record.recorder_node:RecorderNode", "heave_bags.record.parameters:RecorderParameters"
+    ),
 )
 SHIP_CLOCK = NodeEntry(
-    "ship_clock", "heave_bringup.external.ship_clock", "heave_bringup.external.ship_clock:ShipClockParameters"
+    "ship_clock", "heave_bringup.external.ship_clock:ShipClock", "heave_bringup.external.ship_clock:ShipClockParameters"
 )
 """Leads a run in which the plant is the ship itself."""
 NODE_BY_NAME = {node.name: node for node in NODES}

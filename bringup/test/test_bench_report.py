@@ -4,15 +4,20 @@ import math
 
 from heave_bringup.bench.report import HOW_TO_GET_THE_PEER, tables
 
-ROW = {"segments": 20, "ms_per_simulated_s": 2.0, "error_percent": 0.05, "ratio_to_moordyn": 11.0}
+PEERS = {
+    "RK2": {"ms_per_simulated_s": 22.0, "error_percent": 0.06},
+    "RK4": {"ms_per_simulated_s": 30.0, "error_percent": 0.05},
+}
+ROW = {"segments": 20, "ms_per_simulated_s": 2.0, "error_percent": 0.05, "peers": PEERS, "ratio_to_moordyn": 11.0}
 
 
 def test_without_the_peer_one_line_says_what_to_install():
-    (_, line) = tables({"plant": [{**ROW, "ratio_to_moordyn": math.nan}]})
+    (_, line) = tables({"plant": [{**ROW, "peers": {}, "ratio_to_moordyn": math.nan}]})
     assert line == HOW_TO_GET_THE_PEER
     assert "pip install 'heave[bench]'" in line
     assert "\n" not in line
-    assert len(tables({"plant": [ROW]})) == 1
+    (table,) = tables({"plant": [ROW]})
+    assert [str(column.header) for column in table.columns].count("error %") == 3
 
 
 def test_the_processes_of_the_loop_bound_its_speed():

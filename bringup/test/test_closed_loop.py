@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Iterable
-from typing import Any
 
 import numpy as np
 import pytest
 from cable_sim_node.component import CableSim
 from cable_sim_node.conversions import (
+    DRUM_MOTION,
+    POINT_MOTION,
+    WINCH_COMMAND,
     drum_motion_of,
     point_motion_of,
     winch_command_of,
@@ -22,20 +24,20 @@ from heave_bags.analyse import kpi_set
 from heave_bringup.campaign.runs import run_signals
 from heave_bringup.closed_loop import ClosedLoop, LoopParameters, LoopRecord, loop_parameters
 from heave_bringup.scenarios import make_scenario
-from heave_msgs.msg import WinchState
+from heave_node.interface import topics
 from heave_node.interface.faults import FAULTS, LARGEST_DELAY, faults_of
-from heave_node.interface.messages import SensorMessages
-from heave_node.interface.sensors import MRU, SENSORS, STANDARD_WATER, Water, all_to_wire
+from heave_node.interface.messages import MessageReader, SensorMessages
+from heave_node.interface.sensors import MRU, SENSORS, STANDARD_WATER, Water, WireReading, all_to_wire
+from heave_node.interface.topic import Topic
 from heave_node.parameters import ParameterInfo, describe
-from heave_node.tick.tick import Tick, nanoseconds_of
+from heave_node.tick.tick import Tick
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
-from rclpy.serialization import deserialize_message, serialize_message
 from wave_vessel_node.component import WaveVessel
 from wave_vessel_node.conversions import boom_tip_message
 from wave_vessel_node.parameters import WaveVesselParameters
 from winch_controller_node.component import WinchController
-from winch_controller_node.interface.conversions import command_message, measurements, winch_reading
+from winch_controller_node.interface.conversions import WINCH_STATE, command_message, measurements, winch_reading_of
 from winch_controller_node.interface.readings import Measurements, Outputs
 from winch_controller_node.interface.sensors import INPUTS
 from winch_controller_node.node_parameters import WinchControllerParameters
@@ -43,9 +45,9 @@ from winch_controller_node.node_parameters import WinchControllerParameters
 DURATION = 3.0
 
 
-def sent(message: Any) -> Any:
-    """Return the message as its subscriber gets it."""
-    return deserialize_message(serialize_message(message), type(message))
+def heard(topic: Topic, fields: tuple[str, ...], data: bytes) -> WireReading:
+    """Return the reading that a node has of a message."""
+    return MessageReader(topic.type, fields).reading(data)
 
 
 class LoopOverMessages:
@@ -59,7 +61,7 @@ class LoopOverMessages:
         self.controller = WinchController(p.controller, tick_period=self.dt, seed=p.seed)
         self.water = Water(p.controller.water_density, p.controller.gravity)
         self.messages = {name: SensorMessages(sensor) for name, sensor in SENSORS.items()}
-        self.winch_state: WinchState | None = None
+        self.winch_state: bytes | None = None
 
     def step(self, number: int) -> tuple[Measurements, Outputs, tuple[float, ...]]:
         tick = Tick(number, 1, round(self.dt * 1e9))
@@ -68,21 +70,22 @@ class LoopOverMessages:
         on_wire = all_to_wire(readings, self.plant.water)
         on_wire["mru"] = [MRU.to_wire(vessel.mru, STANDARD_WATER)] if vessel.mru is not None else []
         delivered = {
-            name: [messages.reading(sent(messages.message(reading))) for reading in on_wire.get(name, [])]
+            name: [messages.reading(messages.message(reading)) for reading in on_wire.get(name, [])]
             for name, messages in self.messages.items()
             if name in INPUTS
         }
         winch = self.winch_state
-        reading = winch_reading(winch, nanoseconds_of(winch.header.stamp)) if winch is not None else None
+        reading = winch_reading_of(heard(topics.WINCH_STATE, WINCH_STATE, winch)) if winch is not None else None
         taken = measurements(delivered, reading, self.water)
         outputs = self.controller.step(number, taken)
-        command = winch_command_of(sent(command_message(outputs.order, tick.stamp)))
+        ordered = command_message(outputs.order, tick.start_nanoseconds)
+        command = winch_command_of(heard(topics.WINCH_COMMAND, WINCH_COMMAND, ordered))
         row = (state.unit.position[2], self.winch.state.payout, self.winch.state.payout_rate, state.top_tension)
-        self.winch_state = sent(
-            winch_state_message(self.winch.step(number, command, state.top_tension), tick.end_stamp)
-        )
-        drum = drum_motion_of(self.winch_state)
-        tip = point_motion_of(sent(boom_tip_message(vessel.boom_tip, tick.end_stamp)))
+        reached = self.winch.step(number, command, state.top_tension)
+        self.winch_state = winch_state_message(reached, tick.end_nanoseconds)
+        drum = drum_motion_of(heard(topics.WINCH_STATE, DRUM_MOTION, self.winch_state))
+        moved = boom_tip_message(vessel.boom_tip, tick.end_nanoseconds)
+        tip = point_motion_of(heard(topics.BOOM_TIP, POINT_MOTION, moved))
         self.plant.advance(
             number, tip, (float(drum.position[0]), float(drum.velocity[0])), outputs.report.depth_set_point
         )

@@ -17,6 +17,11 @@ from heave_bringup.cli import main
             ["run", "b2_calm_300", "--duratoin", "3"],
             "heave run: unrecognized arguments: --duratoin 3; did you mean --duration?",
         ),
+        (["run", "b2_calm_300", "--publish"], "heave: --publish: goes with --composed"),
+        (
+            ["run", "b2_calm_300", "--composed", "--foreign", "wave_vessel"],
+            "heave: --composed: all nodes must be the suite's own, but wave_vessel is replaced",
+        ),
         (["run", "b2_calm_300", "--seed", "one"], "heave run: argument --seed: invalid int value: 'one'"),
         (["repair", "bag"], "heave repair: one of the arguments --output --reindex is required"),
         (["sail"], "heave: argument COMMAND: invalid choice: 'sail'"),

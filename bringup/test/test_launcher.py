@@ -15,7 +15,7 @@ class Node:
         time.sleep(60.0)
 
 process.SHUTDOWN_TIMEOUT = 1
-process.shut_down(Node())
+process.shut_down([Node()])
 """
 
 
@@ -24,7 +24,7 @@ def ended(tmp_path, name, program):
     with log.open("wb") as sink:
         process = subprocess.Popen([sys.executable, "-c", program], stdout=sink, stderr=subprocess.STDOUT)
     process.wait(timeout=30.0)
-    return NodeProcess(name, process, log)
+    return NodeProcess(name, process, log, [name])
 
 
 def test_a_node_that_the_middleware_does_not_let_go_has_left_and_holds_up_nobody(tmp_path):
@@ -57,7 +57,7 @@ def test_what_is_said_of_a_node_that_failed(tmp_path, program, words):
 def test_a_node_under_way_is_named_until_it_ends(tmp_path):
     process = subprocess.Popen([sys.executable, "-c", "import time; time.sleep(60.0)"])
     launcher = Launcher()
-    launcher.nodes.append(NodeProcess("virtual_winch", process, tmp_path / "log"))
+    launcher.nodes.append(NodeProcess("virtual_winch", process, tmp_path / "log", ["virtual_winch"]))
     assert launcher.running() == ["virtual_winch"]
     assert launcher.failed() == []
     assert launcher.left() == []

@@ -69,7 +69,7 @@ def test_a_second_interrupt_leaves_no_process(tmp_path):
     process.stdout.read(2)
     before = signal.getsignal(signal.SIGINT)
     launcher = Launcher()
-    launcher.nodes.append(NodeProcess("wave_vessel", process, tmp_path / "log"))
+    launcher.nodes.append(NodeProcess("wave_vessel", process, tmp_path / "log", ["wave_vessel"]))
     interrupts = threading.Timer(0.3, lambda: os.kill(os.getpid(), signal.SIGINT))
     interrupts.start()
     with run.interrupts_skip_grace(launcher):

@@ -16,7 +16,7 @@ from heave_node.numerics.arrays import Array
 from heave_node.numerics.kinematics import PointMotion
 
 from cable_sim_node.errors import BadMotionError, PlantError
-from cable_sim_node.inputs import BridgedInput
+from cable_sim_node.inputs import BridgedInput, Motion, is_finite
 from cable_sim_node.line.dynamics import CableDynamics
 from cable_sim_node.node_parameters import CableSimNodeParameters
 from cable_sim_node.physics.seabed import Seabed
@@ -26,8 +26,6 @@ from cable_sim_node.sensors.suite import SensorReadings, SensorSuite
 from cable_sim_node.shadow import ShadowPayout
 from cable_sim_node.vertical.linear_plant import LinearPlant
 
-Motion = tuple[Array, Array, Array]
-"""Position, velocity and acceleration."""
 Dynamics = CableDynamics | LinearPlant
 
 LARGEST_START_GAP = 20.0
@@ -114,8 +112,8 @@ class CableSim:
         time = self.tick * self._tick_period
         return PlantState(
             time=time,
-            node_positions=plant.node_positions.copy(),
-            segment_tensions=plant.segment_tensions.copy(),
+            node_positions=plant.node_positions,
+            segment_tensions=plant.segment_tensions,
             top_tension=plant.top_tension,
             unstretched_length=plant.unstretched_length,
             slack_segments=plant.slack_segments,
@@ -199,9 +197,9 @@ class CableSim:
 
         Raises BadMotionError where the first value is far from where the plant rests.
         """
-        if value is None or not all(np.isfinite(part).all() for part in value):
+        if value is None or not is_finite(value):
             return None
-        step = float(np.abs(value[0] - signal.position).max())
+        step = max(map(abs, (value[0] - signal.position).tolist()))
         if not signal.has_started and step > LARGEST_START_GAP:
             raise BadMotionError(
                 f"cable_sim: the first {signal.name} is {step:.1f} m from the rest position of the plant; "
@@ -209,7 +207,8 @@ class CableSim:
                 "cable_sim's length"
             )
         largest_step = IMPLAUSIBLE_SPEED * self._tick_period * (signal.missing_in_a_row + 1)
-        is_fast = np.abs(value[1]).max() > IMPLAUSIBLE_SPEED or (signal.has_started and step > largest_step)
+        speed = max(map(abs, value[1].tolist()))
+        is_fast = speed > IMPLAUSIBLE_SPEED or (signal.has_started and step > largest_step)
         return None if is_fast else value
 
     def _height_above_seabed(self, position: Array) -> float:
@@ -230,9 +229,7 @@ def _at_rest(parameters: CableSimNodeParameters, boom_tip: Array) -> Dynamics:
 
 
 def _unit_motion(dynamics: Dynamics, time: float) -> PointMotion:
-    return PointMotion(
-        time, dynamics.unit_position.copy(), dynamics.unit_velocity.copy(), dynamics.unit_acceleration.copy()
-    )
+    return PointMotion(time, dynamics.unit_position, dynamics.unit_velocity, dynamics.unit_acceleration)
 
 
 def _parts(motion: PointMotion | None) -> Motion | None:

@@ -1,129 +1,99 @@
-"""Plant and winch data as ROS messages, and back; readings of sensors are `heave_node.interface.messages`."""
+"""Plant and winch data as serialised messages, and back; readings of sensors are `heave_node.interface.messages`.
+
+Each table names the fields of a message in the order in which the function below it fills or reads them.
+"""
 
 from __future__ import annotations
 
 import math
+from operator import attrgetter
 from typing import TYPE_CHECKING
 
 import numpy as np
-from builtin_interfaces.msg import Time
-from geometry_msgs.msg import Point, Quaternion, Vector3
-from heave_msgs.msg import CableState
-from heave_msgs.msg import PointMotion as PointMotionMessage
-from heave_msgs.msg import WinchCommand as WinchCommandMessage
-from heave_msgs.msg import WinchState as WinchStateMessage
-from heave_node.numerics.arrays import Array
+from heave_node.cdr.packer import Packer
+from heave_node.interface import topics
+from heave_node.interface.sensors import WireReading
 from heave_node.numerics.kinematics import PointMotion
-from heave_node.tick.tick import seconds_of
-from nav_msgs.msg import Odometry
-from std_msgs.msg import Header
 
 from cable_sim_node.winch.component import WinchCommand, WinchState
 
 if TYPE_CHECKING:  # the winch converts without the plant and its solver
     from cable_sim_node.component import PlantState
 
-
 WORLD = "world"
 UNIT = "unit"
-UPRIGHT = (0.0, 0.0, 0.0, 1.0)
+
+_STAMP = "header.stamp"
+_IN_WORLD = {"header.frame_id": WORLD}
+
+_CABLE_SCALARS = (
+    *("top_tension", "unstretched_length", "slack_segments", "touchdown", "touchdown_force"),
+    "compensator_stroke",
+)
+_cable_scalars = attrgetter(*_CABLE_SCALARS)
+_CABLE_STATE = Packer(
+    topics.CABLE_STATE.type, (_STAMP, "nodes", "segment_tension", "bottom_tension", *_CABLE_SCALARS), _IN_WORLD
+)
+
+POINT_MOTION = ("position", "velocity", "acceleration")
+_POINT_MOTION = Packer(topics.BOOM_TIP.type, (_STAMP, *POINT_MOTION), _IN_WORLD)
+
+_UNIT_ODOMETRY = Packer(
+    topics.UNIT_ODOMETRY.type,
+    (_STAMP, "pose.pose.position", "twist.twist.linear"),
+    # the unit does not turn: its frame has the axes of the world
+    {**_IN_WORLD, "child_frame_id": UNIT, "pose.pose.orientation.w": 1.0},
+)
+
+_WINCH_STATE_FIELDS = (
+    *("command_sequence", "payout", "payout_rate", "payout_acceleration", "encoder_payout", "encoder_payout_rate"),
+    *("tension", "power", "limits_hit", "brake", "fault", "release"),
+)
+_winch_values = attrgetter(*_WINCH_STATE_FIELDS)
+_WINCH_STATE = Packer(topics.WINCH_STATE.type, (_STAMP, *_WINCH_STATE_FIELDS))
+
+WINCH_COMMAND = ("sequence", "payout", "payout_rate", "brake")
+DRUM_MOTION = ("payout", "payout_rate", "payout_acceleration", "encoder_payout", "encoder_payout_rate")
 
 
-def header(stamp: Time, frame: str) -> Header:
-    """Return the header of a message of `stamp` in `frame`."""
-    return Header(stamp=stamp, frame_id=frame)
+def cable_state_message(state: PlantState, stamp: int) -> bytes:
+    """Return the `state` of the cable at `stamp` [ns]."""
+    tensions = state.segment_tensions
+    return _CABLE_STATE.pack(stamp, state.node_positions, tensions, tensions[0], *_cable_scalars(state))
 
 
-def _vector(values: Array) -> Vector3:
-    return Vector3(x=float(values[0]), y=float(values[1]), z=float(values[2]))
+def point_motion_message(motion: PointMotion, stamp: int) -> bytes:
+    """Return the `motion` of a point at `stamp` [ns], frame `world`."""
+    return _POINT_MOTION.pack(stamp, motion.position, motion.velocity, motion.acceleration)
 
 
-def point_message(values: Array) -> Point:
-    """Return the position `values`, shape (3,) [m], as a message."""
-    return Point(x=float(values[0]), y=float(values[1]), z=float(values[2]))
+def point_motion_of(reading: WireReading) -> PointMotion:
+    """Return the motion that a `reading` of the fields POINT_MOTION tells."""
+    numbers = np.array(reading.numbers)
+    return PointMotion(reading.time, numbers[0:3], numbers[3:6], numbers[6:9])
 
 
-def _upright() -> Quaternion:
-    x, y, z, w = UPRIGHT
-    return Quaternion(x=x, y=y, z=z, w=w)
+def unit_odometry_message(motion: PointMotion, stamp: int) -> bytes:
+    """Return the true `motion` of the unit at `stamp` [ns]; it stays upright."""
+    return _UNIT_ODOMETRY.pack(stamp, motion.position, motion.velocity)
 
 
-def cable_state_message(state: PlantState, stamp: Time) -> CableState:
-    """Return the `state` of the cable at `stamp`."""
-    return CableState(
-        header=header(stamp, WORLD),
-        nodes=[point_message(position) for position in state.node_positions],
-        segment_tension=state.segment_tensions,
-        top_tension=float(state.top_tension),
-        bottom_tension=float(state.segment_tensions[0]),
-        unstretched_length=float(state.unstretched_length),
-        slack_segments=int(state.slack_segments),
-        touchdown=bool(state.touchdown),
-        touchdown_force=float(state.touchdown_force),
-        compensator_stroke=float(state.compensator_stroke),
-    )
+def winch_state_message(state: WinchState, stamp: int) -> bytes:
+    """Return the `state` of the winch at `stamp` [ns]."""
+    return _WINCH_STATE.pack(stamp, *_winch_values(state))
 
 
-def point_motion_message(motion: PointMotion, stamp: Time) -> PointMotionMessage:
-    """Return the `motion` of a point at `stamp`, frame `world`."""
-    return PointMotionMessage(
-        header=header(stamp, WORLD),
-        position=point_message(motion.position),
-        velocity=_vector(motion.velocity),
-        acceleration=_vector(motion.acceleration),
-    )
+def winch_command_of(reading: WireReading) -> WinchCommand:
+    """Return the command that a `reading` of the fields WINCH_COMMAND tells."""
+    sequence, payout, payout_rate, brake = reading.numbers
+    return WinchCommand(int(sequence), payout, payout_rate, bool(brake))
 
 
-def point_motion_of(message: PointMotionMessage) -> PointMotion:
-    """Return the motion that a message tells."""
-    p, v, a = message.position, message.velocity, message.acceleration
-    return PointMotion(
-        seconds_of(message.header.stamp),
-        np.array([p.x, p.y, p.z]),
-        np.array([v.x, v.y, v.z]),
-        np.array([a.x, a.y, a.z]),
-    )
+def drum_motion_of(reading: WireReading) -> PointMotion:
+    """Return what a `reading` of the fields DRUM_MOTION tells, as a motion with one coordinate, payout [m].
 
-
-def unit_odometry_message(motion: PointMotion, stamp: Time) -> Odometry:
-    """Return the true `motion` of the unit at `stamp`. It does not turn: child frame `unit` has the axes of `world`."""
-    message = Odometry(header=header(stamp, WORLD), child_frame_id=UNIT)
-    message.pose.pose.position = point_message(motion.position)
-    message.pose.pose.orientation = _upright()
-    message.twist.twist.linear = _vector(motion.velocity)
-    return message
-
-
-def winch_state_message(state: WinchState, stamp: Time) -> WinchStateMessage:
-    """Return the `state` of the winch at `stamp`."""
-    return WinchStateMessage(
-        header=header(stamp, ""),
-        command_sequence=state.command_sequence,
-        payout=state.payout,
-        payout_rate=state.payout_rate,
-        payout_acceleration=state.payout_acceleration,
-        encoder_payout=state.encoder_payout,
-        encoder_payout_rate=state.encoder_payout_rate,
-        tension=state.tension,
-        power=state.power,
-        limits_hit=int(state.limits_hit),
-        brake=state.brake,
-        fault=int(state.fault),
-        release=int(state.release),
-    )
-
-
-def winch_command_of(message: WinchCommandMessage) -> WinchCommand:
-    """Return the command that a message tells."""
-    return WinchCommand(message.sequence, message.payout, message.payout_rate, message.brake)
-
-
-def drum_motion_of(message: WinchStateMessage) -> PointMotion:
-    """Return payout, rate and acceleration of a `message` as a motion with one coordinate, payout [m].
-
-    They are the drum's truth, or the encoder's reading of hardware that has nothing better (without acceleration).
+    It is the drum's truth, or the encoder's reading of hardware that has nothing better (without acceleration).
     """
-    truth = (message.payout, message.payout_rate, message.payout_acceleration)
-    encoder = (message.encoder_payout, message.encoder_payout_rate, 0.0)
+    truth, encoder = reading.numbers[:3], (*reading.numbers[3:], 0.0)
     payout, rate, acceleration = truth if all(math.isfinite(value) for value in truth) else encoder
-    return PointMotion(seconds_of(message.header.stamp), np.array([payout]), np.array([rate]), np.array([acceleration]))
+    return PointMotion(reading.time, np.array([payout]), np.array([rate]), np.array([acceleration]))

@@ -25,6 +25,15 @@ FELT_GAP_RATE = 0.1
 LONGEST_EXTRAPOLATION = 0.5
 """A value older than this is missing [s]."""
 
+Motion = tuple[Array, Array, Array]
+"""Position, velocity and acceleration."""
+
+
+def is_finite(motion: Motion) -> bool:
+    """Return whether every number of a `motion` is finite, and so their sum."""
+    position, velocity, acceleration = motion
+    return math.isfinite(sum(position.tolist()) + sum(velocity.tolist()) + sum(acceleration.tolist()))
+
 
 class NewestMotion:
     """The newest motion of a signal, carried forward to the requested time."""
@@ -74,15 +83,16 @@ class BridgedInput:
         self.missing = 0
         self.has_started = False
         self._tick_period = tick_period
+        self._has_gap = False
         self._gap = np.zeros_like(position)
         self._gap_rate = np.zeros_like(position)
 
-    def advance(self, value: tuple[Array, Array, Array] | None) -> None:
+    def advance(self, value: Motion | None) -> None:
         """Take the value (position, velocity, acceleration) of the next tick, or None where it is missing.
 
         A value that is not finite counts as missing.
         """
-        if value is None or not all(np.isfinite(part).all() for part in value):
+        if value is None or not is_finite(value):
             self.missing_in_a_row += 1
             self.missing += 1
             self._coast()
@@ -90,7 +100,7 @@ class BridgedInput:
         position, velocity, acceleration = value
         if self.missing_in_a_row or not self.has_started:
             self._open_gap(position, velocity)
-        if not self._gap.any() and not self._gap_rate.any():
+        if not self._has_gap:
             self.position, self.velocity, self.acceleration = position, velocity, acceleration
             return
         gap_acceleration = self._close_gap()
@@ -111,12 +121,14 @@ class BridgedInput:
         is_felt = np.abs(gap).max() > FELT_GAP or np.abs(gap_rate).max() > FELT_GAP_RATE
         if self.has_started or is_felt:
             self._gap, self._gap_rate = gap, gap_rate
+            self._has_gap = bool(gap.any() or gap_rate.any())
         self.has_started = True
         self.missing_in_a_row = 0
 
     def _close_gap(self) -> Array:
         """Let the gap close by a tick and return its acceleration; a gap below any sensor's resolution is gone."""
         if np.abs(self._gap).max() < 1e-9 and np.abs(self._gap_rate).max() < 1e-9:
+            self._has_gap = False
             self._gap = np.zeros_like(self._gap)
             self._gap_rate = np.zeros_like(self._gap)
             return np.zeros_like(self._gap)

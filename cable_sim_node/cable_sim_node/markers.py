@@ -9,11 +9,11 @@ import numpy as np
 from builtin_interfaces.msg import Duration, Time
 from geometry_msgs.msg import Point, Vector3
 from heave_node.numerics.arrays import Array
-from std_msgs.msg import ColorRGBA
+from std_msgs.msg import ColorRGBA, Header
 from visualization_msgs.msg import Marker, MarkerArray
 
 from cable_sim_node.component import PlantState
-from cable_sim_node.conversions import WORLD, header, point_message
+from cable_sim_node.conversions import WORLD
 from cable_sim_node.parameters import SeabedParameters
 from cable_sim_node.physics.seabed import Seabed
 
@@ -54,7 +54,9 @@ def plant_markers(state: PlantState, seabed: SeabedParameters, stamp: Time) -> M
 
 
 def _marker(identifier: int, kind: int, stamp: Time) -> Marker:
-    marker = Marker(header=header(stamp, WORLD), ns=NAMESPACE, id=identifier, type=kind, action=Marker.ADD)
+    marker = Marker(
+        header=Header(stamp=stamp, frame_id=WORLD), ns=NAMESPACE, id=identifier, type=kind, action=Marker.ADD
+    )
     marker.pose.orientation.w = 1.0
     marker.lifetime = Duration()
     return marker
@@ -63,7 +65,7 @@ def _marker(identifier: int, kind: int, stamp: Time) -> Marker:
 def _cable(state: PlantState, stamp: Time, *, width: float) -> Marker:
     marker = _marker(0, Marker.LINE_STRIP, stamp)
     marker.scale.x = width
-    marker.points = [point_message(position) for position in state.node_positions]
+    marker.points = [_point(position) for position in state.node_positions]
     colors = [TAUT if tension > 0.0 else SLACK for tension in state.segment_tensions]
     marker.colors = [*colors, colors[-1]]
     marker.color = TAUT
@@ -72,10 +74,14 @@ def _cable(state: PlantState, stamp: Time, *, width: float) -> Marker:
 
 def _body(identifier: int, kind: int, position: Array, size: float, color: ColorRGBA, stamp: Time) -> Marker:
     marker = _marker(identifier, kind, stamp)
-    marker.pose.position = point_message(position)
+    marker.pose.position = _point(position)
     marker.scale = Vector3(x=size, y=size, z=size)
     marker.color = color
     return marker
+
+
+def _point(position: Array) -> Point:
+    return Point(x=float(position[0]), y=float(position[1]), z=float(position[2]))
 
 
 def _ground(

@@ -48,11 +48,11 @@ class CableSimNode(ClockMasterNode):
         self.unit_odometry = self.add_output(topics.UNIT_ODOMETRY)
         self.uncompensated = self.add_output(topics.UNIT_UNCOMPENSATED)
         self.markers = self.add_output(topics.MARKERS)
-        self.boom_tip = self.add_input(topics.BOOM_TIP)
-        self.winch_state = self.add_input(topics.WINCH_STATE)
-        # it takes time to read, and only a shadow that is lowered needs it
+        self.boom_tip = self.add_input(topics.BOOM_TIP, conversions.POINT_MOTION)
+        self.winch_state = self.add_input(topics.WINCH_STATE, conversions.DRUM_MOTION)
+        # only a shadow that is lowered needs it
         follows = self.parameters.shadow_follows_programme
-        self.controller_state = self.add_input(topics.CONTROLLER_STATE) if follows else None
+        self.programme = self.add_input(topics.CONTROLLER_STATE, ("depth_set_point",)) if follows else None
         FaultService(self, lambda: {name: sensor.faults for name, sensor in self.plant.sensors.items()})
 
     def on_reset(self) -> None:
@@ -79,19 +79,19 @@ class CableSimNode(ClockMasterNode):
 
     def _promise_state(self, state: PlantState, tick: Tick) -> None:
         """Publish the truth, which only the virtual winch waits for."""
-        stamp = tick.stamp
+        stamp = tick.start_nanoseconds
         self.cable_state.publish_deferred(lambda: conversions.cable_state_message(state, stamp))
         self.unit_odometry.publish_deferred(lambda: conversions.unit_odometry_message(state.unit, stamp))
         self.uncompensated.publish_deferred(lambda: conversions.point_motion_message(state.uncompensated, stamp))
         if self._are_markers_due(tick):
-            self.markers.publish_deferred(lambda: plant_markers(state, self.parameters.seabed, stamp))
+            self.markers.publish_deferred(lambda: plant_markers(state, self.parameters.seabed, tick.stamp))
 
     def on_advance(self, tick: Tick) -> None:
         """Integrate from `tick` k to t_{k+1} with what is here of then; what is missing is bridged and counted."""
-        for message in self.take(self.boom_tip):
-            self.newest_tip.put(conversions.point_motion_of(message))
-        for message in self.take(self.winch_state):
-            self.newest_payout.put(conversions.drum_motion_of(message))
+        for reading in self.take(self.boom_tip):
+            self.newest_tip.put(conversions.point_motion_of(reading))
+        for reading in self.take(self.winch_state):
+            self.newest_payout.put(conversions.drum_motion_of(reading))
         end = tick.end_nanoseconds * 1e-9
         drum = self.newest_payout.at(end)
         try:
@@ -106,11 +106,11 @@ class CableSimNode(ClockMasterNode):
 
     def _programme(self) -> float | None:
         """Return the payout of the controller's depth programme [m]; None where it is not needed."""
-        if self.controller_state is None:
+        if self.programme is None:
             return None
-        self.take(self.controller_state)
-        newest = self.controller_state.latest
-        return None if newest is None else float(newest.depth_set_point)
+        self.take(self.programme)
+        newest = self.programme.latest
+        return None if newest is None else float(newest.numbers[0])
 
     def diagnose(self) -> list[Health]:
         """Say what of the inputs is missing and whether the cable is slack."""

@@ -10,9 +10,9 @@ from heave_node.ros.diagnostics import Health, Level
 from heave_node.ros.fault_service import FaultService
 from heave_node.ros.participant import ParticipantNode
 from heave_node.ros.process import run_node
-from heave_node.tick.tick import Tick, nanoseconds_of
+from heave_node.tick.tick import Tick
 
-from cable_sim_node.conversions import winch_command_of, winch_state_message
+from cable_sim_node.conversions import WINCH_COMMAND, winch_command_of, winch_state_message
 from cable_sim_node.winch.component import VirtualWinch
 from cable_sim_node.winch.parameters import WinchParameters
 
@@ -36,13 +36,14 @@ class VirtualWinchNode(ParticipantNode):
         self.state = self.add_output(topics.WINCH_STATE)
         self.command = self.add_input(
             topics.WINCH_COMMAND,
+            WINCH_COMMAND,
             # what is older than the watchdog's time must not feed it: a controller that was stalled answers for old
             # ticks
             lifespan=self.parameters.command_timeout,
             # a winch that was stalled makes up for each tick with its own command; those of hardware hold from now on
             holds_ahead=CONTROLLER not in self.run.external,
         )
-        self.cable_state = self.add_input(topics.CABLE_STATE, holds_ahead=True)
+        self.top_tension = self.add_input(topics.CABLE_STATE, ("top_tension",), holds_ahead=True)
         FaultService(self, lambda: {"winch": self.winch.faults, "encoder": self.winch.encoder.faults})
 
     def on_reset(self) -> None:
@@ -52,14 +53,14 @@ class VirtualWinchNode(ParticipantNode):
     def on_tick(self, tick: Tick) -> None:
         """Step the winch with the newest command of this tick."""
         commands = self.take(self.command)
-        self.take(self.cable_state)
-        cable = self.cable_state.latest
+        self.take(self.top_tension)
+        newest = self.top_tension.latest
         state = self.winch.step(
             tick.number,
             winch_command_of(commands[-1]) if commands else None,
-            cable.top_tension if cable is not None else float("nan"),
+            newest.numbers[0] if newest is not None else float("nan"),
         )
-        self.state.publish(winch_state_message(state, tick.end_stamp))
+        self.state.publish(winch_state_message(state, tick.end_nanoseconds))
         self._note_cause(tick)
 
     def on_inactive_tick(self, tick: Tick) -> None:
@@ -86,7 +87,7 @@ class VirtualWinchNode(ParticipantNode):
         command = self.command.latest
         if command is None:
             return "no command has come"
-        age = tick.time - 1e-9 * nanoseconds_of(command.header.stamp)
+        age = tick.time - 1e-9 * command.stamp
         if age > NOTABLE_DELAY:
             return f"no command has come for {age:.2f} s"
         return "commands came, but did not reach the drive"

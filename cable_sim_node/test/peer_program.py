@@ -64,7 +64,7 @@ class Sea(ParticipantNode):
         t = tick.end_nanoseconds * 1e-9
         height, rate = 0.5 * (1.0 - math.cos(0.8 * t)), 0.4 * math.sin(0.8 * t)
         motion = PointMotion(t, np.array([0.0, 0.0, height]), np.array([0.0, 0.0, rate]))
-        self.tip.publish(point_motion_message(motion, tick.end_stamp))
+        self.tip.publish(point_motion_message(motion, tick.end_nanoseconds))
         self.heard += self.take(self.winch)
 
     def on_run_ended(self, status: TickStatus) -> None:

@@ -16,13 +16,19 @@ from cable_sim_node.parameters import SeabedParameters, SeabedProfileParameters
 from cable_sim_node.physics.seabed import Seabed
 from cable_sim_node.winch.component import VirtualWinch, WinchCommand
 from cable_sim_node.winch.parameters import WinchParameters
+from heave_msgs.msg import CableState
 from heave_msgs.msg import WinchCommand as WinchCommandMessage
 from heave_msgs.msg import WinchState as WinchStateMessage
+from heave_node.interface import topics
+from heave_node.interface.messages import MessageReader
 from heave_node.numerics.kinematics import PointMotion
+from nav_msgs.msg import Odometry
+from rclpy.serialization import deserialize_message, serialize_message
 from visualization_msgs.msg import Marker
 
 from cable_sim_node import conversions, markers
 
+NOW = 12_350_000_000
 STAMP = Time(sec=12, nanosec=350_000_000)
 MOTION = PointMotion(12.35, np.array([1.0, -2.0, -300.5]), np.array([0.1, 0.2, -0.3]), np.array([0.4, 0.5, 0.6]))
 STATE = PlantState(
@@ -42,7 +48,7 @@ STATE = PlantState(
 
 
 def test_cable_state_holds_the_plant_from_the_unit_upwards() -> None:
-    message = conversions.cable_state_message(STATE, STAMP)
+    message = deserialize_message(conversions.cable_state_message(STATE, NOW), CableState)
     assert (message.header.stamp, message.header.frame_id) == (STAMP, "world")
     assert [(p.x, p.y, p.z) for p in message.nodes] == [tuple(row) for row in STATE.node_positions]
     assert list(message.segment_tension) == [0.0, 31_000.0]
@@ -52,14 +58,15 @@ def test_cable_state_holds_the_plant_from_the_unit_upwards() -> None:
 
 
 def test_point_motion_survives_the_way_there_and_back() -> None:
-    back = conversions.point_motion_of(conversions.point_motion_message(MOTION, STAMP))
+    reader = MessageReader(topics.BOOM_TIP.type, conversions.POINT_MOTION)
+    back = conversions.point_motion_of(reader.reading(conversions.point_motion_message(MOTION, NOW)))
     for name in ("position", "velocity", "acceleration"):
         np.testing.assert_array_equal(getattr(back, name), getattr(MOTION, name))
     assert back.time == pytest.approx(12.35)
 
 
 def test_odometry_of_the_unit_is_in_world_with_the_unit_upright() -> None:
-    message = conversions.unit_odometry_message(MOTION, STAMP)
+    message = deserialize_message(conversions.unit_odometry_message(MOTION, NOW), Odometry)
     assert (message.header.frame_id, message.child_frame_id) == ("world", "unit")
     assert message.pose.pose.position.z == -300.5
     assert message.twist.twist.linear.z == -0.3
@@ -71,14 +78,16 @@ def test_winch_state_and_command_keep_every_field() -> None:
     winch = VirtualWinch(WinchParameters(command_delay=0.0), tick_period=0.05)
     for tick in range(1, 20):
         state = winch.step(tick, WinchCommand(tick, 0.0, 5.0), 30_000.0)
-    message = conversions.winch_state_message(state, STAMP)
+    message = deserialize_message(conversions.winch_state_message(state, NOW), WinchStateMessage)
     for field in dataclasses.fields(state):
         if field.name not in ("time", "limits_hit"):
             assert getattr(message, field.name) == getattr(state, field.name), field.name
     assert message.limits_hit == WinchStateMessage.LIMIT_SPEED + WinchStateMessage.LIMIT_ACCELERATION
     assert message.power < 0.0
     command = WinchCommandMessage(sequence=7, payout=1.5, payout_rate=-0.2, brake=True)
-    assert conversions.winch_command_of(command) == WinchCommand(7, 1.5, -0.2, True)
+    reader = MessageReader(topics.WINCH_COMMAND.type, conversions.WINCH_COMMAND)
+    heard = reader.reading(bytes(serialize_message(command)))
+    assert conversions.winch_command_of(heard) == WinchCommand(7, 1.5, -0.2, True)
 
 
 def test_hardware_that_knows_only_its_encoder_moves_the_plant_by_it() -> None:
@@ -86,10 +95,12 @@ def test_hardware_that_knows_only_its_encoder_moves_the_plant_by_it() -> None:
     message = WinchStateMessage(
         payout=nan, payout_rate=nan, payout_acceleration=nan, encoder_payout=1.25, encoder_payout_rate=0.5
     )
-    drum = conversions.drum_motion_of(message)
+    reader = MessageReader(topics.WINCH_STATE.type, conversions.DRUM_MOTION)
+    drum = conversions.drum_motion_of(reader.reading(bytes(serialize_message(message))))
     assert (drum.position[0], drum.velocity[0], drum.acceleration[0]) == (1.25, 0.5, 0.0)
     message.payout, message.payout_rate, message.payout_acceleration = 1.2501, 0.49, -0.1
-    drum = conversions.drum_motion_of(message)
+    reader = MessageReader(topics.WINCH_STATE.type, conversions.DRUM_MOTION)
+    drum = conversions.drum_motion_of(reader.reading(bytes(serialize_message(message))))
     assert (drum.position[0], drum.velocity[0], drum.acceleration[0]) == (1.2501, 0.49, -0.1)
 
 

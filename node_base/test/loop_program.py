@@ -19,7 +19,7 @@ from heave_node.parameters import parameter
 from heave_node.ros.master import ClockMasterNode
 from heave_node.ros.node import NodeError
 from heave_node.ros.participant import ParticipantNode
-from heave_node.ros.process import run_node
+from heave_node.ros.process import run_composed, run_node
 from heave_node.tick.tick import stamp_of
 from rclpy.serialization import serialize_message
 
@@ -173,4 +173,6 @@ class Plant(ClockMasterNode):
 
 if __name__ == "__main__":
     programs = {program.name: program for program in (Sea, Controller, Winch, Plant)}
+    if sys.argv[1] == "composed":
+        sys.exit(run_composed([Plant, Sea, Controller, Winch], sys.argv, is_public=False))
     sys.exit(run_node(programs[sys.argv[1]]))

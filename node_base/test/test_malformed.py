@@ -3,8 +3,9 @@
 import math
 
 import pytest
-from heave_msgs.msg import TickDone, TickJoin, TickRoster, TickStart, TickStatus
+from heave_msgs.msg import TickJoin, TickRoster, TickStatus
 from heave_node.tick import malformed
+from heave_node.tick.protocol import TickDone, TickStart
 
 
 @pytest.mark.parametrize(

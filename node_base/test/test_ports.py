@@ -2,32 +2,28 @@
 
 from types import SimpleNamespace
 
-from heave_msgs.msg import WinchState
 from heave_node.interface import topics
+from heave_node.interface.sensors import WireReading
 from heave_node.ros.ports import Input
 from heave_node.tick.gate import Inbox, TickGate
-from heave_node.tick.tick import Tick, nanoseconds_of, stamp_of
+from heave_node.tick.tick import Tick
 
 TICK = 50_000_000
 NODE = SimpleNamespace(resolve_topic_name=lambda name: f"/{name}")
 
 
 def make_input() -> tuple[Input, Inbox]:
-    """Return an input that holds what is ahead, and the inbox that feeds it whole messages."""
+    """Return an input that holds what is ahead, and the inbox that feeds it readings."""
     gate = TickGate((), (), lockstep=False)
-    inbox = gate.add_inbox(Inbox("/winch/state", decode=lambda data: stamped(int(data)), is_external=True))
+    inbox = gate.add_inbox(
+        Inbox("/winch/state", decode=lambda data: (int(data), WireReading(int(data), ())), is_external=True)
+    )
     return Input(NODE, topics.WINCH_STATE, gate, check_stamps=False, holds_ahead=True), inbox
-
-
-def stamped(nanoseconds: int) -> WinchState:
-    message = WinchState()
-    message.header.stamp = stamp_of(nanoseconds)
-    return message
 
 
 def measured_in(port: Input, tick: int) -> list[int]:
     """Return when the messages that a tick gets were measured [ms]."""
-    return [nanoseconds_of(message.header.stamp) // 1_000_000 for message in port.take(Tick(tick, 1, TICK))]
+    return [reading.stamp // 1_000_000 for reading in port.take(Tick(tick, 1, TICK))]
 
 
 def test_what_hardware_measures_within_a_tick_is_a_reading_of_the_next_one():
@@ -35,7 +31,7 @@ def test_what_hardware_measures_within_a_tick_is_a_reading_of_the_next_one():
     for measured in (3 * TICK - 20_000_000, 3 * TICK, 3 * TICK + 15_000_000):
         inbox.put(b"%d" % measured)
     assert measured_in(port, 3) == [130, 150]
-    assert nanoseconds_of(port.latest.header.stamp) == 3 * TICK
+    assert port.latest.stamp == 3 * TICK
     inbox.put(b"%d" % (3 * TICK + 35_000_000))
     assert measured_in(port, 4) == [165, 185]
 

@@ -38,13 +38,14 @@ ON_UNIT = [sensor for sensor in SENSORS.values() if sensor is not MRU]
 def through_a_message(sensor: Sensor, reading: WireReading) -> WireReading:
     """Return what a subscriber gets: message, bytes, message."""
     messages = SensorMessages(sensor)
-    data = serialize_message(messages.message(reading))
-    return messages.reading(deserialize_message(data, message_type(sensor.topic.type)))
+    message = deserialize_message(messages.message(reading), message_type(sensor.topic.type))
+    return messages.reading(bytes(serialize_message(message)))
 
 
 def message_of(sensor: Sensor, *values: float, sigma: float = 0.02):
     reading = Reading(12.25, np.array(values), np.full(len(values), sigma))
-    return SensorMessages(sensor).message(sensor.to_wire(reading, Water(1025.0, 9.80665)))
+    data = SensorMessages(sensor).message(sensor.to_wire(reading, Water(1025.0, 9.80665)))
+    return deserialize_message(data, message_type(sensor.topic.type))
 
 
 @pytest.mark.parametrize("sensor", ON_UNIT, ids=lambda sensor: sensor.name)

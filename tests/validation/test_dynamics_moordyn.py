@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 from cable_sim_node.peers.driven_run import first_harmonic, ramped_sine, run_driven
-from cable_sim_node.peers.moordyn import run_moordyn
+from cable_sim_node.peers.moordyn import RK2, RK4, run_moordyn
 from cable_sim_node.peers.reference_systems import s300, s900
 
 pytest.importorskip("moordyn")
@@ -62,3 +62,9 @@ def test_the_900_m_line_moves_as_moordyns():
     assert abs(math.remainder(own.unit_heave_phase - phase, 2.0 * math.pi)) < 0.01
     # what is left is the peer's own start: its nodes begin evenly spaced, not in equilibrium
     assert np.max(np.abs(own.unit[:, 2] - heave)) < 0.02 * np.ptp(heave)
+
+
+def test_steps_end_at_the_stability_limits_of_the_schemes():
+    # RK4 on the imaginary axis: 2 sqrt 2 (Hairer and Wanner, IV.2); RK2 at 120 degrees: R(2 e^(i 120 deg)) = -1
+    assert RK4.stability_limit() == pytest.approx(2.0 * math.sqrt(2.0), abs=2e-4)
+    assert RK2.stability_limit() == pytest.approx(2.0, abs=2e-4)

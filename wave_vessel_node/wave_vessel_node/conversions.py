@@ -1,20 +1,17 @@
-"""Messages of the sea and vessel from the plain data of its component.
+"""Serialised messages of the sea and vessel from the plain data of its component.
 
-Those of the MRU are made by `heave_node.interface.messages`.
-
-No rclpy: message classes are plain data.
+Each table names the fields of a message in the order in which the function below fills them. Messages of the MRU are
+made by `heave_node.interface.messages`.
 """
 
 from __future__ import annotations
 
 import math
+from operator import attrgetter
 
-import numpy as np
-from builtin_interfaces.msg import Time
-from geometry_msgs.msg import Point, Quaternion, Vector3
-from heave_msgs.msg import PointMotion, SeaState, SeaStateEstimate, WaveElevation
+from heave_node.cdr.packer import Packer
+from heave_node.interface import topics
 from heave_node.numerics import kinematics
-from nav_msgs.msg import Odometry
 
 from wave_vessel_node.mru import sea_state_estimate
 from wave_vessel_node.sea import sea
@@ -22,84 +19,69 @@ from wave_vessel_node.vessel.motion import VesselMotion
 
 WORLD, VESSEL = "world", "vessel"
 
+_STAMP = "header.stamp"
+_IN_WORLD = {"header.frame_id": WORLD}
 
-def boom_tip_message(motion: kinematics.PointMotion, stamp: Time) -> PointMotion:
-    """Return the true motion of the boom tip at `stamp`."""
-    message = PointMotion()
-    message.header.stamp, message.header.frame_id = stamp, WORLD
-    message.position = Point(**_xyz(motion.position))
-    message.velocity = Vector3(**_xyz(motion.velocity))
-    message.acceleration = Vector3(**_xyz(motion.acceleration))
-    return message
+_BOOM_TIP = Packer(topics.BOOM_TIP.type, (_STAMP, "position", "velocity", "acceleration"), _IN_WORLD)
+_ELEVATION = Packer(topics.WAVE_ELEVATION.type, (_STAMP, "elevation"), _IN_WORLD)
+_ODOMETRY = Packer(
+    topics.VESSEL_ODOMETRY.type, (_STAMP, "pose.pose", "twist.twist"), {**_IN_WORLD, "child_frame_id": VESSEL}
+)
+
+_SEA_FIELDS = (
+    *("spectrum", "significant_wave_height", "peak_period", "zero_crossing_period", "peak_enhancement", "heading"),
+    *("spreading", "seed", "angular_frequency", "spectral_density"),
+)
+_sea_values = attrgetter(*_SEA_FIELDS)
+_SEA_STATE = Packer(topics.SEA_STATE.type, (_STAMP, *_SEA_FIELDS), _IN_WORLD)
+
+_ESTIMATE_FIELDS = (
+    *("record_length", "significant_wave_height", "significant_wave_height_interval", "peak_period"),
+    *("peak_period_interval", "boom_tip_sigma", "angular_frequency", "spectral_density"),
+)
+_estimate_values = attrgetter(*_ESTIMATE_FIELDS)
+_ESTIMATE = Packer(topics.SEA_STATE_ESTIMATE.type, (_STAMP, "valid", *_ESTIMATE_FIELDS), _IN_WORLD)
 
 
-def elevation_message(elevation: float, stamp: Time) -> WaveElevation:
-    """Return the elevation of the sea at `stamp`."""
-    message = WaveElevation(elevation=float(elevation))
-    message.header.stamp, message.header.frame_id = stamp, WORLD
-    return message
+def boom_tip_message(motion: kinematics.PointMotion, stamp: int) -> bytes:
+    """Return the true motion of the boom tip at `stamp` [ns]."""
+    return _BOOM_TIP.pack(stamp, motion.position, motion.velocity, motion.acceleration)
 
 
-def odometry_message(motion: VesselMotion, stamp: Time) -> Odometry:
-    """Return the vessel's motion at `stamp`: pose about its mean in world axes, twist in vessel axes."""
-    message = Odometry()
-    message.header.stamp, message.header.frame_id = stamp, WORLD
-    message.child_frame_id = VESSEL
+def elevation_message(elevation: float, stamp: int) -> bytes:
+    """Return the elevation of the sea at `stamp` [ns]."""
+    return _ELEVATION.pack(stamp, elevation)
+
+
+def odometry_message(motion: VesselMotion, stamp: int) -> bytes:
+    """Return the vessel's motion at `stamp` [ns]: pose about its mean in world axes, twist in vessel axes."""
     cosine, sine = math.cos(motion.heading), math.sin(motion.heading)
-    surge, sway, heave, roll, pitch, yaw = (float(value) for value in motion.displacement)
-    message.pose.pose.position = Point(x=cosine * surge - sine * sway, y=sine * surge + cosine * sway, z=heave)
-    message.pose.pose.orientation = quaternion(roll, pitch, motion.heading + yaw)
-    twist = motion.velocity.copy()
+    surge, sway, heave, roll, pitch, yaw = motion.displacement.tolist()
+    position = (cosine * surge - sine * sway, sine * surge + cosine * sway, heave)
+    twist = motion.velocity.tolist()
     twist[5] += motion.turn_rate
-    message.twist.twist.linear = Vector3(**_xyz(twist[:3]))
-    message.twist.twist.angular = Vector3(**_xyz(twist[3:]))
-    return message
+    return _ODOMETRY.pack(stamp, (*position, *quaternion(roll, pitch, motion.heading + yaw)), twist)
 
 
-def sea_state_message(state: sea.SeaState, stamp: Time) -> SeaState:
-    """Return `state`, the sea that the vessel is in, from `stamp` on."""
-    message = SeaState()
-    message.header.stamp, message.header.frame_id = stamp, WORLD
-    message.spectrum = state.spectrum
-    message.significant_wave_height = float(state.significant_wave_height)
-    message.peak_period = float(state.peak_period)
-    message.zero_crossing_period = float(state.zero_crossing_period)
-    message.peak_enhancement = float(state.peak_enhancement)
-    message.heading, message.spreading = float(state.heading), float(state.spreading)
-    message.seed = state.seed
-    message.angular_frequency = state.angular_frequency.tolist()
-    message.spectral_density = state.spectral_density.tolist()
-    return message
+def sea_state_message(state: sea.SeaState, stamp: int) -> bytes:
+    """Return `state`, the sea that the vessel is in, from `stamp` on [ns]."""
+    return _SEA_STATE.pack(stamp, *_sea_values(state))
 
 
-def estimate_message(estimate: sea_state_estimate.SeaStateEstimate, stamp: Time) -> SeaStateEstimate:
-    """Return the `estimate` of the sea state from the MRU record that ends at `stamp`."""
-    message = SeaStateEstimate()
-    message.header.stamp, message.header.frame_id = stamp, WORLD
-    message.valid = math.isfinite(estimate.peak_period) and estimate.significant_wave_height > 0.0
-    message.record_length = estimate.record_length
-    message.significant_wave_height = estimate.significant_wave_height
-    message.significant_wave_height_interval = np.array(estimate.significant_wave_height_interval)
-    message.peak_period = estimate.peak_period
-    message.peak_period_interval = np.array(estimate.peak_period_interval)
-    message.boom_tip_sigma = estimate.boom_tip_sigma
-    message.angular_frequency = estimate.angular_frequency.tolist()
-    message.spectral_density = estimate.spectral_density.tolist()
-    return message
+def estimate_message(estimate: sea_state_estimate.SeaStateEstimate, stamp: int) -> bytes:
+    """Return the `estimate` of the sea state from the MRU record that ends at `stamp` [ns]."""
+    is_valid = math.isfinite(estimate.peak_period) and estimate.significant_wave_height > 0.0
+    return _ESTIMATE.pack(stamp, is_valid, *_estimate_values(estimate))
 
 
-def quaternion(roll: float, pitch: float, yaw: float) -> Quaternion:
-    """Return the rotation about z by yaw, then y by pitch, then x by roll (intrinsic), as REP-103 names them."""
+def quaternion(roll: float, pitch: float, yaw: float) -> tuple[float, float, float, float]:
+    """Return x, y, z, w of the rotation about z by yaw, then y by pitch, then x by roll (intrinsic): REP-103."""
     cr, sr = math.cos(0.5 * roll), math.sin(0.5 * roll)
     cp, sp = math.cos(0.5 * pitch), math.sin(0.5 * pitch)
     cy, sy = math.cos(0.5 * yaw), math.sin(0.5 * yaw)
-    return Quaternion(
-        w=cr * cp * cy + sr * sp * sy,
-        x=sr * cp * cy - cr * sp * sy,
-        y=cr * sp * cy + sr * cp * sy,
-        z=cr * cp * sy - sr * sp * cy,
+    return (
+        sr * cp * cy - cr * sp * sy,
+        cr * sp * cy + sr * cp * sy,
+        cr * cp * sy - sr * sp * cy,
+        cr * cp * cy + sr * sp * sy,
     )
-
-
-def _xyz(vector: np.ndarray) -> dict[str, float]:
-    return {"x": float(vector[0]), "y": float(vector[1]), "z": float(vector[2])}

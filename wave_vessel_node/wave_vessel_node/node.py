@@ -13,7 +13,7 @@ from heave_node.ros.fault_service import FaultService
 from heave_node.ros.node import NodeError
 from heave_node.ros.participant import ParticipantNode
 from heave_node.ros.process import run_node
-from heave_node.tick.tick import Tick, stamp_of_seconds
+from heave_node.tick.tick import Tick
 
 from wave_vessel_node import conversions as messages
 from wave_vessel_node.component import WaveVessel
@@ -56,18 +56,18 @@ class WaveVesselNode(ParticipantNode):
     def on_tick(self, tick: Tick) -> None:
         """See HeaveNode."""
         if tick.number == 1:
-            self.sea_state.publish(messages.sea_state_message(self.component.sea_state(), tick.stamp))
+            self.sea_state.publish(messages.sea_state_message(self.component.sea_state(), tick.start_nanoseconds))
         outputs = self.component.step(tick.number)
         reading = outputs.mru
         if reading is not None:
             self.mru.publish(self._mru_messages.message(MRU.to_wire(reading, STANDARD_WATER)))
             self._last_reading_time, self._last_status = tick.time, reading.status
-        end = tick.end_stamp
+        end = tick.end_nanoseconds
         self.boom_tip.publish_deferred(lambda: messages.boom_tip_message(outputs.boom_tip, end))
         self.odometry.publish_deferred(lambda: messages.odometry_message(outputs.vessel, end))
         self.elevation.publish_deferred(lambda: messages.elevation_message(outputs.wave_elevation, end))
         if outputs.estimate is not None:
-            stamp = stamp_of_seconds(outputs.estimate.time)
+            stamp = round(outputs.estimate.time * 1e9)
             self.estimate.publish(messages.estimate_message(outputs.estimate, stamp))
 
     def on_inactive_tick(self, tick: Tick) -> None:

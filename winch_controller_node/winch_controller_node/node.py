@@ -14,15 +14,16 @@ from geometry_msgs.msg import TwistStamped
 from heave_msgs.srv import Redesign, SetMode
 from heave_node.interface import topics
 from heave_node.interface.codes import COMMANDS, LATE, SensorLevel
-from heave_node.interface.messages import SensorMessages
 from heave_node.interface.sensors import SENSORS, Water
+from heave_node.interface.topic import Topic
 from heave_node.numerics.linear_model import ModelError
 from heave_node.parameters import ParameterError
 from heave_node.ros.diagnostics import Health, Level
 from heave_node.ros.node import NodeError
 from heave_node.ros.participant import ParticipantNode
+from heave_node.ros.ports import Input
 from heave_node.ros.process import run_node
-from heave_node.tick.tick import Tick, nanoseconds_of
+from heave_node.tick.tick import Tick
 from rcl_interfaces.msg import SetParametersResult
 from rclpy.lifecycle import LifecycleState, TransitionCallbackReturn
 from rclpy.parameter import Parameter
@@ -69,20 +70,17 @@ class WinchControllerNode(ParticipantNode):
         self.command = self.add_output(topics.WINCH_COMMAND)
         self.state = self.add_output(topics.CONTROLLER_STATE)
         self.kpi = self.add_output(topics.CONTROLLER_KPI)
-        # the controller's own gates want to see wrong stamps
-        self.sensors = {
-            name: (
-                self.add_input(SENSORS[name].topic, check_stamps=False, holds_ahead=True),
-                SensorMessages(SENSORS[name]),
-            )
-            for name in INPUTS
-        }
-        self.winch_state = self.add_input(topics.WINCH_STATE, check_stamps=False, holds_ahead=True)
+        self.sensors = {name: self._add_measurement(SENSORS[name].topic, SENSORS[name].values) for name in INPUTS}
+        self.winch_state = self._add_measurement(topics.WINCH_STATE, conversions.WINCH_STATE)
         self.create_service(SetMode, "controller/set_mode", self._serve_set_mode)
         self.create_service(Redesign, "controller/redesign", self._serve_redesign)
         self.add_on_set_parameters_callback(self._take_parameters)
         self.move = MoveAction(self, lambda: self.controller)
         self.create_subscription(TwistStamped, topics.OPERATOR_SPEED.name, self._take_operator_speed, 1)
+
+    def _add_measurement(self, topic: Topic, fields: Sequence[str]) -> Input:
+        """Read numbers of a sensor; its stamps are left to the controller's own gates, which want to see wrong ones."""
+        return self.add_input(topic, fields, check_stamps=False, holds_ahead=True)
 
     def on_activate(self, state: LifecycleState) -> TransitionCallbackReturn:
         """Start again in a run that is under way; `state` is the lifecycle state before."""
@@ -109,22 +107,20 @@ class WinchControllerNode(ParticipantNode):
     def on_tick(self, tick: Tick) -> None:
         """Step the controller with what was delivered by `tick`."""
         self._take_redesign()
-        delivered = {
-            name: [messages.reading(message) for message in self.take(port)]
-            for name, (port, messages) in self.sensors.items()
-        }
+        delivered = {name: self.take(port) for name, port in self.sensors.items()}
         states = self.take(self.winch_state)
-        winch = conversions.winch_reading(states[-1], nanoseconds_of(states[-1].header.stamp)) if states else None
+        winch = conversions.winch_reading_of(states[-1]) if states else None
         water = Water(self.parameters.water_density, self.parameters.gravity)
         lateness = Lateness(self.punctuality.of_clock, self.punctuality.of_node)
         measurements = dataclasses.replace(conversions.measurements(delivered, winch, water), lateness=lateness)
         outputs = self.controller.step(tick.number, measurements)
         self.outputs_of_tick = outputs
-        self.command.publish(conversions.command_message(outputs.order, tick.stamp))
-        self.state.publish_deferred(lambda: conversions.state_message(outputs.report, tick.stamp))
+        stamp = tick.start_nanoseconds
+        self.command.publish(conversions.command_message(outputs.order, stamp))
+        self.state.publish_deferred(lambda: conversions.state_message(outputs.report, stamp))
         kpi = outputs.kpi
         if kpi is not None:
-            self.kpi.publish_deferred(lambda: conversions.kpi_message(kpi, tick.stamp))
+            self.kpi.publish_deferred(lambda: conversions.kpi_message(kpi, stamp))
         for words in outputs.alarms:
             self.get_logger().warning(f"t = {tick.time:.2f} s: {words}")
         self.move.on_tick(tick.time)

@@ -103,6 +103,7 @@ def _winch(winch: Mapping[str, Any]) -> str:
 def _run(record: RunRecord) -> str:
     pacing = record.run.get("pacing", "")
     parts = [pacing] if pacing else []
+    parts += ["all nodes in one process"] if record.run.get("composed") == "true" else []
     parts += [f"seed {record.run['seed']}"] if "seed" in record.run else []
     return ", ".join([*parts, f"figures from {record.start:.0f} s to {record.end:.0f} s"])
 

@@ -11,9 +11,10 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
+from heave_node.cdr.layout import Layout, LayoutError, Leaf
 from numpy.typing import NDArray
 
-from heave_bags.cdr.layout import Layout, Leaf, MessageLayouts
+from heave_bags.cdr.layouts import as_bag_error, layouts_in_bag
 from heave_bags.errors import BagError
 
 _MOST_KEPT = 1 << 18
@@ -42,7 +43,7 @@ class ColumnDecoder:
     def __init__(
         self, name: str, text: str, wanted: Callable[[str], bool] | None = None, longest: int | None = None
     ) -> None:
-        self._types = MessageLayouts(name, text)
+        self._types = layouts_in_bag(name, text)
         self._wanted = wanted
         self._longest = longest
         self._layouts: dict[int, list[Layout]] = {}
@@ -57,7 +58,7 @@ class ColumnDecoder:
         """Return whether the message `data` fits the definition."""
         try:
             self._types.of(data)
-        except BagError:
+        except LayoutError:
             return False
         return True
 
@@ -119,7 +120,8 @@ class ColumnDecoder:
         return block[~fits], rows[~fits]
 
     def _layout(self, data: bytes) -> Layout:
-        layout = self._types.of(data)
+        with as_bag_error():
+            layout = self._types.of(data)
         layout.leaves = [leaf for leaf in layout.leaves if self._is_wanted(leaf)]
         return layout
 

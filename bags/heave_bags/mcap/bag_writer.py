@@ -8,6 +8,8 @@ from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from heave_node.cdr.definitions import DefinitionError, schema_text, type_hash
+
 from heave_bags.cdr.canonical import Canonical
 from heave_bags.errors import BagError, StorageError
 from heave_bags.mcap.bounds import LARGEST_MESSAGE
@@ -24,7 +26,6 @@ from heave_bags.mcap.files import (
     write_metadata,
 )
 from heave_bags.mcap.reader import Bag, summary_of
-from heave_bags.mcap.ros.definitions import DefinitionError, schema_text, type_hash
 from heave_bags.mcap.ros.qos import OfferedQos, to_yaml
 from heave_bags.mcap.storage import DirectStorage, Storage
 from heave_bags.mcap.writer import ChunkPolicy, McapWriter

@@ -15,6 +15,7 @@ from typing import Any
 import rclpy
 from builtin_interfaces.msg import Time
 from heave_msgs.srv import PlaybackControl
+from heave_node.cdr.definitions import is_installed
 from heave_node.interface.messages import message_type
 from heave_node.ros.node import steady_clock
 from heave_node.ros.spin import spin
@@ -28,7 +29,6 @@ from rosgraph_msgs.msg import Clock
 
 from heave_bags.errors import BagError, one_line
 from heave_bags.mcap.reader import Bag, BagTopic, RawMessage
-from heave_bags.mcap.ros.definitions import is_installed
 from heave_bags.mcap.ros.ros_qos import offer_like
 from heave_bags.play.playback import Playback, PlaybackOptions, selected_topics
 from heave_bags.play.player_options import DISCOVERY_TIME, add_arguments, options_from

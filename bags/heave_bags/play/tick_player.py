@@ -12,15 +12,15 @@ from collections.abc import Callable, Mapping
 
 import numpy as np
 from diagnostic_msgs.msg import DiagnosticArray
+from heave_node.cdr.unpacker import header_stamp
 from heave_node.interface import topics
 from heave_node.numerics.arrays import Array
 from rclpy.serialization import deserialize_message
 
-from heave_bags.cdr.layout import MessageLayouts
+from heave_bags.cdr.layouts import layouts_in_bag
 from heave_bags.errors import BagError
 from heave_bags.mcap.reader import Bag, RawMessage
 from heave_bags.play.playback import in_order_of, publisher_of
-from heave_bags.record.recording import header_stamp
 
 TickOf = Callable[[RawMessage], int]
 """Tells in which tick of the bag a message was published."""
@@ -148,7 +148,7 @@ class TickPlayer:
 def _has_header(bag: Bag, name: str) -> bool:
     topic = bag.topics[name]
     try:
-        return MessageLayouts(topic.type, topic.schema).has_header
+        return layouts_in_bag(topic.type, topic.schema).has_header
     except BagError:
         return False
 

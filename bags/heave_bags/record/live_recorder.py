@@ -69,7 +69,8 @@ class LiveRecorder(Node):
         description = describe_run(
             scenario=parameters.scenario, seed=0, pacing="realtime", tick_period=0.0, transient=0.0
         )
-        del description["tick_period_s"], description["seed"], description["transient_s"]
+        for key in ("tick_period_s", "seed", "transient_s", "composed"):
+            del description[key]
         return BagWriter(
             folder,
             policy=parameters.policy(),

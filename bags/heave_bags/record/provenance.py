@@ -55,7 +55,9 @@ def _git(folder: Path, *arguments: str) -> str:
     return done.stdout.strip()
 
 
-def describe_run(*, scenario: str, seed: int, pacing: str, tick_period: float, transient: float) -> dict[str, str]:
+def describe_run(
+    *, scenario: str, seed: int, pacing: str, tick_period: float, transient: float, composed: bool = False
+) -> dict[str, str]:
     """Return what the metadata of a bag says of the run it holds.
 
     Parameters
@@ -64,6 +66,7 @@ def describe_run(*, scenario: str, seed: int, pacing: str, tick_period: float, t
     seed : of the run
     pacing : "lockstep" or "realtime"
     tick_period, transient : [s]
+    composed : all nodes share one process
     """
     return {
         "scenario": scenario,
@@ -71,6 +74,7 @@ def describe_run(*, scenario: str, seed: int, pacing: str, tick_period: float, t
         "pacing": pacing,
         "tick_period_s": repr(tick_period),
         "transient_s": repr(transient),
+        "composed": str(composed).lower(),
         "git_commit": git_commit(),
         "host": platform.node(),
         "machine": f"{platform.system()} {platform.release()} {platform.machine()}",

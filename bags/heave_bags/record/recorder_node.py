@@ -16,6 +16,7 @@ from functools import partial
 from pathlib import Path
 
 from heave_msgs.msg import TickJoin, TickRoster, TickStatus
+from heave_node.cdr.definitions import schema_text
 from heave_node.interface import topics
 from heave_node.interface.topic import Role, Topic
 from heave_node.ros.diagnostics import Health, Level
@@ -31,7 +32,6 @@ from heave_bags.cdr.canonical import Canonical
 from heave_bags.errors import BagError
 from heave_bags.mcap.bag_writer import Attachment, BagWriter
 from heave_bags.mcap.files import COMPLETE
-from heave_bags.mcap.ros.definitions import schema_text
 from heave_bags.mcap.storage import BackgroundStorage, DirectStorage, Storage
 from heave_bags.record.parameter_survey import ParameterSurvey
 from heave_bags.record.parameters import RecorderParameters
@@ -98,6 +98,7 @@ class RecorderNode(ParticipantNode):
             pacing=run.pacing,
             tick_period=run.tick_period,
             transient=run.transient,
+            composed=self.exchange is not None,
         )
 
         def make_writer(folder: Path) -> BagWriter:
@@ -186,7 +187,12 @@ class RecorderNode(ParticipantNode):
     def _subscribe_ticked(self, topic: str) -> None:
         self._take_topic(topic)
         if not self.run.is_lockstep:
-            self._input_subscriptions[topic] = self.watch.subscribe(topic, self._writer_of(topic))
+            write = self._writer_of(topic)
+            if self.exchange is None:
+                self._input_subscriptions[topic] = self.watch.subscribe(topic, sender_callback(write))
+            else:
+                heard = self.exchange.subscribe(topic, lambda data, identity, _: write(data, identity))
+                self._input_subscriptions[topic] = heard
             return
         latched = all(offer.durability == "transient_local" for offer in self.watch.offers[topic])
         role = Role.LATCHED if latched else Role.STREAM
@@ -198,7 +204,8 @@ class RecorderNode(ParticipantNode):
 
     def _subscribe_foreign(self, topic: str) -> None:
         self._take_topic(topic)
-        self.watch.subscribe(topic, self._keep_callback(topic) if self.run.is_lockstep else self._writer_of(topic))
+        in_real_time = sender_callback(self._writer_of(topic))
+        self.watch.subscribe(topic, self._keep_callback(topic) if self.run.is_lockstep else in_real_time)
 
     def _keep_callback(self, topic: str) -> Callable[[bytes], None]:
         """Return a callback that keeps an uncounted message for the tick in which it arrives."""
@@ -209,8 +216,8 @@ class RecorderNode(ParticipantNode):
 
         return keep
 
-    def _writer_of(self, topic: str) -> Callable[..., None]:
-        """Return a callback that writes a message at once, at the simulated time of its arrival.
+    def _writer_of(self, topic: str) -> Callable[[bytes, str], None]:
+        """Return what writes a message, with the identity of its sender, at once: at the simulated time of its arrival.
 
         On a topic that one node owns, only what that node says: what others say there is named, and no part of the run.
         """
@@ -230,10 +237,10 @@ class RecorderNode(ParticipantNode):
                     if self.strangers.has_left(topic, speakers):
                         speakers.release()
 
-            return sender_callback(take_lawful)
+            return take_lawful
         may_tell_of_faults = topic == self._diagnostics_topic and self.parameters.snapshot_duration > 0.0
 
-        def take(data: bytes) -> None:
+        def take(data: bytes, _: str) -> None:
             if not self.is_active:
                 return
             write(topic, self._now(), data)

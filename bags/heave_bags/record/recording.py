@@ -8,9 +8,10 @@ within a topic, as published.
 
 from __future__ import annotations
 
-import struct
 from collections.abc import Callable, Collection, Mapping, Sequence
 from typing import Protocol
+
+from heave_node.cdr.unpacker import header_stamp
 
 
 class MessageWriter(Protocol):
@@ -19,16 +20,6 @@ class MessageWriter(Protocol):
     def write(self, topic: str, log_time: int, data: bytes, /) -> None:
         """Take a message `data` of `topic` at its `log_time` [ns]."""
         ...
-
-
-_STAMP = struct.Struct("<iI")
-_STAMP_OFFSET = 4
-
-
-def header_stamp(data: bytes) -> int:
-    """Return the header stamp of the serialised message `data`, which begins with a Header [ns]."""
-    seconds, nanoseconds = _STAMP.unpack_from(data, _STAMP_OFFSET)
-    return int(seconds) * 1_000_000_000 + int(nanoseconds)
 
 
 class TickOrder:

@@ -10,29 +10,31 @@ import psutil
 from heave_msgs.msg import TickStatus
 
 from heave_bringup.run.launcher import Launcher
-from heave_bringup.run.run import RunFolder, run_scenario
+from heave_bringup.run.run import Composed, RunFolder, run_scenario
 from heave_bringup.scenarios import load_scenario
 
 SCENARIO = "b2_calm_300"
 
 
-def measure_loop(duration: float, say: Callable[[str], None]) -> dict[str, object]:
-    """Run a scenario with five processes and recording, and measure its speed.
+def measure_loop(duration: float, say: Callable[[str], None], composed: Composed | None = None) -> dict[str, object]:
+    """Run a scenario with recording, and measure its speed.
 
     Parameters
     ----------
     duration : simulated time [s]
     say : called with what is being measured
+    composed : in one process; None: in one for each node
 
     Returns `ticks_per_s`, `real_time_factor`, `loop_age_p50_s`, `loop_age_p99_s`, `resends`, `processes` (their
-    number), and `cpu_ms_per_tick` by node. The sum of the latter over the number of processors is the least time that
-    a tick can take.
+    number), and `cpu_ms_per_tick` by process. The sum of the latter over the number of processors is the least time
+    that a tick can take.
     """
-    say(f"loop: {SCENARIO}, {duration:g} s in lockstep")
+    processes = "a process for each node" if composed is None else "all nodes in one process"
+    say(f"loop: {SCENARIO}, {duration:g} s in lockstep, {processes}")
     scenario = load_scenario(SCENARIO, settings=(f"all.duration={duration}", "all.transient=0.0"))
     with tempfile.TemporaryDirectory() as folder:
         usage = CpuUsage()
-        status = run_scenario(scenario, RunFolder(Path(folder)), on_look=usage.look).status
+        status = run_scenario(scenario, RunFolder(Path(folder)), on_look=usage.look, composed=composed).status
     ticks = scenario.run.tick_count
     period = scenario.run.tick_period
     return {

@@ -26,34 +26,35 @@ def tables(result: Mapping[str, Any]) -> list[Table | str]:
 
 
 def _plant(rows: list[dict[str, Any]]) -> list[Table | str]:
-    columns = ["plant", "ms per simulated s", "times real time", "error %", "MoorDyn's time over ours"]
-    table = make_table(
-        columns,
-        [
-            [
-                f"{row['segments']} segments",
-                f"{row['ms_per_simulated_s']:.3f}",
-                f"{1e3 / row['ms_per_simulated_s']:.0f}",
-                f"{row['error_percent']:.4f}",
-                f"{row['ratio_to_moordyn']:.1f}" if math.isfinite(row["ratio_to_moordyn"]) else "-",
-            ]
-            for row in rows
-        ],
-    )
-    return [table] if all(math.isfinite(row["ratio_to_moordyn"]) for row in rows) else [table, HOW_TO_GET_THE_PEER]
+    peers = list(rows[0]["peers"])
+    columns = ["plant", "ms per simulated s", "times real time", "error %"]
+    columns += [column for name in peers for column in (f"MoorDyn {name}: ms", "error %")]
+    columns += ["MoorDyn's best time over ours"] if peers else []
+    cells = []
+    for row in rows:
+        own = row["ms_per_simulated_s"]
+        line = [f"{row['segments']} segments", f"{own:.3f}", f"{1e3 / own:.0f}", f"{row['error_percent']:.4f}"]
+        for name in peers:
+            peer = row["peers"][name]
+            error = peer["error_percent"]
+            line += [f"{peer['ms_per_simulated_s']:.2f}", f"{error:.4f}" if math.isfinite(error) else "-"]
+        cells.append([*line, f"{row['ratio_to_moordyn']:.1f}"] if peers else line)
+    table = make_table(columns, cells)
+    return [table] if peers else [table, HOW_TO_GET_THE_PEER]
 
 
 def _loop(values: dict[str, Any]) -> list[Table | str]:
     used = values["cpu_ms_per_tick"]
     total = sum(used.values())
-    floor = total / (os.cpu_count() or 1)
+    many = "all nodes in one process" if values["processes"] == 1 else f"over ROS, {values['processes']} processes"
     head = (
-        f"loop over ROS, {values['processes']} processes, recorded: {values['ticks_per_s']:.0f} ticks/s, "
+        f"loop {many}, recorded: {values['ticks_per_s']:.0f} ticks/s, "
         f"{values['real_time_factor']:.1f} x real time, loop age p50 {1e3 * values['loop_age_p50_s']:.2f} ms, "
         f"p99 {1e3 * values['loop_age_p99_s']:.2f} ms"
     )
     rows = [[name, f"{milliseconds:.3f}"] for name, milliseconds in [*used.items(), ("together", total)]]
-    bound = f"that allows at most {1e3 / floor:.0f} ticks/s on this machine"
+    processors = min(len(used), os.cpu_count() or 1)
+    bound = f"that allows at most {1e3 * processors / total:.0f} ticks/s on this machine"
     return [head, make_table(["process", "ms of processor time per tick"], rows), bound]
 
 
@@ -79,6 +80,7 @@ def _recorder(values: dict[str, Any]) -> list[Table | str]:
 _PARTS: dict[str, Callable[[Any], list[Table | str]]] = {
     "plant": _plant,
     "loop": _loop,
+    "composed_loop": _loop,
     "controller": _controller,
     "recorder": _recorder,
 }

@@ -10,8 +10,8 @@ import sys
 from dataclasses import dataclass
 
 from cable_sim_node.winch.parameters import WinchParameters
-from heave_bags.cdr.layout import SEPARATOR
-from heave_bags.mcap.ros.definitions import schema_text
+from heave_node.cdr.definitions import schema_text
+from heave_node.cdr.layout import SEPARATOR
 from heave_node.interface import topics
 from heave_node.interface.sensors import SENSORS
 from heave_node.interface.topic import Role, Topic

@@ -15,6 +15,10 @@ from heave_bags.play import substitute_node
 from heave_node.ros.process import EXIT_FAILED, EXIT_OK, EXIT_REFUSED, EXIT_STUCK, LAUNCHER_VARIABLE, in_namespace
 
 from heave_bringup.nodes import PROCESS_BY_NAME
+from heave_bringup.run import composed
+
+TOGETHER = "process of all nodes"
+"""Name of a process that holds them all; its log is nodes.log."""
 
 GRACE = 8.0
 """Wall time that a node has to end after it was asked to [s]."""
@@ -28,18 +32,20 @@ Without it a node gives pages back to the system and asks for them again in ever
 
 @dataclass
 class NodeProcess:
-    """One node process.
+    """One process.
 
     Attributes
     ----------
-    name : of the node
+    name : of the node in it, or of what it holds
     process : that runs it
     log : file with all that it prints
+    nodes : names of those in it
     """
 
     name: str
     process: subprocess.Popen[bytes]
     log: Path
+    nodes: Sequence[str]
 
     @property
     def has_left(self) -> bool:
@@ -66,7 +72,7 @@ class NodeProcess:
     def _error_message(self) -> str:
         """Return the last line that a node printed, if that is an error message of its own; "" otherwise."""
         last = self._last_line()
-        return last if last.startswith((f"{self.name}:", "/")) else ""
+        return last if last.startswith((*(f"{node}:" for node in self.nodes), "/")) else ""
 
     def _last_line(self) -> str:
         words = [line for line in self.log.read_text(errors="replace").splitlines() if line.strip()]
@@ -98,20 +104,36 @@ class Launcher:
         substitutes : bags by node: that node is not started, what it published in the bag is played in its place
         namespace : in which the nodes live, with a clock of their own; "" for none
         """
-        logs.mkdir(parents=True, exist_ok=True)
+        ros = [*_ros_arguments(scenario_file), *in_namespace(namespace)]
         for name in names:
-            log = logs / f"{name}.log"
-            command = [*_command(name, scenario_file, (substitutes or {}).get(name)), *in_namespace(namespace)]
-            with log.open("wb") as sink:
-                process = subprocess.Popen(
-                    command,
-                    stdin=subprocess.DEVNULL,
-                    stdout=sink,
-                    stderr=subprocess.STDOUT,
-                    env={**ALLOCATOR, **os.environ, LAUNCHER_VARIABLE: str(os.getpid())},
-                    start_new_session=True,  # a Ctrl-C in the terminal is passed on in order, not to all at once
-                )
-            self.nodes.append(NodeProcess(name, process, log))
+            self._start(name, [name], [*_command(name, (substitutes or {}).get(name)), *ros], logs)
+
+    def start_composed(
+        self, names: Sequence[str], scenario_file: Path, logs: Path, namespace: str = "", *, is_public: bool = False
+    ) -> None:
+        """Start nodes in one process.
+
+        Parameters
+        ----------
+        names, scenario_file, logs, namespace : as in `start`
+        is_public : other processes get every message
+        """
+        ros = [*_ros_arguments(scenario_file), *in_namespace(namespace)]
+        self._start(TOGETHER, names, [*composed.command(names, is_public=is_public), *ros], logs)
+
+    def _start(self, name: str, nodes: Sequence[str], command: list[str], logs: Path) -> None:
+        logs.mkdir(parents=True, exist_ok=True)
+        log = logs / f"{'nodes' if name == TOGETHER else name}.log"
+        with log.open("wb") as sink:
+            process = subprocess.Popen(
+                command,
+                stdin=subprocess.DEVNULL,
+                stdout=sink,
+                stderr=subprocess.STDOUT,
+                env={**ALLOCATOR, **os.environ, LAUNCHER_VARIABLE: str(os.getpid())},
+                start_new_session=True,  # a Ctrl-C in the terminal is passed on in order, not to all at once
+            )
+        self.nodes.append(NodeProcess(name, process, log, nodes))
 
     def failed(self) -> list[NodeProcess]:
         """Return the nodes that have ended before their work was done."""
@@ -147,8 +169,11 @@ class Launcher:
                 node.process.wait()
 
 
-def _command(name: str, scenario_file: Path, bag: Path | None) -> list[str]:
-    parameters = ["--params-file", str(scenario_file)]
+def _command(name: str, bag: Path | None) -> list[str]:
     if bag is not None:
-        return [*substitute_node.command(name, bag), *parameters]
-    return [sys.executable, "-m", PROCESS_BY_NAME[name].module, "--ros-args", *parameters]
+        return substitute_node.command(name, bag)
+    return [sys.executable, "-m", PROCESS_BY_NAME[name].module]
+
+
+def _ros_arguments(scenario_file: Path) -> list[str]:
+    return ["--ros-args", "--params-file", str(scenario_file)]

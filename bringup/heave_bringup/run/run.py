@@ -101,6 +101,15 @@ class Outcome:
     strangers: list[str]
 
 
+@dataclass(frozen=True)
+class Composed:
+    """All nodes of a run share one process; `is_public` says that other processes get every message, not only a glance
+    of each topic.
+    """
+
+    is_public: bool = False
+
+
 OnLook = Callable[[Launcher, "TickStatus | None"], None]
 
 
@@ -112,6 +121,7 @@ def run_scenario(
     foreign: Sequence[str] = (),
     on_look: OnLook | None = None,
     namespace: str = "",
+    composed: Composed | None = None,
 ) -> Outcome:
     """Run a scenario to its end and return how it went.
 
@@ -123,6 +133,7 @@ def run_scenario(
     foreign : nodes that somebody else starts, and that take part in each tick
     on_look : called a few times per second while the run lasts
     namespace : of its nodes and topics; "" for none. Runs in different ones share a ROS domain
+    composed : all nodes share one process, without substitutes; None: each has its own
 
     Raises CommandError, in one line, where the run does not reach its end. Whatever happens, no node process is left
     behind, and the bag is closed.
@@ -141,7 +152,12 @@ def run_scenario(
                 _remove_unused(folder)
                 raise CommandError(ANOTHER_RUN)
             store_scenario(scenario, folder)
-            launcher.start(nodes_to_start(scenario, foreign), folder.scenario, folder.logs, substitutes, namespace)
+            names = nodes_to_start(scenario, foreign)
+            if composed is None:
+                launcher.start(names, folder.scenario, folder.logs, substitutes, namespace)
+            else:
+                public = composed.is_public
+                launcher.start_composed(names, folder.scenario, folder.logs, namespace, is_public=public)
             status = _watch(scenario, folder, launcher, monitor, progress, on_look)
             return Outcome(status, monitor.alarms, list(monitor.strangers))
         except KeyboardInterrupt:

@@ -13,9 +13,9 @@ import rclpy
 from foxglove.channels import FrameTransformChannel
 from foxglove.messages import FrameTransform, Quaternion, Timestamp, Vector3
 from foxglove.websocket import Capability
-from heave_bags.mcap.ros.definitions import DefinitionError, schema_text
 from heave_bags.mcap.ros.ros_qos import request_for
 from heave_bags.record.topic_watch import TopicWatch
+from heave_node.cdr.definitions import DefinitionError, schema_text
 from heave_node.interface import topics
 from heave_node.interface.messages import message_type
 from heave_node.ros.process import in_namespace

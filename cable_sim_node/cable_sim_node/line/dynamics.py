@@ -30,7 +30,7 @@ from cable_sim_node.line.feed import set_top_segment
 from cable_sim_node.line.grid import build_line, settings_row
 from cable_sim_node.line.rest.hanging import hang
 from cable_sim_node.line.rest.settling import settle
-from cable_sim_node.line.step import advance, evaluate, unit_acceleration
+from cable_sim_node.line.step import advance, observe
 from cable_sim_node.parameters import CableSimParameters
 from cable_sim_node.physics.properties import unit_properties
 from cable_sim_node.physics.seabed import Seabed
@@ -59,6 +59,7 @@ class CableDynamics:
         self._seabed = Seabed(parameters.seabed)
         self._line = build_line(parameters, 2.0 * parameters.length)
         self._ends = np.zeros((4, 4))
+        self._seen = np.zeros(at.SEEN_COLUMNS)
         self._fresh = False
 
     def start_at_equilibrium(self, boom_tip_position: ArrayLike, payout: float = 0.0, *, time: float = 0.0) -> None:
@@ -213,9 +214,8 @@ class CableDynamics:
     @property
     def top_tension(self) -> float:
         """Size of `top_force` [N]; 0 where the line would have to push."""
-        force, n = self.top_force, self.segments
-        down = self._line.x[n - 1] - self._line.x[n]
-        return float(np.linalg.norm(force)) if float(force @ down) > 0.0 else 0.0
+        force, n, x = self.top_force, self.segments, self._line.x
+        return math.sqrt(force @ force) if force @ (x[n - 1] - x[n]) > 0.0 else 0.0
 
     @property
     def unit_position(self) -> Array:
@@ -234,9 +234,7 @@ class CableDynamics:
         That of the time integration belongs to another moment of the step.
         """
         self._evaluate()
-        acceleration = np.zeros(3)
-        unit_acceleration(self._line, acceleration)
-        return acceleration
+        return self._seen[at.SEEN_AX : at.SEEN_AZ + 1].copy()
 
     @property
     def unstretched_length(self) -> float:
@@ -246,14 +244,14 @@ class CableDynamics:
     @property
     def largest_strain(self) -> float:
         """Largest strain of a segment [-]; negative where all are slack."""
-        n = self.segments
-        stretched = np.linalg.norm(np.diff(self._line.x[: n + 1], axis=0), axis=1)
-        return float(np.max(stretched / self._line.parts[:n, at.LENGTH])) - 1.0
+        self._evaluate()
+        return float(self._seen[at.SEEN_STRAIN])
 
     @property
     def slack_segments(self) -> int:
         """Number of segments that carry no tension."""
-        return int(np.count_nonzero(self.segment_tensions <= 0.0))
+        self._evaluate()
+        return int(np.count_nonzero(self._line.tensions[: self.segments] <= 0.0))
 
     @property
     def is_on_seabed(self) -> bool:
@@ -289,7 +287,7 @@ class CableDynamics:
 
     def _evaluate(self) -> None:
         if not self._fresh:
-            evaluate(self._line)
+            observe(self._line, self._seen)
             self._fresh = True
 
     def _reserve(self, total: float) -> None:

@@ -103,6 +103,10 @@ SETTING_COLUMNS = 34
 SEGMENTS, NEWTON, STEPS, REFUSED = range(4)
 COUNTER_COLUMNS = 4
 
+# What is seen of the line after an evaluation: acceleration of the unit [m/s^2], largest strain of a segment [-].
+SEEN_AX, SEEN_AY, SEEN_AZ, SEEN_STRAIN = range(4)
+SEEN_COLUMNS = 4
+
 # Outcomes of an advance.
 DONE, NOT_CONVERGED, TOO_SHORT = range(3)
 

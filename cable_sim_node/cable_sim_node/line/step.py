@@ -52,6 +52,9 @@ from cable_sim_node.line.layout import (
     RX,
     RY,
     RZ,
+    SEEN_AX,
+    SEEN_AZ,
+    SEEN_STRAIN,
     SEGMENTS,
     SPRING_ON,
     START,
@@ -383,6 +386,24 @@ def evaluate(line: LineArrays) -> float:
 
 
 @kernel
+def observe(line: LineArrays, seen: Array) -> None:
+    """Evaluate the present state of `line`, and set `seen` to the unit's acceleration and the largest strain.
+
+    One call for all that is looked at in a tick: to take the arrays apart costs as much as to evaluate a short line.
+    """
+    evaluate(line)
+    unit_acceleration(line, seen[SEEN_AX : SEEN_AZ + 1])
+    largest = -1.0
+    for i in range(line.counters[SEGMENTS]):
+        low, high = line.now[i], line.now[i + 1]
+        dx, dy, dz = high[X] - low[X], high[Y] - low[Y], high[Z] - low[Z]
+        strain = math.sqrt(dx * dx + dy * dy + dz * dz) / line.parts[i, LENGTH] - 1.0
+        if not strain <= largest:
+            largest = strain
+    seen[SEEN_STRAIN] = largest
+
+
+@inner_kernel
 def unit_acceleration(line: LineArrays, out: Array) -> None:
     """Set `out` to the acceleration [m/s^2] that the forces on the unit give it now, after `evaluate`.
 

@@ -57,28 +57,64 @@ class PeerRun:
     cpu_per_second: float
 
 
-def largest_stable_step(parameters: CableSimParameters, safety: float = 0.85) -> float:
-    """Return a step [s] just inside RK4's limit 2.83/w of the line's fastest axial oscillation, w = 2 c/l.
+@dataclass(frozen=True)
+class Setting:
+    """How MoorDyn integrates.
+
+    Attributes
+    ----------
+    name : for people
+    scheme : by MoorDyn's name
+    order : of the scheme, whose stages are as many
+    damping : of the line's fastest axial oscillation, a share of the critical one
+    """
+
+    name: str
+    scheme: str
+    order: int
+    damping: float
+
+    def stability_limit(self) -> float:
+        """Return the largest h w at which an oscillation of frequency w does not grow with steps of h.
+
+        The amplification of a step is the Taylor polynomial of e^z, z = h w (-zeta +- i sqrt(1 - zeta^2)).
+        """
+        root = complex(-self.damping, math.sqrt(1.0 - self.damping**2))
+        size, step = 0.0, 1e-4
+        while abs(sum((root * (size + step)) ** k / math.factorial(k) for k in range(self.order + 1))) <= 1.0 + 1e-9:
+            size += step
+        return size
+
+
+RK4 = Setting("RK4", "RK4", order=4, damping=0.0)
+RK2 = Setting("RK2, zeta 0.5", "RK2", order=2, damping=0.5)
+SETTINGS = (RK2, RK4)
+"""RK2 is the fastest, and needs damping to be stable; RK4 does without, as the plant does."""
+
+
+def largest_stable_step(parameters: CableSimParameters, setting: Setting = RK4, safety: float = 0.85) -> float:
+    """Return a step [s] just inside the stability limit of the line's fastest axial oscillation, w = 2 c/l.
 
     Parameters
     ----------
     parameters : of the plant
+    setting : of MoorDyn
     safety : share of the limit
     """
     cable = parameters.cable
     speed = math.sqrt(cable.axial_stiffness / cable.mass_per_length)
-    return safety * 1.41 * parameters.length / parameters.segments / speed
+    return safety * 0.5 * setting.stability_limit() * parameters.length / parameters.segments / speed
 
 
-def input_file(parameters: CableSimParameters, unit_position: Array, scheme: str, step: float) -> str:
+def input_file(parameters: CableSimParameters, unit_position: Array, setting: Setting, step: float) -> str:
     """Return the text of MoorDyn's input file for a unit on a uniform line in still water.
 
     Parameters
     ----------
     parameters : of the plant
     unit_position : at the start [m], shape (3,)
-    scheme : of MoorDyn's time integration
-    step : of it [s]
+    setting : of MoorDyn
+    step : of its time integration [s]
     """
     cable, unit = parameters.cable, parameters.unit
     diameter = cable.displaced_diameter or cable.diameter
@@ -90,7 +126,7 @@ def input_file(parameters: CableSimParameters, unit_position: Array, scheme: str
 ---------------------- LINE TYPES ----------------------
 TypeName   Diam     Mass/m     EA         BA/-zeta    EI         Cd     Ca     CdAx    CaAx
 (name)     (m)      (kg/m)     (N)        (N-s/-)     (N-m^2)    (-)    (-)    (-)     (-)
-line {diameter} {cable.mass_per_length} {cable.axial_stiffness} 0 0 \
+line {diameter} {cable.mass_per_length} {cable.axial_stiffness} {-setting.damping} 0 \
 {cable.normal_drag * ratio} {cable.added_mass} {cable.tangential_drag * ratio} 0
 ---------------------- POINTS ----------------------
 ID  Attachment  X  Y  Z  M  V  CdA  CA
@@ -104,7 +140,7 @@ ID  LineType  AttachA  AttachB  UnstrLen  NumSegs  Outputs
 ---------------------- OPTIONS ----------------------
 0 writeLog
 {step} dtM
-{scheme} tScheme
+{setting.scheme} tScheme
 {parameters.water_density} WtrDnsty
 {parameters.gravity} g
 5000 WtrDpth
@@ -119,7 +155,7 @@ def run_moordyn(
     *,
     duration: float,
     tick: float = 0.05,
-    scheme: str = "RK4",
+    setting: Setting = RK4,
     step: float | None = None,
 ) -> PeerRun:
     """Drive MoorDyn's line about the origin from the plant's own equilibrium; record the unit each tick.
@@ -130,8 +166,8 @@ def run_moordyn(
     motion : of the top by time [s]
     duration : of the run [s]
     tick : interval of the records [s]
-    scheme : of MoorDyn's time integration
-    step : of it [s]; the largest stable one if None
+    setting : of MoorDyn
+    step : of its time integration [s]; the largest stable one if None
 
     Raises
     ------
@@ -144,10 +180,10 @@ def run_moordyn(
 
     plant = CableDynamics(parameters)
     plant.start_at_equilibrium(np.zeros(3))
-    step = largest_stable_step(parameters) if step is None else step
+    step = largest_stable_step(parameters, setting) if step is None else step
     with tempfile.TemporaryDirectory() as folder, _silence():
         path = Path(folder) / "line.txt"
-        path.write_text(input_file(parameters, plant.unit_position, scheme, step), encoding="ascii")
+        path.write_text(input_file(parameters, plant.unit_position, setting, step), encoding="ascii")
         system = moordyn.Create(str(path))
         top = [0.0, 0.0, -_SUBMERGENCE]
         moordyn.Init(system, top, [0.0, 0.0, 0.0])

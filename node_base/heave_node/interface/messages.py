@@ -1,13 +1,14 @@
-"""Message classes by the name of their type, and the readings of sensors in them. No rclpy: messages are plain data."""
+"""Message classes by the name of their type, and readings as messages. No rclpy: messages are bytes or plain data."""
 
 from __future__ import annotations
 
 import importlib
-from operator import attrgetter
+from collections.abc import Sequence
 from typing import Any
 
+from heave_node.cdr.packer import Packer
+from heave_node.cdr.unpacker import Unpacker, header_stamp
 from heave_node.interface.sensors import Sensor, WireReading
-from heave_node.tick.tick import nanoseconds_of, stamp_of
 
 
 def message_type(name: str) -> type[Any]:
@@ -19,31 +20,26 @@ def message_type(name: str) -> type[Any]:
     return getattr(importlib.import_module(f"{package}.{kind}"), message)  # type: ignore[no-any-return]
 
 
-class _Field:
-    """A number in a message, named like "twist.covariance[7]"."""
+class MessageReader:
+    """Reads serialised messages of one type that begin with a Header.
 
-    def __init__(self, path: str) -> None:
-        path, _, index = path.partition("[")
-        *owner, self._name = path.split(".")
-        self._owner = attrgetter(".".join(owner)) if owner else None
-        self._index = int(index.rstrip("]")) if index else None
+    Parameters
+    ----------
+    name : of the type
+    fields : dotted names of those whose numbers a reading has, in that order
+    """
 
-    def put(self, message: Any, number: float) -> None:
-        """Write the number."""
-        owner = message if self._owner is None else self._owner(message)
-        if self._index is None:
-            setattr(owner, self._name, number)
-        else:
-            getattr(owner, self._name)[self._index] = number
+    def __init__(self, name: str, fields: Sequence[str]) -> None:
+        self._unpacker = Unpacker(name, fields)
 
-    def take(self, message: Any) -> Any:
-        """Read the number."""
-        value = getattr(message if self._owner is None else self._owner(message), self._name)
-        return value if self._index is None else value[self._index]
+    def reading(self, data: bytes) -> WireReading:
+        """Return the reading that the message `data` carries. Raises LayoutError where it does not fit the type."""
+        numbers = self._unpacker.unpack(data)
+        return WireReading(header_stamp(data), numbers)
 
 
-class SensorMessages:
-    """The messages of one sensor.
+class SensorMessages(MessageReader):
+    """The messages of one sensor; what is read of them are the values, without their accuracies.
 
     Parameters
     ----------
@@ -51,23 +47,10 @@ class SensorMessages:
     """
 
     def __init__(self, sensor: Sensor) -> None:
-        self.sensor = sensor
-        self._type = message_type(sensor.topic.type)
-        self._values = [_Field(path) for path in sensor.values]
-        self._numbers = self._values + [_Field(path) for path in sensor.accuracies]
-        self._constants = [(_Field(path), number) for path, number in sensor.constants]
+        super().__init__(sensor.topic.type, sensor.values)
+        fields = ("header.stamp", *sensor.values, *sensor.accuracies)
+        self._packer = Packer(sensor.topic.type, fields, {"header.frame_id": sensor.frame, **dict(sensor.constants)})
 
-    def message(self, reading: WireReading) -> Any:
-        """Return the message that carries a reading."""
-        message = self._type()
-        message.header.stamp = stamp_of(reading.stamp)
-        message.header.frame_id = self.sensor.frame
-        for field, number in self._constants:
-            field.put(message, number)
-        for field, number in zip(self._numbers, reading.numbers, strict=True):
-            field.put(message, number)
-        return message
-
-    def reading(self, message: Any) -> WireReading:
-        """Return the reading that a message carries: its values, without their accuracies."""
-        return WireReading(nanoseconds_of(message.header.stamp), tuple(field.take(message) for field in self._values))
+    def message(self, reading: WireReading) -> bytes:
+        """Return the serialised message that carries a reading."""
+        return self._packer.pack(reading.stamp, *reading.numbers)

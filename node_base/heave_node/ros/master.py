@@ -10,13 +10,13 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 
-from heave_msgs.msg import TickDone, TickJoin, TickRoster, TickStart, TickStatus
+from heave_msgs.msg import TickJoin, TickRoster, TickStatus
 from heave_msgs.srv import StepSimulation
 from rclpy.duration import Duration
 from rclpy.lifecycle import LifecycleState, TransitionCallbackReturn
-from rosgraph_msgs.msg import Clock
 from std_srvs.srv import SetBool, Trigger
 
+from heave_node.cdr.packer import Packer
 from heave_node.interface import topics
 from heave_node.ros.diagnostics import Health, Level
 from heave_node.ros.input_timing import timing_health
@@ -25,6 +25,7 @@ from heave_node.ros.transport.identity import describe_sender, identity_of_endpo
 from heave_node.ros.transport.qos import mismatches
 from heave_node.tick import malformed
 from heave_node.tick.loop_timing import LoopTiming
+from heave_node.tick.protocol import TickDone, TickStart
 from heave_node.tick.roster import Participant, Roster
 from heave_node.tick.speakers import Speakers
 from heave_node.tick.tick import Tick
@@ -41,6 +42,8 @@ MISMATCH_PATIENCE = 0.5
 """Wall time for which publisher and reader must seem not to match before the run is refused [s]."""
 LAST_STATUS_TIMEOUT = Duration(seconds=2)
 """Wall time that the last status may take to be acknowledged by every subscriber."""
+
+_CLOCK = Packer(topics.CLOCK.type, ("clock",))
 
 
 class ClockMasterNode(HeaveNode):
@@ -78,7 +81,7 @@ class ClockMasterNode(HeaveNode):
         self._status_publisher = self.create_protocol_publisher(topics.TICK_STATUS)
         self.create_protocol_subscription(topics.TICK_JOIN, self._on_join)
         for node in peers:
-            self.create_protocol_subscription(topics.tick_done_topic(node), self._done_callback(node))
+            self.create_protocol_subscription(topics.tick_done_topic(node), self._done_callback(node), TickDone.of)
         self.create_service(SetBool, "simulation/pause", self._serve_pause)
         self.create_service(StepSimulation, "simulation/step", self._serve_step)
         self.create_service(Trigger, "simulation/reset", self._serve_reset)
@@ -230,7 +233,7 @@ class ClockMasterNode(HeaveNode):
         self.clock_of_run.tick_began(tick.start_nanoseconds, time.monotonic_ns())
         self.timing.tick_began(number)
         self.begin_outputs()
-        self._clock_output.publish_deferred(lambda: Clock(clock=tick.stamp))
+        self._clock_output.publish_deferred(lambda: _CLOCK.pack(tick.start_nanoseconds))
         self.fail_on_error(lambda: self._publish_readings(tick))
         if not self.failure:
             self._send_start(tick, flush=False)
@@ -244,16 +247,14 @@ class ClockMasterNode(HeaveNode):
         self.roster.answer(self.name, tick.number, self.published_counts())
         counters = self.roster.counters
         self.gate.begin(self.epoch, tick.number, counters)
-        self._start_message = TickStart(
-            epoch=self.epoch, tick=tick.number, stamp=tick.stamp, flush=flush, published=counters
-        )
-        self._start_publisher.publish(self._start_message)
+        self._start_message = TickStart(self.epoch, tick.number, flush, tick.start_nanoseconds, counters)
+        self._start_publisher.publish(self._start_message.to_bytes())
         self._sent_at = self._warned_at = time.monotonic()
         self._resend_wait = self.run.resend_period
 
     @property
     def _is_flushing(self) -> bool:
-        return bool(self._start_message.flush)
+        return self._start_message.flush
 
     def _done_callback(self, node: str) -> Callable[[TickDone, str], None]:
         def on_done(message: TickDone, identity: str) -> None:
@@ -433,7 +434,7 @@ class ClockMasterNode(HeaveNode):
             self.timing.resends += 1
             self.resend_outputs()
             self._publish_roster()
-            self._start_publisher.publish(self._start_message)
+            self._start_publisher.publish(self._start_message.to_bytes())
         behind = self.roster.unanswered(self.tick_number, flush=self._is_flushing)
         text = "; ".join(
             f"{p.name} has not finished tick {p.answered + 1}"

@@ -11,7 +11,8 @@ import math
 import socket
 import time
 import traceback
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from functools import partial
 from typing import Any, ClassVar
 
 from builtin_interfaces.msg import Time
@@ -19,7 +20,8 @@ from heave_msgs.msg import TickJoin, TickStatus
 from rclpy.clock import Clock, ClockType
 from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackReturn
 from rclpy.publisher import Publisher
-from rclpy.qos_overriding_options import InvalidQosOverridesError
+from rclpy.qos import QoSProfile
+from rclpy.qos_overriding_options import InvalidQosOverridesError, QoSOverridingOptions
 from rclpy.serialization import deserialize_message
 from rclpy.subscription import Subscription
 from rclpy.task import Future
@@ -30,8 +32,9 @@ from heave_node.interface.topic import Topic
 from heave_node.ros.diagnostics import Health, Level, diagnostic_array
 from heave_node.ros.input_timing import InputTiming
 from heave_node.ros.node_parameters import read_parameters
-from heave_node.ros.ports import Input, Output
-from heave_node.ros.spin import sender_callback, timed_callback
+from heave_node.ros.ports import Input, Output, decoder_of, of_any_machine, stamped
+from heave_node.ros.spin import timed_callback
+from heave_node.ros.transport.exchange import Exchange, LocalPublisher, LocalSubscription, Reader
 from heave_node.ros.transport.identity import own_identity
 from heave_node.ros.transport.qos import (
     PUBLISHER,
@@ -47,7 +50,7 @@ from heave_node.tick.external_clock import ExternalClock
 from heave_node.tick.gate import Inbox, TickGate
 from heave_node.tick.simulated_clock import SimulatedClock
 from heave_node.tick.speakers import ANYONE
-from heave_node.tick.tick import Tick, nanoseconds_of, stamp_of
+from heave_node.tick.tick import Tick
 
 JOIN_PERIOD = 0.05
 """Wall time between two TickJoin messages while the run has not started [s]."""
@@ -91,18 +94,20 @@ class HeaveNode(LifecycleNode):
     parameters : the node's own
     gate : messages received, and whether those of the tick are complete
     tick, epoch : the tick and the run the node is in
-    failure : why the node ended, "" while nothing went wrong
+    failure : why the node ended, "" while nothing went wrong; `failed_at` when [s of monotonic wall time]
     identity : of this node's process, as the others see it on each of its messages
     clocks : of the external inputs, by topic
     clock_of_run : simulated time by monotonic wall time [ns]
     strangers : processes noticed that are not part of the run
     message_sent : when the message of the protocol that is handled now was sent, by its sender's clock [ns]
+    exchange : of the topics of a run whose nodes share one process; None: they go through the middleware
     """
 
     name: ClassVar[str]
     parameters_type: ClassVar[type[Any]]
     after: ClassVar[tuple[str, ...]] = ()
     lag: ClassVar[int] = 0
+    exchange: ClassVar[Exchange | None] = None
 
     def __init__(self) -> None:
         super().__init__(self.name, automatically_declare_parameters_from_overrides=True)
@@ -114,7 +119,7 @@ class HeaveNode(LifecycleNode):
         self.identity = own_identity(self)
         self.strangers = Strangers(self, self.identity)
         self.finished: Future[None] = Future()
-        self.failure = ""
+        self.failure, self.failed_at = "", 0.0
         self.tick: Tick | None = None
         self.epoch = 0
         self.has_started = False
@@ -125,7 +130,7 @@ class HeaveNode(LifecycleNode):
         self._outputs: list[Output] = []
         self._inputs: list[Input] = []
         self._input_timings: dict[str, InputTiming] = {}
-        self._input_subscriptions: dict[str, Subscription[Any]] = {}
+        self._input_subscriptions: dict[str, Subscription[Any] | LocalSubscription] = {}
 
     # What a node fills in ------------------------------------------------------------------------------------------
 
@@ -154,12 +159,20 @@ class HeaveNode(LifecycleNode):
 
     def add_output(self, topic: Topic) -> Output:
         """Publish `topic` within ticks."""
-        output = Output(self, topic, is_lockstep=self.run.is_lockstep)
+        name = self.resolve_topic_name(topic.name)
+        options = overriding_options(self, name, PUBLISHER, is_lockstep=self.run.is_lockstep)
+        output = Output(self._publisher(topic, options))
         self._outputs.append(output)
         return output
 
     def add_input(
-        self, topic: Topic, *, check_stamps: bool = True, lifespan: float = math.inf, holds_ahead: bool = False
+        self,
+        topic: Topic,
+        fields: Sequence[str] | None = None,
+        *,
+        check_stamps: bool = True,
+        lifespan: float = math.inf,
+        holds_ahead: bool = False,
     ) -> Input:
         """Read a topic within ticks.
 
@@ -168,6 +181,8 @@ class HeaveNode(LifecycleNode):
         Parameters
         ----------
         topic : its name, type, publisher and role
+        fields : dotted names of the numbers that are read: the input gives a WireReading of each message, which takes a
+            tenth of the time of a whole one. None: it gives messages
         check_stamps : refuse messages that are stamped in the future or out of order
         lifespan : real time: messages older than this are late and not used [s]
         holds_ahead : real time: what was measured after the start of a tick waits for the next one, also where this
@@ -184,19 +199,16 @@ class HeaveNode(LifecycleNode):
             holds_ahead=holds_ahead and not self.run.is_lockstep,
         )
         self._inputs.append(port)
-        kind = message_type(topic.type)
+        decode = decoder_of(topic, fields)
 
-        def decode(data: bytes) -> Any:
-            return deserialize_message(data, kind)
-
-        def decode_external(data: bytes) -> Any:
+        def decode_external(data: bytes) -> tuple[int | None, Any]:
             self._input_timings[port.name].arrived()
-            message = decode(data)
-            if hasattr(message, "header"):
-                wall = time.monotonic_ns()
-                stamp = clock.simulated_time(nanoseconds_of(message.header.stamp), self.clock_of_run.now(wall), wall)
-                message.header.stamp = stamp_of(max(0, stamp))
-            return message
+            stamp, content = decode(data)
+            if stamp is None:
+                return stamp, content
+            wall = time.monotonic_ns()
+            stamp = max(0, clock.simulated_time(stamp, self.clock_of_run.now(wall), wall))
+            return stamp, stamped(content, stamp)
 
         if is_external:
             self._input_timings[port.name] = InputTiming(port.name)
@@ -228,7 +240,7 @@ class HeaveNode(LifecycleNode):
         is_external = topic.publisher in self.run.external
         inbox = self.gate.add_inbox(Inbox(name, decode, is_external=is_external, on_stranger=on_stranger or refuse))
 
-        def on_data(data: bytes, identity: str) -> None:
+        def on_data(data: bytes, identity: str, _: int) -> None:
             if is_external and not self.has_started:
                 return  # there is no simulated time yet
             try:
@@ -239,23 +251,20 @@ class HeaveNode(LifecycleNode):
             if is_new:
                 self._advance()
 
-        self._input_subscriptions[name] = self.create_subscription(
-            message_type(topic.type),
-            name,
-            sender_callback(on_data),
-            reader_qos_of(topic.role, is_external=is_external),
-            raw=True,
-            qos_overriding_options=overriding_options(self, name, SUBSCRIPTION, is_lockstep=self.run.is_lockstep),
-        )
+        qos = reader_qos_of(topic.role, is_external=is_external)
+        options = overriding_options(self, name, SUBSCRIPTION, is_lockstep=self.run.is_lockstep)
+        self._input_subscriptions[name] = self._subscription(topic, on_data, qos, options)
 
     def take(self, port: Input) -> list[Any]:
-        """Return the new messages of this tick on the input `port`, oldest first."""
+        """Return what is new in this tick on the input `port`, oldest first."""
         assert self.tick is not None
         if port.name in self._input_timings:
             self._input_timings[port.name].used()
         return port.take(self.tick)
 
-    def create_protocol_subscription(self, topic: Topic, callback: Callable[[Any, str], None]) -> None:
+    def create_protocol_subscription(
+        self, topic: Topic, callback: Callable[[Any, str], None], decode: Callable[[bytes], Any] | None = None
+    ) -> None:
         """Subscribe to a topic of the tick protocol.
 
         Parameters
@@ -263,13 +272,15 @@ class HeaveNode(LifecycleNode):
         topic : of the protocol
         callback : gets each message and the identity of the process that sent it. It raises ProtocolError for one that
             is refused
+        decode : makes of the bytes what the callback gets; None: a message of ROS
         """
         name, kind = self.resolve_topic_name(topic.name), message_type(topic.type)
+        read = of_any_machine(decode, kind) if decode else partial(deserialize_message, message_type=kind)
 
         def on_data(data: bytes, identity: str, sent: int) -> None:
             self.message_sent = sent
             try:
-                message = deserialize_message(data, kind)
+                message = read(data)
             except (RuntimeError, ValueError):  # of the middleware, and of text that is not UTF-8
                 self.strangers.refuse(name, identity, "it cannot be decoded")
                 return
@@ -278,12 +289,28 @@ class HeaveNode(LifecycleNode):
             except ProtocolError as error:
                 self.strangers.refuse(name, identity, str(error))
 
-        qos = reader_qos_of(topic.role, is_external=False)
-        self.create_subscription(kind, name, timed_callback(on_data), qos, raw=True)
+        self._subscription(topic, on_data, reader_qos_of(topic.role, is_external=False))
 
-    def create_protocol_publisher(self, topic: Topic) -> Publisher[Any]:
+    def create_protocol_publisher(self, topic: Topic) -> Publisher[Any] | LocalPublisher:
         """Return a publisher of a `topic` of the tick protocol."""
-        return self.create_publisher(message_type(topic.type), topic.name, qos_of(topic.role))
+        return self._publisher(topic)
+
+    def _publisher(self, topic: Topic, options: QoSOverridingOptions | None = None) -> Publisher[Any] | LocalPublisher:
+        """Return a publisher by the way that the nodes of this run hand each other messages."""
+        kind, qos = message_type(topic.type), qos_of(topic.role)
+        publisher = self.create_publisher(kind, topic.name, qos, qos_overriding_options=options)
+        return publisher if self.exchange is None else self.exchange.add_publisher(topic, publisher, self.identity)
+
+    def _subscription(
+        self, topic: Topic, on_data: Reader, qos: QoSProfile, options: QoSOverridingOptions | None = None
+    ) -> Subscription[Any] | LocalSubscription:
+        """Subscribe by the way that the nodes of this run hand each other messages."""
+        name = self.resolve_topic_name(topic.name)
+        if self.exchange is not None:
+            return self.exchange.subscribe(name, on_data)
+        callback = timed_callback(on_data)
+        kind = message_type(topic.type)
+        return self.create_subscription(kind, name, callback, qos, raw=True, qos_overriding_options=options)
 
     # Lifecycle -----------------------------------------------------------------------------------------------------
 
@@ -448,7 +475,7 @@ class HeaveNode(LifecycleNode):
         if self.failure:
             return
         when = f" at t = {self.tick.time:.3f} s" if self.tick is not None else ""
-        self.failure = f"{reason}{when}"
+        self.failure, self.failed_at = f"{reason}{when}", time.monotonic()
         if error is not None:
             self.get_logger().debug("".join(traceback.format_exception(error)))
         self.finish()

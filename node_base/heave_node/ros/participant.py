@@ -7,14 +7,15 @@ from collections import deque
 from collections.abc import Callable
 from contextlib import suppress
 
-from heave_msgs.msg import TickDone, TickRoster, TickStart, TickStatus
+from heave_msgs.msg import TickRoster, TickStatus
 
 from heave_node.interface import topics
 from heave_node.ros.node import HeaveNode, ProtocolError, expect_no, expect_sender, steady_clock
 from heave_node.tick import malformed
+from heave_node.tick.protocol import TickDone, TickStart
 from heave_node.tick.punctuality import Punctuality
 from heave_node.tick.speakers import ANYONE
-from heave_node.tick.tick import Tick, nanoseconds_of
+from heave_node.tick.tick import Tick
 
 CATCH_UP_SHARE = 0.4
 """Share of a tick for which a node that was held up takes messages in before it makes up for ticks."""
@@ -50,10 +51,10 @@ class ParticipantNode(HeaveNode):
         self._master_heard_at = time.monotonic()
         self._done = self.create_protocol_publisher(topics.tick_done_topic(self.name))
         self.create_protocol_subscription(topics.TICK_ROSTER, self._on_roster)
-        self.create_protocol_subscription(topics.TICK_START, self._on_start)
+        self.create_protocol_subscription(topics.TICK_START, self._on_start, TickStart.of)
         self.create_protocol_subscription(topics.TICK_STATUS, self._on_status)
         for node in self.gate.after:
-            self.create_protocol_subscription(topics.tick_done_topic(node), self._done_callback(node))
+            self.create_protocol_subscription(topics.tick_done_topic(node), self._done_callback(node), TickDone.of)
         if not self.run.is_lockstep:
             wait = self.run.in_tick_wait * self.run.tick_period
             self._deadline = self.create_timer(wait, self._on_deadline, clock=steady_clock())
@@ -120,10 +121,9 @@ class ParticipantNode(HeaveNode):
         newest = self._starts[-1] if self._starts else self._answered
         if newest is None or _order(message) > _order(newest):
             self._starts.append(message)
-            start = nanoseconds_of(message.stamp)
-            self.clock_of_run.tick_began(start, time.monotonic_ns())
+            self.clock_of_run.tick_began(message.stamp, time.monotonic_ns())
             if not self.run.is_lockstep:
-                self.punctuality.entered(start, self.message_sent, time.time_ns())
+                self.punctuality.entered(message.stamp, self.message_sent, time.time_ns())
             if len(self._starts) == 1:
                 self._begin_next()
             elif not self.run.is_lockstep:
@@ -215,13 +215,12 @@ class ParticipantNode(HeaveNode):
 
     def _is_answer_due(self, start: TickStart) -> bool:
         """Return whether the master waits for an answer: a node that may lag answers for many ticks at a time."""
-        return bool(start.flush) or start.tick % max(1, self.lag // 2) == 0
+        return start.flush or start.tick % max(1, self.lag // 2) == 0
 
     def _answer(self) -> None:
         assert self._answered is not None
-        self._done.publish(
-            TickDone(epoch=self._answered.epoch, tick=self._answered.tick, published=self.published_counts())
-        )
+        done = TickDone(self._answered.epoch, self._answered.tick, self.published_counts())
+        self._done.publish(done.to_bytes())
 
     def _answer_again(self) -> None:
         """Send this tick's messages and answer again, or say what is missing."""

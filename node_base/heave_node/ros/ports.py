@@ -4,18 +4,22 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import Any
 
 from rclpy.node import Node
 from rclpy.publisher import Publisher
-from rclpy.serialization import serialize_message
+from rclpy.serialization import deserialize_message, serialize_message
 
-from heave_node.interface.messages import message_type
+from heave_node.cdr.layout import LayoutError
+from heave_node.interface.messages import MessageReader, message_type
+from heave_node.interface.sensors import WireReading
 from heave_node.interface.topic import Topic
-from heave_node.ros.transport.qos import PUBLISHER, STREAM_DEPTH, overriding_options, qos_of
+from heave_node.ros.transport.exchange import LocalPublisher
+from heave_node.ros.transport.qos import STREAM_DEPTH
 from heave_node.tick.gate import TickGate
-from heave_node.tick.tick import Tick, nanoseconds_of
+from heave_node.tick.tick import Tick, nanoseconds_of, stamp_of
 
 
 class Output:
@@ -26,24 +30,16 @@ class Output:
 
     Parameters
     ----------
-    node : that publishes
-    topic : its name, type and role; the attribute of this name is the resolved name
-    is_lockstep : refuses a quality of service, chosen by the user, that could lose a message
+    publisher : of rclpy, or in memory
 
     Attributes
     ----------
-    publisher : of rclpy
+    topic : resolved name
     published : messages since the start, deferred ones included
     """
 
-    def __init__(self, node: Node, topic: Topic, *, is_lockstep: bool = True) -> None:
-        name = node.resolve_topic_name(topic.name)
-        self.publisher: Publisher[Any] = node.create_publisher(
-            message_type(topic.type),
-            name,
-            qos_of(topic.role),
-            qos_overriding_options=overriding_options(node, name, PUBLISHER, is_lockstep=is_lockstep),
-        )
+    def __init__(self, publisher: Publisher[Any] | LocalPublisher) -> None:
+        self.publisher = publisher
         self.topic = self.publisher.topic_name
         self.published = 0
         self._sent_this_tick: list[bytes] = []
@@ -86,6 +82,49 @@ class Output:
             self.publisher.publish(data)
 
 
+Decoder = Callable[[bytes], tuple[int | None, Any]]
+"""Makes of the bytes of a message its stamp [ns], None without a header, and what an input gives."""
+
+
+def decoder_of(topic: Topic, fields: Sequence[str] | None) -> Decoder:
+    """Return what decodes messages of a `topic`: to readings of the numbers in `fields`, or with None as a whole."""
+    kind = message_type(topic.type)
+
+    def decode_whole(data: bytes) -> tuple[int | None, Any]:
+        message = deserialize_message(data, kind)
+        return nanoseconds_of(message.header.stamp) if hasattr(message, "header") else None, message
+
+    if fields is None:
+        return decode_whole
+    reader = MessageReader(topic.type, fields)
+
+    def decode_fields(data: bytes) -> tuple[int | None, Any]:
+        reading = reader.reading(data)
+        return reading.stamp, reading
+
+    return of_any_machine(decode_fields, kind)
+
+
+def of_any_machine(decode: Callable[[bytes], Any], kind: type[Any]) -> Callable[[bytes], Any]:
+    """Return `decode`, which knows little-endian messages of the class `kind`, for those of every byte order."""
+
+    def decode_any(data: bytes) -> Any:
+        try:
+            return decode(data)
+        except LayoutError:  # or no such message: the middleware will say so
+            return decode(serialize_message(deserialize_message(data, kind)))
+
+    return decode_any
+
+
+def stamped(content: Any, stamp: int) -> Any:
+    """Return the `content` of a message, as a decoder gives it, with another `stamp` [ns]."""
+    if isinstance(content, WireReading):
+        return replace(content, stamp=stamp)
+    content.header.stamp = stamp_of(stamp)
+    return content
+
+
 class Input:
     """A topic that a node reads within ticks.
 
@@ -93,7 +132,7 @@ class Input:
     ----------
     node : that reads
     topic : its name and type; the attribute of this name is the resolved name
-    gate : holds the messages until their tick
+    gate : holds the messages until their tick, each as its `Decoder` gives it
     check_stamps : refuse messages that are stamped in the future or out of order
     lifespan : messages older than this at the start of the tick are not used [s]
     holds_ahead : messages that are stamped after the start of a tick wait for the next one
@@ -102,7 +141,7 @@ class Input:
     ----------
     name : of the topic, relative
     early, late : messages refused so far: stamped in the future; older than one before them or than the lifespan
-    latest : last message taken, None before the first
+    latest : last reading or message taken, None before the first
     """
 
     def __init__(
@@ -123,28 +162,29 @@ class Input:
         self.early = self.late = 0
         self.latest: Any = None
         self._gate = gate
-        self._ahead: deque[Any] = deque(maxlen=STREAM_DEPTH)
+        self._ahead: deque[tuple[int | None, Any]] = deque(maxlen=STREAM_DEPTH)
         self._last_stamp = 0
 
     def take(self, tick: Tick) -> list[Any]:
-        """Return the new messages of this tick, oldest first; `latest` holds the last one afterwards.
+        """Return what came for this tick, oldest first; `latest` holds the last one afterwards.
 
         Parameters
         ----------
         tick : in which they are used. A message with a header that is stamped after its end, or not after the one
             before it, is refused and counted, where `check_stamps` is on; so is one that is older than the lifespan
         """
-        messages = self._gate.take(self.topic)
+        messages: list[tuple[int | None, Any]] = self._gate.take(self.topic)
         if self.holds_ahead:
             self._ahead.extend(messages)
             messages = self._due(tick.start_nanoseconds)
         if self.check_stamps:
-            messages = [message for message in messages if self._is_stamp_legal(message, tick.end_nanoseconds)]
+            messages = [entry for entry in messages if self._is_stamp_legal(entry[0], tick.end_nanoseconds)]
         if self.lifespan != math.inf:
-            messages = [message for message in messages if self._is_young(message, tick.start_nanoseconds)]
-        if messages:
-            self.latest = messages[-1]
-        return messages
+            messages = [entry for entry in messages if self._is_young(entry[0], tick.start_nanoseconds)]
+        contents = [content for _, content in messages]
+        if contents:
+            self.latest = contents[-1]
+        return contents
 
     def reset(self) -> None:
         """Forget the previous run."""
@@ -152,17 +192,16 @@ class Input:
         self._ahead.clear()
         self._last_stamp = 0
 
-    def _due(self, now: int) -> list[Any]:
-        """Return the messages that wait and are stamped by `now` [ns], in the order of their arrival."""
+    def _due(self, now: int) -> list[tuple[int | None, Any]]:
+        """Return what waits and is stamped by `now` [ns], in the order of arrival."""
         due = []
-        while self._ahead and nanoseconds_of(self._ahead[0].header.stamp) <= now:
+        while self._ahead and (self._ahead[0][0] or 0) <= now:
             due.append(self._ahead.popleft())
         return due
 
-    def _is_stamp_legal(self, message: Any, latest_legal_stamp: int) -> bool:
-        if not hasattr(message, "header"):
+    def _is_stamp_legal(self, stamp: int | None, latest_legal_stamp: int) -> bool:
+        if stamp is None:
             return True
-        stamp = nanoseconds_of(message.header.stamp)
         self.early += stamp > latest_legal_stamp
         self.late += stamp <= self._last_stamp
         if not self._last_stamp < stamp <= latest_legal_stamp:
@@ -170,7 +209,7 @@ class Input:
         self._last_stamp = stamp
         return True
 
-    def _is_young(self, message: Any, now: int) -> bool:
-        is_old = nanoseconds_of(message.header.stamp) < now - round(self.lifespan * 1e9)
+    def _is_young(self, stamp: int | None, now: int) -> bool:
+        is_old = stamp is not None and stamp < now - round(self.lifespan * 1e9)
         self.late += is_old
         return not is_old

@@ -5,6 +5,8 @@ from __future__ import annotations
 import os
 import signal
 import sys
+from collections.abc import Callable, Sequence
+from functools import partial
 from types import FrameType
 
 import rclpy
@@ -15,9 +17,11 @@ from rclpy.signals import SignalHandlerOptions
 
 from heave_node.interface import topics
 from heave_node.parameters import ParameterError
-from heave_node.ros.node import HeaveNode, one_line
+from heave_node.ros.composed import spin_composed
+from heave_node.ros.node import HeaveNode
 from heave_node.ros.spin import spin
 from heave_node.ros.transport.environment import is_bound_to_loopback, prepare_environment
+from heave_node.ros.transport.exchange import Exchange
 from heave_node.ros.transport.exposure import exposed_ports
 
 RCLError = rclpy_implementation.RCLError
@@ -48,35 +52,71 @@ def run_node(node_type: type[HeaveNode], args: list[str] | None = None) -> int:
     status : for the process to exit with: 0 done, 1 failed, 2 parameters refused. What went wrong is one line on
         standard error, `<node>: <what>`
     """
+    return _run([node_type], args, _spin_one)
+
+
+def run_composed(node_types: Sequence[type[HeaveNode]], args: list[str], *, is_public: bool) -> int:
+    """Run all nodes of a run in this process; they hand each other their messages in memory.
+
+    The first node that fails ends the others.
+
+    Parameters
+    ----------
+    node_types : their classes, that of the clock master first: it is built last, and waits for nobody
+    args : command line of ROS
+    is_public : other processes get every message of every topic, not only a glance
+
+    Returns the status of `run_node`; the last line on standard error is that of the node that failed first.
+    """
+    exchange = Exchange(is_public=is_public)
+    HeaveNode.exchange = exchange
+    return _run(node_types, args, lambda nodes: spin_composed(nodes, exchange, _on_idle, _leave))
+
+
+def _run(
+    node_types: Sequence[type[HeaveNode]], args: list[str] | None, spin_nodes: Callable[[Sequence[HeaveNode]], None]
+) -> int:
     notice = prepare_environment()
     try:
-        # A signal ends the node, not the context: its last messages must still reach the others.
+        # A signal ends the nodes, not the context: their last messages must still reach the others.
         rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
-        node = node_type()
+        nodes = [node_type() for node_type in node_types]
     except ParameterError as error:
         return _exit_with_message(str(error), EXIT_REFUSED)
     except RCLError as error:  # a keystore without this node's keys, a middleware that is not there
-        return _exit_with_message(f"{node_type.name}: ROS failed to start: {' '.join(str(error).split())}", EXIT_FAILED)
-    exposure = _exposure(node)
+        names = " and ".join(node_type.name for node_type in node_types[:1])
+        return _exit_with_message(f"{names}: ROS failed to start: {' '.join(str(error).split())}", EXIT_FAILED)
+    exposure = _exposure(nodes[0])
     if exposure:
-        shut_down(node)
-        return _exit_with_message(f"{node.name}: {exposure}", EXIT_FAILED)
+        shut_down(nodes)
+        return _exit_with_message(f"{nodes[0].name}: {exposure}", EXIT_FAILED)
     if notice:
-        node.get_logger().warning(notice)
-    _end_on_signals(node)
-    try:
-        if node.run.autostart and node.trigger_configure() == TransitionCallbackReturn.SUCCESS:
-            node.trigger_activate()
-        spin(node, node.finished, lambda: _on_idle(node), node.service_pause)
-    except Exception as error:  # every error must end in a line and a status
-        node.fail(one_line(error), error)
-    try:
-        node.on_exit()
-    except Exception as error:  # such as a bag that cannot be closed on a full disk
-        node.fail(one_line(error), error)
-    status = _exit_with_message(f"{node.name}: {node.failure}", EXIT_FAILED) if node.failure else EXIT_OK
-    shut_down(node)
-    return status
+        nodes[0].get_logger().warning(notice)
+    _end_on_signals(nodes)
+    for node in reversed(nodes):
+        node.fail_on_error(partial(_start, node))
+    spin_nodes(nodes)
+    failed = sorted((node for node in nodes if node.failure), key=lambda node: node.failed_at, reverse=True)
+    for node in failed:
+        _exit_with_message(f"{node.name}: {node.failure}", EXIT_FAILED)
+    shut_down(nodes)
+    return EXIT_FAILED if failed else EXIT_OK
+
+
+def _start(node: HeaveNode) -> None:
+    if node.run.autostart and node.trigger_configure() == TransitionCallbackReturn.SUCCESS:
+        node.trigger_activate()
+
+
+def _spin_one(nodes: Sequence[HeaveNode]) -> None:
+    (node,) = nodes
+    node.fail_on_error(lambda: spin(node, node.finished, lambda: _on_idle(node), node.service_pause))
+    _leave(node)
+
+
+def _leave(node: HeaveNode) -> None:
+    """Let a node that has finished release what it holds; an error in that, such as a full disk, is its failure."""
+    node.fail_on_error(node.on_exit)
 
 
 def in_namespace(namespace: str) -> list[str]:
@@ -89,15 +129,16 @@ def in_namespace(namespace: str) -> list[str]:
     return ["--ros-args", *(part for name, new in rules for part in ("-r", f"{name}:={new}"))]
 
 
-def shut_down(node: Node) -> None:
-    """Destroy a `node` whose work is done, and shut ROS down.
+def shut_down(nodes: Sequence[Node]) -> None:
+    """Destroy `nodes` whose work is done, and shut ROS down.
 
     Fast DDS can lock up forever when an endpoint is removed while a timer of discovery expires. An alarm then ends the
     process: by that time every file is closed and every message sent.
     """
     signal.signal(signal.SIGALRM, signal.SIG_DFL)
     signal.alarm(SHUTDOWN_TIMEOUT)
-    node.destroy_node()
+    for node in nodes:
+        node.destroy_node()
     rclpy.try_shutdown()
     signal.alarm(0)
 
@@ -121,9 +162,10 @@ def _on_idle(node: HeaveNode) -> None:
     node.on_idle()
 
 
-def _end_on_signals(node: HeaveNode) -> None:
+def _end_on_signals(nodes: Sequence[HeaveNode]) -> None:
     def on_signal(number: int, _: FrameType | None) -> None:
-        node.fail(f"ended by {signal.Signals(number).name}")
+        for node in nodes:
+            node.fail(f"ended by {signal.Signals(number).name}")
 
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, on_signal)

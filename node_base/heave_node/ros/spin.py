@@ -51,12 +51,13 @@ def timed_callback(handle: Callable[[Any, str, int], object]) -> Callable[..., N
 
 
 class Spinner:
-    """Serves the callbacks of one `node`."""
+    """Serves the callbacks of `nodes`."""
 
-    def __init__(self, node: Node) -> None:
-        self._node = node
+    def __init__(self, *nodes: Node) -> None:
+        self._nodes = nodes
         self._executor = EventsExecutor()
-        self._executor.add_node(node)
+        for node in nodes:
+            self._executor.add_node(node)
 
     def spin_for(self, seconds: float, until: Future[Any] | None = None) -> None:
         """Serve callbacks for `seconds` of wall time, or `until` a future completes."""
@@ -64,7 +65,8 @@ class Spinner:
 
     def close(self) -> None:
         """Stop serving callbacks."""
-        self._executor.remove_node(self._node)
+        for node in self._nodes:
+            self._executor.remove_node(node)
         self._executor.shutdown()
 
 

@@ -8,7 +8,9 @@ from __future__ import annotations
 import math
 from collections.abc import Sized
 
-from heave_msgs.msg import TickDone, TickJoin, TickRoster, TickStart, TickStatus
+from heave_msgs.msg import TickJoin, TickRoster, TickStatus
+
+from heave_node.tick.protocol import TickDone, TickStart
 
 
 def fault_in_join(message: TickJoin) -> str:

@@ -1,15 +1,19 @@
-"""What was delivered to measurements, and outputs to messages. No rclpy: message classes are plain data."""
+"""What was delivered to measurements, and outputs to serialised messages.
+
+Each table names the fields of a message, which are those of the plain data too.
+"""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping
+from dataclasses import fields
+from operator import attrgetter
 from typing import Any
 
-from builtin_interfaces.msg import Time
-from heave_msgs.msg import CompensationKpi, ControllerState, SensorHealth, WinchCommand
+from heave_node.cdr.packer import Packer
+from heave_node.interface import topics
 from heave_node.interface.sensors import MRU, SENSORS, Water, WireReading, mru_reading
-from std_msgs.msg import Header
 
 from winch_controller_node.interface.readings import (
     Measurements,
@@ -25,20 +29,32 @@ from winch_controller_node.interface.sensors import SCALAR_SENSORS, KnownSensors
 _KNOWN = KnownSensors().by_name()
 
 
-def winch_reading(state: Any, nanoseconds: int) -> WinchReading:
-    """Return what the winch measures of itself at a time, `nanoseconds` [ns]; the truth in the state is not looked at.
+WINCH_STATE = ("encoder_payout", "encoder_payout_rate", "brake", "fault", "command_sequence", "limits_hit")
+"""What the winch measures of itself; the truth in its state is not looked at."""
+_winch_values = attrgetter(*WINCH_STATE)
 
-    `state` is a heave_msgs/WinchState or the virtual winch's own, which has the same names.
-    """
-    return WinchReading(
-        time=nanoseconds * 1e-9,
-        encoder_payout=state.encoder_payout,
-        encoder_payout_rate=state.encoder_payout_rate,
-        brake=state.brake,
-        fault=int(state.fault),
-        command_sequence=state.command_sequence,
-        limits_hit=int(state.limits_hit),
-    )
+_ORDER_FIELDS = tuple(field.name for field in fields(WinchOrder))
+_order_values = attrgetter(*_ORDER_FIELDS)
+_COMMAND = Packer(topics.WINCH_COMMAND.type, ("header.stamp", *_ORDER_FIELDS))
+
+_REPORT_FIELDS = tuple(field.name for field in fields(Report) if field.name not in ("sensors", "is_inhibited"))
+_report_values = attrgetter(*_REPORT_FIELDS)
+_STATE = Packer(topics.CONTROLLER_STATE.type, ("header.stamp", "sensors", *_REPORT_FIELDS))
+
+_KPI_FIELDS = tuple(field.name for field in fields(RollingKpi))
+_kpi_values = attrgetter(*_KPI_FIELDS)
+_KPI = Packer(topics.CONTROLLER_KPI.type, ("header.stamp", *_KPI_FIELDS))
+
+
+def winch_reading(state: Any, nanoseconds: int) -> WinchReading:
+    """Return what the winch measures of itself, by the `state` of the virtual winch at a time, `nanoseconds` [ns]."""
+    return winch_reading_of(WireReading(nanoseconds, _winch_values(state)))
+
+
+def winch_reading_of(reading: WireReading) -> WinchReading:
+    """Return what a `reading` of the fields WINCH_STATE tells."""
+    payout, rate, brake, fault, sequence, limits = reading.numbers
+    return WinchReading(reading.time, payout, rate, bool(brake), int(fault), int(sequence), int(limits))
 
 
 def measurements(
@@ -67,74 +83,22 @@ def _scalar(name: str, reading: WireReading, water: Water) -> ScalarReading:
     return ScalarReading(reading.time, value - water.gravity if known.includes_gravity else value)
 
 
-def command_message(order: WinchOrder, stamp: Time) -> WinchCommand:
-    """Return the `order` to the winch as a message of `stamp`."""
-    return WinchCommand(
-        header=Header(stamp=stamp),
-        sequence=order.sequence,
-        payout=order.payout,
-        payout_rate=order.payout_rate,
-        brake=order.brake,
-    )
+def command_message(order: WinchOrder, stamp: int) -> bytes:
+    """Return the `order` to the winch as a message of `stamp` [ns]."""
+    return _COMMAND.pack(stamp, *_order_values(order))
 
 
-def state_message(report: Report, stamp: Time) -> ControllerState:
-    """Return the `report` of what the controller believes and does as a message of `stamp`."""
-    return ControllerState(
-        header=Header(stamp=stamp),
-        mode=report.mode,
-        law=report.law,
-        reason=report.reason,
-        state_names=list(report.state_names),
-        estimate=report.estimate,
-        covariance_diagonal=report.covariance_diagonal,
-        measurement_names=list(report.measurement_names),
-        innovation=report.innovation,
-        innovation_sigma=report.innovation_sigma,
-        nis=report.nis,
-        gain=report.gain,
-        predicted_unit_heave=report.predicted_unit_heave,
-        predicted_boom_tip_heave=report.predicted_boom_tip_heave,
-        predicted_uncompensated_heave=report.predicted_uncompensated_heave,
-        payout_set_point=report.payout_set_point,
-        payout_rate_set_point=report.payout_rate_set_point,
-        depth_set_point=report.depth_set_point,
-        authority=report.authority,
-        active_limits=list(report.active_limits),
-        solver_status=report.solver_status,
-        solver_iterations=report.solver_iterations,
-        sensors=[_health_message(sensor) for sensor in report.sensors],
-    )
+def state_message(report: Report, stamp: int) -> bytes:
+    """Return the `report` of what the controller believes and does as a message of `stamp` [ns]."""
+    return _STATE.pack(stamp, [_health(sensor) for sensor in report.sensors], *_report_values(report))
 
 
-def _health_message(sensor: SensorState) -> SensorHealth:
-    return SensorHealth(
-        sensor=sensor.sensor,
-        level=sensor.level,
-        reason=sensor.reason,
-        age=sensor.age if math.isfinite(sensor.age) else math.nan,
-        accepted=sensor.accepted,
-        refused=sensor.refused,
-    )
+def _health(sensor: SensorState) -> tuple[str, int, str, float, int, int]:
+    """Return the fields of heave_msgs/SensorHealth in their order."""
+    age = sensor.age if math.isfinite(sensor.age) else math.nan
+    return (sensor.sensor, sensor.level, sensor.reason, age, sensor.accepted, sensor.refused)
 
 
-def kpi_message(kpi: RollingKpi, stamp: Time) -> CompensationKpi:
-    """Return the rolling figures of merit `kpi` as a message of `stamp`."""
-    return CompensationKpi(
-        header=Header(stamp=stamp),
-        window=kpi.window,
-        unit_sigma=kpi.unit_sigma,
-        uncompensated_sigma=kpi.uncompensated_sigma,
-        boom_tip_sigma=kpi.boom_tip_sigma,
-        unit_efficiency=kpi.unit_efficiency,
-        outlet_efficiency=kpi.outlet_efficiency,
-        significant_residual=kpi.significant_residual,
-        max_abs_heave=kpi.max_abs_heave,
-        winch_speed_max=kpi.winch_speed_max,
-        winch_acceleration_max=kpi.winch_acceleration_max,
-        power_peak=kpi.power_peak,
-        power_mean=kpi.power_mean,
-        tension_min=kpi.tension_min,
-        tension_max=kpi.tension_max,
-        time_at_limit=kpi.time_at_limit,
-    )
+def kpi_message(kpi: RollingKpi, stamp: int) -> bytes:
+    """Return the rolling figures of merit `kpi` as a message of `stamp` [ns]."""
+    return _KPI.pack(stamp, *_kpi_values(kpi))

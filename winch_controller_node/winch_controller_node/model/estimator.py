@@ -41,7 +41,7 @@ class MeasurementModel:
     is_gated: bool = True
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True)
 class Measurement:
     """One reading for the filter.
 
@@ -63,7 +63,7 @@ class Measurement:
     regressors: Mapping[str, float] = field(default_factory=dict)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True)
 class Innovation:
     """What a reading said against the prediction.
 
@@ -89,6 +89,10 @@ class _Tick:
     P: Array
     readings: list[Measurement]
     command: float = 0.0
+
+
+_Linear = tuple[Measurement, Array, float]
+"""A reading, its row and its prediction at the estimate that it was linearised at."""
 
 
 class KalmanEstimator:
@@ -250,19 +254,18 @@ class KalmanEstimator:
         entry = self._past[index]
         if age > 0:
             self._filter.set_state(entry.x, entry.P)
-            self._update(entry.readings)
-        accepted = [reading for reading in readings if self._passes(reading)]
+            self._update(self._linearised(entry.readings))
+        accepted = [linear for linear in self._linearised(readings) if self._passes(*linear)]
         self._update(accepted)
-        entry.readings.extend(accepted)
+        entry.readings.extend(reading for reading, _, _ in accepted)
         for i in range(index + 1, len(self._past)):
             self._filter.predict(self._past[i - 1].command)
             self._past[i].x, self._past[i].P = self._filter.x, self._filter.P
-            self._update(self._past[i].readings)
+            self._update(self._linearised(self._past[i].readings))
 
-    def _passes(self, reading: Measurement) -> bool:
-        """Compare a reading with the prediction for its tick, note the innovation, and say whether it may be used."""
+    def _passes(self, reading: Measurement, row: Array, predicted: float) -> bool:
+        """Compare a reading with its prediction, note the innovation, and say whether it may be used."""
         measurement = self.measurements[reading.name]
-        row, predicted = self._linearise(measurement, reading)
         variance = float(row @ self._filter.P @ row) + (reading.sigma or measurement.sigma) ** 2
         innovation = reading.value - predicted
         nis = innovation * innovation / variance  # a power would raise OverflowError for a number that is absurd
@@ -282,9 +285,12 @@ class KalmanEstimator:
             return True
         return accepted
 
-    def _linearise(self, measurement: MeasurementModel, reading: Measurement) -> tuple[Array, float]:
-        """Return the row of the reading at the present estimate, and its prediction."""
-        x = self._filter.x
+    def _linearised(self, readings: Sequence[Measurement]) -> list[_Linear]:
+        """Return each of the readings with its row at the present estimate, and with its prediction."""
+        return [(reading, *self._linearise(reading)) for reading in readings]
+
+    def _linearise(self, reading: Measurement) -> tuple[Array, float]:
+        measurement, x = self.measurements[reading.name], self._filter.x
         row = self.row_of(reading)
         if measurement.scale_state is None and not reading.regressors:
             return row, float(row @ x)
@@ -300,18 +306,12 @@ class KalmanEstimator:
         row[measurement.scale_state] += plain
         return row, scale * plain
 
-    def _update(self, readings: Sequence[Measurement]) -> None:
-        """Take in readings of one tick together."""
+    def _update(self, readings: Sequence[_Linear]) -> None:
+        """Take in readings of one tick together, each with its row and prediction at the present estimate."""
         if not readings:
             return
         kalman = self._filter
-        H = np.empty((len(readings), self.model.order))
-        z = np.empty(len(readings))
-        variances = np.empty(len(readings))
-        for i, reading in enumerate(readings):
-            measurement = self.measurements[reading.name]
-            H[i], predicted = self._linearise(measurement, reading)
-            # the filter predicts H x; a bilinear measurement predicts something else
-            z[i] = reading.value - predicted + float(H[i] @ kalman.x)
-            variances[i] = (reading.sigma or measurement.sigma) ** 2
-        kalman.correct(z, H, variances)
+        # the filter predicts H x; a bilinear measurement predicts something else
+        z = [reading.value - predicted + float(row @ kalman.x) for reading, row, predicted in readings]
+        variances = [(reading.sigma or self.measurements[reading.name].sigma) ** 2 for reading, _, _ in readings]
+        kalman.correct(np.array(z), np.array([row for _, row, _ in readings]), np.array(variances))

@@ -7,6 +7,7 @@ import importlib
 import threading
 from collections.abc import Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from heave_node.criteria import Criterion
 from heave_node.parameters import ParameterError
@@ -18,6 +19,9 @@ from heave_bringup.commands.command import Command
 from heave_bringup.errors import CommandError
 from heave_bringup.nodes import MASTER, NODE_BY_NAME, RECORDER
 from heave_bringup.settings import Setting
+
+if TYPE_CHECKING:
+    from heave_bringup.run.run import Composed
 
 EVALUATION = "heave_bringup.run.evaluation"
 WANTED = "wanted"
@@ -58,6 +62,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="NODE=BAG",
         help="play back what NODE published in BAG in place of NODE; the other nodes run live",
     )
+    parser.add_argument(
+        "--composed",
+        action="store_true",
+        help="all nodes in one process, which hand each other their messages in memory: several times as fast, the "
+        "same bag. Services and parameters are there as ever; of most topics other processes get a glance a few times "
+        "a second",
+    )
+    parser.add_argument(
+        "--publish", action="store_true", help="with --composed: other processes get every message of every topic"
+    )
     add_namespace(
         parser, "put the nodes and topics of the run, its clock too, under /NAME: runs side by side in one ROS domain"
     )
@@ -96,6 +110,7 @@ def execute(options: argparse.Namespace) -> None:
     for criterion in scenario.wanted:
         refuse_unknown(criterion, f"{scenario.path}: wanted")
     _check_foreign(options.foreign, scenario.run)
+    _check_composed(options, scenario.run)
     substitutes = _substitutes(options.from_bag)
     if "wave_vessel" not in (*scenario.run.external, *substitutes):
         check_files(scenario)
@@ -108,20 +123,34 @@ def execute(options: argparse.Namespace) -> None:
         substitutes=substitutes,
         foreign=options.foreign,
         namespace=options.namespace or "",
+        composed=_composed(options),
     )
     evaluation = importlib.import_module(EVALUATION)
     if scenario.run.is_lockstep:
         evaluation.check_complete(folder.bag, outcome.status)
     report = None if options.no_report else folder.report
     result = evaluation.evaluate(scenario, folder.bag, report, required=required, alarms=len(outcome.alarms))
-    places = [f"scenario  {scenario.path}", f"bag       {folder.bag}", *([f"report    {report}"] if report else [])]
+    together = "all in one process" if options.composed else "a process each"
+    places = [
+        f"scenario  {scenario.path}",
+        f"nodes     {together}",
+        f"bag       {folder.bag}",
+        *([f"report    {report}"] if report else []),
+    ]
     told = [
         *_told("errors reported by the nodes:", outcome.alarms),
         *_told("compensation was lost:", result.losses),
     ]
     text = "\n".join([result.table, "", *told, *places, "", *result.verdict.lines()])
     write_result(
-        options, [] if options.quiet else text, {**result.figures, "alarms": outcome.alarms, "folder": str(folder.path)}
+        options,
+        [] if options.quiet else text,
+        {
+            **result.figures,
+            "alarms": outcome.alarms,
+            "composed": options.composed,
+            "folder": str(folder.path),
+        },
     )
     missed = result.verdict.failures if WANTED in options.require else result.verdict.missed_requirements
     if outcome.strangers:
@@ -165,6 +194,21 @@ def _check_foreign(nodes: Sequence[str], run: RunParameters) -> None:
     for node in nodes:
         if node not in able:
             raise ParameterError(f"--foreign {node}: must be one of {', '.join(able)}")
+
+
+def _check_composed(options: argparse.Namespace, run: RunParameters) -> None:
+    """Refuse what is in another process in any case where all nodes are to share one."""
+    if options.publish and not options.composed:
+        raise ParameterError("--publish: goes with --composed; without it every message is published")
+    elsewhere = [*run.external, *options.foreign, *options.from_bag]
+    if options.composed and elsewhere:
+        raise ParameterError(f"--composed: all nodes must be the suite's own, but {elsewhere[0]} is replaced")
+
+
+def _composed(options: argparse.Namespace) -> Composed | None:
+    from heave_bringup.run.run import Composed
+
+    return Composed(is_public=options.publish) if options.composed else None
 
 
 def _substitutes(settings: Sequence[str]) -> dict[str, Path]:

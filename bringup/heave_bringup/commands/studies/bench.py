@@ -12,7 +12,7 @@ from heave_node.parameters import ParameterError
 from heave_bringup.commands.command import Command
 
 PARTS = ("plant", "loop", "controller", "recorder")
-SEGMENTS = (20, 50, 100, 200)
+SEGMENTS = (20, 50, 100, 200, 400, 1000)
 LONGEST_RECORDING = 20.0
 """The recorder's load is constant: more of it says nothing new [s]."""
 
@@ -40,8 +40,10 @@ def execute(options: argparse.Namespace) -> None:
             result["plant"] = measure_plant(SEGMENTS, peer=has_peer())
         if "loop" in options.only:
             from heave_bringup.bench.loop import measure_loop
+            from heave_bringup.run.run import Composed
 
             result["loop"] = measure_loop(options.seconds, progress.show)
+            result["composed_loop"] = measure_loop(options.seconds, progress.show, Composed())
         if "controller" in options.only:
             from heave_bringup.bench.controller import measure_controller
 

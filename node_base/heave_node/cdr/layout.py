@@ -11,8 +11,6 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from heave_bags.errors import BagError
-
 SEPARATOR = "=" * 80
 """The line of a `ros2msg` schema after which the next type follows."""
 
@@ -34,7 +32,24 @@ NUMPY_TYPES = {
 
 PRIMITIVES = frozenset((*NUMPY_TYPES, "string", "wstring"))
 
-_ENCAPSULATION = 4
+STRUCT_CODES = {
+    "?": "?",
+    "u1": "B",
+    "i1": "b",
+    "u2": "H",
+    "i2": "h",
+    "u4": "I",
+    "i4": "i",
+    "u8": "Q",
+    "i8": "q",
+    "f4": "f",
+    "f8": "d",
+}
+"""The same types in the words of `struct`."""
+
+LITTLE_ENDIAN = b"\x00\x01\x00\x00"
+"""What a message begins with."""
+ENCAPSULATION = len(LITTLE_ENDIAN)
 """Bytes before the message proper; alignment counts from their end."""
 
 MOST_VALUES = 1 << 17
@@ -44,6 +59,11 @@ DEEPEST_TYPE = 32
 LONGEST_DEFINITION = 1 << 20
 LONGEST_NAME = 255
 """Characters of a definition and of the name of a field."""
+
+
+class LayoutError(ValueError):
+    """A message that does not fit its definition, or a definition that cannot be; one line."""
+
 
 _FIELD = re.compile(
     r"^(?P<type>[A-Za-z][\w/]*)(?:<=\d+)?(?P<array>\[(?:<=)?\d*\])?\s+(?P<name>[A-Za-z]\w*)\s*(?P<rest>.*)$"
@@ -95,10 +115,10 @@ class Layout:
 def parse_schema(name: str, text: str) -> dict[str, list[Field]]:
     """Return the fields of each type in the `ros2msg` schema `text`, keyed `package/Type`; the first is that of `name`.
 
-    Raises BagError for a definition of a length that none has.
+    Raises LayoutError for a definition of a length that none has.
     """
     if len(text) > LONGEST_DEFINITION:
-        raise BagError(f"the definition of {name} has {len(text)} characters, {LONGEST_DEFINITION} are allowed")
+        raise LayoutError(f"the definition of {name} has {len(text)} characters, {LONGEST_DEFINITION} are allowed")
     parts = name.split("/")
     key = f"{parts[0]}/{parts[-1]}"
     types: dict[str, list[Field]] = {}
@@ -127,7 +147,7 @@ def _fields(lines: Sequence[str], package: str) -> Iterator[Field]:
             kind = f"{parts[0] if len(parts) > 1 else package}/{parts[-1]}"
         count = None if not array else int(array[1:-1][:10]) if array[1:-1].isdigit() else -1
         if len(match["name"]) > LONGEST_NAME:
-            raise BagError(f"a field of {package} has a name of {len(match['name'])} characters")
+            raise LayoutError(f"a field of {package} has a name of {len(match['name'])} characters")
         yield Field(match["name"], kind, count)
 
 
@@ -139,7 +159,7 @@ class _Walker:
     def __init__(self, types: dict[str, list[Field]], data: bytes) -> None:
         self._types = types
         self._data = data
-        self._position = _ENCAPSULATION
+        self._position = ENCAPSULATION
         self._left = MOST_VALUES
         self.layout = Layout()
 
@@ -183,7 +203,7 @@ class _Walker:
             self.struct(kind, path + ".")
 
     def _align(self, size: int) -> None:
-        gap = -(self._position - _ENCAPSULATION) % size
+        gap = -(self._position - ENCAPSULATION) % size
         if gap:
             self.layout.gaps.append((self._position, self._position + gap))
             self._position += gap
@@ -214,7 +234,7 @@ class MessageLayouts:
     ----------
     name, text : the type and its `ros2msg` schema
 
-    Raises BagError if the schema lacks a type that it uses, or nests types too deeply or without an end.
+    Raises LayoutError if the schema lacks a type that it uses, or nests types too deeply or without an end.
     """
 
     def __init__(self, name: str, text: str) -> None:
@@ -228,9 +248,9 @@ class MessageLayouts:
             if member.type not in PRIMITIVES and member.type not in self._types
         }
         if missing:
-            raise BagError(f"the definition of {name} lacks {', '.join(sorted(missing))}")
+            raise LayoutError(f"the definition of {name} lacks {', '.join(sorted(missing))}")
         if self._depth() > DEEPEST_TYPE:
-            raise BagError(f"the definition of {name} nests types more than {DEEPEST_TYPE} deep")
+            raise LayoutError(f"the definition of {name} nests types more than {DEEPEST_TYPE} deep")
 
     def _depth(self) -> int:
         """Return how deeply types are nested, up to one more than is allowed."""
@@ -246,11 +266,21 @@ class MessageLayouts:
         fields = self._types[self._root]
         return bool(fields) and fields[0] == Field("header", "std_msgs/Header", None)
 
+    def has_field(self, path: str) -> bool:
+        """Return whether the type has a field of the dotted name `path`, such as `twist.covariance[7]`."""
+        kind = self._root
+        for name in path.split("."):
+            found = [member for member in self._types.get(kind, []) if member.name == name.partition("[")[0]]
+            if not found:
+                return False
+            kind = found[0].type
+        return True
+
     def of(self, data: bytes) -> Layout:
-        """Return the layout of the message `data`. Raises BagError if it does not fit the definition."""
-        if data[:2] != b"\x00\x01":
-            raise BagError(f"a message of {self.name} is not little-endian CDR (it begins with {data[:4].hex()})")
+        """Return the layout of the message `data`. Raises LayoutError if it does not fit the definition."""
+        if data[:2] != LITTLE_ENDIAN[:2]:
+            raise LayoutError(f"a message of {self.name} is not little-endian CDR (it begins with {data[:4].hex()})")
         try:
             return _Walker(self._types, data).walk(self._root)
         except struct.error as error:
-            raise BagError(f"a message of {self.name} does not fit its definition: {error}") from error
+            raise LayoutError(f"a message of {self.name} does not fit its definition: {error}") from error

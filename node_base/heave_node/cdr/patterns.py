@@ -1,0 +1,74 @@
+"""Patterns of messages: those of one size whose length words agree have one layout, which is worked out once."""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Callable, Sequence
+from typing import Generic, TypeVar
+
+from heave_node.cdr.layout import Layout, MessageLayouts
+
+_MOST_PATTERNS = 64
+"""Patterns kept of one size of message."""
+_MOST_KEPT = 1 << 18
+"""Lengths and gaps kept in all patterns."""
+
+Made = TypeVar("Made")
+
+
+def picker(spans: Sequence[tuple[int, int]]) -> struct.Struct:
+    """Return what picks the bytes of `spans`, ascending (first byte, and the one after the last), in one step."""
+    position, form = 0, "<"
+    for first, after in spans:
+        form += f"{first - position}x{after - first}s"
+        position = after
+    return struct.Struct(form)
+
+
+class _Pattern(Generic[Made]):
+    """How to recognise the messages of a layout, and what was made of it."""
+
+    def __init__(self, layout: Layout, made: Made) -> None:
+        self.made = made
+        self.size = 1 + len(layout.gaps) + len(layout.lengths)
+        self._lengths = picker([(offset, offset + 4) for offset, _ in layout.lengths])
+        self._expected = tuple(value.to_bytes(4, "little") for _, value in layout.lengths)
+
+    def fits(self, data: bytes) -> bool:
+        """Return whether a message of the right size has this layout."""
+        return self._lengths.unpack_from(data) == self._expected
+
+
+class Patterns(Generic[Made]):
+    """What is made of each layout that messages of one type have.
+
+    Parameters
+    ----------
+    layouts : of the type
+    make : makes of a layout what `of` returns for its messages
+    """
+
+    def __init__(self, layouts: MessageLayouts, make: Callable[[Layout], Made]) -> None:
+        self._layouts = layouts
+        self._make = make
+        self._patterns: dict[int, list[_Pattern[Made]]] = {}
+        self._kept = 0
+
+    def of(self, data: bytes) -> Made:
+        """Return what was made of the layout of the message `data`. Raises LayoutError if it does not fit the type."""
+        for pattern in self._patterns.get(len(data), ()):
+            if pattern.fits(data) and data[:2] == b"\0\1":
+                return pattern.made
+        layout = self._layouts.of(data)
+        return self._keep(len(data), _Pattern(layout, self._make(layout))).made
+
+    def _keep(self, size: int, found: _Pattern[Made]) -> _Pattern[Made]:
+        if self._kept > _MOST_KEPT:  # messages that never come again must not fill the memory
+            self._patterns.clear()
+            self._kept = 0
+        known = self._patterns.setdefault(size, [])
+        if len(known) >= _MOST_PATTERNS:
+            known.pop()
+        known.insert(0, found)
+        self._kept += found.size
+        return found

@@ -1,0 +1,136 @@
+"""Topics in the memory of one process: what nodes that share it hand each other, without the middleware.
+
+Messages wait in one queue in the order in which they were published, and each is given to all readers before the next:
+an order that depends on the run alone. The publishers of the middleware stay, so that other processes see in the graph
+what there is; they are given what is meant to be seen outside.
+"""
+
+from __future__ import annotations
+
+import time
+from collections import deque
+from collections.abc import Callable
+from typing import Any
+
+from rclpy.duration import Duration
+from rclpy.publisher import Publisher
+from rclpy.serialization import serialize_message
+from rclpy.task import Future
+
+from heave_node.interface import topics
+from heave_node.interface.topic import Role, Topic
+
+Reader = Callable[[bytes, str, int], None]
+"""Takes the bytes of a message, the identity of the process that sent it, and when that was [ns]."""
+
+GLANCE = 0.1
+"""Wall time between two messages of a topic that others get of it where not every one is published [s]."""
+_ALWAYS = {topics.DIAGNOSTICS.name, topics.CONTROLLER_KPI.name, topics.TICK_STATUS.name}
+"""Topics of which others always get every message: few, and none may be missed."""
+
+
+class LocalPublisher:
+    """Publishes a topic in memory.
+
+    Parameters
+    ----------
+    readers : of the topic
+    enqueue : queues a message for them
+    outside : publisher of the middleware
+    period : wall time between two messages for others [s]; 0 gives them every one
+    """
+
+    def __init__(
+        self, readers: list[Reader], enqueue: Callable[[Reader, bytes], None], outside: Publisher[Any], period: float
+    ) -> None:
+        self._readers = readers
+        self._enqueue = enqueue
+        self._outside = outside
+        self._period = period
+        self._shown_at = -period
+        self.topic_name = outside.topic_name
+
+    def publish(self, message: object) -> None:
+        """Publish a `message`, or the bytes of a serialised one."""
+        data = message if isinstance(message, bytes) else bytes(serialize_message(message))
+        for reader in self._readers:
+            self._enqueue(reader, data)
+        if self._period:
+            now = time.monotonic()
+            if now - self._shown_at < self._period:
+                return
+            self._shown_at = now
+        self._outside.publish(data)
+
+    def get_subscription_count(self) -> int:
+        """Return the number of readers in this process."""
+        return len(self._readers)
+
+    def wait_for_all_acked(self, timeout: Duration) -> bool:
+        """Wait, at most for `timeout`, until other processes have what they were sent."""
+        return bool(self._outside.wait_for_all_acked(timeout))
+
+
+class LocalSubscription:
+    """A reader's place on a topic in memory; `publishers` are those of the topic."""
+
+    def __init__(self, publishers: list[LocalPublisher]) -> None:
+        self._publishers = publishers
+
+    def get_publisher_count(self) -> int:
+        """Return the number of publishers in this process."""
+        return len(self._publishers)
+
+
+class Exchange:
+    """All topics of one process.
+
+    Parameters
+    ----------
+    is_public : other processes get every message, not only a glance of each topic
+
+    Attributes
+    ----------
+    wake : completes when a message waits
+    """
+
+    def __init__(self, *, is_public: bool) -> None:
+        self._is_public = is_public
+        self._identity = ""
+        self._readers: dict[str, list[Reader]] = {}
+        self._publishers: dict[str, list[LocalPublisher]] = {}
+        self._queue: deque[tuple[Reader, bytes, int]] = deque()
+        self.wake: Future[None] = Future()
+
+    def add_publisher(self, topic: Topic, outside: Publisher[Any], identity: str) -> LocalPublisher:
+        """Publish a `topic` in memory beside its publisher `outside`, as the process of an `identity`."""
+        self._identity = identity
+        name = outside.topic_name
+        is_whole = self._is_public or topic.role is Role.LATCHED or topic.name in _ALWAYS
+        publisher = LocalPublisher(self._of(self._readers, name), self._enqueue, outside, 0.0 if is_whole else GLANCE)
+        self._of(self._publishers, name).append(publisher)
+        return publisher
+
+    def subscribe(self, name: str, reader: Reader) -> LocalSubscription:
+        """Give every message of the topic with the resolved `name` to a `reader`."""
+        self._of(self._readers, name).append(reader)
+        return LocalSubscription(self._of(self._publishers, name))
+
+    @staticmethod
+    def _of(lists: dict[str, list[Any]], name: str) -> list[Any]:
+        return lists.setdefault(name, [])
+
+    def _enqueue(self, reader: Reader, data: bytes) -> None:
+        self._queue.append((reader, data, time.time_ns()))
+        if not self.wake.done():
+            self.wake.set_result(None)
+
+    def deliver(self, seconds: float) -> None:
+        """Give messages to their readers, until none waits or `seconds` of wall time have passed."""
+        queue, identity = self._queue, self._identity
+        until = time.monotonic() + seconds
+        while queue and time.monotonic() < until:
+            reader, data, sent = queue.popleft()
+            reader(data, identity, sent)
+        if not queue:
+            self.wake = Future()

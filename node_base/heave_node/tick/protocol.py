@@ -1,0 +1,66 @@
+"""The two messages of the protocol that every node sends or reads in every tick, as plain data and as bytes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+from heave_node.cdr.packer import Packer
+from heave_node.cdr.unpacker import Unpacker
+
+_START, _START_FIELDS = "heave_msgs/msg/TickStart", ("epoch", "tick", "flush", "stamp", "published")
+_DONE, _DONE_FIELDS = "heave_msgs/msg/TickDone", ("epoch", "tick", "published")
+_start_packer, _start_unpacker = Packer(_START, _START_FIELDS), Unpacker(_START, _START_FIELDS)
+_done_packer, _done_unpacker = Packer(_DONE, _DONE_FIELDS), Unpacker(_DONE, _DONE_FIELDS)
+
+
+class TickStart(NamedTuple):
+    """A tick begins; see heave_msgs/TickStart, whose names these are.
+
+    Attributes
+    ----------
+    epoch, tick : numbers of run and tick
+    flush : the run is over: answer when every message of it is here
+    stamp : start of the tick [ns]
+    published : messages sent so far, per entry of the roster
+    """
+
+    epoch: int = 0
+    tick: int = 0
+    flush: bool = False
+    stamp: int = 0
+    published: Sequence[int] = ()
+
+    def to_bytes(self) -> bytes:
+        """Return the message."""
+        return _start_packer.pack(*self)
+
+    @classmethod
+    def of(cls, data: bytes) -> TickStart:
+        """Return what the message `data` says. Raises LayoutError where it is no such message."""
+        epoch, tick, flush, seconds, nanoseconds, *published = _start_unpacker.unpack(data)
+        return cls(epoch, tick, flush, seconds * 1_000_000_000 + nanoseconds, published)
+
+
+class TickDone(NamedTuple):
+    """A node has done its part of a tick; see heave_msgs/TickDone, whose names these are.
+
+    Attributes
+    ----------
+    epoch, tick : numbers of run and tick
+    published : messages sent so far, per output of the node
+    """
+
+    epoch: int = 0
+    tick: int = 0
+    published: Sequence[int] = ()
+
+    def to_bytes(self) -> bytes:
+        """Return the message."""
+        return _done_packer.pack(*self)
+
+    @classmethod
+    def of(cls, data: bytes) -> TickDone:
+        """Return what the message `data` says. Raises LayoutError where it is no such message."""
+        epoch, tick, *published = _done_unpacker.unpack(data)
+        return cls(epoch, tick, published)

@@ -1,0 +1,27 @@
+"""`heave run --composed`: all nodes in one process give the bag that five give, and the record says so."""
+
+import json
+
+import yaml
+from heave_bags.mcap.reader import Bag
+
+from tests.loop_runs import CALM_DURATION, heave, recorded_messages
+
+
+def topics_of(bag):
+    metadata = yaml.safe_load((bag / "metadata.yaml").read_text())["rosbag2_bagfile_information"]
+    return [entry["topic_metadata"] for entry in metadata["topics_with_message_count"]]
+
+
+def test_a_composed_run_gives_the_same_bag_and_says_that_it_was_one(tmp_path, calm_bag):
+    folder = tmp_path / "run"
+    result = heave(
+        *("run", "b2_calm_300", "--duration", str(CALM_DURATION), "--bag", str(folder), "--no-report"),
+        *("--composed", "--json", str(tmp_path / "result.json")),
+    )
+    assert result.returncode == 0, result.stderr
+    assert "all in one process" in result.stdout
+    assert recorded_messages(folder / "bag") == recorded_messages(calm_bag)
+    assert topics_of(folder / "bag") == topics_of(calm_bag)
+    assert json.loads((tmp_path / "result.json").read_text())["composed"] is True
+    assert (Bag(folder / "bag").run["composed"], Bag(calm_bag).run["composed"]) == ("true", "false")
