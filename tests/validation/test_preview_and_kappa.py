@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import pytest
-from heave_bringup.closed_loop import ClosedLoop, PreviewParameters, loop_parameters
+from heave_bringup.closed_loop import ClosedLoop, loop_parameters
 from heave_bringup.run.kappa import bounds_of
 from heave_bringup.scenarios import load_scenario
 
@@ -17,10 +17,14 @@ NOISE = 0.05
 
 def kappa(scenario_name: str, preview_time: float) -> float:
     """Return the unit's standard deviation over its bound, in a run of 260 s on ten segments."""
-    changes = ("cable_sim.segments=10", f"winch_controller.mpc.preview_time={preview_time}")
+    changes = (
+        "cable_sim.segments=10",
+        f"wave_vessel.preview.time={preview_time}",
+        f"wave_vessel.preview.noise={NOISE}",
+        f"winch_controller.mpc.preview_time={preview_time}",
+    )
     scenario = load_scenario(scenario_name, settings=changes)
-    preview = PreviewParameters(preview_time, NOISE) if preview_time > 0.0 else None
-    parameters = replace(loop_parameters(scenario), duration=260.0, preview=preview)
+    parameters = replace(loop_parameters(scenario), duration=260.0)
     record = ClosedLoop(parameters).run()
     bounds = bounds_of(scenario, record.column("boom_tip", after=AFTER), parameters.tick_period)
     return record.unit_sigma(AFTER) / max(bounds)

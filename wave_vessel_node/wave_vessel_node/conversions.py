@@ -12,8 +12,11 @@ import math
 import numpy as np
 from builtin_interfaces.msg import Time
 from geometry_msgs.msg import Point, Quaternion, Vector3
+from heave_msgs.msg import HeavePreview as HeavePreviewMessage
 from heave_msgs.msg import PointMotion, SeaState, SeaStateEstimate, WaveElevation
+from heave_node.interface.preview import HeavePreview
 from heave_node.numerics import kinematics
+from heave_node.tick.tick import stamp_of
 from nav_msgs.msg import Odometry
 
 from wave_vessel_node.mru import sea_state_estimate
@@ -37,6 +40,13 @@ def elevation_message(elevation: float, stamp: Time) -> WaveElevation:
     """Return the elevation of the sea at `stamp`."""
     message = WaveElevation(elevation=float(elevation))
     message.header.stamp, message.header.frame_id = stamp, WORLD
+    return message
+
+
+def preview_message(preview: HeavePreview, noise: float) -> HeavePreviewMessage:
+    """Return a `preview` of the boom tip and its error, `noise` [m], 1 sigma."""
+    message = HeavePreviewMessage(ahead=preview.ahead, heave=preview.heave, heave_sigma=noise)
+    message.header.stamp, message.header.frame_id = stamp_of(preview.stamp), WORLD
     return message
 
 
