@@ -17,12 +17,13 @@ from tests.loop_runs import command, environment, recorded_messages
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
 PROGRAM = {"virtual_winch": "winch.py", "wave_vessel": "vessel.py", "winch_controller": "controller.py"}
+RADAR = {"radar": "radar.py"}
 
 
 @contextmanager
 def running(nodes: list[str], domain: int, *arguments: str) -> Iterator[None]:
     programs = [
-        subprocess.Popen([sys.executable, str(EXAMPLES / PROGRAM[node]), *arguments], env=environment(domain))
+        subprocess.Popen([sys.executable, str(EXAMPLES / (PROGRAM | RADAR)[node]), *arguments], env=environment(domain))
         for node in nodes
     ]
     try:
@@ -72,6 +73,26 @@ def test_the_plant_may_be_the_ship_itself(tmp_path):
     assert figures["sources"]["payout"] == "measured"
     assert figures["unit_sigma_m"] > 0.0
     assert "winch_controller: interval winch/state" in (tmp_path / "run" / "report.html").read_text()
+
+
+@pytest.mark.slow
+@pytest.mark.long
+def test_a_radar_beside_the_vessel_tells_the_controller_what_is_to_come(tmp_path):
+    options = ["--pacing", "realtime", "--duration", "30", "--no-report", "--external", "wave_vessel"]
+    options += ["--set", "winch_controller.mpc.preview_time=4", "--set", "all.transient=20.0"]
+    with domain_id() as domain, running(["wave_vessel", "radar"], domain):
+        run = give(domain, "run", "b2_calm_300", "--bag", str(tmp_path / "run"), *options)
+    assert run.returncode == 0, run.stderr
+    bag = Bag(tmp_path / "run" / "bag")
+    previews = [message for _, message in bag.decoded(["vessel/heave_preview"])]
+    assert len(previews) >= 25
+    said = [
+        status.message
+        for _, message in bag.decoded(["/diagnostics"])
+        for status in message.status
+        if status.name == "winch_controller: preview"
+    ]
+    assert said[-1] == "used", said
 
 
 @pytest.mark.slow

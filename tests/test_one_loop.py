@@ -26,6 +26,13 @@ OTHER_WATER = {
     "winch_controller.modes.settling_time": "5",
     "winch_controller.modes.fade_in_time": "5",
 }
+PREVIEW = {
+    "wave_vessel.preview.time": "3.0",
+    "wave_vessel.ramp": "5.0",
+    "winch_controller.mpc.preview_time": "2.0",
+    "winch_controller.modes.settling_time": "5",
+    "winch_controller.modes.fade_in_time": "5",
+}
 
 
 def compare(bag: Path) -> None:
@@ -60,3 +67,22 @@ def test_a_run_over_ros_is_the_run_in_one_process(calm_bag):
 def test_so_it_is_in_water_and_gravity_other_than_believed_and_at_the_limits_of_the_winch(tmp_path):
     options = [part for name, value in OTHER_WATER.items() for part in ("--set", f"{name}={value}")]
     compare(run_scenario(tmp_path / "run", duration=25.0, options=options))
+
+
+@pytest.mark.slow
+@pytest.mark.long
+def test_so_it_is_with_a_preview_of_the_boom_tip_which_is_in_the_bag(tmp_path):
+    options = [part for name, value in PREVIEW.items() for part in ("--set", f"{name}={value}")]
+    bag = run_scenario(tmp_path / "run", duration=25.0, options=options)
+    compare(bag)
+    previews = [message for _, message in Bag(bag).decoded(["vessel/heave_preview"])]
+    assert len(previews) == 25.0 / 0.05
+    assert len(previews[0].ahead) == len(previews[0].heave) == 60
+    heave = [message.position.z for _, message in Bag(bag).decoded(["boom_tip"])]
+    error = np.array([message.heave[0] for message in previews]) - heave
+    # 0.05 m, of 500 samples: within four standard errors
+    assert np.std(error) == pytest.approx(0.05, abs=4 * 0.05 / np.sqrt(1000))
+
+
+def test_a_run_without_a_preview_has_no_topic_for_it(calm_bag):
+    assert "/vessel/heave_preview" not in Bag(calm_bag).topics

@@ -7,9 +7,8 @@ last bit.
 
 from __future__ import annotations
 
-from collections import deque
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 from cable_sim_node.component import CableSim
@@ -17,14 +16,13 @@ from cable_sim_node.node_parameters import CableSimNodeParameters
 from cable_sim_node.sensors.suite import SensorReadings
 from cable_sim_node.winch.component import VirtualWinch, WinchCommand
 from cable_sim_node.winch.parameters import WinchParameters
-from heave_node.interface.sensors import MRU, STANDARD_WATER, MruReading, Water, all_to_wire
+from heave_node.interface.sensors import MRU, STANDARD_WATER, Water, all_to_wire
 from heave_node.numerics.arrays import Array
-from heave_node.numerics.randomness import random_stream
-from wave_vessel_node.component import WaveVessel
+from wave_vessel_node.component import WaveVessel, WaveVesselOutputs
 from wave_vessel_node.parameters import WaveVesselParameters
 from winch_controller_node.component import WinchController
 from winch_controller_node.interface.conversions import measurements, winch_reading
-from winch_controller_node.interface.readings import HeavePreview, Measurements, Outputs
+from winch_controller_node.interface.readings import Measurements, Outputs
 from winch_controller_node.node_parameters import WinchControllerParameters
 
 from heave_bringup.scenarios import Scenario
@@ -49,20 +47,6 @@ COLUMNS = (
 
 
 @dataclass(frozen=True)
-class PreviewParameters:
-    """A preview of the boom tip, as of waves measured up-sea or by radar, for studies.
-
-    Attributes
-    ----------
-    time : how far it looks ahead [s]
-    noise : its error at each moment, white, 1 sigma [m]; a moment is seen with the same error again and again
-    """
-
-    time: float
-    noise: float = 0.05
-
-
-@dataclass(frozen=True)
 class LoopParameters:
     """Parameters of the loop in one process.
 
@@ -71,7 +55,6 @@ class LoopParameters:
     sea, plant, winch, controller : of the components
     tick_period, duration : [s]
     seed : of every random number
-    preview : that the controller is given; None: none
     """
 
     sea: WaveVesselParameters
@@ -81,7 +64,6 @@ class LoopParameters:
     tick_period: float = 0.05
     duration: float = 600.0
     seed: int = 1
-    preview: PreviewParameters | None = None
 
 
 @dataclass
@@ -157,16 +139,13 @@ class ClosedLoop:
         self.tick = 1
         self._boom_tip = self.sea.initial_boom_tip()
         self._mean_tip = parameters.sea.boom_tip_height
-        self._preview = None if parameters.preview is None else _Preview(parameters, parameters.preview)
 
     def step(self) -> tuple[Outputs, Array]:
         """Do one tick; return what the controller gave and the row of the record."""
         tick = self.tick
         state, readings = self.plant.readings(tick)
         vessel = self.sea.step(tick)
-        delivered = self._deliver(readings, vessel.mru)
-        if self._preview is not None:
-            delivered = replace(delivered, preview=self._preview.step())
+        delivered = self._deliver(readings, vessel)
         outputs = self.controller.step(tick, delivered)
         row = np.array(
             [
@@ -195,15 +174,15 @@ class ClosedLoop:
         self.tick += 1
         return outputs, row
 
-    def _deliver(self, readings: SensorReadings, mru: MruReading | None) -> Measurements:
+    def _deliver(self, readings: SensorReadings, vessel: WaveVesselOutputs) -> Measurements:
         """Return what the controller makes of the readings of this tick, as they would have travelled."""
         delivered = all_to_wire(readings, self.plant.water)
-        if mru is not None:
-            delivered[MRU.name] = [MRU.to_wire(mru, STANDARD_WATER)]
+        if vessel.mru is not None:
+            delivered[MRU.name] = [MRU.to_wire(vessel.mru, STANDARD_WATER)]
         # the state at t_k is that of the tick before; before the first tick there was none
         now = self.tick * self._tick_nanoseconds
         winch = winch_reading(self.winch.state, now) if self.tick > 1 else None
-        return measurements(delivered, winch, self._believed_water)
+        return measurements(delivered, winch, self._believed_water, vessel.preview)
 
     def run(self, on_tick: Callable[[int, Outputs], None] | None = None) -> LoopRecord:
         """Run to the end; `on_tick` sees each tick's number and outputs."""
@@ -216,34 +195,3 @@ class ClosedLoop:
             if on_tick is not None:
                 on_tick(self.tick - 1, outputs)
         return record
-
-
-class _Preview:
-    """The same sea, some time ahead of the loop: its boom tip, with noise.
-
-    Parameters
-    ----------
-    loop : whose sea it is
-    preview : how far it looks, and how well
-    """
-
-    def __init__(self, loop: LoopParameters, preview: PreviewParameters) -> None:
-        self._sea = WaveVessel(loop.sea, seed=loop.seed, tick_period=loop.tick_period)
-        self._mean, self._noise = loop.sea.boom_tip_height, preview.noise
-        self._random = random_stream(loop.seed, "preview")
-        ticks = max(1, round(preview.time / loop.tick_period))
-        self._ahead: Array = loop.tick_period * np.arange(1, ticks + 1, dtype=float)
-        self._heave: deque[float] = deque(maxlen=ticks)
-        self._tick = 0
-        for _ in range(ticks - 1):
-            self._look()
-
-    def _look(self) -> None:
-        self._tick += 1
-        tip = self._sea.step(self._tick).boom_tip.position[2] - self._mean
-        self._heave.append(tip + self._noise * self._random.standard_normal())
-
-    def step(self) -> HeavePreview:
-        """Return the preview at the next tick."""
-        self._look()
-        return HeavePreview(self._ahead, np.array(self._heave))

@@ -59,4 +59,12 @@ def test_the_sea_state_message_holds_the_target_spectrum():
 
 def test_the_node_publishes_every_topic_that_is_its_own():
     own = {topic.name for topic in topics.ALL_TOPICS if topic.publisher == node.WaveVesselNode.name}
-    assert own == {"sea_state", "sea_state_estimate", "wave_elevation", "vessel/odometry", "boom_tip", "mru"}
+    assert own == {
+        "sea_state",
+        "sea_state_estimate",
+        "wave_elevation",
+        "vessel/odometry",
+        "boom_tip",
+        "mru",
+        "vessel/heave_preview",
+    }

@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from heave_node.interface.preview import HeavePreview
 from heave_node.interface.sensors import MruReading
 from heave_node.numerics.arrays import Array
 from heave_node.numerics.kinematics import PointMotion
@@ -17,6 +18,7 @@ from wave_vessel_node.sea.sea import SeaState, describe_sea
 from wave_vessel_node.source_registry import SOURCES
 from wave_vessel_node.sources.layers import CourseSource, DriftingSource, RampedSource
 from wave_vessel_node.sources.motion_source import MotionSource
+from wave_vessel_node.sources.preview import PreviewSource
 from wave_vessel_node.sources.scene import Scene, build_scene
 from wave_vessel_node.vessel.fit import VesselFit
 from wave_vessel_node.vessel.motion import VesselMotion, lever_arm_matrix, point_motion
@@ -33,6 +35,7 @@ class WaveVesselOutputs:
     vessel : true motion of the vessel at t_{k+1}
     wave_elevation : sea surface below the boom tip at t_{k+1} [m]
     estimate : a new sea-state estimate from the MRU readings up to t_k, when one is due and the record long enough
+    preview : of the boom tip from t_k on; None: there is none
     """
 
     mru: MruReading | None
@@ -40,6 +43,7 @@ class WaveVesselOutputs:
     vessel: VesselMotion
     wave_elevation: float
     estimate: SeaStateEstimate | None = None
+    preview: HeavePreview | None = None
 
 
 class WaveVessel:
@@ -74,6 +78,7 @@ class WaveVessel:
         self._next_tick = 1
         self._motion = self._source.motion(1)
         self._boom_tip = self._point(self._motion)
+        self._preview = self._build_preview() if parameters.preview.time > 0.0 else None
 
     @property
     def vessel_fit(self) -> VesselFit | None:
@@ -112,10 +117,24 @@ class WaveVessel:
         if reading is not None:
             self._estimator.add(reading)
         estimate = self._estimator.estimate() if tick % self._ticks_between_estimates == 0 else None
-        return WaveVesselOutputs(reading, self._boom_tip, self._motion, self._motion.elevation, estimate)
+        preview = None if self._preview is None else self._preview.step(tick)
+        return WaveVesselOutputs(reading, self._boom_tip, self._motion, self._motion.elevation, estimate, preview)
 
     def _point(self, motion: VesselMotion) -> PointMotion:
         return point_motion(motion, self._lever, self.parameters.boom_tip_height)
+
+    def _build_preview(self) -> PreviewSource:
+        """Let the same sea run once more, ahead of this one; sources are asked in the order of their ticks."""
+        scene = build_scene(self.parameters, self._scene.seed, self._scene.tick_period)
+        ahead = _with_course_drift_and_ramp(SOURCES[self.parameters.boom_tip_source].load()(scene), scene)
+        ahead.motion(1)
+
+        def heave_at(tick: int) -> float:
+            return float(self._point(ahead.motion(tick)).position[2] - self.parameters.boom_tip_height)
+
+        return PreviewSource(
+            self.parameters.preview, heave_at, seed=self._scene.seed, tick_period=self._scene.tick_period
+        )
 
     def _build_estimator(self) -> SeaStateEstimator:
         """Make the estimator; it knows the data sheet of the unit and the vessel's response, not the sea."""

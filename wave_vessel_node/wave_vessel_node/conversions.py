@@ -11,6 +11,7 @@ from operator import attrgetter
 
 from heave_node.cdr.packer import Packer
 from heave_node.interface import topics
+from heave_node.interface.preview import HeavePreview
 from heave_node.numerics import kinematics
 
 from wave_vessel_node.mru import sea_state_estimate
@@ -24,6 +25,7 @@ _IN_WORLD = {"header.frame_id": WORLD}
 
 _BOOM_TIP = Packer(topics.BOOM_TIP.type, (_STAMP, "position", "velocity", "acceleration"), _IN_WORLD)
 _ELEVATION = Packer(topics.WAVE_ELEVATION.type, (_STAMP, "elevation"), _IN_WORLD)
+_PREVIEW = Packer(topics.HEAVE_PREVIEW.type, (_STAMP, "ahead", "heave", "heave_sigma"), _IN_WORLD)
 _ODOMETRY = Packer(
     topics.VESSEL_ODOMETRY.type, (_STAMP, "pose.pose", "twist.twist"), {**_IN_WORLD, "child_frame_id": VESSEL}
 )
@@ -51,6 +53,11 @@ def boom_tip_message(motion: kinematics.PointMotion, stamp: int) -> bytes:
 def elevation_message(elevation: float, stamp: int) -> bytes:
     """Return the elevation of the sea at `stamp` [ns]."""
     return _ELEVATION.pack(stamp, elevation)
+
+
+def preview_message(preview: HeavePreview, noise: float) -> bytes:
+    """Return a `preview` of the boom tip and its error, `noise` [m], 1 sigma."""
+    return _PREVIEW.pack(preview.stamp, preview.ahead, preview.heave, noise)
 
 
 def odometry_message(motion: VesselMotion, stamp: int) -> bytes:

@@ -23,7 +23,8 @@ _MRU_SILENCE = 1.0  # s without a reading that diagnostics calls an error
 
 
 class WaveVesselNode(ParticipantNode):
-    """Publishes in tick k the MRU reading delivered at t_k, and the boom tip, vessel and surface at t_{k+1}.
+    """Publishes in tick k the MRU reading delivered at t_k, and the boom tip, vessel and surface at t_{k+1};
+    with `preview.time` above 0 also a preview of the boom tip from t_k on.
 
     Service `wave_vessel/inject_fault` makes the MRU misbehave from the next tick on.
     """
@@ -42,6 +43,8 @@ class WaveVesselNode(ParticipantNode):
         self.odometry = self.add_output(topics.VESSEL_ODOMETRY)
         self.boom_tip = self.add_output(topics.BOOM_TIP)
         self.mru = self.add_output(MRU.topic)
+        previews = self.parameters.preview.time > 0.0
+        self.preview = self.add_output(topics.HEAVE_PREVIEW) if previews else None
         self._mru_messages = SensorMessages(MRU)
         self._last_reading_time = 0.0
         self._last_status: int = MruStatus.OK
@@ -62,6 +65,8 @@ class WaveVesselNode(ParticipantNode):
         if reading is not None:
             self.mru.publish(self._mru_messages.message(MRU.to_wire(reading, STANDARD_WATER)))
             self._last_reading_time, self._last_status = tick.time, reading.status
+        if self.preview is not None and outputs.preview is not None:
+            self.preview.publish(messages.preview_message(outputs.preview, self.parameters.preview.noise))
         end = tick.end_nanoseconds
         self.boom_tip.publish_deferred(lambda: messages.boom_tip_message(outputs.boom_tip, end))
         self.odometry.publish_deferred(lambda: messages.odometry_message(outputs.vessel, end))

@@ -258,6 +258,26 @@ class MruParameters:
 
 
 @dataclass(frozen=True)
+class PreviewParameters:
+    """The preview of the boom tip, as of waves that are measured up-sea or by radar."""
+
+    time: float = parameter(
+        0.0,
+        unit="s",
+        minimum=0.0,
+        maximum=120.0,
+        description="How far the preview of the boom tip looks ahead; 0: there is none.",
+    )
+    noise: float = parameter(
+        0.05,
+        unit="m",
+        minimum=0.0,
+        maximum=10.0,
+        description="White error of the preview at each moment, 1 sigma; a moment keeps its error.",
+    )
+
+
+@dataclass(frozen=True)
 class SeaStateEstimateParameters:
     """The running estimate of the sea state from the MRU record."""
 
@@ -282,7 +302,7 @@ class SeaStateEstimateParameters:
 
 @dataclass(frozen=True)
 class WaveVesselParameters(SeaParameters):
-    """Everything of `wave_vessel`: the sea, the vessel, its course and the motion reference unit."""
+    """Everything of `wave_vessel`: the sea, the vessel, its course, the motion reference unit and the preview."""
 
     boom_tip_source: str = parameter(
         "spectrum",
@@ -358,6 +378,7 @@ class WaveVesselParameters(SeaParameters):
     drift: DriftParameters = group(DriftParameters)
     mru: MruParameters = group(MruParameters)
     estimate: SeaStateEstimateParameters = group(SeaStateEstimateParameters)
+    preview: PreviewParameters = group(PreviewParameters)
 
     def __post_init__(self) -> None:
         source = SOURCES[self.boom_tip_source]

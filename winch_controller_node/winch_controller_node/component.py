@@ -11,6 +11,7 @@ import math
 from concurrent.futures import Executor
 
 from heave_node.interface.codes import WinchLimit
+from heave_node.interface.preview import HeavePreview
 from heave_node.parameters import describe
 
 from winch_controller_node.design.design import ControllerDesign
@@ -19,6 +20,7 @@ from winch_controller_node.design_in_force import DesignInForce, PreparedDesign
 from winch_controller_node.estimation.loop_estimation import LoopEstimation
 from winch_controller_node.estimation.loop_tick import LoopTick
 from winch_controller_node.estimation.observation import Observer
+from winch_controller_node.estimation.preview_watch import PreviewWatch
 from winch_controller_node.identification.late_commands import LateCommands
 from winch_controller_node.interface.readings import Measurements, Outputs, RollingKpi, WinchReading
 from winch_controller_node.laws.constant_tension import TRAVEL
@@ -84,6 +86,9 @@ class WinchController:
         self._kpi = KpiWindow(parameters.kpi_window, parameters.winch, tick_period=tick_period)
         self._learning = Learning(self._in_force, self._estimation, self._winch, designer)
         self._alarms: list[str] = []
+        self.preview = PreviewWatch(law.preview, tick_period=tick_period)
+        self._tick_nanoseconds = round(tick_period * 1e9)
+        self._previews = False
 
     @property
     def parameters(self) -> WinchControllerParameters:
@@ -297,7 +302,7 @@ class WinchController:
         self._change_mode(decision.mode, loop)
         self._act_on(decision.landing, loop)
         loop = self._estimation.refreshed(loop)
-        command = self._command.command(loop, decision, measurements.preview)
+        command = self._command.command(loop, decision, self._watch_preview(loop, measurements.preview))
         self._estimation.advance_mean(command.shares.mean, is_braked=self.modes.brake)
         self._watch_load(loop, measurements.winch, command)
         order = self._command.order(command, decision.mode, self._estimation.motion.set_point)
@@ -325,6 +330,16 @@ class WinchController:
         self._alarms += [transport.alarm] if transport.alarm else []
         self._alarms += decision.alarms
         return decision
+
+    def _watch_preview(self, loop: LoopTick, delivered: HeavePreview | None) -> HeavePreview | None:
+        """Return the preview that is to be used; say when one is used no more, or again."""
+        boom_tip = None if "mru" in loop.sensed.lost else loop.boom_tip.heave
+        preview = self.preview.step(loop.number * self._tick_nanoseconds, delivered, boom_tip)
+        is_used = preview is not None
+        if is_used != self._previews:
+            self._alarms.append("the preview is used" if is_used else f"the preview is not used: {self.preview.fault}")
+        self._previews = is_used
+        return preview
 
     def _watch_load(self, loop: LoopTick, winch: WinchReading | None, command: TickCommand) -> None:
         """Give the alarms of tension and winch."""

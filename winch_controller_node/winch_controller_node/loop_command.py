@@ -5,11 +5,12 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 
+from heave_node.interface.preview import HeavePreview
 from heave_node.numerics.arrays import Array
 
 from winch_controller_node.design.design import ControllerDesign
 from winch_controller_node.estimation.loop_tick import CommandShares, LoopTick
-from winch_controller_node.interface.readings import HeavePreview, WinchOrder
+from winch_controller_node.interface.readings import WinchOrder
 from winch_controller_node.laws.constant_tension import ConstantTension, TensionSetPoint, Travel
 from winch_controller_node.laws.law import ControlLaw, LawCommand
 from winch_controller_node.laws.outlet_hold import OutletHold
@@ -119,11 +120,11 @@ class LoopCommand:
         ----------
         tick : what is known of the loop
         decision : what is to be done
-        preview : of the boom tip; None: there is none
+        preview : of the boom tip, seen from this tick; None: there is none
         """
         mode = decision.mode
         if preview is not None:
-            preview = HeavePreview(preview.ahead, mode.authority * preview.heave)
+            preview = replace(preview, heave=mode.authority * preview.heave)
         payout, rate = self.governor.predict(tick.total_state)
         standing = self._standing_command(tick.total_state, payout)
         mean_payout, mean_rate = self.governor.predict(tick.mean_state)

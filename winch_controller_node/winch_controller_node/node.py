@@ -72,6 +72,7 @@ class WinchControllerNode(ParticipantNode):
         self.kpi = self.add_output(topics.CONTROLLER_KPI)
         self.sensors = {name: self._add_measurement(SENSORS[name].topic, SENSORS[name].values) for name in INPUTS}
         self.winch_state = self._add_measurement(topics.WINCH_STATE, conversions.WINCH_STATE)
+        self.preview = self.add_input(topics.HEAVE_PREVIEW, check_stamps=False, holds_ahead=True)
         self.create_service(SetMode, "controller/set_mode", self._serve_set_mode)
         self.create_service(Redesign, "controller/redesign", self._serve_redesign)
         self.add_on_set_parameters_callback(self._take_parameters)
@@ -111,8 +112,12 @@ class WinchControllerNode(ParticipantNode):
         states = self.take(self.winch_state)
         winch = conversions.winch_reading_of(states[-1]) if states else None
         water = Water(self.parameters.water_density, self.parameters.gravity)
+        previews = self.take(self.preview)
+        preview = conversions.heave_preview(previews[-1]) if previews else None
         lateness = Lateness(self.punctuality.of_clock, self.punctuality.of_node)
-        measurements = dataclasses.replace(conversions.measurements(delivered, winch, water), lateness=lateness)
+        measurements = dataclasses.replace(
+            conversions.measurements(delivered, winch, water, preview), lateness=lateness
+        )
         outputs = self.controller.step(tick.number, measurements)
         self.outputs_of_tick = outputs
         stamp = tick.start_nanoseconds
@@ -144,6 +149,9 @@ class WinchControllerNode(ParticipantNode):
         for sensor in report.sensors:
             values = {"accepted": str(sensor.accepted), "rejected": str(sensor.refused)}
             parts.append(Health(f"sensor {sensor.sensor}", LEVELS[sensor.level], sensor.reason or "ok", values))
+        preview = self.controller.preview
+        if preview.has_come:
+            parts.append(Health("preview", Level.WARN if preview.fault else Level.OK, preview.words))
         if report.solver_status.startswith("not solved"):
             parts.append(Health("solver", Level.WARN, report.solver_status))
         return parts

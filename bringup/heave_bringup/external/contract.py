@@ -17,6 +17,7 @@ from heave_node.interface.sensors import SENSORS
 from heave_node.interface.topic import Role, Topic
 from heave_node.run_parameters import RunParameters
 from wave_vessel_node.parameters import WaveVesselParameters
+from winch_controller_node.estimation.preview_watch import MAXIMUM_AGE, PROOF_TIME
 from winch_controller_node.node_parameters import WinchControllerParameters
 from winch_controller_node.supervision.command_timeouts import MOST, PERIOD, WAIT
 
@@ -98,6 +99,13 @@ MRU = Port(
     (("heave", 30.0), ("heave_rate", 30.0), ("roll", 1.6), ("pitch", 1.6)),
     "sequence",
 )
+HEAVE_PREVIEW = Port(
+    topics.HEAVE_PREVIEW,
+    0.0,
+    False,
+    "optional: `heave` of the boom tip at the times `ahead` of the stamp, from waves measured up-sea or by radar",
+    (("heave_sigma", 10.0),),
+)
 BOOM_TIP = Port(
     topics.BOOM_TIP,
     1.0 / TICK,
@@ -141,7 +149,7 @@ CONTRACTS: tuple[Contract, ...] = (
         "winch_controller",
         "a controller",
         publishes=(COMMAND,),
-        hears=(CLOCK, MRU, STATE, *SENSORS_OF_SHIP),
+        hears=(CLOCK, MRU, HEAVE_PREVIEW, STATE, *SENSORS_OF_SHIP),
         when_late=f"A winch that gets no fresh command for {WATCHDOG:g} s stops with its own deceleration and brakes. "
         "A command older than that on arrival is not used.",
         handshake="The winch starts with its brake on: it is released by a fresh command with `brake: false`. "
@@ -177,7 +185,7 @@ CONTRACTS: tuple[Contract, ...] = (
     Contract(
         "wave_vessel",
         "a motion reference unit, or a vessel with one",
-        publishes=(MRU, BOOM_TIP),
+        publishes=(MRU, BOOM_TIP, HEAVE_PREVIEW),
         hears=(CLOCK,),
         when_late=f"The controller runs on prediction for {COAST:g} s, then fades out and stops the winch; it resumes "
         f"when readings have been good for {RESUME:g} s. The simulated cable coasts its upper end to rest after 0.5 s.",
@@ -185,7 +193,9 @@ CONTRACTS: tuple[Contract, ...] = (
         "simulated cable: one message for each `clock` message, `position` = (0, 0, height + heave) with the height "
         f"of the boom tip in the scenario, `system.boom_tip_height` ({BOOM_TIP_HEIGHT:g} m unless set), `velocity.z` "
         "and `acceleration.z` those of the heave. An MRU alone fills it from its own readings. Begin near rest, or "
-        "within 1 m of it.",
+        "within 1 m of it. `vessel/heave_preview` may come from a process of its own, such as a wave radar's, at a "
+        "rate of its own: law `mpc` uses it where `mpc.preview_time` is set, once it has come true for "
+        f"{PROOF_TIME:g} s, while it is at most {MAXIMUM_AGE:g} s old and tells of all times up to `mpc.preview_time`.",
     ),
     Contract(
         "cable_sim",

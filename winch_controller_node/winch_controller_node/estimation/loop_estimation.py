@@ -169,7 +169,7 @@ class LoopEstimation:
             return
         surprise = self.estimator.innovations.get("mru_heave_rate")
         if surprise is not None and math.isfinite(surprise.nis):
-            self._sea.note_surprise(surprise.nis)
+            self._sea.note_surprise(surprise.nis, surprise.sigma)
         heave, rate = self._rows.tip @ estimate
         noise = self._sea.update(float(heave), float(rate))
         if noise is not None:

@@ -47,6 +47,9 @@ REFUTED_WAVES = 0.3
 SURPRISE_MEMORY, LARGEST_SURPRISE = 5.0, 30.0
 """Memory of the normalised innovations [s], and what one counts at most."""
 
+LEAST_SURPRISE = 0.01
+"""Error of the predicted heave rate that is small in any sea [m/s]: a perfect instrument sees what no model has."""
+
 REFUTED = 3.0
 """Mean of the normalised innovations squared of the heave rate from which on the sea is refuted; it is 1 in its own."""
 
@@ -152,9 +155,16 @@ class SeaTracker:
         heave = math.sqrt(self._variance if is_settled else max(self._variance, self._group_variance))
         return SeaSeen(waves, heave, self._frequency, is_settled, self.is_refuted)
 
-    def note_surprise(self, nis: float) -> None:
-        """Take in the normalised innovation squared, `nis`, of a heave rate from the motion reference unit."""
-        self._surprise += self._dt / SURPRISE_MEMORY * (min(nis, LARGEST_SURPRISE) - self._surprise)
+    def note_surprise(self, nis: float, sigma: float) -> None:
+        """Take in what a heave rate of the motion reference unit said against the prediction.
+
+        Parameters
+        ----------
+        nis : normalised innovation squared
+        sigma : standard deviation by which it was normalised [m/s]
+        """
+        counted = min(nis * min(1.0, (sigma / LEAST_SURPRISE) ** 2), LARGEST_SURPRISE)
+        self._surprise += self._dt / SURPRISE_MEMORY * (counted - self._surprise)
 
     @property
     def is_refuted(self) -> bool:

@@ -11,9 +11,12 @@ from dataclasses import fields
 from operator import attrgetter
 from typing import Any
 
+import numpy as np
 from heave_node.cdr.packer import Packer
 from heave_node.interface import topics
+from heave_node.interface.preview import HeavePreview
 from heave_node.interface.sensors import MRU, SENSORS, Water, WireReading, mru_reading
+from heave_node.tick.tick import nanoseconds_of
 
 from winch_controller_node.interface.readings import (
     Measurements,
@@ -57,8 +60,20 @@ def winch_reading_of(reading: WireReading) -> WinchReading:
     return WinchReading(reading.time, payout, rate, bool(brake), int(fault), int(sequence), int(limits))
 
 
+def heave_preview(message: Any) -> HeavePreview:
+    """Return what a heave_msgs/HeavePreview, the `message`, tells; whether it can be used is judged later."""
+    return HeavePreview(
+        np.asarray(message.ahead, dtype=float),
+        np.asarray(message.heave, dtype=float),
+        nanoseconds_of(message.header.stamp),
+    )
+
+
 def measurements(
-    delivered: Mapping[str, Iterable[WireReading]], winch: WinchReading | None, water: Water
+    delivered: Mapping[str, Iterable[WireReading]],
+    winch: WinchReading | None,
+    water: Water,
+    preview: HeavePreview | None = None,
 ) -> Measurements:
     """Return what came in a tick, read by the water that the controller believes in.
 
@@ -67,6 +82,7 @@ def measurements(
     delivered : readings as they travelled, by sensor; those that the controller does not know are left out
     winch : newest state of the winch; None: none came
     water : believed in
+    preview : newest one of the boom tip; None: none came
     """
     mru = tuple(mru_reading(reading) for reading in delivered.get(MRU.name, ()))
     scalar = {
@@ -74,7 +90,7 @@ def measurements(
         for name in SCALAR_SENSORS
         if delivered.get(name)
     }
-    return Measurements(mru, scalar, winch)
+    return Measurements(mru, scalar, winch, preview)
 
 
 def _scalar(name: str, reading: WireReading, water: Water) -> ScalarReading:

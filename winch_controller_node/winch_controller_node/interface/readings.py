@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from heave_node.interface.codes import SensorLevel
+from heave_node.interface.preview import HeavePreview
 from heave_node.interface.sensors import MruReading
-from heave_node.numerics.arrays import Array
 
 
 @dataclass(frozen=True)
@@ -42,20 +42,6 @@ class WinchReading:
 
 
 @dataclass(frozen=True, slots=True)
-class HeavePreview:
-    """Boom-tip heave ahead, as waves that were measured up-sea or by radar tell it.
-
-    Attributes
-    ----------
-    ahead : times from now, ascending [s], shape (m,)
-    heave : about its mean, positive up [m], shape (m,)
-    """
-
-    ahead: Array
-    heave: Array
-
-
-@dataclass(frozen=True, slots=True)
 class Lateness:
     """What held the ticks of the last seconds up, in wall time; nothing in lockstep.
 
@@ -79,7 +65,7 @@ class Measurements:
     scalar : of the other sensors, by name: `depth` of the unit, positive down [m]; `velocity`, vertical, positive up
         [m/s]; `imu`, its vertical acceleration without gravity [m/s^2]; `load_cell`, the top tension [N]
     winch : newest state of the winch; None: none came
-    preview : of the boom tip; None: there is none
+    preview : newest one of the boom tip; None: none came
     lateness : of the ticks, so that a command timeout is told with its cause
     """
 

@@ -16,6 +16,7 @@ from heave_node.numerics.linear_model import LinearModel
 
 from winch_controller_node.laws.parts.effort import Effort
 from winch_controller_node.laws.parts.loop_state import LoopState
+from winch_controller_node.laws.parts.preview import PreviewUse
 from winch_controller_node.laws.parts.winch_limits import WinchLimits
 from winch_controller_node.parameters.model import WeightParameters, WinchModelParameters
 
@@ -81,6 +82,7 @@ class ControlLaw(ABC):
         follow
     gain : u = -gain x, shape (n,), where the law is a linear state feedback while no limit acts; else empty
     effort : what it asks of the winch, relative to a drum that follows the boom tip
+    preview : what it wants of a preview of the boom tip; None: it uses none
     """
 
     name: ClassVar[str]
@@ -95,6 +97,7 @@ class ControlLaw(ABC):
         del design, parameters
         self.gain: Array = np.zeros(0)
         self.effort = Effort()
+        self.preview: PreviewUse | None = None
 
     @abstractmethod
     def command(self, state: LoopState) -> LawCommand:

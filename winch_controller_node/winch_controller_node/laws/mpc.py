@@ -231,7 +231,7 @@ class ConstrainedLaw(ControlLaw):
         if parameters.preview_time < STEP:
             return
         self._reader = PreviewReader(model, parameters.preview_time, parameters.preview_noise)
-        self._disturbances = self._reader.disturbances
+        self._disturbances, self.preview = self._reader.disturbances, self._reader.use
 
         def fed(gain: Array, acceleration: float, command: float) -> Array:
             return feedforward(model, gain, _sizes(parameters, acceleration), command, self._disturbances)

@@ -12,10 +12,9 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from heave_node.interface.preview import HeavePreview
 from heave_node.numerics.arrays import Array
 from heave_node.numerics.linear_model import LinearModel
-
-from winch_controller_node.interface.readings import HeavePreview
 
 
 @dataclass(frozen=True, slots=True)

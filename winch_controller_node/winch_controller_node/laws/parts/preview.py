@@ -10,18 +10,34 @@ and so is the best command for a known disturbance, by the costate of the Riccat
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 
 import numpy as np
+from heave_node.interface.preview import HeavePreview
 from heave_node.numerics.arrays import Array
 from heave_node.numerics.linear_model import LinearModel
 from scipy.linalg import solve_discrete_lyapunov
 
-from winch_controller_node.interface.readings import HeavePreview
 from winch_controller_node.model.lqr import output_cost
 from winch_controller_node.model.regulator import is_sea_state, is_sensor_state
 
 STEP = 0.25
 """Step at which a preview is used [s]; a boom tip is straight enough between."""
+
+
+@dataclass(frozen=True, slots=True)
+class PreviewUse:
+    """What a law wants of a preview.
+
+    Attributes
+    ----------
+    first, last : it must tell of all times ahead from the one to the other [s]
+    noise : standard deviation of its error that is believed [m]
+    """
+
+    first: float
+    last: float
+    noise: float
 
 
 class PreviewReader:
@@ -36,6 +52,7 @@ class PreviewReader:
     Attributes
     ----------
     disturbances : of the states at each tick, per surprise, shape (ticks, n, m)
+    use : what it wants of a preview
     """
 
     def __init__(self, model: LinearModel, duration: float, noise: float) -> None:
@@ -43,6 +60,7 @@ class PreviewReader:
         every = max(1, round(STEP / model.dt))
         ticks = np.arange(every, round(duration / model.dt) + 1, every)
         self._times = ticks * model.dt
+        self.use = PreviewUse(float(self._times[0]), float(self._times[-1]), noise)
         sea = [i for i, name in enumerate(model.state_names) if is_sea_state(name)]
         A, Q = model.A[np.ix_(sea, sea)], model.noise_covariance[np.ix_(sea, sea)]
         rows = [model.row("boom_tip_heave")[sea]]
@@ -62,7 +80,7 @@ class PreviewReader:
 
         `preview` and `x` are of the same share of the sea.
         """
-        if preview is None or not len(preview.ahead) or preview.ahead[-1] < self._times[-1] - 1e-6:
+        if preview is None or not preview.covers(self.use.first, self.use.last):
             return None
         heave = np.interp(self._times, preview.ahead, preview.heave)
         return np.asarray(heave - self._prediction @ x) if np.all(np.isfinite(heave)) else None

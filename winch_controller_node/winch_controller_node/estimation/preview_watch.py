@@ -1,0 +1,129 @@
+"""Whether a preview of the boom tip can be believed: whole, recent, long enough, and come true so far."""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+
+import numpy as np
+from heave_node.interface.preview import HeavePreview
+
+from winch_controller_node.laws.parts.preview import PreviewUse
+
+MAXIMUM_AGE = 5.0
+"""A preview older than this [s] is not used: what sent it has fallen silent."""
+PROOF_TIME = 10.0
+"""A preview is used once it has come true for so long [s]."""
+LEAD = 1.0
+"""What was told this long ahead [s] is held against what the motion reference unit then said."""
+MEMORY = 30.0
+"""Time over which error and heave are compared [s]."""
+WORST_SHARE, WORST_NOISE = 0.5, 3.0
+"""A preview is refused where its error is above this share of the heave, and above this many times its stated noise."""
+
+
+class PreviewWatch:
+    """Holds the newest preview and tells whether it is to be used.
+
+    Parameters
+    ----------
+    use : what the law wants of it; None: it uses none
+    tick_period : [s]
+
+    Attributes
+    ----------
+    fault : why the newest preview is not used, in words; empty where it is, where none has come or none is wanted
+    has_come : one has come since the start
+    """
+
+    def __init__(self, use: PreviewUse | None, *, tick_period: float) -> None:
+        self._use, self._dt = use, tick_period
+        self._newest: HeavePreview | None = None
+        self.fault = ""
+        self.has_come = False
+        lead_ticks = max(1, round(LEAD / tick_period))
+        self._told = deque([math.nan] * lead_ticks, maxlen=lead_ticks)
+        self._lead = lead_ticks * tick_period
+        self._compared = 0
+        self._error_square = self._heave_square = 0.0
+
+    @property
+    def words(self) -> str:
+        """How it is with the preview."""
+        if self._use is None:
+            return "not used: law mpc uses one where mpc.preview_time is above 0"
+        return f"not used: {self.fault}" if self.fault else "used"
+
+    def step(self, now: int, delivered: HeavePreview | None, boom_tip: float | None) -> HeavePreview | None:
+        """Return the preview to be used at a tick, seen from it; None: none.
+
+        Parameters
+        ----------
+        now : simulated time of the tick [ns]
+        delivered : newest preview that came in this tick; None: none came
+        boom_tip : its estimated heave now [m]; None: the motion reference unit is lost
+        """
+        if delivered is not None:
+            self._newest, self.has_come = delivered, True
+        if self._newest is None or self._use is None:
+            return None
+        seen, self.fault = _seen_from(now, self._newest, self._use)
+        self._compare(seen, boom_tip)
+        if seen is not None and not self.fault:
+            self.fault = self._doubt(self._use.noise)
+        return None if self.fault else seen
+
+    def _compare(self, seen: HeavePreview | None, boom_tip: float | None) -> None:
+        """Hold what was told some time ago against what has come."""
+        told_for_now = self._told[0]
+        reaches = seen is not None and seen.covers(self._lead, self._lead)
+        self._told.append(float(np.interp(self._lead, seen.ahead, seen.heave)) if seen and reaches else math.nan)
+        if boom_tip is None or not math.isfinite(told_for_now):
+            return
+        self._compared += 1
+        weight = max(self._dt / MEMORY, 1.0 / self._compared)
+        self._error_square += weight * ((told_for_now - boom_tip) ** 2 - self._error_square)
+        self._heave_square += weight * (boom_tip**2 - self._heave_square)
+
+    def _doubt(self, noise: float) -> str:
+        """Return why a well-formed preview of a stated `noise` [m] is not to be believed; empty where it is."""
+        if self._compared * self._dt < PROOF_TIME:
+            return f"it has to come true for {PROOF_TIME:g} s before it is used"
+        error, heave = math.sqrt(self._error_square), math.sqrt(self._heave_square)
+        if error <= max(WORST_SHARE * heave, WORST_NOISE * noise):
+            return ""
+        return f"told {LEAD:g} s ahead it was wrong by {error:.2f} m rms, in a heave of {heave:.2f} m rms"
+
+
+def _seen_from(now: int, newest: HeavePreview, use: PreviewUse) -> tuple[HeavePreview | None, str]:
+    """Return a preview as it is at a time, and what is wrong with it.
+
+    Parameters
+    ----------
+    now : simulated time [ns]
+    newest : preview that came last
+    use : what the law wants of it
+    """
+    fault = _malformed(newest)
+    if fault:
+        return None, fault
+    age = (now - newest.stamp) * 1e-9
+    if age < 0.0:
+        return None, f"its stamp is {-age:.3g} s ahead of the clock"
+    if age > MAXIMUM_AGE:
+        return None, f"nothing new has come for more than {MAXIMUM_AGE:g} s"
+    seen = newest.seen_from(now)
+    if not seen.covers(use.first, use.last):
+        told = f"{seen.ahead[0]:.3g} to {seen.ahead[-1]:.3g} s"
+        return seen, f"it tells of {told} ahead; the law asks for {use.first:g} to {use.last:g} s (mpc.preview_time)"
+    return seen, ""
+
+
+def _malformed(preview: HeavePreview) -> str:
+    """Return what is wrong with the numbers of a `preview`; empty where nothing is."""
+    ahead, heave = preview.ahead, preview.heave
+    if len(ahead) != len(heave) or not len(ahead):
+        return f"it has {len(ahead)} times and {len(heave)} heaves"
+    if not (np.all(np.isfinite(ahead)) and np.all(np.isfinite(heave))):
+        return "it holds numbers that are not finite"
+    return "" if np.all(np.diff(ahead) > 0.0) else "its times do not increase"
