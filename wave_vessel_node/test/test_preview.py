@@ -4,6 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from heave_msgs.msg import HeavePreview
+from rclpy.serialization import deserialize_message
 from wave_vessel_node.component import WaveVessel
 from wave_vessel_node.parameters import DriftParameters, PreviewParameters, WaveVesselParameters
 
@@ -56,7 +58,7 @@ def test_the_sea_and_the_readings_are_the_same_with_a_preview_and_without():
 def test_a_preview_travels_without_loss():
     """The message has all that the controller reads of it."""
     preview = run(replace(SEAS["regular"], preview=PreviewParameters(1.0)))[5].preview
-    message = conversions.preview_message(preview, 0.05)
+    message = deserialize_message(conversions.preview_message(preview, 0.05), HeavePreview)
     assert list(message.ahead) == list(preview.ahead)
     assert list(message.heave) == list(preview.heave)
     assert message.header.stamp.sec * 10**9 + message.header.stamp.nanosec == preview.stamp
