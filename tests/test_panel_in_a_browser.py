@@ -1,6 +1,8 @@
 """The operator's page in a real browser, at a run under way."""
 
 import subprocess
+import sys
+from pathlib import Path
 
 import pytest
 from domain_coordinator import domain_id
@@ -9,6 +11,9 @@ from tests.browser import CHROMIUM, Browser
 from tests.loop_runs import command, environment, wait_until
 
 PRESENT = "document.getElementById('lost') && document.getElementById('lost').style.display === 'none'"
+
+
+WINCH = Path(__file__).parents[1] / "examples" / "winch.py"
 
 
 @pytest.fixture
@@ -99,3 +104,56 @@ def test_two_viewers_operate_a_run_in_turns_and_a_dead_panel_is_seen_at_once_and
         assert first.text.startswith("NO CONNECTION") or "NO CONNECTION" in first.text
         served.wait()
         assert run.poll() is None, "the run goes on"
+
+
+@pytest.fixture
+def panel_of_a_winch(tmp_path):
+    """Begin a run in real time with a winch of one's own, and a panel for it; return the panel's address."""
+    with domain_id() as domain:
+        general = ["--pacing", "realtime", "--duration", "3600", "--no-report", "--bag", str(tmp_path / "run")]
+        log = (tmp_path / "run.log").open("w")
+        run = subprocess.Popen(
+            command("run", "b2_calm_300", "--external", "virtual_winch", *general),
+            env=environment(domain),
+            stdout=log,
+            stderr=log,
+        )
+        processes = [run, subprocess.Popen([sys.executable, str(WINCH)], env=environment(domain))]
+        try:
+            wait_until(lambda: " x real time" in (tmp_path / "run.log").read_text(), 180.0)
+            served = subprocess.Popen(
+                command("panel", "--port", "8078"), env=environment(domain), stdout=subprocess.PIPE, text=True
+            )
+            processes.append(served)
+            yield served.stdout.readline().split()[-1]
+        finally:
+            for process in reversed(processes):
+                process.send_signal(2)
+                process.wait(60.0)
+
+
+@pytest.mark.slow
+@pytest.mark.long
+@pytest.mark.skipif(CHROMIUM is None, reason="no Chromium on this machine")
+def test_a_winch_of_one_s_own_is_shown_stopped_and_released_and_no_fault_is_injected_into_it(
+    panel_of_a_winch, tmp_path
+):
+    with Browser(tmp_path / "profile") as browser:
+        tab = browser.tab()
+        tab.size(1400, 900)
+        tab.open(panel_of_a_winch)
+        tab.wait_for("nobody is in command; ")
+        tab.click("take command")
+        tab.wait_for("mode compensating", 180.0)
+        values = "[...document.querySelectorAll('.heave-value')].map(value => value.innerText)"
+        tab.wait(f"{values}.length === 6 && !{values}.includes('-')", 120.0)
+        tab.wait("/winch speed: [+-][0-9.]+ of 2 m/.test(document.body.innerText)")
+        tab.click("clear faults")
+        tab.wait_for("load_cell: clear from")
+        assert "encoder: clear" not in tab.text
+        tab.click("emergency stop")
+        tab.wait_for("emergency stop by the controller: the brake is on and the drum at rest")
+        tab.click("compensate")
+        tab.click("yes, do it")
+        tab.wait_for("mode compensating", 120.0)
+        assert tab.complaints == []

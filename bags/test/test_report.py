@@ -2,7 +2,6 @@
 
 import math
 import re
-import shutil
 import subprocess
 
 import pytest
@@ -14,29 +13,19 @@ from heave_node.criteria import Criterion
 from made_up_run import MadeUpRun
 from numpy import arange, sin, zeros
 
-BROWSER = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
-FLAGS = (
-    "--headless",
-    "--no-sandbox",
-    "--disable-gpu",
-    "--disable-quic",
-    "--no-first-run",
-    "--disable-background-networking",
-    "--disable-component-update",
-    "--disable-sync",
-    "--enable-logging=stderr",
-    "--virtual-time-budget=20000",
-)
+from tests import browser
+
+FLAGS = (*browser.FLAGS, "--enable-logging=stderr", "--virtual-time-budget=20000")
 
 
 def browse(page, tmp_path) -> tuple[str, list[str]]:
     """Return the page as a browser has drawn it, and what its console said."""
-    command = [BROWSER, *FLAGS, f"--user-data-dir={tmp_path / 'profile'}", "--dump-dom", page.as_uri()]
+    command = [browser.CHROMIUM, *FLAGS, f"--user-data-dir={tmp_path / 'profile'}", "--dump-dom", page.as_uri()]
     done = subprocess.run(command, capture_output=True, text=True, timeout=120, check=True)
     return done.stdout, [line for line in done.stderr.splitlines() if "CONSOLE" in line]
 
 
-@pytest.mark.skipif(BROWSER is None, reason="no Chromium on this machine")
+@pytest.mark.skipif(browser.CHROMIUM is None, reason="no Chromium on this machine")
 def test_a_browser_draws_every_figure_without_a_word_on_the_console(made_up_bag, tmp_path):
     bags = [made_up_bag("good"), made_up_bag("bad", MadeUpRun(unit=0.2))]
     records = analysis.analyse(bags)
@@ -63,7 +52,7 @@ def test_the_page_says_what_was_lost_and_escapes_names(shared_bag):
     assert "<b>bag</b>" not in page[: page.index("<script>")]
 
 
-@pytest.mark.skipif(BROWSER is None, reason="no Chromium on this machine")
+@pytest.mark.skipif(browser.CHROMIUM is None, reason="no Chromium on this machine")
 def test_a_browser_runs_nothing_that_a_bag_brings_into_the_page(shared_bag, tmp_path):
     (record,) = analysis.analyse([shared_bag])
     evil = "</script><script>document.body.dataset.evil=1</script><img src=x onerror=document.body.dataset.evil=1>"
@@ -197,26 +186,34 @@ def test_even_times_travel_as_three_numbers_and_others_as_they_are():
     assert "float32" in pack(sin(arange(100.0)))
 
 
-@pytest.mark.skipif(BROWSER is None, reason="no Chromium on this machine")
+@pytest.mark.skipif(browser.CHROMIUM is None, reason="no Chromium on this machine")
 def test_the_report_fits_a_wide_screen_a_telephone_the_dark_and_paper(made_up_bag, tmp_path):
-    from tests.browser import Browser  # noqa: PLC0415 - needs a package that no other test here does
-
     report.save_report(analysis.analyse([made_up_bag()]), tmp_path / "report.html")
     width = "document.documentElement.scrollWidth"
     page = "getComputedStyle(document.body).backgroundColor"
     drawn = "document.querySelector('.figure .bg').style.fill"
+    buttons = "document.querySelectorAll('.modebar-btn').length"
+    tops = "new Set([...r.getClientRects()].map(b => b.top)).size"
+    lines = f"(r => (r.selectNodeContents(e), {tops}))(document.createRange())"
+    broken = f"[...document.querySelectorAll('td.number, td.unit')].filter(e => {lines} > 1).map(e => e.innerText)"
+    beside = "[...document.querySelectorAll('.figure .annotation')]"
+    cut = f"{beside}.filter(e => right(e) > right(e.closest('.figure'))).length"
+    cut = f"(right => {cut})(e => e.getBoundingClientRect().right)"
     named = "document.querySelectorAll('.figure')[0].querySelectorAll('.annotation').length"
-    with Browser(tmp_path / "browser") as browser:
-        tab = browser.tab()
+    with browser.Browser(tmp_path / "browser") as chromium:
+        tab = chromium.tab()
         tab.size(1400, 1000)
         tab.open((tmp_path / "report.html").as_uri())
         tab.wait("document.body && document.body.dataset.ready === 'true'")
         assert tab.get(width) <= 1400
         assert tab.get(named) == 3, "names stand beside the traces"
+        assert tab.get(cut) == 0, "and inside the frame"
         assert tab.get("document.querySelector('.figure').getBoundingClientRect().bottom") < 1100, "on the first screen"
         tab.size(420, 900)
         tab.wait(f"{named} === 0")
         assert tab.get(width) <= 420
+        assert tab.get(buttons) == 0, "nothing covers the names above the traces"
+        assert tab.get(broken) == [], "no number and no unit is broken into two lines"
         tab("Emulation.setEmulatedMedia", media="", features=[{"name": "prefers-color-scheme", "value": "dark"}])
         tab.wait(f"{page} === 'rgb(18, 24, 30)'")
         tab.wait(f"{drawn} === 'rgb(18, 24, 30)'")
@@ -242,7 +239,7 @@ const watch = setInterval(() => {
 </body>"""
 
 
-@pytest.mark.skipif(BROWSER is None, reason="no Chromium on this machine")
+@pytest.mark.skipif(browser.CHROMIUM is None, reason="no Chromium on this machine")
 def test_figures_over_time_zoom_together_down_to_every_sample(made_up_bag, tmp_path):
     page = tmp_path / "report.html"
     bag = made_up_bag(run=MadeUpRun(duration=400.0))  # 8,000 samples, of which a screen shows 3,000
@@ -256,10 +253,10 @@ def test_figures_over_time_zoom_together_down_to_every_sample(made_up_bag, tmp_p
     assert re.search(r'data-zoom="20\.0 21\.0 (\d+)"', drawn).group(1) in ("20", "21")  # one second at 20 Hz
 
 
-@pytest.mark.skipif(BROWSER is None, reason="no Chromium on this machine")
+@pytest.mark.skipif(browser.CHROMIUM is None, reason="no Chromium on this machine")
 def test_the_report_prints_to_a_pdf_of_some_pages(made_up_bag, tmp_path):
     report.save_report(analysis.analyse([made_up_bag()]), tmp_path / "report.html")
     pdf = tmp_path / "report.pdf"
-    command = [BROWSER, *FLAGS, f"--user-data-dir={tmp_path / 'profile'}", f"--print-to-pdf={pdf}"]
+    command = [browser.CHROMIUM, *FLAGS, f"--user-data-dir={tmp_path / 'profile'}", f"--print-to-pdf={pdf}"]
     subprocess.run([*command, (tmp_path / "report.html").as_uri()], capture_output=True, timeout=120, check=True)
     assert 3 <= pdf.read_bytes().count(b"/Type /Page\n") <= 12

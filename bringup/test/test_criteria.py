@@ -22,6 +22,11 @@ def test_a_wrong_requirement_is_refused_before_anything_starts(capsys):
     assert "no_such_figure is not a figure of merit; known: unit_sigma_m" in capsys.readouterr().err
 
 
+def test_a_figure_that_is_nearly_one_is_answered_with_those_that_are_meant():
+    with pytest.raises(ParameterError, match="not a figure of merit; did you mean unit_sigma_m"):
+        parse_requirement("unit_sigma<0.01")
+
+
 def test_a_scenario_that_wants_no_figure_of_merit_is_refused_before_anything_starts(tmp_path, capsys):
     scenario = tmp_path / "own.yaml"
     scenario.write_text("/**: {ros__parameters: {wanted: {no_such_figure: '< 1'}}}\n")

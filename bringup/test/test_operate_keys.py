@@ -52,7 +52,7 @@ def test_what_is_no_number_is_refused_in_words():
     assert board.complaint == "2: must be from 0 to 1"
     press(board, "dnan\ry")
     assert link.moves == []
-    press(board, "iwhale,freeze\ry")
+    press(board, "iwhale,freeze\r")
     assert board.complaint.startswith("'whale' is no device; devices are mru,")
 
 
@@ -78,3 +78,23 @@ def test_no_two_commands_share_a_key_and_none_takes_the_emergency_stop():
     keys = [command.key for command in COMMANDS]
     assert len(set(keys)) == len(keys)
     assert not {EMERGENCY, QUIT, "y"} & set(keys)
+
+
+@pytest.mark.parametrize(("typed", "said"), [("dxy\n", "'xy' is no number"), ("imru,blue\n", "'blue' is no kind")])
+def test_what_is_typed_wrongly_is_refused_before_anybody_asks_whether_it_is_meant(typed, said):
+    board, link, begun = keyboard()
+    press(board, typed)
+    assert said in board.complaint
+    assert (board.prompt, begun, link.moves) == ("", [], [])
+
+
+def test_faults_are_injected_into_and_cleared_from_what_is_simulated_alone():
+    board, link, _ = keyboard()
+    link.situation.simulated = ("mru", "depth")
+    press(board, "iwinch,drive\ny")
+    assert board.complaint == "winch is not simulated in this run; what is: mru, depth"
+    press(board, "x")
+    assert link.asked == ["wave_vessel/inject_fault", "cable_sim/inject_fault"]
+    link.situation.simulated = ()
+    press(board, "x")
+    assert "nothing is simulated" in board.complaint

@@ -280,3 +280,14 @@ def test_the_acceleration_of_the_winch_is_the_change_of_its_rate_and_unknown_unt
     assert later.acceleration == pytest.approx(1.4)
     assert math.isnan(WinchStatus(1.5, rate=0.4).since(later).acceleration), "the same state again"
     assert math.isnan(WinchStatus(0.1, rate=0.4).since(later).acceleration), "a run that begins anew"
+
+
+# hardware in the place of nodes
+
+
+def test_tension_is_that_of_the_load_cell_where_the_winch_does_not_tell_it():
+    (line,) = (line for line in LINES if line.name == "tension")
+    situation = Situation(winch=WinchStatus(1.0, tension=math.nan), load_cell=35e3)
+    assert line.value(situation) == 35.0
+    situation.winch = WinchStatus(1.0, tension=30e3)
+    assert line.value(situation) == 30.0

@@ -13,7 +13,7 @@ from importlib import resources
 from pathlib import Path
 from typing import Any
 
-from jinja2 import Environment, StrictUndefined
+from jinja2 import Environment, FunctionLoader, StrictUndefined, Template
 
 from heave_bags.analyse import analysis, kpi_set, run_words
 from heave_bags.analyse.report_figures import (
@@ -77,7 +77,7 @@ def render(records: Sequence[RunRecord], verdicts: Sequence[Verdict] = ()) -> st
     figures: list[Figure] = []
     content = page_content(records, figures, verdicts)
     scripts = [get_plotlyjs(), f"\n{_asset('report.js')}"]
-    page = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True).from_string(_asset("report.html"))
+    page = _template("report.html")
     return page.render(
         **content,
         policy=security_policy(scripts),
@@ -89,6 +89,12 @@ def render(records: Sequence[RunRecord], verdicts: Sequence[Verdict] = ()) -> st
 
 def _asset(name: str) -> str:
     return (resources.files("heave_bags.analyse") / "report_assets" / name).read_text(encoding="utf-8")
+
+
+def _template(name: str) -> Template:
+    """Return a page; what both pages share is in page.html."""
+    pages = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, loader=FunctionLoader(_asset))
+    return pages.get_template(name)
 
 
 def security_policy(scripts: Sequence[str]) -> str:
@@ -123,7 +129,7 @@ def render_page(title: str, body: str, figures: Sequence[Figure], footer: str) -
     from plotly.offline import get_plotlyjs  # noqa: PLC0415 - slow to import, needed for its script only
 
     scripts = [get_plotlyjs(), f"\n{_asset('report.js')}"]
-    page = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True).from_string(_asset("study.html"))
+    page = _template("study.html")
     return page.render(
         title=title,
         body=body,

@@ -198,7 +198,7 @@ class RecordingSession:
         Raises BagError if nothing is kept or the folder exists, StorageError if the disk refuses.
         """
         if not self.ring.span:
-            raise BagError("no snapshot is kept: set snapshot_duration")
+            raise BagError("no snapshot is kept: begin the run with --set recorder.snapshot_duration=60")
         messages = self.ring.since(self.last_time - span if span else 0)
         writer = self._make_writer(folder)
         for name, topic in self._topics.items():

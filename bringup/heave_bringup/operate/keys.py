@@ -6,6 +6,8 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
+from heave_node.interface.faults import FAULTS
+
 from heave_bringup.operate.answer import refusal
 from heave_bringup.operate.requests import (
     NODE_OF_DEVICE,
@@ -15,6 +17,7 @@ from heave_bringup.operate.requests import (
     request_redesign,
     request_snapshot,
 )
+from heave_bringup.operate.situation import Situation
 from heave_bringup.operate.tasks import AnyOf, ClockTask, EmergencyStop, Link, Lowering, MoveBy, Stop, Task
 
 EMERGENCY, QUIT, ESCAPE, ENTER, ERASE = " ", "q", "\x1b", ("\r", "\n"), ("\x7f", "\b")
@@ -37,6 +40,7 @@ class Command:
     begin : makes the task of what was typed
     question : for what is to be typed; "" where nothing is
     is_confirmed : asks before it begins: the winch moves, or stops moving
+    check : raises ValueError, in words, for what was typed wrongly; nobody is asked whether that is meant
     """
 
     key: str
@@ -44,6 +48,7 @@ class Command:
     begin: Begin
     question: str = ""
     is_confirmed: bool = False
+    check: Callable[[str], object] = str
 
 
 def number(text: str, least: float = -math.inf, most: float = math.inf) -> float:
@@ -57,18 +62,40 @@ def number(text: str, least: float = -math.inf, most: float = math.inf) -> float
     return value
 
 
-def _fault(link: Link, text: str) -> Task:
-    device, kind, *numbers = [*text.split(","), ""][: max(text.count(",") + 1, 2)]
+def fault_of(text: str) -> tuple[str, str, float, float]:
+    """Return device, kind, duration [s] and magnitude of DEVICE,KIND[,DURATION[,MAGNITUDE]].
+
+    Raises ValueError, in words, for a `text` that is no fault.
+    """
+    device, kind, *numbers = [*(word.strip() for word in text.split(",")), ""][: max(text.count(",") + 1, 2)]
     if device not in NODE_OF_DEVICE:
         raise ValueError(f"{device!r} is no device; devices are {', '.join(NODE_OF_DEVICE)}")
+    if kind not in FAULTS:
+        raise ValueError(f"{kind!r} is no kind of fault; kinds are {', '.join(FAULTS)}")
     if len(numbers) > 2:
         raise ValueError("a fault is DEVICE,KIND[,DURATION[,MAGNITUDE]]")
     duration, magnitude = [*(number(word) for word in numbers), 0.0, 0.0][:2]
+    return device, kind, duration, magnitude
+
+
+def devices_of(situation: Situation) -> tuple[str, ...]:
+    """Return the devices that can be given a fault in a `situation`; all of them while that is not known."""
+    return tuple(NODE_OF_DEVICE) if situation.simulated is None else situation.simulated
+
+
+def _fault(link: Link, text: str) -> Task:
+    device, kind, duration, magnitude = fault_of(text)
+    simulated = devices_of(link.situation)
+    if device not in simulated:
+        raise ValueError(f"{device} is not simulated in this run; what is: {', '.join(simulated) or 'nothing'}")
     return link.start(request_fault(device, kind, duration, magnitude))
 
 
 def _clear(link: Link, _: str) -> Task:
-    return AnyOf([link.start(request_fault(device, "clear")) for device in NODE_OF_DEVICE])
+    simulated = devices_of(link.situation)
+    if not simulated:
+        raise ValueError("nothing is simulated in this run: there is no fault to clear")
+    return AnyOf([link.start(request_fault(device, "clear")) for device in simulated])
 
 
 def _pause(link: Link, _: str) -> Task:
@@ -81,14 +108,28 @@ COMMANDS: tuple[Command, ...] = (
     Command("t", "tension", lambda link, _: link.start(request_mode("constant_tension")), is_confirmed=True),
     Command("m", "manual", lambda link, _: link.start(request_mode("manual")), is_confirmed=True),
     Command("s", "stop", lambda link, _: Stop(link)),
-    Command("d", "depth", lambda link, text: link.start_move(number(text), 0.0), "depth [m]", is_confirmed=True),
-    Command("v", "move by", lambda link, text: MoveBy(link, number(text), 0.0), "down by [m]", is_confirmed=True),
+    Command(
+        "d",
+        "depth",
+        lambda link, text: link.start_move(number(text), 0.0),
+        "depth [m]",
+        is_confirmed=True,
+        check=number,
+    ),
+    Command(
+        "v",
+        "move by",
+        lambda link, text: MoveBy(link, number(text), 0.0),
+        "down by [m]",
+        is_confirmed=True,
+        check=number,
+    ),
     Command("j", "lower", lambda link, _: Lowering(link, NUDGE, NUDGE_TIME)),
     Command("k", "lift", lambda link, _: Lowering(link, -NUDGE, NUDGE_TIME)),
     Command("h", "hold", lambda link, _: link.cancel_moves()),
     Command("f", "factor", lambda link, text: link.start(request_factor(number(text, 0.0, 1.0))), "factor, 0 to 1"),
     Command("r", "redesign", lambda link, _: link.start(request_redesign()), is_confirmed=True),
-    Command("i", "inject", _fault, "DEVICE,KIND[,DURATION[,MAGNITUDE]]", is_confirmed=True),
+    Command("i", "inject", _fault, "DEVICE,KIND[,DURATION[,MAGNITUDE]]", is_confirmed=True, check=fault_of),
     Command("x", "clear faults", _clear),
     Command("p", "pause", _pause),
     Command("n", "step", lambda link, _: ClockTask(link, ticks=1)),
@@ -169,9 +210,19 @@ class Keyboard:
         elif key not in ENTER:
             self._typed += key if key.isprintable() else ""
         elif self._command.is_confirmed and self._typed:
-            self._is_typed = True
+            self._check()
         else:
             self._begin()
+            self._leave_prompt()
+
+    def _check(self) -> None:
+        """Ask whether what was typed is meant, where it can be."""
+        assert self._command is not None
+        try:
+            self._command.check(self._typed)
+            self._is_typed = True
+        except ValueError as error:
+            self.complaint = refusal(str(error)).text
             self._leave_prompt()
 
     def _begin(self) -> None:

@@ -12,7 +12,7 @@ from action_msgs.srv import CancelGoal
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import TwistStamped
 from heave_msgs.action import MoveToDepth
-from heave_msgs.msg import CompensationKpi, ControllerState, TickStatus, WinchState
+from heave_msgs.msg import CompensationKpi, ControllerState, LoadCell, TickStatus, WinchState
 from heave_node.interface import topics
 from heave_node.ros.process import in_namespace
 from heave_node.ros.spin import Spinner
@@ -28,7 +28,14 @@ from rclpy.task import Future
 
 from heave_bringup.errors import NoRunError
 from heave_bringup.operate.answer import Answer, refusal
-from heave_bringup.operate.requests import ANSWER_TIME, CONTROLLER, Request, request_fault, request_mode
+from heave_bringup.operate.requests import (
+    ANSWER_TIME,
+    CONTROLLER,
+    NODE_OF_DEVICE,
+    Request,
+    request_fault,
+    request_mode,
+)
 from heave_bringup.operate.situation import ControllerStatus, Figures, RunStatus, Situation, WinchStatus
 from heave_bringup.operate.tasks import Task
 
@@ -40,6 +47,8 @@ LOOK_PERIOD = 0.02
 """Wall time between two looks at a task [s]."""
 LETTING_GO_TIME = 15.0
 """Wall time that a task has to end smoothly after Ctrl-C [s]."""
+SURVEY_PERIOD = 2.0
+"""Wall time between two looks at which devices are simulated [s]."""
 MOVE = "controller/move_to_depth"
 MODE_PART = f"{CONTROLLER}: mode"
 """Part of the diagnostics in which the controller tells the mean depth."""
@@ -77,6 +86,7 @@ class RunLink:
         )
         self.situation = Situation()
         self.heard_at = self.wall_time
+        self._surveyed_at = self.wall_time
         self._clients: dict[str, Client[Any, Any]] = {}
         self._subscribe()
         self._joystick = self._node.create_publisher(TwistStamped, "controller/operator_speed", 1)
@@ -195,6 +205,7 @@ class RunLink:
         subscribe(TickStatus, topics.TICK_STATUS.name, self._on_status, qos_of(topics.TICK_STATUS.role))
         subscribe(ControllerState, topics.CONTROLLER_STATE.name, self._on_controller, NEWEST)
         subscribe(WinchState, topics.WINCH_STATE.name, self._on_winch, NEWEST)
+        subscribe(LoadCell, topics.LOAD_CELL.name, self._on_load_cell, NEWEST)
         subscribe(CompensationKpi, topics.CONTROLLER_KPI.name, self._on_figures, NEWEST)
         subscribe(DiagnosticArray, topics.DIAGNOSTICS.name, self._on_diagnostics, qos_of(topics.DIAGNOSTICS.role))
 
@@ -208,6 +219,19 @@ class RunLink:
             message.real_time_factor,
             message.missed_deadlines,
         )
+        if self.heard_at - self._surveyed_at > SURVEY_PERIOD:
+            self._surveyed_at = self.heard_at
+            self._survey()
+
+    def _survey(self) -> None:
+        """See which devices are simulated: those whose node lets faults be injected. Hardware does not."""
+        serving = {
+            node for node in set(NODE_OF_DEVICE.values()) if self._node.count_services(f"{node}/inject_fault") > 0
+        }
+        self.situation.simulated = tuple(device for device, node in NODE_OF_DEVICE.items() if node in serving)
+
+    def _on_load_cell(self, message: LoadCell) -> None:
+        self.situation.load_cell = message.tension
 
     def _on_controller(self, message: ControllerState) -> None:
         self.situation.controller = ControllerStatus(
@@ -357,7 +381,7 @@ class DepthMove:
         result = ended.result
         if ended.status == GoalStatus.STATUS_SUCCEEDED:
             return Answer(f"{result.message}: mean depth {result.depth:.2f} m")
-        return refusal(f"{result.message}: mean depth {result.depth:.2f} m")
+        return refusal(f"not there: {result.message}; mean depth {result.depth:.2f} m")
 
     def cancel(self) -> None:
         """End the move smoothly."""

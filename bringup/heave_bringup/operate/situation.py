@@ -137,6 +137,8 @@ class Situation:
     ----------
     run, controller, winch, figures : from the run's topics
     depth : estimated mean depth of the unit, positive down [m]; NaN where the controller does not know it
+    load_cell : top tension as the load cell measures it [N]; NaN where there is none
+    simulated : devices that a node of the run simulates, so that faults can be injected; None: not known yet
     troubles : by part, what /diagnostics says is not well now
     """
 
@@ -145,7 +147,16 @@ class Situation:
     winch: WinchStatus | None = None
     figures: Figures | None = None
     depth: float = UNKNOWN
+    load_cell: float = UNKNOWN
+    simulated: tuple[str, ...] | None = None
     troubles: dict[str, Trouble] = field(default_factory=dict)
+
+    @property
+    def tension(self) -> float:
+        """Tension as the winch says it [N]; as the load cell does where the winch, a real one, does not."""
+        if self.winch is not None and math.isfinite(self.winch.tension):
+            return self.winch.tension
+        return self.load_cell
 
     @property
     def is_over(self) -> bool:

@@ -8,12 +8,13 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from rich import box
+from rich.columns import Columns
 from rich.console import Group, RenderableType
 from rich.panel import Panel
 from rich.table import Table
 from rich.text import Text
 
-from heave_bringup.operate.keys import COMMANDS
+from heave_bringup.operate.keys import COMMANDS, QUIT
 from heave_bringup.operate.situation import Situation, mode_words, run_words
 from heave_bringup.operate.trend import Trend
 
@@ -61,7 +62,7 @@ SIGNALS: tuple[Signal, ...] = (
     Signal("unit, est.", "cm", 100.0, _of_controller("unit_heave")),
     Signal("payout", "m", 1.0, _of_winch("payout")),
     Signal("payout rate", "m/s", 1.0, _of_winch("rate")),
-    Signal("tension", "kN", 1e-3, _of_winch("tension")),
+    Signal("tension", "kN", 1e-3, lambda situation: situation.tension),
 )
 
 
@@ -157,12 +158,10 @@ def _alarms(situation: Situation) -> Group:
 
 
 def _foot(prompt: str, complaint: str) -> Group:
-    keys = Text()
-    for command in COMMANDS:
-        keys.append(f"{command.key}", style="bold cyan").append(f" {command.name}  ".replace(" ", "\u00a0", 1))
-    keys.append("q", style="bold cyan").append("\u00a0leave")
+    names = [(command.key, command.name) for command in COMMANDS] + [(QUIT, "leave")]
+    keys = Columns([Text.assemble((key, "bold cyan"), f" {name}") for key, name in names], padding=(0, 2))
     stop = Text(" SPACE: EMERGENCY STOP ", style=STOPPED_STYLE)
-    lines = [Text(""), keys, stop]
+    lines: list[RenderableType] = [Text(""), keys, stop]
     if prompt:
         lines.append(Text(prompt, style="bold"))
     elif complaint:

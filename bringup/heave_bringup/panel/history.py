@@ -52,7 +52,7 @@ LINES: tuple[Line, ...] = (
     Line(UNIT, "unit", _controller(lambda now: 100.0 * now.unit_heave)),
     Line(UNIT, "residual at the boom tip", lambda now: 100.0 * _residual(now)),
     Line(WINCH, "payout rate", _winch(lambda now: now.rate)),
-    Line(TENSION, "tension", _winch(lambda now: 1e-3 * now.tension)),
+    Line(TENSION, "tension", lambda now: 1e-3 * now.tension),
 )
 """Heave is estimated, payout and tension are measured: all of it is there on a ship too."""
 

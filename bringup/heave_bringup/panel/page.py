@@ -11,9 +11,8 @@ from typing import Any
 from heave_node.interface.faults import FAULTS
 from nicegui import ui
 
-from heave_bringup.operate.keys import COMMANDS, Command
-from heave_bringup.operate.requests import NODE_OF_DEVICE
-from heave_bringup.operate.situation import mode_words, run_words
+from heave_bringup.operate.keys import COMMANDS, Command, devices_of
+from heave_bringup.operate.situation import Situation, mode_words, run_words
 from heave_bringup.operate.tasks import EmergencyStop
 from heave_bringup.panel.command_post import CommandPost
 from heave_bringup.panel.history import HEAVE, LENGTH, LINES, STEP, TENSION, UNIT, WINCH
@@ -25,6 +24,14 @@ SILENCE = 0.8
 """Wall time without a word of the run, after which that is said [s]."""
 CHARTS = (HEAVE, UNIT, WINCH, TENSION)
 COLOURS = ("#56b4e9", "#e69f00")
+FIGURES = (
+    "unit, est. [cm]",
+    "unit sigma, est. [cm]",
+    "boom tip, est. [m]",
+    "residual [cm]",
+    "depth, est. [m]",
+    "tension [kN]",
+)
 INJECT = "i"
 """Key of the command for which the page has lists in the place of a line of text."""
 SHOWN_ALARMS, SHOWN_LOG = 30, 8
@@ -116,7 +123,7 @@ class Page:
     def _build_figures(self) -> None:
         self._figures: dict[str, Any] = {}
         with ui.element("section").classes("grid grid-cols-2 sm:grid-cols-3 xl:grid-cols-6 gap-2 w-full"):
-            for name in ("unit [cm]", "boom tip [m]", "residual [cm]", "depth [m]", "tension [kN]", "authority [%]"):
+            for name in FIGURES:
                 with ui.element("div").classes("heave-box"):
                     ui.label(name).classes("heave-name")
                     self._figures[name] = ui.label("-").classes("heave-value")
@@ -201,6 +208,8 @@ class Page:
         """Ask for what the command needs, and whether it is meant; begin at once what needs neither."""
         if self._post.commander != self.viewer:
             ui.notify("take command first", type="warning")
+        elif command.key == INJECT and not devices_of(self._worker.picture.situation):
+            ui.notify("nothing is simulated in this run: a fault can be injected nowhere", type="warning")
         elif command.question or command.is_confirmed:
             self._ask(command)
         else:
@@ -209,7 +218,7 @@ class Page:
     def _ask(self, command: Command) -> None:
         with ui.dialog(value=True) as dialog, ui.card().classes("min-w-72"):
             ui.label(command.name).classes("text-lg font-bold")
-            text = _fault_fields() if command.key == INJECT else _field(command)
+            text = _fault_fields(self._worker.picture.situation) if command.key == INJECT else _field(command)
             if command.is_confirmed:
                 ui.label("Sure? This acts on the winch or on its sensors.").classes("text-sm")
 
@@ -255,16 +264,22 @@ class Page:
     def _show_figures(self, picture: Picture) -> None:
         situation = picture.situation
         newest = {f"{line.name}": line.value(situation) for line in LINES}
-        controller = situation.controller
-        for name, value, digits in (
-            ("unit [cm]", newest["unit"], 1),
-            ("boom tip [m]", newest["boom tip"], 2),
-            ("residual [cm]", newest["residual at the boom tip"], 1),
-            ("depth [m]", situation.depth, 2),
-            ("tension [kN]", newest["tension"], 1),
-            ("authority [%]", 100.0 * controller.authority if controller else math.nan, 0),
+        sigma = situation.figures.unit_sigma if situation.figures else math.nan
+        for name, value, digits in zip(
+            FIGURES,
+            (
+                newest["unit"],
+                100.0 * sigma,
+                newest["boom tip"],
+                newest["residual at the boom tip"],
+                situation.depth,
+                newest["tension"],
+            ),
+            (1, 2, 2, 1, 2, 1),
+            strict=True,
         ):
-            self._figures[name].text = f"{value:.{digits}f}" if math.isfinite(value) else "-"
+            # what rounds to zero has no sign
+            self._figures[name].text = f"{round(value, digits) + 0.0:.{digits}f}" if math.isfinite(value) else "-"
         self._show_uses(picture)
 
     def _show_uses(self, picture: Picture) -> None:
@@ -275,7 +290,7 @@ class Page:
             ("winch speed", f"{rate:+.2f} of {limits.speed:g} m/s", abs(rate) / limits.speed),
             (
                 "winch acceleration",
-                f"{acceleration:+.2f} of {limits.acceleration:g} m/s^2",
+                f"{acceleration:+.2f} of {limits.acceleration:g} m/s²",
                 abs(acceleration) / limits.acceleration,
             ),
             (
@@ -393,9 +408,13 @@ def _field(command: Command) -> Callable[[], str]:
     return lambda: str(given.value or "").strip()
 
 
-def _fault_fields() -> Callable[[], str]:
-    """Ask for device, kind, duration and magnitude of a fault; return what gives them as the screen takes them."""
-    device = ui.select(list(NODE_OF_DEVICE), label="device", value="mru").classes("w-full")
+def _fault_fields(situation: Situation) -> Callable[[], str]:
+    """Ask for device, kind, duration and magnitude of a fault; return what gives them as the screen takes them.
+
+    Only what is simulated in the `situation` is offered.
+    """
+    devices = list(devices_of(situation))
+    device = ui.select(devices, label="device", value=devices[0]).classes("w-full")
     kind = ui.select([kind for kind in FAULTS if kind != "clear"], label="kind", value="freeze").classes("w-full")
     duration = ui.number("duration [s], 0: once, or until cleared", value=0.0, min=0.0).classes("w-full")
     magnitude = ui.number("magnitude, in the unit of the kind", value=0.0).classes("w-full")

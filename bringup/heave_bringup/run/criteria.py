@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import difflib
 import re
 
 from heave_bags.analyse.kpi_set import DEFINITION_OF
@@ -28,4 +29,6 @@ def parse_requirement(text: str) -> Criterion:
 def refuse_unknown(criterion: Criterion, where: str) -> None:
     """Raise ParameterError, naming `where` it is, for a criterion on what is not a figure of merit."""
     if criterion.kpi not in DEFINITION_OF:
-        raise ParameterError(f"{where}: {criterion.kpi} is not a figure of merit; known: {', '.join(DEFINITION_OF)}")
+        near = difflib.get_close_matches(criterion.kpi, DEFINITION_OF)
+        helps = f"did you mean {' or '.join(near)}?" if near else f"known: {', '.join(DEFINITION_OF)}"
+        raise ParameterError(f"{where}: {criterion.kpi} is not a figure of merit; {helps}")

@@ -323,7 +323,8 @@ def _show_progress(scenario: Scenario, monitor: Monitor, progress: ProgressLine)
         progress.show(f"waiting for {status.reason}")
         return
     duration = scenario.run.duration
-    text = f"{status.simulated_time:7.1f} s of {duration:g} s  {status.real_time_factor:5.1f} x real time"
+    pace = "paused" if status.state == TickStatus.PAUSED else f"{status.real_time_factor:5.1f} x real time"
+    text = f"{status.simulated_time:7.1f} s of {duration:g} s  {pace}"
     # before that the window holds the start-up
     is_known = kpi is not None and status.simulated_time > kpi.window
     estimated = (kpi.unit_sigma, kpi.unit_efficiency) if kpi is not None and is_known else ()

@@ -42,7 +42,7 @@ FRAME_TOPIC = "/unit_frame"
 
 
 class Stream:
-    """Serves what the run in this ROS domain publishes; takes no part in it and holds nothing up.
+    """Serves what a run or a replayed bag in this ROS domain publishes; takes no part in it and holds nothing up.
 
     Parameters
     ----------
@@ -94,10 +94,15 @@ class Stream:
 
     def _find(self) -> None:
         deadline = time.monotonic() + FINDING_TIME
-        while self._node.count_publishers(topics.TICK_START.name) == 0:
+        clock = topics.CLOCK.name.lstrip("/")  # of the namespace: a run or a bag that is replayed publishes it
+        while self._node.count_publishers(clock) == 0:
             if time.monotonic() > deadline:
                 domain = os.environ.get("ROS_DOMAIN_ID", "0")
-                raise NoRunError(f"no run in ROS domain {domain}{self._prefix and ', namespace '}{self._prefix}")
+                where = f"ROS domain {domain}{self._prefix and ', namespace '}{self._prefix}"
+                raise NoRunError(
+                    f"no run and no replayed bag in {where}: start one with heave run or heave replay, or "
+                    "set ROS_DOMAIN_ID to the one of the run"
+                )
             self._spinner.spin_for(0.1)
 
     def _look(self) -> None:

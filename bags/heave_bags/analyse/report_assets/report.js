@@ -51,6 +51,9 @@
   const WIDE = 640;
   const dark = window.matchMedia("(prefers-color-scheme: dark)");
   const config = { responsive: true, displaylogo: false, toImageButtonOptions: { format: "svg" } };
+  // Figures over time keep one right-hand edge: that of the longest name beside a trace.
+  const LETTER = 7.5, longest = Math.max(0, ...figures.flatMap((figure) => figure.labels.map((one) => one.text.length)));
+  const BESIDE = Math.max(120, Math.ceil(LETTER * longest) + 16);
   let printing = false;
 
   function colours() {
@@ -59,12 +62,15 @@
       : { page: "#ffffff", ink: "#1b2733", grid: "#e6ecf1", zero: "#c5d0d9", line: "#9fb0bf" };
   }
 
+  // In a narrow figure names stand above it, where the buttons would cover them.
+  const buttons = (div) => Object.assign({}, config, div.clientWidth < WIDE ? { displayModeBar: false } : {});
+
   // What of a layout depends on the light and on the width: in a wide figure names stand beside the traces.
   function dress(div, figure) {
     const c = colours(), beside = figure.labels.length > 0 && div.clientWidth >= WIDE;
     const layout = Object.assign({}, figure.layout, {
       autosize: true, height: figure.height, hovermode: "x", dragmode: "zoom",
-      margin: beside ? { l: 70, r: 120, t: 26, b: 45 } : { l: 50, r: 10, t: 26, b: 45 },
+      margin: beside ? { l: 70, r: BESIDE, t: 26, b: 45 } : { l: 50, r: 10, t: 26, b: 45 },
       paper_bgcolor: c.page, plot_bgcolor: c.page, font: { size: beside ? 12 : 11, color: c.ink },
       showlegend: !beside, legend: { orientation: "h", y: 1.02, yanchor: "bottom", x: 0 },
       annotations: beside ? figure.labels.map((label) => ({
@@ -92,7 +98,7 @@
       traces.push(Object.assign(drawn, visible(signal, -Infinity, Infinity)));
     });
     const entry = { div, signals };
-    return Plotly.newPlot(div, traces, layout, config).then(() => {
+    return Plotly.newPlot(div, traces, layout, buttons(div)).then(() => {
       if (!figure.time) return;
       timeFigures.push(entry);
       div.on("plotly_relayout", (event) => zoomed(event));
@@ -131,7 +137,7 @@
         layout[name] = Object.assign({}, layout[name], { range: now.range, autorange: now.autorange });
       }
     }
-    Plotly.react(div, div.data, layout, config);
+    Plotly.react(div, div.data, layout, buttons(div));
   });
   dark.addEventListener("change", dressAll);
   let settling = 0;

@@ -41,8 +41,12 @@ def execute(options: argparse.Namespace) -> None:
 
 COMMAND = Command(
     name="view",
-    summary="Stream a run that is under way to Foxglove on this machine, which needs no ROS.",
-    examples=("heave view", "heave view --port 8766"),
+    summary="Stream a run that is under way, or a replayed bag, to Foxglove on this machine, which needs no ROS.",
+    examples=(
+        "heave view",
+        "heave view --port 8766",
+        "heave replay runs/b2_calm_300-001/bag --loop    # in another terminal: the view shows the bag",
+    ),
     add_arguments=add_arguments,
     execute=execute,
 )
