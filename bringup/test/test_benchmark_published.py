@@ -13,7 +13,7 @@ from cable_sim_node.winch.drives.published import zinage_drive
 from cable_sim_node.winch.drives.pump_controlled import PumpDrive
 from heave_bringup.benchmark.case import Case
 from heave_bringup.benchmark.entrants.table import Named
-from heave_bringup.benchmark.interface import Entrant, Facts, SeaFacts, SensorFacts, WinchFacts
+from heave_bringup.benchmark.interface import Command, Entrant, Facts, Measurement, SeaFacts, SensorFacts, WinchFacts
 from heave_bringup.benchmark.outcome import figures_of
 from heave_bringup.benchmark.published_cases import published_cases
 from heave_bringup.benchmark.records import FOLDER_VARIABLE, find_record
@@ -117,6 +117,22 @@ def test_the_law_of_this_suite_leaves_at_most_a_third_of_the_published_figures_w
 def test_mas409_is_within_its_tolerance(name: str) -> None:
     figures = run(case_named(name), Named("suite:mpc").load())
     assert figures["largest_error_m"] <= 0.04
+
+
+def test_load_cell_of_mas409_tells_a_slack_rope_from_a_dead_instrument() -> None:
+    """Its noise is half a percent of the load: equal readings in a row are those of an instrument that is frozen."""
+    problem = case_named("u2_land").make(1, 70.0)
+    told: list[float] = []
+
+    class Idle:
+        def step(self, measurement: Measurement) -> Command:
+            told.append(measurement.load_cell[0].value)
+            return Command(brake=True)
+
+    problem.world.run(Idle())
+    assert len(set(told)) == len(told)
+    # in half a second the ramp of 10 s has hardly moved anything: the static load is 12.6 t less 2 m^3 of water
+    assert np.mean(told[:10]) == pytest.approx((12_600.0 - 2.0 * 1025.0) * 9.80665, abs=4 * 500.0 / math.sqrt(10))
 
 
 @needs_records

@@ -43,6 +43,8 @@ def test_in_a_storm_a_preview_of_some_seconds_is_worth_more_than_half_of_the_mot
         axes.semilogy(TIMES, beside, "s--", label="b4_limit_900_tp10")
         axes.set_xlabel("preview time [s]")
         axes.set_ylabel("kappa [-]")
+        axes.set_yticks([2, 5, 10, 20, 50], ["2", "5", "10", "20", "50"])
+        axes.minorticks_off()
         axes.legend()
 
     words = ", ".join(f"{time:g} s: {of_storm:.1f}" for time, of_storm in zip(TIMES, found, strict=True))

@@ -173,6 +173,7 @@ class SensorFacts:
     mru_high_pass_period : cut-off of the unit's high-pass [s]; 0 is none
     depth_noise, depth_latency : [m], [s]
     encoder_step : [m]
+    load_cell_noise : [N]; in cases of scenarios it is not stated here, half a percent of the static tension as shipped
     """
 
     mru_noise: float
@@ -182,6 +183,7 @@ class SensorFacts:
     depth_noise: float
     depth_latency: float
     encoder_step: float
+    load_cell_noise: float = 0.0
 
 
 @dataclass(frozen=True)

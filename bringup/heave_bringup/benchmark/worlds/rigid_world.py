@@ -12,6 +12,7 @@ from cable_sim_node.sensors.sensor import Sensor
 from heave_bags.signals import RunSignals, Signal
 from heave_node.numerics.arrays import Array
 from heave_node.numerics.constants import STANDARD_GRAVITY
+from heave_node.numerics.randomness import random_stream
 
 from heave_bringup.benchmark.interface import Controller, Measurement, MruReading, Reading, SensorFacts
 from heave_bringup.benchmark.outcome import Outcome
@@ -148,6 +149,8 @@ class _Sensors:
         self._dt = sample_time
         rate = 1.0 / sample_time
         noise = facts.mru_noise, facts.mru_rate_noise, facts.mru_acceleration_noise
+        self._load_cell_noise = facts.load_cell_noise
+        self._random = random_stream(seed, "benchmark/load_cell")
         self._mru = self._depth = None
         if any(noise):
             unit = _TipSensor(rate=rate, latency=0.0, sigma=noise)
@@ -168,6 +171,8 @@ class _Sensors:
             depths: tuple[Reading, ...] = (Reading(time, depth),)
         else:
             depths = tuple(Reading(r.time, float(r.value[0])) for r in self._depth.step(tick, _truth(-depth)))
+        if self._load_cell_noise:
+            tension += self._load_cell_noise * self._random.standard_normal()
         return mru, depths, (Reading(time, tension),)
 
 
