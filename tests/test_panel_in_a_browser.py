@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from domain_coordinator import domain_id
 
-from tests.browser import CHROMIUM, Browser
+from tests.browser import NEEDED, Browser
 from tests.loop_runs import command, environment, wait_until
 
 PRESENT = "document.getElementById('lost') && document.getElementById('lost').style.display === 'none'"
@@ -44,7 +44,7 @@ def panel(tmp_path):
 
 @pytest.mark.slow
 @pytest.mark.long
-@pytest.mark.skipif(CHROMIUM is None, reason="no Chromium on this machine")
+@NEEDED
 def test_two_viewers_operate_a_run_in_turns_and_a_dead_panel_is_seen_at_once_and_stops_nothing(panel, tmp_path):
     run, served, address = panel
     with Browser(tmp_path / "profile") as browser:
@@ -134,7 +134,7 @@ def panel_of_a_winch(tmp_path):
 
 @pytest.mark.slow
 @pytest.mark.long
-@pytest.mark.skipif(CHROMIUM is None, reason="no Chromium on this machine")
+@NEEDED
 def test_a_winch_of_one_s_own_is_shown_stopped_and_released_and_no_fault_is_injected_into_it(
     panel_of_a_winch, tmp_path
 ):

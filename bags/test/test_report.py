@@ -25,7 +25,7 @@ def browse(page, tmp_path) -> tuple[str, list[str]]:
     return done.stdout, [line for line in done.stderr.splitlines() if "CONSOLE" in line]
 
 
-@pytest.mark.skipif(browser.CHROMIUM is None, reason="no Chromium on this machine")
+@browser.NEEDED
 def test_a_browser_draws_every_figure_without_a_word_on_the_console(made_up_bag, tmp_path):
     bags = [made_up_bag("good"), made_up_bag("bad", MadeUpRun(unit=0.2))]
     records = analysis.analyse(bags)
@@ -52,7 +52,7 @@ def test_the_page_says_what_was_lost_and_escapes_names(shared_bag):
     assert "<b>bag</b>" not in page[: page.index("<script>")]
 
 
-@pytest.mark.skipif(browser.CHROMIUM is None, reason="no Chromium on this machine")
+@browser.NEEDED
 def test_a_browser_runs_nothing_that_a_bag_brings_into_the_page(shared_bag, tmp_path):
     (record,) = analysis.analyse([shared_bag])
     evil = "</script><script>document.body.dataset.evil=1</script><img src=x onerror=document.body.dataset.evil=1>"
@@ -186,7 +186,7 @@ def test_even_times_travel_as_three_numbers_and_others_as_they_are():
     assert "float32" in pack(sin(arange(100.0)))
 
 
-@pytest.mark.skipif(browser.CHROMIUM is None, reason="no Chromium on this machine")
+@browser.NEEDED
 def test_the_report_fits_a_wide_screen_a_telephone_the_dark_and_paper(made_up_bag, tmp_path):
     report.save_report(analysis.analyse([made_up_bag()]), tmp_path / "report.html")
     width = "document.documentElement.scrollWidth"
@@ -239,7 +239,7 @@ const watch = setInterval(() => {
 </body>"""
 
 
-@pytest.mark.skipif(browser.CHROMIUM is None, reason="no Chromium on this machine")
+@browser.NEEDED
 def test_figures_over_time_zoom_together_down_to_every_sample(made_up_bag, tmp_path):
     page = tmp_path / "report.html"
     bag = made_up_bag(run=MadeUpRun(duration=400.0))  # 8,000 samples, of which a screen shows 3,000
@@ -253,7 +253,7 @@ def test_figures_over_time_zoom_together_down_to_every_sample(made_up_bag, tmp_p
     assert re.search(r'data-zoom="20\.0 21\.0 (\d+)"', drawn).group(1) in ("20", "21")  # one second at 20 Hz
 
 
-@pytest.mark.skipif(browser.CHROMIUM is None, reason="no Chromium on this machine")
+@browser.NEEDED
 def test_the_report_prints_to_a_pdf_of_some_pages(made_up_bag, tmp_path):
     report.save_report(analysis.analyse([made_up_bag()]), tmp_path / "report.html")
     pdf = tmp_path / "report.pdf"
