@@ -12,7 +12,7 @@ from collections.abc import Sequence
 import numpy as np
 from heave_node.numerics.arrays import Array
 from heave_node.numerics.compiled import inner_kernel
-from scipy.interpolate import PchipInterpolator
+from scipy.interpolate import CubicHermiteSpline, PchipInterpolator
 
 from cable_sim_node.parameters import SeabedParameters
 
@@ -43,6 +43,7 @@ class Seabed:
             self.profile[:, DISTANCE], self.profile[:, HEIGHT] = points.distance, points.height
             slopes = PchipInterpolator(points.distance, points.height).derivative()(points.distance)
             self.profile[1:-1, SLOPE] = slopes[1:-1]  # 0 at the ends, beyond which it is level
+            self._curve = CubicHermiteSpline(*self.profile.T)
 
     def height(self, position: Sequence[float] | Array) -> float:
         """Return z of the bottom [m] below or above a `position`, of which x and y count [m]."""
@@ -51,12 +52,8 @@ class Seabed:
         if not len(self.profile):
             return plane
         s = self.direction[0] * x + self.direction[1] * y
-        row = min(max(int(np.searchsorted(self.profile[:, DISTANCE], s)) - 1, 0), len(self.profile) - 2)
-        (s0, h0, g0), (s1, h1, g1) = self.profile[row : row + 2].tolist()
-        size = s1 - s0
-        t = min(max((s - s0) / size, 0.0), 1.0)
-        return plane + h0 + t * (size * g0 + t * (3.0 * (h1 - h0) - size * (2.0 * g0 + g1)
-            + t * (2.0 * (h0 - h1) + size * (g0 + g1))))  # fmt: skip
+        first, last = self.profile[0, DISTANCE], self.profile[-1, DISTANCE]
+        return plane + float(self._curve(min(max(s, first), last)))
 
     def clearance(self, position: Sequence[float] | Array) -> float:
         """Return how high a `position` [m] is above the bottom [m], along z; negative below it."""
