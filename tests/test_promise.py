@@ -4,8 +4,21 @@ import math
 
 import numpy as np
 import pytest
+from heave_bringup.closed_loop import ClosedLoop, loop_parameters
+from heave_bringup.scenarios import load_scenario
 
-from tests.campaigns.promise import LARGEST, PLAIN, WINDOW, Draw, draw, is_wrong, run, worst_window
+from tests.campaigns.promise import (
+    LARGEST,
+    PLAIN,
+    SCENARIO,
+    WINDOW,
+    Draw,
+    draw,
+    is_wrong,
+    parameters_of,
+    run,
+    worst_window,
+)
 
 
 def test_the_worst_window_is_found_where_it_is():
@@ -52,3 +65,12 @@ def test_a_wrong_belief_is_found_out_before_it_does_harm(name):
     assert found.worst < LARGEST
     assert not found.wrong
     assert found.fades == 0
+
+
+@pytest.mark.parametrize("number", [0, 7])
+def test_a_noisy_sensor_is_not_blamed_before_its_noise_is_known(number):
+    """Depth sensors with four to five times the noise believed were suspect for spikes in its first 10 s."""
+    scenario = load_scenario(SCENARIO, settings=parameters_of(draw(number), duration=11.0))
+    alarms = [words for _, words in ClosedLoop(loop_parameters(scenario)).run().alarms]
+    assert any(words.startswith("noise of unit_heave") for words in alarms)
+    assert not any("suspect" in words for words in alarms)

@@ -12,7 +12,13 @@ from collections import deque
 import numpy as np
 
 READINGS = 100
-"""Readings that the noise is judged by."""
+"""Readings that the noise is judged by, once there are so many."""
+
+FEWEST = 30
+"""Readings from which on it is judged."""
+
+UNKNOWN = 5.0
+"""Noise until then, over the believed: a sensor that is worse than believed must not be taken for one that errs."""
 
 WORSE = 2.0
 """Noise so many times as large as believed, or as last told, is worth telling."""
@@ -30,6 +36,8 @@ LONGEST_PERIOD = 0.25
 class SensorNoise:
     """Standard deviation of a sensor's noise: as believed, or as stated or seen where that is more.
 
+    Before it is seen `add` returns several times the believed one.
+
     Parameters
     ----------
     believed : standard deviation, in the sensor's unit
@@ -46,7 +54,7 @@ class SensorNoise:
         self._last: deque[float] = deque(maxlen=4)
         self._differences: deque[float] = deque(maxlen=READINGS)
         self._count = 0
-        self._seen = 0.0
+        self._seen: float | None = None
         self._told = believed
         self.sigma = believed
 
@@ -63,15 +71,16 @@ class SensorNoise:
             a, b, c, d = self._last
             self._differences.append(abs(d - 3.0 * c + 3.0 * b - a))
             self._count += 1
-            if len(self._differences) == READINGS and self._count % UPDATED == 0:
+            if len(self._differences) >= FEWEST and self._count % UPDATED == 0:
                 self._seen = float(np.median(self._differences)) / MEDIAN_OF_MAGNITUDE
-        known = stated if math.isfinite(stated) else 0.0
-        self.sigma = max(self._believed, self._seen, known)
-        return self.sigma
+        known = [sigma for sigma in (self._seen, stated) if sigma is not None and math.isfinite(sigma)]
+        self.sigma = max([self._believed, *known])
+        return self.sigma if known or not self._is_judged else UNKNOWN * self._believed
 
     def news(self) -> float:
         """Return how many times as large as believed the noise is, when it has become much larger; else 0."""
-        if self.sigma < WORSE * self._told:
+        is_sure = self._seen is None or len(self._differences) == READINGS
+        if self.sigma < WORSE * self._told or not is_sure:
             return 0.0
         self._told = self.sigma
         return self.sigma / self._believed

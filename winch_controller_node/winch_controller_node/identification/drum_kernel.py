@@ -12,6 +12,15 @@ from heave_node.numerics.compiled import inner_kernel, kernel
 POSITION_STEP = 0.005
 """Step of the position loop [s]; without one each piece of a tick is exact."""
 
+START_STEPS = 3
+"""Gauss-Newton steps to payout and rate at the start of a record."""
+
+RATE_STEP = 1e-3
+"""Step of the sensitivity to the rate at the start [m/s]."""
+
+WEAK_SLOPE = 1e-6
+"""Effect of the rate at the start on the payout that counts as none, as at the limit of the speed [s]."""
+
 
 class Drum(NamedTuple):
     """A speed servo behind a transport delay.
@@ -115,3 +124,37 @@ def drum_records(
             reading = min(max(reading, u - play), u + play)
             out[m, j] = reading
     return out
+
+
+@kernel
+def predicted_reading(
+    payouts: Array, rates: Array, readings: Array, drum: Array, position_gain: float, fitted: int, dt: float
+) -> float:
+    """Return what the encoder should read at the end of the last tick [m].
+
+    Payout and rate at the start are those that explain the first `fitted` of the `readings` best.
+
+    Parameters
+    ----------
+    payouts, rates : set-points of the ticks, oldest first, more of them than readings by the delay [m], [m/s]
+    readings : at the start of the record and at the end of each of its ticks [m], shape (count + 1,)
+    drum : fields of `Drum`, shape (10,)
+    position_gain : of the servo's position loop [1/s]; 0: none
+    fitted : readings
+    dt : tick period [s]
+    """
+    count = len(readings) - 1
+    drums, starts = np.empty((2, len(drum))), np.empty((2, 2))
+    drums[0], drums[1] = drum, drum
+    starts[0, 0], starts[0, 1] = readings[0], (readings[1] - readings[0]) / dt
+    for _ in range(START_STEPS):
+        starts[1, 0], starts[1, 1] = starts[0, 0], starts[0, 1] + RATE_STEP
+        simulated = drum_records(payouts, rates, drums, starts, position_gain, count, dt)
+        left = readings[1 : fitted + 1] - simulated[0, :fitted]
+        slopes = (simulated[1, :fitted] - simulated[0, :fitted]) / RATE_STEP
+        about = slopes - slopes.mean()
+        spread = about @ about
+        rate = about @ left / spread if spread > fitted * WEAK_SLOPE**2 else 0.0
+        starts[0, 0] += left.mean() - rate * slopes.mean()
+        starts[0, 1] += rate
+    return float(drum_records(payouts, rates, drums[:1], starts[:1], position_gain, count, dt)[0, -1])

@@ -28,7 +28,6 @@ from winch_controller_node.identification.drum_fit import (
     RESOLUTION,
     SPEEDS,
     START_PAYOUT,
-    START_RATE,
     DrumBelief,
     DrumFit,
     DrumRecord,
@@ -36,7 +35,7 @@ from winch_controller_node.identification.drum_fit import (
     fit_drum,
     search_limits,
 )
-from winch_controller_node.identification.drum_kernel import Drum
+from winch_controller_node.identification.drum_kernel import Drum, predicted_reading
 from winch_controller_node.parameters.laws import LagParameters
 from winch_controller_node.parameters.model import WinchModelParameters
 
@@ -45,9 +44,6 @@ SHORTEST_RECORD = 4.0
 
 SIGMAS = Drum(0.05, 0.1, 0.2, 0.02, math.inf, math.inf, math.inf, math.inf, 0.005)
 """How far a drum may well be from the nominal one, 1 sigma; of limits nothing is known."""
-
-WEAK_SLOPE = 1e-6
-"""Effect of the rate at the start of a record, relative to that of the payout, that counts as none."""
 
 SMALLEST_LAG = 0.005
 """Least time constant of a servo [s]."""
@@ -83,12 +79,6 @@ LIMIT_NAMES = tuple(Drum._fields[i] for i in LIMITS)
 
 CHECKED_TIME = 1.0
 """The drum is compared with its prediction over this time [s]."""
-
-START_STEPS = 3
-"""Gauss-Newton steps to payout and rate at its start."""
-
-RATE_STEP = 1e-3
-"""Step of the sensitivity to the rate at the start [m/s]."""
 
 
 @dataclass(frozen=True)
@@ -158,6 +148,7 @@ class WinchIdentifier:
         self.reset()
         # compiled here, not in a tick of a run in real time
         fit_drum(self._made(np.zeros(self._ahead + 3), np.zeros(3)), self._belief, self._start(np.zeros(3)), self._free)
+        self._error_after(np.zeros(3), self._nominal)
 
     def reset(self, payout: float = 0.0) -> None:
         """Begin a new record with the drum at rest at `payout` [m]."""
@@ -200,17 +191,21 @@ class WinchIdentifier:
         readings = np.array([self._readings[i] for i in range(-2 * count, 0)])
         if not np.all(np.isfinite(readings)):
             return 0.0
-        record = self._made(self._rates, readings[1:])
-        start = np.array([*self._in_force(winch), readings[0], (readings[1] - readings[0]) / self._dt])
-        for _ in range(START_STEPS):
-            faster = start.copy()
-            faster[START_RATE] += RATE_STEP
-            plain, other = record.simulated(np.array([start, faster]))[:, :count]
-            slopes = np.stack([np.ones(count), (other - plain) / RATE_STEP], axis=1)
-            # at the speed limit the start rate has no effect
-            step = np.linalg.lstsq(slopes, record.readings[:count] - plain, rcond=WEAK_SLOPE)[0]
-            start[[START_PAYOUT, START_RATE]] += step
-        return float(readings[-1] - record.simulated(start[None, :])[0, -1])
+        return self._error_after(readings, winch)
+
+    def _error_after(self, readings: Array, winch: WinchModelParameters) -> float:
+        """Return how far the last of the `readings` [m] is off what the first half of them and `winch` predict [m]."""
+        needed = len(readings) + self._ahead
+        payouts, rates = (
+            np.array([past[i] for i in range(-min(needed, len(past)), 0)]) for past in (self._payouts, self._rates)
+        )
+        drum = np.array(self._in_force(winch))
+        return float(
+            readings[-1]
+            - predicted_reading(
+                payouts, rates, readings, drum, self._nominal.position_gain, len(readings) // 2, self._dt
+            )
+        )
 
     def find(self) -> WinchLags | None:
         """Return the drum that fits the record best, or None where it does not tell."""
