@@ -85,6 +85,21 @@ def watch_waves(
     return None
 
 
+def test_a_swing_that_a_sudden_stop_has_left_is_not_held_against_the_loop_that_takes_it_out_and_a_growing_one_is():
+    """While the winch stands, the unit less the uncompensated one swings freely; here as high as the sea itself."""
+
+    def tried(growth):
+        guard = make_guard()
+        feed_guard(guard, 0.01, 0.3, 60.0)
+        feed_guard(guard, 0.6, 0.3, 5.0, authority=0.0)
+        for second in range(1, 13):
+            feed_guard(guard, 0.6 * growth**second, 0.3, 1.0, authority=0.3)
+        return guard
+
+    assert not tried(growth=0.85).inhibits
+    assert "the unit swings" in tried(growth=1.15).reason
+
+
 def test_a_drum_that_runs_wild_is_noticed_before_the_unit_has_answered():
     """Twice the boom tip's speed of 0.35 m/s, which the law did not mean: within seconds, not within a wave of 9 s."""
     guard = make_guard()

@@ -8,11 +8,11 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
-import foxglove
 import rclpy
+from foxglove import Schema, start_server
 from foxglove.channels import FrameTransformChannel
 from foxglove.messages import FrameTransform, Quaternion, Timestamp, Vector3
-from foxglove.websocket import Capability
+from foxglove.websocket import Capability, WebSocketServer
 from heave_bags.mcap.ros.ros_qos import request_for
 from heave_bags.record.topic_watch import TopicWatch
 from heave_node.cdr.definitions import DefinitionError, schema_text
@@ -29,6 +29,7 @@ from rclpy.serialization import deserialize_message
 from rclpy.signals import SignalHandlerOptions
 
 from heave_bringup.errors import CommandError, NoRunError
+from heave_bringup.view.shown_topic import ShownTopic
 
 FINDING_TIME = 4.0
 """Wall time in which a run that is under way is found [s]."""
@@ -65,12 +66,15 @@ class Stream:
         )
         self._watch = TopicWatch(self._node, exclude=("/rosout", "/parameter_events", "*/transition_event"))
         self._spinner = Spinner(self._node)
-        self._channels: dict[str, foxglove.Channel] = {}
+        self._shown: list[ShownTopic] = []
+        self._server: WebSocketServer | None = None
         self._complaints: set[str] = set()
         try:
             self._find()
             self._frame = FrameTransformChannel(FRAME_TOPIC)
-            self._server = foxglove.start_server(
+            while self._look():  # what is there already is there for the first viewer
+                self._spinner.spin_for(LOOK_PERIOD)
+            self._server = start_server(
                 name="heave", host="127.0.0.1", port=port, capabilities=[Capability.Time], supported_encodings=["cdr"]
             )
         except (RuntimeError, OSError) as error:
@@ -86,10 +90,13 @@ class Stream:
             while True:
                 self._look()
                 self._spinner.spin_for(LOOK_PERIOD)
+                for shown in self._shown:
+                    shown.repeat(self._node.get_clock().now().nanoseconds)
         except KeyboardInterrupt:
             pass  # the way to end it
         finally:
-            self._server.stop()
+            if self._server is not None:
+                self._server.stop()
             self._leave()
 
     def _find(self) -> None:
@@ -105,37 +112,39 @@ class Stream:
                 )
             self._spinner.spin_for(0.1)
 
-    def _look(self) -> None:
-        for name in self._watch.look():
+    def _look(self) -> bool:
+        """Show the topics that have appeared since the last look; tell whether there were any."""
+        found = self._watch.look()
+        for name in found:
             type_name = self._watch.types[name]
             shown = name.removeprefix(self._prefix) if name.startswith(f"{self._prefix}/") else name
             try:
-                schema = foxglove.Schema(name=type_name, encoding="ros2msg", data=schema_text(type_name).encode())
+                schema = Schema(name=type_name, encoding="ros2msg", data=schema_text(type_name).encode())
             except DefinitionError as error:
                 self._complain(f"{shown} is not shown: {error}")
                 continue
-            self._channels[name] = foxglove.Channel(shown, schema=schema, message_encoding="cdr")
-            self._subscribe(name, shown)
+            self._subscribe(name, shown, schema)
+        return bool(found)
 
-    def _subscribe(self, name: str, shown: str) -> None:
+    def _subscribe(self, name: str, shown: str, schema: Schema) -> None:
         offered = request_for(self._watch.offers[name])
         is_latched = offered.durability == DurabilityPolicy.TRANSIENT_LOCAL
+        topic = ShownTopic(shown, schema, is_latched=is_latched, is_late=self._server is not None)
+        self._shown.append(topic)
         # nobody waits for a viewer: what it does not take in time is lost to it alone
         newest = QoSProfile(depth=QUEUE, reliability=ReliabilityPolicy.BEST_EFFORT)
         kind = message_type(self._watch.types[name])
-        self._node.create_subscription(
-            kind, name, self._taker(name, shown), offered if is_latched else newest, raw=True
-        )
+        self._node.create_subscription(kind, name, self._taker(topic), offered if is_latched else newest, raw=True)
 
-    def _taker(self, name: str, shown: str) -> Callable[[bytes], None]:
-        channel, clock = self._channels[name], self._node.get_clock()
-        is_clock = shown == topics.CLOCK.name
-        is_unit = shown == f"/{topics.UNIT_ODOMETRY.name}"
+    def _taker(self, topic: ShownTopic) -> Callable[[bytes], None]:
+        clock = self._node.get_clock()
+        is_clock = topic.name == topics.CLOCK.name
+        is_unit = topic.name == f"/{topics.UNIT_ODOMETRY.name}"
 
         def take(data: bytes) -> None:
             now = clock.now().nanoseconds
-            channel.log(data, log_time=now)
-            if is_clock:
+            topic.show(data, now)
+            if is_clock and self._server is not None:
                 self._server.broadcast_time(now)
             elif is_unit:
                 self._show_frame(deserialize_message(data, Odometry), now)

@@ -98,6 +98,10 @@ class AmplitudeCheck:
     limit : when it is too large
     window : memory of the waves [s]
     tick_period : [s]
+
+    Attributes
+    ----------
+    left_over : amplitude that the motion had beside the reference when it came to be judged
     """
 
     def __init__(self, limit: AmplitudeLimit, window: float, tick_period: float) -> None:
@@ -106,6 +110,7 @@ class AmplitudeCheck:
         self._count = 0
         self._ticks_needed = round(0.5 * window / tick_period)
         self._mean_square = self._reference_now = self._reference_waves = 0.0
+        self.left_over = 0.0
 
     def add(self, square: float, reference_square: float) -> None:
         """Take in the `square` of the motion and the `reference_square` at a tick."""
@@ -135,4 +140,5 @@ class AmplitudeCheck:
         """Tell whether the motion is too large; never before some waves have been seen."""
         if self._count < self._ticks_needed:
             return False
-        return self.amplitude > max(self._limit.floor, self._limit.ratio * math.sqrt(self.reference))
+        largest = self._limit.ratio * (math.sqrt(self.reference) + self.left_over)
+        return self.amplitude > max(self._limit.floor, largest)

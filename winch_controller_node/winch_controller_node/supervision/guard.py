@@ -17,6 +17,7 @@ sea asks for no more than the winch can give.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 
 from winch_controller_node.estimation.loop_tick import Motion
@@ -35,8 +36,11 @@ RATE_ERROR = AmplitudeLimit(time=2.0, ratio=1.5, floor=0.1)
 CATCH_UP_TIME = 15.0
 """Time that the drum is not checked after a lost sensor is back [s]: the law has to catch up with what it missed."""
 
-RELEASE_TIME = 30.0
-"""Time that a swing is not judged after a sudden stop of the winch [s]: compensation fades in and takes it out."""
+LEFT_OVER_TIME = 30.0
+"""Time in which compensation has to take out a swing that it has found [s]: one that a sudden stop has left."""
+
+LARGEST_LEFT_OVER = 2.0
+"""Largest swing that is put down to a sudden stop, over the uncompensated one."""
 
 SWING_WORK = 2.0
 """Speed of the drum that stops a swinging unit, over the speed of the unit."""
@@ -155,7 +159,7 @@ class HarmGuard:
         self._mismatch = DetrendedHeave(self._dt)
         self._exchanged_swing = 0.0
         self._catch_up = 0.0
-        self._released = 0.0
+        self._left_over = 0.0
 
     @property
     def demand(self) -> float:
@@ -180,10 +184,6 @@ class HarmGuard:
     def allow_catch_up(self) -> None:
         """Do not check the drum for some seconds: the law has to catch up with what it could not see."""
         self._catch_up = CATCH_UP_TIME
-
-    def allow_release(self) -> None:
-        """Do not judge the unit's swing for some seconds: the winch stood suddenly, and compensation begins again."""
-        self._released = RELEASE_TIME
 
     def inhibit(self, reason: str, hold: float | None = None) -> None:
         """Keep compensation off while there is a `reason` that is certain, and for a time after it.
@@ -233,7 +233,7 @@ class HarmGuard:
         swing, free_swing = self._swing(motions.unit), self._swing(motions.free_unit)
         self._check_rate(motions, authority, change, swing, free_swing)
         self._swing_check.add(swing, free_swing)
-        self._check_release()
+        self._update_left_over(motions, authority)
         # the mean square of a heave is half that of its swing
         free_heave = 0.5 * free_swing
         heave = motions.measured_heave
@@ -246,12 +246,20 @@ class HarmGuard:
             self._swing_check.restart(self._swing_check.reference)
             self._depth_check.restart()
 
-    def _check_release(self) -> None:
-        """Do not hold against the loop the swing that a sudden stop of the winch has left, while it takes that out."""
-        self._released = max(self._released - self._dt, 0.0)
-        if self._released > 0.0:
-            self._swing_check.restart(self._swing_check.reference)
-            self._rate_check.restart()
+    def _update_left_over(self, motions: GuardedMotions, authority: float) -> None:
+        """Do not hold against the loop the swing that it has found.
+
+        While the winch stands, the unit less the uncompensated one is a free swing, and would go on for long: whoever
+        stops the winch suddenly sets it going.
+        """
+        if authority <= 0.0:
+            unit, free = motions.unit, motions.free_unit
+            swing = math.sqrt(self._swing(Motion(unit.heave - free.heave, unit.rate - free.rate)))
+            self._left_over = min(swing, LARGEST_LEFT_OVER * math.sqrt(self._swing_check.reference))
+        else:
+            self._left_over *= 1.0 - self._dt / LEFT_OVER_TIME
+        self._swing_check.left_over = self._left_over
+        self._depth_check.left_over = math.sqrt(0.5) * self._left_over
 
     def _swing(self, motion: Motion) -> float:
         """Return z^2 + a z'^2 [m^2]: the squared amplitude of a unit that swings by itself."""

@@ -184,7 +184,6 @@ class Supervisor:
         )
         if advice is Advice.RESUME:
             self.modes.request(Mode.COMPENSATING.value)
-            self.guard.allow_release()
         return (advice.value,) if advice else ()
 
     def _judge(self, tick: LoopTick) -> tuple[str, ...]:
