@@ -46,6 +46,7 @@ PICTURES = ("docs/architecture.svg", "docs/pictures/*", "docs/pictures/thesis/*"
 """Pictures of the repository; the site has them in `pictures/`."""
 GALLERY = REPOSITORY / "docs" / "gallery"
 """Every figure of the validation, where `make gallery` has drawn them: the site shows them then."""
+NOTEBOOKS = REPOSITORY / "docs" / "notebooks"
 LINK = re.compile(r"(!?)\[((?:[^\[\]]|\[[^\]]*\])*)\]\(([^()\s]+)\)")
 BLOCK = re.compile(r"(^ *```.*?^ *```)", re.DOTALL | re.MULTILINE)
 MERMAID = re.compile(r"^```mermaid\n(.*?)^```", re.DOTALL | re.MULTILINE)
@@ -145,6 +146,7 @@ def written_pages() -> list[tuple[str, str]]:
                 ("reference/messages.md", messages_page()),
                 ("reference/figures_of_merit.md", figures_of_merit_page()),
                 ("validation/gallery.md", gallery_page()),
+                *((f"notebooks/{path.stem}.md", notebook_page(path)) for path in sorted(NOTEBOOKS.glob("*.ipynb"))),
             ]
         )
     return _written
@@ -232,3 +234,14 @@ def gallery_page() -> str:
         picture = f"![{entry['caption']}](../gallery/{path.stem}.png)"
         parts += [f"## {path.stem.replace('_', ' ')}", picture, f"{entry['caption']} `{entry['test']}`"]
     return "\n\n".join(parts) + "\n"
+
+
+def notebook_page(path: Path) -> str:
+    """Return the cells of a notebook, and how to run it."""
+    cells = json.loads(path.read_text(encoding="utf-8"))["cells"]
+    parts = []
+    for cell in cells:
+        text = "".join(cell["source"])
+        parts.append(text if cell["cell_type"] == "markdown" else f"```python\n{text}\n```")
+    hint = f"`docs/notebooks/{path.name}`: run and change it in Jupyter (`pip install jupyterlab`)."
+    return "\n\n".join([parts[0], hint, *parts[1:]]) + "\n"
