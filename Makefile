@@ -17,7 +17,7 @@ export PIP_DISABLE_PIP_VERSION_CHECK ?= 1
 # Trust the certificates that the machine trusts, as pip and git do.
 export UV_NATIVE_TLS ?= 1
 
-.PHONY: help run test validate lint check coverage install clean
+.PHONY: help run test validate lint docs gallery coverage install clean
 .DELETE_ON_ERROR:
 
 help:  ## what can be made
@@ -48,6 +48,14 @@ coverage: $(VENV)/.test-installed  ## the tests with the lines they reach
 	$(BIN)/coverage run -m pytest $(PYTEST)
 	$(BIN)/coverage combine --quiet || true
 	$(BIN)/coverage report
+
+docs: $(VENV)/.installed  ## the documentation site, into docs/site: open docs/site/index.html; needs no network once its tools are there
+	@$(BIN)/python -c "import material" 2>/dev/null || VIRTUAL_ENV=$(CURDIR)/$(VENV) $(BIN)/uv pip install --quiet --requirement pyproject.toml --extra docs
+	$(BIN)/python -m mkdocs --quiet build --strict --config-file docs/mkdocs.yml
+	@echo "docs/site/index.html"
+
+gallery: $(VENV)/.test-installed  ## every figure of the validation, in ten minutes; `make docs` then shows them
+	$(BIN)/python benchmarks/gallery.py docs/gallery
 
 install: $(VENV)/.installed  ## set up only: .venv/bin/heave
 

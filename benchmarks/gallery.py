@@ -2,6 +2,8 @@
 
     python benchmarks/gallery.py docs/gallery
 
+The site (`make docs`) shows the page where it finds it; the few figures in `docs/pictures/thesis` are drawn anew too.
+
 Every figure comes from the run that its test has just judged, so the page shows the state of the code, not of a
 memory. Exits with pytest's status; the page is written even when a test fails.
 """
@@ -15,6 +17,8 @@ import os
 import subprocess
 import sys
 from pathlib import Path
+
+from PIL import Image  # comes with matplotlib, which draws the figures
 
 PAGE = """<!doctype html>
 <html lang="en"><head><meta charset="utf-8"><title>Validation gallery</title>
@@ -44,6 +48,16 @@ def write_index(folder: Path) -> int:
     return len(blocks)
 
 
+def renew_small_copies(figures: Path, small: Path) -> int:
+    """Draw each picture in the folder `small` anew from the figure of its name in `figures`; return how many."""
+    renewed = [path for path in sorted(small.glob("*.png")) if (figures / path.name).is_file()]
+    for path in renewed:
+        with Image.open(figures / path.name) as figure:
+            colours = figure.convert("RGB").resize((704, round(704 * figure.height / figure.width)), Image.LANCZOS)
+            colours.quantize(24, dither=Image.Dither.NONE).save(path, optimize=True)
+    return len(renewed)
+
+
 def main() -> int:
     """Run the validation tests with drawing on and write the page."""
     parser = argparse.ArgumentParser(description="Build the validation gallery.")
@@ -57,6 +71,7 @@ def main() -> int:
     if arguments.select:
         command += ["-k", arguments.select]
     status = subprocess.run(command, cwd=root, env={**os.environ, "HEAVE_GALLERY": str(folder)}, check=False).returncode
+    print(f"{renew_small_copies(folder, root / 'docs' / 'pictures' / 'thesis')} pictures of the site drawn anew")
     print(f"{write_index(folder)} figures in {folder / 'index.html'}")
     return status
 

@@ -124,11 +124,9 @@ def test_a_wrong_mapping_is_refused_in_one_line(tmp_path, text, complaint):
     assert "\n" not in str(caught.value)
 
 
-def test_gaps_and_missing_fields_are_refused(ship, tmp_path):
+def test_missing_fields_are_refused(ship, tmp_path):
     log = tmp_path / "log.csv"
-    log.write_text("time_s,heave\n" + "\n".join(f"{n if n < 50 else n + 10},0" for n in range(100)))
-    with pytest.raises(BagError, match=r"no sample for 11\.0 s after t = 49\.000 s"):
-        import_sea(log, SeaMapping({"heave": Channel(column="heave")}))
+    log.write_text("time_s,heave\n" + "\n".join(f"{n},0" for n in range(100)))
     with pytest.raises(BagError, match="no field linear"):
         import_sea(ship, SeaMapping({"heave": Channel(topic="/imu/data", field="linear")}))
     with pytest.raises(BagError, match="no column 'h'"):

@@ -11,12 +11,13 @@ from heave_bringup.commands.bags import import_sea, kpi, record, repair, replay,
 from heave_bringup.commands.command import Command
 from heave_bringup.commands.models import design, identify, modes, static
 from heave_bringup.commands.runs import check, operate, panel, run, view
-from heave_bringup.commands.scenarios import list_scenarios, params
+from heave_bringup.commands.scenarios import catalogue, list_scenarios, new, params
 from heave_bringup.commands.studies import bench, benchmark, campaign, operability
 from heave_bringup.commands.version import VersionAction
 
 COMMANDS: tuple[Command, ...] = (
-    *(run.COMMAND, operate.COMMAND, panel.COMMAND, view.COMMAND, check.COMMAND, list_scenarios.COMMAND, params.COMMAND),
+    *(run.COMMAND, operate.COMMAND, panel.COMMAND, view.COMMAND, check.COMMAND),
+    *(list_scenarios.COMMAND, new.COMMAND, catalogue.COMMAND, params.COMMAND),
     *(report.COMMAND, kpi.COMMAND, record.COMMAND, replay.COMMAND, import_sea.COMMAND, repair.COMMAND),
     *(design.COMMAND, identify.COMMAND, static.COMMAND, modes.COMMAND),
     *(campaign.COMMAND, operability.COMMAND, benchmark.COMMAND, bench.COMMAND),

@@ -9,6 +9,7 @@ from importlib import resources
 from pathlib import Path
 from typing import Any
 
+from heave_node.catalogue import with_entries
 from heave_node.criteria import WANTED, Criterion
 from heave_node.parameters import Given, ParameterError, describe, unknown_parameter
 from heave_node.run_parameters import NodeParameters, RunParameters, build_node_parameters
@@ -171,7 +172,9 @@ def check_lengths(option: str, lengths: Iterable[float]) -> None:
 
 def _checked(name: str, path: Path, in_file: Values, settings: Iterable[Setting | str]) -> Scenario:
     """Return the scenario of a file's values and the changes on top of them."""
-    changes = [parse_setting(setting) if isinstance(setting, str) else setting for setting in settings]
+    given = [parse_setting(setting) if isinstance(setting, str) else setting for setting in settings]
+    changes = [one for change in given for one in _of_catalogue(change)]
+    in_file = {**in_file, WILDCARD: with_entries(in_file.get(WILDCARD, {}))}
     shared = _given(WILDCARD, in_file, changes)
     _check_shared_names(shared)
     _refuse_overruled(changes, in_file)
@@ -187,6 +190,14 @@ def _checked(name: str, path: Path, in_file: Values, settings: Iterable[Setting 
     of_all = built[MASTER]
     own_sets = {node: of.own for node, of in built.items()}
     return Scenario(name, path, of_all.run, own_sets, of_all.wanted, quality_of_service)
+
+
+def _of_catalogue(change: Setting) -> list[Setting]:
+    """Return what a change sets: one that names an entry of the catalogue sets all values of the entry."""
+    if change.target != WILDCARD:
+        return [change]
+    values = with_entries({change.name: Given(change.value, change.name, change.source)})
+    return [replace(change, name=name, value=value.value) for name, value in values.items()]
 
 
 def _read(path: Path) -> Values:

@@ -6,6 +6,8 @@ import math
 import numpy as np
 import pytest
 from heave_bringup.cli import main
+from heave_bringup.closed_loop import ClosedLoop, loop_parameters
+from heave_bringup.scenarios import load_scenario
 
 
 @pytest.fixture
@@ -45,3 +47,40 @@ def test_a_record_without_motion_has_no_period(imported):
     _, result = imported(np.zeros(12_000))
     assert result["significant_heave_m"] == 0.0
     assert result["peak_period_s"] is None
+
+
+def test_the_scenario_that_is_written_plays_the_record_and_believes_its_height_and_period(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    time = 0.1 * np.arange(12_000)
+    rows = "\n".join(f"{t:.1f},{0.5 * math.sin(2.0 * math.pi / 10.0 * t):.6f}" for t in time)
+    (tmp_path / "mru.csv").write_text(f"time,heave\n{rows}\n")
+    arguments = ["--column", "heave", "--output", "sea.csv", "--scenario", "mine.yaml", "--like", "unit_1500"]
+    assert main(["import", "mru.csv", *arguments]) == 0
+    scenario = load_scenario("mine.yaml", settings=["all.duration=3", "all.transient=1", "cable_sim.segments=5"])
+    vessel, belief = scenario.parameters["wave_vessel"], scenario.parameters["winch_controller"]
+    assert (vessel.boom_tip_source, vessel.recording_file) == ("file", str(tmp_path / "sea.csv"))
+    assert belief.vessel.model == "direct"  # the record is of the boom tip, which no model of the vessel changes again
+    assert belief.sea.significant_wave_height == pytest.approx(2.0 / math.sqrt(2.0), rel=1e-3)
+    assert belief.sea.peak_period == pytest.approx(10.0, rel=0.01)
+    assert scenario.parameters["cable_sim"].length == 1500.0
+    assert load_scenario("mine.yaml").run.duration == 1198.0  # of 1,199.9 s
+    assert ClosedLoop(loop_parameters(scenario)).run().column("boom_tip").std() > 0.0
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["--bridge", "60"], "--bridge 60: must be above 0 and at most 10 s"),
+        (["--to", "300", "--scenario", "mine.yaml"], "gives no height and period to believe"),
+        (["--scenario", "mine.yaml", "--like", "b3"], "b3: no such scenario"),
+    ],
+)
+def test_what_cannot_be_taken_is_refused_in_one_line(tmp_path, monkeypatch, capsys, arguments, words):
+    monkeypatch.chdir(tmp_path)
+    rows = "\n".join(f"{0.1 * i:.1f},{math.sin(0.07 * i):.6f}" for i in range(6000))
+    (tmp_path / "mru.csv").write_text(f"time,heave\n{rows}\n")
+    assert main(["import", "mru.csv", "--column", "heave", "--output", "sea.csv", *arguments]) != 0
+    said = capsys.readouterr().err
+    assert words in said
+    assert said.count("\n") == 1
+    assert not (tmp_path / "mine.yaml").exists()

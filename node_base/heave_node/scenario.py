@@ -14,7 +14,8 @@ from typing import Any
 
 import yaml
 
-from heave_node.parameters import ParameterError
+from heave_node.catalogue import with_entries
+from heave_node.parameters import Given, ParameterError
 from heave_node.system_parameters import SYSTEM, own_name
 
 WILDCARD = "/**"
@@ -216,6 +217,7 @@ def values_of_node(sections: Sections, node: str) -> dict[str, object]:
     node : fully qualified name, for example `/ship/cable_sim`
     """
     given = {name: sections[section][name] for name, section in sections_of_node(sections, node).items()}
+    given = {name: one.value for name, one in with_entries({n: Given(v, n, "") for n, v in given.items()}).items()}
     shared = {own: value for name, value in given.items() if (own := own_name(node.rpartition("/")[2], name))}
     return {**shared, **{name: value for name, value in given.items() if not name.startswith(SYSTEM)}}
 

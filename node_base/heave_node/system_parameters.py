@@ -15,6 +15,7 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
 
+from heave_node.catalogue import with_entries
 from heave_node.parameters import Given, unknown_parameter
 
 SYSTEM = "system."
@@ -156,11 +157,12 @@ def take_system(node: str, own_names: Collection[str], given: Mapping[str, Given
     Raises
     ------
     ParameterError
-        For a shared name that no node knows, or that this node should know as its owner.
+        For a shared name that no node knows, or that this node should know as its owner, and for one that is not in
+        the catalogue.
     """
     names = system_names(node, own_names)
     own = {name: value for name, value in given.items() if not name.startswith(SYSTEM)}
-    for name, value in given.items():
+    for name, value in with_entries(given).items():
         if not name.startswith(SYSTEM):
             continue
         if name in names:

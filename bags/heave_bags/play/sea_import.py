@@ -7,7 +7,6 @@ the sensor. The result is a CSV file with columns time_s, x_m, y_m, z_m, which `
 
 from __future__ import annotations
 
-import csv
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -21,12 +20,15 @@ from scipy.interpolate import CubicSpline
 from heave_bags.errors import BagError
 from heave_bags.mcap.bounds import load_yaml
 from heave_bags.mcap.reader import TIME, Bag
+from heave_bags.play.ship_log import ShipLog
+from heave_bags.play.stretches import Window, longest_stretch
 from heave_bags.signals import Signal
 
 MOTIONS = ("surge", "sway", "heave", "roll", "pitch")
 EULER_PARTS = ("roll", "pitch", "yaw")
-LONGEST_GAP = 2.0
-"""A longer time without a sample cannot be interpolated [s]."""
+LOGS = (".csv", ".txt", ".log", ".tsv")
+"""Endings of files that are read as text."""
+WHOLE = Window()
 DEFAULT_CUT_OFF = 2.0 * math.pi / 40.0
 """Motion slower than this is taken out when acceleration is integrated [rad/s]: no sea is slower."""
 
@@ -64,24 +66,34 @@ class SeaMapping:
     ----------
     channels : per motion (surge, sway, heave, roll, pitch); heave there must be
     lever_arm : boom tip from the sensor, x forward, y to port, z up [m]
-    time_column, time_scale : of a CSV log; time in seconds = scale * value
+    time_column, time_scale : of a log: its heading, or those of date and time ("": found by its name); numbers are
+        seconds after the scale, or Unix time in any unit; texts are ISO 8601
     rate : samples per second of the result
     """
 
     channels: Mapping[str, Channel]
     lever_arm: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    time_column: str = "time_s"
+    time_column: str | Sequence[str] = ""
     time_scale: float = 1.0
     rate: float = 20.0
 
 
 @dataclass
 class ImportedSea:
-    """Boom-tip motion about its mean: `time` from 0 [s], `position`, shape (n, 3) [m], `notes` of what is left out."""
+    """Boom-tip motion about its mean.
+
+    Attributes
+    ----------
+    time : from 0 [s]
+    position : shape (n, 3) [m]
+    notes : what is left out or bridged
+    start : time of the record at which it begins [s]: Unix time, where the record has that
+    """
 
     time: Array
     position: Array
     notes: list[str] = field(default_factory=list)
+    start: float = 0.0
 
 
 def read_mapping(path: Path) -> SeaMapping:
@@ -155,27 +167,37 @@ def mapping_for_topic(bag: Bag, topic: str) -> SeaMapping:
     return SeaMapping({"heave": heaves[kind]})
 
 
-def import_sea(source: Path, mapping: SeaMapping | str) -> ImportedSea:
-    """Read the bag or CSV log `source` as boom-tip motion; a text for `mapping` is the name of one topic of a bag.
+def import_sea(source: Path, mapping: SeaMapping | str, window: Window = WHOLE) -> ImportedSea:
+    """Read a bag or a log as boom-tip motion: the longest stretch without a gap that is too long.
 
-    Raises BagError if something named is missing, if there is a gap of more than 2 s, or if there are fewer than
-    10 samples.
+    Parameters
+    ----------
+    source : bag, or text file with columns (.csv, .txt, .log, .tsv)
+    mapping : where to find what; a text is the name of one topic of a bag
+    window : what of the record is wanted
+
+    Raises BagError if something named is missing, if nothing is in the window, or if there are fewer than 10 samples.
     """
     notes: list[str] = []
     if isinstance(mapping, str):
         mapping = mapping_for_topic(Bag(source), mapping)
-    is_log = source.suffix.lower() == ".csv"
-    signals = _csv_signals(source, mapping) if is_log else _bag_signals(source, mapping, notes)
+    is_log = source.suffix.lower() in LOGS
+    signals = _log_signals(source, mapping, notes) if is_log else _bag_signals(source, mapping, notes)
     checked = {name: _checked(source, name, signal, notes) for name, signal in signals.items()}
-    start = max(signal.time[0] for signal in checked.values())
-    end = min(signal.time[-1] for signal in checked.values())
-    count = math.floor((end - start) * mapping.rate) + 1
+    try:
+        start, end = longest_stretch(checked, window, notes)
+    except BagError as error:
+        raise BagError(f"{source}: {error}") from error
+    count = math.floor((end - start) * mapping.rate + 1e-6) + 1
     if count < 10:
-        raise BagError(f"{source}: the channels have only {max(end - start, 0.0):.2f} s in common")
-    time = start + np.arange(count) / mapping.rate
-    motions = {name: _resampled(signal, mapping.channels[name], time) for name, signal in checked.items()}
+        raise BagError(f"{source}: the longest stretch has only {max(end - start, 0.0):.2f} s")
+    time = np.arange(count) / mapping.rate
+    motions = {
+        name: _resampled(_near(signal, start, end, window.bridge), mapping.channels[name], start, time)
+        for name, signal in checked.items()
+    }
     position = boom_tip_motion(motions, mapping.lever_arm, count)
-    return ImportedSea(time - start, position - position.mean(axis=0), notes)
+    return ImportedSea(time, position - position.mean(axis=0), notes, start)
 
 
 def boom_tip_motion(motions: Mapping[str, Array], lever_arm: Sequence[float], count: int) -> Array:
@@ -229,32 +251,14 @@ def euler_part(part: str, x: Array, y: Array, z: Array, w: Array) -> Array:
     return np.arctan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
 
 
-def _csv_signals(source: Path, mapping: SeaMapping) -> dict[str, Signal]:
-    try:
-        lines = source.read_text(encoding="utf-8").splitlines()
-    except (OSError, UnicodeDecodeError) as error:
-        raise BagError(f"{source}: cannot be read: {error}") from error
-    rows = [row for row in csv.reader(line for line in lines if line.strip() and not line.startswith("#")) if row]
-    if not rows:
-        raise BagError(f"{source}: is empty")
-    header = [name.strip() for name in rows[0]]
-    wanted = {"time": mapping.time_column, **{name: channel.column for name, channel in mapping.channels.items()}}
-    for name, column in wanted.items():
-        if column not in header:
-            raise BagError(f"{source}: no column {column!r} for {name}; it has {', '.join(header)}")
-    numbers = np.array([[_number(row, header.index(column)) for column in wanted.values()] for row in rows[1:]])
-    if not numbers.size:
-        raise BagError(f"{source}: has a header but no rows")
-    time = numbers[:, 0] * mapping.time_scale
-    return {name: Signal(time, numbers[:, index]) for index, name in enumerate(mapping.channels, start=1)}
-
-
-def _number(row: Sequence[str], index: int) -> float:
-    """Return a cell as a number; anything else is NaN, and is skipped and counted."""
-    try:
-        return float(row[index])
-    except (ValueError, IndexError):
-        return math.nan
+def _log_signals(source: Path, mapping: SeaMapping, notes: list[str]) -> dict[str, Signal]:
+    log = ShipLog(source)
+    time, words = log.time(mapping.time_column, mapping.time_scale)
+    notes += [words] if words else []
+    for name, channel in mapping.channels.items():
+        if not channel.column:
+            raise BagError(f"{source}: {name} names a topic, but this is a log: name a column")
+    return {name: Signal(time, log.numbers(channel.column, name)) for name, channel in mapping.channels.items()}
 
 
 def _checked(source: Path, name: str, signal: Signal, notes: list[str]) -> Signal:
@@ -269,15 +273,18 @@ def _checked(source: Path, name: str, signal: Signal, notes: list[str]) -> Signa
     time, value = time[later], value[later]
     if time.size < 10:
         raise BagError(f"{source}: {name} has {time.size} usable samples, 10 are needed")
-    gaps = np.diff(time)
-    if gaps.max() > LONGEST_GAP:
-        at = time[int(np.argmax(gaps))]
-        raise BagError(f"{source}: {name} has no sample for {gaps.max():.1f} s after t = {at:.3f} s")
     return Signal(time, value)
 
 
-def _resampled(signal: Signal, channel: Channel, time: Array) -> Array:
-    values: Array = CubicSpline(signal.time, channel.scale * signal.value + channel.offset)(time)
+def _near(signal: Signal, start: float, end: float, margin: float) -> Signal:
+    """Return a signal from a little before `start` to a little after `end` [s]: what lies beyond a gap is left out."""
+    near = (signal.time >= start - margin) & (signal.time <= end + margin)
+    return Signal(signal.time[near], signal.value[near])
+
+
+def _resampled(signal: Signal, channel: Channel, start: float, time: Array) -> Array:
+    """Return a channel at times after a start [s]; counted from there, so that Unix time costs no digits."""
+    values: Array = CubicSpline(signal.time - start, channel.scale * signal.value + channel.offset)(time)
     return integrated_twice(values, float(time[1] - time[0]), channel.cut_off) if channel.acceleration else values
 
 

@@ -3,52 +3,80 @@
 from __future__ import annotations
 
 import argparse
+import os
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from heave_bringup.commands.command import Command
+from heave_bringup.errors import CommandError
 
 if TYPE_CHECKING:
     from heave_node.numerics.arrays import Array
     from heave_node.numerics.spectral_estimate import HeightAndPeriod
+    from heave_node.scenario import Sections
+
+
+DEFAULT_MODEL = "b3_deep_900"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the command's own arguments to `parser`."""
-    parser.add_argument("source", metavar="BAG|CSV", type=Path, help="bag folder, MCAP file or CSV log")
+    parser.add_argument("source", metavar="BAG|LOG", type=Path, help="bag folder, MCAP file, or log (.csv, .txt, .log)")
     chosen = parser.add_mutually_exclusive_group(required=True)
     chosen.add_argument("--topic", help="the one topic of a standard type that holds the motion")
+    chosen.add_argument("--column", help="the one column of a log that holds heave [m], positive up")
     chosen.add_argument(
         "--mapping", type=Path, metavar="FILE", help="mapping file: where to find surge, heave, roll..."
     )
     parser.add_argument(
         "--output", type=Path, required=True, metavar="FILE", help="CSV file to write, for wave_vessel's file source"
     )
+    parser.add_argument("--scenario", type=Path, metavar="FILE", help="write a scenario that runs in this sea, too")
+    parser.add_argument(
+        "--like", metavar="SCENARIO", default=DEFAULT_MODEL, help=f"where its other values are from ({DEFAULT_MODEL})"
+    )
+    for name, words in (("from", "begin"), ("to", "end")):
+        parser.add_argument(
+            f"--{name}",
+            dest=words,
+            default="",
+            metavar="TIME",
+            help=f"{words} here: seconds from the start of the record, or a time as in 2025-03-01T12:00:00Z",
+        )
+    parser.add_argument(
+        "--bridge", type=float, default=2.0, metavar="S", help="longest gap that is interpolated over, at most 10 s (2)"
+    )
 
 
 def execute(options: argparse.Namespace) -> None:
-    """Write the boom-tip motion as CSV and say how to run with it, as `options` say."""
-    from heave_bags.play.sea_import import import_sea, read_mapping, write_sea
+    """Write the boom-tip motion as CSV, a scenario that believes it, and say how to run, as `options` say."""
+    from heave_bags.play.sea_import import Channel, SeaMapping, import_sea, read_mapping, write_sea
+    from heave_bags.play.ship_log import time_words
+    from heave_bags.play.stretches import Window
 
     from heave_bringup.bag_paths import bag_folders
     from heave_bringup.output import write_result
 
+    if not 0.0 < options.bridge <= 10.0:
+        raise CommandError(f"--bridge {options.bridge:g}: must be above 0 and at most 10 s")
     (source,) = bag_folders([options.source])
-    sea = import_sea(source, options.topic or read_mapping(options.mapping))
+    mapping = SeaMapping({"heave": Channel(column=options.column)}) if options.column else None
+    wanted = mapping or options.topic or read_mapping(options.mapping)
+    sea = import_sea(source, wanted, Window(options.begin, options.end, options.bridge))
     write_sea(sea, options.output, source)
     heave = sea.position[:, 2]
     estimate, words = _height_and_period(heave, float(sea.time[1] - sea.time[0]))
     text = [
-        f"{options.output}: {sea.time[-1]:.1f} s of boom-tip motion, heave sigma {heave.std():.3f} m",
+        f"{options.output}: {sea.time[-1]:.1f} s of boom-tip motion from {time_words(sea.start)}, "
+        f"heave sigma {heave.std():.3f} m",
         words,
         *sea.notes,
-        "run it: heave run SCENARIO --set wave_vessel.boom_tip_source=file "
-        f"--set wave_vessel.recording_file={options.output.resolve()}",
-        "the controller still assumes the scenario's sea: describe this one with "
-        "--set system.sea.significant_wave_height=H --set system.sea.peak_period=T",
+        *_how_to_run(options, source, estimate, float(sea.time[-1])),
     ]
     result = {
         "output": str(options.output.resolve()),
+        "scenario": str(options.scenario.resolve()) if options.scenario else None,
+        "start_s": sea.start,
         "duration_s": float(sea.time[-1]),
         "heave_sigma_m": float(heave.std()),
         "significant_heave_m": None if estimate is None else estimate.significant_height,
@@ -58,6 +86,71 @@ def execute(options: argparse.Namespace) -> None:
         "notes": sea.notes,
     }
     write_result(options, "\n".join(text), result)
+
+
+def _how_to_run(
+    options: argparse.Namespace, source: Path, estimate: HeightAndPeriod | None, duration: float
+) -> list[str]:
+    """Write the scenario that is asked for; return the lines that say how the record is run."""
+    if options.scenario:
+        _write_scenario(options, source, estimate, duration)
+        return [
+            f"{options.scenario}: {options.like} in this sea, which the controller believes",
+            f"run it: heave run {options.scenario}",
+        ]
+    return [
+        "run it: heave run SCENARIO --set wave_vessel.boom_tip_source=file "
+        f"--set wave_vessel.recording_file={options.output.resolve()}",
+        "the controller still assumes the scenario's sea: --scenario FILE writes one that believes this one",
+    ]
+
+
+def _write_scenario(
+    options: argparse.Namespace, source: Path, estimate: HeightAndPeriod | None, duration: float
+) -> None:
+    """Write a scenario whose boom tip moves as recorded, and whose controller believes height and period of that."""
+    from heave_node.scenario import WILDCARD, read_sections
+
+    from heave_bringup.pages.commented_scenario import commented_scenario
+    from heave_bringup.scenarios import find_scenario, load_scenario
+
+    if estimate is None or estimate.peak_period is None:
+        raise CommandError(f"{options.scenario}: not written: {source} gives no height and period to believe")
+    sections = read_sections(find_scenario(options.like))
+    begun = float(sections[WILDCARD].get("transient", 60.0))  # type: ignore[arg-type]
+    if duration <= begun:
+        raise CommandError(
+            f"{options.scenario}: not written: {duration:.0f} s of record are no more than the transient of "
+            f"{options.like}, {begun:g} s; begin --like another"
+        )
+    of_sea = ("system.sea.", "system.vessel.", "system.course.")
+    shared = {name: value for name, value in sections[WILDCARD].items() if not name.startswith(of_sea)}
+    shared |= {
+        "duration": float(int(duration - 1.0)),  # each tick asks for the boom tip at its end
+        "system.sea.spectrum": "bretschneider",
+        "system.sea.significant_wave_height": round(estimate.significant_height, 3),
+        "system.sea.peak_period": round(estimate.peak_period, 2),
+        "system.vessel.model": "direct",
+    }
+    recording = Path(os.path.relpath(options.output.resolve(), options.scenario.resolve().parent)).as_posix()
+    vessel = {"boom_tip_source": "file", "recording_file": recording}
+    others = {name: values for name, values in sections.items() if not name.endswith(("wave_vessel", WILDCARD))}
+    text = commented_scenario(
+        {WILDCARD: shared, "/**/wave_vessel": {**_mru_of(sections), **vessel}, **others},
+        title=f"{options.scenario.stem}: the boom tip moves as in {source.name}; the rest is from {options.like}",
+        path=str(options.scenario),
+    )
+    try:
+        options.scenario.write_text(text, encoding="utf-8")
+    except OSError as error:
+        raise CommandError(f"{options.scenario}: cannot be written: {error.strerror}") from error
+    load_scenario(str(options.scenario))
+
+
+def _mru_of(sections: Sections) -> dict[str, object]:
+    """Return what a scenario says of its motion reference unit, which stays the same in another sea."""
+    section = next((values for name, values in sections.items() if name.endswith("wave_vessel")), {})
+    return {name: value for name, value in section.items() if name.startswith("mru.")}
 
 
 def _height_and_period(heave: Array, period: float) -> tuple[HeightAndPeriod | None, str]:
@@ -78,8 +171,11 @@ def _height_and_period(heave: Array, period: float) -> tuple[HeightAndPeriod | N
 
 COMMAND = Command(
     name="import",
-    summary="Make a sea from a ship's own record: a bag with any standard motion type, or a CSV log.",
-    examples=("heave import sea_trial/ --topic /imu/data --output sea.csv",),
+    summary="Make a sea from a ship's own record: a bag with any standard motion type, or a log in columns.",
+    examples=(
+        "heave import sea_trial/ --topic /imu/data --output sea.csv",
+        "heave import mru.csv --column heave_m --output sea.csv --scenario sea.yaml --like unit_1500",
+    ),
     add_arguments=add_arguments,
     execute=execute,
 )

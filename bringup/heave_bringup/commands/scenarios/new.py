@@ -1,0 +1,91 @@
+"""`heave new`: a scenario file of one's own, with a comment beside each value."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from heave_node.catalogue import KINDS
+
+from heave_bringup.commands.command import Command
+from heave_bringup.errors import CommandError
+
+if TYPE_CHECKING:
+    from heave_node.scenario import Sections
+
+DEFAULT_MODEL = "b3_deep_900"
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the command's own arguments to `parser`."""
+    parser.add_argument("file", metavar="SCENARIO", help="name or file to write: my_lift gives my_lift.yaml")
+    parser.add_argument(
+        "--like", metavar="SCENARIO", default=DEFAULT_MODEL, help=f"begin with the values of this one ({DEFAULT_MODEL})"
+    )
+    for kind in KINDS:
+        parser.add_argument(f"--{kind}", metavar="NAME", help=f"a {kind} of the catalogue (heave catalogue {kind})")
+    parser.add_argument("--length", metavar="M", type=float, help="deployed length of the cable")
+    parser.add_argument("--force", action="store_true", help="write over a file that is there")
+
+
+def execute(options: argparse.Namespace) -> None:
+    """Write the file that `options` name, and check it."""
+    from heave_node.scenario import read_sections
+
+    from heave_bringup.output import write_result
+    from heave_bringup.pages.commented_scenario import commented_scenario
+    from heave_bringup.scenarios import description_of, find_scenario, load_scenario
+
+    path = Path(options.file)
+    path = path if path.suffix in (".yaml", ".yml") else path.with_name(f"{path.name}.yaml")
+    if path.exists() and not options.force:
+        raise CommandError(f"{path}: is there already; --force writes over it")
+    model = find_scenario(options.like)
+    sections = _changed(read_sections(model), options)
+    title = f"{path.stem}: made from {description_of(model).rstrip('.') or model.stem}"
+    text = commented_scenario(sections, title=title, path=str(path))
+    try:
+        path.write_text(text, encoding="utf-8")
+        load_scenario(str(path), needs_files=False)
+    except OSError as error:
+        raise CommandError(f"{path}: cannot be written: {error.strerror}") from error
+    except ValueError:
+        path.unlink()
+        raise
+    words = f"{path}: {sum(map(len, sections.values()))} values, each with its meaning\nrun it: heave run {path}"
+    write_result(options, words, {"file": str(path.resolve()), "like": model.stem})
+
+
+def _changed(sections: Sections, options: argparse.Namespace) -> Sections:
+    """Return sections in which what the user has named stands in the place of the model's own values."""
+    from heave_node.catalogue import find
+    from heave_node.scenario import WILDCARD
+
+    shared = dict(sections.get(WILDCARD, {}))
+    for kind in KINDS:
+        name = getattr(options, kind)
+        if name is not None:
+            entry = find(kind, name, f"--{kind}")
+            replaced = [f"system.{kind}", *(f"system.{kind}.{value}" for value in entry.values)]
+            kept = {key: value for key, value in shared.items() if key not in replaced}
+            has_more = any(key.startswith(f"system.{kind}.") for key in kept)
+            shared = {f"system.{kind}.from" if has_more else f"system.{kind}": entry.name, **kept}
+    if options.length is not None:
+        shared["system.length"] = options.length
+    ordered = dict(
+        sorted(shared.items(), key=lambda item: item[0].startswith("system."))
+    )  # a sort keeps the order else
+    return {WILDCARD: ordered, **{name: values for name, values in sections.items() if name != WILDCARD}}
+
+
+COMMAND = Command(
+    name="new",
+    summary="Write a scenario file of your own, with unit and meaning beside each value.",
+    examples=(
+        "heave new my_lift",
+        "heave new my_lift --like unit_1500 --cable wire_28mm_6x36 --length 1500",
+    ),
+    add_arguments=add_arguments,
+    execute=execute,
+)

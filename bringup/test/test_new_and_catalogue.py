@@ -1,0 +1,95 @@
+"""A scenario of one's own: the file that `heave new` writes, and what a name of the catalogue does in it."""
+
+import json
+
+import pytest
+from heave_bringup.cli import main
+from heave_bringup.closed_loop import ClosedLoop, loop_parameters
+from heave_bringup.scenarios import load_scenario, shipped_scenarios
+from heave_node.catalogue import KINDS, entries
+
+
+@pytest.fixture
+def here(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+@pytest.mark.parametrize("name", sorted(shipped_scenarios()))
+def test_a_file_written_like_a_shipped_scenario_is_that_scenario(here, capsys, name):
+    assert main(["new", "mine", "--like", name]) == 0
+    assert "heave run mine.yaml" in capsys.readouterr().out
+    mine, shipped = load_scenario("mine.yaml"), load_scenario(name)
+    assert mine.parameters == shipped.parameters
+    assert (mine.run, [one.text for one in mine.wanted]) == (shipped.run, [one.text for one in shipped.wanted])
+
+
+def test_each_value_has_its_unit_and_meaning_beside_it(here):
+    assert main(["new", "mine.yaml", "--like", "unit_1500"]) == 0
+    values = [line for line in (here / "mine.yaml").read_text().splitlines() if ": " in line and line[0] == " "]
+    assert len(values) > 30
+    assert [line for line in values if "# " not in line] == []
+    assert any("speed_limit: 2.0" in line and "# [m/s] Largest payout speed" in line for line in values)
+
+
+def test_a_file_with_names_of_the_catalogue_runs(here):
+    options = ["--cable", "wire_28mm_6x36", "--winch", "benchmark_winch", "--unit", "mas409_load", "--length", "400"]
+    assert main(["new", "mine", "--like", "b2_calm_300", *options]) == 0
+    scenario = load_scenario("mine.yaml", settings=["all.duration=2", "all.transient=1", "cable_sim.segments=5"])
+    assert scenario.parameters["cable_sim"].cable.diameter == 0.028
+    assert scenario.parameters["winch_controller"].unit.mass == 12_600.0
+    record = ClosedLoop(loop_parameters(scenario)).run()
+    assert record.column("top_tension").min() > 0.0
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_every_entry_of_the_catalogue_is_taken_by_plant_and_belief(kind):
+    one_of_each_family = {entry.title: entry for entry in entries(kind).values()}
+    for entry in one_of_each_family.values():
+        name = entry.name
+        changed = load_scenario("b3_deep_900", settings=[f"system.{kind}={name}"]).parameters
+        holders = [changed["virtual_winch"], changed["winch_controller"].winch]
+        if kind != "winch":
+            holders = [getattr(changed["cable_sim"], kind), getattr(changed["winch_controller"], kind)]
+        for key, value in entry.values.items():
+            wanted = tuple(value) if isinstance(value, list) else value
+            assert [getattr(holder, key) for holder in holders] == [wanted, wanted], name
+
+
+def test_a_value_on_the_command_line_changes_one_of_the_entry(here):
+    (here / "mine.yaml").write_text("/**:\n  ros__parameters:\n    system: {cable: wire_28mm_6x36, length: 1500.0}\n")
+    cable = load_scenario("mine.yaml", settings=["system.cable.diameter=0.03"]).parameters["cable_sim"].cable
+    assert (cable.diameter, cable.mass_per_length) == (0.03, pytest.approx(3.207, abs=0.001))
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["new", "there"], "there.yaml: is there already; --force writes over it"),
+        (["new", "no/such/folder/x"], "cannot be written: No such file or directory"),
+        (
+            ["new", "x", "--cable", "wire_28mm_6x63"],
+            "--cable: there is no cable wire_28mm_6x63 in the catalogue; did you",
+        ),
+        (["new", "x", "--like", "b3_deep_90"], "did you mean b3_deep_900?"),
+        (["new", "x", "--length", "-3"], "length"),
+        (["catalogue", "unit", "thesis_124t"], "did you mean thesis_125t?"),
+    ],
+)
+def test_what_cannot_be_done_is_said_in_one_line_and_leaves_nothing(here, capsys, arguments, words):
+    (here / "there.yaml").write_text("mine")
+    assert main(arguments) != 0
+    said = capsys.readouterr().err
+    assert words in said
+    assert said.count("\n") == 1
+    assert [path.name for path in here.iterdir()] == ["there.yaml"]
+    assert (here / "there.yaml").read_text() == "mine"
+
+
+def test_the_catalogue_prints_particulars_and_sources(capsys):
+    assert main(["catalogue"]) == 0
+    assert "wire_28mm_6x36" in capsys.readouterr().out
+    assert main(["catalogue", "cable", "wire_28mm_6x36", "--json", "-"]) == 0
+    (wire,) = json.loads(capsys.readouterr().out)
+    assert wire["values"]["diameter"] == 0.028
+    assert "EN 12385-4" in wire["sources"][0]

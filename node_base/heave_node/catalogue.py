@@ -1,0 +1,110 @@
+"""The catalogue: cables, units and winches with published particulars, which a scenario names instead of their values.
+
+>>> find("cable", "wire_28mm_6x36").values["diameter"]
+0.028
+"""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import cache
+from importlib import resources
+from typing import Any
+
+import yaml
+
+from heave_node.parameters import Given, ParameterError
+
+KINDS = ("cable", "unit", "winch")
+"""What the catalogue has, by the group under `system.` that an entry fills."""
+FROM = "from"
+"""Names the entry in a group that has values of its own beside it: `cable: {from: NAME, normal_drag: 1.6}`."""
+_BREAKING_FORCE = "breaking_force"
+
+
+@dataclass(frozen=True)
+class Entry:
+    """One cable, unit or winch.
+
+    Attributes
+    ----------
+    kind : cable, unit or winch
+    name : by which a scenario takes it
+    title : what it is
+    sources : where its particulars are from
+    values : by the parameter's name in the group `system.KIND`
+    breaking_force : of a rope [N]; 0: not known, or no rope
+    """
+
+    kind: str
+    name: str
+    title: str
+    sources: tuple[str, ...]
+    values: Mapping[str, object]
+    breaking_force: float = 0.0
+
+
+@cache
+def entries(kind: str) -> dict[str, Entry]:
+    """Return the entries of a `kind` by name."""
+    text = (resources.files("heave_node") / "catalogue.yaml").read_text(encoding="utf-8")
+    found = [entry for name, given in yaml.safe_load(text)[kind].items() for entry in _entries(kind, name, given)]
+    return {entry.name: entry for entry in found}
+
+
+def _entries(kind: str, name: str, given: Mapping[str, Any]) -> list[Entry]:
+    title, sources = str(given["title"]), tuple(given["sources"])
+    if "values" in given:
+        return [Entry(kind, name, title, sources, given["values"])]
+    return [_of_diameter(Entry(kind, name, title, sources, {}), given, number) for number in given["diameters"]]
+
+
+def _of_diameter(family: Entry, given: Mapping[str, Any], number: int) -> Entry:
+    """Return the rope of a nominal diameter of `number` millimetres out of a family."""
+    diameter = 1e-3 * number
+    values = {name: float(f"{factor * diameter:.6g}") for name, factor in given["of_diameter"].items()}
+    values |= {name: float(f"{factor * diameter**2:.6g}") for name, factor in given["of_square"].items()}
+    force = values.pop(_BREAKING_FORCE)
+    return replace(family, name=family.name.format(number), values=values, breaking_force=force)
+
+
+def find(kind: str, name: object, where: str = "") -> Entry:
+    """Return an entry of the catalogue.
+
+    Parameters
+    ----------
+    kind : cable, unit or winch
+    name : of the entry
+    where : opens the message for a name that is not there
+
+    Raises ParameterError for such a name, with the nearest one.
+    """
+    known = entries(kind)
+    if isinstance(name, str) and name in known:
+        return known[name]
+    near = difflib.get_close_matches(str(name), known, n=1)
+    hint = f"did you mean {near[0]}?" if near else f"heave catalogue {kind} lists them"
+    opening = f"{where}: " if where else ""
+    raise ParameterError(f"{opening}there is no {kind} {name} in the catalogue; {hint}")
+
+
+def with_entries(given: Mapping[str, Given]) -> dict[str, Given]:
+    """Return values in which each name of the catalogue stands for the values of its entry; others win over these.
+
+    Parameters
+    ----------
+    given : by dotted name; `system.cable` or `system.cable.from` names a cable, and so on
+
+    Raises ParameterError for a name that is not in the catalogue.
+    """
+    taken: dict[str, Given] = {}
+    own = dict(given)
+    for kind in KINDS:
+        group = f"system.{kind}"
+        named = [own.pop(name) for name in (group, f"{group}.{FROM}") if name in own]
+        for one in named:
+            entry = find(kind, one.value, f"{one.where}: {one.name}")
+            taken |= {f"{group}.{name}": replace(one, value=value) for name, value in entry.values.items()}
+    return {**taken, **own}
