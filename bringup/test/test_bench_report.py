@@ -13,11 +13,20 @@ ROW = {"segments": 20, "ms_per_simulated_s": 2.0, "error_percent": 0.05, "peers"
 
 def test_without_the_peer_one_line_says_what_to_install():
     (_, line) = tables({"plant": [{**ROW, "peers": {}, "ratio_to_moordyn": math.nan}]})
-    assert line == HOW_TO_GET_THE_PEER
+    assert line == HOW_TO_GET_THE_PEER.format("MoorDyn")
     assert "pip install 'heave[bench]'" in line
     assert "\n" not in line
     (table,) = tables({"plant": [ROW]})
     assert [str(column.header) for column in table.columns].count("error %") == 3
+
+
+def test_statics_stand_beside_their_peer_where_it_is():
+    row = {"cable": "slack", "ms": 0.1, "peer_ms": 0.2, "ratio_to_moorpy": 2.0, "difference_percent": 1e-9}
+    (table,) = tables({"statics": [row]})
+    assert len(table.columns) == 5
+    (alone, line) = tables({"statics": [{**row, "peer_ms": math.nan, "ratio_to_moorpy": math.nan}]})
+    assert len(alone.columns) == 2
+    assert line == HOW_TO_GET_THE_PEER.format("MoorPy")
 
 
 def test_the_processes_of_the_loop_bound_its_speed():

@@ -5,6 +5,7 @@ import math
 
 import numpy as np
 import pytest
+from cable_sim_node.peers.catenaries import measure_statics
 from cable_sim_node.statics.problems import mooring_cable, submerged_cable
 from cable_sim_node.statics.system import PointLoad, StaticSection, static_cable
 from scipy.integrate import solve_ivp
@@ -180,6 +181,12 @@ def test_hard_catenaries_agree_with_an_independent_integration(name, length, sti
     assert pull == pytest.approx(shape.end_force, rel=1e-9, abs=1e-9 * abs(weight) * length)
     middle = np.hypot(*shape.end_force[:2])
     assert middle == pytest.approx(np.hypot(*shape.start_force[:2]), rel=1e-9, abs=1e-12)
+
+
+def test_tensions_agree_with_moorpy():
+    """Catenaries of `heave bench`; MoorPy's own solver stops at 1e-6 of the span."""
+    pytest.importorskip("moorpy")
+    assert all(row["difference_percent"] < 1e-4 for row in measure_statics(solves=1))
 
 
 def test_the_sloped_mirror_has_the_forces_of_the_sloped_cable_exchanged():

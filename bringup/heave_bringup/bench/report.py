@@ -12,7 +12,7 @@ from rich.table import Table
 
 from heave_bringup.output import make_table
 
-HOW_TO_GET_THE_PEER = "MoorDyn is not installed; to compare with it: pip install 'heave[bench]'"
+HOW_TO_GET_THE_PEER = "{} is not installed; to compare with it: pip install 'heave[bench]'"
 
 
 def has_peer() -> bool:
@@ -40,7 +40,18 @@ def _plant(rows: list[dict[str, Any]]) -> list[Table | str]:
             line += [f"{peer['ms_per_simulated_s']:.2f}", f"{error:.4f}" if math.isfinite(error) else "-"]
         cells.append([*line, f"{row['ratio_to_moordyn']:.1f}"] if peers else line)
     table = make_table(columns, cells)
-    return [table] if peers else [table, HOW_TO_GET_THE_PEER]
+    return [table] if peers else [table, HOW_TO_GET_THE_PEER.format("MoorDyn")]
+
+
+def _statics(rows: list[dict[str, Any]]) -> list[Table | str]:
+    columns = ["cable between two ends", "ms a solve"]
+    cells = [[row["cable"], f"{row['ms']:.3f}"] for row in rows]
+    if not math.isfinite(rows[0]["peer_ms"]):
+        return [make_table(columns, cells), HOW_TO_GET_THE_PEER.format("MoorPy")]
+    columns += ["MoorPy: ms", "its time over ours", "difference of the tension %"]
+    for line, row in zip(cells, rows, strict=True):
+        line += [f"{row['peer_ms']:.3f}", f"{row['ratio_to_moorpy']:.1f}", f"{row['difference_percent']:.1e}"]
+    return [make_table(columns, cells)]
 
 
 def _loop(values: dict[str, Any]) -> list[Table | str]:
@@ -79,6 +90,7 @@ def _recorder(values: dict[str, Any]) -> list[Table | str]:
 
 _PARTS: dict[str, Callable[[Any], list[Table | str]]] = {
     "plant": _plant,
+    "statics": _statics,
     "loop": _loop,
     "composed_loop": _loop,
     "controller": _controller,

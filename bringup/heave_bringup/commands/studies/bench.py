@@ -11,7 +11,7 @@ from heave_node.parameters import ParameterError
 
 from heave_bringup.commands.command import Command
 
-PARTS = ("plant", "loop", "controller", "recorder")
+PARTS = ("plant", "statics", "loop", "controller", "recorder")
 SEGMENTS = (20, 50, 100, 200, 400, 1000)
 LONGEST_RECORDING = 20.0
 """The recorder's load is constant: more of it says nothing new [s]."""
@@ -38,6 +38,11 @@ def execute(options: argparse.Namespace) -> None:
 
             progress.show("plant: beside MoorDyn" if has_peer() else "plant")
             result["plant"] = measure_plant(SEGMENTS, peer=has_peer())
+        if "statics" in options.only:
+            from cable_sim_node.peers.catenaries import measure_statics
+
+            progress.show("statics")
+            result["statics"] = measure_statics()
         if "loop" in options.only:
             from heave_bringup.bench.loop import measure_loop
             from heave_bringup.run.run import Composed
@@ -57,8 +62,8 @@ def execute(options: argparse.Namespace) -> None:
 
 COMMAND = Command(
     name="bench",
-    summary="Measure the speed of the plant (beside MoorDyn), the loop over ROS, the controller and the "
-    "recorder on this machine.",
+    summary="Measure the speed of the plant (beside MoorDyn) and of statics (beside MoorPy), the loop over ROS, the "
+    "controller and the recorder on this machine.",
     examples=("heave bench --only loop controller --json bench.json",),
     add_arguments=add_arguments,
     execute=execute,
