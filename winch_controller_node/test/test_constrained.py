@@ -214,3 +214,17 @@ def promised_ratio(parameters):
     gains = free_gain(design.model, parameters.mpc), design.gain
     mpc, lqg = (predict_loop(design, gain, errors).sigma["unit_heave"] for gain in gains)
     return mpc / lqg
+
+
+@pytest.mark.parametrize("lag", [0.02, 0.005])
+def test_a_winch_faster_than_a_tick_leaves_no_more_motion_than_one_that_is_as_slow(lag):
+    """A hydraulic drive takes some milliseconds: its acceleration at the start of a tick is not that of the tick."""
+
+    def promised(time_constant):
+        winch = WinchModelParameters(time_constant=time_constant, command_delay=0.0)
+        design = design_controller(WinchControllerParameters(winch=winch), tick_period=DT)
+        gains = free_gain(design.model, MpcParameters()), constrained_gain(design.model, MpcParameters()), design.gain
+        errors = error_covariances(design)
+        return [predict_loop(design, gain, errors).sigma["unit_heave"] for gain in gains]
+
+    assert np.all(np.array(promised(lag)) <= promised(DT))

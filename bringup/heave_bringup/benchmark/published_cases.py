@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from pathlib import Path
 
 from cable_sim_node.winch.drive_parameters.motion import FrictionParameters, MotionParameters
@@ -36,6 +37,8 @@ from heave_bringup.benchmark.worlds.winches import DrivenWinch, VirtualWinchUnde
 
 PERFECT = SensorFacts(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 NOISY = SensorFacts(0.01, 0.01, 0.01, 0.0, 0.02, 0.1, 0.001)
+NOISY_DRAWWORKS = replace(NOISY, load_cell_noise=1000.0)
+"""MAS410: as in the other noisy cases, and a load cell with half a percent of the load."""
 SHIPS_ACCELEROMETER = SensorFacts(0.01, 0.01, 0.5, 0.0, 0.02, 0.1, 0.001, 500.0)
 """MAS409: the vessel's acceleration is measured with noise of 0.5 m/s^2. The load cell has half a percent of the load:
 one without noise reads the same again and again on a slack rope, as one that is dead."""
@@ -63,30 +66,11 @@ def published_cases(records: Path | None) -> list[Case]:
     """Return the cases; those on records raise ParameterError when made where `records` has none."""
     cases = []
     for sea, (_, _, published) in ZINAGE_SEAS.items():
-        for kind, seeds in (("", (1,)), ("_noisy", (1, 2, 3, 4))):
+        for kind, seeds in (("", (1,)), ("_noisy", tuple(range(1, 9)))):
             title = f"Zinage & Somayajula, {sea} sea, {'noisy' if kind else 'perfect'} sensors"
             make = _zinage_maker(f"z_{sea}{kind}", sea, records, is_noisy=bool(kind))
             cases.append(Case(f"z_{sea}{kind}", title, seeds, 100.0, 500.0, 500.0, make, published))
-    solution = Case(
-        "u1_solution",
-        "MAS410, the drawworks of a published solution",
-        (1,),
-        20.0,
-        60.0,
-        60.0,
-        _drawworks_maker("u1_solution", mas410_published_solution(), 18_000.0, sine(1.5, 10.0, ramp=RAMP)),
-        {"over time steps": 0.00345},
-    )
-    drawworks = Case(
-        "u1_drawworks",
-        "MAS410 of 2024, a drawworks sized by its rules",
-        (1,),
-        20.0,
-        60.0,
-        60.0,
-        _drawworks_maker("u1_drawworks", mas410_drawworks(), 24_000.0, sine(1.2, 10.0, ramp=RAMP)),
-    )
-    return [*cases, solution, drawworks, *_mas409_cases()]
+    return [*cases, *_mas410_cases(), *_mas409_cases()]
 
 
 def _problem(
@@ -187,6 +171,46 @@ def _zinage_maker(name: str, sea: str, records: Path | None, *, is_noisy: bool) 
 
 # MAS410
 
+SOLUTION_FASTEST, DRAWWORKS_FASTEST = 0.85, 1.0
+"""Hoisting speed of the two drawworks with all valves open [m/s]: 250 bar against 218, 240 against 152."""
+
+RIGID_ROPE: dict[str, object] = {
+    "cable.axial_stiffness": 1e12,
+    "cable_model.damping": 1e-3,
+    "limits.minimum_tension_ratio": 0.0,
+}
+"""What this suite's controller is told of the rope of a drawworks: it does not stretch, and its tension is constant."""
+
+
+def _mas410_cases() -> list[Case]:
+    """Return the published solution and a drawworks of 2024; judged over four waves, once any controller has begun."""
+    cases = []
+    for kind, seeds in (("", (1,)), ("_noisy", tuple(range(1, 9)))):
+        sensors = f"{'noisy' if kind else 'perfect'} sensors"
+        for name, title, drive, mass, fastest, motion, published in (
+            (
+                "u1_solution",
+                "the drawworks of a published solution",
+                mas410_published_solution(),
+                18_000.0,
+                SOLUTION_FASTEST,
+                sine(1.5, 10.0, ramp=RAMP),
+                {"over time steps": 0.00345},
+            ),
+            (
+                "u1_drawworks",
+                "the task of 2024, a drawworks sized by its rules",
+                mas410_drawworks(),
+                24_000.0,
+                DRAWWORKS_FASTEST,
+                sine(1.2, 10.0, ramp=RAMP),
+                {},
+            ),
+        ):
+            make = _drawworks_maker(f"{name}{kind}", drive, mass, fastest, motion, is_noisy=bool(kind))
+            cases.append(Case(f"{name}{kind}", f"MAS410, {title}, {sensors}", seeds, 50.0, 90.0, 90.0, make, published))
+    return cases
+
 
 def mas410_drawworks() -> ValveDriveParameters:
     """Return a drawworks for MAS410's task of 2024, sized by its rules.
@@ -194,7 +218,8 @@ def mas410_drawworks() -> ValveDriveParameters:
     24 t, 3 sheaves, gear 7, 1.2 m in 10 s: two motors of 90 cm^3 keep the load pressure below two thirds of 240 bar
     with friction and inertia; five valves of 200 l/min (35 bar an edge) pass 1,070 l/min against it, and 850 are
     needed. The supply is ideal (2,000 l/min), leakage gives 0.94 at 4,500 rpm and 350 bar. The speed loop is an
-    integral one.
+    integral one; its feed-forward lies between what lowering needs (0.48 s/m) and hoisting (0.95 s/m), and its gain is
+    such that it lags 4 ms at the waves' frequency, and nowhere more than 12 ms.
     """
     n = mas410_radians_per_metre(3, 7.0)
     displacement = 2.0 * 90e-6 / (2.0 * math.pi)
@@ -209,30 +234,39 @@ def mas410_drawworks() -> ValveDriveParameters:
         motor_radians_per_metre=n,
         motor_inertia=2.0 * 0.0116,
         load_mass=24_000.0,
+        gain=0.3,
+        feed_forward=0.6,
+        integral_time=0.01,
     )
 
 
 def _drawworks_maker(
-    name: str, drive: ValveDriveParameters, mass: float, motion: Motion
+    name: str, drive: ValveDriveParameters, mass: float, fastest: float, motion: Motion, *, is_noisy: bool
 ) -> Callable[[int, float], Problem]:
     weight = mass * 9.81
 
     def make(seed: int, duration: float) -> Problem:
-        sample_time, sea = QUICK, SeaFacts(4.0, 10.0)
+        sample_time, sensors = (TICK, NOISY_DRAWWORKS) if is_noisy else (QUICK, PERFECT)
+        sea = SeaFacts(4.0, 10.0)
         winch = WinchFacts(
-            time_constant=0.02,
+            time_constant=0.005,
             command_delay=0.0,
-            speed_limit=min(drive.motion.speed_limit, 2.0),
-            set_point_limit=drive.motion.speed_limit,
-            acceleration_limit=math.inf,
+            speed_limit=fastest,
+            set_point_limit=2.0 * fastest,
+            acceleration_limit=4.8,
             payout_minimum=-20.0,
             payout_maximum=20.0,
         )
-        facts = Facts(name, sample_time, duration, winch, PERFECT, sea, _belief(winch, sea, PERFECT, mass))
+        facts = Facts(
+            name, sample_time, duration, winch, sensors, sea, _belief(winch, sea, sensors, mass, **RIGID_ROPE)
+        )
 
         def make_winch() -> Winch:
             return DrivenWinch(
-                ValveDrive(drive, tension=weight), encoder_step=0.0, sample_time=sample_time, shows_instruments=True
+                ValveDrive(drive, tension=weight),
+                encoder_step=sensors.encoder_step,
+                sample_time=sample_time,
+                shows_instruments=True,
             )
 
         definition = {"drive": flatten(drive)}

@@ -39,7 +39,7 @@ from winch_controller_node.laws.parts.loop_state import LoopState
 from winch_controller_node.laws.parts.preview import STEP, PreviewReader, feedforward
 from winch_controller_node.laws.parts.winch_limits import WinchLimits
 from winch_controller_node.model.lqr import DesignError
-from winch_controller_node.model.regulator import output_gain
+from winch_controller_node.model.regulator import acceleration_size, output_gain
 from winch_controller_node.parameters.model import WinchModelParameters
 
 FREE = "free"
@@ -127,11 +127,15 @@ def free_gain(model: LinearModel, parameters: MpcParameters) -> Array:
 
 
 def _gain(model: LinearModel, parameters: MpcParameters, acceleration: float, command: float) -> Array:
-    return output_gain(model, _sizes(parameters, acceleration), command)
+    return output_gain(model, _sizes(model, parameters, acceleration), command)
 
 
-def _sizes(parameters: MpcParameters, acceleration: float) -> dict[str, float]:
-    return {"unit_heave": parameters.unit_heave, "payout": parameters.payout, "payout_acceleration": acceleration}
+def _sizes(model: LinearModel, parameters: MpcParameters, acceleration: float) -> dict[str, float]:
+    return {
+        "unit_heave": parameters.unit_heave,
+        "payout": parameters.payout,
+        "payout_acceleration": acceleration_size(model, acceleration),
+    }
 
 
 def correction_knots(horizon: float, dt: float) -> list[int]:
@@ -234,7 +238,7 @@ class ConstrainedLaw(ControlLaw):
         self._disturbances, self.preview = self._reader.disturbances, self._reader.use
 
         def fed(gain: Array, acceleration: float, command: float) -> Array:
-            return feedforward(model, gain, _sizes(parameters, acceleration), command, self._disturbances)
+            return feedforward(model, gain, _sizes(model, parameters, acceleration), command, self._disturbances)
 
         free = self._constrained + self._free_less_constrained
         self._fed = fed(self._constrained, parameters.payout_acceleration, parameters.command)

@@ -41,9 +41,22 @@ def weighted_cost(weights: WeightParameters, model: LinearModel) -> QuadraticCos
         "outlet_heave": weights.outlet_heave,
         "payout": weights.payout,
         "payout_rate": weights.payout_rate,
-        "payout_acceleration": weights.payout_acceleration if "payout_acceleration" in model.output_names else 0.0,
+        "payout_acceleration": acceleration_size(model, weights.payout_acceleration),
     }
     return output_cost(model, sizes, weights.command)
+
+
+def acceleration_size(model: LinearModel, size: float) -> float:
+    """Return the scale of the payout's acceleration in a cost, `size` [m/s^2] for a slow servo; 0 leaves it out.
+
+    The model tells the acceleration at the start of a tick. A servo with a lag T shorter than the tick has gained its
+    speed long before the end: that is dt/T times what the drum gains over the tick, and its scale grows with it. A
+    winch of first order has no acceleration.
+    """
+    if "payout_acceleration" not in model.output_names:
+        return 0.0
+    per_lag = -float(model.row("payout_acceleration")[model.state("payout_rate")])
+    return size if model.dt is None else size * max(1.0, per_lag * model.dt)
 
 
 def full_gain(model: LinearModel, cost: QuadraticCost) -> Array:
