@@ -306,6 +306,12 @@ def test_a_mode_that_is_on_its_way_is_told_as_such():
     assert loop.controller.ask_for_mode("emergency_stop") == "emergency_stop"
     loop.step()
     assert loop.controller.ask_for_mode("compensating") == "standby, on the way to compensating"
+    loop.winch.faults.inject("emergency_stop", start=loop.tick * DT)
+    for _ in range(5):
+        loop.step()
+    assert loop.controller.ask_for_mode("compensating").startswith(
+        "standby, on the way to compensating; the winch reports emergency stop: it must be cleared there"
+    )
 
 
 def test_moves_out_of_reach_or_without_compensation_are_refused_in_words():

@@ -181,7 +181,9 @@ class WinchController:
         taken = self.set_mode(name, tension)
         if self.mode is Mode.OFF or taken not in [mode.value for mode in Mode] or taken == name:
             return taken
-        return f"{taken}, on the way to {name}"
+        fault = self.modes.fault
+        held = f"; the winch reports {fault}: it must be cleared there, or the mode ends again" if fault else ""
+        return f"{taken}, on the way to {name}{held}"
 
     def set_factor(self, factor: float) -> None:
         """Ask for another share of compensation (`factor`, 0 to 1): authority goes there over the fade-in time.

@@ -34,13 +34,13 @@ class ShownTopic:
         self._channel = self._announce()
 
     def show(self, message: bytes, nanoseconds: int) -> None:
-        """Give viewers a serialised `message` of the time `nanoseconds`."""
+        """Give viewers a serialised `message`; its time in `nanoseconds`."""
         if self._is_latched:
             self._newest = message
         self._channel.log(message, log_time=nanoseconds)
 
     def repeat(self, nanoseconds: int) -> None:
-        """Repeat at the time `nanoseconds`, about once a second, what a viewer may have missed."""
+        """Repeat what a viewer may have missed; about once a second, the time then in `nanoseconds`."""
         if self._newest is not None:
             self._channel.log(self._newest, log_time=nanoseconds)
         if self._announcements_left == 0:

@@ -98,10 +98,6 @@ class AmplitudeCheck:
     limit : when it is too large
     window : memory of the waves [s]
     tick_period : [s]
-
-    Attributes
-    ----------
-    left_over : amplitude that the motion had beside the reference when it came to be judged
     """
 
     def __init__(self, limit: AmplitudeLimit, window: float, tick_period: float) -> None:
@@ -110,7 +106,7 @@ class AmplitudeCheck:
         self._count = 0
         self._ticks_needed = round(0.5 * window / tick_period)
         self._mean_square = self._reference_now = self._reference_waves = 0.0
-        self.left_over = 0.0
+        self._left_over = 0.0
 
     def add(self, square: float, reference_square: float) -> None:
         """Take in the `square` of the motion and the `reference_square` at a tick."""
@@ -124,6 +120,10 @@ class AmplitudeCheck:
     def restart(self, mean_square: float = 0.0) -> None:
         """Go on as if the motion's mean square had been `mean_square` until now; the reference stays."""
         self._mean_square = mean_square
+
+    def allow(self, left_over: float) -> None:
+        """Allow the motion an amplitude beside the reference, `left_over` from before it came to be judged."""
+        self._left_over = left_over
 
     @property
     def reference(self) -> float:
@@ -140,5 +140,5 @@ class AmplitudeCheck:
         """Tell whether the motion is too large; never before some waves have been seen."""
         if self._count < self._ticks_needed:
             return False
-        largest = self._limit.ratio * (math.sqrt(self.reference) + self.left_over)
+        largest = self._limit.ratio * (math.sqrt(self.reference) + self._left_over)
         return self.amplitude > max(self._limit.floor, largest)

@@ -258,8 +258,8 @@ class HarmGuard:
             self._left_over = min(swing, LARGEST_LEFT_OVER * math.sqrt(self._swing_check.reference))
         else:
             self._left_over *= 1.0 - self._dt / LEFT_OVER_TIME
-        self._swing_check.left_over = self._left_over
-        self._depth_check.left_over = math.sqrt(0.5) * self._left_over
+        self._swing_check.allow(self._left_over)
+        self._depth_check.allow(math.sqrt(0.5) * self._left_over)
 
     def _swing(self, motion: Motion) -> float:
         """Return z^2 + a z'^2 [m^2]: the squared amplitude of a unit that swings by itself."""

@@ -86,6 +86,12 @@ class ModeMachine:
         return self._situation.lost or self._situation.harm or self._situation.closed_gates
 
     @property
+    def fault(self) -> str:
+        """The fault that the winch reports, in words; empty where there is none."""
+        fault = self._situation.winch_fault
+        return "" if fault == WinchFault.NONE else fault_words(fault)
+
+    @property
     def brake(self) -> bool:
         """Tell whether the brake is to be on."""
         return self.mode in BRAKED
@@ -171,7 +177,7 @@ class ModeMachine:
         situation = self._situation
         if event in (Event.WINCH_FAULT, Event.WINCH_EMERGENCY_STOP):
             cause = f": {situation.fault_cause}" if situation.fault_cause else ""
-            return f"winch fault: {fault_words(situation.winch_fault)}{cause}"
+            return f"winch fault: {self.fault}{cause}"
         if event in (Event.SENSOR_LOST, Event.ENCODER_LOST):
             return situation.lost
         if event is Event.HARM:
