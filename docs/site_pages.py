@@ -8,6 +8,8 @@ makes an error.
 
 from __future__ import annotations
 
+import importlib
+import inspect
 import json
 import logging
 import os
@@ -144,6 +146,7 @@ def written_pages() -> list[tuple[str, str]]:
                 ("reference/commands.md", commands_page()),
                 ("reference/topics.md", topics_page()),
                 ("reference/messages.md", messages_page()),
+                ("reference/python.md", python_page()),
                 ("reference/figures_of_merit.md", figures_of_merit_page()),
                 ("validation/gallery.md", gallery_page()),
                 *((f"notebooks/{path.stem}.md", notebook_page(path)) for path in sorted(NOTEBOOKS.glob("*.ipynb"))),
@@ -197,6 +200,34 @@ def messages_page() -> str:
         parts.append(f"## {title}")
         for path in sorted((REPOSITORY / "msgs" / folder).glob(f"*.{folder}")):
             parts += [f"### {path.stem}", f"```text\n{path.read_text(encoding='utf-8').rstrip()}\n```"]
+    return "\n\n".join(parts) + "\n"
+
+
+def python_page() -> str:
+    """Return what each package offers by its own name: signature and docstring."""
+    packages = (
+        "heave_bringup",
+        "heave_bags",
+        "winch_controller_node",
+        "cable_sim_node",
+        "wave_vessel_node",
+        "heave_node",
+    )
+    parts = [
+        "# Python",
+        "What a program imports from the packages themselves; everything is typed. Reading bags, models and",
+    ]
+    parts[-1] += " design need no ROS. In use: [notebooks](../notebooks/first_analysis.md)."
+    for package in packages:
+        face = importlib.import_module(package)
+        parts += [f"## {package}", (inspect.getdoc(face) or "").partition("\n")[0]]
+        for name in sorted(getattr(face, "__all__", ())):
+            thing = getattr(face, name)
+            try:
+                signature = str(inspect.signature(thing))
+            except (TypeError, ValueError):
+                signature = ""
+            parts += [f"### {name}", f"```text\n{name}{signature}\n\n{inspect.getdoc(thing) or ''}\n```"]
     return "\n\n".join(parts) + "\n"
 
 

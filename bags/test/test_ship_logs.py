@@ -8,7 +8,10 @@ import pytest
 from heave_bags.errors import BagError
 from heave_bags.play.sea_import import Channel, SeaMapping, import_sea
 from heave_bags.play.ship_log import time_words, unix_time
-from heave_bags.play.stretches import Window
+from heave_bags.play.stretches import Window, longest_stretch
+from heave_bags.signals import Signal
+from hypothesis import given
+from hypothesis import strategies as st
 
 BEGUN = datetime(2025, 3, 1, 12, tzinfo=timezone.utc)
 OMEGA = 2.0 * math.pi / 9.0
@@ -171,3 +174,13 @@ def test_iso_times_are_read(text):
 def test_no_time_is_no_number():
     assert math.isnan(unix_time("yesterday"))
     assert math.isnan(unix_time(""))
+
+
+@given(st.lists(st.floats(0.05, 5.0), min_size=2, max_size=60), st.floats(0.5, 4.0))
+def test_no_stretch_without_a_long_gap_is_longer_than_the_one_taken(steps, bridge):
+    time = np.cumsum([0.0, *steps])
+    start, end = longest_stretch({"heave": Signal(time, time)}, Window(bridge=bridge), [])
+    runs = np.split(time, np.flatnonzero(np.diff(time) > bridge) + 1)
+    assert end - start == pytest.approx(max(run[-1] - run[0] for run in runs))
+    taken = time[(time >= start) & (time <= end)]
+    assert np.diff(taken).max(initial=0.0) <= bridge
