@@ -51,7 +51,7 @@ coverage: $(VENV)/.test-installed  ## the tests with the lines they reach
 
 docs: $(VENV)/.installed  ## the documentation site, into docs/site: open docs/site/index.html; needs no network once its tools are there
 	@$(BIN)/python -c "import material" 2>/dev/null || VIRTUAL_ENV=$(CURDIR)/$(VENV) $(BIN)/uv pip install --quiet --requirement pyproject.toml --extra docs
-	$(BIN)/python -m mkdocs --quiet build --strict --config-file docs/mkdocs.yml
+	NO_MKDOCS_2_WARNING=1 $(BIN)/python -m mkdocs --quiet build --strict --config-file docs/mkdocs.yml
 	@echo "docs/site/index.html"
 
 gallery: $(VENV)/.test-installed  ## every figure of the validation, in ten minutes; `make docs` then shows them

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import os
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from importlib import resources
@@ -126,6 +127,24 @@ def _stem(path: Path) -> str:
 def _sections(path: Path) -> Sections:
     case = split_reference(str(path))
     return parse_sections(scenario_of(*case).encode(), str(path)) if case else read_sections(path)
+
+
+def sections_for(model: Path, folder: Path) -> Sections:
+    """Return the sections of a scenario, fit for a file in another folder: files that it names are still found.
+
+    Parameters
+    ----------
+    model : file of the scenario
+    folder : of the file that is to be made of it
+
+    Raises ParameterError as `read_sections` does.
+    """
+    sections = _sections(model)
+    for values in sections.values():
+        for name, value in values.items():
+            if name.endswith(NAMES_OF_FILES) and isinstance(value, str) and (model.parent / value).is_file():
+                values[name] = Path(os.path.relpath((model.parent / value).resolve(), folder.resolve())).as_posix()
+    return sections
 
 
 def _found(given: Given, folder: Path | None = None) -> Given:

@@ -93,3 +93,14 @@ def test_the_catalogue_prints_particulars_and_sources(capsys):
     (wire,) = json.loads(capsys.readouterr().out)
     assert wire["values"]["diameter"] == 0.028
     assert "EN 12385-4" in wire["sources"][0]
+
+
+def test_a_file_that_the_model_names_is_found_from_the_new_place_too(here):
+    (here / "seas").mkdir()
+    rows = "".join(f"{0.1 * n:.1f},{0.01 * (n % 7):.2f}\n" for n in range(200))
+    (here / "seas" / "sea.csv").write_text(f"time_s,z_m\n{rows}")
+    vessel = "    boom_tip_source: file\n    recording_file: sea.csv\n"
+    (here / "seas" / "model.yaml").write_text(f"/**/wave_vessel:\n  ros__parameters:\n{vessel}")
+    assert main(["new", "mine", "--like", "seas/model.yaml"]) == 0
+    assert 'recording_file: "seas/sea.csv"' in (here / "mine.yaml").read_text()
+    assert load_scenario("mine.yaml").parameters["wave_vessel"].recording_file == str(here / "seas" / "sea.csv")

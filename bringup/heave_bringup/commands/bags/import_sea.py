@@ -109,14 +109,14 @@ def _write_scenario(
     options: argparse.Namespace, source: Path, estimate: HeightAndPeriod | None, duration: float
 ) -> None:
     """Write a scenario whose boom tip moves as recorded, and whose controller believes height and period of that."""
-    from heave_node.scenario import WILDCARD, read_sections
+    from heave_node.scenario import WILDCARD
 
     from heave_bringup.pages.commented_scenario import commented_scenario
-    from heave_bringup.scenarios import find_scenario, load_scenario
+    from heave_bringup.scenarios import find_scenario, load_scenario, sections_for
 
     if estimate is None or estimate.peak_period is None:
         raise CommandError(f"{options.scenario}: not written: {source} gives no height and period to believe")
-    sections = read_sections(find_scenario(options.like))
+    sections = sections_for(find_scenario(options.like), options.scenario.parent)
     begun = float(sections[WILDCARD].get("transient", 60.0))  # type: ignore[arg-type]
     if duration <= begun:
         raise CommandError(

@@ -31,18 +31,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def execute(options: argparse.Namespace) -> None:
     """Write the file that `options` name, and check it."""
-    from heave_node.scenario import read_sections
-
     from heave_bringup.output import write_result
     from heave_bringup.pages.commented_scenario import commented_scenario
-    from heave_bringup.scenarios import description_of, find_scenario, load_scenario
+    from heave_bringup.scenarios import description_of, find_scenario, load_scenario, sections_for
 
     path = Path(options.file)
     path = path if path.suffix in (".yaml", ".yml") else path.with_name(f"{path.name}.yaml")
     if path.exists() and not options.force:
         raise CommandError(f"{path}: is there already; --force writes over it")
     model = find_scenario(options.like)
-    sections = _changed(read_sections(model), options)
+    sections = _changed(sections_for(model, path.parent), options)
     title = f"{path.stem}: made from {description_of(model).rstrip('.') or model.stem}"
     text = commented_scenario(sections, title=title, path=str(path))
     try:
@@ -76,7 +74,8 @@ def _changed(sections: Sections, options: argparse.Namespace) -> Sections:
     ordered = dict(
         sorted(shared.items(), key=lambda item: item[0].startswith("system."))
     )  # a sort keeps the order else
-    return {WILDCARD: ordered, **{name: values for name, values in sections.items() if name != WILDCARD}}
+    first = {WILDCARD: ordered} if ordered else {}
+    return {**first, **{name: values for name, values in sections.items() if name != WILDCARD}}
 
 
 COMMAND = Command(
