@@ -76,6 +76,22 @@ def test_an_entrant_that_fails_is_named_and_the_others_run(tmp_path: Path, capsy
     assert locked.split()[4] in ("0.00", "-0.00")  # efficiency of a locked winch
 
 
+@pytest.mark.parametrize(
+    ("step", "words"),
+    [
+        ("def step(self, m):\n        return 0.3", "TypeError: step must return a Command; it returned float"),
+        ("def steps(self, m):\n        pass", "TypeError: Mine has no method step(measurement)"),
+    ],
+)
+def test_what_a_stranger_gets_wrong_in_a_controller_is_told_in_words(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], step: str, words: str
+) -> None:
+    path = tmp_path / "mine.py"
+    path.write_text(f"class Mine:\n    def __init__(self, facts):\n        pass\n    {step}\n")
+    heave_benchmark("run", f"{path}:Mine", "--cases", "u2_hold", "--seeds", "1", "--duration", "61", "--processes", "1")
+    assert words in capsys.readouterr().out
+
+
 def test_efficiency_of_the_industrial_baseline_stands_beside_that_of_every_entrant(
     capsys: pytest.CaptureFixture[str],
 ) -> None:

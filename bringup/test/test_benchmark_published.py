@@ -116,9 +116,11 @@ def test_the_law_of_this_suite_leaves_at_most_a_third_of_the_published_figures_w
 
 @pytest.mark.long
 @pytest.mark.timeout(3600)
+@pytest.mark.parametrize("seed", [1, 8])
 @pytest.mark.parametrize("name", ["u2_hold", "u2_lower", "u2_land"])
-def test_mas409_is_within_its_tolerance(name: str) -> None:
-    figures = run(case_named(name), Named("suite:mpc").load())
+def test_mas409_is_within_its_tolerance(name: str, seed: int) -> None:
+    """Of the eight seeds the eighth comes nearest to it, while the load is lowered."""
+    figures = run(case_named(name), Named("suite:mpc").load(), seed)
     assert figures["largest_error_m"] <= 0.04
 
 
@@ -202,8 +204,8 @@ def case_named(name: str) -> Case:
     return {case.name: case for case in published_cases(RECORDS)}[name]
 
 
-def run(case: Case, entrant: Entrant) -> dict[str, float]:
-    problem = case.make(1, case.duration)
+def run(case: Case, entrant: Entrant, seed: int = 1) -> dict[str, float]:
+    problem = case.make(seed, case.duration)
     return figures_of(problem.world.run(entrant(problem.facts)), case.start, case.end)
 
 

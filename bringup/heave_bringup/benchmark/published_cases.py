@@ -43,6 +43,9 @@ SHIPS_ACCELEROMETER = SensorFacts(0.01, 0.01, 0.5, 0.0, 0.02, 0.1, 0.001, 500.0)
 """MAS409: the vessel's acceleration is measured with noise of 0.5 m/s^2. The load cell has half a percent of the load:
 one without noise reads the same again and again on a slack rope, as one that is dead."""
 
+RIGID_ROPE: dict[str, object] = {"cable.axial_stiffness": 1e12, "cable_model.damping": 1e-3}
+"""What this suite's controller is told of a rope that does not stretch: its load swings on it not even for a tick."""
+
 TICK = 0.05
 QUICK = 0.005
 """Sample time with perfect sensors [s]: published laws are given in continuous time."""
@@ -174,13 +177,6 @@ def _zinage_maker(name: str, sea: str, records: Path | None, *, is_noisy: bool) 
 SOLUTION_FASTEST, DRAWWORKS_FASTEST = 0.85, 1.0
 """Hoisting speed of the two drawworks with all valves open [m/s]: 250 bar against 218, 240 against 152."""
 
-RIGID_ROPE: dict[str, object] = {
-    "cable.axial_stiffness": 1e12,
-    "cable_model.damping": 1e-3,
-    "limits.minimum_tension_ratio": 0.0,
-}
-"""What this suite's controller is told of the rope of a drawworks: it does not stretch, and its tension is constant."""
-
 
 def _mas410_cases() -> list[Case]:
     """Return the published solution and a drawworks of 2024; judged over four waves, once any controller has begun."""
@@ -257,9 +253,10 @@ def _drawworks_maker(
             payout_minimum=-20.0,
             payout_maximum=20.0,
         )
-        facts = Facts(
-            name, sample_time, duration, winch, sensors, sea, _belief(winch, sea, sensors, mass, **RIGID_ROPE)
-        )
+        # the drive carries the load: tension is constant, and no limit of the plan
+        rope = {**RIGID_ROPE, "limits.minimum_tension_ratio": 0.0}
+        belief = _belief(winch, sea, sensors, mass, **rope)
+        facts = Facts(name, sample_time, duration, winch, sensors, sea, belief)
 
         def make_winch() -> Winch:
             return DrivenWinch(
@@ -313,7 +310,9 @@ def _mas409_maker(name: str, load: WetLoad, programme: dict[str, object]) -> Cal
             SHIPS_ACCELEROMETER,
             load.mass,
             water_density=1025.0,
-            **{"unit.volume": 2.0, "unit.drag_coefficient": (1.8,) * 3, "unit.drag_area": (1.5,) * 3, **programme},
+            **{"unit.volume": 2.0, "unit.drag_coefficient": (1.8,) * 3, "unit.drag_area": (1.5,) * 3},
+            **RIGID_ROPE,
+            **programme,
         )
         facts = Facts(name, TICK, duration, winch, SHIPS_ACCELEROMETER, sea, belief)
 

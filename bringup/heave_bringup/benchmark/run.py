@@ -14,6 +14,7 @@ from heave_node.parameters import ParameterError
 
 from heave_bringup.benchmark.case import Case, definition_of, digest
 from heave_bringup.benchmark.entrants.table import Named
+from heave_bringup.benchmark.interface import Command, Controller, Measurement
 from heave_bringup.benchmark.outcome import figures_of
 from heave_bringup.benchmark.published_cases import published_cases
 from heave_bringup.benchmark.suite_cases import suite_cases
@@ -93,6 +94,27 @@ def run_all(tasks: Sequence[Task], processes: int | None) -> Iterator[Result]:
             yield finished.result()
 
 
+class _Checked:
+    """An entrant whose commands are looked at: what is no Command is told in words that name the mistake.
+
+    Parameters
+    ----------
+    controller : the entrant
+    """
+
+    def __init__(self, controller: Controller) -> None:
+        if not callable(getattr(controller, "step", None)):
+            raise TypeError(f"{type(controller).__name__} has no method step(measurement)")
+        self._controller = controller
+
+    def step(self, measurement: Measurement) -> Command:
+        """See `Controller.step`."""
+        command = self._controller.step(measurement)
+        if not isinstance(command, Command):
+            raise TypeError(f"step must return a Command; it returned {type(command).__name__}")
+        return command
+
+
 def run_one(task: Task) -> Result:
     """Run one task; what the entrant does wrong is its result, not ours."""
     case = task.case_of()
@@ -102,7 +124,7 @@ def run_one(task: Task) -> Result:
     is_reference = bool(getattr(entrant, "needs_preview", False))
     try:
         controller = entrant(problem.facts_with_preview() if is_reference else problem.facts)
-        outcome = problem.world.run(controller)
+        outcome = problem.world.run(_Checked(controller))
         figures = figures_of(outcome, case.start, case.end)
     except Exception as error:  # an entrant may do anything; the others' results are kept
         words = " ".join(str(error).split())
