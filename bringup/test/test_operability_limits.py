@@ -73,12 +73,15 @@ def test_a_bound_that_allows_nothing_ends_at_the_last_height_with_none():
 
 
 def test_the_confidence_of_a_limit_is_student_s_over_the_seeds():
-    (row,) = limit_curve(cases(seeds=(1, 2, 4), heights=(0.5, 1.0, 2.0, 3.0)), [RESIDUAL]).to_dict("records")
+    heights = (0.5, 1.0, 2.0, 3.0, 4.0)
+    (row,) = limit_curve(cases(seeds=(1, 2, 4), heights=heights), [RESIDUAL]).to_dict("records")
     limits = [2.5, 1.25, 0.625]
     interval = stats.t.interval(0.9, 2, loc=np.mean(limits), scale=stats.sem(limits))
     assert row["limit"] == pytest.approx(np.mean(limits))
     assert row["upper"] == pytest.approx(interval[1])
     assert row["lower"] == max(interval[0], 0.0)
+    (cut,) = limit_curve(cases(seeds=(1, 2, 4), heights=heights[:-1]), [RESIDUAL]).to_dict("records")
+    assert cut["upper"] == 3.0 < interval[1], "the study has not looked beyond"
     (single,) = limit_curve(cases(), [RESIDUAL]).to_dict("records")
     assert math.isnan(single["lower"])
 

@@ -91,8 +91,8 @@ def limit_curve(frame: pandas.DataFrame, criteria: Sequence[Criterion], *, locke
     Returns
     -------
     curve : a row for each peak period, with `period`, `limit` (mean over the seeds), `lower` and `upper` (ends of its
-        confidence interval, NaN for a single seed), `is_open` (nothing limits some seed up to the largest height),
-        `governs`, `seeds`
+        confidence interval within the grid, NaN for a single seed), `is_open` (nothing limits some seed up to the
+        largest height), `governs`, `seeds`
     """
     top = float(frame[HEIGHT].max())
     rows = []
@@ -106,7 +106,7 @@ def limit_curve(frame: pandas.DataFrame, criteria: Sequence[Criterion], *, locke
                 "period": float(period),  # type: ignore[arg-type]
                 "limit": float(heights.mean()),
                 "lower": max(float(heights.mean()) - half, 0.0),
-                "upper": float(heights.mean()) + half,
+                "upper": min(float(heights.mean()) + half, top),
                 "is_open": any(math.isinf(one.height) for one in found),
                 "governs": max(names, key=names.count) if names else "",
                 "seeds": len(found),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import html
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Hashable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -100,13 +100,16 @@ def _overview(found: Sequence[Situation], place: Place | None) -> str:
     for situation in found:
         for name, exposure in (("compensated", situation.exposure), ("uncompensated", situation.locked_exposure)):
             if exposure is not None:
-                rows.append([situation.name or "-", name, *_shares(exposure, place)])
+                rows.append([situation.name, name, *_shares(exposure, place)])
     head = ["situation", "winch", "workable seas [%]", "at the lower confidence [%]"]
     head += [f"wait for {hours:g} h, P50 / P90 [h]" for hours in place.windows if place.record.has_order]
     name = html.escape(place.record.name)
     trust = "with the alpha factors given" if place.alpha is not None else "with a forecast that is trusted"
     caption = f"Seas of {name}; windows {trust}."
-    return f'<h2>Answer</h2><p class="caption">{caption}</p>{_table(head, rows, texts=2)}'
+    if not any(row[0] for row in rows):  # the sea alone was varied
+        head, rows = head[1:], [row[1:] for row in rows]
+    texts = 1 + head.index("winch")
+    return f'<h2>Answer</h2><p class="caption">{caption}</p>{_table(head, rows, texts=texts)}'
 
 
 def _shares(exposure: Exposure, place: Place) -> list[str]:
@@ -159,16 +162,17 @@ def _limits(situation: Situation) -> str:
     for row in situation.limit.to_dict("records"):
         other = locked.loc[row["period"]].to_dict()
         governs = title_of(str(row["governs"])) if row["governs"] else "-"
-        rows.append([f"{row['period']:g}", governs, _limit(row), _interval(row), _limit(other), _interval(other)])
+        rows.append([f"{row['period']:g}", governs, _limit(row), interval(row), _limit(other), interval(other)])
     head = ["Tp [s]", "ended by", "Hs, compensated [m]", "confidence [m]", "Hs, uncompensated [m]", "confidence [m]"]
     return _table(head, rows, texts=2)
 
 
-def _limit(row: Mapping[str, object]) -> str:
+def _limit(row: Mapping[Hashable, object]) -> str:
     return f"{'at least ' if row['is_open'] else ''}{row['limit']:.2f}"
 
 
-def _interval(row: Mapping[str, object]) -> str:
+def interval(row: Mapping[Hashable, object]) -> str:
+    """Return the confidence interval of a `row` of a limit curve; a dash where the seeds do not show one."""
     lower, upper = float(row["lower"]), float(row["upper"])  # type: ignore[arg-type]
     return f"{lower:.2f} to {upper:.2f}" if math.isfinite(lower) and upper > lower else "-"
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from dataclasses import asdict
 from pathlib import Path
 
 from heave_node.parameters import ParameterError
@@ -36,7 +37,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="a picture (.png, .svg, .pdf) over what was varied",
     )
     parser.add_argument(
-        "--kpi", default="unit_sigma_m", metavar="KPI", help="figure of merit of the picture (default: unit_sigma_m)"
+        "--tornado",
+        type=Path,
+        metavar="FILE",
+        help="a picture (.png, .svg, .pdf) of what matters: the figure's rank correlation with each parameter drawn",
+    )
+    parser.add_argument(
+        "--kpi", default="unit_sigma_m", metavar="KPI", help="figure of merit of the pictures (default: unit_sigma_m)"
     )
 
 
@@ -47,6 +54,7 @@ def execute(options: argparse.Namespace) -> None:
     from heave_bringup.campaign import picture
     from heave_bringup.campaign.campaign_file import find_campaign, read_campaign
     from heave_bringup.campaign.report import case_table, summary_table, to_json, without_scenario
+    from heave_bringup.campaign.sensitivity import influence_table, influences, save_tornado
     from heave_bringup.campaign.study import run_study
     from heave_bringup.output import check_output, write_result
 
@@ -58,6 +66,7 @@ def execute(options: argparse.Namespace) -> None:
     check_output("--output", options.output, (".parquet",))
     check_output("--csv", options.csv, (".csv",))
     check_output("--plot", options.plot, picture.ENDINGS)
+    check_output("--tornado", options.tornado, picture.ENDINGS)
     campaign = read_campaign(find_campaign(options.campaign))
     campaign = campaign.shortened(duration=options.duration, draws=options.draws)
     frame = run_study(campaign, output=options.output, processes=options.processes, dask=options.dask)
@@ -65,7 +74,13 @@ def execute(options: argparse.Namespace) -> None:
         without_scenario(frame).to_csv(options.csv, index=False)
     if options.plot is not None:
         picture.save_picture(frame, options.kpi, options.plot)
-    write_result(options, [case_table(frame), summary_table(frame)], to_json(campaign, frame))
+    parts, result = [case_table(frame), summary_table(frame)], to_json(campaign, frame)
+    if options.tornado is not None:
+        found = influences(frame, options.kpi)
+        save_tornado(found, options.kpi, options.tornado)
+        parts.append(influence_table(found, options.kpi))
+        result["influences"] = {"kpi": options.kpi, "parameters": [asdict(one) for one in found]}
+    write_result(options, parts, result)
 
 
 COMMAND = Command(
@@ -74,6 +89,7 @@ COMMAND = Command(
     examples=(
         "heave campaign b9_model_error --json result.json",
         "heave campaign b9_model_error --output b9.parquet --plot b9.svg",
+        "heave campaign b3_robustness --output b3.parquet --tornado b3.svg",
     ),
     add_arguments=add_arguments,
     execute=execute,

@@ -180,11 +180,12 @@ def _criteria(frame: pandas.DataFrame, table: Path, required: list[Criterion]) -
 
 def _tables(found: list[Situation], place: Place | None) -> list[str | Table]:
     from heave_bringup.operability.limits import title_of
+    from heave_bringup.operability.page import interval
     from heave_bringup.output import make_table
 
     parts: list[str | Table] = []
     for situation in found:
-        head = ["Tp s", "Hs m", "from", "to", "ended by", "Hs m uncompensated"]
+        head = ["Tp s", "Hs m", "90 % sure", "ended by", "Hs m uncompensated"]
         rows = []
         for row, locked in zip(
             situation.limit.to_dict("records"), situation.locked_limit.to_dict("records"), strict=True
@@ -192,7 +193,7 @@ def _tables(found: list[Situation], place: Place | None) -> list[str | Table]:
             least = ">= " if row["is_open"] else ""
             least_locked = ">= " if locked["is_open"] else ""
             governs = title_of(str(row["governs"])) if row["governs"] else "nothing"
-            limits = [f"{least}{row['limit']:.2f}", f"{row['lower']:.2f}", f"{row['upper']:.2f}"]
+            limits = [f"{least}{row['limit']:.2f}", interval(row)]
             rows.append([f"{row['period']:g}", *limits, governs, f"{least_locked}{locked['limit']:.2f}"])
         parts += [situation.name, make_table(head, rows, texts=["ended by"])] if situation.name else []
         parts += [] if situation.name else [make_table(head, rows, texts=["ended by"])]
