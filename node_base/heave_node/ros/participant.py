@@ -11,6 +11,7 @@ from heave_msgs.msg import TickRoster, TickStatus
 
 from heave_node.interface import topics
 from heave_node.ros.node import HeaveNode, ProtocolError, expect_no, expect_sender, steady_clock
+from heave_node.ros.silence import Silence
 from heave_node.tick import malformed
 from heave_node.tick.protocol import TickDone, TickStart
 from heave_node.tick.punctuality import Punctuality
@@ -48,7 +49,7 @@ class ParticipantNode(HeaveNode):
         self._output_counts: dict[str, int] = {}
         self._master = self._other_master = ""
         self._early: deque[Callable[[], None]] = deque(maxlen=HELD_MESSAGES)
-        self._master_heard_at = time.monotonic()
+        self._silence = Silence()
         self._done = self.create_protocol_publisher(topics.tick_done_topic(self.name))
         self.create_protocol_subscription(topics.TICK_ROSTER, self._on_roster)
         self.create_protocol_subscription(topics.TICK_START, self._on_start, TickStart.of)
@@ -98,7 +99,7 @@ class ParticipantNode(HeaveNode):
 
     def on_roster(self, message: TickRoster) -> None:
         """Begin a run: `message` says who takes part and how messages are counted."""
-        self._master_heard_at = time.monotonic()
+        self._silence.end()
         self.gate.set_roster(message.nodes, message.topics, message.identities)
         self._roster_epoch = message.epoch
         self.has_started = True
@@ -117,7 +118,7 @@ class ParticipantNode(HeaveNode):
             return
         expect_sender(identity, self._master)
         expect_no(malformed.fault_in_start(message, self._entries))
-        self._master_heard_at = time.monotonic()
+        self._silence.end()
         newest = self._starts[-1] if self._starts else self._answered
         if newest is None or _order(message) > _order(newest):
             self._starts.append(message)
@@ -234,7 +235,7 @@ class ParticipantNode(HeaveNode):
         if self.has_started:
             expect_sender(identity, self._master)
         expect_no(malformed.fault_in_status(message))
-        self._master_heard_at = time.monotonic()
+        self._silence.end()
         if message.state in (TickStatus.ENDED, TickStatus.FAILED) and self.has_started and not self.finished.done():
             self.fail_on_error(lambda: self.on_run_ended(message))
             self.finish()
@@ -242,7 +243,7 @@ class ParticipantNode(HeaveNode):
     def on_idle(self) -> None:
         """End the node when the clock master has been silent for too long."""
         limit = self.run.participant_timeout if self.has_started else self.run.start_timeout
-        silence = time.monotonic() - self._master_heard_at
+        silence = self._silence.look()
         if (self.is_active or self.has_started) and silence > limit:
             name = f" {self._roster.nodes[0]}" if self._roster is not None and self._roster.nodes else ""
             self.fail(f"no message from the clock master{name} for {silence:.1f} s")
