@@ -130,6 +130,32 @@ def test_a_limit_that_is_not_reached_is_not_learnt(design):
     assert identified(design, weak, size=0.3).improved_winch(WinchControllerParameters().winch) is None
 
 
+def test_a_limit_below_the_speed_that_the_encoder_has_shown_is_not_learnt():
+    """A hydraulic drive lags 0.05 s while it hoists and not at all while it lowers; it has 1 m/s and 2 m/s^2.
+
+    The waves grow, the fastest speed comes last: a limit that cuts it explains what the lag has left behind.
+    """
+    winch = replace(
+        WinchControllerParameters().winch,
+        time_constant=0.03,
+        command_delay=0.0,
+        speed_limit=1.0,
+        acceleration_limit=2.0,
+    )
+    design = design_controller(WinchControllerParameters(winch=winch), tick_period=DT)
+    identifier, payout, rate = WinchIdentifier(WinchControllerParameters().lag, design), 0.0, 0.0
+    for time in DT * np.arange(round(11.5 / DT)):
+        command = 0.754 * min(time / 10.0, 1.0) * np.cos(0.2 * np.pi * time)
+        for _ in range(50):
+            lag = 0.05 if rate < 0.0 else 0.005
+            rate += DT / 50 * (command - rate) / lag
+            payout += DT / 50 * rate
+        identifier.add(0.0, command, 1e-3 * round(1e3 * payout))
+        if time > 4.0 and round(time / DT) % 40 == 0:
+            better = identifier.improved_winch(winch)
+            assert better is None or (better.speed_limit, better.acceleration_limit) == (1.0, 2.0)
+
+
 def test_dead_zone_and_play_of_the_encoder_are_not_taken_for_lags_or_limits(design):
     other = WinchParameters(speed_deadband=0.05, encoder=EncoderParameters(backlash=0.02))
     belief = WinchControllerParameters().winch

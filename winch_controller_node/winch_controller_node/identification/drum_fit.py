@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import product
 
 import numpy as np
@@ -54,6 +54,12 @@ TRIED = 3
 
 LIKELIHOOD = 30.0
 """A lower limit stays if the record without it is less likely by a factor of exp(-LIKELIHOOD/2) at least."""
+
+SEEN_OVER, SEEN_ERROR = 0.5, 0.002
+"""Time over which the speed of the encoder is taken [s], and the error of the difference of two readings [m]."""
+
+EXPLAINED = 0.006
+"""A record of which less than this is left is explained: it proves no limit; of more, nothing is learnt [m]."""
 
 IMPROVEMENT = 1.5
 """And if without it the mean square of what is left is so many times as large: no model is exact."""
@@ -115,6 +121,27 @@ class DrumBelief:
     sigmas: Array
     lowest: Array
     highest: Array
+
+
+def proved_belief(record: DrumRecord, belief: DrumBelief) -> DrumBelief:
+    """Return the `belief` with no limit that may be lower than what the encoder has shown the drum to do in a `record`.
+
+    A drum that lags otherwise than its model, or not the same way out and in, is off by some millimetres after a while,
+    and a limit that cuts a wave's crest explains that as well. But a drum has at least the speed that it had.
+    """
+    n = max(1, round(SEEN_OVER / record.dt))
+    window, lowest = n * record.dt, belief.lowest.copy()
+    speed = (record.readings[n:] - record.readings[:-n]) / window
+    acceleration = (speed[n:] - speed[:-n]) / window
+    for limits, shown, error in (
+        (SPEEDS, speed, SEEN_ERROR / window),
+        (ACCELERATIONS, acceleration, 2.0 * SEEN_ERROR / window**2),
+    ):
+        known = shown[np.isfinite(shown)]
+        for index, sign in zip(limits, (1.0, -1.0), strict=True):
+            most = float(np.max(sign * known, initial=0.0)) - error
+            lowest[index] = min(max(lowest[index], most), belief.nominal[index])
+    return replace(belief, lowest=lowest)
 
 
 @dataclass(frozen=True)
@@ -293,6 +320,6 @@ def _without_needless(record: DrumRecord, belief: DrumBelief, fit: DrumFit, free
         lowered = [i for i in LIMITS if start[i] < belief.nominal[i]]
         other = fit_drum(record, belief, start, [*free, *lowered])
         gain = (other.squares - fit.squares) / (CORRELATED * fit.residual**2)
-        if gain < LIKELIHOOD or other.squares < IMPROVEMENT * fit.squares:
+        if gain < LIKELIHOOD or other.squares < IMPROVEMENT * fit.squares or other.residual < EXPLAINED:
             fit = other
     return fit

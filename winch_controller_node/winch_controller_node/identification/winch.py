@@ -21,6 +21,7 @@ from winch_controller_node.identification.drum_fit import (
     BACKLASH,
     DEADBAND,
     DELAY,
+    EXPLAINED,
     GAIN,
     IMPROVEMENT,
     LAG,
@@ -33,6 +34,7 @@ from winch_controller_node.identification.drum_fit import (
     DrumRecord,
     best_lags,
     fit_drum,
+    proved_belief,
     search_limits,
 )
 from winch_controller_node.identification.drum_kernel import Drum, predicted_reading
@@ -56,9 +58,6 @@ SIGNIFICANT = 4.0
 
 MISFIT = 0.002
 """Limits are searched where so much is left [m]."""
-
-EXPLAINED = 0.006
-"""Nothing is learnt from a record of which more than this is left [m]."""
 
 BETTER = 1.15
 """What is found must leave so many times less, mean square, than what is in force."""
@@ -304,35 +303,35 @@ class WinchIdentifier:
         return in_force if abs(limit / in_force - 1.0) < LIMIT_STEP else limit
 
     def _fit(self, record: DrumRecord, found: Array) -> DrumFit | None:
-        start = self._start(record.readings, found)
+        belief = proved_belief(record, self._belief)
+        start = self._start(record.readings, np.maximum(found, belief.lowest))
         learnt: list[int] = []
         for pair in (SPEEDS, ACCELERATIONS):
             weaker = min(start[i] for i in pair)
-            if weaker < self._belief.nominal[pair[0]]:
+            if weaker < belief.nominal[pair[0]]:
                 # a direction that has not reached its limit yet is taken for no stronger than the other
-                start[[i for i in pair if start[i] >= self._belief.nominal[i]]] = weaker
+                unreached = [i for i in pair if start[i] >= belief.nominal[i]]
+                start[unreached] = np.maximum(weaker, belief.lowest[unreached])
                 learnt += pair
         free = [*self._free, *(i for i in self._rare if start[i] > 0.0)]
-        fit = fit_drum(record, self._belief, start, free)
+        fit = fit_drum(record, belief, start, free)
         # limits that were learnt stay where they explain the record: what is not reached tells nothing
-        for other in [start, *best_lags(record, self._belief, start)] if fit.residual > MISFIT else []:
-            again = fit_drum(record, self._belief, other, [*free, *learnt])
+        for other in [start, *best_lags(record, belief, start)] if fit.residual > MISFIT else []:
+            again = fit_drum(record, belief, other, [*free, *learnt])
             fit = again if IMPROVEMENT * again.squares < fit.squares else fit
         if fit.residual > MISFIT:
-            limited = search_limits(record, self._belief, start, free)
+            limited = search_limits(record, belief, start, free)
             fit = limited if limited.squares < fit.squares else fit
         if fit.residual > MISFIT and len(free) < len(self._free) + len(self._rare):
-            fit = self._with_rare(record, fit)
+            fit = self._with_rare(record, belief, fit)
         return fit if np.all(np.isfinite(fit.drum)) else None
 
-    def _with_rare(self, record: DrumRecord, fit: DrumFit) -> DrumFit:
+    def _with_rare(self, record: DrumRecord, belief: DrumBelief, fit: DrumFit) -> DrumFit:
         """Return a fit with dead zone and play where the record is much better explained by them."""
-        lowered = [i for i in LIMITS if fit.drum[i] < self._belief.nominal[i]]
-        nominal = self._start(record.readings, self._belief.nominal)
+        lowered = [i for i in LIMITS if fit.drum[i] < belief.nominal[i]]
+        nominal = self._start(record.readings, belief.nominal)
         nominal[list(LIMITS)] = fit.drum[list(LIMITS)]
-        found = [
-            fit_drum(record, self._belief, start, [*self._free, *self._rare, *lowered]) for start in (fit.drum, nominal)
-        ]
+        found = [fit_drum(record, belief, start, [*self._free, *self._rare, *lowered]) for start in (fit.drum, nominal)]
         best = min(found, key=lambda other: other.squares)
         return best if IMPROVEMENT * best.squares < fit.squares else fit
 
