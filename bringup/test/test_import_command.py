@@ -84,3 +84,14 @@ def test_what_cannot_be_taken_is_refused_in_one_line(tmp_path, monkeypatch, caps
     assert words in said
     assert said.count("\n") == 1
     assert not (tmp_path / "mine.yaml").exists()
+
+
+def test_the_log_itself_is_never_written_over(tmp_path, capsys):
+    log = tmp_path / "log.csv"
+    log.write_text("time_s,heave\n" + "\n".join(f"{0.1 * i:.1f},{math.sin(0.06 * i):.4f}" for i in range(3000)) + "\n")
+    before = log.read_text()
+    for option in ("--output", "--scenario"):
+        others = [] if option == "--output" else ["--output", str(tmp_path / "sea.csv")]
+        assert main(["import", str(log), "--column", "heave", option, str(log), *others]) != 0
+        assert "is the record itself" in capsys.readouterr().err
+    assert log.read_text() == before

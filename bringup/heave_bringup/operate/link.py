@@ -181,6 +181,10 @@ class RunLink:
         deadline = self.wall_time + FINDING_TIME
         while self.situation.run is None and self.wall_time < deadline:
             self.spin(LOOK_PERIOD)
+        # on a busy machine a run may be seen before it is heard
+        deadline += MEETING_TIME if self._node.count_publishers(topics.TICK_STATUS.name) else 0.0
+        while self.situation.run is None and self.wall_time < deadline:
+            self.spin(LOOK_PERIOD)
         if self.situation.run is None or self.situation.is_over:
             raise NoRunError(self._no_run())
 
@@ -196,7 +200,10 @@ class RunLink:
         if others:
             options = [f"--namespace {name}" if name else "without --namespace" for name in others]
             return f"no run in {where}; there is one {' and one '.join(options)}"
-        return f"no run in {where}: start one with heave run, or set ROS_DOMAIN_ID to the one of the run"
+        return (
+            f"no run in {where} was heard within {FINDING_TIME:g} s: start one with heave run, set ROS_DOMAIN_ID to the "
+            "one of the run, or try again on a busy machine"
+        )
 
     # what is heard
 

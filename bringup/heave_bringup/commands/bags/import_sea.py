@@ -60,6 +60,10 @@ def execute(options: argparse.Namespace) -> None:
     if not 0.0 < options.bridge <= 10.0:
         raise CommandError(f"--bridge {options.bridge:g}: must be above 0 and at most 10 s")
     (source,) = bag_folders([options.source])
+    for option in ("output", "scenario"):
+        target: Path | None = getattr(options, option)
+        if target is not None and target.resolve() == source.resolve():
+            raise CommandError(f"--{option} {target}: is the record itself, which is never written over; name another")
     mapping = SeaMapping({"heave": Channel(column=options.column)}) if options.column else None
     wanted = mapping or options.topic or read_mapping(options.mapping)
     sea = import_sea(source, wanted, Window(options.begin, options.end, options.bridge))
