@@ -201,8 +201,8 @@ class RunLink:
             options = [f"--namespace {name}" if name else "without --namespace" for name in others]
             return f"no run in {where}; there is one {' and one '.join(options)}"
         return (
-            f"no run in {where} was heard within {FINDING_TIME:g} s: start one with heave run, set ROS_DOMAIN_ID to the "
-            "one of the run, or try again on a busy machine"
+            f"no run in {where} was heard within {FINDING_TIME:g} s: start one with heave run, set ROS_DOMAIN_ID to "
+            "that of the run, or try again on a busy machine"
         )
 
     # what is heard
