@@ -144,14 +144,15 @@ def predicted_reading(
     dt : tick period [s]
     """
     count = len(readings) - 1
+    end = len(rates) - count + fitted
     drums, starts = np.empty((2, len(drum))), np.empty((2, 2))
     drums[0], drums[1] = drum, drum
     starts[0, 0], starts[0, 1] = readings[0], (readings[1] - readings[0]) / dt
     for _ in range(START_STEPS):
         starts[1, 0], starts[1, 1] = starts[0, 0], starts[0, 1] + RATE_STEP
-        simulated = drum_records(payouts, rates, drums, starts, position_gain, count, dt)
-        left = readings[1 : fitted + 1] - simulated[0, :fitted]
-        slopes = (simulated[1, :fitted] - simulated[0, :fitted]) / RATE_STEP
+        simulated = drum_records(payouts[:end], rates[:end], drums, starts, position_gain, fitted, dt)
+        left = readings[1 : fitted + 1] - simulated[0]
+        slopes = (simulated[1] - simulated[0]) / RATE_STEP
         about = slopes - slopes.mean()
         spread = about @ about
         rate = about @ left / spread if spread > fitted * WEAK_SLOPE**2 else 0.0
