@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from types import ModuleType
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -13,6 +14,7 @@ from heave_bringup.campaign.table import FAILURE, LOST, SEED, settings_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 ENDINGS = (".png", ".svg", ".pdf")
 UNCOMPENSATED = {
@@ -36,12 +38,7 @@ def save_picture(frame: pandas.DataFrame, kpi: str, path: Path) -> None:
     kpi : key of the figure
     path : .png, .svg or .pdf
     """
-    import matplotlib as mpl  # noqa: PLC0415 - slow to import
-
-    mpl.use("Agg")
-    mpl.rcParams["svg.hashsalt"] = "heave"  # equal tables give equal bytes
-    from matplotlib import pyplot  # noqa: PLC0415
-
+    pyplot = load_pyplot()
     good = frame[frame[FAILURE] == ""]
     places = [place for place in settings_of(frame) if good[place].astype(str).nunique() > 1][:MOST_PANELS] or [SEED]
     columns = min(len(places), 3)
@@ -57,8 +54,7 @@ def save_picture(frame: pandas.DataFrame, kpi: str, path: Path) -> None:
         axis.set_ylabel(f"{definition.title}{unit}", fontsize=8)
     axes[0, 0].legend(fontsize=8, frameon=False)
     figure.tight_layout()
-    figure.savefig(path, dpi=130, metadata={"Date": None} if path.suffix == ".svg" else None)
-    pyplot.close(figure)
+    save_figure(figure, path)
 
 
 def _panel(axis: Axes, good: pandas.DataFrame, place: str, kpi: str) -> None:
@@ -84,3 +80,20 @@ def _numbers(column: pandas.Series) -> tuple[np.ndarray, list[str]]:
         return column.to_numpy(dtype=float), []
     codes, names = pandas.factorize(column.astype(str))
     return codes.astype(float), list(names)
+
+
+def load_pyplot() -> ModuleType:
+    """Return pyplot, which draws without a screen; it is slow to import."""
+    import matplotlib as mpl  # noqa: PLC0415
+
+    mpl.use("Agg")
+    mpl.rcParams["svg.hashsalt"] = "heave"  # equal tables give equal bytes
+    from matplotlib import pyplot  # noqa: PLC0415
+
+    return pyplot
+
+
+def save_figure(figure: Figure, path: Path) -> None:
+    """Write a `figure` to a `path` (.png, .svg or .pdf), equal figures as equal bytes, and close it."""
+    figure.savefig(path, dpi=130, metadata={"Date": None} if path.suffix == ".svg" else None)
+    load_pyplot().close(figure)

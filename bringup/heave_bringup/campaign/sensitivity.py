@@ -18,6 +18,7 @@ from heave_node.parameters import ParameterError
 from rich.table import Table
 from scipy import stats
 
+from heave_bringup.campaign.picture import load_pyplot, save_figure
 from heave_bringup.campaign.table import FAILURE, NOMINAL, settings_of
 from heave_bringup.output import make_table
 
@@ -131,12 +132,7 @@ def save_tornado(found: list[Influence], kpi: str, path: Path) -> None:
     kpi : key of the figure of merit
     path : .png, .svg or .pdf
     """
-    import matplotlib as mpl  # noqa: PLC0415 - slow to import
-
-    mpl.use("Agg")
-    mpl.rcParams["svg.hashsalt"] = "heave"  # equal tables give equal bytes
-    from matplotlib import pyplot  # noqa: PLC0415
-
+    pyplot = load_pyplot()
     figure, axis = pyplot.subplots(figsize=(8.0, 1.2 + 0.34 * len(found)))
     rows = np.arange(len(found))[::-1]
     values = np.array([one.correlation for one in found])
@@ -151,5 +147,4 @@ def save_tornado(found: list[Influence], kpi: str, path: Path) -> None:
     axis.grid(axis="x", color="#e6ecf1")
     axis.set_axisbelow(True)
     figure.tight_layout()
-    figure.savefig(path, dpi=130, metadata={"Date": None} if path.suffix == ".svg" else None)
-    pyplot.close(figure)
+    save_figure(figure, path)

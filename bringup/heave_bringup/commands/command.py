@@ -6,6 +6,8 @@ import argparse
 from collections.abc import Callable
 from dataclasses import dataclass
 
+DEFAULT_MODEL = "b3_deep_900"
+
 
 @dataclass(frozen=True)
 class Command:
@@ -25,3 +27,8 @@ class Command:
     examples: tuple[str, ...]
     execute: Callable[[argparse.Namespace], None]
     add_arguments: Callable[[argparse.ArgumentParser], object] = lambda parser: None  # noqa: ARG005
+
+
+def add_model(parser: argparse.ArgumentParser, words: str) -> None:
+    """Add to a `parser` the option that names the scenario which a new one begins with; its help in `words`."""
+    parser.add_argument("--like", metavar="SCENARIO", default=DEFAULT_MODEL, help=f"{words} ({DEFAULT_MODEL})")

@@ -178,15 +178,18 @@ class RunLink:
     # finding the run
 
     def _find(self) -> None:
-        deadline = self.wall_time + FINDING_TIME
-        while self.situation.run is None and self.wall_time < deadline:
-            self.spin(LOOK_PERIOD)
+        self._listen(FINDING_TIME)
         # on a busy machine a run may be seen before it is heard
-        deadline += MEETING_TIME if self._node.count_publishers(topics.TICK_STATUS.name) else 0.0
-        while self.situation.run is None and self.wall_time < deadline:
-            self.spin(LOOK_PERIOD)
+        if self.situation.run is None and self._node.count_publishers(topics.TICK_STATUS.name):
+            self._listen(MEETING_TIME)
         if self.situation.run is None or self.situation.is_over:
             raise NoRunError(self._no_run())
+
+    def _listen(self, longest: float) -> None:
+        """Wait until a run is heard, at most so long [s]."""
+        deadline = self.wall_time + longest
+        while self.situation.run is None and self.wall_time < deadline:
+            self.spin(LOOK_PERIOD)
 
     def _no_run(self) -> str:
         where = self.place

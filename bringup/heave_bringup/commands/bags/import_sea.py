@@ -7,16 +7,13 @@ import os
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from heave_bringup.commands.command import Command
+from heave_bringup.commands.command import Command, add_model
 from heave_bringup.errors import CommandError
 
 if TYPE_CHECKING:
     from heave_node.numerics.arrays import Array
     from heave_node.numerics.spectral_estimate import HeightAndPeriod
     from heave_node.scenario import Sections
-
-
-DEFAULT_MODEL = "b3_deep_900"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -32,9 +29,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--output", type=Path, required=True, metavar="FILE", help="CSV file to write, for wave_vessel's file source"
     )
     parser.add_argument("--scenario", type=Path, metavar="FILE", help="write a scenario that runs in this sea, too")
-    parser.add_argument(
-        "--like", metavar="SCENARIO", default=DEFAULT_MODEL, help=f"where its other values are from ({DEFAULT_MODEL})"
-    )
+    add_model(parser, "where its other values are from")
     for name, words in (("from", "begin"), ("to", "end")):
         parser.add_argument(
             f"--{name}",

@@ -8,21 +8,17 @@ from typing import TYPE_CHECKING
 
 from heave_node.catalogue import KINDS
 
-from heave_bringup.commands.command import Command
+from heave_bringup.commands.command import Command, add_model
 from heave_bringup.errors import CommandError
 
 if TYPE_CHECKING:
     from heave_node.scenario import Sections
 
-DEFAULT_MODEL = "b3_deep_900"
-
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the command's own arguments to `parser`."""
     parser.add_argument("file", metavar="SCENARIO", help="name or file to write: my_lift gives my_lift.yaml")
-    parser.add_argument(
-        "--like", metavar="SCENARIO", default=DEFAULT_MODEL, help=f"begin with the values of this one ({DEFAULT_MODEL})"
-    )
+    add_model(parser, "begin with the values of this one")
     for kind in KINDS:
         parser.add_argument(f"--{kind}", metavar="NAME", help=f"a {kind} of the catalogue (heave catalogue {kind})")
     parser.add_argument("--length", metavar="M", type=float, help="deployed length of the cable")
