@@ -1,6 +1,7 @@
 """The KPI formulas against closed forms."""
 
 import math
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -97,6 +98,43 @@ def test_power_of_opposed_sines_is_half_the_product_and_all_regeneration_when_in
     assert power.peak == pytest.approx(2.5e4, rel=1e-4)
     assert power.mean_abs == pytest.approx(2.5e4 * 2.0 / math.pi, rel=1e-4)
     assert power.motoring == pytest.approx(power.regenerated, rel=1e-3)
+
+
+def test_the_root_mean_square_of_a_sine_of_power_is_its_peak_over_root_two():
+    power = kpi.winch_power(np.full(TIME.size, 5e4), sine(0.5))
+    assert power.rms == pytest.approx(2.5e4 / math.sqrt(2.0), rel=1e-12)
+
+
+def test_wear_of_a_sine_is_four_amplitudes_two_turns_and_one_bend_a_period():
+    # 20 periods of 10 s; the record begins in the middle of a stroke and ends a sample short of the last
+    wear = kpi.rope_wear(TIME, sine(0.5, mean=100.0))
+    assert wear.travel == pytest.approx(4.0 * 0.5 * 360.0, rel=1e-3)
+    assert wear.reversals == pytest.approx(2.0 * 360.0, rel=1e-3)
+    assert wear.bending_cycles == pytest.approx(360.0, rel=1e-3)
+
+
+def test_only_the_piece_of_rope_at_the_sheave_is_bent_again_and_again():
+    # lowering by 40 m at 0.2 m/s bends each piece once; under a heave of 0.5 m in 10 s, whose speed is 0.31 m/s, some
+    # rope comes back once in each wave and passes the sheave a second time, never a third
+    assert kpi.rope_wear(TIME, 0.2 * TIME).bending_cycles * TIME[-1] / 3600.0 == pytest.approx(1.0)
+    wear = kpi.rope_wear(TIME, sine(0.5) + 0.2 * TIME)
+    assert wear.bending_cycles * TIME[-1] / 3600.0 == pytest.approx(2.0)
+
+
+def test_the_ripple_of_an_encoder_does_not_bend_the_rope():
+    ripple = 0.001 * (-1.0) ** np.arange(TIME.size)
+    wear = kpi.rope_wear(TIME, sine(0.5) + ripple)
+    assert wear.bending_cycles == pytest.approx(360.0, rel=0.06)
+    assert kpi.rope_wear(TIME, ripple).bending_cycles == 0.0
+
+
+@given(st.lists(st.integers(-5, 5), min_size=2, max_size=40))
+def test_bending_cycles_are_the_level_crossing_count_of_the_most_crossed_level(levels):
+    # ASTM E1049, 5.1: count rising crossings of levels between the turning points; one step here is 100 plays
+    values = np.array(levels, dtype=float)
+    rises = [sum(a < level < b for a, b in pairwise(values)) for level in np.arange(-5.5, 6.0)]
+    wear = kpi.rope_wear(np.arange(values.size) * 3600.0 / (values.size - 1), values)
+    assert wear.bending_cycles == pytest.approx(max(rises))
 
 
 def test_a_snap_needs_low_then_high_tension_within_two_seconds():

@@ -12,7 +12,7 @@ from heave_bringup.commands.command import Command
 from heave_bringup.commands.models import design, identify, modes, static
 from heave_bringup.commands.runs import check, operate, panel, run, view
 from heave_bringup.commands.scenarios import catalogue, list_scenarios, new, params
-from heave_bringup.commands.studies import bench, benchmark, campaign, extremes, operability
+from heave_bringup.commands.studies import bench, benchmark, campaign, extremes, operability, sizing
 from heave_bringup.commands.version import VersionAction
 
 COMMANDS: tuple[Command, ...] = (
@@ -20,7 +20,7 @@ COMMANDS: tuple[Command, ...] = (
     *(list_scenarios.COMMAND, new.COMMAND, catalogue.COMMAND, params.COMMAND),
     *(report.COMMAND, kpi.COMMAND, record.COMMAND, replay.COMMAND, import_sea.COMMAND, repair.COMMAND),
     *(design.COMMAND, identify.COMMAND, static.COMMAND, modes.COMMAND),
-    *(campaign.COMMAND, operability.COMMAND, extremes.COMMAND, benchmark.COMMAND, bench.COMMAND),
+    *(campaign.COMMAND, operability.COMMAND, sizing.COMMAND, extremes.COMMAND, benchmark.COMMAND, bench.COMMAND),
 )
 """All subcommands, in the order of the help."""
 

@@ -211,11 +211,13 @@ class WinchPower:
     ----------
     peak : largest |T v| [W]
     mean_abs : mean |T v| [W]
+    rms : root mean square of T v, by which a motor warms [W]
     motoring, regenerated : mean power of each sign [W], which is the energy per hour [Wh/h]
     """
 
     peak: float
     mean_abs: float
+    rms: float
     motoring: float
     regenerated: float
 
@@ -224,13 +226,78 @@ def winch_power(tension: ArrayLike, payout_rate: ArrayLike) -> WinchPower:
     """Return the power figures of a winch from `tension` at the top [N] and `payout_rate` [m/s, positive pays out]."""
     power = np.asarray(tension, dtype=float) * np.asarray(payout_rate, dtype=float)
     if not power.size:
-        return WinchPower(math.nan, math.nan, math.nan, math.nan)
+        return WinchPower(math.nan, math.nan, math.nan, math.nan, math.nan)
     return WinchPower(
         peak=float(np.abs(power).max()),
         mean_abs=float(np.abs(power).mean()),
+        rms=float(np.sqrt(np.mean(power**2))),
         motoring=float(np.maximum(-power, 0.0).mean()),
         regenerated=float(np.maximum(power, 0.0).mean()),
     )
+
+
+BENDING_STROKE = 0.01
+"""Swings of the rope below this do not bend it over the sheave: they are small beside its lay [m]."""
+
+
+@dataclass(frozen=True)
+class RopeWear:
+    """What moving costs rope and drive, per hour.
+
+    Attributes
+    ----------
+    travel : rope that goes over the sheave, both ways together [m/h]
+    reversals : changes of direction [1/h]
+    bending_cycles : of the piece of rope that is bent most, straight to bent to straight [1/h]
+    """
+
+    travel: float
+    reversals: float
+    bending_cycles: float
+
+
+def rope_wear(time: ArrayLike, payout: ArrayLike) -> RopeWear:
+    """Return what a motion costs the rope; NaN where the record holds no time.
+
+    A piece of rope is bent once for each time that it comes to the sheave and leaves it again. On an arc of contact
+    longer than the stroke that is how often the payout rises through the level at which this piece meets the sheave:
+    the largest number of the level-crossing count of ASTM E1049 (5.1). Swings below BENDING_STROKE are left out.
+
+    Parameters
+    ----------
+    time : of the samples, rising, shape (n,) [s]
+    payout : at them, shape (n,) [m]
+    """
+    times, values = np.asarray(time, dtype=float), np.asarray(payout, dtype=float)
+    if values.size < 2 or not times[-1] > times[0]:
+        return RopeWear(math.nan, math.nan, math.nan)
+    per_hour = 3600.0 / float(times[-1] - times[0])
+    swings = _after_play(values, BENDING_STROKE)
+    directions = np.sign(np.diff(swings))
+    turns = np.diff(directions[directions != 0.0])
+    return RopeWear(
+        travel=per_hour * float(np.abs(np.diff(values)).sum()),
+        reversals=per_hour * float(np.count_nonzero(turns)),
+        bending_cycles=per_hour * _most_crossed(swings),
+    )
+
+
+def _after_play(values: Array, play: float) -> Array:
+    """Return the motion of what is dragged along with some play: smaller swings do not move it."""
+    followed, place = np.empty_like(values), float(values[0])
+    for index, value in enumerate(values.tolist()):
+        place = min(max(place, value - 0.5 * play), value + 0.5 * play)
+        followed[index] = place
+    return followed
+
+
+def _most_crossed(values: Array) -> int:
+    """Return how often values rise through the level that they rise through most."""
+    rises = np.flatnonzero(np.diff(values) > 0.0)
+    levels = np.concatenate([values[rises], values[rises + 1]])
+    changes = np.repeat([1, -1], rises.size)
+    order = np.lexsort((changes, levels))  # at one level a rise ends before the next begins
+    return int(np.cumsum(changes[order]).max(initial=0))
 
 
 @dataclass(frozen=True)

@@ -177,6 +177,12 @@ class Window:
         return kpi.winch_power(self.run.tension.at(self.rate) if is_known else [], self.rate.value if is_known else [])
 
     @cached_property
+    def wear(self) -> kpi.RopeWear:
+        """What the winch's motion costs the rope."""
+        payout = self.of(self.run.payout)
+        return kpi.rope_wear(payout.time, payout.value)
+
+    @cached_property
     def harmonics(self) -> tuple[kpi.Harmonic, kpi.Harmonic, kpi.Harmonic]:
         """First harmonics of unit heave, boom-tip heave and tension of a driven run; NaN for others."""
         signals = (self.run.unit_heave, self.run.boom_tip_heave, self.run.tension)
@@ -239,11 +245,12 @@ class KpiDefinition:
         return f"{value * self.scale:.{self.digits}f}" if math.isfinite(value) else "-"
 
 
-UNIT, TENSION, WINCH, ENERGY, ESTIMATE, TIMING, LANDING, CHANGES, DRIVEN = GROUPS = (
+UNIT, TENSION, WINCH, ENERGY, WEAR, ESTIMATE, TIMING, LANDING, CHANGES, DRIVEN = GROUPS = (
     "Unit",
     "Tension",
     "Winch",
     "Energy",
+    "Wear of the rope",
     "Estimate",
     "Timing",
     "Landing",
@@ -429,6 +436,7 @@ KPI_DEFINITIONS: tuple[KpiDefinition, ...] = (
     ),
     KpiDefinition("power_peak_w", "winch power, peak |Tv|", "kW", ENERGY, lambda w: w.power.peak, 1e-3, 2),
     KpiDefinition("power_mean_abs_w", "winch power, mean |Tv|", "kW", ENERGY, lambda w: w.power.mean_abs, 1e-3, 2),
+    KpiDefinition("power_rms_w", "winch power, root mean square", "kW", ENERGY, lambda w: w.power.rms, 1e-3, 2),
     KpiDefinition("energy_wh_per_h", "energy, motoring, per hour", "kWh/h", ENERGY, lambda w: w.power.motoring, 1e-3),
     KpiDefinition(
         "energy_regenerated_wh_per_h",
@@ -437,6 +445,20 @@ KPI_DEFINITIONS: tuple[KpiDefinition, ...] = (
         ENERGY,
         lambda w: w.power.regenerated,
         1e-3,
+    ),
+    KpiDefinition(
+        "rope_travel_m_per_h", "rope over the sheave, per hour", "m/h", WEAR, lambda w: w.wear.travel, digits=0
+    ),
+    KpiDefinition(
+        "reversals_per_h", "changes of direction, per hour", "1/h", WEAR, lambda w: w.wear.reversals, digits=0
+    ),
+    KpiDefinition(
+        "bending_cycles_per_h",
+        "bending over the sheave, cycles per hour",
+        "1/h",
+        WEAR,
+        lambda w: w.wear.bending_cycles,
+        digits=0,
     ),
     KpiDefinition(
         "nis_in_band_percent",

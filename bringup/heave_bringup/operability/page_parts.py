@@ -1,0 +1,91 @@
+"""Parts of the pages of studies: tables, notices, the cases, where the numbers come from."""
+
+from __future__ import annotations
+
+import html
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+
+import pandas
+from heave_bags.analyse.kpi_set import DEFINITION_OF
+from heave_node.criteria import Criterion
+
+from heave_bringup.campaign.table import FAILURE, LOST, MISSED, REASON, SEED
+from heave_bringup.operability.seas import HEIGHT, PERIOD
+from heave_bringup.tables.case_table import CASE
+
+
+def notice(text: str) -> str:
+    """Return a `text` that must be seen, as HTML."""
+    return f'<div class="notice">{html.escape(text)}</div>'
+
+
+def table(head: Sequence[str], rows: Iterable[Sequence[str]], *, texts: int, last_is_text: bool = False) -> str:
+    """Return an HTML table.
+
+    Parameters
+    ----------
+    head : of its columns
+    rows : cells as text
+    texts : so many of the first columns hold text, the others numbers
+    last_is_text : the last one holds text too
+    """
+    last = len(head) - 1
+
+    def cell(tag: str, column: int, text: str) -> str:
+        is_text = column < texts or (last_is_text and column == last)
+        kind = "" if is_text else ' class="number"'
+        return f"<{tag}{kind}>{html.escape(text)}</{tag}>"
+
+    top = "".join(cell("th", column, text) for column, text in enumerate(head))
+    lines = "\n".join(
+        f"<tr>{''.join(cell('td', column, text) for column, text in enumerate(row))}</tr>" for row in rows
+    )
+    return f'<div class="scroll"><table><thead><tr>{top}</tr></thead><tbody>{lines}</tbody></table></div>'
+
+
+def number(value: object) -> str:
+    """Return a `value` with one decimal, none where it is whole; a dash for one that is not known."""
+    found = float(value)  # type: ignore[arg-type]
+    return f"{found:.1f}".removesuffix(".0") if math.isfinite(found) else "-"
+
+
+def criteria_table(criteria: Sequence[Criterion]) -> str:
+    """Return the `criteria` of a study, under a heading."""
+    rows = []
+    for criterion in criteria:
+        definition = DEFINITION_OF[criterion.kpi]
+        rows.append(
+            [definition.title, f"{criterion.relation} {criterion.bound * definition.scale:g}", definition.unit or "-"]
+        )
+    return f"<h2>Criteria</h2>{table(['figure of merit', 'bound', 'unit'], rows, texts=1)}"
+
+
+def cases_table(parts: Iterable[pandas.DataFrame], file: Path | None) -> str:
+    """Return all cases of a study, folded up, with the command that repeats one.
+
+    Parameters
+    ----------
+    parts : of the campaign's table
+    file : in which they are kept; None: they were not
+    """
+    head = ["case", "Tp [s]", "Hs [m]", "seed", "unit [cm]", "off [cm]", "why it is not workable"]
+    rows = []
+    for part in parts:
+        for row in part.sort_values(CASE).to_dict("records"):
+            lost = f"lost: {row[REASON]}" if row[LOST] else ""
+            why = f"failed: {row[FAILURE]}" if row[FAILURE] else lost or str(row[MISSED]).replace("MISSED: ", "")
+            figures = [f"{100 * row['unit_sigma_m']:.2f}", f"{100 * row['uncompensated_sigma_m']:.2f}", why or "-"]
+            rows.append([str(row[CASE]), f"{row[PERIOD]:g}", f"{row[HEIGHT]:g}", str(row[SEED]), *figures])
+    how = f"<p>A case is repeated over ROS, with a bag: <code>heave run {html.escape(str(file))}:CASE</code></p>"
+    cells = table(head, rows, texts=1, last_is_text=True)
+    return f"<details><summary>All {len(rows)} cases</summary>{how if file else ''}{cells}</details>"
+
+
+def provenance_table(facts: Mapping[str, str]) -> str:
+    """Return where numbers come from, by name in `facts`, folded up; nothing where there are none."""
+    if not facts:
+        return ""
+    rows = table(["", ""], ([name, value] for name, value in facts.items()), texts=2)
+    return f"<details><summary>Where these numbers come from</summary>{rows}</details>"

@@ -1,0 +1,1 @@
+"""Which winch: sweeps of its size against the seas that one can work in."""

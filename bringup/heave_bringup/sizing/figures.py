@@ -1,0 +1,101 @@
+"""The figures of a sizing study, as plain data for the report's script."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+from heave_bags.analyse.report_figures import LIMIT, OTHER, PAYOUT, RUN_COLOURS, UNIT, Figure
+
+from heave_bringup.operability.figures import HEIGHT_AXIS, PERIOD_AXIS
+from heave_bringup.sizing.candidates import Particular
+from heave_bringup.sizing.study import Knee, Sized, sweep_of
+
+
+def sweep_figure(found: Sequence[Sized], knee: Knee) -> Figure:
+    """Return what a particular is worth: workable seas over its values, with the knee, and the energy that it takes.
+
+    Parameters
+    ----------
+    found : winches of a study, the scenario's own first
+    knee : of the particular
+    """
+    particular = knee.particular
+    sweep = [one for one in sweep_of(found, particular) if math.isfinite(one.winch.value(particular))]
+    values = [particular.scale * one.winch.value(particular) for one in sweep]
+    shares = [100.0 * one.share for one in sweep]
+    spread = {
+        "type": "data",
+        "symmetric": False,
+        "array": [100.0 * (one.upper - one.share) for one in sweep],
+        "arrayminus": [100.0 * (one.share - one.lower) for one in sweep],
+        "color": UNIT,
+    }
+    energy = [None if math.isnan(one.duty.electric) else 1e-3 * one.duty.electric for one in sweep]
+    traces: list[dict[str, Any]] = [
+        _line("workable seas", values, shares, UNIT, error_y=spread),
+        _line("energy", values, energy, PAYOUT, yaxis="y2", dash="dot"),
+    ]
+    if math.isfinite(knee.value) and not knee.is_open:
+        traces.append(_upright("knee", particular.scale * knee.value, LIMIT, "dash"))
+    own = found[0].winch.value(particular)
+    if math.isfinite(own):
+        traces.append(_upright("the scenario's", particular.scale * own, OTHER, "dot"))
+    return Figure(
+        f"What {particular.name} is worth",
+        _caption(found, particular),
+        traces,
+        {
+            "xaxis": {"title": {"text": particular.heading}, "rangemode": "tozero"},
+            "yaxis": {"title": {"text": "workable [%]"}, "range": [0, 105]},
+            "yaxis2": {"title": {"text": "energy [kWh/h]"}, "overlaying": "y", "side": "right", "rangemode": "tozero"},
+            "hovermode": "closest",
+        },
+        is_over_time=False,
+        height=340,
+    )
+
+
+def _caption(found: Sequence[Sized], particular: Particular) -> str:
+    words = "Everything else as the scenario has it. Energy: what is bought for an hour of compensation."
+    unlimited = [one for one in sweep_of(found, particular) if math.isinf(one.winch.value(particular))]
+    return words + "".join(f" Without a limit {100.0 * one.share:.1f} % are workable." for one in unlimited)
+
+
+def _line(name: str, x: Sequence[float], y: Sequence[float | None], colour: str, **more: Any) -> dict[str, Any]:
+    line = {"color": colour, "width": 2.5, "dash": more.pop("dash", "solid")}
+    return {"name": name, "x": list(x), "y": list(y), "mode": "lines+markers", "line": line, **more}
+
+
+def _upright(name: str, x: float, colour: str, dash: str) -> dict[str, Any]:
+    line = {"color": colour, "width": 1.5, "dash": dash}
+    hover = f"{name}: {x:.3g}<extra></extra>"
+    return {"name": name, "x": [x, x], "y": [0, 105], "mode": "lines", "line": line, "hovertemplate": hover}
+
+
+def limits_figure(found: Sequence[Sized], particular: Particular) -> Figure:
+    """Return the limit curve of each winch of a sweep.
+
+    Parameters
+    ----------
+    found : winches of a study, the scenario's own first
+    particular : that was swept
+    """
+    traces = [
+        _line(
+            f"{particular.text(one.winch.value(particular))} {particular.unit}",
+            one.limit["period"].tolist(),
+            one.limit["limit"].tolist(),
+            RUN_COLOURS[number % len(RUN_COLOURS)],
+        )
+        for number, one in enumerate(sweep_of(found, particular))
+    ]
+    return Figure(
+        f"Largest workable sea by {particular.name}",
+        "Mean over the seeds.",
+        traces,
+        {"xaxis": PERIOD_AXIS, "yaxis": HEIGHT_AXIS, "hovermode": "closest"},
+        is_over_time=False,
+        height=340,
+    )

@@ -1,0 +1,148 @@
+"""The page of a sizing study: one HTML file that opens offline, for a buyer of a winch."""
+
+from __future__ import annotations
+
+import html
+import math
+from collections.abc import Iterable, Sequence
+
+from heave_bags.analyse.report import place_figure, render_page
+from heave_bags.analyse.report_figures import Figure
+from heave_node.criteria import Criterion
+
+from heave_bringup.operability.page import About
+from heave_bringup.operability.page_parts import (
+    cases_table,
+    criteria_table,
+    notice,
+    number,
+    provenance_table,
+    table,
+)
+from heave_bringup.operability.record import SeaRecord
+from heave_bringup.sizing.candidates import PARTICULARS
+from heave_bringup.sizing.figures import limits_figure, sweep_figure
+from heave_bringup.sizing.study import ENOUGH, OF_THE_WINCH, Duty, Knee, Prices, Sized
+
+FOOTER = """SI units. Workable: within the largest sea in which the criteria hold, a mean over the seeds, linear between
+the seas that were run. An hour's figures are means over the workable seas of each winch, so that a winch which works in
+higher seas is charged with them. Bending cycles: of the piece of rope that is bent most, on one sheave whose arc of
+contact is longer than the stroke; count each further sheave. For a PDF, print this page."""
+
+ABILITY = (
+    "winch",
+    "speed [m/s]",
+    "acceleration [m/s^2]",
+    "power [kW]",
+    "delay [s]",
+    "workable [%]",
+    "mean limit Hs [m]",
+)
+DUTY = (
+    "winch",
+    "peak power [kW]",
+    "rms power [kW]",
+    "energy at the drum [kWh/h]",
+    "energy bought [kWh/h]",
+    "cost [1/h]",
+    "heat [kWh/h]",
+    "rope [km/h]",
+    "reversals [1/h]",
+    "bends [1/h]",
+)
+
+
+def render(
+    about: About,
+    found: Sequence[Sized],
+    knees: Sequence[Knee],
+    criteria: Sequence[Criterion],
+    seas: SeaRecord,
+    prices: Prices,
+) -> str:
+    """Return the page as HTML.
+
+    Parameters
+    ----------
+    about : what the page says of the study
+    found : its winches, the scenario's own first
+    knees : of what was swept
+    criteria : that are to hold
+    seas : of the place
+    prices : of an hour
+    """
+    drawn: list[Figure] = []
+    place = html.escape(seas.name)
+    charged = (
+        f"Drive efficiency {prices.efficiency:g}, {100 * prices.regeneration:g} % of the regenerated energy used, "
+        f"{prices.energy:g} for a kWh."
+    )
+    swept = [knee.particular for knee in knees]
+    body = [
+        f"<h1>{html.escape(about.title)}</h1>",
+        '<p class="lead">Which winch: what each can work in, and what an hour of it costs</p>',
+        *_notices(found),
+        f'<h2>Answer</h2><p class="caption">Seas of {place}. The knee gives {100 * ENOUGH:g} % of what the best of '
+        f"its sweep gives, all else as the scenario has it.</p>{table(*knee_rows(knees), texts=1)}",
+        criteria_table(criteria),
+        f"<h2>Winches</h2>{table(ABILITY, ability_rows(found), texts=1)}",
+        f'<h2>An hour of compensation</h2><p class="caption">{charged}</p>{table(DUTY, duty_rows(found), texts=1)}',
+        "<h2>What each particular is worth</h2>",
+        *(place_figure(sweep_figure(found, knee), drawn) for knee in knees),
+        "<h2>Limits</h2>",
+        *(place_figure(limits_figure(found, particular), drawn) for particular in swept),
+        cases_table((one.cases for one in found), about.table),
+        provenance_table(about.facts),
+    ]
+    return render_page(about.title, "\n".join(body), drawn, footer=FOOTER)
+
+
+def _notices(found: Sequence[Sized]) -> Iterable[str]:
+    if any(one.limit["seeds"].min() < 2 for one in found):
+        yield notice("One seed only: differences of a few percent between winches may be chance.")
+    if any(one.limit["is_open"].any() for one in found):
+        yield notice(
+            "Some winches work in every sea of the study at some period: their limit lies above its largest height."
+        )
+    yield notice(
+        "The scenario's criteria on the winch's own limits and power are left out: a winch counts by what it does for "
+        f"the unit ({', '.join(OF_THE_WINCH)})."
+    )
+
+
+def knee_rows(knees: Sequence[Knee]) -> tuple[list[str], list[list[str]]]:
+    """Return head and rows of the answer: of each particular in `knees` the scenario's, the knee and what they give."""
+    head = ["particular", "knee", "workable, the scenario's [%]", "workable, the best tried [%]"]
+    rows = [[knee.particular.heading, knee.text, f"{100 * knee.share:.1f}", f"{100 * knee.best:.1f}"] for knee in knees]
+    return head, rows
+
+
+def ability_rows(found: Sequence[Sized]) -> list[list[str]]:
+    """Return a row of ABILITY for each of the winches `found`."""
+    return [
+        [
+            one.winch.title,
+            *(particular.text(one.winch.value(particular)) for particular in PARTICULARS),
+            _share(one),
+            f"{one.limit['limit'].mean():.2f}",
+        ]
+        for one in found
+    ]
+
+
+def _share(one: Sized) -> str:
+    spread = f" ({100 * one.lower:.1f} to {100 * one.upper:.1f})" if one.upper > one.lower else ""
+    return f"{100 * one.share:.1f}{spread}"
+
+
+def duty_rows(found: Sequence[Sized]) -> list[list[str]]:
+    """Return a row of DUTY for each of the winches `found`."""
+    return [[one.winch.title, *_duty(one.duty)] for one in found]
+
+
+def _duty(duty: Duty) -> list[str]:
+    kilo = (duty.peak, duty.rms, duty.motoring, duty.electric)
+    per_hour = (f"{duty.cost:.2f}", number(1e-3 * duty.heat), number(1e-3 * duty.travel))
+    counts = (f"{duty.reversals:.0f}", f"{duty.bending_cycles:.0f}")
+    cells = [*(number(1e-3 * value) for value in kilo), *per_hour, *counts]
+    return ["-"] * len(cells) if math.isnan(duty.peak) else cells
