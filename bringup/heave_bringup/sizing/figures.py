@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
-from heave_bags.analyse.report_figures import LIMIT, OTHER, PAYOUT, RUN_COLOURS, UNIT, Figure
+from heave_bags.analyse.report_figures import LIMIT, OTHER, RUN_COLOURS, UNIT, Figure
 
 from heave_bringup.operability.figures import HEIGHT_AXIS, PERIOD_AXIS
 from heave_bringup.sizing.candidates import Particular
@@ -14,7 +14,7 @@ from heave_bringup.sizing.study import Knee, Sized, sweep_of
 
 
 def sweep_figure(found: Sequence[Sized], knee: Knee) -> Figure:
-    """Return what a particular is worth: workable seas over its values, with the knee, and the energy that it takes.
+    """Return what a particular is worth: workable seas over its values, with the knee.
 
     Parameters
     ----------
@@ -32,11 +32,7 @@ def sweep_figure(found: Sequence[Sized], knee: Knee) -> Figure:
         "arrayminus": [100.0 * (one.share - one.lower) for one in sweep],
         "color": UNIT,
     }
-    energy = [None if math.isnan(one.duty.electric) else 1e-3 * one.duty.electric for one in sweep]
-    traces: list[dict[str, Any]] = [
-        _line("workable seas", values, shares, UNIT, error_y=spread),
-        _line("energy", values, energy, PAYOUT, yaxis="y2", dash="dot"),
-    ]
+    traces = [_line("workable seas", values, shares, UNIT, error_y=spread)]
     if math.isfinite(knee.value) and not knee.is_open:
         traces.append(_upright("knee", particular.scale * knee.value, LIMIT, "dash"))
     own = found[0].winch.value(particular)
@@ -49,7 +45,6 @@ def sweep_figure(found: Sequence[Sized], knee: Knee) -> Figure:
         {
             "xaxis": {"title": {"text": particular.heading}, "rangemode": "tozero"},
             "yaxis": {"title": {"text": "workable [%]"}, "range": [0, 105]},
-            "yaxis2": {"title": {"text": "energy [kWh/h]"}, "overlaying": "y", "side": "right", "rangemode": "tozero"},
             "hovermode": "closest",
         },
         is_over_time=False,
@@ -58,13 +53,13 @@ def sweep_figure(found: Sequence[Sized], knee: Knee) -> Figure:
 
 
 def _caption(found: Sequence[Sized], particular: Particular) -> str:
-    words = "Everything else as the scenario has it. Energy: what is bought for an hour of compensation."
+    words = "Everything else as the scenario has it."
     unlimited = [one for one in sweep_of(found, particular) if math.isinf(one.winch.value(particular))]
     return words + "".join(f" Without a limit {100.0 * one.share:.1f} % are workable." for one in unlimited)
 
 
-def _line(name: str, x: Sequence[float], y: Sequence[float | None], colour: str, **more: Any) -> dict[str, Any]:
-    line = {"color": colour, "width": 2.5, "dash": more.pop("dash", "solid")}
+def _line(name: str, x: Sequence[float], y: Sequence[float], colour: str, **more: Any) -> dict[str, Any]:
+    line = {"color": colour, "width": 2.5}
     return {"name": name, "x": list(x), "y": list(y), "mode": "lines+markers", "line": line, **more}
 
 

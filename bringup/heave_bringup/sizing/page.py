@@ -82,7 +82,7 @@ def render(
         f"<h1>{html.escape(about.title)}</h1>",
         '<p class="lead">Which winch: what each can work in, and what an hour of it costs</p>',
         *_notices(found),
-        f'<h2>Answer</h2><p class="caption">Seas of {place}. The knee gives {100 * ENOUGH:g} % of what the best of '
+        f'<h2>Answer</h2><p class="caption">Seas: {place}. The knee gives {100 * ENOUGH:g} % of what the best of '
         f"its sweep gives, all else as the scenario has it.</p>{table(*knee_rows(knees), texts=1)}",
         criteria_table(criteria),
         f"<h2>Winches</h2>{table(ABILITY, ability_rows(found), texts=1)}",
