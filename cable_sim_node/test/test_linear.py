@@ -6,6 +6,7 @@ from cable_sim_node.errors import LinearisationError
 from cable_sim_node.vertical.axial_line import AxialClump, AxialLine, AxialSection, AxialUnit
 from cable_sim_node.vertical.linear import (
     TwoStateModel,
+    drag_at_unit,
     fit_two_state,
     heave_transfer_function,
     mode_shape,
@@ -91,6 +92,20 @@ def test_equivalent_drag_dissipates_what_quadratic_drag_does_at_resonance():
     answer = heave_transfer_function(line, 100.0, [omega], amplitude=0.05)
     assert 0.05 * abs(answer.unit_heave[0]) == pytest.approx(expected, rel=1e-3)
     assert float(np.angle(answer.unit_heave[0])) == pytest.approx(-math.pi / 2.0, abs=1e-3)
+
+
+def test_the_drag_at_the_unit_takes_the_power_that_all_parts_take():
+    """Against a sum over 20,000 pieces of a cable of two sections with a clump, which moves as it stretches."""
+    sections = (AxialSection(300.0, 2e7, 3.0, 20.0, 1.5), AxialSection(1.0, 4e7, 5.0, 30.0, 4.0))
+    line = AxialLine(sections, AxialUnit(20_000.0, 1e5, 3_000.0), (AxialClump(100.0, 500.0, 3e3, 700.0),))
+    length, count = 800.0, 20_000
+    middle = (np.arange(count) + 0.5) * length / count
+    lower = middle < 300.0
+    strain = np.where(lower, 1.0 / 2e7, 1.0 / 4e7) * length / count
+    share = 1.0 - (np.cumsum(strain) - 0.5 * strain) / np.sum(strain)
+    of_cable = np.sum(np.where(lower, 1.5, 4.0) * share**3) * length / count
+    of_clump = 700.0 * np.interp(100.0, middle, share) ** 3
+    assert drag_at_unit(line, length) == pytest.approx(3_000.0 + of_clump + of_cable, rel=1e-6)
 
 
 def test_larger_waves_are_damped_more():

@@ -123,7 +123,7 @@ class DesignInForce:
         Raises DesignError where that cannot be designed.
         """
         cable = self.design.cable
-        cable = replace(cable, a=factors[0] * cable.a, b=factors[1] * cable.b)
+        cable = replace(cable, a=factors[0] * cable.a, b=factors[1] * cable.b, drag=factors[1] * cable.drag)
         design = design_controller(parameters, tick_period=self._dt, cable=cable)
         return PreparedDesign(parameters, design, design.make_law())
 

@@ -158,6 +158,24 @@ def _march(line: AxialLine, pieces: list[AxialPiece], omega: Array, speeds: Arra
     return _March(np.array(heave), tension)
 
 
+def drag_at_unit(line: AxialLine, length: float) -> float:
+    """Return the drag of unit and cable over the square of the unit's speed [N s2/m2].
+
+    The cable moves in proportion to its stretch below the held top, as it does below its first resonance; what each
+    part takes in power counts. `line` is out by `length` [m].
+    """
+    pieces = line.pieces(length)
+    stretch = sum(piece.length / piece.axial_stiffness for piece in pieces)
+    drag, low = line.unit.drag, 1.0
+    for piece in pieces:
+        high = max(low - piece.length / piece.axial_stiffness / stretch, 0.0)
+        drag += sum(clump.drag for clump in piece.clumps) * low**3
+        # the mean of the cube of what falls evenly from low to high
+        drag += piece.drag * piece.length * (low**3 + low**2 * high + low * high**2 + high**3) / 4.0
+        low = high
+    return drag
+
+
 def natural_frequencies(line: AxialLine, length: float, count: int) -> Array:
     """Return the lowest undamped natural frequencies of heave with the top held [rad/s], ascending.
 

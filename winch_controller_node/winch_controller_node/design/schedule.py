@@ -16,7 +16,7 @@ from heave_node.numerics.linear_model import spectral_abscissa, with_feedback
 from winch_controller_node.design.design import ControllerDesign, at_cable, design_controller
 from winch_controller_node.model.blocks import CableModel
 from winch_controller_node.model.lqr import DesignError
-from winch_controller_node.model.models import PlantBelief
+from winch_controller_node.model.models import PlantBelief, cable_between
 from winch_controller_node.model.regulator import is_sensor_state
 from winch_controller_node.node_parameters import WinchControllerParameters
 
@@ -52,9 +52,8 @@ class GainSchedule:
         a = math.exp((1.0 - share) * math.log(low.a) + share * math.log(high.a))
         b = (1.0 - share) * low.b + share * high.b
         p = self.designs[0].parameters
-        line = PlantBelief(p.cable, p.unit, p.water_density, p.gravity).line(length)
-        stretch = sum(piece.length / piece.axial_stiffness for piece in line.pieces(length))
-        return CableModel(a, b, 1.0 / stretch, line.static_top_tension(length))
+        plant = PlantBelief(p.cable, p.unit, p.water_density, p.gravity)
+        return cable_between(plant, p.cable_model, length, a=a, b=b)
 
     def design_at(self, length: float) -> ControllerDesign:
         """Return the design at `length` [m]: exact model of the interpolated cable, interpolated gain."""

@@ -22,7 +22,7 @@ from winch_controller_node.interface.readings import Measurements
 from winch_controller_node.interface.sensors import DEPTH_BIAS
 from winch_controller_node.model.estimator import KalmanEstimator, Measurement
 from winch_controller_node.model.loop_rows import loop_rows
-from winch_controller_node.model.models import shadow_model
+from winch_controller_node.model.quadratic_drag import DragFollower, ShadowUnit
 from winch_controller_node.motion.mean_motion import MeanMotion
 from winch_controller_node.parameters.model import SeaModelParameters
 
@@ -46,7 +46,7 @@ class LoopEstimation:
         self.motion = MeanMotion(parameters.move, design.model.order, tick_period=dt)
         self.estimator = design.make_estimator()
         self.observer = Observer(design, parameters.health)
-        self._uncompensated: Array = np.zeros(2)
+        self._shadow = ShadowUnit(design.cable, dt)
         self._tension = TensionFilter(parameters.tension.time_constant, tick_period=dt)
         self._sea = SeaTracker(design)
         self._believed_sea = parameters.sea
@@ -58,7 +58,8 @@ class LoopEstimation:
         self._design = design
         self.observer.take_design(design)
         self._rows = loop_rows(design.model)
-        self._shadow = shadow_model(design.cable, design.tick_period)
+        self._shadow.take_cable(design.cable, design.tick_period)
+        self._drag = DragFollower(design.model, design.cable)
         self._sea.refer_to(design)
 
     # another design
@@ -121,6 +122,7 @@ class LoopEstimation:
         rows = self._rows
         rate = float(rows.payout_rate @ (estimator.estimate + mean_state)) + rows.payout_rate_through * command.total
         readings = self.observer.observe(number, measurements, estimator, rate, unit_stands=unit_stands)
+        self._drag.follow(estimator)
         estimate = estimator.step(number, command.compensating, readings)
         self.record.add(RecordedTick(number, command.compensating, (*readings, *self.observer.witnessed)))
         self.surprise.add(estimator.innovations)
@@ -128,7 +130,7 @@ class LoopEstimation:
         self._follow_sea(estimate)
         if measurements.of("load_cell") and math.isfinite(self.observer.tension):
             self._tension.add(self.observer.tension)
-        self._uncompensated = self._shadow.A @ self._uncompensated + self._shadow.B @ (rows.tip @ estimate)
+        uncompensated = self._shadow.step(rows.tip @ estimate)
         return LoopTick(
             number=number,
             sensed=self._sensed(readings),
@@ -138,7 +140,7 @@ class LoopEstimation:
             mean_state=mean_state,
             mean_command=self.motion.reference_command(self._design.parameters.winch),
             left_over=self.motion.left_over.point.payout,
-            uncompensated=self._uncompensated,
+            uncompensated=uncompensated,
             knows_sea=self.knows_sea,
             is_sea_refuted=self._sea.is_refuted,
             doubt=self.surprise.words,
@@ -173,6 +175,7 @@ class LoopEstimation:
         heave, rate = self._rows.tip @ estimate
         noise = self._sea.update(float(heave), float(rate))
         if noise is not None:
+            self._drag.take_noise(noise)
             self.estimator.set_process_noise(noise)
 
     @property
@@ -199,7 +202,7 @@ class LoopEstimation:
         return replace(
             tick,
             estimate=self.estimator.estimate,
-            uncompensated=self._uncompensated,
+            uncompensated=self._shadow.state,
             mean_state=self.motion.state,
             mean_command=self.motion.reference_command(self._design.parameters.winch),
             left_over=self.motion.left_over.point.payout,
@@ -212,7 +215,7 @@ class LoopEstimation:
         """
         rows, estimate = tick.rows, tick.estimate
         self.motion.return_from(float(rows.payout @ estimate))
-        self._uncompensated = estimate[rows.unit_states] + rows.winch @ estimate
+        self._shadow.continue_at(estimate[rows.unit_states] + rows.winch @ estimate)
 
     def hand_over(self, tick: LoopTick, *, unit_stood: bool) -> None:
         """Make the present depth of the unit the mean and go on from `tick`; `unit_stood` on the seabed until now.

@@ -17,6 +17,7 @@ from winch_controller_node.design.design import ControllerDesign
 from winch_controller_node.estimation.reading_record import ENCODER_ROW, ReadingRecord, RecordedTick
 from winch_controller_node.interface.sensors import KnownSensors
 from winch_controller_node.model.estimator import KalmanEstimator
+from winch_controller_node.model.quadratic_drag import DragFollower
 from winch_controller_node.node_parameters import WinchControllerParameters
 
 SETTLING = 15.0
@@ -69,13 +70,14 @@ class Verdict:
     ----------
     suspicion : that holds
     design : for it
-    estimator : that has gone through the record under it
+    estimator, drag : that has gone through the record under it, and what its unit's drag follows
     last : number of the last tick that it knows
     """
 
     suspicion: Suspicion
     design: ControllerDesign
     estimator: KalmanEstimator
+    drag: DragFollower
     last: int
 
 
@@ -117,7 +119,7 @@ def suspect(
 def continued(verdict: Verdict, record: ReadingRecord) -> KalmanEstimator:
     """Return the estimator of a `verdict` that doubts no sensor, after the ticks of `record` that have come since."""
     for tick in record.ticks(verdict.last):
-        _step(verdict.estimator, tick, {})
+        _step(verdict.estimator, verdict.drag, tick, {})
     return verdict.estimator
 
 
@@ -186,10 +188,11 @@ class _Trial:
 def _tried(suspicion: Suspicion, design: ControllerDesign, record: Sequence[RecordedTick], first_judged: int) -> _Trial:
     """Go through a `record` under a `suspicion`, and judge its readings from a tick on."""
     estimator, doubted = design.make_estimator(), _sizes(suspicion.doubted, record)
+    drag = DragFollower(design.model, design.cable)
     likelihood = 0.0
     squares: dict[str, list[float]] = {}
     for tick in record:
-        _step(estimator, tick, doubted)
+        _step(estimator, drag, tick, doubted)
         if tick.number < first_judged:
             continue
         for name, innovation in estimator.innovations.items():
@@ -199,15 +202,16 @@ def _tried(suspicion: Suspicion, design: ControllerDesign, record: Sequence[Reco
                 squares.setdefault(name, []).append(nis)
     # the winch is identified by the encoder, which is right where the model of the winch is not
     worst = max((float(np.mean(values)) for name, values in squares.items() if name != ENCODER_ROW), default=1.0)
-    return _Trial(likelihood, worst, Verdict(suspicion, design, estimator, record[-1].number))
+    return _Trial(likelihood, worst, Verdict(suspicion, design, estimator, drag, record[-1].number))
 
 
-def _step(estimator: KalmanEstimator, tick: RecordedTick, doubted: Mapping[str, float]) -> None:
+def _step(estimator: KalmanEstimator, drag: DragFollower, tick: RecordedTick, doubted: Mapping[str, float]) -> None:
     """Tell an estimator what was read at a tick; readings of a measurement that is `doubted` have its noise."""
     readings = [
         replace(reading, sigma=doubted[reading.name]) if reading.name in doubted else reading
         for reading in tick.readings
     ]
+    drag.follow(estimator)
     estimator.step(tick.number, tick.command, readings)
 
 

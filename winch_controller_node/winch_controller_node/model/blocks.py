@@ -28,12 +28,14 @@ class CableModel:
     a : [s^2]; b : [s]
     stiffness : top tension per metre of boom tip over outlet and unit [N/m]
     static_tension : mean tension at the top [N]
+    drag : quadratic drag: at a speed v of the unit the damping is drag |v|, where that is more than b [s^2/m]
     """
 
     a: float
     b: float
     stiffness: float = 1.0
     static_tension: float = 0.0
+    drag: float = 0.0
 
     def __post_init__(self) -> None:
         if not (self.a > 0.0 and self.b >= 0.0):

@@ -188,6 +188,14 @@ class KalmanEstimator:
         """Use another covariance of the process noise of a tick, shape (n, n), until the next model."""
         self._filter.set_model(self.model.A, self.model.B, covariance)
 
+    def set_step(self, transition: Array, command: Array, covariance: Array) -> None:
+        """Take ticks with other matrices than the model's, until the next model or process noise.
+
+        `transition` and `covariance` of the process noise of a tick, shape (n, n); `command` multiplies the input,
+        shape (n, 1).
+        """
+        self._filter.set_model(transition, command, covariance)
+
     def reset(
         self,
         estimate: Array | None = None,

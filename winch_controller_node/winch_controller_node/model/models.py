@@ -14,7 +14,7 @@ from functools import lru_cache
 import numpy as np
 from cable_sim_node.parameters import CableParameters, CableSimParameters, UnitParameters
 from cable_sim_node.vertical.axial_line import AxialLine, axial_line
-from cable_sim_node.vertical.linear import fit_two_state, heave_transfer_function
+from cable_sim_node.vertical.linear import drag_at_unit, fit_two_state, heave_transfer_function
 from heave_node.numerics.arrays import Array
 from heave_node.numerics.constants import SEAWATER_DENSITY, STANDARD_GRAVITY
 from heave_node.numerics.linear_model import LinearModel, ModelError, interconnect, linear_model
@@ -83,7 +83,8 @@ def cable_model(
     """Return the two-state cable of a `plant` at `length` [m]: as given in `parameters`, or fitted to the exact bar.
 
     The fit weighs the transfer function boom tip to unit at `omegas` [rad/s] with `weights`, for example the amplitude
-    spectrum of the boom tip; drag is linearised about `parameters.drag_amplitude`.
+    spectrum of the boom tip; drag is linearised about `parameters.drag_amplitude`. A damping that is given holds at any
+    speed.
     """
     line = plant.line(length)
     a, b = parameters.inertia, parameters.damping
@@ -93,10 +94,24 @@ def cable_model(
         fit = fit_two_state(omegas, transfer.unit_heave, weights=weights / (1.0 + np.abs(transfer.unit_heave) ** 2))
         a = a or fit.a
         b = b or max(fit.b, 2.0 * SMALLEST_DAMPING_RATIO * math.sqrt(max(fit.a, 0.0)))
+    return CableModel(a * parameters.inertia_factor, b * parameters.damping_factor, **_exact(line, parameters, length))
+
+
+def cable_between(
+    plant: PlantBelief, parameters: CableModelParameters, length: float, *, a: float, b: float
+) -> CableModel:
+    """Return the cable of a `plant` at `length` [m] with a and b as interpolated; all else is exact.
+
+    `parameters` are those that `cable_model` was given.
+    """
+    return CableModel(a, b, **_exact(plant.line(length), parameters, length))
+
+
+def _exact(line: AxialLine, parameters: CableModelParameters, length: float) -> dict[str, float]:
+    """Return what no fit is needed for."""
     stretch = sum(piece.length / piece.axial_stiffness for piece in line.pieces(length))
-    return CableModel(
-        a * parameters.inertia_factor, b * parameters.damping_factor, 1.0 / stretch, line.static_top_tension(length)
-    )
+    drag = 0.0 if parameters.damping > 0.0 else parameters.damping_factor * stretch * drag_at_unit(line, length)
+    return {"stiffness": 1.0 / stretch, "static_tension": line.static_top_tension(length), "drag": drag}
 
 
 def sea_spectrum(sea: SeaModelParameters) -> WaveSpectrum:

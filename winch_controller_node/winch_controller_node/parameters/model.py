@@ -21,7 +21,12 @@ class CableModelParameters:
         0.0, unit="s^2", minimum=0.0, maximum=1e4, description="a; 0 derives it from cable, unit and length."
     )
     damping: float = parameter(
-        0.0, unit="s", minimum=0.0, maximum=1e4, description="b; 0 derives it from drag linearised at drag_amplitude."
+        0.0,
+        unit="s",
+        minimum=0.0,
+        maximum=1e4,
+        description="b; 0 derives it from drag: linearised at drag_amplitude, and at the unit's speed where that is "
+        "more. A value given holds at any speed.",
     )
     inertia_factor: float = parameter(
         1.0, unit="", minimum=0.1, maximum=10.0, description="Factor on a, for model errors and trials."

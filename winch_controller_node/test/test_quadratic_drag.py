@@ -1,0 +1,98 @@
+"""A unit that moves fast, against quadratures of a x'' + max(b, drag |x'|) x' + x = x0 by scipy."""
+
+import numpy as np
+import pytest
+from heave_node.numerics.arrays import Array
+from heave_node.numerics.linear_sampling import discretise
+from scipy.integrate import solve_ivp
+from winch_controller_node.model.blocks import CableModel, cable_block
+from winch_controller_node.model.estimator import KalmanEstimator
+from winch_controller_node.model.quadratic_drag import DragFollower, ShadowUnit
+
+CABLE = CableModel(a=1.12, b=0.06, drag=0.2)
+"""A unit of 12 t on 1,500 m of wire."""
+
+DT, RESONANCE = 0.05, 1.12**-0.5
+
+
+def quadrature(start: Array, times: Array, amplitude: float = 0.0) -> Array:
+    """Return the unit's heave at `times` [s]; the boom tip moves at the resonance with an `amplitude` [m]."""
+
+    def rates(time: float, state: Array) -> list[float]:
+        heave, rate = state
+        damping = max(CABLE.b, CABLE.drag * abs(rate))
+        pull = amplitude * np.sin(RESONANCE * time) - heave - damping * rate
+        return [rate, pull / CABLE.a]
+
+    solution = solve_ivp(rates, (0.0, times[-1]), start, t_eval=times, rtol=1e-9, atol=1e-9)
+    heave: Array = solution.y[0]
+    return heave
+
+
+def hanging_unit() -> KalmanEstimator:
+    """Return an estimator of a unit without sensors, below a boom tip at rest."""
+    model = discretise(cable_block(CABLE), DT).select_states(("unit_heave", "unit_heave_rate"))
+    return KalmanEstimator(model, [], np.eye(2))
+
+
+def test_the_locked_unit_in_resonance_swings_as_far_as_quadratic_drag_lets_it():
+    times = DT * np.arange(2400)
+    shadow, heave = ShadowUnit(CABLE, DT), []
+    for time in times:
+        heave.append(shadow.state[0])
+        tip = np.array([np.sin(RESONANCE * time), RESONANCE * np.cos(RESONANCE * time)])
+        shadow.step(tip)
+    exact = quadrature(np.zeros(2), times, amplitude=1.0)
+    assert np.ptp(exact[-200:]) < 6.0  # with the damping of small motion it would be 35 m
+    # drag is that at the start of a tick, half a tick late
+    assert np.array(heave) == pytest.approx(exact, abs=0.5 * DT * RESONANCE * np.max(exact))
+
+
+def test_an_estimator_foresees_a_large_free_swing():
+    estimator = hanging_unit()
+    drag = DragFollower(estimator.model, CABLE)
+    estimator.reset(np.array([3.0, 0.0]))
+    times, heave = DT * np.arange(800), []
+    for tick in range(800):
+        drag.follow(estimator)
+        heave.append(estimator.step(tick, 0.0, [])[0])
+    assert np.array(heave) == pytest.approx(quadrature(np.array([3.0, 0.0]), times), abs=0.02)
+
+
+def test_a_slow_unit_is_foreseen_by_the_model_alone():
+    """0.2 m/s is where the drag becomes more than the linear damping of this unit, at 0.3 m/s, and it decays."""
+    plain, followed = hanging_unit(), hanging_unit()
+    drag = DragFollower(followed.model, CABLE)
+    for estimator in (plain, followed):
+        estimator.reset(np.array([0.2, 0.0]))
+    for tick in range(200):
+        drag.follow(followed)
+        assert np.array_equal(followed.step(tick, 0.0, []), plain.step(tick, 0.0, []))
+        assert np.array_equal(followed.covariance, plain.covariance)
+
+
+def test_a_unit_that_has_become_slow_has_the_models_own_damping_again():
+    estimator, plain = hanging_unit(), hanging_unit()
+    drag = DragFollower(estimator.model, CABLE)
+    estimator.reset(np.array([3.0, 0.0]))
+    for tick in range(3):
+        drag.follow(estimator)
+        estimator.step(tick, 0.0, [])
+    for one in (estimator, plain):
+        one.reset(np.array([0.1, 0.0]))
+    for tick in range(3, 20):
+        drag.follow(estimator)
+        assert np.array_equal(estimator.step(tick, 0.0, []), plain.step(tick, 0.0, []))
+
+
+def test_what_drag_is_in_doubt_of_makes_the_estimate_of_a_fast_unit_less_sure():
+    variances = []
+    for speed in (0.0, 1.0, 2.0):
+        estimator = hanging_unit()
+        drag = DragFollower(estimator.model, CABLE)
+        estimator.reset(np.array([0.0, speed]), np.zeros((2, 2)))
+        for tick in range(3):
+            drag.follow(estimator)
+            estimator.step(tick, 0.0, [])
+        variances.append(estimator.covariance[1, 1])
+    assert variances[0] == 0.0 < variances[1] < variances[2]
