@@ -102,6 +102,15 @@ def test_surprise_lasts_while_innovations_are_larger_than_foreseen_and_can_be_ex
     # 1 + 8 (1 - exp(-t/20 s)) is above 2 from 2.7 s on
     assert surprise.time == pytest.approx(30.0 + 20.0 * math.log(7.0 / 8.0), abs=0.2)
     assert "unit_heave is 2.7 times as far off as foreseen" in surprise.words
+    # a mean square of 7.2 falls to 2, with a memory of 20 s, when 1 comes from now on
+    assert f"about {20.0 * math.log(surprise.worst[1] - 1.0):.0f} s while it settles" in surprise.words
+    waited = 0
+    while surprise.words and not waited > 1000:
+        surprise.add({"unit_heave": Innovation(0.02, 0.02, 1.0, True)})
+        waited += 1
+    assert waited * DT == pytest.approx(20.0 * math.log(6.2), rel=0.02)
+    for _ in range(600):
+        surprise.add({"unit_heave": Innovation(0.06, 0.02, 9.0, True)})
     surprise.excuse()
     assert surprise.words == ""
     surprise.restart()

@@ -112,7 +112,11 @@ class Surprise:
         name, mean = self.worst
         if self.is_excused or mean <= SURPRISING:
             return ""
-        return f"{name} is {math.sqrt(mean):.1f} times as far off as foreseen: sensors are being compared"
+        wait = MEMORY * math.log((mean - 1.0) / (SURPRISING - 1.0))
+        return (
+            f"{name} is {math.sqrt(mean):.1f} times as far off as foreseen, {math.sqrt(SURPRISING):.1f} is allowed: "
+            f"compensation waits about {wait:.0f} s while it settles; sensors are compared where it does not"
+        )
 
     @property
     def time(self) -> float:

@@ -18,6 +18,9 @@ PEAK_OVER_SIGNIFICANT = PEAK / 2.0
 INNOVATION_WEIGHT = 0.02
 """Weight of the newest normalised innovation in its running mean square."""
 
+LEAST_EXCESS = 0.1
+"""What a mean square of innovations that is back where it belongs may still be above 1."""
+
 ENCODER_ROW = "payout"
 """Readings of the encoder are never far off for long: the winch is identified by them."""
 
@@ -36,14 +39,19 @@ class EntryGates:
         self._parameters = parameters
         self._heave = RunningSigma(window, tick_period)
         self._mean_squares: dict[str, float] = {}
+        self._readings: dict[str, int] = {}
+        self._time = 0.0
+        self._dt = tick_period
 
     def observe(self, tick: LoopTick) -> None:
         """Take a tick in."""
         self._heave.add(tick.boom_tip.heave)
+        self._time += self._dt
         for name, innovation in tick.sensed.innovations.items():
             if name != ENCODER_ROW and math.isfinite(innovation.nis):
                 before = self._mean_squares.get(name, 1.0)
                 self._mean_squares[name] = before + INNOVATION_WEIGHT * (innovation.nis - before)
+                self._readings[name] = self._readings.get(name, 0) + 1
 
     def for_compensation(self, payout: float, limits: WinchLimits, demand: float, largest_demand: float) -> str:
         """Return why compensation may not begin, in words; empty when it may.
@@ -86,9 +94,16 @@ class EntryGates:
         most = self._parameters.innovation
         far = {name: math.sqrt(value) for name, value in self._mean_squares.items() if value > most**2}
         return "; ".join(
-            f"innovations of {name} are {value:.1f} standard deviations; at most {most:g} is allowed"
+            f"innovations of {name} are {value:.1f} standard deviations; at most {most:g} is allowed: about "
+            f"{self._settling_time(name):.0f} s if all is as foreseen from now on"
             for name, value in far.items()
         )
+
+    def _settling_time(self, name: str) -> float:
+        """Return after how long the innovations of a measurement are small enough, if they are as foreseen [s]."""
+        excess, allowed = self._mean_squares[name] - 1.0, self._parameters.innovation**2 - 1.0
+        readings = math.log(max(excess / max(allowed, LEAST_EXCESS), 1.0)) / INNOVATION_WEIGHT
+        return readings * self._time / self._readings[name]
 
     def _range(self, payout: float, limits: WinchLimits) -> str:
         """Return how the range of payout does not hold the waves."""

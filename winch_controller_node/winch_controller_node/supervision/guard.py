@@ -177,6 +177,19 @@ class HarmGuard:
             return min(1.0, LARGEST_DEMAND / demand) if demand > 0.0 else 1.0
         return self._demand.largest_share(self._loop.limits, self._loop.effort, self._parameters.limit_use)
 
+    @property
+    def prospect(self) -> str:
+        """When compensation is tried again, in words; empty where it is not inhibited."""
+        if not self.inhibits:
+            return ""
+        hold = self._hold_time if self._hold is None else self._hold
+        if self._off_time <= self._dt:
+            return f"tried again {hold:.0f} s after that is over"
+        if self._off_time < hold:
+            return f"tried again in {hold - self._off_time:.0f} s"
+        most = self._parameters.demand_ratio
+        return f"tried again once the sea demands at most {most:g} times the winch's limits; now {self.demand:.1f}"
+
     def take_loop(self, loop: GuardedLoop) -> None:
         """Watch another loop from now on: another design is in force."""
         self._loop = loop

@@ -216,5 +216,8 @@ class ModeMachine:
     def _why_waiting(self) -> str:
         """Return what compensation waits for."""
         if not SETTLED_ESTIMATE.holds(self._view):
-            return "estimate settling"
-        return self._situation.harm or self._situation.closed_gates or self.reason
+            return f"estimate settling, {self._parameters.settling_time - self._well_time:.0f} s more"
+        situation = self._situation
+        if situation.harm and situation.prospect:
+            return f"{situation.harm}; {situation.prospect}"
+        return situation.harm or situation.closed_gates or self.reason

@@ -109,6 +109,7 @@ class Situation:
     has_estimate : the estimator has had the readings it needs
     winch_fault : number of the winch's own fault, see WinchFault
     harm : the guard's reason to fade out, empty when there is none
+    prospect : when compensation is tried again after harm, in words
     speed : speed of the winch as commanded [m/s], absolute
     authority_limit : share of the sea that the winch can follow under this law
     is_settled : the unit moves as it would with the winch locked: the winch may stop
@@ -127,6 +128,7 @@ class Situation:
     closed_gates: str = ""
     tension_refusal: str = ""
     fault_cause: str = ""
+    prospect: str = ""
 
 
 NOTHING_KNOWN = Situation(lost="", has_estimate=False, winch_fault=WinchFault.NONE, harm="", speed=0.0)

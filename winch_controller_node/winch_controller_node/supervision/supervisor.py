@@ -145,6 +145,7 @@ class Supervisor:
                 winch_fault=winch.fault,
                 fault_cause=winch.fault_cause,
                 harm=self.guard.reason,
+                prospect=self.guard.prospect,
                 speed=winch.speed,
                 authority_limit=min(
                     UNKNOWN_SEA_SHARE if tick.is_sea_refuted else 1.0,
@@ -205,8 +206,9 @@ class Supervisor:
 
     def _closed_gates(self, tick: LoopTick, mean_payout: float) -> str:
         """Return why compensation may not begin about a mean payout [m]; empty where it may."""
-        if not tick.knows_sea and tick.number * self._dt < self._longest_wait:
-            return "waves are being looked at"
+        wait = self._longest_wait - tick.number * self._dt
+        if not tick.knows_sea and wait > 0.0:
+            return f"waves are being looked at, for at most {wait:.0f} s more"
         if tick.doubt:
             return tick.doubt
         return self._gates.for_compensation(mean_payout, self._limits, self.guard.demand, self._largest_demand)
