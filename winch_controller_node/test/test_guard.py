@@ -49,6 +49,20 @@ def test_the_guard_lets_compensation_be_tried_again_and_waits_longer_each_time()
     assert guard.inhibits
 
 
+def test_the_guard_says_when_compensation_is_tried_again():
+    guard = make_guard()
+    assert guard.prospect == ""
+    feed_guard(guard, 0.8, 0.5, 40.0)
+    assert guard.prospect == "tried again 30 s after that is over"
+    feed_guard(guard, 0.0, 0.5, 10.0, authority=0.0)
+    assert guard.prospect == "tried again in 20 s"
+    feed_guard(guard, 0.0, 0.5, 60.0, authority=0.0)
+    assert guard.prospect == ""
+    feed_guard(guard, 0.8, 0.5, 40.0, rate=10.0)
+    feed_guard(guard, 0.0, 0.5, 200.0, authority=0.0, rate=10.0)
+    assert guard.prospect.startswith("tried again once the sea demands at most ")
+
+
 def test_the_guard_waits_while_the_sea_asks_for_far_more_than_the_winch_can_give():
     """Demand: significant amplitude 2 sigma of speed or acceleration over the limit; sin amplitude A has A/sqrt(2)."""
     guard = make_guard()

@@ -129,3 +129,12 @@ def test_harm_fades_out_to_standby_and_comes_back_when_it_is_over():
 def test_an_unknown_mode_is_refused_by_name():
     with pytest.raises(ModeError, match="'dance' cannot be requested"):
         machine().request("dance")
+
+
+def test_what_compensation_waits_for_is_said_with_the_time_it_takes():
+    modes = machine()
+    run(modes, 0.5)
+    assert modes.reason == "estimate settling, 0 s more"
+    harm = situation(harm="compensation is harmful", prospect="tried again in 20 s")
+    run(modes, 2.0, harm)
+    assert modes.reason == "compensation is harmful; tried again in 20 s"
