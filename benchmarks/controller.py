@@ -19,9 +19,9 @@ from pathlib import Path
 
 import numpy as np
 from heave_bags.analyse import kpi_set
-from heave_bringup.campaign.runs import run_signals
 from heave_bringup.closed_loop import ClosedLoop, LoopRecord, loop_parameters
 from heave_bringup.run.kappa import bounds_of
+from heave_bringup.run.loop_signals import run_signals
 from heave_bringup.scenarios import Scenario, load_scenario
 from heave_bringup.settings import Setting, make_setting
 from heave_node.kpi import kappa

@@ -1,5 +1,6 @@
 """The loop in one process is the loop over ROS: a bag holds its numbers, to the last bit."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -7,8 +8,9 @@ import pytest
 from heave_bags.analyse import kpi_set
 from heave_bags.analyse.run_record import read_run
 from heave_bags.mcap.reader import Bag
-from heave_bringup.campaign.runs import loop_parameters, run_signals
-from heave_bringup.closed_loop import ClosedLoop
+from heave_bringup.closed_loop import ClosedLoop, loop_parameters
+from heave_bringup.run.baseline import add_baseline
+from heave_bringup.run.loop_signals import run_signals
 from heave_bringup.scenarios import load_scenario
 
 from tests.loop_runs import run_scenario
@@ -86,3 +88,15 @@ def test_so_it_is_with_a_preview_of_the_boom_tip_which_is_in_the_bag(tmp_path):
 
 def test_a_run_without_a_preview_has_no_topic_for_it(calm_bag):
     assert "/vessel/heave_preview" not in Bag(calm_bag).topics
+
+
+def test_the_baseline_beside_a_bag_is_law_industrial_in_its_sea(calm_bag):
+    scenario = load_scenario(str(calm_bag.parent / "scenario.yaml"))
+    controller = replace(scenario.parameters["winch_controller"], law="industrial")
+    parameters = replace(loop_parameters(scenario), controller=controller)
+    record = read_run(calm_bag)
+    assert np.isnan(record.kpis()["baseline_efficiency"])
+    add_baseline(record, calm_bag)
+    start, end = 0.5 * scenario.run.duration, scenario.run.duration
+    expected = kpi_set.evaluate(run_signals(ClosedLoop(parameters).run(), parameters), start, end)
+    assert record.kpis(start, end)["baseline_efficiency"] == expected["unit_efficiency"]

@@ -66,6 +66,7 @@ class RunSignals:
     driving_omega : angular frequency of a driven scenario [rad/s]; NaN if the scenario is not driven by one
         regular motion
     sensor_bound, actuator_bound : the two bounds in kappa [m]; NaN when unknown
+    baseline : the same sea and seed under the baseline law; None when unknown
     real_time_factor, missed_deadlines : of the run as a whole; NaN when unknown
     late_commands : commands that took effect later than the controller's model says; NaN when unknown
     loop_age : start of a tick to its last answer, wall time: p50, p99 and largest [s]; NaN when unknown
@@ -94,6 +95,7 @@ class RunSignals:
     driving_omega: float = math.nan
     sensor_bound: float = math.nan
     actuator_bound: float = math.nan
+    baseline: RunSignals | None = None
     real_time_factor: float = math.nan
     missed_deadlines: float = math.nan
     late_commands: float = math.nan

@@ -228,3 +228,35 @@ def test_a_scheduler_that_does_not_answer_is_one_line():
     pytest.importorskip("distributed")
     with pytest.raises(CommandError, match="--dask nonsense: no scheduler answers"):
         next(executors.run_tasks([], dask="nonsense"))
+
+
+def test_the_baseline_beside_a_case_is_the_efficiency_of_law_industrial_in_the_same_sea(tmp_path):
+    path = tmp_path / "laws.yaml"
+    path.write_text(TEXT.replace("[off, mpc]", "[lqg, industrial]"))
+    campaign = read_campaign(path)
+    own, industrial = (
+        next(case for case in campaign.cases() if case.settings["winch_controller.law"] == law)
+        for law in ("lqg", "industrial")
+    )
+    (task,), (other,) = make_tasks(campaign, [own], has_baseline=True), make_tasks(campaign, [industrial])
+    found, expected = run_task(task).kpis, run_task(other).kpis
+    assert found["baseline_efficiency"] == expected["unit_efficiency"]
+    assert np.isnan(expected["baseline_efficiency"])
+
+
+def test_a_campaign_of_laws_that_has_the_baseline_among_them_shows_it_beside_each(tmp_path, monkeypatch):
+    def efficient(task: Task) -> CaseResult:
+        """Stand for a run: case k has an efficiency of k/10, and knows of no baseline."""
+        return CaseResult(task.case, {"unit_efficiency": 0.1 * task.case.number})
+
+    monkeypatch.setattr(executors, "run_task", efficient)
+    path = tmp_path / "laws.yaml"
+    path.write_text(TEXT.replace("[off, mpc]", "[mpc, industrial]"))
+    frame = study.run_study(read_campaign(path), processes=1)
+    place = {
+        (row["winch_controller.law"], row["system.sea.peak_period"], row["seed"]): k for k, row in frame.iterrows()
+    }
+    for (_, period, seed), k in place.items():
+        of_industrial = frame["unit_efficiency"][place["industrial", period, seed]]
+        assert frame["baseline_efficiency"][k] == of_industrial
+    assert any(str(column.header).startswith("baseline") for column in case_table(frame).columns)

@@ -21,8 +21,8 @@ from cable_sim_node.node_parameters import CableSimNodeParameters
 from cable_sim_node.winch.component import VirtualWinch
 from cable_sim_node.winch.parameters import WinchParameters
 from heave_bags.analyse import kpi_set
-from heave_bringup.campaign.runs import run_signals
 from heave_bringup.closed_loop import ClosedLoop, LoopParameters, LoopRecord, loop_parameters
+from heave_bringup.run.loop_signals import run_signals
 from heave_bringup.scenarios import make_scenario
 from heave_node.interface import topics
 from heave_node.interface.faults import FAULTS, LARGEST_DELAY, faults_of

@@ -213,6 +213,7 @@ def is_wrong(words: str, settings: Settings) -> bool:
         "speed limit": speed > 0.98 * SPEED and not is_power_limited,
         "gain": not any(name in truth for name in drive),
         "time constant": not any(name in truth for name in drive),
+        "creep": not any(name in truth for name in drive),
         "noise of": max(noises) < 1.5,
         "mru suspect": not (is_filtered or is_late),
         "depth suspect": True,

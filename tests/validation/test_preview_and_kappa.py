@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 from heave_bringup.closed_loop import ClosedLoop, loop_parameters
 from heave_bringup.run.kappa import bounds_of
@@ -28,6 +29,38 @@ def kappa(scenario_name: str, preview_time: float) -> float:
     record = ClosedLoop(parameters).run()
     bounds = bounds_of(scenario, record.column("boom_tip", after=AFTER), parameters.tick_period)
     return record.unit_sigma(AFTER) / max(bounds)
+
+
+def cost(preview_time: float) -> tuple[float, float]:
+    """Return what law mpc minimises away from the limits, and the winch's acceleration [m/s^2], of a run of 200 s."""
+    changes = (
+        "cable_sim.segments=10",
+        f"wave_vessel.preview.time={preview_time}",
+        "wave_vessel.preview.noise=0.001",
+        "winch_controller.mpc.preview_noise=0.001",
+        f"winch_controller.mpc.preview_time={preview_time}",
+    )
+    parameters = replace(loop_parameters(load_scenario("b4_limit_900_tp10", settings=changes)), duration=200.0)
+    commands: list[float] = []
+    record = ClosedLoop(parameters).run(lambda _, outputs: commands.append(outputs.order.payout_rate))
+    law, judged = parameters.controller.mpc, record.column("time") >= AFTER
+    acceleration = float(np.sqrt(np.mean(np.square(record.column("payout_acceleration", after=AFTER)))))
+    command = float(np.sqrt(np.mean(np.square(np.array(commands)[judged]))))
+    shares = (
+        record.unit_sigma(AFTER) / law.unit_heave,
+        acceleration / law.free_payout_acceleration,
+        command / law.free_command,
+    )
+    return float(np.sum(np.square(shares))), acceleration
+
+
+@pytest.mark.long
+@pytest.mark.timeout(3600)
+def test_where_the_winch_is_strong_enough_a_preview_lowers_the_cost_and_spares_the_winch() -> None:
+    """A linear-quadratic regulator that knows more has a lower cost; the unit's motion is a part of that."""
+    (without, harder), (with_preview, softer) = cost(0.0), cost(4.0)
+    assert with_preview < 0.95 * without
+    assert softer < harder
 
 
 @pytest.mark.long

@@ -122,3 +122,12 @@ def test_full_speed_is_reached_in_the_time_that_the_larger_set_point_needs():
 
     assert speed(10.0) == pytest.approx(1.1)
     assert speed(1.0) == pytest.approx(1.1 * -math.expm1(-3.0 * DT))
+
+
+@given(st.floats(-1.0, 1.0))
+def test_the_set_point_of_a_drum_that_creeps_gives_the_speed_that_was_asked_for(wanted):
+    """Out it settles at 0.94 of its set-point, in at 0.7 of that, and creeps out by 0.06 m/s."""
+    winch = WinchModelParameters(speed_gain=0.94, hauling_gain=0.7, creep=0.06)
+    governor = design_controller(WinchControllerParameters(winch=winch), tick_period=DT).make_governor()
+    sent = governor.govern(wanted, 0.0, wanted, 1e4).sent
+    assert 0.06 + 0.94 * sent * (1.0 if sent > 0.0 else 0.7) == pytest.approx(wanted, abs=1e-12)

@@ -8,6 +8,7 @@ from winch_controller_node.estimation.loop_tick import Motion
 from winch_controller_node.laws.parts.winch_limits import WinchLimits
 from winch_controller_node.parameters.laws import GuardParameters
 from winch_controller_node.supervision.guard import GuardedLoop, GuardedMotions, HarmGuard
+from winch_controller_node.supervision.watch.winch_demand import WinchDemand
 
 DT = 0.05
 
@@ -64,12 +65,31 @@ def test_the_guard_says_when_compensation_is_tried_again():
 
 
 def test_the_guard_waits_while_the_sea_asks_for_far_more_than_the_winch_can_give():
-    """Demand: significant amplitude 2 sigma of speed or acceleration over the limit; sin amplitude A has A/sqrt(2)."""
+    """Demand of waves that are all of one height: their speed of 10 m/s over the limit of 2 m/s."""
     guard = make_guard()
-    feed_guard(guard, 0.8, 0.5, 40.0, rate=10.0)
-    feed_guard(guard, 0.0, 0.5, 200.0, authority=0.0, rate=10.0)
-    assert guard.demand == pytest.approx(2.0 * 10.0 / np.sqrt(2.0) / 2.0, rel=0.1)
+    five_waves = 10.0 * np.pi / 0.7
+    feed_guard(guard, 0.8, 0.5, five_waves, rate=10.0)
+    feed_guard(guard, 0.0, 0.5, 4.0 * five_waves, authority=0.0, rate=10.0)
+    assert guard.demand == pytest.approx(10.0 / 2.0, rel=0.01)
     assert guard.inhibits
+
+
+def test_demand_of_a_sea_is_its_significant_amplitude_and_of_one_wave_no_more_than_its_height():
+    """Significant amplitude 2 sigma of a narrow-banded sea: its highest crests are beyond that."""
+    limits, noise = WinchLimits(2.0, 1.5, -50.0, 50.0), np.random.default_rng(1)
+    sea, wave = (WinchDemand(40.0, tick_period=DT) for _ in range(2))
+    omegas = np.linspace(0.4, 0.6, 40)
+    phases, time = noise.uniform(0.0, 2.0 * np.pi, 40), DT * np.arange(round(600.0 / DT))
+    rates = np.sqrt(2.0 / 40.0) * np.sum(np.cos(np.outer(time, omegas) + phases), axis=1)
+    found = []
+    for t, rate in zip(time, rates, strict=True):
+        sea.add(rate)
+        wave.add(np.cos(0.5 * t))
+        found.append((sea.significant(limits), wave.significant(limits)))
+    # sigma 1 m/s in the mean: speed asks for more than acceleration, 0.5 m/s^2 of 1.5
+    assert np.sqrt(np.mean(np.square(found), axis=0)) == pytest.approx([2.0 / 2.0, 1.0 / 2.0], rel=0.1)
+    # a crest is forgotten by a hundredth until the next one
+    assert found[-1][1] == pytest.approx(0.5, rel=0.02)
 
 
 def test_a_swing_above_the_sea_is_noticed_within_seconds_and_one_below_never():

@@ -194,3 +194,52 @@ def test_a_drum_at_its_speed_limit_under_larger_set_points_is_where_it_was_predi
         errors.append(identifier.error(winch))
     assert abs(rate) <= 1.8
     assert np.max(np.abs(errors)) < 0.01
+
+
+def crept(lag, gain, hauling, creep, seconds=20.0, size=0.6):
+    """Yield set-point and encoder of a drum whose speed loop has no integral part, for a wave of 10 s.
+
+    It settles at gain x set-point + creep, the gain of hauling in times `hauling`; the encoder has 1 mm.
+    """
+    noise, payout, rate = np.random.default_rng(1), 0.0, 0.0
+    for time in DT * np.arange(round(seconds / DT)):
+        set_point = size * np.sin(0.2 * np.pi * time) + 0.03 * noise.standard_normal()
+        end = gain * (set_point if set_point > 0.0 else hauling * set_point) + creep
+        change = -(end - rate) * np.expm1(-DT / lag)
+        payout, rate = payout + end * DT - lag * change, rate + change
+        yield set_point, 1e-3 * round(1e3 * payout)
+
+
+@pytest.mark.parametrize("lag", [0.005, 0.15])
+@pytest.mark.parametrize(("hauling", "creep"), [(0.76, 0.058), (1.3, -0.04), (1.0, 0.05)])
+def test_a_drum_that_creeps_and_hauls_in_with_another_gain_is_known_after_20_seconds(lag, hauling, creep):
+    winch = replace(
+        WinchControllerParameters().winch,
+        time_constant=lag,
+        command_delay=0.0,
+        speed_limit=0.85,
+        acceleration_limit=4.8,
+        set_point_reach=2.0,
+    )
+    identifier = WinchIdentifier(
+        WinchControllerParameters().lag, design_controller(WinchControllerParameters(winch=winch), tick_period=DT)
+    )
+    for set_point, encoder in crept(lag, 0.94, hauling, creep):
+        identifier.add(0.0, set_point, encoder)
+    assert abs(identifier.error(winch)) > 0.01
+    better = identifier.improved_winch(winch)
+    assert better.speed_gain == pytest.approx(0.94, abs=0.01)
+    assert better.hauling_gain == pytest.approx(hauling, abs=0.02)
+    assert better.creep == pytest.approx(creep, abs=0.005)
+    assert (better.speed_limit, better.acceleration_limit) == (0.85, 4.8)
+    # the record is explained to the encoder's resolution
+    assert abs(identifier.error(better)) < 0.002
+
+
+def test_a_limit_of_one_direction_is_not_taken_for_a_gain_or_a_creep(design):
+    """The limits of the virtual winch, out and in, with no creep: none is learnt."""
+    belief = WinchControllerParameters().winch
+    for winch in ({"hauling_speed_share": 0.4}, {"hauling_acceleration_share": 0.5}, {"speed_gain": 0.8}):
+        better = identified(design, WinchParameters(**winch)).improved_winch(belief)
+        assert better.hauling_gain == pytest.approx(1.0, abs=0.01), winch
+        assert better.creep == pytest.approx(0.0, abs=0.002), winch

@@ -159,6 +159,8 @@ class DesignInForce:
         kept = replace(
             mine,
             speed_gain=winch.speed_gain,
+            hauling_gain=winch.hauling_gain,
+            creep=winch.creep,
             speed_limit=winch.speed_limit,
             acceleration_limit=winch.acceleration_limit,
         )

@@ -181,10 +181,10 @@ def window_table(record: RunRecord, length: float) -> str:
 
     One line per window, and what time is in none of them.
     """
-    definitions = [definition for definition in kpi_set.KPI_DEFINITIONS if definition.heading]
+    parts = windows(record, length)
+    definitions = [one for one in kpi_set.shown([part.values for part in parts]) if one.heading]
     headings = [f"{definition.heading} {definition.unit}" for definition in definitions]
     rows = [("from s", "to s", *headings)]
-    parts = windows(record, length)
     for part in parts:
         cells = [definition.text(part.values[definition.key]) for definition in definitions]
         rows.append((f"{part.start:.2f}", f"{part.end:.2f}", *cells))

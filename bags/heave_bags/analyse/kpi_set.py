@@ -80,6 +80,12 @@ class Window:
         free = kpi.sigma(self.hanging(self.run.uncompensated_heave))
         return kpi.efficiency(kpi.sigma(self.hanging(self.run.unit_heave)), free)
 
+    @property
+    def baseline_efficiency(self) -> float:
+        """Efficiency at the unit of the baseline law in the same sea."""
+        baseline = self.run.baseline
+        return NOT_KNOWN if baseline is None else Window(baseline, self.start, self.end).unit_efficiency
+
     @cached_property
     def outlet_efficiency(self) -> float:
         """Efficiency at the top of the cable, while the unit hangs."""
@@ -283,6 +289,16 @@ KPI_DEFINITIONS: tuple[KpiDefinition, ...] = (
         100.0,
         2,
         heading="unit eff.",
+    ),
+    KpiDefinition(
+        "baseline_efficiency",
+        "unit efficiency of law industrial, same sea and seed",
+        "%",
+        UNIT,
+        lambda w: w.baseline_efficiency,
+        100.0,
+        2,
+        heading="baseline",
     ),
     KpiDefinition(
         "outlet_efficiency",

@@ -46,6 +46,9 @@ one without noise reads the same again and again on a slack rope, as one that is
 RIGID_ROPE: dict[str, object] = {"cable.axial_stiffness": 1e12, "cable_model.damping": 1e-3}
 """What this suite's controller is told of a rope that does not stretch: its load swings on it not even for a tick."""
 
+ONE_PERIOD: dict[str, object] = {"sea.spectrum": "jonswap", "sea.peak_enhancement": 10.0}
+"""MAS410: its wave has one period, as its task says. That is the narrowest sea that can be believed in."""
+
 TICK = 0.05
 QUICK = 0.005
 """Sample time with perfect sensors [s]: published laws are given in continuous time."""
@@ -255,7 +258,7 @@ def _drawworks_maker(
         )
         # the drive carries the load: tension is constant, and no limit of the plan
         rope = {**RIGID_ROPE, "limits.minimum_tension_ratio": 0.0}
-        belief = _belief(winch, sea, sensors, mass, **rope)
+        belief = _belief(winch, sea, sensors, mass, **rope, **ONE_PERIOD)
         facts = Facts(name, sample_time, duration, winch, sensors, sea, belief)
 
         def make_winch() -> Winch:

@@ -25,6 +25,7 @@ def digest_of(tasks: Sequence[Task], version: str) -> str:
     digest = hashlib.sha256(version.encode())
     for task in tasks:
         digest.update(task.text.encode())
+        digest.update(b"baseline" if task.has_baseline else b"")
     return digest.hexdigest()
 
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 import pandas
 from heave_bags.analyse import kpi_set
@@ -15,9 +13,13 @@ from heave_bringup.campaign.table import FAILURE, LOST, MET, MISSED, NOMINAL, RE
 from heave_bringup.output import make_table
 from heave_bringup.tables.case_table import CASE, SCENARIO
 
+BASELINE = "baseline_efficiency"
+
 SHOWN = {
     "unit_sigma_m": "unit",
     "uncompensated_sigma_m": "off",
+    "unit_efficiency": "effic.",
+    BASELINE: "baseline",
     "max_abs_heave_m": "max",
     "uncompensated_max_abs_heave_m": "off max",
     "dynamic_amplification": "DAF",
@@ -28,6 +30,9 @@ SHOWN = {
     "time_at_limit_percent": "at limit",
 }
 """Figures of merit in the table for people, with their headings; all of them are in files."""
+
+SELDOM_KNOWN = (BASELINE,)
+"""Those that are left out where no case has a value."""
 
 
 def to_json(campaign: Campaign, frame: pandas.DataFrame) -> dict[str, object]:
@@ -90,15 +95,15 @@ def _against_nominal(frame: pandas.DataFrame, p90: float) -> dict[str, float]:
 
 def case_table(frame: pandas.DataFrame) -> Table:
     """Return a row for each case of a `frame`: unit and uncompensated motion, tension, use of the winch."""
-    units = [kpi_set.DEFINITION_OF[key].unit for key in SHOWN]
-    headings = [f"{heading} {unit}".strip() for heading, unit in zip(SHOWN.values(), units, strict=True)]
-    columns = ["no.", "case", *headings, "ratio", "remark"]
+    keys = [key for key in SHOWN if key not in SELDOM_KNOWN or frame[key].notna().any()]
+    headings = [f"{SHOWN[key]} {kpi_set.DEFINITION_OF[key].unit}".strip() for key in keys]
+    columns = ["no.", "case", *headings, "remark"]
     settings = settings_of(frame)
-    rows = [_cells(row, settings) for row in frame.to_dict("records")]
+    rows = [_cells(row, settings, keys) for row in frame.to_dict("records")]
     return make_table(columns, rows, texts=["case", "remark"])
 
 
-def _cells(row: dict[object, object], settings: list[str]) -> list[str]:
+def _cells(row: dict[object, object], settings: list[str], keys: list[str]) -> list[str]:
     label = Case(
         int(row[CASE]),  # type: ignore[call-overload]
         int(row[SEED]),  # type: ignore[call-overload]
@@ -107,13 +112,11 @@ def _cells(row: dict[object, object], settings: list[str]) -> list[str]:
     ).label
     head = [str(row[CASE]), label]
     if row[FAILURE]:
-        return [*head, *[""] * (len(SHOWN) + 1), f"failed: {row[FAILURE]}"]
-    values = {key: float(row[key]) for key in SHOWN}  # type: ignore[arg-type]
-    off = values["uncompensated_sigma_m"]
-    ratio = values["unit_sigma_m"] / off if off > 0.0 else math.nan
+        return [*head, *[""] * len(keys), f"failed: {row[FAILURE]}"]
+    values = {key: float(row[key]) for key in keys}  # type: ignore[arg-type]
     remark = f"lost: {row[REASON]}" if row[LOST] else str(row[MISSED])
     cells = [kpi_set.DEFINITION_OF[key].text(value) for key, value in values.items()]
-    return [*head, *cells, f"{ratio:.4f}" if math.isfinite(ratio) else "-", remark]
+    return [*head, *cells, remark]
 
 
 def summary_table(frame: pandas.DataFrame) -> Table:

@@ -2,24 +2,26 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 from heave_bags.analyse import kpi_set
-from heave_bags.analyse.depth_programme import take_out_programme
-from heave_bags.analyse.events import COMPENSATES, take_modes
+from heave_bags.analyse.events import COMPENSATES
 from heave_bags.analyse.verdict import Judged, Verdict
 from heave_bags.signals import RunSignals, Signal
 from heave_node.parameters import ParameterError
 from heave_node.scenario import sections_text
 
 from heave_bringup.campaign.plan import Campaign, Case
-from heave_bringup.closed_loop import ClosedLoop, LoopParameters, LoopRecord, loop_parameters
+from heave_bringup.closed_loop import ClosedLoop, LoopRecord, loop_parameters
 from heave_bringup.run.criteria import refuse_unknown
+from heave_bringup.run.loop_signals import run_signals
 from heave_bringup.scenarios import Scenario, load_scenario
 from heave_bringup.stored_scenario import stored_sections, stored_title
+from heave_bringup.tables.baseline_law import BASELINE
 
 BOUND = "kappa"
 """Figure that needs bounds, seconds of work: computed only where a criterion asks for it."""
@@ -36,10 +38,12 @@ class Task:
     ----------
     case : of the campaign
     scenario : checked
+    has_baseline : the same case is run under the baseline law as well
     """
 
     case: Case
     scenario: Scenario
+    has_baseline: bool = False
 
     @property
     def text(self) -> str:
@@ -75,9 +79,12 @@ class CaseResult:
         return bool(self.reason)
 
 
-def make_tasks(campaign: Campaign, cases: Sequence[Case]) -> list[Task]:
-    """Return the `cases` of a campaign with their parameters; raise ParameterError for the first that is wrong."""
-    return [Task(case, _scenario(campaign, case)) for case in cases]
+def make_tasks(campaign: Campaign, cases: Sequence[Case], *, has_baseline: bool = False) -> list[Task]:
+    """Return the `cases` of a campaign with their parameters; raise ParameterError for the first that is wrong.
+
+    With `has_baseline` each is run under the baseline law as well.
+    """
+    return [Task(case, _scenario(campaign, case), has_baseline) for case in cases]
 
 
 def _scenario(campaign: Campaign, case: Case) -> Scenario:
@@ -103,6 +110,8 @@ def run_task(task: Task) -> CaseResult:
         record = loop.run()
         signals = run_signals(record, parameters)
         _add_bounds(signals, record, scenario)
+        if task.has_baseline:
+            _add_baseline(signals, scenario)
         kpis = kpi_set.evaluate(signals, scenario.run.transient, scenario.run.duration)
     except Exception as error:  # one case that cannot be run must not end the others; it is named in the table
         return CaseResult(case, failure=" ".join(str(error).split()) or type(error).__name__)
@@ -128,6 +137,17 @@ def _add_bounds(signals: RunSignals, record: LoopRecord, scenario: Scenario) -> 
     except (DesignError, ArithmeticError, ValueError):  # no bound, and kappa stays unknown, as for a bag
         return
     signals.sensor_bound, signals.actuator_bound = bounds
+
+
+def _add_baseline(signals: RunSignals, scenario: Scenario) -> None:
+    """Put in what the baseline law makes of the same case; a case that is under that law is its own."""
+    from winch_controller_node.model.lqr import DesignError  # noqa: PLC0415 - seconds to load, seldom needed
+
+    from heave_bringup.run.baseline import baseline_signals  # noqa: PLC0415
+
+    is_baseline = scenario.parameters["winch_controller"].law == BASELINE
+    with contextlib.suppress(DesignError):  # not for this winch: its efficiency stays unknown
+        signals.baseline = signals if is_baseline else baseline_signals(scenario)
 
 
 def _judged(record: LoopRecord, scenario: Scenario) -> list[str]:
@@ -177,39 +197,3 @@ def lost_because(record: LoopRecord, scenario: Scenario, kpis: Mapping[str, floa
         words = f"compensation ended at {when:.2f} s (mode {record.modes[end]}), {share}"
     alarms = [text for at, text in record.alarms if at <= when + WITH_THE_END]
     return f"{words}: {' '.join(alarms[-1].split())}" if alarms else words
-
-
-def run_signals(record: LoopRecord, parameters: LoopParameters) -> RunSignals:
-    """Return the signals that KPIs are computed from, as a bag of the same run would give them.
-
-    Parameters
-    ----------
-    record : of the run
-    parameters : that it was made with
-    """
-    time, plant = record.column("time"), parameters.plant
-
-    def signal(name: str) -> Signal:
-        return Signal(time, record.column(name))
-
-    signals = RunSignals(
-        unit_heave=signal("unit"),
-        uncompensated_heave=signal("uncompensated"),
-        boom_tip_heave=signal("boom_tip"),
-        payout=signal("payout"),
-        payout_rate=signal("payout_rate"),
-        payout_acceleration=signal("payout_acceleration"),
-        tension=signal("top_tension"),
-        uncompensated_tension=signal("uncompensated_tension"),
-        slack=Signal(time, (record.column("slack_segments") > 0.0).astype(float)),
-        winch_limited=Signal(time, (record.column("limits_hit") != 0.0).astype(float)),
-        static_tension=Signal(time[:1], record.column("top_tension")[:1]),
-        unit_height=signal("unit"),
-        touchdown=Signal(time, (record.column("touchdown_force") > 0.0).astype(float)),
-        speed_limit=parameters.winch.speed_limit,
-        acceleration_limit=parameters.winch.acceleration_limit,
-    )
-    weight = plant.cable.weight_in_fluid(plant.water_density, plant.gravity)
-    take_modes(signals, time, np.asarray(record.modes))
-    take_out_programme(signals, signal("depth_set_point"), weight)
-    return signals

@@ -19,7 +19,12 @@ from heave_bringup.tables.case_table import read_cases, write_cases
 
 
 def run_study(
-    campaign: Campaign, *, output: Path | None = None, processes: int | None = None, dask: str | None = None
+    campaign: Campaign,
+    *,
+    output: Path | None = None,
+    processes: int | None = None,
+    dask: str | None = None,
+    has_baseline: bool = False,
 ) -> pandas.DataFrame:
     """Run the cases of a campaign, showing progress with the time to go; return their table.
 
@@ -30,10 +35,11 @@ def run_study(
         it was, and gives the same file; one that is complete is read.
     processes : number of worker processes; None takes one per processor
     dask : address of a scheduler whose workers run the cases
+    has_baseline : each case is run under the baseline law as well
 
     Raises ParameterError for a wrong parameter, and where the file is another campaign's.
     """
-    tasks = make_tasks(campaign, list(campaign.cases()))
+    tasks = make_tasks(campaign, list(campaign.cases()), has_baseline=has_baseline)
     digest = digest_of(tasks, git_commit())
     if output is not None and output.exists():
         frame, about = read_cases(output)

@@ -11,12 +11,16 @@ from heave_bags.record.provenance import git_commit, versions
 
 from heave_bringup.campaign.plan import Campaign
 from heave_bringup.campaign.runs import CaseResult, Task
+from heave_bringup.tables.baseline_law import BASELINE
 from heave_bringup.tables.case_table import CASE, SCENARIO
 
 SEED, NOMINAL = "seed", "nominal"
 FAILURE, LOST, REASON, MET, MISSED, SHARE = "failure", "lost", "reason", "met", "missed", "compensating_share"
 OUTCOME = (FAILURE, LOST, REASON, MET, MISSED, SHARE)
 """Columns with what became of a case, before its figures of merit."""
+
+LAW = "winch_controller.law"
+"""Place of the law."""
 
 
 def case_frame(tasks: Sequence[Task], results: Sequence[CaseResult]) -> pandas.DataFrame:
@@ -30,9 +34,21 @@ def case_frame(tasks: Sequence[Task], results: Sequence[CaseResult]) -> pandas.D
     settings = dict.fromkeys(place for result in results for place in result.case.settings)
     keys = [definition.key for definition in kpi_set.KPI_DEFINITIONS]
     frame = pandas.DataFrame(rows, columns=[CASE, SEED, NOMINAL, *settings, *OUTCOME, *keys, SCENARIO])
+    _fill_in_baselines(frame, list(settings))
     for place in settings:
         frame[place] = _of_one_type(frame[place])
     return frame.astype(dict.fromkeys(keys, float))
+
+
+def _fill_in_baselines(frame: pandas.DataFrame, settings: Sequence[str]) -> None:
+    """Fill in the efficiency of the baseline law where a case differs from another one by its law only."""
+    if LAW not in settings:
+        return
+    others = [SEED, NOMINAL, *(place for place in settings if place != LAW)]
+    alike = frame[others].map(str).agg("|".join, axis=1)
+    is_baseline = frame[LAW] == BASELINE
+    found = dict(zip(alike[is_baseline], frame.loc[is_baseline, "unit_efficiency"], strict=True))
+    frame["baseline_efficiency"] = frame["baseline_efficiency"].astype(float).fillna(alike.map(found).astype(float))
 
 
 def settings_of(frame: pandas.DataFrame) -> list[str]:

@@ -47,6 +47,16 @@ def add_bags(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def add_baseline(parser: argparse.ArgumentParser, cost: str) -> None:
+    """Let the user of `parser` have the baseline beside the efficiency; `cost` says what of."""
+    parser.add_argument(
+        "--baseline",
+        action="store_true",
+        help=f"show beside the efficiency that of law industrial in the same sea, with the same seed: {cost} again, "
+        "without ROS",
+    )
+
+
 def add_network(parser: argparse.ArgumentParser, default: object = False) -> None:
     """Let the user of `parser` open the run to other hosts; `default` where he does not."""
     parser.add_argument(

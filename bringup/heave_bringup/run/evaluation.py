@@ -56,7 +56,13 @@ class Evaluation:
 
 
 def evaluate(
-    scenario: Scenario, bag: Path, report: Path | None, *, required: Sequence[Criterion] = (), alarms: int = 0
+    scenario: Scenario,
+    bag: Path,
+    report: Path | None,
+    *,
+    required: Sequence[Criterion] = (),
+    alarms: int = 0,
+    has_baseline: bool = False,
 ) -> Evaluation:
     """Evaluate a run.
 
@@ -67,8 +73,9 @@ def evaluate(
     report : file of the HTML report; None writes none
     required : criteria of the command line
     alarms : number of errors that the nodes reported
+    has_baseline : the scenario is run again under the baseline law, in this process
     """
-    records = read_records([bag])
+    records = read_records([bag], has_baseline=has_baseline)
     (record,) = records
     verdict = judge(record, scenario.wanted, required=required, moves_winch=scenario.moves_winch, alarms=alarms)
     if report is not None:

@@ -52,7 +52,7 @@ def add_bounds(record: RunRecord, bag: Path, given: Scenario | None = None) -> N
     bag : folder that it was read from, with the scenario in it
     given : scenario of the run, where the bag carries none
     """
-    scenario = _scenario_of(bag) or given
+    scenario = scenario_of(bag) or given
     if scenario is None or not scenario.moves_winch:
         return
     if record.end <= scenario.run.transient:
@@ -135,7 +135,7 @@ def true_parameters(scenario: Scenario) -> WinchControllerParameters:
     )
 
 
-def _scenario_of(bag: Path) -> Scenario | None:
+def scenario_of(bag: Path) -> Scenario | None:
     """Return the scenario that the bag carries; None where it carries none that this version can read."""
     for name, content in Bag(bag).attachments.items():
         if name.endswith((".yaml", ".yml")):

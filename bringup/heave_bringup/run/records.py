@@ -10,12 +10,18 @@ from heave_bags.analyse.run_record import ALL_NODES, NodeParameters, RunRecord
 from heave_node.parameters import flatten
 
 from heave_bringup.progress import ProgressLine
+from heave_bringup.run.baseline import add_baseline
 from heave_bringup.run.kappa import add_bounds
 from heave_bringup.scenarios import Scenario, load_scenario
+from heave_bringup.tables.baseline_law import BASELINE
 
 
 def read_records(
-    bags: Sequence[Path], *, scenario: str | None = None, transient: float | None = None
+    bags: Sequence[Path],
+    *,
+    scenario: str | None = None,
+    transient: float | None = None,
+    has_baseline: bool = False,
 ) -> list[RunRecord]:
     """Read bags, showing progress.
 
@@ -24,6 +30,7 @@ def read_records(
     bags : folders or files
     scenario : shipped name or file, for bags that do not carry the scenario of their run
     transient : start of the evaluation window [s]; None takes what each bag says, or else the scenario
+    has_baseline : each run is made again under the baseline law
 
     Raises BagError for the first bag that cannot be read, ParameterError for a scenario that cannot be.
     """
@@ -39,6 +46,9 @@ def read_records(
         for record, bag in zip(records, bags, strict=True):
             progress.show("bounds of kappa")
             add_bounds(record, bag, given)
+            if has_baseline:
+                progress.show(f"{record.name} under law {BASELINE}")
+                add_baseline(record, bag, given)
     return records
 
 

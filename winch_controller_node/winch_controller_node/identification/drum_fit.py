@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 
 from winch_controller_node.identification.drum_kernel import Drum, drum_records
 
-LAG, DELAY, GAIN, DEADBAND, BACKLASH = (
-    Drum._fields.index(name) for name in ("lag", "delay", "gain", "deadband", "backlash")
+LAG, DELAY, GAIN, DEADBAND, BACKLASH, HAULING, CREEP = (
+    Drum._fields.index(name) for name in ("lag", "delay", "gain", "deadband", "backlash", "hauling", "creep")
 )
 SPEEDS = (Drum._fields.index("speed_out"), Drum._fields.index("speed_in"))
 ACCELERATIONS = (Drum._fields.index("acceleration_out"), Drum._fields.index("acceleration_in"))
@@ -89,7 +89,7 @@ class DrumRecord:
         return np.isfinite(self.readings)
 
     def simulated(self, drums: Array) -> Array:
-        """Return the readings of `drums` with payout and rate at their start, shape (m, 12), as (m, count) [m]."""
+        """Return the readings of `drums` with payout and rate at their start, shape (m, 14), as (m, count) [m]."""
         return np.asarray(
             drum_records(
                 self.payouts,
@@ -114,7 +114,7 @@ class DrumBelief:
 
     Attributes
     ----------
-    nominal, sigmas, lowest, highest : fields of `Drum`, shape (10,)
+    nominal, sigmas, lowest, highest : fields of `Drum`, shape (12,)
     """
 
     nominal: Array
@@ -150,7 +150,7 @@ class DrumFit:
 
     Attributes
     ----------
-    drum : fields of `Drum`, then payout and rate at the start of the record, shape (12,)
+    drum : fields of `Drum`, then payout and rate at the start of the record, shape (14,)
     squares : sum of the squared residuals [m^2]; count : residuals
     covariance : of lag and delay, shape (2, 2) [s^2]
     """
@@ -172,13 +172,16 @@ def fit_drum(record: DrumRecord, belief: DrumBelief, start: Array, free: Sequenc
     Parameters
     ----------
     record, belief : of the drum
-    start : where the descent begins, shape (12,)
+    start : where the descent begins, shape (14,)
     free : indices that are found, lag and delay first; the others stay; payout and rate at the start are always found
     """
     theta = start.copy()
     columns = [*free, START_PAYOUT, START_RATE]
-    kept = list(free)
-    precision = 1.0 / np.square(belief.sigmas[kept])
+    # the rate at the start shows for a lag only: where that is short, what is left of other causes must not drive it
+    kept = [*free, START_RATE]
+    nominal = np.append(belief.nominal[list(free)], 0.0)
+    precision = 1.0 / np.square(np.append(belief.sigmas[list(free)], 5.0 * np.min(belief.nominal[list(SPEEDS)])))
+    priors = [columns.index(index) for index in kept]
     seen = record.seen
     count = int(np.count_nonzero(seen))
     covariance = np.diag(np.square(belief.sigmas))
@@ -188,9 +191,8 @@ def fit_drum(record: DrumRecord, belief: DrumBelief, start: Array, free: Sequenc
         weight = 1.0 / (CORRELATED * max(squares / count, RESOLUTION**2))
         information = weight * slopes.T @ slopes
         pull = weight * slopes.T @ residual
-        for i, index in enumerate(kept):
-            information[i, i] += precision[i]
-            pull[i] += precision[i] * (belief.nominal[index] - theta[index])
+        information[priors, priors] += precision
+        pull[priors] += precision * (nominal - theta[kept])
         covariance, step = _solved(information, pull)
         blocked = _blocked(theta, columns, step, belief)
         if np.any(blocked):
@@ -200,10 +202,10 @@ def fit_drum(record: DrumRecord, belief: DrumBelief, start: Array, free: Sequenc
             step[open_] = _solved(information[np.ix_(open_, open_)], pull[open_])[1]
         trials = np.array([_stepped(theta, columns, share * step, belief) for share in SHARES_OF_STEP])
         costs = weight * record.squares(trials)
-        costs += np.sum(precision * np.square(trials[:, kept] - belief.nominal[kept]), axis=1)
+        costs += np.sum(precision * np.square(trials[:, kept] - nominal), axis=1)
         best = int(np.argmin(costs))
         moved = np.max(np.abs(trials[best] - theta)[columns])
-        if costs[best] > weight * squares + float(precision @ np.square(theta[kept] - belief.nominal[kept])):
+        if costs[best] > weight * squares + float(precision @ np.square(theta[kept] - nominal)):
             break
         theta = trials[best]
         if moved < CONVERGED:
@@ -254,7 +256,7 @@ def best_lags(record: DrumRecord, belief: DrumBelief, start: Array) -> list[Arra
     Parameters
     ----------
     record, belief : of the drum
-    start : the rest of the drum, shape (12,)
+    start : the rest of the drum, shape (14,)
     """
     trials = []
     for lag, delay in product(LAG_FACTORS, DELAY_CHANGES):

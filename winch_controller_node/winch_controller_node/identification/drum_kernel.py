@@ -29,12 +29,14 @@ class Drum(NamedTuple):
     ----------
     lag : time constant of the servo [s]
     delay : from the start of a tick to the effect of its set-points [s]
-    gain : speed that it settles at over its set-point [-]
+    gain : speed that it settles at over its set-point, paying out [-]
     deadband : of the set-point only what is beyond it counts [m/s]
     speed_out, speed_in : limits of paying out and hauling in [m/s]
     acceleration_out, acceleration_in : limits towards paying out and hauling in [m/s^2]
     backlash : play of the encoder's gear [m]
     reach : largest set-point that has an effect, over the limit of the speed [-]
+    hauling : gain of hauling in, over that of paying out [-]
+    creep : speed at a set-point of 0 [m/s]
     """
 
     lag: float
@@ -47,6 +49,8 @@ class Drum(NamedTuple):
     acceleration_in: float = 1e9
     backlash: float = 0.0
     reach: float = 1.0
+    hauling: float = 1.0
+    creep: float = 0.0
 
 
 @inner_kernel
@@ -71,7 +75,8 @@ def _servo(u: float, v: float, v_set: float, drum: Drum, h: float) -> tuple[floa
 @inner_kernel
 def _set_point(demand: float, drum: Drum) -> float:
     """Return the speed that the servo goes for."""
-    wanted = drum.gain * math.copysign(max(abs(demand) - drum.deadband, 0.0), demand)
+    gain = drum.gain if demand >= 0.0 else drum.gain * drum.hauling
+    wanted = gain * math.copysign(max(abs(demand) - drum.deadband, 0.0), demand) + drum.creep
     return min(max(wanted, -drum.reach * drum.speed_in), drum.reach * drum.speed_out)
 
 
@@ -100,7 +105,7 @@ def drum_records(
     Parameters
     ----------
     payouts, rates : set-points of the ticks, oldest first, at least count + delay/dt + 1 of them [m], [m/s]
-    drums : fields of `Drum`, shape (m, 10)
+    drums : fields of `Drum`, shape (m, 12)
     starts : payout and rate at the start of the `count` ticks, shape (m, 2) [m], [m/s]
     position_gain : of the servo's position loop [1/s]; 0: none
     count : ticks
@@ -110,7 +115,7 @@ def drum_records(
     first = len(rates) - count
     for m in range(len(drums)):
         p = drums[m]
-        drum = Drum(p[0], p[1], p[2], p[3], p[4], p[5], p[6], p[7], p[8], p[9])
+        drum = Drum(p[0], p[1], p[2], p[3], p[4], p[5], p[6], p[7], p[8], p[9], p[10], p[11])
         ticks = drum.delay / dt
         whole = math.floor(ticks)
         part = (ticks - whole) * dt
@@ -138,7 +143,7 @@ def predicted_reading(
     ----------
     payouts, rates : set-points of the ticks, oldest first, more of them than readings by the delay [m], [m/s]
     readings : at the start of the record and at the end of each of its ticks [m], shape (count + 1,)
-    drum : fields of `Drum`, shape (10,)
+    drum : fields of `Drum`, shape (12,)
     position_gain : of the servo's position loop [1/s]; 0: none
     fitted : readings
     dt : tick period [s]

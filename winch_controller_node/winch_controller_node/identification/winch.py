@@ -19,10 +19,12 @@ from winch_controller_node.design.design import ControllerDesign
 from winch_controller_node.identification.drum_fit import (
     ACCELERATIONS,
     BACKLASH,
+    CREEP,
     DEADBAND,
     DELAY,
     EXPLAINED,
     GAIN,
+    HAULING,
     IMPROVEMENT,
     LAG,
     LIMITS,
@@ -44,7 +46,7 @@ from winch_controller_node.parameters.model import WinchModelParameters
 SHORTEST_RECORD = 4.0
 """Record [s] from which on the winch is identified."""
 
-SIGMAS = Drum(0.05, 0.1, 0.2, 0.02, math.inf, math.inf, math.inf, math.inf, 0.005)
+SIGMAS = Drum(0.05, 0.1, 0.2, 0.02, math.inf, math.inf, math.inf, math.inf, 0.005, hauling=0.2, creep=0.05)
 """How far a drum may well be from the nominal one, 1 sigma; of limits nothing is known."""
 
 SMALLEST_LAG = 0.005
@@ -52,6 +54,9 @@ SMALLEST_LAG = 0.005
 
 GAINS, LARGEST_DEADBAND, LARGEST_BACKLASH, LOWEST_LIMIT = (0.5, 2.0), 0.2, 0.2, 0.1
 """What a drum can be at all: gain [-], dead zone [m/s], play [m], limits over the nominal ones [-]."""
+
+LARGEST_UNEVENNESS, LARGEST_CREEP = 2.0, 0.2
+"""Largest factor between the gains of paying out and hauling in [-], and creep beyond the nominal one [m/s]."""
 
 SIGNIFICANT = 4.0
 """A change of lag or delay is taken when it is so many standard deviations off."""
@@ -62,8 +67,11 @@ MISFIT = 0.002
 BETTER = 1.15
 """What is found must leave so many times less, mean square, than what is in force."""
 
-GAIN_STEP, LIMIT_STEP = 0.015, 0.03
-"""Changes of gain and limits, relative, that are worth it."""
+GAIN_STEP, LIMIT_STEP, CREEP_STEP = 0.015, 0.03, 0.001
+"""Changes of gains and limits, relative, and of the creep [m/s] that are worth it."""
+
+SHARE_LEFT = 0.25
+"""Gains and creep of a record that is not explained are believed where they leave no more of what is left now [-]."""
 
 USED = 0.97
 """Share that is used of a limit that was learnt."""
@@ -137,6 +145,7 @@ class WinchIdentifier:
         has_loop = self._nominal.position_gain > 0.0
         self._free = (LAG, DELAY) if has_loop else (LAG, DELAY, GAIN)
         self._rare = (BACKLASH,) if has_loop else (DEADBAND, BACKLASH)
+        self._uneven = () if has_loop else (HAULING, CREEP)
         self._found = self._belief.nominal.copy()
         self._ahead = math.ceil((self._nominal.command_delay + parameters.largest) / self._dt) + 2
         self._learnt_age, self._patience = 0.0, 0.0
@@ -244,7 +253,7 @@ class WinchIdentifier:
         """Return the winch that an `answer` has found, or None where the model `winch` in force does."""
         before = self._found
         found = None if answer.found is None else self._lags(answer.found)
-        better = None if found is None or found.residual > EXPLAINED else self._with(winch, found)
+        better = None if found is None else self._believed(winch, found, answer.present)
         if found is None or better is None or not self._is_worth_it(winch, better, answer.present, found):
             self._found[list(LIMITS)] = before[list(LIMITS)]
             return self._let_up(winch)
@@ -252,6 +261,16 @@ class WinchIdentifier:
             self._patience = FIRST_PATIENCE if self._patience == 0.0 else LONGER * self._patience
             self._learnt_age = 0.0
         return better
+
+    def _believed(self, winch: WinchModelParameters, found: WinchLags, present: DrumFit) -> WinchModelParameters | None:
+        """Return the model `winch` with what is believed of what was found; None: nothing is."""
+        better = self._with(winch, found)
+        if found.residual <= EXPLAINED:
+            return better
+        if found.residual > SHARE_LEFT * present.residual:
+            return None
+        # what is left may well look like a limit or a lag, but most of the record is explained by gains and creep
+        return replace(winch, speed_gain=better.speed_gain, hauling_gain=better.hauling_gain, creep=better.creep)
 
     def _with(self, winch: WinchModelParameters, found: WinchLags) -> WinchModelParameters:
         """Return the model `winch` with what was found and differs clearly."""
@@ -263,6 +282,10 @@ class WinchIdentifier:
         )
         if found.is_far_from(winch, self._parameters.step):
             better = replace(better, time_constant=found.time_constant, command_delay=found.delay)
+        hauling, creep = found.drum.hauling, found.drum.creep
+        if abs(hauling / winch.hauling_gain - 1.0) >= GAIN_STEP or abs(creep - winch.creep) >= CREEP_STEP:
+            # the three explain a record together
+            return replace(better, hauling_gain=hauling, creep=creep)
         if abs(better.speed_gain / winch.speed_gain - 1.0) < GAIN_STEP:
             better = replace(better, speed_gain=winch.speed_gain)
         return better
@@ -313,7 +336,8 @@ class WinchIdentifier:
                 unreached = [i for i in pair if start[i] >= belief.nominal[i]]
                 start[unreached] = np.maximum(weaker, belief.lowest[unreached])
                 learnt += pair
-        free = [*self._free, *(i for i in self._rare if start[i] > 0.0)]
+        known = [i for i in (*self._rare, *self._uneven) if start[i] != belief.nominal[i]]
+        free = [*self._free, *known]
         fit = fit_drum(record, belief, start, free)
         # limits that were learnt stay where they explain the record: what is not reached tells nothing
         for other in [start, *best_lags(record, belief, start)] if fit.residual > MISFIT else []:
@@ -322,8 +346,10 @@ class WinchIdentifier:
         if fit.residual > MISFIT:
             limited = search_limits(record, belief, start, free)
             fit = limited if limited.squares < fit.squares else fit
-        if fit.residual > MISFIT and len(free) < len(self._free) + len(self._rare):
+        if fit.residual > MISFIT and not set(self._rare) <= set(free):
             fit = self._with_rare(record, belief, fit)
+        if fit.residual > MISFIT and not set(self._uneven) <= set(free):
+            fit = self._with_uneven(record, belief, fit)
         return fit if np.all(np.isfinite(fit.drum)) else None
 
     def _with_rare(self, record: DrumRecord, belief: DrumBelief, fit: DrumFit) -> DrumFit:
@@ -334,6 +360,18 @@ class WinchIdentifier:
         found = [fit_drum(record, belief, start, [*self._free, *self._rare, *lowered]) for start in (fit.drum, nominal)]
         best = min(found, key=lambda other: other.squares)
         return best if IMPROVEMENT * best.squares < fit.squares else fit
+
+    def _with_uneven(self, record: DrumRecord, belief: DrumBelief, fit: DrumFit) -> DrumFit:
+        """Return a fit with a creep, and another gain out than in, where the record is much better explained by them.
+
+        Limits are searched anew: a limit explains some of what a gain that is too low leaves.
+        """
+        free = [*self._free, *self._uneven]
+        start = self._start(record.readings, belief.nominal)
+        found = fit_drum(record, belief, start, free)
+        if found.residual > MISFIT:
+            found = min(found, search_limits(record, belief, found.drum, free), key=lambda other: other.squares)
+        return found if IMPROVEMENT * found.squares < fit.squares else fit
 
     def _record(self) -> DrumRecord | None:
         readings = np.array(self._readings)
@@ -347,7 +385,7 @@ class WinchIdentifier:
         return DrumRecord(payouts, np.array(rates), readings, self._nominal.position_gain, self._dt)
 
     def _start(self, readings: Array, drum: Array | None = None) -> Array:
-        """Return a drum with payout and rate at the start of the record, shape (12,)."""
+        """Return a drum with payout and rate at the start of the record, shape (14,)."""
         first = readings[np.isfinite(readings)][0]
         return np.array([*(self._found if drum is None else drum), first, 0.0])
 
@@ -359,6 +397,8 @@ def drum_of(winch: WinchModelParameters) -> Drum:
         lag=winch.time_constant,
         delay=winch.command_delay,
         gain=winch.speed_gain,
+        hauling=winch.hauling_gain,
+        creep=winch.creep,
         speed_out=speed,
         speed_in=speed,
         acceleration_out=acceleration,
@@ -376,12 +416,21 @@ def _belief(winch: WinchModelParameters, largest: float) -> DrumBelief:
     """Return what is believed of a drum at first; lag and delay change by `largest` [s] at most."""
     nominal = drum_of(winch)
     limits = {name: LOWEST_LIMIT * getattr(nominal, name) for name in LIMIT_NAMES}
-    lowest = nominal._replace(lag=SMALLEST_LAG, delay=max(nominal.delay - largest, 0.0), gain=GAINS[0], **limits)
+    lowest = nominal._replace(
+        lag=SMALLEST_LAG,
+        delay=max(nominal.delay - largest, 0.0),
+        gain=GAINS[0],
+        hauling=nominal.hauling / LARGEST_UNEVENNESS,
+        creep=nominal.creep - LARGEST_CREEP,
+        **limits,
+    )
     highest = nominal._replace(
         lag=nominal.lag + largest,
         delay=nominal.delay + largest,
         gain=GAINS[1],
         deadband=LARGEST_DEADBAND,
         backlash=LARGEST_BACKLASH,
+        hauling=nominal.hauling * LARGEST_UNEVENNESS,
+        creep=nominal.creep + LARGEST_CREEP,
     )
     return DrumBelief(*(np.array(drum) for drum in (nominal, SIGMAS, lowest, highest)))

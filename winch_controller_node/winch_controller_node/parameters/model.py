@@ -64,6 +64,16 @@ class WinchModelParameters:
     speed_gain: float = parameter(
         1.0, unit="", minimum=0.1, maximum=10.0, description="Speed that the servo settles at over its set-point."
     )
+    hauling_gain: float = parameter(
+        1.0, unit="", minimum=0.1, maximum=10.0, description="Factor on speed_gain while it hauls in."
+    )
+    creep: float = parameter(
+        0.0,
+        unit="m/s",
+        minimum=-1.0,
+        maximum=1.0,
+        description="Speed at a set-point of 0: a load moves a drum whose speed loop has no integral part.",
+    )
     position_gain: float = parameter(
         0.0,
         unit="1/s",

@@ -21,8 +21,8 @@ from heave_bringup.benchmark.interface import (
 )
 from heave_bringup.benchmark.outcome import Outcome
 from heave_bringup.benchmark.target import TargetProgramme
-from heave_bringup.campaign.runs import run_signals
 from heave_bringup.closed_loop import ClosedLoop, loop_parameters
+from heave_bringup.run.loop_signals import run_signals
 from heave_bringup.scenarios import Scenario
 
 

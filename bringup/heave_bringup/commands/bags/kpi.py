@@ -8,13 +8,14 @@ from pathlib import Path
 
 from heave_node.parameters import ParameterError
 
-from heave_bringup.commands.arguments import add_bags
+from heave_bringup.commands.arguments import add_bags, add_baseline
 from heave_bringup.commands.command import Command
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the command's own arguments to `parser`."""
     add_bags(parser)
+    add_baseline(parser, "each run is made")
     parser.add_argument("--window", type=float, metavar="S", help="also print figures for each S seconds of the run")
     parser.add_argument("--table", type=Path, metavar="FILE", help="write the figures to a .csv or .parquet file")
 
@@ -30,7 +31,12 @@ def execute(options: argparse.Namespace) -> None:
     check_output("--table", options.table, analysis.TABLE_ENDINGS)
     if options.window is not None and not 0.0 < options.window < math.inf:
         raise ParameterError(f"--window {options.window:g}: must be a number above 0 [s]")
-    records = read_records(bag_folders(options.bags), scenario=options.scenario, transient=options.transient)
+    records = read_records(
+        bag_folders(options.bags),
+        scenario=options.scenario,
+        transient=options.transient,
+        has_baseline=options.baseline,
+    )
     results = [analysis.to_json(record, options.window) for record in records]
     text = analysis.table(records)
     if options.window is not None:

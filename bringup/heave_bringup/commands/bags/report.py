@@ -5,13 +5,14 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from heave_bringup.commands.arguments import add_bags
+from heave_bringup.commands.arguments import add_bags, add_baseline
 from heave_bringup.commands.command import Command
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the command's own arguments to `parser`."""
     add_bags(parser)
+    add_baseline(parser, "each run is made")
     parser.add_argument("--output", type=Path, metavar="FILE", help="default: report.html beside the first bag")
 
 
@@ -26,7 +27,7 @@ def execute(options: argparse.Namespace) -> None:
 
     bags = bag_folders(options.bags)
     output = options.output or bags[0].parent / "report.html"
-    records = read_records(bags, scenario=options.scenario, transient=options.transient)
+    records = read_records(bags, scenario=options.scenario, transient=options.transient, has_baseline=options.baseline)
     save_report(records, output)
     text = "\n".join([analysis.table(records), "", f"report    {output.resolve()}"])
     write_result(options, text, {"report": str(output.resolve()), "runs": [analysis.to_json(r) for r in records]})

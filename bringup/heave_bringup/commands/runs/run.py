@@ -14,7 +14,7 @@ from heave_node.parameters import ParameterError
 from heave_node.run_parameters import LOCKSTEP, REALTIME, RunParameters
 from heave_node.scenario import WILDCARD
 
-from heave_bringup.commands.arguments import add_namespace, add_network, add_scenario
+from heave_bringup.commands.arguments import add_baseline, add_namespace, add_network, add_scenario
 from heave_bringup.commands.command import Command
 from heave_bringup.errors import CommandError
 from heave_bringup.nodes import MASTER, NODE_BY_NAME, RECORDER
@@ -90,6 +90,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="print only alarms and errors; --json and the exit status give the result",
     )
     parser.add_argument("--no-report", action="store_true", help="do not write the HTML report")
+    add_baseline(parser, "the scenario is run")
 
 
 def execute(options: argparse.Namespace) -> None:
@@ -129,7 +130,14 @@ def execute(options: argparse.Namespace) -> None:
     if scenario.run.is_lockstep:
         evaluation.check_complete(folder.bag, outcome.status)
     report = None if options.no_report else folder.report
-    result = evaluation.evaluate(scenario, folder.bag, report, required=required, alarms=len(outcome.alarms))
+    result = evaluation.evaluate(
+        scenario,
+        folder.bag,
+        report,
+        required=required,
+        alarms=len(outcome.alarms),
+        has_baseline=options.baseline,
+    )
     together = "all in one process" if options.composed else "a process each"
     places = [
         f"scenario  {scenario.path}",

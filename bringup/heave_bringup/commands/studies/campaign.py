@@ -8,7 +8,7 @@ from pathlib import Path
 
 from heave_node.parameters import ParameterError
 
-from heave_bringup.commands.arguments import add_workers
+from heave_bringup.commands.arguments import add_baseline, add_workers
 from heave_bringup.commands.command import Command
 
 
@@ -20,6 +20,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="a shipped campaign, or a file (format: heave_bringup/campaign/campaign_file.py)",
     )
     add_workers(parser)
+    add_baseline(parser, "each case is run")
     parser.add_argument("--duration", type=float, metavar="S", help="simulated time of a case, instead of the file's")
     parser.add_argument("--draws", type=int, metavar="N", help="only the first N of the file's random draws")
     parser.add_argument(
@@ -69,7 +70,13 @@ def execute(options: argparse.Namespace) -> None:
     check_output("--tornado", options.tornado, picture.ENDINGS)
     campaign = read_campaign(find_campaign(options.campaign))
     campaign = campaign.shortened(duration=options.duration, draws=options.draws)
-    frame = run_study(campaign, output=options.output, processes=options.processes, dask=options.dask)
+    frame = run_study(
+        campaign,
+        output=options.output,
+        processes=options.processes,
+        dask=options.dask,
+        has_baseline=options.baseline,
+    )
     if options.csv is not None:
         without_scenario(frame).to_csv(options.csv, index=False)
     if options.plot is not None:

@@ -127,7 +127,13 @@ class CommandGovernor:
                 value = min(max(value, lower), upper)
         reach = self._winch.set_point_reach * limits.speed
         sent = min(max(self.servo.set_point(value, rate), -reach), reach)
-        return GovernedCommand(value + taken, tuple(active), sent / self._winch.speed_gain + taken)
+        return GovernedCommand(value + taken, tuple(active), self._demand(sent) + taken)
+
+    def _demand(self, speed: float) -> float:
+        """Return the set-point of which the servo makes a `speed` [m/s]."""
+        winch = self._winch
+        gain = winch.speed_gain if speed >= winch.creep else winch.speed_gain * winch.hauling_gain
+        return (speed - winch.creep) / gain
 
     def _reach(self, speed: float, rate: float) -> tuple[float, float]:
         """Return the set-points under which the speed stays within `speed` at the end of the tick, from `rate` [m/s].

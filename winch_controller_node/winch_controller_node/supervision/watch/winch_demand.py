@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 from winch_controller_node.laws.parts.effort import Effort
 from winch_controller_node.laws.parts.winch_limits import WinchLimits
 from winch_controller_node.supervision.checks import RunningSigma
@@ -11,6 +13,9 @@ PEAK = 3.0
 
 SIGNIFICANT = 2.0
 """Significant amplitude over standard deviation of a narrow-banded sea."""
+
+HIGHEST_TIME = 300.0
+"""Memory of the highest crest [s]: some thirty waves, of which one is above the significant amplitude."""
 
 GROUP_TIME, GROUP_PEAK = 8.0, 2.2
 """Memory that sees a group of high waves come [s], and peak amplitude over standard deviation within one."""
@@ -31,23 +36,30 @@ class WinchDemand:
         self._acceleration = RunningSigma(window, tick_period)
         self._group_rate = RunningSigma(GROUP_TIME, tick_period)
         self._group_acceleration = RunningSigma(GROUP_TIME, tick_period)
+        self._highest_rate = self._highest_acceleration = 0.0
+        self._forgetting = math.exp(-tick_period / HIGHEST_TIME)
         self._last_rate: float | None = None
 
     def add(self, rate: float) -> None:
         """Take in the heave rate of the boom tip at a tick [m/s]."""
         self._rate.add(rate)
         self._group_rate.add(rate)
+        self._highest_rate = max(abs(rate), self._forgetting * self._highest_rate)
         if self._last_rate is not None:
             acceleration = (rate - self._last_rate) / self._dt
             self._acceleration.add(acceleration)
             self._group_acceleration.add(acceleration)
+            self._highest_acceleration = max(abs(acceleration), self._forgetting * self._highest_acceleration)
         self._last_rate = rate
 
     def significant(self, limits: WinchLimits) -> float:
-        """Return the significant amplitude over its limit in `limits`, the larger of speed and acceleration [-]."""
-        speed = SIGNIFICANT * self._rate.sigma / limits.speed
-        acceleration = SIGNIFICANT * self._acceleration.sigma / limits.acceleration
-        return max(speed, acceleration)
+        """Return the significant amplitude over its limit in `limits`, the larger of speed and acceleration [-].
+
+        That of waves which are all of one height is no more than the highest of them.
+        """
+        speed = min(SIGNIFICANT * self._rate.sigma, self._highest_rate)
+        acceleration = min(SIGNIFICANT * self._acceleration.sigma, self._highest_acceleration)
+        return max(speed / limits.speed, acceleration / limits.acceleration)
 
     def largest_share(self, limits: WinchLimits, effort: Effort, limit_use: float) -> float:
         """Return the largest share of the sea, up to 1, whose peaks take up no more than `limit_use` of the limits.

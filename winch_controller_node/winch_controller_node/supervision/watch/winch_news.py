@@ -22,6 +22,8 @@ NAMED = (
     ("time constant", "time_constant", "s"),
     ("command delay", "command_delay", "s"),
     ("gain", "speed_gain", ""),
+    ("gain of hauling in over that", "hauling_gain", ""),
+    ("creep", "creep", "m/s"),
     ("speed limit", "speed_limit", "m/s"),
     ("acceleration limit", "acceleration_limit", "m/s^2"),
 )

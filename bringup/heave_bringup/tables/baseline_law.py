@@ -1,0 +1,6 @@
+"""The law of which the efficiency is shown beside that of every other."""
+
+from __future__ import annotations
+
+BASELINE = "industrial"
+"""By its name in the registry of laws: what makers of winches do."""
