@@ -39,11 +39,14 @@ def blocks(path: Path) -> list[Block]:
 
 
 def shortened(text: str) -> str:
-    """Return commands or Python with `SHARE` of the simulated time that they state; what states none stays whole."""
+    """Return commands or Python with `SHARE` of the simulated time that they state.
+
+    What states none stays whole, and so does a run that must give a certain figure (`--require`).
+    """
     transient = f"{SHARE * _TRANSIENT:g}"
     # what is left out at the start of a run has to follow its duration
     for duration, addition in (
-        (r"heave (?:run|operability|sizing) .*--duration \S+", f" --set all.transient={transient}"),
+        (r"heave (?:run|operability|sizing) (?!.*--require).*--duration \S+", f" --set all.transient={transient}"),
         (r'"all\.duration=\d+"', f', "all.transient={transient}"'),
         (r"^duration: .+", f"\nset: {{all.transient: {transient}}}"),
     ):
