@@ -1,4 +1,8 @@
-"""What the documents say to type: the blocks of code of a Markdown file, in order."""
+"""What the documents say to type: the blocks of code of a Markdown file, in order; whole, or as short as it can be run.
+
+`shortened` changes nothing but simulated times: how long a run lasts, and after which time it is judged. Every command,
+option, file and line of Python stays as it is printed.
+"""
 
 from __future__ import annotations
 
@@ -10,6 +14,12 @@ ROOT = Path(__file__).parents[1]
 GUIDE = sorted((ROOT / "docs" / "guide").rglob("*.md"))
 READMES = sorted(path for levels in range(1, 6) for path in ROOT.glob("/".join(["[a-z]*"] * levels) + "/README.md"))
 _BLOCK = re.compile(r'^(<!-- not run -->\n)?```(\w+)(?: title="([^"]+)")?\n(.*?)^```', re.DOTALL | re.MULTILINE)
+
+SHARE = 0.06
+"""Of a printed duration, and of what is left out at its start, that is run where time is short."""
+_TRANSIENT = 120.0
+"""What the shipped scenarios leave out at the start of a run [s]."""
+_NUMBER = r"\d+(?:\.\d+)?"
 
 
 @dataclass(frozen=True)
@@ -26,3 +36,33 @@ def blocks(path: Path) -> list[Block]:
     """Return the blocks of code in a file; `<!-- not run -->` before one says that it needs more than a shell."""
     found = _BLOCK.findall(path.read_text(encoding="utf-8"))
     return [Block(language, title, text, not mark) for mark, language, title, text in found]
+
+
+def shortened(text: str) -> str:
+    """Return commands or Python with `SHARE` of the simulated time that they state.
+
+    What states none stays whole, and so does a run that must give a certain figure (`--require`).
+    """
+    transient = f"{SHARE * _TRANSIENT:g}"
+    # what is left out at the start of a run has to follow its duration
+    for duration, addition in (
+        (r"heave (?:run|operability|sizing) (?!.*--require).*--duration \S+", f" --set all.transient={transient}"),
+        (r'"all\.duration=\d+"', f', "all.transient={transient}"'),
+        (r"^duration: .+", f"\nset: {{all.transient: {transient}}}"),
+    ):
+        text = re.sub(f"({duration})", lambda found, addition=addition: found[1] + addition, text, flags=re.MULTILINE)
+    for stated in (
+        rf"--duration ({_NUMBER})(?= --set all)",
+        rf"\ball\.duration=({_NUMBER})",
+        rf"^duration: ({_NUMBER})$",
+        rf"\bafter=({_NUMBER})",
+        rf"^DURATION, [A-Z, ]+ = ({_NUMBER}(?:, {_NUMBER})*)$",  # the line of a notebook that holds its times
+    ):
+        text = re.sub(stated, _less, text, flags=re.MULTILINE)
+    return text
+
+
+def _less(found: re.Match[str]) -> str:
+    """Return a match with `SHARE` of each number in its group."""
+    numbers = ", ".join(f"{SHARE * float(number):g}" for number in found[1].split(", "))
+    return found[0].replace(found[1], numbers)

@@ -9,14 +9,22 @@ import os
 import re
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 import yaml
+from domain_coordinator import domain_id
 
-from tests.guide import GUIDE, READMES, ROOT, blocks
+from tests.guide import GUIDE, READMES, ROOT, blocks, shortened
+from tests.loop_runs import environment
 
 WITH_CODE = [path for path in GUIDE if any(block.is_run for block in blocks(path))]
+
+
+def is_shortened(path: Path) -> bool:
+    """Return whether a page states simulated times that a test may shorten."""
+    return any(shortened(block.text) != block.text for block in blocks(path))
 
 
 def name_of(path: Path) -> str:
@@ -69,19 +77,46 @@ def test_python_and_yaml_in_a_document_are_well_formed(path):
             yaml.safe_load(block.text)
 
 
-@pytest.mark.long
-@pytest.mark.timeout(3600)
+def type_page(path: Path, folder: Path, change: Callable[[str], str]) -> None:
+    """Do in an empty folder what a page says to type, after a `change` of it: each block must end without an error."""
+    with domain_id() as domain:
+        variables = {**environment(domain), "PATH": f"{Path(sys.executable).parent}:{os.environ['PATH']}"}
+        variables["MPLBACKEND"] = "agg"
+        for block in blocks(path):
+            text = change(block.text)
+            if block.title:
+                (folder / block.title).write_text(text)
+            command = {"sh": ["bash", "-euo", "pipefail", "-c"], "python": [sys.executable, "-c"]}.get(block.language)
+            if command is None or not block.is_run:
+                continue
+            done = subprocess.run(
+                [*command, text], cwd=folder, env=variables, capture_output=True, text=True, check=False
+            )
+            assert done.returncode == 0, f"{text}\n{done.stdout[-3000:]}\n{done.stderr[-3000:]}"
+
+
+@pytest.mark.slow
 @pytest.mark.parametrize("path", WITH_CODE, ids=name_of)
 def test_what_a_page_says_to_type_runs(path, tmp_path):
-    environment = {**os.environ, "PATH": f"{Path(sys.executable).parent}:{os.environ['PATH']}", "MPLBACKEND": "agg"}
-    environment["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "LOCALHOST"
-    for block in blocks(path):
-        if block.title:
-            (tmp_path / block.title).write_text(block.text)
-        command = {"sh": ["bash", "-euo", "pipefail", "-c"], "python": [sys.executable, "-c"]}.get(block.language)
-        if command is None or not block.is_run:
-            continue
-        done = subprocess.run(
-            [*command, block.text], cwd=tmp_path, env=environment, capture_output=True, text=True, check=False
-        )
-        assert done.returncode == 0, f"{block.text}\n{done.stdout[-3000:]}\n{done.stderr[-3000:]}"
+    """Every command and line of Python of the page, with shorter runs: see `tests.guide.shortened`."""
+    type_page(path, tmp_path, shortened)
+
+
+@pytest.mark.long
+@pytest.mark.timeout(3600)
+@pytest.mark.parametrize("path", [path for path in WITH_CODE if is_shortened(path)], ids=name_of)
+def test_what_a_page_says_to_type_runs_to_its_end(path, tmp_path):
+    type_page(path, tmp_path, str)
+
+
+def test_a_shorter_page_differs_in_simulated_times_alone():
+    text = "heave run a --duration 300 --seed 3\nheave design a --length 800\nheave benchmark run b --duration 300\n"
+    assert shortened(text) == text.replace("a --duration 300", "a --duration 18 --set all.transient=7.2")
+    assert shortened("scenario: a\nduration: 240.0\n") == "scenario: a\nduration: 14.4\nset: {all.transient: 7.2}\n"
+    assert shortened('["all.duration=240"]\nsigma(after=120.0)') == (
+        '["all.duration=14.4", "all.transient=7.2"]\nsigma(after=7.2)'
+    )
+    assert shortened("DURATION, TRANSIENT = 600.0, 200.0\nrun(600.0)\n") == (
+        "DURATION, TRANSIENT = 36, 12\nrun(600.0)\n"
+    )
+    assert sum(map(is_shortened, WITH_CODE)) > 6

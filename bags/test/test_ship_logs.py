@@ -8,7 +8,8 @@ import pytest
 from heave_bags.errors import BagError
 from heave_bags.play.sea_import import Channel, SeaMapping, import_sea
 from heave_bags.play.ship_log import time_words, unix_time
-from heave_bags.play.stretches import Window, longest_stretch
+from heave_bags.play.stretches import longest_stretch
+from heave_bags.play.window import Window
 from heave_bags.signals import Signal
 from hypothesis import given
 from hypothesis import strategies as st

@@ -109,8 +109,34 @@ def load_scenario(name: str, *, settings: Iterable[Setting | str] = (), needs_fi
     with the option that gave it.
     """
     path = find_scenario(name)
+    return _of_sections(_sections(path), path, settings, needs_files=needs_files)
+
+
+def write_scenario(path: Path, text: str, *, needs_files: bool = True) -> None:
+    """Write a scenario file that is right, whole; else what was at its place stays as it was.
+
+    Parameters
+    ----------
+    path : of the file
+    text : of the file
+    needs_files : files that it names must be there
+
+    Raises ParameterError, in one line, where the scenario is wrong or the file cannot be written.
+    """
+    _of_sections(parse_sections(text.encode(), str(path)), path, (), needs_files=needs_files)
+    unfinished = path.with_name(f".{path.name}.writing")
+    try:
+        unfinished.write_text(text, encoding="utf-8")
+        unfinished.replace(path)
+    except OSError as error:
+        unfinished.unlink(missing_ok=True)
+        raise ParameterError(f"{path}: cannot be written: {error.strerror}") from error
+
+
+def _of_sections(sections: Sections, path: Path, settings: Iterable[Setting | str], *, needs_files: bool) -> Scenario:
+    """Return the scenario of a file's `sections` with the changes on top of them."""
     changes = [parse_setting(setting) if isinstance(setting, str) else setting for setting in settings]
-    in_file = _read(path)
+    in_file = _by_node(sections, path)
     if needs_files:
         folder = path.resolve().parent
         in_file = {node: {name: _found(one, folder) for name, one in of.items()} for node, of in in_file.items()}
@@ -219,10 +245,10 @@ def _of_catalogue(change: Setting) -> list[Setting]:
     return [replace(change, name=name, value=value.value) for name, value in values.items()]
 
 
-def _read(path: Path) -> Values:
-    """Read a scenario file by node; refuse sections for no node of the suite, and shared names out of their place."""
+def _by_node(sections: Sections, path: Path) -> Values:
+    """Return a file's `sections` by node; refuse those for no node of the suite, and two for one."""
     values: Values = {}
-    for section, given in _sections(path).items():
+    for section, given in sections.items():
         node = WILDCARD if section == WILDCARD else _node_of(section, path)
         of_node = values.setdefault(node, {})
         repeated = of_node.keys() & given.keys()

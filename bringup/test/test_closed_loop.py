@@ -18,6 +18,7 @@ from cable_sim_node.conversions import (
     winch_state_message,
 )
 from cable_sim_node.node_parameters import CableSimNodeParameters
+from cable_sim_node.sensors.instruments import SensorsParameters
 from cable_sim_node.winch.component import VirtualWinch
 from cable_sim_node.winch.parameters import WinchParameters
 from heave_bags.analyse import kpi_set
@@ -39,7 +40,7 @@ from wave_vessel_node.parameters import WaveVesselParameters
 from winch_controller_node.component import WinchController
 from winch_controller_node.interface.conversions import WINCH_STATE, command_message, measurements, winch_reading_of
 from winch_controller_node.interface.readings import Measurements, Outputs
-from winch_controller_node.interface.sensors import INPUTS
+from winch_controller_node.interface.sensors import INPUTS, SCALAR_SENSORS
 from winch_controller_node.node_parameters import WinchControllerParameters
 
 DURATION = 3.0
@@ -149,7 +150,7 @@ def drawn(draw: st.DrawFn, infos: Iterable[ParameterInfo], *beginnings: str) -> 
 
 
 PLANT = describe(CableSimNodeParameters)
-SENSORS_OF_PLANT = ("depth", "velocity", "imu", "usbl", "load_cell")
+SENSORS_OF_PLANT = tuple(SensorsParameters().by_name())
 
 
 @st.composite
@@ -159,7 +160,7 @@ def legal(draw: st.DrawFn) -> dict[str, dict[str, object]]:
     for name in SENSORS_OF_PLANT:
         plant |= draw(faults(f"sensors.{name}.", "sensor"))
     controller = drawn(draw, describe(WinchControllerParameters), "water_density", "gravity", "health.spike")
-    others = draw(st.lists(st.sampled_from(["velocity", "imu", "load_cell"]), unique=True))
+    others = draw(st.lists(st.sampled_from([name for name in SCALAR_SENSORS if name != "depth"]), unique=True))
     return {
         "wave_vessel": drawn(draw, describe(WaveVesselParameters), "mru.") | draw(faults("mru.", "mru")),
         "cable_sim": plant,

@@ -95,3 +95,32 @@ def test_the_log_itself_is_never_written_over(tmp_path, capsys):
         assert main(["import", str(log), "--column", "heave", option, str(log), *others]) != 0
         assert "is the record itself" in capsys.readouterr().err
     assert log.read_text() == before
+
+
+def test_no_file_is_written_over_unless_that_is_asked_for(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    rows = "\n".join(f"{0.1 * i:.1f},{math.sin(0.07 * i):.6f}" for i in range(6000))
+    (tmp_path / "mru.csv").write_text(f"time,heave\n{rows}\n")
+    arguments = ["import", "mru.csv", "--column", "heave", "--output", "sea.csv", "--scenario", "mine.yaml"]
+    (tmp_path / "mine.yaml").write_text("mine")
+    assert main(arguments) != 0
+    assert "mine.yaml: is there already; --force writes over it" in capsys.readouterr().err
+    assert not (tmp_path / "sea.csv").exists()
+    (tmp_path / "sea.csv").write_text("mine")
+    assert main(arguments) != 0
+    assert "sea.csv: is there already" in capsys.readouterr().err
+    assert main([*arguments, "--force"]) == 0
+    assert (tmp_path / "sea.csv").read_text().startswith("# boom-tip motion")
+
+
+def test_a_scenario_that_would_be_wrong_leaves_the_one_that_is_there(tmp_path, monkeypatch, capsys):
+    """A height beyond what a sea may have: the record is taken, its scenario is refused."""
+    monkeypatch.chdir(tmp_path)
+    rows = "\n".join(f"{0.1 * i:.1f},{90.0 * math.sin(0.07 * i):.4f}" for i in range(6000))
+    (tmp_path / "mru.csv").write_text(f"time,heave\n{rows}\n")
+    (tmp_path / "mine.yaml").write_text("mine")
+    arguments = ["import", "mru.csv", "--column", "heave", "--output", "sea.csv", "--scenario", "mine.yaml", "--force"]
+    assert main(arguments) != 0
+    assert "significant_wave_height" in capsys.readouterr().err
+    assert (tmp_path / "mine.yaml").read_text() == "mine"
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["mine.yaml", "mru.csv", "sea.csv"]

@@ -86,6 +86,16 @@ def test_what_cannot_be_done_is_said_in_one_line_and_leaves_nothing(here, capsys
     assert (here / "there.yaml").read_text() == "mine"
 
 
+def test_what_is_forced_and_wrong_leaves_the_old_file_as_it_was(here, capsys):
+    (here / "there.yaml").write_text("mine")
+    assert main(["new", "there", "--force", "--length", "-3"]) != 0
+    assert "length" in capsys.readouterr().err
+    assert {path.name: path.read_text() for path in here.iterdir()} == {"there.yaml": "mine"}
+    assert main(["new", "there", "--force", "--length", "400"]) == 0
+    assert load_scenario("there.yaml").parameters["cable_sim"].length == 400.0
+    assert [path.name for path in here.iterdir()] == ["there.yaml"]
+
+
 def test_the_catalogue_prints_particulars_and_sources(capsys):
     assert main(["catalogue"]) == 0
     assert "wire_28mm_6x36" in capsys.readouterr().out

@@ -21,7 +21,8 @@ from heave_bags.errors import BagError
 from heave_bags.mcap.bounds import load_yaml
 from heave_bags.mcap.reader import TIME, Bag
 from heave_bags.play.ship_log import ShipLog
-from heave_bags.play.stretches import Window, longest_stretch
+from heave_bags.play.stretches import longest_stretch
+from heave_bags.play.window import Window
 from heave_bags.signals import Signal
 
 MOTIONS = ("surge", "sway", "heave", "roll", "pitch")

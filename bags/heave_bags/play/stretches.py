@@ -4,33 +4,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 import numpy as np
 
 from heave_bags.errors import BagError
 from heave_bags.play.ship_log import EARLIEST_UNIX, time_words, unix_time
+from heave_bags.play.window import Window
 from heave_bags.signals import Signal
 
-DEFAULT_BRIDGE = 2.0
-"""Longest time without a sample that is interpolated over [s]."""
 _GAP = 2.5
 """A time between samples is a gap from so many usual ones on."""
-
-
-@dataclass(frozen=True)
-class Window:
-    """What of a record is wanted.
-
-    Attributes
-    ----------
-    start, end : seconds from the start of the record, or a time in ISO 8601; "": its own start and end
-    bridge : longest gap that is interpolated over [s]
-    """
-
-    start: str = ""
-    end: str = ""
-    bridge: float = DEFAULT_BRIDGE
 
 
 def longest_stretch(signals: Mapping[str, Signal], window: Window, notes: list[str]) -> tuple[float, float]:

@@ -8,11 +8,12 @@ import os
 from collections.abc import Callable, Mapping
 from typing import Any
 
+from heave_node.extras import how_to_install
 from rich.table import Table
 
 from heave_bringup.output import make_table
 
-HOW_TO_GET_THE_PEER = "{} is not installed; to compare with it: pip install 'heave[bench]'"
+HOW_TO_GET_THE_PEER = "{} is not installed; to compare with it, " + how_to_install("bench")
 
 
 def has_peer() -> bool:

@@ -9,6 +9,7 @@ from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wai
 from concurrent.futures.process import BrokenProcessPool
 from typing import Any
 
+from heave_node.extras import how_to_install
 from heave_node.parameters import ParameterError
 
 from heave_bringup.campaign.runs import CaseResult, Task, run_task
@@ -77,7 +78,7 @@ def _run_on_dask(tasks: Sequence[Task], address: str) -> Iterator[CaseResult]:
     try:
         import distributed  # noqa: PLC0415 - an extra
     except ImportError as error:
-        raise ParameterError(f"--dask {address}: needs the package distributed: pip install 'heave[dask]'") from error
+        raise ParameterError(f"--dask {address}: needs the package distributed; {how_to_install('dask')}") from error
     dask: Any = distributed  # which has no types
     try:
         client = dask.Client(address, timeout="10s", set_as_default=False)

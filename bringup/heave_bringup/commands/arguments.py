@@ -93,5 +93,5 @@ def add_workers(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--dask",
         metavar="ADDRESS",
-        help="run the cases on the workers of this Dask scheduler (tcp://HOST:PORT) instead; needs 'heave[dask]'",
+        help="run the cases on the workers of this Dask scheduler (tcp://HOST:PORT) instead; needs the extra dask",
     )

@@ -12,8 +12,7 @@ from dataclasses import dataclass
 from cable_sim_node.winch.parameters import WinchParameters
 from heave_node.cdr.definitions import schema_text
 from heave_node.cdr.layout import SEPARATOR
-from heave_node.interface import topics
-from heave_node.interface.sensors import SENSORS
+from heave_node.interface import sensors, topics
 from heave_node.interface.topic import Role, Topic
 from heave_node.run_parameters import RunParameters
 from wave_vessel_node.parameters import WaveVesselParameters
@@ -95,8 +94,8 @@ MRU = Port(
     topics.MRU,
     10.0,
     True,
-    "heave, heave rate and acceleration of the boom tip, roll, pitch, status, sequence number",
-    (("heave", 30.0), ("heave_rate", 30.0), ("roll", 1.6), ("pitch", 1.6)),
+    sensors.MRU.meaning,
+    sensors.MRU.largest,
     "sequence",
 )
 HEAVE_PREVIEW = Port(
@@ -113,23 +112,9 @@ BOOM_TIP = Port(
     "motion of the boom tip, for the simulated cable",
     (("position.z", 1e3), ("velocity.z", 30.0), ("acceleration.z", 100.0)),
 )
-MEANING_OF_SENSOR = {
-    "depth": "`fluid_pressure`: absolute, atmosphere and water above the unit [Pa]; `variance`",
-    "velocity": "`twist.twist.linear`: velocity of the unit over ground [m/s], world axes, z up; covariance",
-    "imu": "`linear_acceleration`: specific force of the unit [m/s^2], upwards at rest; `angular_velocity` [rad/s]",
-    "usbl": "`pose.pose.position`: position of the unit [m], frame world, z up; covariance",
-    "load_cell": "`tension` at the top of the cable [N]; `tension_sigma`",
-}
-LARGEST_NUMBERS = {
-    "depth": (("fluid_pressure", 2e8),),
-    "velocity": (("twist.twist.linear.z", 30.0),),
-    "imu": (("linear_acceleration.z", 300.0),),
-    "usbl": (("pose.pose.position.z", 2e4),),
-    "load_cell": (("tension", 1e8),),
-}
 SENSORS_OF_SHIP = tuple(
-    Port(sensor.topic, 0.0, False, MEANING_OF_SENSOR[name], LARGEST_NUMBERS[name])
-    for name, sensor in SENSORS.items()
+    Port(sensor.topic, 0.0, False, sensor.meaning, sensor.largest)
+    for sensor in sensors.SENSORS.values()
     if sensor.topic.publisher == "cable_sim"
 )
 

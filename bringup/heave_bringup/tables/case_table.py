@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from heave_node.extras import how_to_install
 from heave_node.parameters import ParameterError
 
 if TYPE_CHECKING:
@@ -82,5 +83,5 @@ def _pyarrow(path: Path) -> tuple[Any, Any]:
         import pyarrow  # noqa: PLC0415 - an extra
         import pyarrow.parquet  # noqa: PLC0415
     except ImportError as error:
-        raise ParameterError(f"{path}: Parquet needs the package pyarrow: pip install 'heave[parquet]'") from error
+        raise ParameterError(f"{path}: Parquet needs the package pyarrow; {how_to_install('parquet')}") from error
     return pyarrow, pyarrow.parquet

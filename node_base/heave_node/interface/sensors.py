@@ -124,6 +124,8 @@ class Sensor:
     name : in parameters, faults, health and alarms
     topic : of its readings; the type is that of the message
     frame : of the message's header
+    meaning : what a message says, for who writes or reads one: fields, units, frame, sign
+    largest : fields that must be finite, each with the largest magnitude that is plausible in its unit
     values : fields of the message that hold the values, in order
     accuracies : fields that hold their variance or standard deviation
     constants : fields that always hold the same, with what they hold
@@ -134,6 +136,8 @@ class Sensor:
     name: str
     topic: Topic
     frame: str
+    meaning: str
+    largest: tuple[tuple[str, float], ...]
     values: tuple[str, ...]
     accuracies: tuple[str, ...] = ()
     constants: tuple[tuple[str, float], ...] = ()
@@ -206,6 +210,8 @@ MRU = Sensor(
     name="mru",
     topic=Topic("mru", "heave_msgs/msg/MruSample", "wave_vessel", is_needed=True),
     frame="world",
+    meaning="heave, heave rate and acceleration of the boom tip, roll, pitch, status, sequence number",
+    largest=(("heave", 30.0), ("heave_rate", 30.0), ("roll", 1.6), ("pitch", 1.6)),
     values=_MRU_FIELDS,
     encode=_encode_mru,
 )
@@ -215,6 +221,8 @@ DEPTH = Sensor(
     name="depth",
     topic=Topic("unit/pressure", "sensor_msgs/msg/FluidPressure", "cable_sim"),
     frame="unit",
+    meaning="`fluid_pressure`: absolute, atmosphere and water above the unit [Pa]; `variance`",
+    largest=(("fluid_pressure", 2e8),),
     values=("fluid_pressure",),
     accuracies=("variance",),
     encode=_encode_depth,
@@ -226,6 +234,8 @@ VELOCITY = Sensor(
     name="velocity",
     topic=Topic("unit/velocity", "geometry_msgs/msg/TwistWithCovarianceStamped", "cable_sim"),
     frame="unit",
+    meaning="`twist.twist.linear`: velocity of the unit over ground [m/s], world axes, z up; covariance",
+    largest=(("twist.twist.linear.z", 30.0),),
     values=_vector("twist.twist.linear"),
     accuracies=_diagonal("twist.covariance", 6, range(3)),
     constants=_unknown("twist.covariance"),
@@ -236,6 +246,8 @@ IMU = Sensor(
     name="imu",
     topic=Topic("unit/imu", "sensor_msgs/msg/Imu", "cable_sim"),
     frame="unit",
+    meaning="`linear_acceleration`: specific force of the unit [m/s^2], upwards at rest; `angular_velocity` [rad/s]",
+    largest=(("linear_acceleration.z", 300.0),),
     values=_vector("linear_acceleration") + _vector("angular_velocity"),
     accuracies=_diagonal("linear_acceleration_covariance", 3, range(3))
     + _diagonal("angular_velocity_covariance", 3, range(3)),
@@ -248,6 +260,8 @@ USBL = Sensor(
     name="usbl",
     topic=Topic("unit/usbl", "geometry_msgs/msg/PoseWithCovarianceStamped", "cable_sim"),
     frame="world",
+    meaning="`pose.pose.position`: position of the unit [m], frame world, z up; covariance",
+    largest=(("pose.pose.position.z", 2e4),),
     values=_vector("pose.pose.position"),
     accuracies=_diagonal("pose.covariance", 6, range(3)),
     constants=(("pose.pose.orientation.w", 1.0), *_unknown("pose.covariance")),
@@ -258,6 +272,8 @@ LOAD_CELL = Sensor(
     name="load_cell",
     topic=Topic("winch/load_cell", "heave_msgs/msg/LoadCell", "cable_sim"),
     frame="",
+    meaning="`tension` at the top of the cable [N]; `tension_sigma`",
+    largest=(("tension", 1e8),),
     values=("tension",),
     accuracies=("tension_sigma",),
     encode=_encode_load_cell,

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from heave_node.extras import how_to_install
 
 from wave_vessel_node.sea.spectra import SpectrumError
 from wave_vessel_node.sea.spectrum_record import SpectrumFile, SpectrumFileError, SpectrumRecord, tabulated_from_hertz
@@ -28,7 +29,7 @@ def read_with_wavespectra(path: Path) -> SpectrumFile:
     try:
         import wavespectra  # noqa: PLC0415  an extra: only needed for these files
     except ImportError as error:
-        raise SpectrumFileError(f"{path}: reading it needs wavespectra: pip install 'heave[wavespectra]'") from error
+        raise SpectrumFileError(f"{path}: reading it needs wavespectra; {how_to_install('wavespectra')}") from error
     dataset, refusals = None, []
     for name in _READERS[path.suffix.lower()]:
         try:

@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from heave_node.extras import how_to_install
 from heave_node.numerics.arrays import Array, ComplexArray
 from scipy.interpolate import CubicSpline
 
@@ -189,7 +190,7 @@ def _open_dataset(path: Path) -> Any:
     try:
         import xarray  # noqa: PLC0415  an extra: only needed for these files
     except ImportError as error:
-        raise RaoError(f"{path}: reading Capytaine's NetCDF needs xarray: pip install 'heave[capytaine]'") from error
+        raise RaoError(f"{path}: reading Capytaine's NetCDF needs xarray; {how_to_install('capytaine')}") from error
     try:
         with xarray.open_dataset(path) as dataset:
             loaded = dataset.load()

@@ -7,6 +7,8 @@ import os
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from heave_bags.play.window import DEFAULT_BRIDGE, LONGEST_BRIDGE, Window
+
 from heave_bringup.commands.command import Command, add_model
 from heave_bringup.errors import CommandError
 
@@ -39,29 +41,34 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
             help=f"{words} here: seconds from the start of the record, or a time as in 2025-03-01T12:00:00Z",
         )
     parser.add_argument(
-        "--bridge", type=float, default=2.0, metavar="S", help="longest gap that is interpolated over, at most 10 s (2)"
+        "--bridge",
+        type=float,
+        default=DEFAULT_BRIDGE,
+        metavar="S",
+        help=f"longest gap that is interpolated over, at most {LONGEST_BRIDGE:g} s (default: {DEFAULT_BRIDGE:g})",
     )
+    parser.add_argument("--force", action="store_true", help="write over files that are there")
 
 
 def execute(options: argparse.Namespace) -> None:
     """Write the boom-tip motion as CSV, a scenario that believes it, and say how to run, as `options` say."""
     from heave_bags.play.sea_import import Channel, SeaMapping, import_sea, read_mapping, write_sea
     from heave_bags.play.ship_log import time_words
-    from heave_bags.play.stretches import Window
 
     from heave_bringup.bag_paths import bag_folders
     from heave_bringup.output import write_result
 
-    if not 0.0 < options.bridge <= 10.0:
-        raise CommandError(f"--bridge {options.bridge:g}: must be above 0 and at most 10 s")
+    window = Window(options.begin, options.end, options.bridge)
     (source,) = bag_folders([options.source])
     for option in ("output", "scenario"):
         target: Path | None = getattr(options, option)
         if target is not None and target.resolve() == source.resolve():
             raise CommandError(f"--{option} {target}: is the record itself, which is never written over; name another")
+        if target is not None and target.exists() and not options.force:
+            raise CommandError(f"--{option} {target}: is there already; --force writes over it")
     mapping = SeaMapping({"heave": Channel(column=options.column)}) if options.column else None
     wanted = mapping or options.topic or read_mapping(options.mapping)
-    sea = import_sea(source, wanted, Window(options.begin, options.end, options.bridge))
+    sea = import_sea(source, wanted, window)
     write_sea(sea, options.output, source)
     heave = sea.position[:, 2]
     estimate, words = _height_and_period(heave, float(sea.time[1] - sea.time[0]))
@@ -111,7 +118,7 @@ def _write_scenario(
     from heave_node.scenario import WILDCARD
 
     from heave_bringup.pages.commented_scenario import commented_scenario
-    from heave_bringup.scenarios import find_scenario, load_scenario, sections_for
+    from heave_bringup.scenarios import find_scenario, sections_for, write_scenario
 
     if estimate is None or estimate.peak_period is None:
         raise CommandError(f"{options.scenario}: not written: {source} gives no height and period to believe")
@@ -139,11 +146,7 @@ def _write_scenario(
         title=f"{options.scenario.stem}: the boom tip moves as in {source.name}; the rest is from {options.like}",
         path=str(options.scenario),
     )
-    try:
-        options.scenario.write_text(text, encoding="utf-8")
-    except OSError as error:
-        raise CommandError(f"{options.scenario}: cannot be written: {error.strerror}") from error
-    load_scenario(str(options.scenario))
+    write_scenario(options.scenario, text)
 
 
 def _mru_of(sections: Sections) -> dict[str, object]:

@@ -8,7 +8,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from heave_node.interface.faults import FAULTS
+from heave_node.interface.faults import FAULTS, faults_of
 from heave_node.parameters import ParameterError
 
 from heave_bringup.commands.arguments import add_namespace, add_network
@@ -112,7 +112,12 @@ def _add_fault(parser: argparse.ArgumentParser) -> None:
 
     devices = (*SENSORS, "encoder", "winch")
     actions = parser.add_subparsers(dest="action", required=True, metavar="ACTION")
-    inject = actions.add_parser("inject", help="from the next tick on")
+    inject = actions.add_parser(
+        "inject",
+        help="from the next tick on",
+        epilog=_kinds_of_faults(),
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
     inject.add_argument("device", choices=devices)
     inject.add_argument("kind", choices=[kind for kind in FAULTS if kind != "clear"])
     inject.add_argument(
@@ -127,6 +132,23 @@ def _add_fault(parser: argparse.ArgumentParser) -> None:
     )
     clear = actions.add_parser("clear", help="the faults of a device, or of all")
     clear.add_argument("device", choices=(*devices, "all"))
+
+
+def _kinds_of_faults() -> str:
+    """Return the kinds of fault that each device can have, and what each kind is."""
+    on_unit = "any other"
+    devices = (("mru", "mru"), ("encoder", "encoder"), ("winch", "winch"), (on_unit, "sensor"))
+    of_device = [f"  {name:10} {', '.join(_kinds(device))}" for name, device in devices]
+    kinds = [
+        f"  {kind:15} {fault.meaning}" + (f"; magnitude: {fault.magnitude}" if fault.magnitude else "")
+        for kind, fault in FAULTS.items()
+        if kind != "clear"
+    ]
+    return "\n".join(["kinds of fault, by device:", *of_device, "", "what each does:", *kinds])
+
+
+def _kinds(device: str) -> list[str]:
+    return [kind for kind in faults_of(device) if kind != "clear"]
 
 
 def _number(least: float = -MOST, most: float = MOST) -> Callable[[str], float]:

@@ -29,7 +29,7 @@ def execute(options: argparse.Namespace) -> None:
     """Write the file that `options` name, and check it."""
     from heave_bringup.output import write_result
     from heave_bringup.pages.commented_scenario import commented_scenario
-    from heave_bringup.scenarios import description_of, find_scenario, load_scenario, sections_for
+    from heave_bringup.scenarios import description_of, find_scenario, sections_for, write_scenario
 
     path = Path(options.file)
     path = path if path.suffix in (".yaml", ".yml") else path.with_name(f"{path.name}.yaml")
@@ -39,14 +39,7 @@ def execute(options: argparse.Namespace) -> None:
     sections = _changed(sections_for(model, path.parent), options)
     title = f"{path.stem}: made from {description_of(model).rstrip('.') or model.stem}"
     text = commented_scenario(sections, title=title, path=str(path))
-    try:
-        path.write_text(text, encoding="utf-8")
-        load_scenario(str(path), needs_files=False)
-    except OSError as error:
-        raise CommandError(f"{path}: cannot be written: {error.strerror}") from error
-    except ValueError:
-        path.unlink()
-        raise
+    write_scenario(path, text, needs_files=False)
     words = f"{path}: {sum(map(len, sections.values()))} values, each with its meaning\nrun it: heave run {path}"
     write_result(options, words, {"file": str(path.resolve()), "like": model.stem})
 
