@@ -61,6 +61,9 @@ SEEN_OVER, SEEN_ERROR = 0.5, 0.002
 EXPLAINED = 0.006
 """A record of which less than this is left is explained: it proves no limit; of more, nothing is learnt [m]."""
 
+CREST = 0.015
+"""And a second of which more than this is left shows a limit that was just reached, however long the record [m]."""
+
 IMPROVEMENT = 1.5
 """And if without it the mean square of what is left is so many times as large: no model is exact."""
 
@@ -82,6 +85,13 @@ class DrumRecord:
     readings: Array
     position_gain: float
     dt: float
+
+    def worst_second(self, drum: Array) -> float:
+        """Return the largest root mean square over a second of what a `drum` leaves, shape (14,) [m]."""
+        left = np.square(np.nan_to_num(self.readings - self.simulated(drum[np.newaxis])[0]))
+        count = min(max(1, round(1.0 / self.dt)), left.size)
+        sums = np.cumsum(np.append(0.0, left))
+        return math.sqrt(max(float(np.max(sums[count:] - sums[:-count])), 0.0) / count)
 
     @property
     def seen(self) -> Array:
@@ -284,7 +294,28 @@ def search_limits(record: DrumRecord, belief: DrumBelief, start: Array, free: Se
             continue
         fit = fit_drum(record, belief, grid, [*free, *lowered])
         best = fit if fit.squares < best.squares else best
+    best = _one_after_another(record, belief, best, free)
     return _without_needless(record, belief, best, free)
+
+
+def _one_after_another(record: DrumRecord, belief: DrumBelief, fit: DrumFit, free: Sequence[int]) -> DrumFit:
+    """Move one limit after another as long as the record is explained much better: a wave may reach all four."""
+    for _ in LIMITS:
+        trials = []
+        for index, share in product(LIMITS, GRID):
+            trial = fit.drum.copy()
+            trial[index] = max(share * belief.nominal[index], belief.lowest[index])
+            trials.append(trial)
+        order = np.argsort(record.squares(np.array(trials)), kind="stable")
+        for k in order[:TRIED]:
+            lowered = [i for i in LIMITS if trials[int(k)][i] < belief.nominal[i]]
+            better = fit_drum(record, belief, trials[int(k)], [*free, *lowered])
+            if IMPROVEMENT * better.squares < fit.squares:
+                break
+        else:
+            return fit
+        fit = better
+    return fit
 
 
 def _grid_starts(record: DrumRecord, belief: DrumBelief, bare: Array) -> list[Array]:
@@ -322,6 +353,11 @@ def _without_needless(record: DrumRecord, belief: DrumBelief, fit: DrumFit, free
         lowered = [i for i in LIMITS if start[i] < belief.nominal[i]]
         other = fit_drum(record, belief, start, [*free, *lowered])
         gain = (other.squares - fit.squares) / (CORRELATED * fit.residual**2)
-        if gain < LIKELIHOOD or other.squares < IMPROVEMENT * fit.squares or other.residual < EXPLAINED:
+        if gain < LIKELIHOOD or other.squares < IMPROVEMENT * fit.squares or _is_explained(record, other):
             fit = other
     return fit
+
+
+def _is_explained(record: DrumRecord, fit: DrumFit) -> bool:
+    """Tell whether a drum explains all of a record: a wave that has just reached a limit is little of it."""
+    return fit.residual < EXPLAINED and record.worst_second(fit.drum) < CREST

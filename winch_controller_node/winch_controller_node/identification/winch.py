@@ -343,9 +343,12 @@ class WinchIdentifier:
         for other in [start, *best_lags(record, belief, start)] if fit.residual > MISFIT else []:
             again = fit_drum(record, belief, other, [*free, *learnt])
             fit = again if IMPROVEMENT * again.squares < fit.squares else fit
-        if fit.residual > MISFIT:
-            limited = search_limits(record, belief, start, free)
-            fit = limited if limited.squares < fit.squares else fit
+        believed = start.copy()
+        believed[list(self._free)] = belief.nominal[list(self._free)]
+        for begin in (start, believed):  # lag and delay that explained a limit badly lead nowhere
+            if fit.residual > MISFIT:
+                limited = search_limits(record, belief, begin, free)
+                fit = limited if limited.squares < fit.squares else fit
         if fit.residual > MISFIT and not set(self._rare) <= set(free):
             fit = self._with_rare(record, belief, fit)
         if fit.residual > MISFIT and not set(self._uneven) <= set(free):
