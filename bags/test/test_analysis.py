@@ -250,6 +250,20 @@ def test_definitions_of_other_kinds_cost_figures_and_end_in_one_line_at_most(sha
     assert seen > 40
 
 
+def test_a_run_without_namespace_is_read_from_a_bag_that_holds_another_runs_topics_too(shared_bag, tmp_path):
+    own = Bag(shared_bag)
+    writer = BagWriter(tmp_path / "both")
+    for prefix in ("", "/spy"):
+        for topic in own.topics.values():
+            writer.add_topic(prefix + topic.name, topic.type)
+    for message in own.messages():
+        writer.write(message.topic, message.log_time, message.data)
+        writer.write("/spy" + message.topic, message.log_time + 1, message.data)
+    writer.close()
+    both, alone = (run_record.read_run(path, transient=10.0) for path in (tmp_path / "both", shared_bag))
+    assert both.kpis()["unit_sigma_m"] == alone.kpis()["unit_sigma_m"]
+
+
 def test_a_bag_of_others_is_refused_with_what_it_has(tmp_path):
     writer = BagWriter(tmp_path / "bag")
     writer.add_topic("/chatter", "std_msgs/msg/String")

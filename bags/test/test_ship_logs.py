@@ -146,7 +146,7 @@ def test_a_window_is_cut_by_seconds_or_by_the_clock(tmp_path, window, start, dur
         ("t", Window("2025-03-01T12:00:00"), "the record has no date"),
         ("t", Window("200"), "the record is from t = 0.000 s to t = 99.900 s: nothing of it is in the window"),
         ("t", Window("10", "10.2"), "the longest stretch has only 0.20 s"),
-        ("when", Window(), "which column is the time"),
+        ("when", Window(), "name it by time_column in a mapping file"),
     ],
 )
 def test_what_cannot_be_taken_is_said_in_one_line(tmp_path, heading, window, complaint):

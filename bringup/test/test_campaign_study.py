@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from concurrent.futures import Future
 from concurrent.futures.process import BrokenProcessPool
 from pathlib import Path
@@ -51,7 +52,9 @@ class KilledError(Exception):
     """What ends a campaign in the middle."""
 
 
-def test_a_campaign_that_was_ended_goes_on_where_it_was_and_gives_the_same_file(campaign, tmp_path, monkeypatch):
+def test_a_campaign_that_was_ended_goes_on_where_it_was_and_gives_the_same_file(
+    campaign, tmp_path, monkeypatch, capsys
+):
     monkeypatch.setattr(executors, "run_task", pretended)
     whole, resumed = tmp_path / "whole.parquet", tmp_path / "resumed.parquet"
     study.run_study(campaign, output=whole, processes=1)
@@ -66,6 +69,7 @@ def test_a_campaign_that_was_ended_goes_on_where_it_was_and_gives_the_same_file(
     monkeypatch.setattr(executors, "run_task", ends_after_four)
     with pytest.raises(KilledError):
         study.run_study(campaign, output=resumed, processes=1)
+    assert "resumed.parquet.partial: the same command goes on there" in capsys.readouterr().err
     assert not resumed.exists()
     partial = resumed.with_name("resumed.parquet.partial")
     partial.write_text(partial.read_text() + '{"number": 5, "kp')  # killed within a line
@@ -83,6 +87,15 @@ def test_the_results_of_another_campaign_are_not_taken(campaign, tmp_path, monke
     output.with_name("cases.parquet.partial").write_text('{"digest": "other"}\n')
     with pytest.raises(ParameterError, match=r"cases\.parquet\.partial: holds results of another campaign"):
         study.run_study(campaign, output=output, processes=1)
+
+
+def test_a_table_that_could_not_be_written_is_refused_before_the_first_case(campaign, tmp_path, monkeypatch):
+    monkeypatch.setattr(executors, "run_task", lambda task: pytest.fail("a case was run"))
+    with pytest.raises(ParameterError, match="there is no folder"):
+        study.run_study(campaign, output=tmp_path / "nowhere" / "cases.parquet", processes=1)
+    monkeypatch.setitem(sys.modules, "pyarrow", None)
+    with pytest.raises(ParameterError, match=r"cases\.parquet: Parquet needs the package pyarrow"):
+        study.run_study(campaign, output=tmp_path / "cases.parquet", processes=1)
 
 
 def test_a_failed_case_is_a_row_and_stops_no_other(campaign, monkeypatch):

@@ -64,7 +64,7 @@ def test_seas_of_two_seeds_say_nothing(tmp_path, monkeypatch, capsys):
         (["--hours", "0"], "heave: --hours 0: must be a number above 0"),
         (["--hours", "nan"], "heave: --hours nan: must be a number above 0"),
         (["--transient", "5"], "heave: --transient: is for bags"),
-        ([], "heave: no.parquet: cannot be read as a table of cases"),
+        ([], "heave: no.parquet: no such file"),
     ],
 )
 def test_what_cannot_be_told_is_refused_in_one_line(arguments, words, capsys):

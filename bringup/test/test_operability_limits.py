@@ -154,7 +154,7 @@ def test_the_command_writes_page_and_tables_and_makes_them_again_without_running
         (["--vary", "system.length"], "--vary system.length: must be PLACE=[V, ...]"),
         (["--record", "none.csv"], "none.csv: no such file"),
         (["--report", "own.pdf"], "--report own.pdf: must end in .html"),
-        (["--cases", "none.parquet"], "none.parquet: cannot be read"),
+        (["--cases", "none.parquet"], "none.parquet: no such file"),
         (["--require", "sgima<3"], "sgima is not a figure of merit"),
     ],
 )

@@ -148,6 +148,7 @@ def test_alpha_factors_lower_the_limit_of_a_long_window(tmp_path):
         ("a.csv", "hs,4,8\n1,-1,2\n", "must hold numbers of seas, none below 0"),
         ("a.csv", "hs,4,8\n1,0,0\n", "and not all 0"),
         ("a.csv", "", "is not CSV"),
+        ("a.csv", "time,hs,tp\n01.06.2025 00:00,1,8\n01.06.2025 03:00,1,8\n", "'01.06.2025 00:00' is not a time as in"),
         ("a.txt", "no spectra\n", "a.txt"),
     ],
 )

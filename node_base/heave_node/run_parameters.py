@@ -67,11 +67,11 @@ class RunParameters:
         description="Wall time to wait for all nodes before the first tick.",
     )
     participant_timeout: float = parameter(
-        10.0,
+        60.0,
         unit="s",
         minimum=0.1,
         maximum=3600.0,
-        description="Wall time that a node may stay silent before the run is ended.",
+        description="Wall time that a node may stay silent, or compute one tick, before the run is ended.",
     )
     resend_period: float = parameter(
         0.25,

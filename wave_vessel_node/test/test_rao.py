@@ -185,6 +185,15 @@ def rows_of(headings=(0.0, 1.6, 3.14159), omegas=(0.2, 0.5, 1.0, 2.0)):
         (csv_text(rows_of()).replace("3.14159,0.2,1.0", "3.14159,0.2,nan"), "not a finite number"),
         (csv_text(rows_of()).replace("3.14159,0.2,1.0", "3.14159,0.2,-1.0"), "amplitude is negative"),
         (csv_text(rows_of(headings=(0.0, 1.0))), "headings must span"),
+        (
+            csv_text(rows_of(headings=(0.0, 90.0, 180.0))),
+            "from 0 to below 2 pi rad, they are 0 to 180: are they in deg",
+        ),
+        (csv_text(rows_of(headings=(0.0, 3.0, 6.2832))), "they are 0 to 6.2832: 2 pi is the same as 0"),
+        (
+            csv_text(rows_of()).replace(",", ";"),
+            "parted by semicolons: expected commas, decimal points, and the header",
+        ),
         (csv_text(rows_of(omegas=(0.5, 1.0))), "expected at least 4 frequencies"),
         ("", "found 0 lines"),
         (csv_text(rows_of())[:-20], "line 13: 11 values where the header has 15"),

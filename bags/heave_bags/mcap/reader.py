@@ -171,15 +171,16 @@ class Bag:
         return merged
 
     def resolve(self, topic: str) -> str:
-        """Return the full name of a topic given by its full name or by the end of it.
+        """Return the full name of a topic given by its full name or by the end of it, that in no namespace first.
 
         Raises BagError where it is not one.
         """
         if topic in self.topics:
             return topic
         matches = [name for name in self.topics if name.endswith("/" + topic.lstrip("/"))]
-        if len(matches) == 1:
-            return matches[0]
+        root = "/" + topic.lstrip("/")
+        if len(matches) == 1 or root in matches:  # what lies in no namespace goes before another run's beside it
+            return root if root in matches else matches[0]
         if matches:
             raise BagError(f"{self.path}: {topic} could be {' or '.join(matches)}")
         raise BagError(f"{self.path}: no topic {topic}; it has {', '.join(self.topics) or 'none'}")

@@ -95,7 +95,8 @@ class ShipLog:
         found = next((known[name] for name in TIME_NAMES if name in known), None)
         if found is None:
             raise BagError(
-                f"{self.source}: which column is the time? give time_column; it has {', '.join(self.header)}"
+                f"{self.source}: which column is the time? name it by time_column in a mapping file (--mapping); "
+                f"it has {', '.join(self.header)}"
             )
         return found
 

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import sys
 import time
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 
 import pandas
@@ -12,10 +15,10 @@ from heave_node.parameters import ParameterError
 from heave_bringup.campaign.executors import run_tasks
 from heave_bringup.campaign.journal import Journal, digest_of, journal_path
 from heave_bringup.campaign.plan import Campaign
-from heave_bringup.campaign.runs import CaseResult, make_tasks
+from heave_bringup.campaign.runs import CaseResult, Task, make_tasks
 from heave_bringup.campaign.table import case_frame, provenance
 from heave_bringup.progress import ProgressLine, time_to_go
-from heave_bringup.tables.case_table import read_cases, write_cases
+from heave_bringup.tables.case_table import check_can_write, read_cases, write_cases
 
 
 def run_study(
@@ -49,26 +52,52 @@ def run_study(
             f"{output}: holds the cases of another campaign, or of another version of the program: remove it, or name "
             "another table"
         )
+    if output is not None:
+        check_can_write(output)
     journal = None if output is None else Journal(journal_path(output), digest)
     found = {task.case.number: journal.result_of(task.case) for task in tasks} if journal else {}
     results = {number: result for number, result in found.items() if result is not None}
     todo = [task for task in tasks if task.case.number not in results]
+    with _saying_what_is_kept(journal, results):
+        _run(todo, results, journal, run_tasks(todo, processes, dask), campaign.scenario)
+        frame = case_frame(tasks, [results[task.case.number] for task in tasks])
+        if output is not None and journal is not None:
+            write_cases(frame, output, provenance(campaign, digest))
+            journal.remove()
+    return frame
+
+
+@contextmanager
+def _saying_what_is_kept(journal: Journal | None, results: Mapping[int, CaseResult]) -> Iterator[None]:
+    """Where the study ends before its table is written, say that the cases which were run are not lost."""
+    try:
+        yield
+    except BaseException:
+        if journal is not None and results:
+            sys.stderr.write(
+                f"heave: {len(results)} cases are kept in {journal.path}: the same command goes on there\n"
+            )
+        raise
+
+
+def _run(
+    todo: Sequence[Task],
+    results: dict[int, CaseResult],
+    journal: Journal | None,
+    coming: Iterable[CaseResult],
+    scenario: str,
+) -> None:
+    """Put what is `coming` of the cases `todo` into the `results`, each at once."""
     before, started = len(results), time.monotonic()
+    cases = before + len(todo)
     with ProgressLine() as progress:
-        progress.show(_beginning(len(tasks), before, campaign.scenario), before / len(tasks))
-        for result in run_tasks(todo, processes, dask):
+        progress.show(_beginning(cases, before, scenario), before / cases)
+        for result in coming:
             results[result.case.number] = result
             if journal is not None:
                 journal.add(result)
-            done = len(results) - before
-            rest = time_to_go(time.monotonic() - started, done / len(todo))
-            words = f"case {len(results)} of {len(tasks)}, {rest}: {_short(result)}"
-            progress.show(words, len(results) / len(tasks))
-    frame = case_frame(tasks, [results[task.case.number] for task in tasks])
-    if output is not None and journal is not None:
-        write_cases(frame, output, provenance(campaign, digest))
-        journal.remove()
-    return frame
+            rest = time_to_go(time.monotonic() - started, (len(results) - before) / len(todo))
+            progress.show(f"case {len(results)} of {cases}, {rest}: {_short(result)}", len(results) / cases)
 
 
 def _beginning(cases: int, before: int, scenario: str) -> str:

@@ -60,7 +60,7 @@ def render(about: About, found: Sequence[Situation], criteria: Sequence[Criterio
     ]
     for situation in found:
         body += _section(situation, criteria, place, drawn)
-    body.append(cases_table((situation.cases for situation in found), about.table))
+    body.append(cases_table((situation.cases for situation in found), criteria, about.table))
     body.append(provenance_table(about.facts))
     return render_page(about.title, "\n".join(body), drawn, footer=FOOTER)
 
@@ -106,7 +106,12 @@ def _overview(found: Sequence[Situation], place: Place | None) -> str:
 
 
 def _shares(exposure: Exposure, place: Place) -> list[str]:
-    cells = [f"{100 * exposure.share:.1f}", f"{100 * exposure.cautious:.1f}"]
+    return [f"{100 * exposure.share:.1f}", f"{100 * exposure.cautious:.1f}", *waits(exposure, place)]
+
+
+def waits(exposure: Exposure, place: Place) -> list[str]:
+    """Return the waiting times of an `exposure`, P50 / P90 [h], for each window of a `place`; none without an order."""
+    cells: list[str] = []
     if exposure.windows.empty:
         return cells
     for hours in place.windows:

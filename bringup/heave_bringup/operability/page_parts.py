@@ -6,9 +6,11 @@ import html
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 import pandas
 from heave_bags.analyse.kpi_set import DEFINITION_OF
+from heave_bags.analyse.verdict import Judged
 from heave_node.criteria import Criterion
 
 from heave_bringup.campaign.table import FAILURE, LOST, MISSED, REASON, SEED
@@ -62,12 +64,13 @@ def criteria_table(criteria: Sequence[Criterion]) -> str:
     return f"<h2>Criteria</h2>{table(['figure of merit', 'bound', 'unit'], rows, texts=1)}"
 
 
-def cases_table(parts: Iterable[pandas.DataFrame], file: Path | None) -> str:
+def cases_table(parts: Iterable[pandas.DataFrame], criteria: Sequence[Criterion], file: Path | None) -> str:
     """Return all cases of a study, folded up, with the command that repeats one.
 
     Parameters
     ----------
     parts : of the campaign's table
+    criteria : of the study; those of the scenario alone do not count
     file : in which they are kept; None: they were not
     """
     head = ["case", "Tp [s]", "Hs [m]", "seed", "unit [cm]", "off [cm]", "why it is not workable"]
@@ -75,12 +78,20 @@ def cases_table(parts: Iterable[pandas.DataFrame], file: Path | None) -> str:
     for part in parts:
         for row in part.sort_values(CASE).to_dict("records"):
             lost = f"lost: {row[REASON]}" if row[LOST] else ""
-            why = f"failed: {row[FAILURE]}" if row[FAILURE] else lost or str(row[MISSED]).replace("MISSED: ", "")
+            why = f"failed: {row[FAILURE]}" if row[FAILURE] else lost or _missed(row, criteria)
             figures = [f"{100 * row['unit_sigma_m']:.2f}", f"{100 * row['uncompensated_sigma_m']:.2f}", why or "-"]
             rows.append([str(row[CASE]), f"{row[PERIOD]:g}", f"{row[HEIGHT]:g}", str(row[SEED]), *figures])
     how = f"<p>A case is repeated over ROS, with a bag: <code>heave run {html.escape(str(file))}:CASE</code></p>"
     cells = table(head, rows, texts=1, last_is_text=True)
     return f"<details><summary>All {len(rows)} cases</summary>{how if file else ''}{cells}</details>"
+
+
+def _missed(row: Mapping[str, Any], criteria: Sequence[Criterion]) -> str:
+    """Return in words what a case misses of the `criteria`, and what no run may do."""
+    told = [part.removeprefix("MISSED: ") for part in str(row[MISSED]).split("; ")]
+    others = [part for part in told if part and part.split(" ")[0] not in DEFINITION_OF]
+    judged = [Judged(criterion, float(row[criterion.kpi])) for criterion in criteria]
+    return "; ".join(others + [str(one).removeprefix("MISSED: ") for one in judged if not one.is_met])
 
 
 def provenance_table(facts: Mapping[str, str]) -> str:

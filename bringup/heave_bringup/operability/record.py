@@ -82,11 +82,20 @@ def _read_csv(path: Path) -> SeaRecord:
     table.columns = [str(name).strip().lower() for name in table.columns]
     if {"time", HS, TP} <= set(table.columns):
         try:
-            states = table.set_index(pandas.to_datetime(table["time"], utc=True))[[HS, TP]].astype(float)
+            states = table.set_index(_times(path, table["time"]))[[HS, TP]].astype(float)
         except (ValueError, TypeError) as error:
             raise ParameterError(f"{path}: {' '.join(str(error).split())}") from error
         return at_equal_steps(path.name, states.sort_index(), ())
     return _scatter(path, table)
+
+
+def _times(path: Path, column: pandas.Series) -> pandas.Series:
+    """Return a column of times, UTC where they have no zone; raise ParameterError where one could be read two ways."""
+    times = pandas.to_datetime(column.astype(str).str.strip(), utc=True, format="ISO8601", errors="coerce")
+    if times.isna().any():
+        wrong = column[times.isna()].iloc[0]
+        raise ParameterError(f"{path}: time {wrong!r} is not a time as in 2025-03-01T12:00:00Z (ISO 8601)")
+    return times
 
 
 def _scatter(path: Path, table: pandas.DataFrame) -> SeaRecord:

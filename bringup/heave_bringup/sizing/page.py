@@ -91,7 +91,7 @@ def render(
         *(place_figure(sweep_figure(found, knee), drawn) for knee in knees),
         "<h2>Limits</h2>",
         *(place_figure(limits_figure(found, particular), drawn) for particular in swept),
-        cases_table((one.cases for one in found), about.table),
+        cases_table((one.cases for one in found), criteria, about.table),
         provenance_table(about.facts),
     ]
     return render_page(about.title, "\n".join(body), drawn, footer=FOOTER)

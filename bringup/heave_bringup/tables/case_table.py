@@ -7,7 +7,6 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from heave_node.extras import how_to_install
 from heave_node.parameters import ParameterError
 
 if TYPE_CHECKING:
@@ -45,6 +44,8 @@ def write_cases(frame: pandas.DataFrame, path: Path, about: Mapping[str, str]) -
 
 def read_cases(path: Path) -> tuple[pandas.DataFrame, dict[str, str]]:
     """Return the cases of the file at `path`, and what it says of itself; raise ParameterError for any other file."""
+    if not path.is_file():
+        raise ParameterError(f"{path}: no such file")
     arrow, parquet = _pyarrow(path)
     try:
         table = parquet.read_table(path)
@@ -58,6 +59,13 @@ def read_cases(path: Path) -> tuple[pandas.DataFrame, dict[str, str]]:
     return table.to_pandas(), about
 
 
+def check_can_write(path: Path) -> None:
+    """Raise ParameterError where a table could not be written to `path`, before hours go into its cases."""
+    _pyarrow(path)
+    if not path.parent.is_dir():
+        raise ParameterError(f"{path}: there is no folder {path.parent}")
+
+
 def split_reference(name: str) -> tuple[Path, int] | None:
     """Return file and case where `name` is `FILE.parquet:CASE`; None for any other name."""
     found = _REFERENCE.fullmatch(name)
@@ -69,8 +77,6 @@ def scenario_of(path: Path, number: int) -> str:
 
     Raises ParameterError for a file or a case that is not there.
     """
-    if not path.is_file():
-        raise ParameterError(f"{path}: no such file")
     frame, _ = read_cases(path)
     rows = frame.loc[frame[CASE] == number, SCENARIO]
     if rows.empty:
@@ -80,8 +86,8 @@ def scenario_of(path: Path, number: int) -> str:
 
 def _pyarrow(path: Path) -> tuple[Any, Any]:
     try:
-        import pyarrow  # noqa: PLC0415 - an extra
+        import pyarrow  # noqa: PLC0415 - slow to import, and no package of Debian that ROS could name
         import pyarrow.parquet  # noqa: PLC0415
     except ImportError as error:
-        raise ParameterError(f"{path}: Parquet needs the package pyarrow; {how_to_install('parquet')}") from error
+        raise ParameterError(f"{path}: Parquet needs the package pyarrow: pip install pyarrow") from error
     return pyarrow, pyarrow.parquet

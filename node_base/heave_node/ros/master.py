@@ -422,7 +422,7 @@ class ClockMasterNode(HeaveNode):
         self.strangers.look(self._speakers)
         if self.run_state == TickStatus.WAITING:
             self._try_to_start()
-            self._warn_or_give_up(now - self._created_at, self.run.start_timeout, self._reason)
+            self._warn_or_give_up(now - self._created_at, "start_timeout", self._reason)
         elif not self._stepped:
             self._look_for_missing(now)
 
@@ -439,20 +439,21 @@ class ClockMasterNode(HeaveNode):
         text = "; ".join(
             f"{p.name} has not finished tick {p.answered + 1}"
             + (f" (waiting for {p.waiting_for})" if p.waiting_for else "")
-            for p in behind
+            for p in sorted(behind, key=lambda p: bool(p.waiting_for))  # who waits for nobody holds up the others
         )
         waited = self.timing.age_of_tick
         if not self.run.is_lockstep and behind:
             waited += (self.tick_number - 1 - min(p.answered for p in behind)) * self.run.tick_period
-        self._warn_or_give_up(waited, self.run.participant_timeout, text or self.gate.missing())
+        self._warn_or_give_up(waited, "participant_timeout", text or self.gate.missing())
 
-    def _warn_or_give_up(self, waited: float, limit: float, text: str) -> None:
-        """Report each second what is missing; end the run after `limit` [s]."""
+    def _warn_or_give_up(self, waited: float, parameter: str, text: str) -> None:
+        """Report each second what is missing; end the run after the time that a `parameter` of the run sets."""
         if not text or waited < WARNING_PERIOD:
             return
         now = time.monotonic()
+        limit = getattr(self.run, parameter)
         if waited > limit:
-            self._end(TickStatus.FAILED, f"{text}: gave up after waiting {limit:g} s")
+            self._end(TickStatus.FAILED, f"{text}: gave up after waiting {limit:g} s ({parameter})")
         elif now - self._warned_at > WARNING_PERIOD:
             self._warned_at = now
             warning = f"waiting for {waited:.0f} s: {text}"

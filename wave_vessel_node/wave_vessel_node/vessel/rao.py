@@ -52,6 +52,10 @@ class ResponseTable:
             raise RaoError("responses must be finite")
         if self.frequency.size < 4 or self.frequency[0] <= 0.0:
             raise RaoError("expected at least 4 frequencies, all above 0")
+        if self.heading[0] < -1e-6 or self.heading[-1] >= 2.0 * np.pi - 1e-6:
+            reach = f"{self.heading[0]:g} to {self.heading[-1]:g}"
+            hint = "2 pi is the same as 0" if self.heading[-1] < 6.3 else "are they in degrees?"
+            raise RaoError(f"headings must lie from 0 to below 2 pi rad, they are {reach}: {hint}")
         if self.heading[0] > 1e-6 or self.heading[-1] < np.pi - 1e-3:
             raise RaoError("headings must span 0 to pi (symmetric ship) or the full circle from 0")
 

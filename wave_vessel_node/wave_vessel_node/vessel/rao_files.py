@@ -75,7 +75,7 @@ def read_rao_csv(path: str | Path) -> ResponseTable:
     header = [name.strip() for name in rows[0]]
     missing = [name for name in COLUMNS if name not in header]
     if missing:
-        raise RaoError(f"{path}: line {numbered[0][0]}: missing columns {', '.join(missing)}")
+        raise RaoError(f"{path}: line {numbered[0][0]}: {_without_columns(missing, numbered[0][1])}")
     values = np.empty((len(rows) - 1, len(COLUMNS)))
     positions = [header.index(name) for name in COLUMNS]
     for index, ((number, _), row) in enumerate(zip(numbered[1:], rows[1:], strict=True)):
@@ -84,6 +84,15 @@ def read_rao_csv(path: str | Path) -> ResponseTable:
         for column, position in enumerate(positions):
             values[index, column] = _number(row[position], f"{path}: line {number}: {COLUMNS[column]}")
     return _grid_table(path, values)
+
+
+def _without_columns(missing: Sequence[str], header: str) -> str:
+    """Say what is wrong with a `header` in which columns are `missing`."""
+    if len(missing) < len(COLUMNS):
+        return f"missing columns {', '.join(missing)}"
+    separator = next((name for sign, name in ((";", "semicolons"), ("\t", "tabs")) if sign in header), "")
+    found = f"the columns are parted by {separator}: " if separator else ""
+    return f"{found}expected commas, decimal points, and the header {','.join(COLUMNS)}"
 
 
 def _number(text: str, where: str) -> float:

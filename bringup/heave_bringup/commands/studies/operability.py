@@ -103,7 +103,7 @@ def _place(options: argparse.Namespace) -> Place | None:
 
 def _tables(found: list[Situation], place: Place | None) -> list[str | Table]:
     from heave_bringup.operability.limits import title_of
-    from heave_bringup.operability.page import interval
+    from heave_bringup.operability.page import interval, waits
     from heave_bringup.output import make_table
 
     parts: list[str | Table] = []
@@ -125,6 +125,11 @@ def _tables(found: list[Situation], place: Place | None) -> list[str | Table]:
                 f"workable seas of {place.record.name}: {100 * situation.exposure.share:.1f} % compensated, "
                 f"{100 * situation.locked_exposure.share:.1f} % uncompensated"
             )
+            both = (waits(situation.exposure, place), waits(situation.locked_exposure, place))
+            parts += [
+                f"wait for {hours:g} h, P50 / P90: {compensated} h compensated, {alone} h uncompensated"
+                for hours, compensated, alone in zip(place.windows, *both, strict=False)
+            ]
     return parts
 
 

@@ -109,13 +109,19 @@ def study_cases(
     options : of the command line
     table : file of the cases
     campaign : gives what is to be run from the settings of every case
+
+    Raises ParameterError for a table of another scenario.
     """
     from heave_bringup.campaign.study import run_study
     from heave_bringup.tables.case_table import read_cases
 
     if options.cases is None:
         run_study(campaign(_settings(options)), output=table, processes=options.processes, dask=options.dask)
-    return read_cases(table)
+    frame, facts = read_cases(table)
+    of_table = facts.get("scenario", options.scenario)
+    if Path(of_table).stem != Path(options.scenario).stem:
+        raise ParameterError(f"{table}: holds cases of {of_table}, not of {options.scenario}: name {of_table}")
+    return frame, facts
 
 
 def _settings(options: argparse.Namespace) -> dict[str, object]:
