@@ -35,6 +35,13 @@ def test_a_missed_criterion_comes_first_and_shouts():
     assert lines[1] == "  MISSED: unit_sigma_m < 0.005, got 0.01"
 
 
+def test_a_criterion_of_scenario_and_command_line_is_told_once():
+    same = [Criterion("unit_sigma_m", "<", 0.005)]
+    verdict = judge(record(100.0), same, required=same, moves_winch=True)
+    assert verdict.failures == ["MISSED: unit_sigma_m < 0.005, got 0.01"]
+    assert verdict.missed_requirements == verdict.failures
+
+
 @pytest.mark.parametrize(("until", "words"), [(0.0, "never in force"), (40.0, "only 40 % of the time in force")])
 def test_compensation_that_was_not_in_force_is_no_success(until, words):
     verdict = judge(record(until), moves_winch=True)

@@ -61,6 +61,11 @@ class Verdict:
     strain: float = math.nan
 
     @property
+    def criteria(self) -> list[Judged]:
+        """Return all criteria, one that the scenario and the command line both have once."""
+        return list(dict.fromkeys((*self.judged, *self.required)))
+
+    @property
     def is_good(self) -> bool:
         """Return whether every criterion is met."""
         return not self.failures
@@ -73,7 +78,7 @@ class Verdict:
     @property
     def failures(self) -> list[str]:
         """Return in words which criteria are not met, and what no run may do."""
-        missed = [str(judged) for judged in (*self.judged, *self.required) if not judged.is_met]
+        missed = [str(judged) for judged in self.criteria if not judged.is_met]
         if self.share < LEAST_SHARE:
             modes = ", ".join(f"{mode} {100.0 * share:.0f} %" for mode, share in self.time_in_modes.items())
             when = "never" if self.share == 0.0 else f"only {100.0 * self.share:.0f} % of the time"
@@ -93,20 +98,20 @@ class Verdict:
             head = "verdict: FAILED"
         elif not self.is_judged:
             head = "verdict: none, the run ended within its transient"
-        elif self.judged or self.required:
+        elif self.criteria:
             head = "verdict: passed"
         else:
             head = "verdict: no criteria given"
         if self.alarms:
             head += f"; {self.alarms} {'error' if self.alarms == 1 else 'errors'} reported"
-        met = [str(judged) for judged in (*self.judged, *self.required) if judged.is_met]
+        met = [str(judged) for judged in self.criteria if judged.is_met]
         return [head, *(f"  {line}" for line in (*self.failures, *met))]
 
     def to_json(self) -> dict[str, object]:
         """Return the verdict as plain data."""
         return {
             "good": self.is_good,
-            "criteria": [judged.to_json() for judged in (*self.judged, *self.required)],
+            "criteria": [judged.to_json() for judged in self.criteria],
             "time_in_modes": dict(self.time_in_modes),
             "failures": self.failures,
         }
