@@ -177,10 +177,12 @@ class Bag:
         """
         if topic in self.topics:
             return topic
-        matches = [name for name in self.topics if name.endswith("/" + topic.lstrip("/"))]
         root = "/" + topic.lstrip("/")
-        if len(matches) == 1 or root in matches:  # what lies in no namespace goes before another run's beside it
-            return root if root in matches else matches[0]
+        if root in self.topics:  # what lies in no namespace goes before another run's beside it
+            return root
+        matches = [name for name in self.topics if name.endswith(root)]
+        if len(matches) == 1:
+            return matches[0]
         if matches:
             raise BagError(f"{self.path}: {topic} could be {' or '.join(matches)}")
         raise BagError(f"{self.path}: no topic {topic}; it has {', '.join(self.topics) or 'none'}")

@@ -132,6 +132,10 @@ class DrumBelief:
     lowest: Array
     highest: Array
 
+    def lowered(self, drum: Array) -> list[int]:
+        """Return the indices of the limits of a `drum` that are lower than the nominal ones."""
+        return [i for i in LIMITS if drum[i] < self.nominal[i]]
+
 
 def proved_belief(record: DrumRecord, belief: DrumBelief) -> DrumBelief:
     """Return the `belief` with no limit that may be lower than what the encoder has shown the drum to do in a `record`.
@@ -289,7 +293,7 @@ def search_limits(record: DrumRecord, belief: DrumBelief, start: Array, free: Se
     bare[list(LIMITS)] = belief.nominal[list(LIMITS)]
     best = fit_drum(record, belief, bare, free)
     for grid in [start, *_grid_starts(record, belief, bare)]:
-        lowered = [i for i in LIMITS if grid[i] < belief.nominal[i]]
+        lowered = belief.lowered(grid)
         if not lowered:
             continue
         fit = fit_drum(record, belief, grid, [*free, *lowered])
@@ -308,8 +312,8 @@ def _one_after_another(record: DrumRecord, belief: DrumBelief, fit: DrumFit, fre
             trials.append(trial)
         order = np.argsort(record.squares(np.array(trials)), kind="stable")
         for k in order[:TRIED]:
-            lowered = [i for i in LIMITS if trials[int(k)][i] < belief.nominal[i]]
-            better = fit_drum(record, belief, trials[int(k)], [*free, *lowered])
+            trial = trials[int(k)]
+            better = fit_drum(record, belief, trial, [*free, *belief.lowered(trial)])
             if IMPROVEMENT * better.squares < fit.squares:
                 break
         else:
@@ -350,8 +354,7 @@ def _without_needless(record: DrumRecord, belief: DrumBelief, fit: DrumFit, free
             continue
         start = fit.drum.copy()
         start[index] = belief.nominal[index]
-        lowered = [i for i in LIMITS if start[i] < belief.nominal[i]]
-        other = fit_drum(record, belief, start, [*free, *lowered])
+        other = fit_drum(record, belief, start, [*free, *belief.lowered(start)])
         gain = (other.squares - fit.squares) / (CORRELATED * fit.residual**2)
         if gain < LIKELIHOOD or other.squares < IMPROVEMENT * fit.squares or _is_explained(record, other):
             fit = other

@@ -357,7 +357,7 @@ class WinchIdentifier:
 
     def _with_rare(self, record: DrumRecord, belief: DrumBelief, fit: DrumFit) -> DrumFit:
         """Return a fit with dead zone and play where the record is much better explained by them."""
-        lowered = [i for i in LIMITS if fit.drum[i] < belief.nominal[i]]
+        lowered = belief.lowered(fit.drum)
         nominal = self._start(record.readings, belief.nominal)
         nominal[list(LIMITS)] = fit.drum[list(LIMITS)]
         found = [fit_drum(record, belief, start, [*self._free, *self._rare, *lowered]) for start in (fit.drum, nominal)]

@@ -120,12 +120,13 @@ def _campaign(
     options: argparse.Namespace, scenario: Scenario, settings: Mapping[str, object], required: list[Criterion]
 ) -> Campaign:
     """Return the campaign of all winches in all seas."""
+    from cable_sim_node.vertical.axial_line import axial_line
+
     from heave_bringup.sizing.candidates import candidates, own_winch
     from heave_bringup.sizing.study import sizing_campaign
 
     winch, plant = scenario.parameters["virtual_winch"], scenario.parameters["cable_sim"]
-    weights = [part.weight_in_fluid(plant.water_density, plant.gravity) for part in (plant.cable, plant.unit)]
-    static_tension = weights[0] * plant.length + weights[1]
+    static_tension = axial_line(plant).static_top_tension(plant.length)
     tried = candidates(own_winch(winch), static_tension, {name: getattr(options, name) for name, _ in SWEPT})
     seas = sea_grid(options, heights=HEIGHTS, periods=PERIODS).campaign(
         options.scenario,
