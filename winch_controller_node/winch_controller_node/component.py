@@ -436,6 +436,8 @@ class WinchController:
         self._alarms += self._learning.follow(tick, compensates=self.mode is Mode.COMPENSATING)
         if self.design is not before:
             self._take_law()
+        if self._learning.has_corrected:
+            self._supervisor.allow_correction()
 
     def _follow_length(self) -> None:
         """Follow the gain schedule, where there is one."""

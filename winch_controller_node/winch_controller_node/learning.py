@@ -14,6 +14,7 @@ from winch_controller_node.design.work import DesignWork
 from winch_controller_node.design_in_force import DesignInForce, PreparedDesign
 from winch_controller_node.estimation.loop_estimation import LoopEstimation
 from winch_controller_node.identification.suspicions import Verdict, continued, suspect
+from winch_controller_node.identification.winch import is_weaker
 from winch_controller_node.model.lqr import DesignError
 from winch_controller_node.node_parameters import WinchControllerParameters
 from winch_controller_node.parameters.model import SeaModelParameters
@@ -51,6 +52,10 @@ class Learning:
     ----------
     in_force, estimation, winch : what goes on with what is learnt
     designer : makes designs beside the ticks, in real time; None: at once
+
+    Attributes
+    ----------
+    has_corrected : in this tick, a belief under which the loop could not work: on sensor, cable, limit of the winch
     """
 
     def __init__(
@@ -65,6 +70,7 @@ class Learning:
         self._patience = FIRST_PATIENCE
         self._suspected = -math.inf
         self._contradicted = self._refused = ""
+        self.has_corrected = False
 
     @property
     def inhibition(self) -> str:
@@ -80,6 +86,7 @@ class Learning:
 
         The winch is learnt while the loop `compensates` only.
         """
+        self.has_corrected = False
         words = self._take(tick)
         if self._estimation.surprise.time == 0.0:
             self._contradicted = ""
@@ -125,6 +132,7 @@ class Learning:
         if found is None:
             return
         self._in_force.take_limits(found)
+        self.has_corrected = is_weaker(found, before)
         if (found.time_constant, found.command_delay) != (before.time_constant, before.command_delay):
             self._design_for(tick, replace(self._in_force.parameters, winch=found))
 
@@ -176,6 +184,7 @@ class Learning:
             matrix = self._in_force.take_sensors(prepared)
             estimation.adopt(self._in_force.design, matrix, continued(verdict, estimation.record), tick - 1)
             self._patience = FIRST_PATIENCE
+            self.has_corrected = True
         words = f"{suspicion.culprit} suspect: {suspicion.words}"
         is_needed = suspicion.culprit == "mru"
         if not is_needed:

@@ -55,6 +55,9 @@ TRIED = 3
 LIKELIHOOD = 30.0
 """A lower limit stays if the record without it is less likely by a factor of exp(-LIKELIHOOD/2) at least."""
 
+UNREACHED = 1.01
+"""A limit with which the mean square is no more times as large as with another one is not reached."""
+
 SEEN_OVER, SEEN_ERROR = 0.5, 0.002
 """Time over which the speed of the encoder is taken [s], and the error of the difference of two readings [m]."""
 
@@ -78,6 +81,7 @@ class DrumRecord:
     readings : of the encoder at the end of the last ticks [m]; NaN: none
     position_gain : of the servo's position loop [1/s]
     dt : tick period [s]
+    told : fields of `Drum` that are limits of which the winch itself says that it has reached them
     """
 
     payouts: Array
@@ -85,6 +89,7 @@ class DrumRecord:
     readings: Array
     position_gain: float
     dt: float
+    told: tuple[int, ...] = ()
 
     def worst_second(self, drum: Array) -> float:
         """Return the largest root mean square over a second of what a `drum` leaves, shape (14,) [m]."""
@@ -282,6 +287,17 @@ def best_lags(record: DrumRecord, belief: DrumBelief, start: Array) -> list[Arra
     return [trials[int(k)] for k in order[:TRIED]]
 
 
+def with_unreached(record: DrumRecord, fit: DrumFit, start: Array, limits: Sequence[int]) -> DrumFit:
+    """Return a fit with those of the `limits` that the record has not reached where they were at its `start`."""
+    for index in limits:
+        trial = fit.drum.copy()
+        trial[index] = start[index]
+        squares = float(record.squares(trial[np.newaxis])[0])
+        if squares < UNREACHED * fit.squares:
+            fit = replace(fit, drum=trial, squares=squares)
+    return fit
+
+
 def search_limits(record: DrumRecord, belief: DrumBelief, start: Array, free: Sequence[int]) -> DrumFit:
     """Return the drum with those limits without which a record cannot be explained.
 
@@ -292,7 +308,7 @@ def search_limits(record: DrumRecord, belief: DrumBelief, start: Array, free: Se
     bare = start.copy()
     bare[list(LIMITS)] = belief.nominal[list(LIMITS)]
     best = fit_drum(record, belief, bare, free)
-    for grid in [start, *_grid_starts(record, belief, bare)]:
+    for grid in [start, *_shown_starts(belief, start), *_grid_starts(record, belief, bare)]:
         lowered = belief.lowered(grid)
         if not lowered:
             continue
@@ -322,6 +338,15 @@ def _one_after_another(record: DrumRecord, belief: DrumBelief, fit: DrumFit, fre
     return fit
 
 
+def _shown_starts(belief: DrumBelief, start: Array) -> list[Array]:
+    """Return the start with the highest speeds that the drum has shown as its limits, out, in and both."""
+    starts = []
+    for shown in ([SPEEDS[0]], [SPEEDS[1]], list(SPEEDS)):
+        starts.append(start.copy())
+        starts[-1][shown] = belief.lowest[shown]
+    return starts
+
+
 def _grid_starts(record: DrumRecord, belief: DrumBelief, bare: Array) -> list[Array]:
     """Return the best combinations of lower limits, the best first."""
     fastest = float(np.max(np.abs(record.rates[-len(record.readings) :])))
@@ -329,11 +354,12 @@ def _grid_starts(record: DrumRecord, belief: DrumBelief, bare: Array) -> list[Ar
     bases |= {i: float(belief.nominal[i]) for i in ACCELERATIONS}
     ranked = []
     for pair in (ACCELERATIONS, SPEEDS):
+        # a drum at its limit shows it: the most that it has done is the first to be tried
+        tried = [[bare[i], belief.lowest[i], *(share * bases[i] for share in GRID[1:])] for i in pair]
         trials = []
-        for shares in product(GRID, GRID):
+        for limits in product(*tried):
             trial = bare.copy()
-            for i, share in zip(pair, shares, strict=True):
-                trial[i] = bare[i] if share == 1.0 else share * bases[i]
+            trial[list(pair)] = limits
             trials.append(trial)
         order = np.argsort(record.squares(np.array(trials)), kind="stable")
         ranked.append([trials[int(k)] for k in order[:TRIED]])
@@ -356,7 +382,8 @@ def _without_needless(record: DrumRecord, belief: DrumBelief, fit: DrumFit, free
         start[index] = belief.nominal[index]
         other = fit_drum(record, belief, start, [*free, *belief.lowered(start)])
         gain = (other.squares - fit.squares) / (CORRELATED * fit.residual**2)
-        if gain < LIKELIHOOD or other.squares < IMPROVEMENT * fit.squares or _is_explained(record, other):
+        is_needless = gain < LIKELIHOOD or other.squares < IMPROVEMENT * fit.squares
+        if is_needless or (index not in record.told and _is_explained(record, other)):
             fit = other
     return fit
 

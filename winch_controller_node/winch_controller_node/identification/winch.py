@@ -13,6 +13,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
+from heave_node.interface.codes import WinchLimit
 from heave_node.numerics.arrays import Array
 
 from winch_controller_node.design.design import ControllerDesign
@@ -38,6 +39,7 @@ from winch_controller_node.identification.drum_fit import (
     fit_drum,
     proved_belief,
     search_limits,
+    with_unreached,
 )
 from winch_controller_node.identification.drum_kernel import Drum, predicted_reading
 from winch_controller_node.parameters.laws import LagParameters
@@ -63,6 +65,12 @@ SIGNIFICANT = 4.0
 
 MISFIT = 0.002
 """Limits are searched where so much is left [m]."""
+
+TOLD_MISFIT = 0.0005
+"""And where so much is left of a record in which the winch says itself that it has reached one [m]."""
+
+TOLD_WITHIN = 0.15
+"""Time before and after a tick in which the winch has reached a limit that shows its direction [s]."""
 
 BETTER = 1.15
 """What is found must leave so many times less, mean square, than what is in force."""
@@ -153,6 +161,7 @@ class WinchIdentifier:
         self._payouts: deque[float] = deque(maxlen=window + self._ahead)
         self._rates: deque[float] = deque(maxlen=window + self._ahead)
         self._readings: deque[float] = deque(maxlen=window)
+        self._limits_hit: deque[int] = deque(maxlen=window)
         self.reset()
         # compiled here, not in a tick of a run in real time
         fit_drum(self._made(np.zeros(self._ahead + 3), np.zeros(3)), self._belief, self._start(np.zeros(3)), self._free)
@@ -169,19 +178,24 @@ class WinchIdentifier:
     def restart(self) -> None:
         """Begin a new record with the drum in motion, after something that the model does not know."""
         self._readings.clear()
+        self._limits_hit.clear()
 
-    def add(self, payout_set_point: float, rate_set_point: float, encoder: float | None) -> None:
+    def add(
+        self, payout_set_point: float, rate_set_point: float, encoder: float | None, limits_hit: int = WinchLimit.NONE
+    ) -> None:
         """Take in a tick.
 
         Parameters
         ----------
         payout_set_point, rate_set_point : of the tick that ends [m], [m/s]
         encoder : reading at its end [m]; None: no reading
+        limits_hit : heave_node.interface.codes.WinchLimit that acted within it, as far as the winch says so
         """
         self._learnt_age += self._dt
         self._payouts.append(payout_set_point)
         self._rates.append(rate_set_point)
         self._readings.append(math.nan if encoder is None else encoder)
+        self._limits_hit.append(limits_hit)
 
     @property
     def is_full(self) -> bool:
@@ -257,7 +271,7 @@ class WinchIdentifier:
         if found is None or better is None or not self._is_worth_it(winch, better, answer.present, found):
             self._found[list(LIMITS)] = before[list(LIMITS)]
             return self._let_up(winch)
-        if _is_lower(better, winch):
+        if is_weaker(better, winch):
             self._patience = FIRST_PATIENCE if self._patience == 0.0 else LONGER * self._patience
             self._learnt_age = 0.0
         return better
@@ -298,7 +312,7 @@ class WinchIdentifier:
         if better == winch:
             return False
         floor = RESOLUTION**2 * present.count
-        return _is_lower(better, winch) or present.squares + floor > BETTER * (
+        return is_weaker(better, winch) or present.squares + floor > BETTER * (
             found.residual**2 * present.count + floor
         )
 
@@ -339,19 +353,20 @@ class WinchIdentifier:
         known = [i for i in (*self._rare, *self._uneven) if start[i] != belief.nominal[i]]
         free = [*self._free, *known]
         fit = fit_drum(record, belief, start, free)
+        misfit = TOLD_MISFIT if record.told else MISFIT
         # limits that were learnt stay where they explain the record: what is not reached tells nothing
-        for other in [start, *best_lags(record, belief, start)] if fit.residual > MISFIT else []:
-            again = fit_drum(record, belief, other, [*free, *learnt])
+        for other in [start, *best_lags(record, belief, start)] if fit.residual > misfit else []:
+            again = with_unreached(record, fit_drum(record, belief, other, [*free, *learnt]), start, learnt)
             fit = again if IMPROVEMENT * again.squares < fit.squares else fit
         believed = start.copy()
         believed[list(self._free)] = belief.nominal[list(self._free)]
         for begin in (start, believed):  # lag and delay that explained a limit badly lead nowhere
-            if fit.residual > MISFIT:
+            if fit.residual > misfit:
                 limited = search_limits(record, belief, begin, free)
                 fit = limited if limited.squares < fit.squares else fit
-        if fit.residual > MISFIT and not set(self._rare) <= set(free):
+        if fit.residual > misfit and not set(self._rare) <= set(free):
             fit = self._with_rare(record, belief, fit)
-        if fit.residual > MISFIT and not set(self._uneven) <= set(free):
+        if fit.residual > misfit and not set(self._uneven) <= set(free):
             fit = self._with_uneven(record, belief, fit)
         return fit if np.all(np.isfinite(fit.drum)) else None
 
@@ -385,7 +400,28 @@ class WinchIdentifier:
 
     def _made(self, rates: deque[float] | Array, readings: Array) -> DrumRecord:
         payouts = np.array(self._payouts) if len(self._payouts) == len(rates) else np.zeros(len(rates))
-        return DrumRecord(payouts, np.array(rates), readings, self._nominal.position_gain, self._dt)
+        told = self._told(readings) if len(self._limits_hit) == len(readings) else ()
+        return DrumRecord(payouts, np.array(rates), readings, self._nominal.position_gain, self._dt, told)
+
+    def _told(self, readings: Array) -> tuple[int, ...]:
+        """Return the limits of which the winch says that it has reached them.
+
+        Limits of speed and acceleration are those of the direction in which the encoder went; all others, as of power
+        or pressure, act as any of them.
+        """
+        limits_hit, ahead = np.array(self._limits_hit), math.ceil(TOLD_WITHIN / self._dt)
+        if np.any(limits_hit & ~(WinchLimit.SPEED | WinchLimit.ACCELERATION | WinchLimit.PAYOUT)):
+            return LIMITS
+        hit = limits_hit[ahead : len(limits_hit) - ahead]
+        before, now, after = readings[: -2 * ahead], readings[ahead:-ahead], readings[2 * ahead :]
+        told = []
+        for pair, limit, moved in (
+            (SPEEDS, WinchLimit.SPEED, after - before),
+            (ACCELERATIONS, WinchLimit.ACCELERATION, after - 2.0 * now + before),
+        ):
+            directions = moved[(hit & limit) != 0]
+            told += [index for index, sign in zip(pair, (1.0, -1.0), strict=True) if np.any(sign * directions > 0.0)]
+        return tuple(told)
 
     def _start(self, readings: Array, drum: Array | None = None) -> Array:
         """Return a drum with payout and rate at the start of the record, shape (14,)."""
@@ -410,7 +446,7 @@ def drum_of(winch: WinchModelParameters) -> Drum:
     )
 
 
-def _is_lower(one: WinchModelParameters, other: WinchModelParameters) -> bool:
+def is_weaker(one: WinchModelParameters, other: WinchModelParameters) -> bool:
     """Tell whether a limit of `one` is lower than that of `other`."""
     return one.speed_limit < other.speed_limit or one.acceleration_limit < other.acceleration_limit
 

@@ -37,10 +37,10 @@ CATCH_UP_TIME = 15.0
 """Time that the drum is not checked after a lost sensor is back [s]: the law has to catch up with what it missed."""
 
 LEFT_OVER_TIME = 30.0
-"""Time in which compensation has to take out a swing that it has found [s]: one that a sudden stop has left."""
+"""Time in which compensation has to take out a swing that it has found [s]: that of a sudden stop, or one not seen."""
 
 LARGEST_LEFT_OVER = 2.0
-"""Largest swing that is put down to a sudden stop, over the uncompensated one."""
+"""Largest swing that compensation may find, over the uncompensated one."""
 
 SWING_WORK = 2.0
 """Speed of the drum that stops a swinging unit, over the speed of the unit."""
@@ -160,6 +160,7 @@ class HarmGuard:
         self._exchanged_swing = 0.0
         self._catch_up = 0.0
         self._left_over = 0.0
+        self._is_corrected = False
 
     @property
     def demand(self) -> float:
@@ -197,6 +198,13 @@ class HarmGuard:
     def allow_catch_up(self) -> None:
         """Do not check the drum for some seconds: the law has to catch up with what it could not see."""
         self._catch_up = CATCH_UP_TIME
+
+    def allow_correction(self) -> None:
+        """Do not hold against the loop what a wrong belief has done: it has just been corrected."""
+        self.allow_catch_up()
+        self._is_corrected = True
+        self._judged_time = 0.0
+        self._make_comparison()
 
     def inhibit(self, reason: str, hold: float | None = None) -> None:
         """Keep compensation off while there is a `reason` that is certain, and for a time after it.
@@ -263,9 +271,10 @@ class HarmGuard:
         """Do not hold against the loop the swing that it has found.
 
         While the winch stands, the unit less the uncompensated one is a free swing, and would go on for long: whoever
-        stops the winch suddenly sets it going.
+        stops the winch suddenly sets it going. So does a wrong belief that has been corrected.
         """
-        if authority <= 0.0:
+        if authority <= 0.0 or self._is_corrected:
+            self._is_corrected = False
             unit, free = motions.unit, motions.free_unit
             swing = math.sqrt(self._swing(Motion(unit.heave - free.heave, unit.rate - free.rate)))
             self._left_over = min(swing, LARGEST_LEFT_OVER * math.sqrt(self._swing_check.reference))

@@ -159,7 +159,8 @@ class WinchWatch:
             self._identifier.add(given.payout, given.payout_rate, None)
             self._identifier.restart()
         else:
-            self._identifier.add(given.payout, given.payout_rate, payout)
+            limits_hit = WinchLimit.NONE if winch is None else winch.limits_hit
+            self._identifier.add(given.payout, given.payout_rate, payout, limits_hit)
             self._check_drum(parameters.winch)
         if winch is not None and winch.limits_hit & WinchLimit.POWER:
             self._power_limited = True
