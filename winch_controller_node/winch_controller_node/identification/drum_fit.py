@@ -55,9 +55,6 @@ TRIED = 3
 LIKELIHOOD = 30.0
 """A lower limit stays if the record without it is less likely by a factor of exp(-LIKELIHOOD/2) at least."""
 
-UNREACHED = 1.01
-"""A limit with which the mean square is no more times as large as with another one is not reached."""
-
 SEEN_OVER, SEEN_ERROR = 0.5, 0.002
 """Time over which the speed of the encoder is taken [s], and the error of the difference of two readings [m]."""
 
@@ -287,17 +284,6 @@ def best_lags(record: DrumRecord, belief: DrumBelief, start: Array) -> list[Arra
     return [trials[int(k)] for k in order[:TRIED]]
 
 
-def with_unreached(record: DrumRecord, fit: DrumFit, start: Array, limits: Sequence[int]) -> DrumFit:
-    """Return a fit with those of the `limits` that the record has not reached where they were at its `start`."""
-    for index in limits:
-        trial = fit.drum.copy()
-        trial[index] = start[index]
-        squares = float(record.squares(trial[np.newaxis])[0])
-        if squares < UNREACHED * fit.squares:
-            fit = replace(fit, drum=trial, squares=squares)
-    return fit
-
-
 def search_limits(record: DrumRecord, belief: DrumBelief, start: Array, free: Sequence[int]) -> DrumFit:
     """Return the drum with those limits without which a record cannot be explained.
 
@@ -315,7 +301,7 @@ def search_limits(record: DrumRecord, belief: DrumBelief, start: Array, free: Se
         fit = fit_drum(record, belief, grid, [*free, *lowered])
         best = fit if fit.squares < best.squares else best
     best = _one_after_another(record, belief, best, free)
-    return _without_needless(record, belief, best, free)
+    return without_needless(record, belief, best, free, bare, ())
 
 
 def _one_after_another(record: DrumRecord, belief: DrumBelief, fit: DrumFit, free: Sequence[int]) -> DrumFit:
@@ -373,17 +359,23 @@ def _grid_starts(record: DrumRecord, belief: DrumBelief, bare: Array) -> list[Ar
     return [candidates[int(k)] for k in order[:TRIED]]
 
 
-def _without_needless(record: DrumRecord, belief: DrumBelief, fit: DrumFit, free: Sequence[int]) -> DrumFit:
-    """Return the fit without each limit that the record does not prove."""
+def without_needless(
+    record: DrumRecord, belief: DrumBelief, fit: DrumFit, free: Sequence[int], otherwise: Array, known: Sequence[int]
+) -> DrumFit:
+    """Return the fit with each limit that the record does not prove as it is `otherwise`, shape (14,).
+
+    A limit that is not `known`, or told by the winch, is proved only by a record that is not explained without it.
+    """
     for index in LIMITS:
-        if fit.drum[index] >= belief.nominal[index]:
+        if fit.drum[index] == otherwise[index]:
             continue
         start = fit.drum.copy()
-        start[index] = belief.nominal[index]
-        other = fit_drum(record, belief, start, [*free, *belief.lowered(start)])
+        start[index] = otherwise[index]
+        moved = [i for i in LIMITS if start[i] != otherwise[i]]
+        other = fit_drum(record, belief, start, [*free, *moved])
         gain = (other.squares - fit.squares) / (CORRELATED * fit.residual**2)
         is_needless = gain < LIKELIHOOD or other.squares < IMPROVEMENT * fit.squares
-        if is_needless or (index not in record.told and _is_explained(record, other)):
+        if is_needless or (index not in (*known, *record.told) and _is_explained(record, other)):
             fit = other
     return fit
 

@@ -39,7 +39,7 @@ from winch_controller_node.identification.drum_fit import (
     fit_drum,
     proved_belief,
     search_limits,
-    with_unreached,
+    without_needless,
 )
 from winch_controller_node.identification.drum_kernel import Drum, predicted_reading
 from winch_controller_node.parameters.laws import LagParameters
@@ -356,7 +356,8 @@ class WinchIdentifier:
         misfit = TOLD_MISFIT if record.told else MISFIT
         # limits that were learnt stay where they explain the record: what is not reached tells nothing
         for other in [start, *best_lags(record, belief, start)] if fit.residual > misfit else []:
-            again = with_unreached(record, fit_drum(record, belief, other, [*free, *learnt]), start, learnt)
+            again = fit_drum(record, belief, other, [*free, *learnt])
+            again = without_needless(record, belief, again, free, start, learnt)
             fit = again if IMPROVEMENT * again.squares < fit.squares else fit
         believed = start.copy()
         believed[list(self._free)] = belief.nominal[list(self._free)]
