@@ -38,6 +38,9 @@ INERTIAS, DAMPINGS = (0.65, 0.8, 0.9, 1.1, 1.25, 1.5), (4.0,)
 EXPLAINED = 4.0
 """Largest mean of normalised innovations squared, of any measurement, under a suspicion that holds; 1 if it is true."""
 
+SHARE_LEFT = 0.25
+"""Or largest share of it that is left: a unit that swings by metres is not foreseen to a centimetre."""
+
 CLEARLY = 100.0
 """A suspicion holds if it makes the record likelier by a factor of exp(CLEARLY) at least, than no and any other."""
 
@@ -112,7 +115,8 @@ def suspect(
     for factor in REFINEMENTS:
         trials = [best, *(tried(near) for near in _near(parameters, best.verdict.suspicion, factor))]
         best = max(trials, key=lambda trial: trial.likelihood)
-    holds = best.likelihood > nothing.likelihood + CLEARLY and best.worst < EXPLAINED
+    explains = best.worst < max(EXPLAINED, SHARE_LEFT * nothing.worst)
+    holds = explains and best.likelihood > nothing.likelihood + CLEARLY
     return best.verdict if holds else nothing.verdict
 
 
