@@ -174,7 +174,7 @@ class HarmGuard:
         than the winch can give.
         """
         if keeps_limits:
-            demand = self.demand
+            demand = self._demand.coming(self._loop.limits)
             return min(1.0, LARGEST_DEMAND / demand) if demand > 0.0 else 1.0
         return self._demand.largest_share(self._loop.limits, self._loop.effort, self._parameters.limit_use)
 
