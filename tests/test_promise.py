@@ -67,6 +67,40 @@ def test_a_wrong_belief_is_found_out_before_it_does_harm(name):
     assert found.fades == 0
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("number", "duration"),
+    [
+        (51, 115.0),
+        *(pytest.param(number, 180.0, marks=pytest.mark.long) for number in (31, 36, 44, 48, 89, 130)),
+    ],
+)
+def test_a_draw_that_was_lost_before_its_winch_or_mru_was_known_is_kept(number, duration):
+    """These were given up one tick before what was wrong was known, or had learnt it wrongly; 44 was never begun.
+
+    Winch limits that a group of waves has just reached (31, 48, 51, 89, 130), and a high-pass in the MRU (36, 44, 51).
+    """
+    found = run(draw(number), duration=duration)
+    assert found.worst < 0.5
+    assert not found.wrong
+    assert found.fades == 0
+    assert found.share > 0.9
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("law", ["mpc", "lqg"])
+def test_a_sea_beyond_the_winch_does_no_harm_while_it_grows(law):
+    """Hs 4 m, Tp 7 s in the first minute of its ramp: both laws had the whole of it once and lost the loop."""
+    settings = {"wave_vessel.significant_wave_height": 4.0, "wave_vessel.peak_period": 7.0, "all.duration": 120.0}
+    words = [f"{name}={value!r}" for name, value in settings.items()]
+    scenario = load_scenario("b4_limit_900_tp8", settings=[*words, f"winch_controller.law={law}", "all.transient=30"])
+    record = ClosedLoop(loop_parameters(scenario)).run()
+    begun = record.column("time")[record.modes.index("compensating")]
+    unit = record.column("unit") + record.column("depth_set_point")
+    assert worst_window(record.column("time"), unit, record.column("uncompensated"), begun)[0] < LARGEST
+    assert "fade_out" not in record.modes
+
+
 @pytest.mark.parametrize("number", [0, 7])
 def test_a_noisy_sensor_is_not_blamed_before_its_noise_is_known(number):
     """Depth sensors with four to five times the noise believed were suspect for spikes in its first 10 s."""

@@ -92,6 +92,21 @@ def test_demand_of_a_sea_is_its_significant_amplitude_and_of_one_wave_no_more_th
     assert found[-1][1] == pytest.approx(0.5, rel=0.02)
 
 
+def test_a_sea_that_grows_is_as_high_as_its_last_waves_and_a_steady_one_is_not_taken_for_one():
+    """Crests grow by 2 m/s a minute at 0.7 rad/s: after a minute the mean of what was seen is 1/sqrt(3) of the last."""
+    limits = WinchLimits(2.0, 100.0, -50.0, 50.0)
+    growing, steady = (WinchDemand(40.0, tick_period=DT) for _ in range(2))
+    for time in DT * np.arange(round(60.0 / DT)):
+        growing.add(2.0 * time / 60.0 * math.sin(0.7 * time))
+        steady.add(2.0 * math.sin(0.7 * time))
+        if time > 20.0:
+            assert steady.coming(limits) == steady.significant(limits)
+    # amplitude of sines: sqrt(2) sigma, so that twice sigma is more than the highest crest, which bounds it
+    last = 2.0 * math.sqrt(0.5) * 2.0 * 51.0 / 60.0 / limits.speed
+    assert growing.coming(limits) == pytest.approx(min(last, 1.0), rel=0.1)
+    assert growing.significant(limits) < growing.coming(limits)
+
+
 def test_a_swing_above_the_sea_is_noticed_within_seconds_and_one_below_never():
     """A lost loop: the swing becomes three times the uncompensated one; half the window would be 10 s."""
     guard = make_guard()
@@ -132,6 +147,25 @@ def test_a_swing_that_a_sudden_stop_has_left_is_not_held_against_the_loop_that_t
 
     assert not tried(growth=0.85).inhibits
     assert "the unit swings" in tried(growth=1.15).reason
+
+
+def test_what_a_wrong_belief_has_done_is_not_held_against_the_loop_that_knows_better_now_and_a_growing_swing_is():
+    """The sea has 0.3 m, the unit 0.65 m at the crest at which a sensor or a limit of the winch is known, 71.8 s."""
+
+    def tried(growth, *, is_corrected):
+        guard, known = make_guard(), 16.0 * math.pi / 0.7
+        for time in DT * np.arange(round(90.0 / DT)):
+            wave = math.cos(0.7 * time)
+            amplitude = 0.01 if time < known - 0.3 else 0.65 * growth ** max(time - known, 0.0)
+            if is_corrected and abs(time - known) <= 0.5 * DT:
+                guard.allow_correction()
+            tip = Motion(0.0, 0.3 * wave)
+            guard.update(GuardedMotions(Motion(amplitude * wave, 0.0), Motion(0.3 * wave, 0.0), tip, tip.rate), 1.0)
+        return guard
+
+    assert not tried(0.8, is_corrected=True).inhibits
+    assert tried(0.8, is_corrected=False).inhibits
+    assert tried(1.15, is_corrected=True).inhibits
 
 
 def test_a_drum_that_runs_wild_is_noticed_before_the_unit_has_answered():

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from cable_sim_node.winch.component import VirtualWinch, WinchCommand
 from cable_sim_node.winch.parameters import EncoderParameters, WinchParameters
+from heave_node.interface.codes import WinchLimit
 from heave_node.interface.faults import FaultParameters
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -277,3 +278,73 @@ def test_limits_that_one_group_of_waves_reaches_all_at_once_are_told_apart(desig
             belief = identifier.improved_winch(belief) or belief
     assert belief.speed_limit == pytest.approx(0.97 * truth.hauling_speed_share * speed, rel=0.03)
     assert belief.acceleration_limit == pytest.approx(0.97 * truth.hauling_acceleration_share * acceleration, rel=0.06)
+
+
+def crests(design, truth, heights, period=8.0):
+    """Return the identifier and the states of a winch after waves of so many `heights` [m/s], told with limits hit.
+
+    Yields after each tick, with the time that a limit of the speed has acted so far [s].
+    """
+    identifier, random = WinchIdentifier(WinchControllerParameters().lag, design), np.random.default_rng(3)
+    winch, acted = VirtualWinch(truth, tick_period=DT), 0.0
+    winch.step(0, WinchCommand(1))
+    count = round(0.5 * period / DT)
+    wave = np.sin(np.pi * np.arange(count) / count)
+    commands = np.concatenate([(-1.0) ** k * height * wave for k, height in enumerate(heights)])
+    for tick, rate in enumerate(commands + 0.02 * random.standard_normal(len(commands)), start=1):
+        state = winch.step(tick, WinchCommand(tick + 1, 0.0, float(rate)))
+        acted += DT * bool(state.limits_hit & WinchLimit.SPEED)
+        identifier.add(0.0, rate, state.encoder_payout, int(state.limits_hit))
+        yield identifier, acted
+
+
+def test_a_speed_limit_that_the_winch_tells_is_known_half_a_second_after_it_was_first_reached(design):
+    """1.4 m/s of 2 m/s, out only: the crest of one wave reaches it. Another lag would explain that as well."""
+    truth = WinchParameters(
+        speed_limit=1.4, time_constant=0.12, command_delay=0.165, speed_gain=1.08, speed_deadband=0.018
+    )
+    belief = WinchControllerParameters().winch
+    for tick, (identifier, acted) in enumerate(crests(design, truth, [0.6, 0.8, 1.0, 1.1, 1.2, 1.1, 1.6])):
+        if tick % 10 == 9 or acted >= 0.5:
+            belief = identifier.improved_winch(belief) or belief
+        if acted >= 0.5:
+            break
+    assert belief.speed_limit == pytest.approx(0.97 * 1.4, rel=0.01)
+    assert belief.acceleration_limit == 1.5
+    assert (belief.time_constant, belief.command_delay) == pytest.approx((0.12, 0.165), abs=0.02)
+
+
+@pytest.mark.parametrize("told", [True, False], ids=["told", "by the encoder"])
+def test_limits_that_were_learnt_stay_where_calm_waves_do_not_reach_them(design, told):
+    """0.9 m/s and 0.8 m/s^2 hauling in; the waves after are half as high, and reach one of the two at most."""
+    truth = WinchParameters(
+        speed_limit=1.07,
+        hauling_speed_share=0.84,
+        acceleration_limit=1.12,
+        stop_deceleration=1.12,
+        hauling_acceleration_share=0.73,
+        speed_gain=1.19,
+        encoder=EncoderParameters(backlash=0.006),
+    )
+    belief, lowest = WinchControllerParameters().winch, []
+    high, low = [0.5, 0.8, 1.2, 1.4, 1.4, 1.4], [0.7, 0.6, 0.7, 0.6, 0.5, 0.6, 0.7, 0.6, 0.7]
+    for tick, (identifier, _) in enumerate(crests(design, truth, [*high, *low], period=6.0)):
+        if not told:
+            identifier._limits_hit[-1] = 0
+        if tick % 20 == 19:
+            belief = identifier.improved_winch(belief) or belief
+            lowest.append((belief.speed_limit, belief.acceleration_limit))
+    least = np.min(lowest, axis=0)
+    assert least[0] > 0.95 * 0.97 * 0.84 * 1.07
+    assert least[1] > 0.9 * 0.97 * 0.73 * 1.12
+    assert belief.speed_limit < 1.07
+
+
+def test_a_limit_is_told_for_the_direction_in_which_the_drum_went(design):
+    """The virtual winch says which limit acted, not in which direction: the encoder shows that."""
+    for hauling, reached in ((0.6, 5), (1.0, 4)):
+        truth = WinchParameters(speed_limit=1.4, hauling_speed_share=hauling, acceleration_limit=1.5)
+        *_, (identifier, _) = crests(design, truth, [0.5, 1.2] if hauling < 1.0 else [1.6, 0.5])
+        told = identifier._record().told
+        assert reached in told
+        assert 9 - reached not in told
