@@ -164,3 +164,12 @@ def test_a_wrong_command_line_is_one_line(arguments, words, capsys, tmp_path, mo
     said = capsys.readouterr().err
     assert words in said
     assert said.count("\n") == 1
+
+
+@pytest.mark.parametrize("command", ["operability", "sizing"])
+def test_a_study_without_criteria_is_refused_before_its_first_case(command, capsys, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(executors, "run_task", None)
+    assert main([command, "b9_model_error"]) == 2
+    assert "no criteria: give the scenario some (wanted), or --require" in capsys.readouterr().err
+    assert not list(tmp_path.iterdir())

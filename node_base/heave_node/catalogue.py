@@ -7,7 +7,8 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Mapping
+import re
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 from importlib import resources
@@ -21,6 +22,7 @@ KINDS = ("cable", "unit", "winch")
 """What the catalogue has, by the group under `system.` that an entry fills."""
 FROM = "from"
 """Names the entry in a group that has values of its own beside it: `cable: {from: NAME, normal_drag: 1.6}`."""
+_NUMBER = re.compile(r"\d+")
 _BREAKING_FORCE = "breaking_force"
 
 
@@ -84,10 +86,19 @@ def find(kind: str, name: object, where: str = "") -> Entry:
     known = entries(kind)
     if isinstance(name, str) and name in known:
         return known[name]
-    near = difflib.get_close_matches(str(name), known, n=1)
-    hint = f"did you mean {near[0]}?" if near else f"heave catalogue {kind} lists them"
+    near = _nearest(str(name), list(known))
+    hint = f"did you mean {near}?" if near else f"heave catalogue {kind} lists them"
     opening = f"{where}: " if where else ""
     raise ParameterError(f"{opening}there is no {kind} {name} in the catalogue; {hint}")
+
+
+def _nearest(name: str, known: Sequence[str]) -> str:
+    """Return the known name most like `name`; of those that differ in a number, the one with the nearest."""
+    number = _NUMBER.search(name)
+    alike = [one for one in known if number and _NUMBER.sub("#", one) == _NUMBER.sub("#", name)]
+    if number and alike:
+        return min(alike, key=lambda one: abs(int(_NUMBER.findall(one)[0]) - int(number[0])))
+    return next(iter(difflib.get_close_matches(name, known, n=1)), "")
 
 
 def with_entries(given: Mapping[str, Given]) -> dict[str, Given]:

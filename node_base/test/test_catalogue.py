@@ -76,5 +76,8 @@ def test_a_node_that_is_given_a_name_takes_the_values():
 def test_a_name_that_is_not_there_is_answered_with_the_nearest():
     with pytest.raises(ParameterError, match=r"f.yaml: /\*\*: system.cable: .*did you mean wire_28mm_6x36\?"):
         with_entries(given(system__cable="wire_28mm_6x63"))
+    # a rope between two of the catalogue: 44 mm is nearer than 48, and 40 is spelt more like it
+    with pytest.raises(ParameterError, match=r"did you mean wire_44mm_6x36\?"):
+        with_entries(given(system__cable="wire_45mm_6x36"))
     with pytest.raises(ParameterError, match="there is no winch 3 in the catalogue; heave catalogue winch lists them"):
         with_entries(given(system__winch=3))

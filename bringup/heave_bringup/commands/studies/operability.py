@@ -13,6 +13,7 @@ from heave_bringup.commands.studies.sea_options import (
     add_files,
     add_grid,
     check_files,
+    criteria_in,
     sea_grid,
     study_cases,
     study_criteria,
@@ -56,6 +57,7 @@ def execute(options: argparse.Namespace) -> None:
     check_files(options)
     required = [parse_requirement(text) for text in options.require]
     scenario = load_scenario(options.scenario, settings=options.set)
+    criteria_in(scenario.wanted, required)
     place = _place(options)
     table = options.cases or options.output or Path(f"{scenario.name}_operability.parquet")
     page = options.report or Path(f"{scenario.name}_operability.html")

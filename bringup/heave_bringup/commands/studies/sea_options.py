@@ -169,6 +169,16 @@ def study_criteria(
     if missing:
         raise ParameterError(f"{table}: its cases do not vary {missing[0]}: it is no table of {command}")
     wanted = load_scenario(f"{table}:{frame[CASE].iloc[0]}", needs_files=False).wanted
+    return criteria_in(wanted, required, without)
+
+
+def criteria_in(
+    wanted: Sequence[Criterion], required: Sequence[Criterion], without: Sequence[str] = ()
+) -> list[Criterion]:
+    """Return the criteria of a study: those `wanted` by its scenario but for `without`, and those `required`.
+
+    Raises ParameterError where there are none: asked before the first case, that costs nothing.
+    """
     own = [criterion for criterion in wanted if criterion.kpi not in without]
     criteria = {criterion.kpi: criterion for criterion in (*own, *required)}
     if not criteria:

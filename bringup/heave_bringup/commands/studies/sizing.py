@@ -14,6 +14,7 @@ from heave_bringup.commands.studies.sea_options import (
     add_files,
     add_grid,
     check_files,
+    criteria_in,
     sea_grid,
     study_cases,
     study_criteria,
@@ -69,11 +70,12 @@ def execute(options: argparse.Namespace) -> None:
     prices = _prices(options)
     required = [parse_requirement(text) for text in options.require]
     scenario = load_scenario(options.scenario, settings=options.set)
+    left_out = [name for name in study.OF_THE_WINCH if name not in {criterion.kpi for criterion in required}]
+    criteria_in(scenario.wanted, required, left_out)
     record = None if options.record is None else read_record(options.record)
     table = options.cases or options.output or Path(f"{scenario.name}_sizing.parquet")
     page = options.report or Path(f"{scenario.name}_sizing.html")
     frame, facts = study_cases(options, table, lambda settings: _campaign(options, scenario, settings, required))
-    left_out = [name for name in study.OF_THE_WINCH if name not in {criterion.kpi for criterion in required}]
     criteria = study_criteria(frame, table, required, command="heave sizing", without=left_out)
     seas = record or study.even_seas(frame)
     try:
