@@ -112,6 +112,16 @@ def test_a_drum_that_turns_unseen_is_a_frozen_encoder():
     assert gate.gate.reason == "frozen"
 
 
+def test_an_encoder_with_play_in_its_gear_is_not_frozen_where_the_drum_turns_round():
+    """A play of 1 cm, and a drum that is believed to be a quarter faster and to answer 0.1 s sooner than it does."""
+    gate, reading, play = EncoderGate(SensorTiming(DT, DT), HealthParameters(), tick_period=DT), 0.0, 0.005
+    for time in DT * np.arange(1, round(40.0 / DT)):
+        reading = min(max(reading, 0.6 * math.sin(0.7 * time) - play), 0.6 * math.sin(0.7 * time) + play)
+        believed = 1.25 * 0.42 * math.cos(0.7 * (time + 0.1))
+        gate.judge(time, ScalarReading(time, 1e-3 * round(1e3 * reading)), believed)
+        assert gate.gate.level == OK
+
+
 def test_a_braked_drum_is_not_a_frozen_encoder():
     gate = EncoderGate(SensorTiming(DT, DT), HealthParameters(), tick_period=DT)
     for k in range(1, 10):

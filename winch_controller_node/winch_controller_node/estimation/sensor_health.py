@@ -29,8 +29,8 @@ AT_ONCE, TRAVEL_KNOWN = 1.5, 10.0
 meanwhile, as far as that is known, so long [s].
 """
 
-MOVING_SPEED = 0.05
-"""A drum commanded faster than this [m/s] must show in the encoder."""
+MOVING_SPEED, PLAY = 0.05, 0.03
+"""A drum commanded faster than this [m/s] must show in the encoder, once that has taken up play and lag [m]."""
 
 
 @dataclass(frozen=True)
@@ -198,7 +198,7 @@ class EncoderGate:
         self._parameters = parameters
         self._dt = tick_period
         self._last: tuple[float, float] | None = None
-        self._still = 0
+        self._still, self._unseen = 0, 0.0
         self._travel: deque[tuple[float, float]] = deque(maxlen=max(2, round(TRAVEL_KNOWN / tick_period)))
 
     def pass_tick(self, now: float, expected_rate: float) -> None:
@@ -253,7 +253,9 @@ class EncoderGate:
             return "jump"
         is_still = is_driven and step == 0.0 and abs(expected_rate) > MOVING_SPEED
         self._still = self._still + 1 if is_still else 0
-        return "frozen" if self._still >= self._parameters.frozen_samples else ""
+        self._unseen = self._unseen + expected_rate * elapsed if is_still else 0.0
+        is_frozen = self._still >= self._parameters.frozen_samples and abs(self._unseen) > PLAY
+        return "frozen" if is_frozen else ""
 
     def _expected_travel(self, start: float, end: float) -> float:
         """Return by how much the drum should have turned between two readings, from `start` to `end` [s]."""

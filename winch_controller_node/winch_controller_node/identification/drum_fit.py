@@ -55,6 +55,9 @@ TRIED = 3
 LIKELIHOOD = 30.0
 """A lower limit stays if the record without it is less likely by a factor of exp(-LIKELIHOOD/2) at least."""
 
+UNREACHED = 4.0
+"""A limit that is known is where it was if the record is less likely so by a factor of exp(-UNREACHED/2) at most."""
+
 SEEN_OVER, SEEN_ERROR = 0.5, 0.002
 """Time over which the speed of the encoder is taken [s], and the error of the difference of two readings [m]."""
 
@@ -364,7 +367,8 @@ def without_needless(
 ) -> DrumFit:
     """Return the fit with each limit that the record does not prove as it is `otherwise`, shape (14,).
 
-    A limit that is not `known`, or told by the winch, is proved only by a record that is not explained without it.
+    One that is `known` has only to be reached. Another one, unless the winch tells it, is proved only by a record that
+    is not explained without it.
     """
     for index in LIMITS:
         if fit.drum[index] == otherwise[index]:
@@ -374,9 +378,12 @@ def without_needless(
         moved = [i for i in LIMITS if start[i] != otherwise[i]]
         other = fit_drum(record, belief, start, [*free, *moved])
         gain = (other.squares - fit.squares) / (CORRELATED * fit.residual**2)
-        is_needless = gain < LIKELIHOOD or other.squares < IMPROVEMENT * fit.squares
-        if is_needless or (index not in (*known, *record.told) and _is_explained(record, other)):
-            fit = other
+        if index in known:
+            is_needless = gain < UNREACHED
+        else:
+            is_needless = gain < LIKELIHOOD or other.squares < IMPROVEMENT * fit.squares
+            is_needless |= index not in record.told and _is_explained(record, other)
+        fit = other if is_needless else fit
     return fit
 
 

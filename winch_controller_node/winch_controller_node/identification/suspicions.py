@@ -38,8 +38,14 @@ INERTIAS, DAMPINGS = (0.65, 0.8, 0.9, 1.1, 1.25, 1.5), (4.0,)
 EXPLAINED = 4.0
 """Largest mean of normalised innovations squared, of any measurement, under a suspicion that holds; 1 if it is true."""
 
+LESS = 0.6
+"""And no more of what it is without the suspicion: what is at fault explains most of the surprise."""
+
 SHARE_LEFT = 0.25
-"""Or largest share of it that is left: a unit that swings by metres is not foreseen to a centimetre."""
+"""Or largest share of it that a wrong sensor leaves: a unit that swings by metres is not foreseen to a centimetre.
+
+The cable is held to the first: the drag of such a swing looks like a cable that is damped otherwise.
+"""
 
 CLEARLY = 100.0
 """A suspicion holds if it makes the record likelier by a factor of exp(CLEARLY) at least, than no and any other."""
@@ -115,7 +121,10 @@ def suspect(
     for factor in REFINEMENTS:
         trials = [best, *(tried(near) for near in _near(parameters, best.verdict.suspicion, factor))]
         best = max(trials, key=lambda trial: trial.likelihood)
-    explains = best.worst < max(EXPLAINED, SHARE_LEFT * nothing.worst)
+    allowed = min(EXPLAINED, LESS * nothing.worst)
+    if best.verdict.suspicion.culprit in parameters.sensors.use:
+        allowed = max(allowed, SHARE_LEFT * nothing.worst)
+    explains = best.worst < allowed
     holds = explains and best.likelihood > nothing.likelihood + CLEARLY
     return best.verdict if holds else nothing.verdict
 

@@ -281,8 +281,9 @@ class WinchIdentifier:
         better = self._with(winch, found)
         if found.residual <= EXPLAINED:
             return better
-        if found.residual > SHARE_LEFT * present.residual:
-            return None
+        is_power_limited = any(hit & WinchLimit.POWER for hit in self._limits_hit)
+        if is_power_limited or found.residual > SHARE_LEFT * present.residual:
+            return None  # a limit that goes with the load looks like other gains out and in
         # what is left may well look like a limit or a lag, but most of the record is explained by gains and creep
         return replace(winch, speed_gain=better.speed_gain, hauling_gain=better.hauling_gain, creep=better.creep)
 
@@ -407,12 +408,12 @@ class WinchIdentifier:
     def _told(self, readings: Array) -> tuple[int, ...]:
         """Return the limits of which the winch says that it has reached them.
 
-        Limits of speed and acceleration are those of the direction in which the encoder went; all others, as of power
-        or pressure, act as any of them.
+        Limits of speed and acceleration are those of the direction in which the encoder went. Others, as of power or
+        pressure, go with the load: no constant one explains them to the millimetre.
         """
         limits_hit, ahead = np.array(self._limits_hit), math.ceil(TOLD_WITHIN / self._dt)
         if np.any(limits_hit & ~(WinchLimit.SPEED | WinchLimit.ACCELERATION | WinchLimit.PAYOUT)):
-            return LIMITS
+            return ()
         hit = limits_hit[ahead : len(limits_hit) - ahead]
         before, now, after = readings[: -2 * ahead], readings[ahead:-ahead], readings[2 * ahead :]
         told = []

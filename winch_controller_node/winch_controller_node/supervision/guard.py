@@ -42,6 +42,9 @@ LEFT_OVER_TIME = 30.0
 LARGEST_LEFT_OVER = 2.0
 """Largest swing that compensation may find, over the uncompensated one."""
 
+CORRECTIONS_TIME, CORRECTIONS_REST = 20.0, 300.0
+"""Time within which beliefs are corrected one after another [s], and time from its beginning to the next such."""
+
 SWING_WORK = 2.0
 """Speed of the drum that stops a swinging unit, over the speed of the unit."""
 
@@ -161,6 +164,7 @@ class HarmGuard:
         self._catch_up = 0.0
         self._left_over = 0.0
         self._is_corrected = False
+        self._since_correction = math.inf
 
     @property
     def demand(self) -> float:
@@ -200,7 +204,14 @@ class HarmGuard:
         self._catch_up = CATCH_UP_TIME
 
     def allow_correction(self) -> None:
-        """Do not hold against the loop what a wrong belief has done: it has just been corrected."""
+        """Do not hold against the loop what a wrong belief has done: it has just been corrected.
+
+        What is corrected again and again is not known, and the loop is judged by what it does.
+        """
+        if self._since_correction > CORRECTIONS_REST:
+            self._since_correction = 0.0
+        if self._since_correction > CORRECTIONS_TIME:
+            return
         self.allow_catch_up()
         self._is_corrected = True
         self._judged_time = 0.0
@@ -228,6 +239,7 @@ class HarmGuard:
         target : share it goes to; compensation is judged over waves when that is (nearly) reached
         """
         self._demand.add(motions.boom_tip.rate)
+        self._since_correction += self._dt
         self._update_checks(motions, authority)
         if self._mismatch_check.is_exceeded:
             self.trusts_estimate = False
