@@ -168,6 +168,16 @@ def test_what_a_wrong_belief_has_done_is_not_held_against_the_loop_that_knows_be
     assert tried(1.15, is_corrected=True).inhibits
 
 
+def test_a_belief_that_is_corrected_again_and_again_is_no_excuse():
+    """The unit moves twice as much as the uncompensated one; every two seconds a belief is corrected."""
+    guard = make_guard()
+    feed_guard(guard, 0.01, 0.3, 60.0)
+    for _ in range(45):
+        feed_guard(guard, 0.6, 0.3, 2.0)
+        guard.allow_correction()
+    assert guard.inhibits
+
+
 def test_a_drum_that_runs_wild_is_noticed_before_the_unit_has_answered():
     """Twice the boom tip's speed of 0.35 m/s, which the law did not mean: within seconds, not within a wave of 9 s."""
     guard = make_guard()

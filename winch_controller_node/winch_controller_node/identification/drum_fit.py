@@ -365,10 +365,15 @@ def _grid_starts(record: DrumRecord, belief: DrumBelief, bare: Array) -> list[Ar
 def without_needless(
     record: DrumRecord, belief: DrumBelief, fit: DrumFit, free: Sequence[int], otherwise: Array, known: Sequence[int]
 ) -> DrumFit:
-    """Return the fit with each limit that the record does not prove as it is `otherwise`, shape (14,).
+    """Return the fit with each limit that the record does not prove as it is otherwise.
 
-    One that is `known` has only to be reached. Another one, unless the winch tells it, is proved only by a record that
-    is not explained without it.
+    Parameters
+    ----------
+    record, belief, free : as for `fit_drum`
+    fit : of the record
+    otherwise : drum whose limits stand where the record proves no other ones, shape (14,)
+    known : limits that were proved before: these have only to be reached. Another one, unless the winch tells it, is
+        proved only by a record that is not explained without it
     """
     for index in LIMITS:
         if fit.drum[index] == otherwise[index]:

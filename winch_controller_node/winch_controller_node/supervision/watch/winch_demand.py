@@ -71,7 +71,7 @@ class WinchDemand:
         return self._over(limits, self._rate.sigma, self._acceleration.sigma)
 
     def coming(self, limits: WinchLimits) -> float:
-        """Return the same of a sea that is seen for the first time and grows: it is as high as its last waves [-]."""
+        """Return the same over `limits` of a sea that is seen first and grows: it is as high as its last waves [-]."""
         if not self._growth.is_seen:
             return self.significant(limits)
         return self._over(
