@@ -437,7 +437,7 @@ class WinchController:
         if self.design is not before:
             self._take_law()
         if self._learning.has_corrected:
-            self._supervisor.allow_correction()
+            self._supervisor.guard.allow_correction()
 
     def _follow_length(self) -> None:
         """Follow the gain schedule, where there is one."""

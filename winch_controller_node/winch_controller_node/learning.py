@@ -132,7 +132,7 @@ class Learning:
         if found is None:
             return
         self._in_force.take_limits(found)
-        self.has_corrected = is_weaker(found, before)
+        self.has_corrected |= is_weaker(found, before)
         if (found.time_constant, found.command_delay) != (before.time_constant, before.command_delay):
             self._design_for(tick, replace(self._in_force.parameters, winch=found))
 

@@ -122,10 +122,6 @@ class Supervisor:
         self.landing.take_load(hanging_load(design))
         self._refer_to(design, law)
 
-    def allow_correction(self) -> None:
-        """Give the loop time for what a wrong belief has done: it has just been corrected."""
-        self.guard.allow_correction()
-
     def _refer_to(self, design: ControllerDesign, law: ControlLaw) -> None:
         self._dt = design.tick_period
         self._inertia = design.cable.a
