@@ -158,7 +158,7 @@ def test_what_a_wrong_belief_has_done_is_not_held_against_the_loop_that_knows_be
             wave = math.cos(0.7 * time)
             amplitude = 0.01 if time < known - 0.3 else 0.6 * growth ** max(time - known, 0.0)
             if is_corrected and abs(time - known) <= 0.5 * DT:
-                guard.allow_correction()
+                guard.allow_correction("winch")
             tip = Motion(0.0, 0.3 * wave)
             guard.update(GuardedMotions(Motion(amplitude * wave, 0.0), Motion(0.3 * wave, 0.0), tip, tip.rate), 1.0)
         return guard
@@ -174,7 +174,7 @@ def test_a_belief_that_is_corrected_again_and_again_is_no_excuse():
     feed_guard(guard, 0.01, 0.3, 60.0)
     for _ in range(45):
         feed_guard(guard, 0.6, 0.3, 2.0)
-        guard.allow_correction()
+        guard.allow_correction("winch")
     assert guard.inhibits
 
 

@@ -436,8 +436,8 @@ class WinchController:
         self._alarms += self._learning.follow(tick, compensates=self.mode is Mode.COMPENSATING)
         if self.design is not before:
             self._take_law()
-        if self._learning.has_corrected:
-            self._supervisor.guard.allow_correction()
+        for belief in self._learning.corrected:
+            self._supervisor.guard.allow_correction(belief)
 
     def _follow_length(self) -> None:
         """Follow the gain schedule, where there is one."""

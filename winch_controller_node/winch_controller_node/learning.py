@@ -55,7 +55,7 @@ class Learning:
 
     Attributes
     ----------
-    has_corrected : in this tick, a belief under which the loop could not work: on sensor, cable, limit of the winch
+    corrected : what was believed, until this tick, in a way under which the loop could not work: winch, cable, a sensor
     """
 
     def __init__(
@@ -70,7 +70,7 @@ class Learning:
         self._patience = FIRST_PATIENCE
         self._suspected = -math.inf
         self._contradicted = self._refused = ""
-        self.has_corrected = False
+        self.corrected: set[str] = set()
 
     @property
     def inhibition(self) -> str:
@@ -86,7 +86,7 @@ class Learning:
 
         The winch is learnt while the loop `compensates` only.
         """
-        self.has_corrected = False
+        self.corrected.clear()
         words = self._take(tick)
         if self._estimation.surprise.time == 0.0:
             self._contradicted = ""
@@ -132,7 +132,8 @@ class Learning:
         if found is None:
             return
         self._in_force.take_limits(found)
-        self.has_corrected |= is_weaker(found, before)
+        if is_weaker(found, before):
+            self.corrected.add("winch")
         if (found.time_constant, found.command_delay) != (before.time_constant, before.command_delay):
             self._design_for(tick, replace(self._in_force.parameters, winch=found))
 
@@ -184,7 +185,7 @@ class Learning:
             matrix = self._in_force.take_sensors(prepared)
             estimation.adopt(self._in_force.design, matrix, continued(verdict, estimation.record), tick - 1)
             self._patience = FIRST_PATIENCE
-            self.has_corrected = True
+            self.corrected.add(suspicion.culprit)
         words = f"{suspicion.culprit} suspect: {suspicion.words}"
         is_needed = suspicion.culprit == "mru"
         if not is_needed:

@@ -67,6 +67,9 @@ EXPLAINED = 0.006
 CREST = 0.015
 """And a second of which more than this is left shows a limit that was just reached, however long the record [m]."""
 
+LOWERED = 0.9
+"""A known limit that is below this share of what it was is no longer the one that was proved."""
+
 IMPROVEMENT = 1.5
 """And if without it the mean square of what is left is so many times as large: no model is exact."""
 
@@ -82,6 +85,7 @@ class DrumRecord:
     position_gain : of the servo's position loop [1/s]
     dt : tick period [s]
     told : fields of `Drum` that are limits of which the winch itself says that it has reached them
+    is_load_limited : the winch says that a limit acted which goes with the load, as that of its power
     """
 
     payouts: Array
@@ -90,6 +94,7 @@ class DrumRecord:
     position_gain: float
     dt: float
     told: tuple[int, ...] = ()
+    is_load_limited: bool = False
 
     def worst_second(self, drum: Array) -> float:
         """Return the largest root mean square over a second of what a `drum` leaves, shape (14,) [m]."""
@@ -287,12 +292,15 @@ def best_lags(record: DrumRecord, belief: DrumBelief, start: Array) -> list[Arra
     return [trials[int(k)] for k in order[:TRIED]]
 
 
-def search_limits(record: DrumRecord, belief: DrumBelief, start: Array, free: Sequence[int]) -> DrumFit:
+def search_limits(
+    record: DrumRecord, belief: DrumBelief, start: Array, free: Sequence[int], known: Sequence[int]
+) -> DrumFit:
     """Return the drum with those limits without which a record cannot be explained.
 
     Parameters
     ----------
     record, belief, start, free : as for `fit_drum`
+    known : limits that were proved before; they are at the start
     """
     bare = start.copy()
     bare[list(LIMITS)] = belief.nominal[list(LIMITS)]
@@ -304,7 +312,26 @@ def search_limits(record: DrumRecord, belief: DrumBelief, start: Array, free: Se
         fit = fit_drum(record, belief, grid, [*free, *lowered])
         best = fit if fit.squares < best.squares else best
     best = _one_after_another(record, belief, best, free)
-    return without_needless(record, belief, best, free, bare, ())
+    best = without_needless(record, belief, best, free, bare, ())
+    bare[list(known)] = start[list(known)]
+    return _with_known(record, belief, best, free, bare, known)
+
+
+def _with_known(
+    record: DrumRecord, belief: DrumBelief, fit: DrumFit, free: Sequence[int], otherwise: Array, known: Sequence[int]
+) -> DrumFit:
+    """Return the fit with the limits that are known, unless it is much worse.
+
+    A limit that has just been reached explains some of what another does: none is forgotten for it.
+    """
+    forgotten = [i for i in known if fit.drum[i] >= belief.nominal[i]]
+    if not forgotten:
+        return fit
+    begin = fit.drum.copy()
+    begin[forgotten] = otherwise[forgotten]
+    kept = fit_drum(record, belief, begin, [*free, *belief.lowered(begin)])
+    kept = without_needless(record, belief, kept, free, otherwise, known)
+    return kept if kept.squares < IMPROVEMENT * fit.squares else fit
 
 
 def _one_after_another(record: DrumRecord, belief: DrumBelief, fit: DrumFit, free: Sequence[int]) -> DrumFit:
@@ -383,7 +410,7 @@ def without_needless(
         moved = [i for i in LIMITS if start[i] != otherwise[i]]
         other = fit_drum(record, belief, start, [*free, *moved])
         gain = (other.squares - fit.squares) / (CORRELATED * fit.residual**2)
-        if index in known:
+        if index in known and fit.drum[index] >= LOWERED * otherwise[index]:
             is_needless = gain < UNREACHED
         else:
             is_needless = gain < LIKELIHOOD or other.squares < IMPROVEMENT * fit.squares

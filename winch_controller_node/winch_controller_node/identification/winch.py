@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -89,6 +89,9 @@ LET_UP = 1.06
 
 FIRST_PATIENCE, LONGER = 120.0, 2.0
 """Time that they stand at first [s], and the factor by which it grows each time that they prove true."""
+
+KINEMATIC = WinchLimit.SPEED | WinchLimit.ACCELERATION | WinchLimit.PAYOUT
+"""The others, as of power or pressure, go with the load: no constant one explains them to the millimetre."""
 
 LIMIT_NAMES = tuple(Drum._fields[i] for i in LIMITS)
 
@@ -364,21 +367,25 @@ class WinchIdentifier:
         believed[list(self._free)] = belief.nominal[list(self._free)]
         for begin in (start, believed):  # lag and delay that explained a limit badly lead nowhere
             if fit.residual > misfit:
-                limited = search_limits(record, belief, begin, free)
+                limited = search_limits(record, belief, begin, free, learnt)
                 fit = limited if limited.squares < fit.squares else fit
         if fit.residual > misfit and not set(self._rare) <= set(free):
-            fit = self._with_rare(record, belief, fit)
-        if fit.residual > misfit and not set(self._uneven) <= set(free):
+            fit = self._with_rare(record, belief, fit, start, learnt)
+        # a limit that goes with the load looks like other gains out and in
+        if fit.residual > misfit and not record.is_load_limited and not set(self._uneven) <= set(free):
             fit = self._with_uneven(record, belief, fit)
         return fit if np.all(np.isfinite(fit.drum)) else None
 
-    def _with_rare(self, record: DrumRecord, belief: DrumBelief, fit: DrumFit) -> DrumFit:
+    def _with_rare(
+        self, record: DrumRecord, belief: DrumBelief, fit: DrumFit, otherwise: Array, known: Sequence[int]
+    ) -> DrumFit:
         """Return a fit with dead zone and play where the record is much better explained by them."""
-        lowered = belief.lowered(fit.drum)
+        free, lowered = [*self._free, *self._rare], belief.lowered(fit.drum)
         nominal = self._start(record.readings, belief.nominal)
         nominal[list(LIMITS)] = fit.drum[list(LIMITS)]
-        found = [fit_drum(record, belief, start, [*self._free, *self._rare, *lowered]) for start in (fit.drum, nominal)]
+        found = [fit_drum(record, belief, start, [*free, *lowered]) for start in (fit.drum, nominal)]
         best = min(found, key=lambda other: other.squares)
+        best = without_needless(record, belief, best, free, otherwise, known)
         return best if IMPROVEMENT * best.squares < fit.squares else fit
 
     def _with_uneven(self, record: DrumRecord, belief: DrumBelief, fit: DrumFit) -> DrumFit:
@@ -390,7 +397,7 @@ class WinchIdentifier:
         start = self._start(record.readings, belief.nominal)
         found = fit_drum(record, belief, start, free)
         if found.residual > MISFIT:
-            found = min(found, search_limits(record, belief, found.drum, free), key=lambda other: other.squares)
+            found = min(found, search_limits(record, belief, found.drum, free, ()), key=lambda other: other.squares)
         return found if IMPROVEMENT * found.squares < fit.squares else fit
 
     def _record(self) -> DrumRecord | None:
@@ -402,18 +409,20 @@ class WinchIdentifier:
 
     def _made(self, rates: deque[float] | Array, readings: Array) -> DrumRecord:
         payouts = np.array(self._payouts) if len(self._payouts) == len(rates) else np.zeros(len(rates))
-        told = self._told(readings) if len(self._limits_hit) == len(readings) else ()
-        return DrumRecord(payouts, np.array(rates), readings, self._nominal.position_gain, self._dt, told)
+        limits_hit = np.zeros(len(readings), dtype=int)
+        if len(self._limits_hit) == len(readings):
+            limits_hit[:] = self._limits_hit
+        is_load_limited = bool(np.any(limits_hit & ~KINEMATIC))
+        told = () if is_load_limited else self._told(limits_hit, readings)
+        gain = self._nominal.position_gain
+        return DrumRecord(payouts, np.array(rates), readings, gain, self._dt, told, is_load_limited)
 
-    def _told(self, readings: Array) -> tuple[int, ...]:
+    def _told(self, limits_hit: Array, readings: Array) -> tuple[int, ...]:
         """Return the limits of which the winch says that it has reached them.
 
-        Limits of speed and acceleration are those of the direction in which the encoder went. Others, as of power or
-        pressure, go with the load: no constant one explains them to the millimetre.
+        Limits of speed and acceleration are those of the direction in which the encoder went.
         """
-        limits_hit, ahead = np.array(self._limits_hit), math.ceil(TOLD_WITHIN / self._dt)
-        if np.any(limits_hit & ~(WinchLimit.SPEED | WinchLimit.ACCELERATION | WinchLimit.PAYOUT)):
-            return ()
+        ahead = math.ceil(TOLD_WITHIN / self._dt)
         hit = limits_hit[ahead : len(limits_hit) - ahead]
         before, now, after = readings[: -2 * ahead], readings[ahead:-ahead], readings[2 * ahead :]
         told = []

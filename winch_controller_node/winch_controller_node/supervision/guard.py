@@ -43,7 +43,7 @@ LARGEST_LEFT_OVER = 2.0
 """Largest swing that compensation may find, over the uncompensated one."""
 
 CORRECTIONS_TIME, CORRECTIONS_REST = 20.0, 300.0
-"""Time within which beliefs are corrected one after another [s], and time from its beginning to the next such."""
+"""Time within which a belief is corrected again and again [s], and time from its beginning to the next such."""
 
 SWING_WORK = 2.0
 """Speed of the drum that stops a swinging unit, over the speed of the unit."""
@@ -164,7 +164,8 @@ class HarmGuard:
         self._catch_up = 0.0
         self._left_over = 0.0
         self._is_corrected = False
-        self._since_correction = math.inf
+        self._corrected_first: dict[str, float] = {}
+        self._time = 0.0
 
     @property
     def demand(self) -> float:
@@ -203,14 +204,19 @@ class HarmGuard:
         """Do not check the drum for some seconds: the law has to catch up with what it could not see."""
         self._catch_up = CATCH_UP_TIME
 
-    def allow_correction(self) -> None:
+    def allow_correction(self, belief: str) -> None:
         """Do not hold against the loop what a wrong belief has done: it has just been corrected.
 
         What is corrected again and again is not known, and the loop is judged by what it does.
+
+        Parameters
+        ----------
+        belief : what it is about, as "winch"
         """
-        if self._since_correction > CORRECTIONS_REST:
-            self._since_correction = 0.0
-        if self._since_correction > CORRECTIONS_TIME:
+        since = self._time - self._corrected_first.get(belief, -math.inf)
+        if since > CORRECTIONS_REST:
+            self._corrected_first[belief] = self._time
+        elif since > CORRECTIONS_TIME:
             return
         self.allow_catch_up()
         self._is_corrected = True
@@ -239,7 +245,7 @@ class HarmGuard:
         target : share it goes to; compensation is judged over waves when that is (nearly) reached
         """
         self._demand.add(motions.boom_tip.rate)
-        self._since_correction += self._dt
+        self._time += self._dt
         self._update_checks(motions, authority)
         if self._mismatch_check.is_exceeded:
             self.trusts_estimate = False
