@@ -122,10 +122,14 @@ class DesignInForce:
 
         Raises DesignError where that cannot be designed.
         """
+        design = self.design_for(parameters, factors)
+        return PreparedDesign(parameters, design, design.make_law())
+
+    def design_for(self, parameters: WinchControllerParameters, factors: tuple[float, float]) -> ControllerDesign:
+        """Return the design of `prepared_for`, without its law."""
         cable = self.design.cable
         cable = replace(cable, a=factors[0] * cable.a, b=factors[1] * cable.b, drag=factors[1] * cable.drag)
-        design = design_controller(parameters, tick_period=self._dt, cable=cable)
-        return PreparedDesign(parameters, design, design.make_law())
+        return design_controller(parameters, tick_period=self._dt, cable=cable)
 
     def take_learnt(self, prepared: PreparedDesign) -> tuple[Array, Array]:
         """Put a design `prepared` for another winch or another sea in force; limits and gain stay those in force.

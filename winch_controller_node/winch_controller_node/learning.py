@@ -13,6 +13,7 @@ from winch_controller_node.design.schedule import is_scheduled
 from winch_controller_node.design.work import DesignWork
 from winch_controller_node.design_in_force import DesignInForce, PreparedDesign
 from winch_controller_node.estimation.loop_estimation import LoopEstimation
+from winch_controller_node.identification.likeliest_sea import likeliest_sea
 from winch_controller_node.identification.suspicions import Verdict, continued, suspect
 from winch_controller_node.identification.winch import is_weaker
 from winch_controller_node.model.lqr import DesignError
@@ -29,6 +30,9 @@ SURPRISED_TIME = 30.0
 
 FIRST_PATIENCE, LONGER = 60.0, 2.0
 """Time from one suspicion to the next [s], and the factor by which it grows each time that none holds."""
+
+FIRST_SEAS_PATIENCE, LONGEST_SEAS_PATIENCE = 5.0, 120.0
+"""Time from one comparison of seas to the next [s]; it grows by the same factor while no other sea is found."""
 
 
 @dataclass(frozen=True)
@@ -65,10 +69,11 @@ class Learning:
         self._estimation = estimation
         self._winch = winch
         self._dt = in_force.design.tick_period
-        self._work: DesignWork[Learnt] = DesignWork(max(1, round(DESIGN_TIME / self._dt)), designer)
+        self._work: DesignWork[Learnt | None] = DesignWork(max(1, round(DESIGN_TIME / self._dt)), designer)
         self._news = WinchNews(in_force.parameters.winch, tick_period=self._dt)
         self._patience = FIRST_PATIENCE
         self._suspected = -math.inf
+        self._seas_compared, self._seas_patience = -math.inf, FIRST_SEAS_PATIENCE
         self._contradicted = self._refused = ""
         self.corrected: set[str] = set()
 
@@ -121,6 +126,7 @@ class Learning:
         after = self._in_force.parameters
         if after.sea == before.sea:
             return []
+        self._seas_patience = FIRST_SEAS_PATIENCE
         return [f"sea model updated: {_in_words(after.sea)} (was {_in_words(before.sea)})"]
 
     # the winch
@@ -140,10 +146,22 @@ class Learning:
     # the sea
 
     def _follow_sea(self, tick: int) -> None:
-        """Begin to design for the sea that is seen, where its period is another one."""
-        sea = self._estimation.changed_sea()
-        if sea is not None:
-            self._design_for(tick, replace(self._in_force.parameters, sea=sea))
+        """Begin to design for the sea that is seen, where that is another one and foresees the readings better."""
+        seas = self._estimation.possible_seas()
+        now = tick * self._dt
+        if seas is None or now - self._seas_compared < self._seas_patience:
+            return
+        self._seas_compared = now
+        self._seas_patience = min(LONGER * self._seas_patience, LONGEST_SEAS_PATIENCE)
+        in_force, record = self._in_force, self._estimation.sea_record.ticks()
+
+        def judged() -> Learnt | None:
+            sea = likeliest_sea(in_force.parameters, seas, record, in_force.design_for, self._dt)
+            if sea is None:
+                return None
+            return Learnt(in_force.prepared_for(replace(in_force.parameters, sea=sea)))
+
+        self._work.begin(tick, judged)
 
     def _design_for(self, tick: int, parameters: WinchControllerParameters) -> None:
         """Begin to design for another winch or sea, unless a design is under way: what is learnt comes again."""
@@ -164,9 +182,7 @@ class Learning:
         in_force, record = self._in_force, estimation.record.ticks()
 
         def judged() -> Learnt:
-            verdict = suspect(
-                in_force.parameters, record, lambda *wanted: in_force.prepared_for(*wanted).design, self._dt
-            )
+            verdict = suspect(in_force.parameters, record, in_force.design_for, self._dt)
             suspicion = verdict.suspicion
             return Learnt(in_force.prepared_for(suspicion.parameters, suspicion.cable), verdict)
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -19,7 +20,8 @@ from wave_vessel_node.sea.filter_form import FilterForm, sections_of
 from wave_vessel_node.sea.filter_quality import FilterQuality, filter_quality, low_band_edge
 from wave_vessel_node.sea.spectra import SpectrumError, WaveSpectrum
 
-_POINTS = 400
+_OMEGA = np.concatenate((np.linspace(0.02, 0.35, 20), np.linspace(0.36, 3.0, 400), np.linspace(3.05, 8.0, 60)))
+_DECIMALS = 9
 _LEAK_WEIGHT = 0.05  # of a leak that is twice its bound, against the relative error
 _LOG_BOUND = (math.log(0.15), math.log(8.0))  # of a section's frequency over the peak's
 _DAMPING_BOUND = (math.log(0.01), math.log(3.0))
@@ -42,16 +44,21 @@ class FilterFit:
 
 
 class _Problem:
-    """The residual of a normalised filter against a normalised spectrum."""
+    """The residual of a normalised filter against a normalised spectrum, at `_OMEGA`.
 
-    def __init__(self, spectrum: WaveSpectrum, poles: int, zeros: int, zeros_at_origin: int, leak_bound: float) -> None:
-        peak, m0 = spectrum.peak_frequency, spectrum.moment(0)
-        low = low_band_edge(spectrum) / peak
+    Parameters
+    ----------
+    target : density over m_0 times the peak frequency
+    low : band edge below which no energy should leak, over the peak frequency
+    poles, zeros, zeros_at_origin : pairs of poles, pairs of zeros and zeros at the origin of the filter
+    leak_bound : see `fit_filter`
+    """
+
+    def __init__(
+        self, target: Array, low: float, *, poles: int, zeros: int, zeros_at_origin: int, leak_bound: float
+    ) -> None:
         self._poles, self._zeros, self._origin = poles, zeros, zeros_at_origin
-        self._omega = np.concatenate(
-            (np.linspace(0.02, 0.35, 20), np.linspace(0.36, 3.0, _POINTS), np.linspace(3.05, 8.0, 60))
-        )
-        self._target = spectrum.density(self._omega * peak) * peak / m0
+        self._omega, self._target = _OMEGA, target
         self._weight = np.sqrt(np.gradient(self._omega))
         self._norm = math.sqrt(float((self._weight**2 * self._target**2).sum()))
         self._low = self._omega < low
@@ -161,18 +168,32 @@ def fit_filter(
         zeros_at_origin = 4 if states >= 6 else 2
     poles = states // 2
     zeros = max(0, (states - 2 - zeros_at_origin) // 2)
-    problem = _Problem(spectrum, poles, zeros, zeros_at_origin, leak_bound)
-    low, high = problem.bounds()
+    peak = spectrum.peak_frequency
+    # rounded: seas of one shape, whatever their height and period, are one to the cache
+    target = np.round(spectrum.density(_OMEGA * peak) * peak / spectrum.moment(0), _DECIMALS)
+    low = round(low_band_edge(spectrum) / peak, _DECIMALS)
+    form = _best_form(target.tobytes(), low, poles, zeros, zeros_at_origin, leak_bound)
+    system = form.model(peak, spectrum.significant_wave_height)
+    return FilterFit(form, system, filter_quality(system, spectrum))
+
+
+@lru_cache(maxsize=256)
+def _best_form(
+    target: bytes, low: float, poles: int, zeros: int, zeros_at_origin: int, leak_bound: float
+) -> FilterForm:
+    """Return the filter that fits best of all that the starts lead to; `target` as bytes, the rest as of `_Problem`."""
+    problem = _Problem(
+        np.frombuffer(target), low, poles=poles, zeros=zeros, zeros_at_origin=zeros_at_origin, leak_bound=leak_bound
+    )
+    lowest, highest = problem.bounds()
     best, best_cost = None, math.inf
     for guess in problem.starts():
-        start = np.clip(guess, low + 1e-6, high - 1e-6)
-        result = least_squares(problem.residual, start, jac=problem.jacobian, bounds=(low, high), max_nfev=300)
+        start = np.clip(guess, lowest + 1e-6, highest - 1e-6)
+        result = least_squares(problem.residual, start, jac=problem.jacobian, bounds=(lowest, highest), max_nfev=300)
         if result.cost < best_cost:
             best, best_cost = result.x, result.cost
     assert best is not None
-    form = problem.form(best)
-    system = form.model(spectrum.peak_frequency, spectrum.significant_wave_height)
-    return FilterFit(form, system, filter_quality(system, spectrum))
+    return problem.form(best)
 
 
 def fitted_filter(spectrum: WaveSpectrum, states: int) -> LinearModel:

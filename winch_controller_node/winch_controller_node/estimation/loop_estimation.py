@@ -15,16 +15,23 @@ from winch_controller_node.design.design import ControllerDesign
 from winch_controller_node.estimation.handover import hand_over, hand_over_standing
 from winch_controller_node.estimation.loop_tick import CommandShares, LoopTick, Sensed
 from winch_controller_node.estimation.observation import Observer
-from winch_controller_node.estimation.reading_record import ReadingRecord, RecordedTick, Surprise
-from winch_controller_node.estimation.sea_adaptation import FIRST_WAVES, SeaTracker, sea_that_was_seen
+from winch_controller_node.estimation.reading_record import SEA_RECORD, ReadingRecord, RecordedTick, Surprise
+from winch_controller_node.estimation.sea_adaptation import (
+    FIRST_WAVES,
+    PossibleSeas,
+    SeaTracker,
+    possible_seas,
+)
 from winch_controller_node.estimation.tension_filter import TensionFilter
 from winch_controller_node.interface.readings import Measurements
-from winch_controller_node.interface.sensors import DEPTH_BIAS
+from winch_controller_node.interface.sensors import DEPTH_BIAS, KnownSensors
 from winch_controller_node.model.estimator import KalmanEstimator, Measurement
 from winch_controller_node.model.loop_rows import loop_rows
 from winch_controller_node.model.quadratic_drag import DragFollower, ShadowUnit
 from winch_controller_node.motion.mean_motion import MeanMotion
-from winch_controller_node.parameters.model import SeaModelParameters
+
+SEA_SENSORS = ("mru", "encoder")
+"""They tell the sea; what others read tells as much of the cable."""
 
 
 class LoopEstimation:
@@ -39,6 +46,7 @@ class LoopEstimation:
     estimator, observer : the filter and the gates in front of it
     motion : mean payout and what it brings about
     record, surprise : what the estimator was told in the last minute, and how far that was from what it foresaw
+    sea_record : what it was told by motion reference unit and encoder, which tell the sea, in the last two minutes
     """
 
     def __init__(self, design: ControllerDesign) -> None:
@@ -50,7 +58,10 @@ class LoopEstimation:
         self._tension = TensionFilter(parameters.tension.time_constant, tick_period=dt)
         self._sea = SeaTracker(design)
         self._believed_sea = parameters.sea
+        sensors = KnownSensors().by_name()
+        self._sea_rows = {row.name for name in SEA_SENSORS for row in sensors[name].rows()}
         self.record, self.surprise = ReadingRecord(dt), Surprise(dt)
+        self.sea_record = ReadingRecord(dt, SEA_RECORD)
         self._refer_to(design)
 
     def _refer_to(self, design: ControllerDesign) -> None:
@@ -103,6 +114,7 @@ class LoopEstimation:
     def forget_readings(self) -> None:
         """Forget what was read: it tells nothing of the state from now on."""
         self.record.clear()
+        self.sea_record.clear()
         self.surprise.restart()
 
     # a tick
@@ -125,6 +137,8 @@ class LoopEstimation:
         self._drag.follow(estimator)
         estimate = estimator.step(number, command.compensating, readings)
         self.record.add(RecordedTick(number, command.compensating, (*readings, *self.observer.witnessed)))
+        of_sea = tuple(reading for reading in readings if reading.name in self._sea_rows)
+        self.sea_record.add(RecordedTick(number, command.compensating, of_sea))
         self.surprise.add(estimator.innovations)
         self.observer.learn(estimator)
         self._follow_sea(estimate)
@@ -183,13 +197,13 @@ class LoopEstimation:
         """Tell whether some waves have been seen, where the sea is followed."""
         return not self._design.parameters.estimator.sea_adaptation or self._sea.waves >= FIRST_WAVES
 
-    def changed_sea(self) -> SeaModelParameters | None:
-        """Return the sea that is seen where it is another one than the design's; None: it is not, or not yet known."""
+    def possible_seas(self) -> PossibleSeas | None:
+        """Return the seas that may be there; None: that of the design is, or no other is known yet."""
         parameters = self._design.parameters
         if not parameters.estimator.sea_adaptation or not parameters.sea.follows_spectrum:
             return None
         seen = self._sea.newly_seen()
-        return None if seen is None else sea_that_was_seen(seen, self._believed_sea, parameters.sea, parameters.vessel)
+        return None if seen is None else possible_seas(seen, self._believed_sea, parameters.sea, parameters.vessel)
 
     def advance_mean(self, command: float, *, is_braked: bool) -> None:
         """Advance the mean payout by a tick with `command` as its share; a brake (`is_braked`) holds it."""

@@ -1,4 +1,4 @@
-"""What the estimator was told in the last minute, and whether it was surprised by it."""
+"""What the estimator was told in the last minutes, and whether it was surprised by it."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ from dataclasses import dataclass
 
 from winch_controller_node.model.estimator import Innovation, Measurement
 
-RECORD = 60.0
-"""Length of the record [s]."""
+RECORD, SEA_RECORD = 60.0, 120.0
+"""Length of the record of all sensors, and of that of those which tell the sea [s]."""
 
 MEMORY = 20.0
 """Memory of the mean of the normalised innovations squared [s]."""
@@ -42,15 +42,16 @@ class RecordedTick:
 
 
 class ReadingRecord:
-    """The readings of the last minute, for estimators that believe something else.
+    """The readings of the last minute or so, for estimators that believe something else.
 
     Parameters
     ----------
     tick_period : [s]
+    length : of the record [s]
     """
 
-    def __init__(self, tick_period: float) -> None:
-        self._ticks: deque[RecordedTick] = deque(maxlen=round(RECORD / tick_period))
+    def __init__(self, tick_period: float, length: float = RECORD) -> None:
+        self._ticks: deque[RecordedTick] = deque(maxlen=round(length / tick_period))
 
     def add(self, tick: RecordedTick) -> None:
         """Take a tick in."""
@@ -62,7 +63,7 @@ class ReadingRecord:
 
     @property
     def is_full(self) -> bool:
-        """Tell whether there is a whole minute."""
+        """Tell whether the record has its full length."""
         return len(self._ticks) == self._ticks.maxlen
 
     def reaches_to(self, number: int) -> bool:

@@ -8,6 +8,7 @@ through the estimated boom tip, from standby on.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -71,6 +72,12 @@ LEAST_HEAVE = 0.03
 PERIODS = (2.0, 30.0)
 """Peak periods that a sea may have [s]."""
 
+LONGEST_SWELL = 40.0
+"""Longest peak period of a swell [s]."""
+
+LOWEST_WIND_SEA, HIGHEST = 0.01, 25.0
+"""Range of the significant wave heights of a sea [m]."""
+
 
 @dataclass(frozen=True)
 class SeaSeen:
@@ -89,6 +96,24 @@ class SeaSeen:
     frequency: float
     is_settled: bool = True
     is_refuted: bool = False
+
+
+@dataclass(frozen=True)
+class PossibleSeas:
+    """Seas that may be there.
+
+    Attributes
+    ----------
+    seen : what all of them must explain
+    believed : at first
+    in_force : that of the design, as high as was seen
+    others : that move the boom tip as was seen, where that in force does not, the likeliest first
+    """
+
+    seen: SeaSeen
+    believed: SeaModelParameters
+    in_force: SeaModelParameters
+    others: list[SeaModelParameters]
 
 
 class SeaTracker:
@@ -215,28 +240,105 @@ def sea_that_was_seen(
     weight = seen.waves / (seen.waves + (REFUTED_WAVES if seen.is_refuted else DOUBT_WAVES))
     # a higher sea than believed is most likely as steep, and so longer
     higher = max(seen.heave / sigma_and_frequency(believed, vessel)[0], 1.0)
-    expected = sigma_and_frequency(_stretched(believed, min(math.sqrt(higher), LONGEST)), vessel)[1]
+    expected = sigma_and_frequency(_changed(believed, min(math.sqrt(higher), LONGEST), 1.0), vessel)[1]
     wanted = expected * (seen.frequency / expected) ** weight
-    low, high = (limit / believed.peak_period for limit in PERIODS)
-    for _ in range(24):
-        factor = math.sqrt(low * high)
-        slower = sigma_and_frequency(_stretched(believed, factor), vessel)[1] < wanted
-        low, high = (low, factor) if slower else (factor, high)
     off = math.log(wanted / sigma_and_frequency(in_force, vessel)[1])
     if abs(off) < LEAST_CHANGE or (not seen.is_refuted and abs(off) < weight * SCATTER / math.sqrt(seen.waves)):
         return None
-    sea = _stretched(believed, factor)
-    height = seen.heave / sigma_and_frequency(sea, vessel)[0]
-    # a sea that may still grow is not held to be lower than believed
-    return _heightened(sea, height if seen.is_settled else max(height, 1.0))
+    return as_high_as_seen(_with_frequency(wanted, believed, _changed, vessel), seen, vessel)
 
 
-def _stretched(sea: SeaModelParameters, factor: float) -> SeaModelParameters:
-    swell = replace(sea.swell, peak_period=factor * sea.swell.peak_period)
-    return replace(sea, peak_period=factor * sea.peak_period, swell=swell)
+def possible_seas(
+    seen: SeaSeen, believed: SeaModelParameters, in_force: SeaModelParameters, vessel: VesselModelParameters
+) -> PossibleSeas:
+    """Return the seas that may be there; parameters as above."""
+    stretched = sea_that_was_seen(seen, believed, in_force, vessel)
+    others = [] if stretched is None else [stretched, *_of_two_parts(seen, believed, vessel)]
+    return PossibleSeas(seen, believed, as_high_as_seen(in_force, seen, vessel), others)
 
 
-def _heightened(sea: SeaModelParameters, factor: float) -> SeaModelParameters:
-    swell = replace(sea.swell, significant_wave_height=factor * sea.swell.significant_wave_height)
-    height = min(max(factor * sea.significant_wave_height, 0.01), 25.0)
-    return replace(sea, significant_wave_height=height, swell=swell)
+def neighbours(
+    sea: SeaModelParameters, factor: float, seen: SeaSeen, vessel: VesselModelParameters
+) -> list[SeaModelParameters]:
+    """Return seas whose wind sea is a `factor` longer and shorter, and its cube higher and lower than beside the swell.
+
+    Parameters
+    ----------
+    sea, factor : as told
+    seen : what all of them must explain
+    vessel : that is believed
+    """
+    changes = [(factor, 1.0), (1.0 / factor, 1.0)]
+    changes += [(1.0, factor**3), (1.0, factor**-3)] if _has_swell(sea) else []
+    return [as_high_as_seen(_changed_wind(sea, *change), seen, vessel) for change in changes]
+
+
+def as_high_as_seen(sea: SeaModelParameters, seen: SeaSeen, vessel: VesselModelParameters) -> SeaModelParameters:
+    """Return a `sea` with the height that was `seen` of the boom tip of a `vessel`."""
+    return _changed(sea, 1.0, seen.heave / sigma_and_frequency(sea, vessel)[0])
+
+
+def no_lower_while_it_grows(sea: SeaModelParameters, seas: PossibleSeas) -> SeaModelParameters:
+    """Return a `sea` of the possible `seas`, no lower than believed at first while it may still grow."""
+    if seas.seen.is_settled:
+        return sea
+    return _changed(sea, 1.0, max(seas.believed.significant_wave_height / sea.significant_wave_height, 1.0))
+
+
+def _of_two_parts(
+    seen: SeaSeen, believed: SeaModelParameters, vessel: VesselModelParameters
+) -> list[SeaModelParameters]:
+    """Return the seas that move the boom tip as was seen and of which one part, swell or wind sea, is as believed."""
+    if not _has_swell(believed):
+        return []
+    wind_alone, swell_alone = _changed_swell(believed, 1.0, 0.0), _changed_wind(believed, 1.0, 0.0)
+    found = []
+    for changed, alone, kept in (
+        (_changed_wind, wind_alone, swell_alone),
+        (_changed_swell, swell_alone, wind_alone),
+    ):
+        heave, rate, _ = boom_tip_moments(kept, vessel)
+        variance, rate_variance = seen.heave**2 - heave, (seen.heave * seen.frequency) ** 2 - rate
+        if min(variance, rate_variance) <= 0.0:
+            continue
+        part = _with_frequency(math.sqrt(rate_variance / variance), alone, changed, vessel)
+        longer = (part.peak_period / alone.peak_period, part.swell.peak_period / alone.swell.peak_period)
+        height = math.sqrt(variance) / sigma_and_frequency(part, vessel)[0]
+        found.append(changed(believed, max(longer, key=lambda factor: abs(math.log(factor))), height))
+    return found
+
+
+Change = Callable[[SeaModelParameters, float, float], SeaModelParameters]
+"""Returns a sea with factors of its periods and of its heights."""
+
+
+def _has_swell(sea: SeaModelParameters) -> bool:
+    return sea.spectrum == "ochi_hubble" and sea.swell.significant_wave_height > 0.0
+
+
+def _changed_wind(sea: SeaModelParameters, period: float, height: float) -> SeaModelParameters:
+    height = min(max(height * sea.significant_wave_height, LOWEST_WIND_SEA), HIGHEST)
+    return replace(sea, significant_wave_height=height, peak_period=period * sea.peak_period)
+
+
+def _changed_swell(sea: SeaModelParameters, period: float, height: float) -> SeaModelParameters:
+    swell = sea.swell
+    height = min(height * swell.significant_wave_height, HIGHEST)
+    period = min(max(period * swell.peak_period, PERIODS[0]), LONGEST_SWELL)
+    return replace(sea, swell=replace(swell, significant_wave_height=height, peak_period=period))
+
+
+def _changed(sea: SeaModelParameters, period: float, height: float) -> SeaModelParameters:
+    return _changed_wind(_changed_swell(sea, period, height), period, height)
+
+
+def _with_frequency(
+    frequency: float, sea: SeaModelParameters, changed: Change, vessel: VesselModelParameters
+) -> SeaModelParameters:
+    """Return a `sea` with its periods `changed` so that the boom tip has a mean `frequency` [rad/s]."""
+    low, high = (limit / sea.peak_period for limit in PERIODS)
+    for _ in range(24):
+        factor = math.sqrt(low * high)
+        slower = sigma_and_frequency(changed(sea, factor, 1.0), vessel)[1] < frequency
+        low, high = (low, factor) if slower else (factor, high)
+    return changed(sea, factor, 1.0)

@@ -129,6 +129,12 @@ def suspect(
     return best.verdict if holds else nothing.verdict
 
 
+def likelihood(design: ControllerDesign, record: Sequence[RecordedTick], tick_period: float) -> float:
+    """Return the logarithm of the likelihood of a `record` under a `design`, but for its start."""
+    first_judged = record[0].number + round(SETTLING / tick_period)
+    return _tried(Suspicion("", "", design.parameters), design, record, first_judged).likelihood
+
+
 def continued(verdict: Verdict, record: ReadingRecord) -> KalmanEstimator:
     """Return the estimator of a `verdict` that doubts no sensor, after the ticks of `record` that have come since."""
     for tick in record.ticks(verdict.last):

@@ -15,6 +15,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from heave_node.interface.codes import WinchLimit
 from heave_node.numerics.arrays import Array
+from numpy.typing import NDArray
 
 from winch_controller_node.design.design import ControllerDesign
 from winch_controller_node.identification.drum_fit import (
@@ -409,15 +410,15 @@ class WinchIdentifier:
 
     def _made(self, rates: deque[float] | Array, readings: Array) -> DrumRecord:
         payouts = np.array(self._payouts) if len(self._payouts) == len(rates) else np.zeros(len(rates))
-        limits_hit = np.zeros(len(readings), dtype=int)
+        limits_hit = np.zeros(len(readings), dtype=np.int64)
         if len(self._limits_hit) == len(readings):
             limits_hit[:] = self._limits_hit
-        is_load_limited = bool(np.any(limits_hit & ~KINEMATIC))
+        is_load_limited = bool(np.any(limits_hit & ~int(KINEMATIC)))
         told = () if is_load_limited else self._told(limits_hit, readings)
         gain = self._nominal.position_gain
         return DrumRecord(payouts, np.array(rates), readings, gain, self._dt, told, is_load_limited)
 
-    def _told(self, limits_hit: Array, readings: Array) -> tuple[int, ...]:
+    def _told(self, limits_hit: NDArray[np.int64], readings: Array) -> tuple[int, ...]:
         """Return the limits of which the winch says that it has reached them.
 
         Limits of speed and acceleration are those of the direction in which the encoder went.

@@ -1,0 +1,74 @@
+"""Which sea the readings tell: the last two minutes are estimated anew under each that may be there."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from winch_controller_node.estimation.loop_estimation import SEA_SENSORS
+from winch_controller_node.estimation.reading_record import RecordedTick
+from winch_controller_node.estimation.sea_adaptation import PossibleSeas, neighbours, no_lower_while_it_grows
+from winch_controller_node.identification.suspicions import SETTLING, Designer, likelihood
+from winch_controller_node.node_parameters import WinchControllerParameters
+from winch_controller_node.parameters.model import SeaModelParameters
+
+SHORTEST = 2.0 * SETTLING
+"""A shorter record [s] does not tell one sea from another."""
+
+WORTH = 15.0
+"""Another sea is believed where it makes the record likelier by a factor of exp(WORTH) at least."""
+
+REFINEMENTS = (1.2, 1.1)
+"""Factors, up and down, by which the likeliest sea is then changed."""
+
+
+def likeliest_sea(
+    parameters: WinchControllerParameters,
+    seas: PossibleSeas,
+    record: Sequence[RecordedTick],
+    design_for: Designer,
+    tick_period: float,
+) -> SeaModelParameters | None:
+    """Return the sea that foresees a `record` best; None where that in force does about as well.
+
+    Parameters
+    ----------
+    parameters : believed, but for the sea
+    seas : that may be there
+    record : of SEA_SENSORS; a short one tells nothing, and the first of the other `seas` is returned
+    design_for : designs for parameters
+    tick_period : [s]
+    """
+    found = None
+    if len(record) * tick_period >= SHORTEST:
+        found = _best(parameters, seas, record, design_for, tick_period)
+    elif seas.others:
+        found = seas.others[0]
+    return None if found is None else no_lower_while_it_grows(found, seas)
+
+
+def _best(
+    parameters: WinchControllerParameters,
+    seas: PossibleSeas,
+    record: Sequence[RecordedTick],
+    design_for: Designer,
+    tick_period: float,
+) -> SeaModelParameters | None:
+    """Return the sea that foresees a `record` best, or None; parameters as above."""
+    # its scale and lever arm are only known by the unit's motion
+    mru = replace(parameters.sensors.mru, scale_sigma=0.0, lever_arm_sigma=0.0)
+    believed = replace(parameters, sensors=replace(parameters.sensors, use=SEA_SENSORS, mru=mru))
+
+    def tried(sea: SeaModelParameters) -> tuple[float, SeaModelParameters]:
+        design = design_for(replace(believed, sea=sea), (1.0, 1.0))
+        return likelihood(design, record, tick_period), sea
+
+    def best_of(trials: Sequence[tuple[float, SeaModelParameters]]) -> tuple[float, SeaModelParameters]:
+        return max(trials, key=lambda trial: trial[0])
+
+    in_force = tried(seas.in_force)
+    best = best_of([in_force, *(tried(sea) for sea in seas.others)])
+    for factor in REFINEMENTS:
+        near = neighbours(best[1], factor, seas.seen, parameters.vessel)
+        best = best_of([best, *(tried(sea) for sea in near)])
+    return best[1] if best[0] > in_force[0] + WORTH else None
