@@ -12,14 +12,15 @@ from heave_node.numerics.linear_model import LinearModel
 
 from winch_controller_node.design.design import ControllerDesign
 
-FORESEEN = 3.0
-"""Time over which the boom tip shall move as it was foreseen [s]."""
+FORESEEN = 12.0
+"""Time over which the boom tip shall move as it was foreseen [s]: most of a swell's period."""
 
 EVERY = 2
 """Ticks from one compared moment to the next."""
 
-EXACTNESS = 1e-3
-"""How far the two may differ, over the standard deviation of the boom tip's heave."""
+EXACTNESS, LOOSENING = 1e-3, 2.6
+"""How far the two may differ at first, over the standard deviation of the boom tip's heave, and the time [s] in which
+that grows by a factor of e: another sea must foresee something else in the end."""
 
 
 def carry_sea(old: ControllerDesign, new: ControllerDesign) -> tuple[Array, Array]:
@@ -31,7 +32,8 @@ def carry_sea(old: ControllerDesign, new: ControllerDesign) -> tuple[Array, Arra
     waves = [i for i, name in enumerate(names) if name.startswith("wave_")]
     others = [i for i in range(len(names)) if i not in waves]
     seen_old, seen_new = _foreseen(old.model), _foreseen(new.model)
-    sigma = EXACTNESS * new.sigma["boom_tip_heave"]
+    time = EVERY * new.tick_period * np.arange(len(seen_new))
+    sigma = (EXACTNESS * new.sigma["boom_tip_heave"] * np.exp(time / LOOSENING))[:, None]
     rows = seen_new[:, waves]
     prior = new.initial_covariance[np.ix_(waves, waves)]
     # scaled: wave states are derivatives of one signal, of very different sizes
@@ -41,7 +43,7 @@ def carry_sea(old: ControllerDesign, new: ControllerDesign) -> tuple[Array, Arra
     wanted = seen_old.copy()
     wanted[:, others] -= seen_new[:, others]
     matrix = np.eye(len(names))
-    matrix[waves] = size[:, None] * (covariance @ scaled.T @ wanted / sigma)
+    matrix[waves] = size[:, None] * (covariance @ scaled.T @ (wanted / sigma))
     added = np.zeros_like(matrix)
     added[np.ix_(waves, waves)] = covariance * np.outer(size, size)
     return matrix, added

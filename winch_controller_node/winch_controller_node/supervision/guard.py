@@ -45,6 +45,9 @@ LARGEST_LEFT_OVER = 2.0
 CORRECTIONS_TIME, CORRECTIONS_REST = 20.0, 300.0
 """Time within which a belief is corrected again and again [s], and time from its beginning to the next such."""
 
+OUT_OF_REACH = 2.0
+"""Error of the drum's speed that its limits excuse, over that of a drum that follows what is intended within them."""
+
 SWING_WORK = 2.0
 """Speed of the drum that stops a swinging unit, over the speed of the unit."""
 
@@ -160,7 +163,7 @@ class HarmGuard:
         )
         self._measured = DetrendedHeave(self._dt)
         self._mismatch = DetrendedHeave(self._dt)
-        self._exchanged_swing = 0.0
+        self._exchanged_swing = self._reachable = 0.0
         self._catch_up = 0.0
         self._left_over = 0.0
         self._is_corrected = False
@@ -323,10 +326,19 @@ class HarmGuard:
         is_moving = change != 0.0
         self._exchanged_swing = free_swing if is_moving else self._exchanged_swing * (1.0 - self._dt / SWING_TIME)
         work = SWING_WORK**2 * (swing + self._exchanged_swing) / loop.inertia if loop.inertia > 0.0 else 0.0
-        self._rate_check.add(error**2, allowed**2 + work)
+        out_of_reach = OUT_OF_REACH * (intended - self._follow_within_limits(intended))
+        self._rate_check.add(error**2, allowed**2 + work + out_of_reach**2)
         self._catch_up = max(self._catch_up - self._dt, 0.0)
         if self._catch_up > 0.0:
             self._rate_check.restart()
+
+    def _follow_within_limits(self, intended: float) -> float:
+        """Return the speed of a drum that follows an `intended` one within the winch's limits [m/s]."""
+        limits = self._loop.limits
+        largest = limits.acceleration * self._dt
+        reached = self._reachable + min(max(intended - self._reachable, -largest), largest)
+        self._reachable = min(max(reached, -limits.speed), limits.speed)
+        return self._reachable
 
     def _judge_checks(self) -> None:
         feeds_back_unit = self._loop.feeds_back_unit
