@@ -168,6 +168,18 @@ def proved_belief(record: DrumRecord, belief: DrumBelief) -> DrumBelief:
     return replace(belief, lowest=lowest)
 
 
+def told_belief(record: DrumRecord, belief: DrumBelief, found: Array) -> DrumBelief:
+    """Return the `belief` with no limit lower than `found` before, shape (12,), where the winch tells of others only.
+
+    A winch that says when it is at its limit of acceleration would say so of its speed as well.
+    """
+    lowest = belief.lowest.copy()
+    for pair in (SPEEDS, ACCELERATIONS):
+        if record.told and not set(pair) & set(record.told):
+            lowest[list(pair)] = np.maximum(lowest[list(pair)], found[list(pair)])
+    return replace(belief, lowest=lowest)
+
+
 @dataclass(frozen=True)
 class DrumFit:
     """The drum that fits best.
@@ -313,14 +325,13 @@ def search_limits(
         best = fit if fit.squares < best.squares else best
     best = _one_after_another(record, belief, best, free)
     best = without_needless(record, belief, best, free, bare, ())
-    bare[list(known)] = start[list(known)]
-    return _with_known(record, belief, best, free, bare, known)
+    return _with_known(record, belief, best, start, free, known)
 
 
 def _with_known(
-    record: DrumRecord, belief: DrumBelief, fit: DrumFit, free: Sequence[int], otherwise: Array, known: Sequence[int]
+    record: DrumRecord, belief: DrumBelief, fit: DrumFit, start: Array, free: Sequence[int], known: Sequence[int]
 ) -> DrumFit:
-    """Return the fit with the limits that are known, unless it is much worse.
+    """Return the fit with the limits that are known, as at the start, unless it is much worse.
 
     A limit that has just been reached explains some of what another does: none is forgotten for it.
     """
@@ -328,9 +339,9 @@ def _with_known(
     if not forgotten:
         return fit
     begin = fit.drum.copy()
-    begin[forgotten] = otherwise[forgotten]
+    begin[forgotten] = start[forgotten]
     kept = fit_drum(record, belief, begin, [*free, *belief.lowered(begin)])
-    kept = without_needless(record, belief, kept, free, otherwise, known)
+    kept = without_needless(record, belief, kept, free, begin, LIMITS)
     return kept if kept.squares < IMPROVEMENT * fit.squares else fit
 
 

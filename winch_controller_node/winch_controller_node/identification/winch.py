@@ -40,6 +40,7 @@ from winch_controller_node.identification.drum_fit import (
     fit_drum,
     proved_belief,
     search_limits,
+    told_belief,
     without_needless,
 )
 from winch_controller_node.identification.drum_kernel import Drum, predicted_reading
@@ -93,6 +94,9 @@ FIRST_PATIENCE, LONGER = 120.0, 2.0
 
 KINEMATIC = WinchLimit.SPEED | WinchLimit.ACCELERATION | WinchLimit.PAYOUT
 """The others, as of power or pressure, go with the load: no constant one explains them to the millimetre."""
+
+POWER_TIME, STEADY = 0.4, 0.05
+"""A speed at which the power ends for so long [s] is a limit, where its halves differ by no more than this share."""
 
 LIMIT_NAMES = tuple(Drum._fields[i] for i in LIMITS)
 
@@ -251,6 +255,26 @@ class WinchIdentifier:
             deadband=found.deadband, backlash=found.backlash, **{name: getattr(found, name) for name in LIMIT_NAMES}
         )
 
+    def told_winch(self, winch: WinchModelParameters) -> WinchModelParameters | None:
+        """Return the model `winch` with the speed at which the winch says now that its power ends; None: it does not.
+
+        That speed goes with the load, so that no record tells it as fast and as well.
+        """
+        half = round(0.5 * POWER_TIME / self._dt)
+        if len(self._readings) <= 2 * half or any(self._limits_hit[-i] != WinchLimit.POWER for i in range(1, 2 * half)):
+            return None
+        before, middle, now = (self._readings[-1 - count] for count in (2 * half, half, 0))
+        speed, change = (now - before) / (2 * half * self._dt), (now - 2.0 * middle + before) / (half * self._dt)
+        index = SPEEDS[0] if speed > 0.0 else SPEEDS[1]
+        is_steady = abs(change) < STEADY * abs(speed)  # false where a reading is missing
+        if not is_steady or abs(speed) > (1.0 - LIMIT_STEP) * self._found[index]:
+            return None
+        self._found[index] = max(abs(speed), self._belief.lowest[index])
+        self._learnt_age = 0.0
+        self._patience = max(self._patience, FIRST_PATIENCE)
+        limit = self._limit(Drum(*self._found.tolist()), SPEEDS, winch.speed_limit)
+        return None if limit >= winch.speed_limit else replace(winch, speed_limit=limit)
+
     def improved_winch(self, winch: WinchModelParameters) -> WinchModelParameters | None:
         """Return the winch that was found, or None where the model `winch` does."""
         question = self.question(winch)
@@ -345,7 +369,7 @@ class WinchIdentifier:
         return in_force if abs(limit / in_force - 1.0) < LIMIT_STEP else limit
 
     def _fit(self, record: DrumRecord, found: Array) -> DrumFit | None:
-        belief = proved_belief(record, self._belief)
+        belief = told_belief(record, proved_belief(record, self._belief), found)
         start = self._start(record.readings, np.maximum(found, belief.lowest))
         learnt: list[int] = []
         for pair in (SPEEDS, ACCELERATIONS):
