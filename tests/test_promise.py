@@ -19,6 +19,8 @@ from tests.campaigns.promise import (
     run,
     worst_window,
 )
+from tests.campaigns.seas import Cell
+from tests.campaigns.seas import run as sea_outcome
 
 
 def test_the_worst_window_is_found_where_it_is():
@@ -72,13 +74,15 @@ def test_a_wrong_belief_is_found_out_before_it_does_harm(name):
     ("number", "duration"),
     [
         (51, 115.0),
-        *(pytest.param(number, 180.0, marks=pytest.mark.long) for number in (31, 36, 44, 48, 89, 130)),
+        (255, 130.0),
+        *(pytest.param(number, 180.0, marks=pytest.mark.long) for number in (31, 36, 44, 48, 89, 130, 217)),
     ],
 )
 def test_a_draw_that_was_lost_before_its_winch_or_mru_was_known_is_kept(number, duration):
     """These were given up one tick before what was wrong was known, or had learnt it wrongly; 44 was never begun.
 
-    Winch limits that a group of waves has just reached (31, 48, 51, 89, 130), and a high-pass in the MRU (36, 44, 51).
+    Winch limits that a group of waves has just reached (31, 48, 51, 89, 130), two and the power at once (255), speeds
+    out of reach that were held against the loop (217), and a high-pass in the MRU (36, 44, 51).
     """
     found = run(draw(number), duration=duration)
     assert found.worst < 0.5
@@ -108,3 +112,20 @@ def test_a_noisy_sensor_is_not_blamed_before_its_noise_is_known(number):
     alarms = [words for _, words in ClosedLoop(loop_parameters(scenario)).run().alarms]
     assert any(words.startswith("noise of unit_heave") for words in alarms)
     assert not any("suspect" in words for words in alarms)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "cell",
+    [
+        Cell("b10_real_mru_swell", 2.0, 6.0),
+        *(
+            pytest.param(Cell(*cell), marks=pytest.mark.long)
+            for cell in (("b10_real_mru_swell", 4.0, 8.0), ("b3_deep_900", 3.0, 8.0), ("b2_calm_300", 3.0, 10.0))
+        ),
+    ],
+    ids=str,
+)
+def test_a_sea_other_than_believed_is_met_as_well_as_one_that_was(cell):
+    """A wind sea that is shorter than believed beside a swell as believed (b10) lost the loop for good."""
+    assert sea_outcome(cell, seed=1).holds

@@ -178,6 +178,41 @@ def test_a_belief_that_is_corrected_again_and_again_is_no_excuse():
     assert guard.inhibits
 
 
+def test_another_belief_may_be_corrected_after_one_that_was_corrected_for_long():
+    """The unit moves twice as much as the uncompensated one for 15 s, 40 s after the winch was first corrected."""
+
+    def tried(belief):
+        guard = make_guard()
+        feed_guard(guard, 0.01, 0.3, 60.0)
+        guard.allow_correction("winch")
+        feed_guard(guard, 0.01, 0.3, 40.0)
+        for _ in range(30):
+            feed_guard(guard, 0.6, 0.3, 0.5)
+            guard.allow_correction(belief)
+        feed_guard(guard, 0.01, 0.3, 20.0)
+        return guard
+
+    assert not tried("mru").inhibits
+    assert tried("winch").inhibits
+
+
+@pytest.mark.parametrize(("ratio", "is_wild"), [(1.6, False), (0.3, True)])
+def test_what_the_limits_of_the_winch_keep_out_of_reach_is_no_drum_that_runs_wild(ratio, is_wild):
+    """A tip that asks for `ratio` times the winch's acceleration, and a drum that turns against it as fast as it can.
+
+    Where the winch could have followed, that is wild.
+    """
+    guard, omega, limit = make_guard(), 1.05, 1.5
+    speed = ratio * limit / omega
+    # a triangle of the limited acceleration, half a wave late: what a drum does that is at its limit all the time
+    for k in range(round(60.0 / DT)):
+        time = k * DT
+        tip = Motion(0.0, speed * math.sin(omega * time))
+        drum = -min(speed, 0.25 * limit * 2.0 * math.pi / omega) * math.cos(omega * time)
+        guard.update(GuardedMotions(Motion(0.0, 0.0), Motion(0.5 * math.sin(omega * time), 0.0), tip, drum), 1.0)
+    assert guard.inhibits is is_wild
+
+
 def test_a_drum_that_runs_wild_is_noticed_before_the_unit_has_answered():
     """Twice the boom tip's speed of 0.35 m/s, which the law did not mean: within seconds, not within a wave of 9 s."""
     guard = make_guard()

@@ -191,6 +191,19 @@ def test_waves_are_carried_over_to_another_sea_by_the_motion_that_they_bring_abo
     assert np.min(np.linalg.eigvalsh(added)) > -1e-12
 
 
+def test_a_state_that_is_carried_to_the_same_sea_foresees_the_same_swell():
+    """A swell of 16.5 s beside a wind sea: three seconds of what is foreseen did not tell its state."""
+    sea = {"sea__spectrum": "ochi_hubble", "sea__shape": 1.0, "sea__peak_period": 6.0, "sea__filter_states": 10}
+    swell = {"sea__swell__significant_wave_height": 1.0, "sea__swell__peak_period": 16.5}
+    old = design_controller(parameters(**sea, **swell), tick_period=DT)
+    matrix, _ = carry_sea(old, old)
+    P, row = old.initial_covariance, old.model.row("boom_tip_heave")
+    for seconds in (1.0, 4.0, 8.0):
+        foreseen = row @ np.linalg.matrix_power(old.model.A, round(seconds / DT))
+        error = foreseen @ matrix - foreseen
+        assert error @ P @ error < 0.02**2 * row @ P @ row
+
+
 def test_boom_tip_moments_of_the_spectrum_are_near_those_of_its_filter():
     # the six-state filter has a relative L2 error of 1.1 % of the Bretschneider spectrum
     tip = boom_tip_block(parameters().sea, parameters().vessel)

@@ -351,3 +351,46 @@ def test_a_limit_is_told_for_the_direction_in_which_the_drum_went(design, haulin
     told = identifier._record().told
     assert reached in told
     assert other not in told
+
+
+def test_a_winch_that_tells_one_kind_of_limit_has_not_reached_the_other(design):
+    """It tells its acceleration alone; with 10 mm of play a limit of the speed would explain some of the rest."""
+    truth = WinchParameters(
+        speed_limit=2.2,
+        acceleration_limit=0.9,
+        stop_deceleration=0.9,
+        speed_gain=1.18,
+        encoder=EncoderParameters(backlash=0.01),
+    )
+    belief = WinchControllerParameters().winch
+    for tick, (identifier, acted) in enumerate(crests(design, truth, [0.5, 0.8, 1.1, 1.2, 1.2, 1.1, 1.2])):
+        assert acted == 0.0
+        if tick % 10 == 9:
+            belief = identifier.improved_winch(belief) or belief
+            assert belief.speed_limit == 2.0
+    assert belief.acceleration_limit == pytest.approx(0.97 * 0.9, rel=0.06)
+
+
+@pytest.mark.parametrize("told", [True, False], ids=["told", "not told"])
+def test_the_speed_at_which_the_winch_says_that_its_power_ends_is_known_at_once(design, told):
+    """The drum turns at 1.1 m/s where 1.6 m/s are asked for; a tick is 0.05 s."""
+    identifier, belief = WinchIdentifier(WinchControllerParameters().lag, design), WinchControllerParameters().winch
+    hit = WinchLimit.POWER if told else WinchLimit.NONE
+    known = [
+        identifier.told_winch(belief)
+        for tick in range(12)
+        if identifier.add(0.0, -1.6, -1.1 * DT * tick, int(hit)) is None
+    ]
+    first = next((tick for tick, winch in enumerate(known) if winch is not None), None)
+    if told:
+        assert first <= 8
+        assert known[first].speed_limit == pytest.approx(0.97 * 1.1, rel=1e-6)
+    else:
+        assert first is None
+
+
+def test_a_drum_that_gathers_speed_is_not_at_the_end_of_its_power(design):
+    identifier, belief = WinchIdentifier(WinchControllerParameters().lag, design), WinchControllerParameters().winch
+    for tick in range(20):
+        identifier.add(0.0, 1.6, 0.5 * (tick * DT) ** 2, int(WinchLimit.POWER))
+        assert identifier.told_winch(belief) is None

@@ -126,7 +126,7 @@ class DesignInForce:
         return PreparedDesign(parameters, design, design.make_law())
 
     def design_for(self, parameters: WinchControllerParameters, factors: tuple[float, float]) -> ControllerDesign:
-        """Return the design of `prepared_for`, without its law."""
+        """Return the design of `prepared_for`, without its law, for the same `parameters` and `factors`."""
         cable = self.design.cable
         cable = replace(cable, a=factors[0] * cable.a, b=factors[1] * cable.b, drag=factors[1] * cable.drag)
         return design_controller(parameters, tick_period=self._dt, cable=cable)

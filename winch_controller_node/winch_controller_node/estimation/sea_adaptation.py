@@ -251,7 +251,12 @@ def sea_that_was_seen(
 def possible_seas(
     seen: SeaSeen, believed: SeaModelParameters, in_force: SeaModelParameters, vessel: VesselModelParameters
 ) -> PossibleSeas:
-    """Return the seas that may be there; parameters as above."""
+    """Return the seas that may be there.
+
+    Parameters
+    ----------
+    seen, believed, in_force, vessel : as for `sea_that_was_seen`
+    """
     stretched = sea_that_was_seen(seen, believed, in_force, vessel)
     others = [] if stretched is None else [stretched, *_of_two_parts(seen, believed, vessel)]
     return PossibleSeas(seen, believed, as_high_as_seen(in_force, seen, vessel), others)

@@ -169,9 +169,14 @@ def proved_belief(record: DrumRecord, belief: DrumBelief) -> DrumBelief:
 
 
 def told_belief(record: DrumRecord, belief: DrumBelief, found: Array) -> DrumBelief:
-    """Return the `belief` with no limit lower than `found` before, shape (12,), where the winch tells of others only.
+    """Return the `belief` with no limit lower than `found` before, where the winch tells of others only.
 
     A winch that says when it is at its limit of acceleration would say so of its speed as well.
+
+    Parameters
+    ----------
+    record, belief : of the drum
+    found : fields of `Drum`, shape (12,)
     """
     lowest = belief.lowest.copy()
     for pair in (SPEEDS, ACCELERATIONS):

@@ -130,7 +130,10 @@ def suspect(
 
 
 def likelihood(design: ControllerDesign, record: Sequence[RecordedTick], tick_period: float) -> float:
-    """Return the logarithm of the likelihood of a `record` under a `design`, but for its start."""
+    """Return the logarithm of the likelihood of a `record` of ticks, `tick_period` [s] apart, under a `design`.
+
+    Its start is not judged.
+    """
     first_judged = record[0].number + round(SETTLING / tick_period)
     return _tried(Suspicion("", "", design.parameters), design, record, first_judged).likelihood
 

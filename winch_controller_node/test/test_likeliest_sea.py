@@ -1,0 +1,149 @@
+"""The sea that foresees the readings best is believed; records are drawn from a model that is true."""
+
+import dataclasses
+import math
+
+import numpy as np
+import pytest
+from heave_node.numerics.linear_model import covariance_factor
+from heave_node.parameters import build_parameters
+from winch_controller_node.design.design import design_controller
+from winch_controller_node.design.feasibility import boom_tip_moments
+from winch_controller_node.estimation import sea_adaptation
+from winch_controller_node.estimation.loop_estimation import SEA_SENSORS
+from winch_controller_node.estimation.reading_record import RecordedTick
+from winch_controller_node.estimation.sea_adaptation import SeaSeen, possible_seas
+from winch_controller_node.identification.likeliest_sea import likeliest_sea
+from winch_controller_node.model.estimator import Measurement
+from winch_controller_node.node_parameters import WinchControllerParameters
+
+DT = 0.05
+DEEP = {"length": 900.0, "cable_model.inertia": 7.34, "cable_model.damping": 0.19}
+WIND_SEA = {"sea.significant_wave_height": 1.5, "sea.peak_period": 10.0}
+TWO_PARTS = {
+    "sea.spectrum": "ochi_hubble",
+    "sea.shape": 1.0,
+    "sea.significant_wave_height": 1.5,
+    "sea.peak_period": 8.0,
+    "sea.filter_states": 10,
+    "sea.swell.significant_wave_height": 1.0,
+    "sea.swell.peak_period": 16.5,
+    "sea.swell.shape": 3.0,
+}
+
+
+def parameters(*values):
+    wanted = {
+        name: value for part in (DEEP, {"sensors.use": list(SEA_SENSORS)}, *values) for name, value in part.items()
+    }
+    return build_parameters(WinchControllerParameters, wanted, where="test")
+
+
+def design_for(wanted, _factors=(1.0, 1.0)):
+    return design_controller(wanted, tick_period=DT)
+
+
+def record_of(truth, seconds):
+    """Return readings of motion reference unit and encoder in the sea of `truth`, winch locked."""
+    design, random = design_for(truth), np.random.default_rng(5)
+    model = design.model
+    factor = covariance_factor(model.noise_covariance)
+    x = np.linalg.cholesky(design.initial_covariance + 1e-12 * np.eye(model.order)) @ random.standard_normal(
+        model.order
+    )
+    locked = [model.state(name) for name in model.state_names if name.startswith("payout")]
+    record = []
+    for tick in range(round(seconds / DT)):
+        x[locked] = 0.0
+        readings = [
+            Measurement(known.name, float(known.row @ x + known.sigma * random.standard_normal()), tick)
+            for known in design.measurements
+        ]
+        record.append(RecordedTick(tick, 0.0, tuple(readings)))
+        x = model.A @ x + factor @ random.standard_normal(factor.shape[1])
+    return record
+
+
+def seen_of(truth):
+    """Return what is seen of the boom tip in the sea of `truth` after very many waves."""
+    heave, frequency = sea_adaptation.sigma_and_frequency(truth.sea, truth.vessel)
+    return SeaSeen(waves=1e4, heave=heave, frequency=frequency)
+
+
+def found(belief, truth, seconds=110.0):
+    seas = possible_seas(seen_of(truth), belief.sea, belief.sea, belief.vessel)
+    return likeliest_sea(belief, seas, record_of(truth, seconds), design_for, DT)
+
+
+def test_a_sea_as_believed_is_kept():
+    belief = parameters(WIND_SEA)
+    assert found(belief, belief) is None
+
+
+@pytest.mark.parametrize("period", [6.0, 8.0, 13.0])
+def test_a_sea_of_another_period_is_found(period):
+    belief, truth = parameters(WIND_SEA), parameters(WIND_SEA, {"sea.peak_period": period})
+    sea = found(belief, truth)
+    # neighbours are a tenth apart
+    assert sea.peak_period == pytest.approx(period, rel=0.06)
+    assert sea.significant_wave_height == pytest.approx(1.5, rel=0.1)
+
+
+@pytest.mark.slow
+def test_a_shorter_wind_sea_beside_the_swell_that_was_believed_leaves_the_swell_where_it_is():
+    """One factor for both would put the swell at half its period, where no state of the model follows the true one."""
+    belief = parameters(TWO_PARTS)
+    truth = parameters(TWO_PARTS, {"sea.significant_wave_height": 2.0, "sea.peak_period": 6.0})
+    sea = found(belief, truth)
+    assert sea.peak_period == pytest.approx(6.0, rel=0.1)
+    assert sea.swell.peak_period == 16.5
+    assert 0.5 < sea.swell.significant_wave_height < 1.6
+
+
+def test_a_short_record_tells_nothing_and_the_moments_decide():
+    belief, truth = parameters(WIND_SEA), parameters(WIND_SEA, {"sea.peak_period": 6.0})
+    assert found(belief, truth, seconds=20.0).peak_period == pytest.approx(6.0, rel=1e-2)
+    assert found(belief, belief, seconds=20.0) is None
+
+
+@pytest.mark.parametrize(
+    "part",
+    [
+        {"sea.significant_wave_height": 2.5, "sea.peak_period": 6.0},
+        {"sea.swell.significant_wave_height": 2.0, "sea.swell.peak_period": 13.0},
+    ],
+    ids=["wind sea", "swell"],
+)
+def test_the_part_of_a_sea_that_has_changed_is_told_by_the_moments_where_the_other_is_as_believed(part):
+    """Moments add up over the parts of a spectrum."""
+    belief, truth = parameters(TWO_PARTS), parameters(TWO_PARTS, part)
+    candidates = possible_seas(seen_of(truth), belief.sea, belief.sea, belief.vessel).others[1:]
+
+    def distance(sea):
+        return abs(sea.peak_period - truth.sea.peak_period) + abs(sea.swell.peak_period - truth.sea.swell.peak_period)
+
+    near = min(candidates, key=distance)
+    assert near.peak_period == pytest.approx(truth.sea.peak_period, rel=0.01)
+    assert near.swell.peak_period == pytest.approx(truth.sea.swell.peak_period, rel=0.01)
+    assert near.significant_wave_height == pytest.approx(truth.sea.significant_wave_height, rel=0.01)
+    assert near.swell.significant_wave_height == pytest.approx(truth.sea.swell.significant_wave_height, rel=0.01)
+
+
+def test_all_seas_that_are_compared_move_the_boom_tip_as_was_seen():
+    belief = parameters(TWO_PARTS)
+    truth = parameters(TWO_PARTS, {"sea.significant_wave_height": 3.0, "sea.peak_period": 11.0})
+    seen = seen_of(truth)
+    seas = possible_seas(seen, belief.sea, belief.sea, belief.vessel)
+    near = sea_adaptation.neighbours(belief.sea, 1.2, seen, belief.vessel)
+    for sea in (seas.in_force, *seas.others, *near):
+        assert math.sqrt(boom_tip_moments(sea, belief.vessel)[0]) == pytest.approx(seen.heave, rel=1e-3)
+
+
+def test_a_sea_that_may_still_grow_is_not_believed_to_be_lower():
+    belief = parameters(WIND_SEA)
+    low = dataclasses.replace(seen_of(belief), heave=0.1 * seen_of(belief).heave, is_settled=False)
+    seas = possible_seas(low, belief.sea, belief.sea, belief.vessel)
+    grown = sea_adaptation.no_lower_while_it_grows(seas.in_force, seas)
+    assert grown.significant_wave_height == pytest.approx(1.5)
+    settled = dataclasses.replace(seas, seen=dataclasses.replace(low, is_settled=True))
+    assert sea_adaptation.no_lower_while_it_grows(seas.in_force, settled).significant_wave_height < 0.2
