@@ -292,15 +292,19 @@ class HarmGuard:
         """Do not hold against the loop the swing that it has found.
 
         While the winch stands, the unit less the uncompensated one is a free swing, and would go on for long: whoever
-        stops the winch suddenly sets it going. So does a wrong belief that has been corrected.
+        stops the winch suddenly sets it going. So does a wrong belief that has been corrected: of a compensated unit
+        all of its motion is that.
         """
+        unit, free = motions.unit, motions.free_unit
+        if authority <= 0.0:
+            unit = Motion(unit.heave - free.heave, unit.rate - free.rate)
         if authority <= 0.0 or self._is_corrected:
-            self._is_corrected = False
-            unit, free = motions.unit, motions.free_unit
-            swing = math.sqrt(self._swing(Motion(unit.heave - free.heave, unit.rate - free.rate)))
-            self._left_over = min(swing, LARGEST_LEFT_OVER * math.sqrt(self._swing_check.reference))
+            self._left_over = min(
+                math.sqrt(self._swing(unit)), LARGEST_LEFT_OVER * math.sqrt(self._swing_check.reference)
+            )
         else:
             self._left_over *= 1.0 - self._dt / LEFT_OVER_TIME
+        self._is_corrected = False
         self._swing_check.allow(self._left_over)
         self._depth_check.allow(math.sqrt(0.5) * self._left_over)
 
