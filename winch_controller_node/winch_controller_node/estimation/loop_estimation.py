@@ -104,7 +104,7 @@ class LoopEstimation:
         """
         among = [followed.model.state(name) for name in design.model.state_names]
         self.estimator = design.make_estimator()
-        self.estimator.reset(followed.estimate[among], followed.covariance[np.ix_(among, among)])
+        self.estimator.reset(followed.estimate[among], followed.covariance[np.ix_(among, among)], followed.streams)
         self.estimator.step(tick, 0.0, [])
         self.motion.carry(matrix)
         self.observer.forget_shares()
