@@ -154,12 +154,11 @@ class Learning:
         self._seas_compared = now
         self._seas_patience = min(LONGER * self._seas_patience, LONGEST_SEAS_PATIENCE)
         in_force, record = self._in_force, self._estimation.sea_record.ticks()
+        parameters = in_force.parameters
 
         def judged() -> Learnt | None:
-            sea = likeliest_sea(in_force.parameters, seas, record, in_force.design_for, self._dt)
-            if sea is None:
-                return None
-            return Learnt(in_force.prepared_for(replace(in_force.parameters, sea=sea)))
+            sea = likeliest_sea(parameters, seas, record, in_force.design_for, self._dt)
+            return None if sea is None else Learnt(in_force.prepared_for(replace(parameters, sea=sea)))
 
         self._work.begin(tick, judged)
 

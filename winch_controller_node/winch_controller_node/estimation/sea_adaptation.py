@@ -278,6 +278,12 @@ def neighbours(
     return [as_high_as_seen(_changed_wind(sea, *change), seen, vessel) for change in changes]
 
 
+def distance(one: SeaModelParameters, other: SeaModelParameters) -> float:
+    """Return the logarithms of the ratios of the periods of `one` and the `other` sea, of wind sea and swell, added."""
+    off = abs(math.log(one.peak_period / other.peak_period))
+    return off + (abs(math.log(one.swell.peak_period / other.swell.peak_period)) if _has_swell(one) else 0.0)
+
+
 def as_high_as_seen(sea: SeaModelParameters, seen: SeaSeen, vessel: VesselModelParameters) -> SeaModelParameters:
     """Return a `sea` with the height that was `seen` of the boom tip of a `vessel`."""
     return _changed(sea, 1.0, seen.heave / sigma_and_frequency(sea, vessel)[0])
@@ -323,7 +329,8 @@ def _has_swell(sea: SeaModelParameters) -> bool:
 
 def _changed_wind(sea: SeaModelParameters, period: float, height: float) -> SeaModelParameters:
     height = min(max(height * sea.significant_wave_height, LOWEST_WIND_SEA), HIGHEST)
-    return replace(sea, significant_wave_height=height, peak_period=period * sea.peak_period)
+    period = min(max(period * sea.peak_period, PERIODS[0]), PERIODS[1])
+    return replace(sea, significant_wave_height=height, peak_period=period)
 
 
 def _changed_swell(sea: SeaModelParameters, period: float, height: float) -> SeaModelParameters:

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from winch_controller_node.estimation.loop_estimation import SEA_SENSORS
 from winch_controller_node.estimation.reading_record import RecordedTick
-from winch_controller_node.estimation.sea_adaptation import PossibleSeas, neighbours, no_lower_while_it_grows
+from winch_controller_node.estimation.sea_adaptation import PossibleSeas, distance, neighbours, no_lower_while_it_grows
 from winch_controller_node.identification.suspicions import SETTLING, Designer, likelihood
 from winch_controller_node.node_parameters import WinchControllerParameters
 from winch_controller_node.parameters.model import SeaModelParameters
@@ -15,8 +15,10 @@ from winch_controller_node.parameters.model import SeaModelParameters
 SHORTEST = 2.0 * SETTLING
 """A shorter record [s] does not tell one sea from another."""
 
-WORTH = 15.0
-"""Another sea is believed where it makes the record likelier by a factor of exp(WORTH) at least."""
+WORTH, FARTHER = 15.0, 60.0
+"""Another sea is believed where it makes the record likelier by a factor of exp(WORTH) at least, and of exp(FARTHER)
+for each factor of e by which its periods differ: two minutes are some fifteen waves, by chance of another period.
+"""
 
 REFINEMENTS = (1.2, 1.1)
 """Factors, up and down, by which the likeliest sea is then changed."""
@@ -61,7 +63,7 @@ def _best(
 
     def tried(sea: SeaModelParameters) -> tuple[float, SeaModelParameters]:
         design = design_for(replace(believed, sea=sea), (1.0, 1.0))
-        return likelihood(design, record, tick_period), sea
+        return likelihood(design, record, tick_period) - FARTHER * distance(sea, seas.in_force), sea
 
     def best_of(trials: Sequence[tuple[float, SeaModelParameters]]) -> tuple[float, SeaModelParameters]:
         return max(trials, key=lambda trial: trial[0])
