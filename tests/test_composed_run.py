@@ -25,3 +25,17 @@ def test_a_composed_run_gives_the_same_bag_and_says_that_it_was_one(tmp_path, ca
     assert topics_of(folder / "bag") == topics_of(calm_bag)
     assert json.loads((tmp_path / "result.json").read_text())["composed"] is True
     assert (Bag(folder / "bag").run["composed"], Bag(calm_bag).run["composed"]) == ("true", "false")
+
+
+def test_what_is_learnt_is_told_on_the_terminal_and_in_the_report(tmp_path):
+    """Noise of five times: found in the first second, and named with its factor."""
+    folder = tmp_path / "run"
+    noise = [f"wave_vessel.mru.{name}=0.05" for name in ("noise", "rate_noise")]
+    result = heave(
+        *("run", "b3_deep_900", "--duration", "12", "--bag", str(folder), "--composed", "--set", "all.transient=2"),
+        *(word for setting in noise for word in ("--set", setting)),
+    )
+    told = [line for line in (result.stdout + result.stderr).splitlines() if "times what is believed" in line]
+    assert told, result.stderr
+    assert told[0].startswith("t = 0.")
+    assert "times what is believed" in (folder / "report.html").read_text()

@@ -127,7 +127,7 @@ class Learning:
         if after.sea == before.sea:
             return []
         self._seas_patience = FIRST_SEAS_PATIENCE
-        return [f"sea model updated: {_in_words(after.sea)} (was {_in_words(before.sea)})"]
+        return [f"sea model updated: {_changes(before.sea, after.sea)}"]
 
     # the winch
 
@@ -210,5 +210,21 @@ class Learning:
         return [words]
 
 
-def _in_words(sea: SeaModelParameters) -> str:
-    return f"significant wave height {sea.significant_wave_height:.1f} m, peak period {sea.peak_period:.1f} s"
+def _changes(before: SeaModelParameters, after: SeaModelParameters) -> str:
+    """Return what has changed of a sea, in words; its height is not known yet where it stays as it was."""
+    words = []
+    for name, unit, old, new in (
+        ("significant wave height", "m", before.significant_wave_height, after.significant_wave_height),
+        ("peak period", "s", before.peak_period, after.peak_period),
+        (
+            "swell, significant wave height",
+            "m",
+            before.swell.significant_wave_height,
+            after.swell.significant_wave_height,
+        ),
+        ("swell, peak period", "s", before.swell.peak_period, after.swell.peak_period),
+    ):
+        is_told = after.spectrum == "ochi_hubble" or not name.startswith("swell")
+        if is_told and f"{old:.1f}" != f"{new:.1f}":
+            words.append(f"{name} {new:.1f} {unit} (was {old:.1f})")
+    return ", ".join(words) or "the same to a decimal"

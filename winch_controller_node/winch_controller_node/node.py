@@ -13,7 +13,7 @@ from typing import Any
 from geometry_msgs.msg import TwistStamped
 from heave_msgs.srv import Redesign, SetMode
 from heave_node.interface import topics
-from heave_node.interface.codes import COMMANDS, LATE, SensorLevel
+from heave_node.interface.codes import ALARMS, COMMANDS, LATE, SensorLevel
 from heave_node.interface.sensors import SENSORS, Water
 from heave_node.interface.topic import Topic
 from heave_node.numerics.linear_model import ModelError
@@ -67,6 +67,7 @@ class WinchControllerNode(ParticipantNode):
             warm_up.step(tick, Measurements())
         self.controller = self._make_controller()
         self.outputs_of_tick: Outputs | None = None
+        self._told: dict[str, list[str]] = {}
         self.command = self.add_output(topics.WINCH_COMMAND)
         self.state = self.add_output(topics.CONTROLLER_STATE)
         self.kpi = self.add_output(topics.CONTROLLER_KPI)
@@ -128,6 +129,8 @@ class WinchControllerNode(ParticipantNode):
             self.kpi.publish_deferred(lambda: conversions.kpi_message(kpi, stamp))
         for words in outputs.alarms:
             self.get_logger().warning(f"t = {tick.time:.2f} s: {words}")
+            if not words.startswith("mode "):  # diagnostics tell the mode by itself
+                self._told.setdefault(f"t = {tick.time:.2f} s", []).append(words)
         self.move.on_tick(tick.time)
 
     def on_exit(self) -> None:
@@ -135,7 +138,7 @@ class WinchControllerNode(ParticipantNode):
         self._designer.shutdown(wait=False, cancel_futures=True)
 
     def diagnose(self) -> list[Health]:
-        """Say which sensor is how, the mode and why, and how the solver does."""
+        """Say which sensor is how, the mode and why, how the solver does, and what was told since the last time."""
         if self.outputs_of_tick is None:
             return [Health("mode", Level.OK, self.controller.mode.value)]
         report = self.outputs_of_tick.report
@@ -154,6 +157,8 @@ class WinchControllerNode(ParticipantNode):
             parts.append(Health("preview", Level.WARN if preview.fault else Level.OK, preview.words))
         if report.solver_status.startswith("not solved"):
             parts.append(Health("solver", Level.WARN, report.solver_status))
+        told, self._told = {time: "; ".join(words) for time, words in self._told.items()}, {}
+        parts.append(Health(ALARMS, Level.WARN, "; ".join(told.values()), told) if told else Health(ALARMS))
         return parts
 
     def _diagnose_commands(self) -> Health:

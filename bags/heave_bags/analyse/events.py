@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Any
 
 import numpy as np
-from heave_node.interface.codes import SensorLevel, WinchFault, WinchLimit
+from heave_node.interface.codes import ALARMS, SensorLevel, WinchFault, WinchLimit
 from heave_node.numerics.arrays import Array
 from numpy.typing import NDArray
 
@@ -18,6 +19,8 @@ from heave_bags.signals import RunSignals, Signal
 REPEATED = 1.0
 """Time for which a message of /diagnostics holds, until the next [s]."""
 
+_FIGURES = re.compile(r"[0-9.]+")
+"""What changes in a message while what it tells stays the same."""
 
 HOLDS_TENSION = "constant_tension"
 COMPENSATES = ("compensating", HOLDS_TENSION)
@@ -130,16 +133,19 @@ def sensor_alarms(state: Fields) -> list[Interval]:
 
 
 def diagnostic_alarms(diagnostics: Fields) -> list[Interval]:
-    """Return the warnings and errors of /diagnostics."""
-    alarms: dict[tuple[str, int], list[float]] = {}
+    """Return the warnings and errors of /diagnostics; one whose figures alone change, as of a countdown, is one."""
+    alarms: dict[tuple[str, int], tuple[str, list[float]]] = {}
     for index in diagnostics.indices("status[].level"):
         levels = diagnostics.codes(f"status[{index}].level")
         names, messages = (diagnostics.texts(f"status[{index}].{part}") for part in ("name", "message"))
         for row in np.flatnonzero(levels >= 1):
             label = ": ".join(str(texts[row]) for texts in (names, messages) if texts is not None)
-            alarms.setdefault((label, min(int(levels[row]), 2)), []).append(float(diagnostics.time[row]))
+            is_told_once = names is not None and str(names[row]).endswith(f": {ALARMS}")
+            kind = label if is_told_once else _FIGURES.sub("", label)
+            _, times = alarms.setdefault((kind, min(int(levels[row]), 2)), (label, []))
+            times.append(float(diagnostics.time[row]))
     found: list[Interval] = []
-    for (label, level), times in alarms.items():
+    for (_, level), (label, times) in alarms.items():
         found += _joined(times, label, level)
     return found
 

@@ -11,6 +11,7 @@ from builtin_interfaces.msg import Time
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from heave_msgs.msg import CableState, CompensationKpi, PointMotion, TickStatus
 from heave_node.interface import topics
+from heave_node.interface.codes import ALARMS
 from heave_node.ros.process import in_namespace
 from heave_node.ros.spin import Spinner
 from heave_node.ros.transport.qos import qos_of
@@ -28,6 +29,9 @@ DISCOVERY = 0.5
 
 One that shows itself later is noticed during the run.
 """
+
+ALARMS_PART = f"winch_controller: {ALARMS}"
+"""Part in which it tells what it has learnt, and what is not as it should be."""
 
 _FIGURES = re.compile(r"[0-9.]+")
 """What changes in a message while the fault stays the same."""
@@ -157,6 +161,8 @@ class Monitor:
                 self.live.note_depth(time_of_tick, float(told.get("mean depth [m]", "nan")))
                 loss = self.live.note_mode(time_of_tick, mode, reason)
                 self._news += [loss] if loss else []
+            if part.name == ALARMS_PART:
+                self._news += [f"{told.key}: {told.value}" for told in part.values]
             if part.level != DiagnosticStatus.ERROR:
                 self._errors.pop(part.name, None)
             elif self._errors.get(part.name) != _FIGURES.sub("", part.message):

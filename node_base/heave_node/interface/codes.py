@@ -66,6 +66,9 @@ RELEASE_WORDS = {
 COMMANDS, LATE = "commands", "late"
 """Part of the controller's diagnostics about its commands, and the value in it that counts those that came late."""
 
+ALARMS = "alarms"
+"""Part of the controller's diagnostics with what it has told since the last ones: its words, by time, as values."""
+
 
 def fault_words(code: int) -> str:
     """Return the fault of a winch, given by its `code`, in words; an unknown number of hardware is named as such."""

@@ -30,6 +30,9 @@ TRANSPORT_HOLD = 5.0
 UNKNOWN_SEA_SHARE = 0.3
 """Share of a sea that is compensated while it is predicted badly."""
 
+HELD_TIME, TOLD_AGAIN = 5.0, 60.0
+"""That a part of the sea is not compensated is told when it has lasted so long [s], and again when so much later."""
+
 LONGEST_WAIT = 2.0
 """Time until which compensation waits for waves, over `modes.settling_time`: in calm water none come."""
 
@@ -113,6 +116,7 @@ class Supervisor:
         self.timeouts = CommandTimeouts(dt, resumes=parameters.modes.resume)
         self._reason_before = ""
         self._fades_by_law = False
+        self._held_time = 0.0
         self._longest_wait = LONGEST_WAIT * parameters.modes.settling_time
         self._refer_to(design, law)
 
@@ -138,6 +142,7 @@ class Supervisor:
         alarms = self._judge(tick) + self._resume_after_timeout(tick, winch.fault)
         self._gates.observe(tick)
         lost = self._lost(tick)
+        alarms += self._tell_share(tick, winch)
         mode = self.modes.step(
             Situation(
                 lost=lost,
@@ -203,6 +208,20 @@ class Supervisor:
         reason, before = self.guard.reason, self._reason_before
         self._reason_before = reason
         return (reason,) if self.modes.brake and reason and reason != before else ()
+
+    def _tell_share(self, tick: LoopTick, winch: WinchSituation) -> tuple[str, ...]:
+        """Return what keeps a part of the sea from being compensated, where it lasts; at most once a minute."""
+        causes = {
+            "the sea is not the one that is believed": UNKNOWN_SEA_SHARE if tick.is_sea_refuted else 1.0,
+            "the winch does not do what it is sent": winch.share,
+        }
+        cause, share = min(causes.items(), key=lambda pair: pair[1])
+        is_held = share < 1.0 and self.modes.mode is Mode.COMPENSATING
+        self._held_time = self._held_time + self._dt if is_held else min(self._held_time + self._dt, 0.0)
+        if self._held_time < HELD_TIME:
+            return ()
+        self._held_time = -TOLD_AGAIN
+        return (f"only {100.0 * share:.0f} % of the sea is compensated: {cause}",)
 
     def _closed_gates(self, tick: LoopTick, mean_payout: float) -> str:
         """Return why compensation may not begin about a mean payout [m]; empty where it may."""

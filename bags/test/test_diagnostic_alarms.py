@@ -1,0 +1,31 @@
+"""Warnings and errors of /diagnostics as intervals: a countdown is one, what is told once is each."""
+
+import numpy as np
+from heave_bags.analyse.events import diagnostic_alarms
+from heave_bags.analyse.fields import Fields
+
+
+def fields(name, messages):
+    count = len(messages)
+    return Fields(
+        {
+            "time": np.arange(count, dtype=float),
+            "log_time": np.arange(count),
+            "status[0].level": np.full(count, 1, dtype=np.uint8),
+            "status[0].name": np.array([name] * count, dtype=object),
+            "status[0].message": np.array(messages, dtype=object),
+        }
+    )
+
+
+def test_a_countdown_is_one_alarm_with_its_first_words():
+    messages = [f"standby: compensation is harmful; tried again in {30 - k} s" for k in range(20)]
+    (found,) = diagnostic_alarms(fields("winch_controller: mode", messages))
+    assert (found.start, found.end) == (0.0, 20.0)
+    assert found.name.endswith("tried again in 30 s")
+
+
+def test_what_the_controller_has_told_is_not_joined_where_its_figures_differ():
+    messages = ["winch model updated: speed limit 1.2 m/s", "winch model updated: speed limit 1.1 m/s"]
+    found = diagnostic_alarms(fields("winch_controller: alarms", messages))
+    assert [alarm.name.split(": ")[-1] for alarm in found] == ["speed limit 1.2 m/s", "speed limit 1.1 m/s"]
