@@ -126,7 +126,7 @@ def test_segments_of_a_killed_node_go_and_those_of_living_and_stopped_ones_stay(
             owned["stopped"][0].send_signal(signal.SIGSTOP)
             assert all(names for _, names in owned.values())
             deadline = time.monotonic() + 10.0
-            # another command that starts in this moment tries the locks, too, and whoever comes second leaves them alone
+            # another command that starts in this moment tries the locks too; whoever comes second leaves them alone
             while owned["killed"][1] & segments() and time.monotonic() < deadline:
                 remove_dead_segments(minimum_age=0.5)
                 time.sleep(0.1)
