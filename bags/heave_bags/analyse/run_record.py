@@ -284,7 +284,10 @@ def _set_window(record: RunRecord, transient: float) -> None:
     transient = transient if math.isfinite(transient) else 0.0
     record.start = max(transient, first) if first < LONGEST_SIMULATION else first + transient
     if record.start > record.end - SHORTEST_WINDOW:
-        record.notes.append(f"the run ended within its transient of {transient:g} s: the figures cover the whole run")
+        record.notes.append(
+            f"the run ended within its transient of {transient:g} s: the figures cover the whole run "
+            "(a longer --duration, or --set all.transient=60)"
+        )
         record.start, record.is_past_transient = first, False
 
 

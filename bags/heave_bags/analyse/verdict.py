@@ -97,7 +97,7 @@ class Verdict:
         if self.failures:
             head = "verdict: FAILED"
         elif not self.is_judged:
-            head = "verdict: none, the run ended within its transient"
+            head = "verdict: none, the run ended within its transient: a longer --duration, or --set all.transient=60"
         elif self.criteria:
             head = "verdict: passed"
         else:
