@@ -15,9 +15,10 @@ from winch_controller_node.parameters.model import SeaModelParameters
 SHORTEST = 2.0 * SETTLING
 """A shorter record [s] does not tell one sea from another."""
 
-WORTH, FARTHER = 15.0, 60.0
+WORTH, FARTHER = 10.0, 60.0
 """Another sea is believed where it makes the record likelier by a factor of exp(WORTH) at least, and of exp(FARTHER)
-for each factor of e by which its periods differ: two minutes are some fifteen waves, by chance of another period.
+for each factor of e by which its periods differ from those believed at first: two minutes are some fifteen waves, by
+chance of another period.
 """
 
 REFINEMENTS = (1.2, 1.1)
@@ -63,7 +64,7 @@ def _best(
 
     def tried(sea: SeaModelParameters) -> tuple[float, SeaModelParameters]:
         design = design_for(replace(believed, sea=sea), (1.0, 1.0))
-        return likelihood(design, record, tick_period) - FARTHER * distance(sea, seas.in_force), sea
+        return likelihood(design, record, tick_period) - FARTHER * distance(sea, seas.believed), sea
 
     def best_of(trials: Sequence[tuple[float, SeaModelParameters]]) -> tuple[float, SeaModelParameters]:
         return max(trials, key=lambda trial: trial[0])
