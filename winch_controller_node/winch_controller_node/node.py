@@ -127,10 +127,11 @@ class WinchControllerNode(ParticipantNode):
         kpi = outputs.kpi
         if kpi is not None:
             self.kpi.publish_deferred(lambda: conversions.kpi_message(kpi, stamp))
+        time = f"t = {tick.time:.2f} s"
         for words in outputs.alarms:
-            self.get_logger().warning(f"t = {tick.time:.2f} s: {words}")
+            self.get_logger().warning(f"{time}: {words}")
             if not words.startswith("mode "):  # diagnostics tell the mode by itself
-                self._told.setdefault(f"t = {tick.time:.2f} s", []).append(words)
+                self._told.setdefault(time, []).append(words)
         self.move.on_tick(tick.time)
 
     def on_exit(self) -> None:

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Any
 
 import numpy as np
-from heave_node.interface.codes import ALARMS, SensorLevel, WinchFault, WinchLimit
+from heave_node.interface.codes import ALARMS, SensorLevel, WinchFault, WinchLimit, without_figures
 from heave_node.numerics.arrays import Array
 from numpy.typing import NDArray
 
@@ -18,9 +17,6 @@ from heave_bags.signals import RunSignals, Signal
 
 REPEATED = 1.0
 """Time for which a message of /diagnostics holds, until the next [s]."""
-
-_FIGURES = re.compile(r"[0-9.]+")
-"""What changes in a message while what it tells stays the same."""
 
 HOLDS_TENSION = "constant_tension"
 COMPENSATES = ("compensating", HOLDS_TENSION)
@@ -141,7 +137,7 @@ def diagnostic_alarms(diagnostics: Fields) -> list[Interval]:
         for row in np.flatnonzero(levels >= 1):
             label = ": ".join(str(texts[row]) for texts in (names, messages) if texts is not None)
             is_told_once = names is not None and str(names[row]).endswith(f": {ALARMS}")
-            kind = label if is_told_once else _FIGURES.sub("", label)
+            kind = label if is_told_once else without_figures(label)
             _, times = alarms.setdefault((kind, min(int(levels[row]), 2)), (label, []))
             times.append(float(diagnostics.time[row]))
     found: list[Interval] = []

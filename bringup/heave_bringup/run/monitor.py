@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 import time
 from typing import Any
 
@@ -11,7 +10,7 @@ from builtin_interfaces.msg import Time
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from heave_msgs.msg import CableState, CompensationKpi, PointMotion, TickStatus
 from heave_node.interface import topics
-from heave_node.interface.codes import ALARMS
+from heave_node.interface.codes import ALARMS, without_figures
 from heave_node.ros.process import in_namespace
 from heave_node.ros.spin import Spinner
 from heave_node.ros.transport.qos import qos_of
@@ -32,9 +31,6 @@ One that shows itself later is noticed during the run.
 
 ALARMS_PART = f"winch_controller: {ALARMS}"
 """Part in which it tells what it has learnt, and what is not as it should be."""
-
-_FIGURES = re.compile(r"[0-9.]+")
-"""What changes in a message while the fault stays the same."""
 
 
 MODE_PART = "winch_controller: mode"
@@ -165,8 +161,8 @@ class Monitor:
                 self._news += [f"{told.key}: {told.value}" for told in part.values]
             if part.level != DiagnosticStatus.ERROR:
                 self._errors.pop(part.name, None)
-            elif self._errors.get(part.name) != _FIGURES.sub("", part.message):
-                self._errors[part.name] = _FIGURES.sub("", part.message)
+            elif self._errors.get(part.name) != without_figures(part.message):
+                self._errors[part.name] = without_figures(part.message)
                 if part.name.endswith(f": {STRANGERS}"):
                     self.strangers |= dict.fromkeys(part.message.split("; "))
                 self.alarms.append(f"t = {seconds_of(message.header.stamp):.2f} s: {part.name}: {part.message}")

@@ -5,6 +5,7 @@ holds the numbers against the constants of heave_msgs.
 from __future__ import annotations
 
 import enum
+import re
 
 
 class WinchFault(enum.IntEnum):
@@ -68,6 +69,13 @@ COMMANDS, LATE = "commands", "late"
 
 ALARMS = "alarms"
 """Part of the controller's diagnostics with what it has told since the last ones: its words, by time, as values."""
+
+_FIGURES = re.compile(r"[0-9.]+")
+
+
+def without_figures(message: str) -> str:
+    """Return a `message` of diagnostics without what changes in it while it tells the same, as a countdown does."""
+    return _FIGURES.sub("", message)
 
 
 def fault_words(code: int) -> str:

@@ -245,7 +245,7 @@ def sea_that_was_seen(
     off = math.log(wanted / sigma_and_frequency(in_force, vessel)[1])
     if abs(off) < LEAST_CHANGE or (not seen.is_refuted and abs(off) < weight * SCATTER / math.sqrt(seen.waves)):
         return None
-    return as_high_as_seen(_with_frequency(wanted, believed, _changed, vessel), seen, vessel)
+    return as_high_as_seen(_changed(believed, _period_factor(wanted, believed, _changed, vessel), 1.0), seen, vessel)
 
 
 def possible_seas(
@@ -312,10 +312,9 @@ def _of_two_parts(
         variance, rate_variance = seen.heave**2 - heave, (seen.heave * seen.frequency) ** 2 - rate
         if min(variance, rate_variance) <= 0.0:
             continue
-        part = _with_frequency(math.sqrt(rate_variance / variance), alone, changed, vessel)
-        longer = (part.peak_period / alone.peak_period, part.swell.peak_period / alone.swell.peak_period)
-        height = math.sqrt(variance) / sigma_and_frequency(part, vessel)[0]
-        found.append(changed(believed, max(longer, key=lambda factor: abs(math.log(factor))), height))
+        period = _period_factor(math.sqrt(rate_variance / variance), alone, changed, vessel)
+        height = math.sqrt(variance) / sigma_and_frequency(changed(alone, period, 1.0), vessel)[0]
+        found.append(changed(believed, period, height))
     return found
 
 
@@ -344,13 +343,11 @@ def _changed(sea: SeaModelParameters, period: float, height: float) -> SeaModelP
     return _changed_wind(_changed_swell(sea, period, height), period, height)
 
 
-def _with_frequency(
-    frequency: float, sea: SeaModelParameters, changed: Change, vessel: VesselModelParameters
-) -> SeaModelParameters:
-    """Return a `sea` with its periods `changed` so that the boom tip has a mean `frequency` [rad/s]."""
+def _period_factor(frequency: float, sea: SeaModelParameters, changed: Change, vessel: VesselModelParameters) -> float:
+    """Return the factor of the periods of a `sea` as `changed` for a mean `frequency` of the boom tip [rad/s]."""
     low, high = (limit / sea.peak_period for limit in PERIODS)
     for _ in range(24):
         factor = math.sqrt(low * high)
         slower = sigma_and_frequency(changed(sea, factor, 1.0), vessel)[1] < frequency
         low, high = (low, factor) if slower else (factor, high)
-    return changed(sea, factor, 1.0)
+    return factor

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 from winch_controller_node.estimation.loop_estimation import SEA_SENSORS
@@ -10,7 +10,7 @@ from winch_controller_node.estimation.reading_record import RecordedTick
 from winch_controller_node.estimation.sea_adaptation import PossibleSeas, distance, neighbours, no_lower_while_it_grows
 from winch_controller_node.identification.suspicions import SETTLING, Designer, likelihood
 from winch_controller_node.node_parameters import WinchControllerParameters
-from winch_controller_node.parameters.model import SeaModelParameters
+from winch_controller_node.parameters.model import SeaModelParameters, VesselModelParameters
 
 SHORTEST = 2.0 * SETTLING
 """A shorter record [s] does not tell one sea from another."""
@@ -42,36 +42,33 @@ def likeliest_sea(
     design_for : designs for parameters
     tick_period : [s]
     """
+    # its scale and lever arm are known by the motion of the unit alone
+    mru = replace(parameters.sensors.mru, scale_sigma=0.0, lever_arm_sigma=0.0)
+    believed = replace(parameters, sensors=replace(parameters.sensors, use=SEA_SENSORS, mru=mru))
+
+    def told(sea: SeaModelParameters) -> float:
+        design = design_for(replace(believed, sea=sea), (1.0, 1.0))
+        return likelihood(design, record, tick_period) - FARTHER * distance(sea, seas.believed)
+
     found = None
     if len(record) * tick_period >= SHORTEST:
-        found = _best(parameters, seas, record, design_for, tick_period)
+        found = _best(seas, told, parameters.vessel)
     elif seas.others:
         found = seas.others[0]
     return None if found is None else no_lower_while_it_grows(found, seas)
 
 
 def _best(
-    parameters: WinchControllerParameters,
-    seas: PossibleSeas,
-    record: Sequence[RecordedTick],
-    design_for: Designer,
-    tick_period: float,
+    seas: PossibleSeas, told: Callable[[SeaModelParameters], float], vessel: VesselModelParameters
 ) -> SeaModelParameters | None:
-    """Return the sea that foresees a `record` best, or None; parameters as above."""
-    # its scale and lever arm are only known by the unit's motion
-    mru = replace(parameters.sensors.mru, scale_sigma=0.0, lever_arm_sigma=0.0)
-    believed = replace(parameters, sensors=replace(parameters.sensors, use=SEA_SENSORS, mru=mru))
-
-    def tried(sea: SeaModelParameters) -> tuple[float, SeaModelParameters]:
-        design = design_for(replace(believed, sea=sea), (1.0, 1.0))
-        return likelihood(design, record, tick_period) - FARTHER * distance(sea, seas.believed), sea
+    """Return that of the `seas` and neighbours of which most is `told`; None: that in force does about as well."""
 
     def best_of(trials: Sequence[tuple[float, SeaModelParameters]]) -> tuple[float, SeaModelParameters]:
         return max(trials, key=lambda trial: trial[0])
 
-    in_force = tried(seas.in_force)
-    best = best_of([in_force, *(tried(sea) for sea in seas.others)])
+    in_force = (told(seas.in_force), seas.in_force)
+    best = best_of([in_force, *((told(sea), sea) for sea in seas.others)])
     for factor in REFINEMENTS:
-        near = neighbours(best[1], factor, seas.seen, parameters.vessel)
-        best = best_of([best, *(tried(sea) for sea in near)])
+        near = neighbours(best[1], factor, seas.seen, vessel)
+        best = best_of([best, *((told(sea), sea) for sea in near)])
     return best[1] if best[0] > in_force[0] + WORTH else None

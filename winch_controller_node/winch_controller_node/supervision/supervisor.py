@@ -153,7 +153,7 @@ class Supervisor:
                 prospect=self.guard.prospect,
                 speed=winch.speed,
                 authority_limit=min(
-                    UNKNOWN_SEA_SHARE if tick.is_sea_refuted else 1.0,
+                    _known_share(tick),
                     winch.share,
                     self.guard.authority_limit(keeps_limits=self._keeps_limits),
                 ),
@@ -212,7 +212,7 @@ class Supervisor:
     def _tell_share(self, tick: LoopTick, winch: WinchSituation) -> tuple[str, ...]:
         """Return what keeps a part of the sea from being compensated, where it lasts; at most once a minute."""
         causes = {
-            "the sea is not the one that is believed": UNKNOWN_SEA_SHARE if tick.is_sea_refuted else 1.0,
+            "the sea is not the one that is believed": _known_share(tick),
             "the winch does not do what it is sent": winch.share,
         }
         cause, share = min(causes.items(), key=lambda pair: pair[1])
@@ -265,6 +265,11 @@ class Supervisor:
         if not math.isfinite(tick.sensed.filtered_tension):
             return None
         return self.landing.update(time, tick.sensed, mode)
+
+
+def _known_share(tick: LoopTick) -> float:
+    """Return the largest share of the sea that may be compensated with what is known of it."""
+    return UNKNOWN_SEA_SHARE if tick.is_sea_refuted else 1.0
 
 
 def hanging_load(design: ControllerDesign) -> HangingLoad:
