@@ -4,8 +4,10 @@ import numpy as np
 import pytest
 from heave_node.interface.codes import MruStatus, SensorLevel
 from heave_node.interface.sensors import MruReading
+from winch_controller_node.estimation.reading_record import Surprise
 from winch_controller_node.estimation.sensor_health import EncoderGate, SensorGate, SensorTiming, judge_mru
 from winch_controller_node.interface.readings import ScalarReading
+from winch_controller_node.model.estimator import Innovation
 from winch_controller_node.parameters.laws import HealthParameters
 
 DT = 0.05
@@ -64,6 +66,26 @@ def test_a_late_sensor_is_not_stale_while_its_usual_latency_lasts():
         gate.judge(k * DT, (k - 2) * DT, (0.1 * k,))
         gate.tick(k * DT)
         assert gate.level == OK
+
+
+@pytest.mark.parametrize(("is_spike", "level"), [(True, SUSPECT), (False, OK)])
+def test_a_reading_outside_a_gate_is_a_spike_only_where_those_before_were_foreseen(is_spike, level):
+    """A unit whose cable goes slack is not foreseen: that is told once, and the depth sensor is not to blame for it."""
+    gate = make_gate()
+    for k in range(3, 9):
+        gate.judge(k * DT, k * DT, (0.1 * k,))
+        gate.take_back(is_spike=is_spike)
+        assert gate.level == level
+    assert (gate.state(1.0).accepted, gate.state(1.0).refused) == (0, 6)
+
+
+def test_surprise_is_of_the_measurement_that_has_been_foreseen_badly():
+    surprise = Surprise(DT)
+    for nis in 400 * [9.0]:
+        surprise.add({"unit_heave": Innovation(0.3, 0.1, nis, True), "mru_heave": Innovation(0.1, 0.1, 1.0, True)})
+    assert surprise.is_surprised_by("unit_heave")
+    assert not surprise.is_surprised_by("mru_heave")
+    assert not surprise.is_surprised_by("tension")
 
 
 def test_an_mru_that_says_it_is_settling_is_not_used():

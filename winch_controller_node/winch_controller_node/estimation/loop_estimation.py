@@ -140,7 +140,7 @@ class LoopEstimation:
         of_sea = tuple(reading for reading in readings if reading.name in self._sea_rows)
         self.sea_record.add(RecordedTick(number, command.compensating, of_sea))
         self.surprise.add(estimator.innovations)
-        self.observer.learn(estimator)
+        self.observer.learn(estimator, self.surprise)
         self._follow_sea(estimate)
         if measurements.of("load_cell") and math.isfinite(self.observer.tension):
             self._tension.add(self.observer.tension)

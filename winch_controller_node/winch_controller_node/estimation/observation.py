@@ -11,6 +11,7 @@ from heave_node.interface.sensors import MruReading
 from heave_node.numerics.arrays import Array
 
 from winch_controller_node.design.design import ControllerDesign
+from winch_controller_node.estimation.reading_record import Surprise
 from winch_controller_node.estimation.sensor_health import (
     EncoderGate,
     SensorGate,
@@ -150,16 +151,24 @@ class Observer:
             gate.tick(now)
         return [self._without_share(reading, estimator) for reading in taken]
 
-    def learn(self, estimator: KalmanEstimator) -> None:
-        """Take back the samples of which the estimator refused a reading; an MRU's sample holds two."""
-        refused = {
-            estimator.measurements[name].sensor
+    def learn(self, estimator: KalmanEstimator, surprise: Surprise) -> None:
+        """Take back the samples of which the estimator refused a reading; an MRU's sample holds two.
+
+        Parameters
+        ----------
+        estimator : that has taken the readings of this tick in
+        surprise : by them and those before: what has been foreseen badly for long is no spike
+        """
+        # one that came too late to be compared says nothing against the sensor; `stale` does, when they all are
+        refused = [
+            name
             for name, innovation in estimator.innovations.items()
-            # one that came too late to be compared says nothing against the sensor; `stale` does, when they all are
             if not innovation.accepted and math.isfinite(innovation.nis)
-        }
-        for sensor in sorted(refused - {"encoder"}):
-            self.gates[sensor].note_innovation(accepted=False)
+        ]
+        of_sensors = {estimator.measurements[name].sensor for name in refused}
+        spikes = {estimator.measurements[name].sensor for name in refused if not surprise.is_surprised_by(name)}
+        for sensor in sorted(of_sensors - {"encoder"}):
+            self.gates[sensor].take_back(is_spike=sensor in spikes)
 
     def lost(self) -> dict[str, str]:
         """Return why each lost sensor counts as lost, by name."""

@@ -102,6 +102,10 @@ class Surprise:
                 self._means[name] = before + weight * (min(innovation.nis, LARGEST) - before)
         self._time = self._time + self._dt if self.worst[1] > SURPRISING else 0.0
 
+    def is_surprised_by(self, name: str) -> bool:
+        """Tell whether what a measurement of a `name` reads has been foreseen badly of late, not in one reading."""
+        return self._means.get(name, 1.0) > SURPRISING
+
     @property
     def worst(self) -> tuple[str, float]:
         """Measurement that is foreseen worst, and the mean of its normalised innovations squared."""

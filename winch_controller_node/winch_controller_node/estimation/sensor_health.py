@@ -1,7 +1,7 @@
 """Gates in front of the estimator: which readings may be used, and how each sensor is seen.
 
 A reading is refused for what can be told from it alone: not a number, a status of the sensor's own, a stamp that
-cannot be, a value that does not change. What only the estimate can tell (spike, jump) comes back from the innovations.
+cannot be, a value that does not change. What only the estimate can tell (a spike) comes back from the innovations.
 """
 
 from __future__ import annotations
@@ -105,11 +105,19 @@ class SensorGate:
         self._accept()
         return True
 
-    def note_innovation(self, accepted: bool) -> None:
-        """Take back what the estimator said of the newest reading: `accepted`, inside its gate, or outside."""
-        if not accepted:
-            self._accepted -= 1
-            self._refuse("spike" if self._bad_in_a_row < BAD_IN_A_ROW else "jump")
+    def take_back(self, *, is_spike: bool) -> None:
+        """Take back the newest reading: it is outside the estimator's gate.
+
+        Parameters
+        ----------
+        is_spike : such readings have been foreseen well until now; where they have not, which is told otherwise, one
+            more says nothing new of the sensor
+        """
+        before = (self.level, self.reason)
+        self._accepted -= 1
+        self._refuse("spike")
+        if not is_spike:
+            self.level, self.reason = before
 
     def show_for(self, samples: int) -> None:
         """Let what was just refused be seen until `samples` good readings have come."""
