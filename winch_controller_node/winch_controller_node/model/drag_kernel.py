@@ -50,7 +50,7 @@ def kept_speed(drag: Drag, speed: float, time: float) -> float:
 
 @kernel
 def with_drag(drag: Drag, x: Array, F: Array, B: Array, Q: Array) -> tuple[Array, Array, Array]:
-    """Return F (n, n), B (n,) and noise Q (n, n) of a step from a state x (n,) under a `drag`; as given for a slow unit."""
+    """Return F (n, n), B (n,) and noise Q (n, n) of a step from a state x (n,) with `drag`; a slow unit has none."""
     rate, speed = drag.rate, abs(x[drag.rate])
     excess = excess_damping(drag, speed)
     if excess == 0.0:
