@@ -1,34 +1,123 @@
-"""The two filters of one step: the compiled one is filterpy's, and can be exchanged for it."""
+"""The two Kalman filters: the compiled one is that on filterpy's, and can be exchanged for it."""
+
+import math
 
 import numpy as np
 import pytest
 from heave_bringup.closed_loop import ClosedLoop, loop_parameters
 from heave_bringup.scenarios import load_scenario
+from heave_node.numerics.linear_model import linear_model
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from winch_controller_node.model.kalman import CompiledKalmanFilter, ReferenceKalmanFilter
+from winch_controller_node.model.drag_kernel import Drag
+from winch_controller_node.model.estimator import KalmanEstimator, Measurement, MeasurementModel, RecordedTick
 from winch_controller_node.model.kalman_kernel import corrected_covariance, filter_gain
+
+STATES = ("heave", "rate", "scale", "lever", "bias")
+SENSORS = ("heave", "scaled", "rate", "ungated")
+
+
+def estimator(implementation, seed, *, drag):
+    """Return an estimator of a random stable model, whose memory is short and which gives a sensor up soon."""
+    random = np.random.default_rng(seed)
+    A = random.standard_normal((5, 5))
+    A *= 0.95 / np.max(np.abs(np.linalg.eigvals(A)))
+    model = linear_model(
+        A,
+        states=STATES,
+        inputs={"u": random.standard_normal(5)},
+        noises={f"w{i}": 0.3 * column for i, column in enumerate(random.standard_normal((5, 5)))},
+        dt=0.05,
+    )
+    measurements = [
+        MeasurementModel(
+            name,
+            name,
+            random.standard_normal(5),
+            random.uniform(0.1, 1.0),
+            scale_state=2 if name == "scaled" else None,
+            is_gated=name != "ungated",
+        )
+        for name in SENSORS
+    ]
+    return KalmanEstimator(
+        model,
+        measurements,
+        np.eye(5),
+        gate=9.0,
+        gate_limit=3,
+        largest_age=4,
+        implementation=implementation,
+        drag=Drag(1, inertia=2.0, damping=0.1, quadratic=0.5, tick_period=0.05) if drag else None,
+    )
+
+
+readings = st.builds(
+    lambda name, value, age, sigma, offset, lever: (name, value, age, sigma, offset, lever),
+    st.sampled_from(SENSORS),
+    st.one_of(st.floats(-3.0, 3.0), st.sampled_from([100.0, 101.0, math.nan, math.inf, 1e200])),
+    st.one_of(st.just(0), st.integers(-1, 6)),
+    st.one_of(st.none(), st.floats(0.1, 1.0)),
+    st.one_of(st.just(0.0), st.floats(-0.5, 0.5)),
+    st.one_of(st.just({}), st.fixed_dictionaries({"lever": st.floats(-0.2, 0.2), "not_a_state": st.just(1.0)})),
+)
+"""Of any sensor: near its prediction or absurd, in time or late by up to more than is kept, stated noise or not."""
+
+ticks = st.lists(st.tuples(st.integers(1, 3), st.floats(-1.0, 1.0), st.lists(readings, max_size=7)), max_size=25)
+"""Ticks with what was left out before them, command, and readings: more of one than there is place for at first."""
+
+
+def recorded(told):
+    """Return a list of ticks as a record."""
+    record, number = [], 0
+    for step, command, delivered in told:
+        number += step
+        taken = tuple(
+            Measurement(name, value, number - age, sigma, offset, lever)
+            for name, value, age, sigma, offset, lever in delivered
+        )
+        record.append(RecordedTick(number, command, taken))
+    return record
+
+
+@settings(max_examples=150, deadline=None)
+@given(told=ticks, seed=st.integers(0, 2**16), drag=st.booleans())
+def test_the_compiled_filter_estimates_and_judges_as_the_reference_does(told, seed, drag):
+    """Late readings, missing and absurd ones, streams, bilinear scales, weights of other states, another noise.
+
+    filterpy takes readings one after the other, the compiled filter those of a tick at once.
+    """
+    ours, peer = (estimator(implementation, seed, drag=drag) for implementation in ("compiled", "filterpy"))
+    for tick in recorded(told):
+        for one in (ours, peer):
+            one.step(tick.number, tick.command, tick.readings)
+            if tick.number % 5 == 0:
+                one.set_process_noise((1.0 + tick.number) * 0.1 * np.eye(5))
+        scale = 1.0 + np.max(np.abs(peer.estimate))
+        np.testing.assert_allclose(ours.estimate, peer.estimate, rtol=0.0, atol=1e-9 * scale)
+        np.testing.assert_allclose(
+            ours.covariance, peer.covariance, atol=1e-9 * (1.0 + np.max(np.abs(peer.covariance)))
+        )
+        assert list(ours.innovations) == list(peer.innovations)
+        for name, innovation in ours.innovations.items():
+            assert innovation.accepted == peer.innovations[name].accepted
+            assert innovation.value == pytest.approx(peer.innovations[name].value, rel=1e-8, abs=1e-8, nan_ok=True)
+            assert innovation.nis == pytest.approx(peer.innovations[name].nis, rel=1e-6, abs=1e-8, nan_ok=True)
+        assert ours.refusals == peer.refusals
+        assert ours.streams == pytest.approx(peer.streams, rel=1e-8, abs=1e-8)
 
 
 @settings(max_examples=30, deadline=None)
-@given(n=st.integers(1, 9), m=st.integers(1, 4), seed=st.integers(0, 2**16))
-def test_the_compiled_steps_are_those_of_filterpy(n, m, seed):
-    """filterpy takes scalar readings one after the other, the compiled filter all of them at once."""
-    rng = np.random.default_rng(seed)
-    F, B = 0.4 * rng.standard_normal((n, n)), rng.standard_normal((n, 1))
-    root = rng.standard_normal((n, n))
-    ours, peer = CompiledKalmanFilter(n), ReferenceKalmanFilter(n)
-    for kalman in (ours, peer):
-        kalman.set_model(F, B, root @ root.T)
-        kalman.set_state(np.ones(n), np.eye(n))
-    for _ in range(5):
-        H, z, variances = rng.standard_normal((m, n)), rng.standard_normal(m), rng.uniform(0.1, 2.0, m)
-        for kalman in (ours, peer):
-            kalman.predict(0.7)
-            kalman.correct(z, H, variances)
-    scale = np.max(np.abs(peer.P))
-    np.testing.assert_allclose(ours.x, peer.x, atol=1e-10 * (1.0 + np.max(np.abs(peer.x))))
-    np.testing.assert_allclose(ours.P, peer.P, atol=1e-10 * scale)
+@given(told=ticks, seed=st.integers(0, 2**16), implementation=st.sampled_from(["compiled", "filterpy"]))
+def test_a_record_gives_to_the_bit_what_its_ticks_give_one_by_one(told, seed, implementation):
+    stepped, followed = (estimator(implementation, seed, drag=True) for _ in range(2))
+    innovations = []
+    for tick in recorded(told):
+        stepped.step(tick.number, tick.command, tick.readings)
+        innovations.append(stepped.innovations)
+    assert str(followed.follow(recorded(told))) == str(innovations)
+    np.testing.assert_array_equal(followed.estimate, stepped.estimate)
+    np.testing.assert_array_equal(followed.covariance, stepped.covariance)
 
 
 def test_josephs_form_with_the_optimal_gain_is_the_short_form():
@@ -40,18 +129,17 @@ def test_josephs_form_with_the_optimal_gain_is_the_short_form():
     np.testing.assert_allclose(corrected_covariance(P, K, H, variances), P - K @ H @ P, atol=1e-12 * np.max(P))
 
 
-def test_a_state_that_was_given_is_never_changed():
-    """The estimator keeps what it was given, to go back to when a reading comes late."""
-    for kalman in (CompiledKalmanFilter(3), ReferenceKalmanFilter(3)):
-        x, P = np.ones(3), np.eye(3)
-        kalman.set_model(0.5 * np.eye(3), np.ones((3, 1)), np.eye(3))
-        kalman.set_state(x, P)
-        kept = kalman.x, kalman.P
-        copies = kalman.x.copy(), kalman.P.copy()
-        kalman.predict(1.0)
-        kalman.correct(np.array([2.0]), np.array([[1.0, 0.0, 0.0]]), np.array([0.1]))
-        for array, copy in zip((*kept, x, P), (*copies, np.ones(3), np.eye(3)), strict=True):
-            np.testing.assert_array_equal(array, copy)
+@pytest.mark.parametrize("implementation", ["compiled", "filterpy"])
+def test_an_estimate_that_was_given_is_never_changed(implementation):
+    """Whoever keeps an estimate keeps that of its tick, also when a reading of that tick comes late."""
+    kalman, kept = estimator(implementation, 1, drag=True), []
+    for number in range(1, 12):
+        late = Measurement("heave", 0.1 * number, max(number - 2, 1))
+        kalman.step(number, 0.3, [late])
+        kept.append((kalman.estimate, kalman.covariance, kalman.estimate.copy(), kalman.covariance.copy()))
+    for x, P, x_then, P_then in kept:
+        np.testing.assert_array_equal(x, x_then)
+        np.testing.assert_array_equal(P, P_then)
 
 
 def test_the_loop_of_the_thesis_runs_on_filterpy_as_on_the_compiled_filter():
@@ -68,8 +156,8 @@ def test_the_loop_of_the_thesis_runs_on_filterpy_as_on_the_compiled_filter():
     np.testing.assert_allclose(orders["filterpy"], orders["compiled"], atol=1e-6)
 
 
-@pytest.mark.parametrize("filter_type", [CompiledKalmanFilter, ReferenceKalmanFilter])
-def test_a_filter_starts_at_zero_with_the_unit_covariance(filter_type):
-    kalman = filter_type(4)
-    np.testing.assert_array_equal(kalman.x, np.zeros(4))
-    np.testing.assert_array_equal(kalman.P, np.eye(4))
+@pytest.mark.parametrize("implementation", ["compiled", "filterpy"])
+def test_a_model_with_other_states_or_measurements_needs_a_new_estimator(implementation):
+    kalman = estimator(implementation, 1, drag=False)
+    with pytest.raises(ValueError, match="needs a new estimator"):
+        kalman.set_model(kalman.model, list(kalman.measurements.values())[1:])

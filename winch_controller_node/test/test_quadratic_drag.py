@@ -7,7 +7,7 @@ from heave_node.numerics.linear_sampling import discretise
 from scipy.integrate import solve_ivp
 from winch_controller_node.model.blocks import CableModel, cable_block
 from winch_controller_node.model.estimator import KalmanEstimator
-from winch_controller_node.model.quadratic_drag import DragFollower, ShadowUnit
+from winch_controller_node.model.quadratic_drag import ShadowUnit, unit_drag
 
 CABLE = CableModel(a=1.12, b=0.06, drag=0.2)
 """A unit of 12 t on 1,500 m of wire."""
@@ -29,10 +29,10 @@ def quadrature(start: Array, times: Array, amplitude: float = 0.0) -> Array:
     return heave
 
 
-def hanging_unit() -> KalmanEstimator:
-    """Return an estimator of a unit without sensors, below a boom tip at rest."""
+def hanging_unit(*, is_followed: bool = True) -> KalmanEstimator:
+    """Return an estimator of a unit without sensors, below a boom tip at rest; its drag `is_followed`."""
     model = discretise(cable_block(CABLE), DT).select_states(("unit_heave", "unit_heave_rate"))
-    return KalmanEstimator(model, [], np.eye(2))
+    return KalmanEstimator(model, [], np.eye(2), drag=unit_drag(model, CABLE) if is_followed else None)
 
 
 def test_the_locked_unit_in_resonance_swings_as_far_as_quadratic_drag_lets_it():
@@ -50,38 +50,30 @@ def test_the_locked_unit_in_resonance_swings_as_far_as_quadratic_drag_lets_it():
 
 def test_an_estimator_foresees_a_large_free_swing():
     estimator = hanging_unit()
-    drag = DragFollower(estimator.model, CABLE)
     estimator.reset(np.array([3.0, 0.0]))
-    times, heave = DT * np.arange(800), []
-    for tick in range(800):
-        drag.follow(estimator)
-        heave.append(estimator.step(tick, 0.0, [])[0])
+    times = DT * np.arange(800)
+    heave = [estimator.step(tick, 0.0, [])[0] for tick in range(800)]
     assert np.array(heave) == pytest.approx(quadrature(np.array([3.0, 0.0]), times), abs=0.02)
 
 
 def test_a_slow_unit_is_foreseen_by_the_model_alone():
     """0.2 m/s is where the drag becomes more than the linear damping of this unit, at 0.3 m/s, and it decays."""
-    plain, followed = hanging_unit(), hanging_unit()
-    drag = DragFollower(followed.model, CABLE)
+    plain, followed = hanging_unit(is_followed=False), hanging_unit()
     for estimator in (plain, followed):
         estimator.reset(np.array([0.2, 0.0]))
     for tick in range(200):
-        drag.follow(followed)
         assert np.array_equal(followed.step(tick, 0.0, []), plain.step(tick, 0.0, []))
         assert np.array_equal(followed.covariance, plain.covariance)
 
 
 def test_a_unit_that_has_become_slow_has_the_models_own_damping_again():
-    estimator, plain = hanging_unit(), hanging_unit()
-    drag = DragFollower(estimator.model, CABLE)
+    estimator, plain = hanging_unit(), hanging_unit(is_followed=False)
     estimator.reset(np.array([3.0, 0.0]))
     for tick in range(3):
-        drag.follow(estimator)
         estimator.step(tick, 0.0, [])
     for one in (estimator, plain):
         one.reset(np.array([0.1, 0.0]))
     for tick in range(3, 20):
-        drag.follow(estimator)
         assert np.array_equal(estimator.step(tick, 0.0, []), plain.step(tick, 0.0, []))
 
 
@@ -89,10 +81,8 @@ def test_what_drag_is_in_doubt_of_makes_the_estimate_of_a_fast_unit_less_sure():
     variances = []
     for speed in (0.0, 1.0, 2.0):
         estimator = hanging_unit()
-        drag = DragFollower(estimator.model, CABLE)
         estimator.reset(np.array([0.0, speed]), np.zeros((2, 2)))
         for tick in range(3):
-            drag.follow(estimator)
             estimator.step(tick, 0.0, [])
         variances.append(estimator.covariance[1, 1])
     assert variances[0] == 0.0 < variances[1] < variances[2]

@@ -8,9 +8,9 @@ import pytest
 from heave_node.numerics.linear_model import covariance_factor
 from heave_node.parameters import build_parameters
 from winch_controller_node.design.design import design_controller
-from winch_controller_node.estimation.reading_record import RECORD, ReadingRecord, RecordedTick, Surprise
+from winch_controller_node.estimation.reading_record import RECORD, ReadingRecord, Surprise
 from winch_controller_node.identification.suspicions import suspect
-from winch_controller_node.model.estimator import Innovation, Measurement
+from winch_controller_node.model.estimator import Innovation, Measurement, RecordedTick
 from winch_controller_node.node_parameters import WinchControllerParameters
 
 DT = 0.05

@@ -26,6 +26,7 @@ from winch_controller_node.laws.parts.governor import CommandGovernor
 from winch_controller_node.laws.parts.winch_limits import WinchLimits, winch_limits
 from winch_controller_node.laws.registry import LAWS, make_law
 from winch_controller_node.model.blocks import CableModel
+from winch_controller_node.model.drag_kernel import Drag
 from winch_controller_node.model.estimator import KalmanEstimator, MeasurementModel
 from winch_controller_node.model.lqr import DesignError, QuadraticCost, check_detectable
 from winch_controller_node.model.models import (
@@ -36,6 +37,7 @@ from winch_controller_node.model.models import (
     cable_model,
     sea_noise_covariance,
 )
+from winch_controller_node.model.quadratic_drag import unit_drag
 from winch_controller_node.model.regulator import full_gain, is_sea_state, is_sensor_state, weighted_cost
 from winch_controller_node.node_parameters import WinchControllerParameters
 
@@ -108,7 +110,13 @@ class ControllerDesign:
             gate_limit=estimator.gate_limit,
             largest_age=round(estimator.largest_age / self.tick_period),
             implementation=estimator.implementation,
+            drag=self.drag,
         )
+
+    @property
+    def drag(self) -> Drag:
+        """Drag of the unit in the model."""
+        return unit_drag(self.model, self.cable)
 
     @property
     def limits(self) -> WinchLimits:

@@ -15,7 +15,7 @@ from winch_controller_node.design.design import ControllerDesign
 from winch_controller_node.estimation.handover import hand_over, hand_over_standing
 from winch_controller_node.estimation.loop_tick import CommandShares, LoopTick, Sensed
 from winch_controller_node.estimation.observation import Observer
-from winch_controller_node.estimation.reading_record import SEA_RECORD, ReadingRecord, RecordedTick, Surprise
+from winch_controller_node.estimation.reading_record import SEA_RECORD, ReadingRecord, Surprise
 from winch_controller_node.estimation.sea_adaptation import (
     FIRST_WAVES,
     PossibleSeas,
@@ -25,9 +25,9 @@ from winch_controller_node.estimation.sea_adaptation import (
 from winch_controller_node.estimation.tension_filter import TensionFilter
 from winch_controller_node.interface.readings import Measurements
 from winch_controller_node.interface.sensors import DEPTH_BIAS, KnownSensors
-from winch_controller_node.model.estimator import KalmanEstimator, Measurement
+from winch_controller_node.model.estimator import KalmanEstimator, Measurement, RecordedTick
 from winch_controller_node.model.loop_rows import loop_rows
-from winch_controller_node.model.quadratic_drag import DragFollower, ShadowUnit
+from winch_controller_node.model.quadratic_drag import ShadowUnit
 from winch_controller_node.motion.mean_motion import MeanMotion
 
 SEA_SENSORS = ("mru", "encoder")
@@ -70,14 +70,13 @@ class LoopEstimation:
         self.observer.take_design(design)
         self._rows = loop_rows(design.model)
         self._shadow.take_cable(design.cable, design.tick_period)
-        self._drag = DragFollower(design.model, design.cable)
         self._sea.refer_to(design)
 
     # another design
 
     def take_design(self, design: ControllerDesign) -> None:
         """Go on with a design of the same states, each of which means the same."""
-        self.estimator.set_model(design.model, design.measurements)
+        self.estimator.set_model(design.model, design.measurements, design.drag)
         self.forget_readings()
         self._refer_to(design)
 
@@ -134,7 +133,6 @@ class LoopEstimation:
         rows = self._rows
         rate = float(rows.payout_rate @ (estimator.estimate + mean_state)) + rows.payout_rate_through * command.total
         readings = self.observer.observe(number, measurements, estimator, rate, unit_stands=unit_stands)
-        self._drag.follow(estimator)
         estimate = estimator.step(number, command.compensating, readings)
         self.record.add(RecordedTick(number, command.compensating, (*readings, *self.observer.witnessed)))
         of_sea = tuple(reading for reading in readings if reading.name in self._sea_rows)
@@ -189,7 +187,6 @@ class LoopEstimation:
         heave, rate = self._rows.tip @ estimate
         noise = self._sea.update(float(heave), float(rate))
         if noise is not None:
-            self._drag.take_noise(noise)
             self.estimator.set_process_noise(noise)
 
     @property

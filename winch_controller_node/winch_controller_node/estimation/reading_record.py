@@ -5,9 +5,8 @@ from __future__ import annotations
 import math
 from collections import deque
 from collections.abc import Mapping
-from dataclasses import dataclass
 
-from winch_controller_node.model.estimator import Innovation, Measurement
+from winch_controller_node.model.estimator import Innovation, RecordedTick
 
 RECORD, SEA_RECORD = 60.0, 120.0
 """Length of the record of all sensors, and of that of those which tell the sea [s]."""
@@ -23,22 +22,6 @@ LARGEST = 25.0
 
 ENCODER_ROW = "payout"
 """Readings of the encoder are not judged: the winch is identified by them."""
-
-
-@dataclass(frozen=True)
-class RecordedTick:
-    """What the estimator was told at a tick.
-
-    Attributes
-    ----------
-    number : of the tick
-    command : of the tick before
-    readings : delivered at it
-    """
-
-    number: int
-    command: float
-    readings: tuple[Measurement, ...]
 
 
 class ReadingRecord:

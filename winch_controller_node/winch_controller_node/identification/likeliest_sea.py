@@ -6,9 +6,9 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 from winch_controller_node.estimation.loop_estimation import SEA_SENSORS
-from winch_controller_node.estimation.reading_record import RecordedTick
 from winch_controller_node.estimation.sea_adaptation import PossibleSeas, distance, neighbours, no_lower_while_it_grows
 from winch_controller_node.identification.suspicions import SETTLING, Designer, likelihood
+from winch_controller_node.model.estimator import RecordedTick
 from winch_controller_node.node_parameters import WinchControllerParameters
 from winch_controller_node.parameters.model import SeaModelParameters, VesselModelParameters
 

@@ -8,16 +8,15 @@ foreseen, names what is at fault.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from winch_controller_node.design.design import ControllerDesign
-from winch_controller_node.estimation.reading_record import ENCODER_ROW, ReadingRecord, RecordedTick
+from winch_controller_node.estimation.reading_record import ENCODER_ROW, ReadingRecord
 from winch_controller_node.interface.sensors import KnownSensors
-from winch_controller_node.model.estimator import KalmanEstimator
-from winch_controller_node.model.quadratic_drag import DragFollower
+from winch_controller_node.model.estimator import KalmanEstimator, Measurement, RecordedTick
 from winch_controller_node.node_parameters import WinchControllerParameters
 
 SETTLING = 15.0
@@ -79,14 +78,13 @@ class Verdict:
     ----------
     suspicion : that holds
     design : for it
-    estimator, drag : that has gone through the record under it, and what its unit's drag follows
+    estimator : that has gone through the record under it
     last : number of the last tick that it knows
     """
 
     suspicion: Suspicion
     design: ControllerDesign
     estimator: KalmanEstimator
-    drag: DragFollower
     last: int
 
 
@@ -140,8 +138,7 @@ def likelihood(design: ControllerDesign, record: Sequence[RecordedTick], tick_pe
 
 def continued(verdict: Verdict, record: ReadingRecord) -> KalmanEstimator:
     """Return the estimator of a `verdict` that doubts no sensor, after the ticks of `record` that have come since."""
-    for tick in record.ticks(verdict.last):
-        _step(verdict.estimator, verdict.drag, tick, {})
+    verdict.estimator.follow(record.ticks(verdict.last))
     return verdict.estimator
 
 
@@ -209,38 +206,37 @@ class _Trial:
 
 def _tried(suspicion: Suspicion, design: ControllerDesign, record: Sequence[RecordedTick], first_judged: int) -> _Trial:
     """Go through a `record` under a `suspicion`, and judge its readings from a tick on."""
-    estimator, doubted = design.make_estimator(), _sizes(suspicion.doubted, record)
-    drag = DragFollower(design.model, design.cable)
+    estimator = design.make_estimator()
     likelihood = 0.0
     squares: dict[str, list[float]] = {}
-    for tick in record:
-        _step(estimator, drag, tick, doubted)
+    followed = estimator.follow(_with_doubt(suspicion.doubted, record))
+    for tick, innovations in zip(record, followed, strict=True):
         if tick.number < first_judged:
             continue
-        for name, innovation in estimator.innovations.items():
+        for name, innovation in innovations.items():
             if math.isfinite(innovation.nis):
                 nis = min(innovation.nis, LARGEST_NIS)
                 likelihood -= 0.5 * nis + math.log(innovation.sigma)
                 squares.setdefault(name, []).append(nis)
     # the winch is identified by the encoder, which is right where the model of the winch is not
     worst = max((float(np.mean(values)) for name, values in squares.items() if name != ENCODER_ROW), default=1.0)
-    return _Trial(likelihood, worst, Verdict(suspicion, design, estimator, drag, record[-1].number))
+    return _Trial(likelihood, worst, Verdict(suspicion, design, estimator, record[-1].number))
 
 
-def _step(estimator: KalmanEstimator, drag: DragFollower, tick: RecordedTick, doubted: Mapping[str, float]) -> None:
-    """Tell an estimator what was read at a tick; readings of a measurement that is `doubted` have its noise."""
-    readings = [
-        replace(reading, sigma=doubted[reading.name]) if reading.name in doubted else reading
-        for reading in tick.readings
-    ]
-    drag.follow(estimator)
-    estimator.step(tick.number, tick.command, readings)
+def _with_doubt(sensor: str, record: Sequence[RecordedTick]) -> Sequence[RecordedTick]:
+    """Return a `record` in which all that a sensor read may be noise; empty: none is doubted."""
+    if not sensor:
+        return record
+    sizes = _sizes(sensor, record)
+
+    def doubted(reading: Measurement) -> Measurement:
+        return replace(reading, sigma=sizes[reading.name]) if reading.name in sizes else reading
+
+    return [replace(tick, readings=[doubted(reading) for reading in tick.readings]) for tick in record]
 
 
 def _sizes(sensor: str, record: Sequence[RecordedTick]) -> dict[str, float]:
-    """Return the standard deviations of what a sensor read, by measurement: all of it may be noise."""
-    if not sensor:
-        return {}
+    """Return the standard deviations of what a sensor read, by measurement."""
     values: dict[str, list[float]] = {row.name: [] for row in KnownSensors().by_name()[sensor].rows()}
     for tick in record:
         for reading in tick.readings:

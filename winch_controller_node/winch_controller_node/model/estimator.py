@@ -8,15 +8,17 @@ reading come at once. The filter of one step is one of `kalman`.
 from __future__ import annotations
 
 import math
-from collections import deque
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import islice
 
 import numpy as np
 from heave_node.numerics.arrays import Array
 from heave_node.numerics.linear_model import LinearModel
 
-from winch_controller_node.model.kalman import IMPLEMENTATIONS, StepFilter
+from winch_controller_node.model.drag_kernel import Drag
+from winch_controller_node.model.kalman import IMPLEMENTATIONS, KalmanFilter
+from winch_controller_node.model.kalman_kernel import WEIGHTS, WHICH, FilterModel, Gate, Told
 
 
 @dataclass(frozen=True)
@@ -80,19 +82,20 @@ class Innovation:
     accepted: bool
 
 
-@dataclass
-class _Tick:
-    """What the filter keeps of one tick: the prediction for it, the readings used, the command that followed."""
+@dataclass(frozen=True)
+class RecordedTick:
+    """What the estimator is told at a tick.
 
-    tick: int
-    x: Array
-    P: Array
-    readings: list[Measurement]
-    command: float = 0.0
+    Attributes
+    ----------
+    number : of the tick
+    command : of the tick before
+    readings : delivered at it
+    """
 
-
-_Linear = tuple[Measurement, Array, float]
-"""A reading, its row and its prediction at the estimate that it was linearised at."""
+    number: int
+    command: float
+    readings: Sequence[Measurement]
 
 
 class KalmanEstimator:
@@ -106,11 +109,11 @@ class KalmanEstimator:
     gate : normalised innovation squared above which a reading of a gated measurement is refused
     gate_limit : refusals in a row after which the next reading is taken, and the initial covariance added
     largest_age : ticks; older readings are refused
-    implementation : of the filter of one step: "compiled", or "filterpy" for the reference
+    implementation : of the filter: "compiled", or "filterpy" for the reference
+    drag : of the unit, whose damping then follows the speed it is seen to have; None: that of the model alone
 
     `estimate`, shape (n,), and `covariance`, shape (n, n), are those after the last step; `innovations` those of the
-    readings given to it, by name (the newest of each); `streams` the innovation of the last accepted reading, by name:
-    what continues it is believed.
+    readings given to it, by name (the newest of each).
     """
 
     def __init__(
@@ -123,18 +126,13 @@ class KalmanEstimator:
         gate_limit: int = 100,
         largest_age: int = 20,
         implementation: str = "compiled",
+        drag: Drag | None = None,
     ) -> None:
-        self.model = model
-        self.measurements = {measurement.name: measurement for measurement in measurements}
-        self._initial_covariance = initial_covariance
-        self._gate = gate
-        self._gate_limit = gate_limit
-        self._past: deque[_Tick] = deque(maxlen=largest_age + 1)
-        self._filter: StepFilter = IMPLEMENTATIONS[implementation](model.order)
+        self._gate = Gate(gate, gate_limit, np.ascontiguousarray(initial_covariance, dtype=float))
+        self._kept = largest_age + 1
+        self._implementation = IMPLEMENTATIONS[implementation]
         self.innovations: dict[str, Innovation] = {}
-        self.refusals: dict[str, int] = dict.fromkeys(self.measurements, 0)
-        self.streams: dict[str, float] = {}
-        self.set_model(model)
+        self._refer_to(model, measurements, drag)
         self.reset()
 
     @property
@@ -150,7 +148,18 @@ class KalmanEstimator:
     @property
     def tick(self) -> int | None:
         """Tick of the estimate; None before the first."""
-        return self._past[-1].tick if self._past else None
+        return self._filter.tick
+
+    @property
+    def streams(self) -> dict[str, float]:
+        """Innovation of the last accepted reading, by name: what continues it is believed."""
+        found = zip(self.measurements, self._filter.streams.tolist(), strict=True)
+        return {name: stream for name, stream in found if not math.isnan(stream)}
+
+    @property
+    def refusals(self) -> dict[str, int]:
+        """Number of readings that were refused in a row, by name."""
+        return dict(zip(self.measurements, self._filter.refusals.tolist(), strict=True))
 
     def value(self, output: str) -> float:
         """Return the estimate of an output of the model."""
@@ -161,40 +170,50 @@ class KalmanEstimator:
 
         Newton's formula over two ticks ahead; what a command changes within them is left to its delay.
         """
-        known, offset = self.measurements.get(reading.name), reading.offset
-        # what is only witnessed is an output of the model
-        row = self.model.row(reading.name) if known is None else known.row
-        if offset == 0.0:
-            return row
-        change = row @ self.model.A - row
-        bend = change @ self.model.A - change
-        return np.asarray(row + offset * change + 0.5 * offset * (offset - 1.0) * bend)
+        offset, which = reading.offset, self._which.get(reading.name)
+        if which is None:
+            # what is only witnessed is an output of the model
+            row, change, bend = _with_differences(self.model.row(reading.name), self.model)
+        else:
+            table = self._filter_model
+            row, change, bend = table.rows[which], table.changes[which], table.bends[which]
+        return np.asarray(row + offset * change + 0.5 * offset * (offset - 1.0) * bend) if offset != 0.0 else row
 
-    def set_model(self, model: LinearModel, measurements: Sequence[MeasurementModel] | None = None) -> None:
-        """Go on with another model of the same states (gain schedule); the estimate stays.
+    def set_model(self, model: LinearModel, measurements: Sequence[MeasurementModel], drag: Drag | None = None) -> None:
+        """Go on with another model of the same states, measurements and drag (gain schedule); the estimate stays.
 
-        `measurements` of the new model; None: the present ones.
-
-        Raises ValueError for a model with other states.
+        Raises ValueError for a model with other states, or other names of measurements.
         """
-        if model.state_names != self.model.state_names:
-            raise ValueError("a model with different states needs a new estimator")
+        names = [measurement.name for measurement in measurements]
+        if model.state_names != self.model.state_names or names != list(self.measurements):
+            raise ValueError("a model with different states or measurements needs a new estimator")
+        self._refer_to(model, measurements, drag)
+        self._filter.model = self._filter_model
+
+    def _refer_to(self, model: LinearModel, measurements: Sequence[MeasurementModel], drag: Drag | None) -> None:
         self.model = model
-        if measurements is not None:
-            self.measurements = {measurement.name: measurement for measurement in measurements}
-        self._filter.set_model(model.A, model.B, model.noise_covariance)
+        self.measurements = {measurement.name: measurement for measurement in measurements}
+        self._which = {name: index for index, name in enumerate(self.measurements)}
+        self._sigmas = [measurement.sigma for measurement in measurements]
+        differences = [_with_differences(measurement.row, model) for measurement in measurements]
+        rows, changes, bends = np.array(differences).reshape(-1, 3, model.order).transpose(1, 0, 2).copy()
+        scale_states = [-1 if known.scale_state is None else known.scale_state for known in measurements]
+        self._filter_model = FilterModel(
+            F=np.ascontiguousarray(model.A),
+            B=np.ascontiguousarray(model.B[:, 0]),
+            Q=np.ascontiguousarray(model.noise_covariance),
+            drag=drag or Drag(),
+            rows=rows,
+            changes=changes,
+            bends=bends,
+            scale_states=np.array(scale_states, dtype=np.int64),
+            is_gated=np.array([known.is_gated for known in measurements], dtype=np.bool_),
+        )
 
     def set_process_noise(self, covariance: Array) -> None:
         """Use another covariance of the process noise of a tick, shape (n, n), until the next model."""
-        self._filter.set_model(self.model.A, self.model.B, covariance)
-
-    def set_step(self, transition: Array, command: Array, covariance: Array) -> None:
-        """Take ticks with other matrices than the model's, until the next model or process noise.
-
-        `transition` and `covariance` of the process noise of a tick, shape (n, n); `command` multiplies the input,
-        shape (n, 1).
-        """
-        self._filter.set_model(transition, command, covariance)
+        self._filter_model = self._filter_model._replace(Q=np.ascontiguousarray(covariance))
+        self._filter.model = self._filter_model
 
     def reset(
         self,
@@ -206,15 +225,17 @@ class KalmanEstimator:
 
         `streams` are those of an estimator that this one takes the place of.
         """
-        n = self.model.order
-        self._filter.set_state(
-            np.zeros(n) if estimate is None else np.array(estimate, dtype=float),
-            np.array(self._initial_covariance if covariance is None else covariance, dtype=float),
+        self._filter: KalmanFilter = self._implementation(
+            self._filter_model,
+            self._gate,
+            self._kept,
+            np.zeros(self.model.order) if estimate is None else np.array(estimate, dtype=float),
+            np.array(self._gate.added if covariance is None else covariance, dtype=float, order="C"),
         )
-        self._past.clear()
         self.innovations = {}
-        self.refusals = dict.fromkeys(self.measurements, 0)
-        self.streams = dict(streams or {})
+        for name, stream in (streams or {}).items():
+            if name in self._which:
+                self._filter.streams[self._which[name]] = stream
 
     def step(self, tick: int, command: float, readings: Sequence[Measurement]) -> Array:
         """Advance to `tick` and take in the readings delivered at it; return the estimate, shape (n,).
@@ -230,96 +251,55 @@ class KalmanEstimator:
         ValueError : `tick` is not after the last one.
         KeyError : a reading of an unknown name.
         """
-        self._advance(tick, command)
-        self.innovations = {}
-        by_tick: dict[int, list[Measurement]] = {}
-        for reading in readings:
-            by_tick.setdefault(min(reading.tick, tick), []).append(reading)
-        for measured in sorted(by_tick):
-            self._take(measured, by_tick[measured])
+        self.follow([RecordedTick(tick, command, readings)])
         return self.estimate
 
-    def _advance(self, tick: int, command: float) -> None:
-        if self._past:
-            last = self._past[-1]
-            if tick <= last.tick:
-                raise ValueError(f"estimator: tick {tick} is not after the last one, {last.tick}")
-            for between in range(last.tick + 1, tick + 1):
-                self._past[-1].command = command
-                self._filter.predict(command)
-                self._past.append(_Tick(between, self._filter.x, self._filter.P, []))
-            return
-        self._past.append(_Tick(tick, self._filter.x, self._filter.P, []))
+    def follow(self, record: Sequence[RecordedTick]) -> list[dict[str, Innovation]]:
+        """Step through a `record` of ticks; return the innovations of each, see `step`."""
+        last = self.tick
+        for tick in record:
+            if last is not None and tick.number <= last:
+                raise ValueError(f"estimator: tick {tick.number} is not after the last one, {last}")
+            last = tick.number
+        told = self._told(record)
+        said = zip(told.readings[:, WHICH].astype(int).tolist(), self._filter.run(told).tolist(), strict=True)
+        names = list(self.measurements)
+        followed = [
+            {
+                names[which]: Innovation(value, sigma, nis, bool(accepted))
+                for which, (value, sigma, nis, accepted) in islice(said, len(tick.readings))
+            }
+            for tick in record
+        ]
+        self.innovations = followed[-1] if followed else {}
+        return followed
 
-    def _take(self, tick: int, readings: Sequence[Measurement]) -> None:
-        """Take in the readings measured at `tick`, and run forward again to the present."""
-        age = self._past[-1].tick - tick
-        if age >= len(self._past) or age < 0:
-            for reading in readings:
-                self.innovations[reading.name] = Innovation(math.nan, math.nan, math.nan, False)
-            return
-        index = len(self._past) - 1 - age
-        entry = self._past[index]
-        if age > 0:
-            self._filter.set_state(entry.x, entry.P)
-            self._update(self._linearised(entry.readings))
-        accepted = [linear for linear in self._linearised(readings) if self._passes(*linear)]
-        self._update(accepted)
-        entry.readings.extend(reading for reading, _, _ in accepted)
-        for i in range(index + 1, len(self._past)):
-            self._filter.predict(self._past[i - 1].command)
-            self._past[i].x, self._past[i].P = self._filter.x, self._filter.P
-            self._update(self._linearised(self._past[i].readings))
+    def _told(self, record: Sequence[RecordedTick]) -> Told:
+        """Return a `record` as arrays."""
+        count = [len(tick.readings) for tick in record]
+        table = np.zeros((sum(count), WEIGHTS + self.model.order))
+        rows = iter(table)
+        for tick in record:
+            for measured, reading in sorted(((min(one.tick, tick.number), one) for one in tick.readings), key=_first):
+                row, which = next(rows), self._which[reading.name]
+                variance = (reading.sigma or self._sigmas[which]) ** 2
+                row[:WEIGHTS] = measured, which, reading.value, reading.offset, variance
+                for name, weight in reading.regressors.items():
+                    if self.model.has_state(name):
+                        row[WEIGHTS + self.model.state(name)] = weight
+        return Told(
+            ticks=np.array([tick.number for tick in record], dtype=np.int64),
+            commands=np.array([tick.command for tick in record], dtype=float),
+            ends=np.cumsum(count, dtype=np.int64),
+            readings=table,
+        )
 
-    def _passes(self, reading: Measurement, row: Array, predicted: float) -> bool:
-        """Compare a reading with its prediction, note the innovation, and say whether it may be used."""
-        measurement = self.measurements[reading.name]
-        variance = float(row @ self._filter.P @ row) + (reading.sigma or measurement.sigma) ** 2
-        innovation = reading.value - predicted
-        nis = innovation * innovation / variance  # a power would raise OverflowError for a number that is absurd
-        # a stream that goes on where its last reading was says something of the model, not of the sensor
-        step = innovation - self.streams.get(reading.name, 0.0)
-        is_stream = reading.name in self.streams and step * step <= 2.0 * self._gate * variance
-        accepted = bool(nis <= self._gate) or ((is_stream or not measurement.is_gated) and math.isfinite(nis))
-        self.innovations[reading.name] = Innovation(innovation, math.sqrt(variance), nis, accepted)
-        if accepted:
-            self.streams[reading.name] = innovation
-        self.refusals[reading.name] = 0 if accepted else self.refusals[reading.name] + 1
-        if self.refusals[reading.name] > self._gate_limit and math.isfinite(nis):
-            # that many in a row: it is the filter that is wrong, and its covariance must be large enough to come back
-            self._filter.set_state(self._filter.x, self._filter.P + self._initial_covariance)
-            self.refusals[reading.name] = 0
-            self.streams[reading.name] = innovation
-            return True
-        return accepted
 
-    def _linearised(self, readings: Sequence[Measurement]) -> list[_Linear]:
-        """Return each of the readings with its row at the present estimate, and with its prediction."""
-        return [(reading, *self._linearise(reading)) for reading in readings]
+def _with_differences(row: Array, model: LinearModel) -> tuple[Array, Array, Array]:
+    """Return a row on the state of a tick, and its first and second differences over the ticks of a `model`."""
+    change = row @ model.A - row
+    return row, change, change @ model.A - change
 
-    def _linearise(self, reading: Measurement) -> tuple[Array, float]:
-        measurement, x = self.measurements[reading.name], self._filter.x
-        row = self.row_of(reading)
-        if measurement.scale_state is None and not reading.regressors:
-            return row, float(row @ x)
-        row = row.copy()
-        for name, weight in reading.regressors.items():
-            if self.model.has_state(name):
-                row[self.model.state(name)] += weight
-        plain = float(row @ x)
-        if measurement.scale_state is None:
-            return row, plain
-        scale = 1.0 + float(x[measurement.scale_state])
-        row *= scale
-        row[measurement.scale_state] += plain
-        return row, scale * plain
 
-    def _update(self, readings: Sequence[_Linear]) -> None:
-        """Take in readings of one tick together, each with its row and prediction at the present estimate."""
-        if not readings:
-            return
-        kalman = self._filter
-        # the filter predicts H x; a bilinear measurement predicts something else
-        z = [reading.value - predicted + float(row @ kalman.x) for reading, row, predicted in readings]
-        variances = [(reading.sigma or self.measurements[reading.name].sigma) ** 2 for reading, _, _ in readings]
-        kalman.correct(np.array(z), np.array([row for _, row, _ in readings]), np.array(variances))
+def _first(pair: tuple[int, Measurement]) -> int:
+    return pair[0]

@@ -8,77 +8,18 @@ takes of the unit's speed goes before the step and half after it (Strang, SIAM J
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 from heave_node.numerics.arrays import Array
 from heave_node.numerics.linear_model import LinearModel
 
 from winch_controller_node.model.blocks import CableModel
-from winch_controller_node.model.estimator import KalmanEstimator
+from winch_controller_node.model.drag_kernel import Drag, kept_speed
 from winch_controller_node.model.models import shadow_model
 
-DOUBT = 0.3
-"""Standard deviation of the drag that is more than the design's damping, as a share of it: coefficients of bodies that
-oscillate are known to a third."""
 
-DOUBT_TIME = 1.0
-"""Time over which it errs in one direction [s]: a fraction of a wave."""
-
-
-def kept_speed(cable: CableModel, speed: float, time: float) -> float:
-    """Return the share of its speed that drag leaves a unit, beyond what the linear damping of the `cable` takes.
-
-    Parameters
-    ----------
-    cable : with its quadratic drag
-    speed : of the unit [m/s], of either sign
-    time : that passes [s]
-    """
-    return math.exp(-_excess(cable, speed) / cable.a * time)
-
-
-def _excess(cable: CableModel, speed: float) -> float:
-    """Return by how much the damping at a speed [m/s] is more than the linear one [s]."""
-    return max(cable.drag * abs(speed) - cable.b, 0.0)
-
-
-class DragFollower:
-    """Has an estimator damp the unit as fast as it sees it move.
-
-    Parameters
-    ----------
-    model : sampled, of the estimator; its damping is b of the cable
-    cable : with its quadratic drag
-    """
-
-    def __init__(self, model: LinearModel, cable: CableModel) -> None:
-        self._model, self._cable = model, cable
-        self._rate = model.state("unit_heave_rate")
-        self._noise = model.noise_covariance
-        self._is_fast = False
-
-    def take_noise(self, covariance: Array) -> None:
-        """Take another `covariance` of the process noise of a tick than the model's, shape (n, n)."""
-        self._noise = covariance
-
-    def follow(self, estimator: KalmanEstimator) -> None:
-        """Prepare the `estimator` for its next tick; a unit that is slow again gets the model's own matrices back."""
-        rate = self._rate
-        speed = abs(float(estimator.estimate[rate]))
-        excess = _excess(self._cable, speed)
-        if excess == 0.0 and not self._is_fast:
-            return
-        self._is_fast = excess > 0.0
-        model, dt = self._model, self._model.dt or 0.0
-        half = kept_speed(self._cable, speed, 0.5 * dt)
-        transition, command, covariance = model.A.copy(), model.B.copy(), self._noise.copy()
-        for matrix in (transition, command, covariance):
-            matrix[rate] *= half
-        for matrix in (transition, covariance):
-            matrix[:, rate] *= half
-        covariance[rate, rate] += (DOUBT * excess / self._cable.a * speed) ** 2 * DOUBT_TIME * dt
-        estimator.set_step(transition, command, covariance)
+def unit_drag(model: LinearModel, cable: CableModel, rate: str = "unit_heave_rate") -> Drag:
+    """Return the drag of the unit in a sampled `model`, whose damping is b of the `cable`; `rate` is the unit's."""
+    return Drag(model.state(rate), cable.a, cable.b, cable.drag, model.dt or 0.0)
 
 
 class ShadowUnit:
@@ -100,8 +41,9 @@ class ShadowUnit:
 
     def take_cable(self, cable: CableModel, tick_period: float) -> None:
         """Go on with another `cable`, in ticks of `tick_period` [s]."""
-        self._cable, self._dt = cable, tick_period
+        self._dt = tick_period
         self._model = shadow_model(cable, tick_period)
+        self._drag = unit_drag(self._model, cable, "unit_uncompensated_heave_rate")
 
     def continue_at(self, state: Array) -> None:
         """Go on from another `state`, shape (2,)."""
@@ -112,6 +54,6 @@ class ShadowUnit:
 
         `boom_tip` is its heave [m] and heave rate [m/s] at the start of the tick, shape (2,).
         """
-        half = np.array([1.0, kept_speed(self._cable, self.state[1], 0.5 * self._dt)])
+        half = np.array([1.0, kept_speed(self._drag, self.state[1], 0.5 * self._dt)])
         self.state = half * (self._model.A @ (half * self.state) + self._model.B @ boom_tip)
         return self.state
