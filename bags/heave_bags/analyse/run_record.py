@@ -364,7 +364,7 @@ def _fill_winch(record: RunRecord, winch: Fields) -> None:
         signals.payout_rate = winch.signal("encoder_payout_rate")
         record.sources["payout"] = MEASURED
         record.notes.append("payout is the encoder's reading: the true payout was not recorded")
-    signals.winch_limited = Signal(winch.time, (winch.codes("limits_hit") != 0).astype(float))
+    signals.limits_hit = Signal(winch.time, winch.codes("limits_hit").astype(float))
     record.limits += events.winch_limits(winch)
     record.alarms += events.winch_faults(winch)
 
