@@ -264,7 +264,7 @@ def _fill(record: RunRecord, fields: Mapping[str, Fields], parameters: NodeParam
             f"the unit was moved to other depths: heave is about its running mean of {SPAN:g} s, "
             "payout about its set-point"
         )
-    record.alarms += events.diagnostic_alarms(fields[DIAGNOSTICS])
+    record.alarms += events.diagnostic_alarms(fields[DIAGNOSTICS], has_modes=bool(record.modes))
     _fill_outcome(record)
     _fill_parameters(record.signals, parameters)
 
