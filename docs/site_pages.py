@@ -2,7 +2,8 @@
 
 A README stays where its package is and is a page of the site as well; commands, topics, messages and figures of merit
 are written from the code that runs. A link is read as the repository has it, from the page's own file: one to another
-page becomes a link of the site, one to a source file its name. One that leads nowhere is a warning, which `--strict`
+page becomes a link of the site, one to what a page is written from a link to that page, one to another source file its
+name. One that leads nowhere is a warning, which `--strict`
 makes an error.
 """
 
@@ -22,6 +23,7 @@ from mkdocs.structure.files import File, Files
 
 REPOSITORY = Path(__file__).resolve().parents[1]
 GUIDE = REPOSITORY / "docs" / "guide"
+NOTEBOOKS = REPOSITORY / "docs" / "notebooks"
 
 PAGES = {
     "README.md": "overview.md",
@@ -44,11 +46,19 @@ PAGES = {
     "tests/validation/README.md": "validation/claims.md",
 }
 """Pages that stand elsewhere, by their path in the repository: where the site has them."""
+WRITTEN_FROM = {
+    "bringup/heave_bringup/commands": "reference/commands.md",
+    "node_base/heave_node/interface/topics.py": "reference/topics.md",
+    "msgs/msg": "reference/messages.md",
+    "bags/heave_bags/analyse/kpi_set.py": "reference/figures_of_merit.md",
+    **{f"docs/notebooks/{path.name}": f"notebooks/{path.stem}.md" for path in NOTEBOOKS.glob("*.ipynb")},
+}
+"""What a page is written from, by its path in the repository, where a link of a document leads: the page in the site.
+"""
 PICTURES = ("docs/architecture.svg", "docs/pictures/*", "docs/pictures/thesis/*", "cable_sim_node/pictures/*.svg")
 """Pictures of the repository; the site has them in `pictures/`."""
 GALLERY = REPOSITORY / "docs" / "gallery"
 """Every figure of the validation, where `make gallery` has drawn them: the site shows them then."""
-NOTEBOOKS = REPOSITORY / "docs" / "notebooks"
 LINK = re.compile(r"(!?)\[((?:[^\[\]]|\[[^\]]*\])*)\]\(([^()\s]+)\)")
 BLOCK = re.compile(r"(^ *```.*?^ *```)", re.DOTALL | re.MULTILINE)
 MERMAID = re.compile(r"^```mermaid\n(.*?)^```", re.DOTALL | re.MULTILINE)
@@ -125,14 +135,13 @@ def site_place(origin: Path, path: str) -> str:
     path : as written there, without anchor
     """
     target = Path(os.path.normpath(origin.parent / path))
-    if target.is_dir():
-        target /= "README.md"
     if target.is_relative_to(GUIDE):
-        inside = target.relative_to(GUIDE).as_posix()
-        return inside if target.is_file() or inside in dict(written_pages()) else ""
+        return target.relative_to(GUIDE).as_posix() if target.is_file() else ""
     if not target.is_relative_to(REPOSITORY):
         return ""
-    return {**PAGES, **pictures()}.get(target.relative_to(REPOSITORY).as_posix(), "")
+    places = {**PAGES, **WRITTEN_FROM, **pictures()}
+    inside = target.relative_to(REPOSITORY).as_posix()
+    return places.get(inside) or places.get(f"{inside}/README.md", "")
 
 
 _written: list[tuple[str, str]] = []

@@ -19,7 +19,9 @@ CALM_DURATION = 10.0
 
 
 def command(*arguments: str) -> list[str]:
-    return [sys.executable, "-m", "heave_bringup.cli", *arguments]
+    """Return the `heave` command; a run spares the baseline, unless it is asked for."""
+    spares = arguments[0] == "run" and "--baseline" not in arguments
+    return [sys.executable, "-m", "heave_bringup.cli", *arguments, *(["--no-baseline"] if spares else [])]
 
 
 def environment(domain: int) -> dict[str, str]:

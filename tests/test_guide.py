@@ -77,6 +77,20 @@ def test_python_and_yaml_in_a_document_are_well_formed(path):
             yaml.safe_load(block.text)
 
 
+@pytest.mark.parametrize("path", [*GUIDE, *READMES, *ROOT.glob("*.md"), *ROOT.glob("docs/*.md")], ids=name_of)
+def test_every_link_of_a_document_leads_to_a_file_of_the_checkout(path):
+    text = re.sub(r"^ *```.*?^ *```", "", path.read_text(encoding="utf-8"), flags=re.DOTALL | re.MULTILINE)
+    targets = [target.partition("#")[0] for target in re.findall(r"\]\(([^()\s]+)\)", text)]
+    files = [target for target in targets if target and not re.match("[a-z]+:", target)]
+    assert [file for file in files if not (path.parent / file).exists()] == []
+
+
+def test_a_link_to_what_a_page_is_written_from_is_one_to_the_page_in_the_site(site):
+    index = (site / "index.html").read_text()
+    for page in ("reference/commands", "reference/topics", "reference/figures_of_merit", "notebooks/first_analysis"):
+        assert f'href="{page}.html"' in index.partition("<article")[2]
+
+
 def type_page(path: Path, folder: Path, change: Callable[[str], str]) -> None:
     """Do in an empty folder what a page says to type, after a `change` of it: each block must end without an error."""
     with domain_id() as domain:

@@ -52,7 +52,7 @@ class RunSignals:
     payout, payout_rate, payout_acceleration : of the drum, positive pays out [m], [m/s], [m/s^2]
     tension : top tension [N]
     slack : 1 where any part of the cable carries no tension
-    winch_limited : 1 where the winch itself says that a limit acts
+    limits_hit : sum of the WinchLimit flags of the limits that act, as the winch itself tells it
     compensating : 1 where the controller compensates or holds a tension
     unit_height : vertical position of the unit as it was recorded, programme of depth and all, positive up [m]
     touchdown : 1 where the bottom carries the unit
@@ -82,7 +82,7 @@ class RunSignals:
     uncompensated_tension: Signal = field(default_factory=_signal)
     static_tension: Signal = field(default_factory=_signal)
     slack: Signal = field(default_factory=_signal)
-    winch_limited: Signal = field(default_factory=_signal)
+    limits_hit: Signal = field(default_factory=_signal)
     compensating: Signal = field(default_factory=_signal)
     unit_height: Signal = field(default_factory=_signal)
     touchdown: Signal = field(default_factory=_signal)

@@ -29,3 +29,9 @@ def test_what_the_controller_has_told_is_not_joined_where_its_figures_differ():
     messages = ["winch model updated: speed limit 1.2 m/s", "winch model updated: speed limit 1.1 m/s"]
     found = diagnostic_alarms(fields("winch_controller: alarms", messages))
     assert [alarm.name.split(": ")[-1] for alarm in found] == ["speed limit 1.2 m/s", "speed limit 1.1 m/s"]
+
+
+def test_the_mode_is_no_alarm_where_the_controller_s_state_tells_it_to_the_tick():
+    told = fields("winch_controller: mode", ["stopped: mru stale"] * 3)
+    assert len(diagnostic_alarms(told)) == 1
+    assert diagnostic_alarms(told, has_modes=True) == []

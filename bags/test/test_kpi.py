@@ -8,6 +8,7 @@ import pytest
 from heave_bags.analyse import kpi_set
 from heave_bags.signals import Signal
 from heave_node import kpi
+from heave_node.interface.codes import WinchLimit
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -167,6 +168,56 @@ def test_time_at_limit_counts_speed_or_acceleration_but_not_twice():
     values = kpi_set.evaluate(signals)
     assert values["time_at_speed_limit_percent"] == pytest.approx(25.0)
     assert values["time_at_limit_percent"] == pytest.approx(50.0)
+
+
+LIMIT_KEYS = {
+    WinchLimit.SPEED: "time_at_speed_limit_percent",
+    WinchLimit.ACCELERATION: "time_at_acceleration_limit_percent",
+    WinchLimit.PAYOUT: "time_at_payout_limit_percent",
+    WinchLimit.POWER: "time_at_power_limit_percent",
+    WinchLimit.TORQUE: "time_at_torque_limit_percent",
+    WinchLimit.PRESSURE: "time_at_pressure_limit_percent",
+    WinchLimit.FLOW: "time_at_flow_limit_percent",
+}
+
+
+def test_every_limit_that_a_winch_can_tell_has_a_share_of_time():
+    assert set(LIMIT_KEYS) == set(WinchLimit) - {WinchLimit.NONE}
+    assert set(LIMIT_KEYS.values()) <= set(kpi_set.DEFINITION_OF)
+
+
+@given(st.lists(st.integers(0, 127), min_size=4, max_size=4))
+def test_shares_of_time_at_limits_are_what_the_winch_tells_and_agree_with_that_of_any(flags):
+    told = np.repeat(flags, TIME.size // 4)
+    moving = np.full(told.size, 0.1)
+    signals = run(payout_rate=moving, payout_acceleration=moving, limits_hit=told.astype(float))
+    signals.speed_limit = signals.acceleration_limit = 2.0
+    values = kpi_set.evaluate(signals)
+    for limit, key in LIMIT_KEYS.items():
+        assert values[key] == 25.0 * sum(bool(flag & limit) for flag in flags)
+    shares = [values[key] for key in LIMIT_KEYS.values()]
+    assert max(shares) <= values["time_at_limit_percent"] <= sum(shares)
+    assert values["time_at_limit_percent"] == 25.0 * sum(flag != 0 for flag in flags)
+
+
+def test_a_speed_close_to_its_limit_is_not_at_it_where_the_winch_tells_when_it_is():
+    told = np.where(TIME < 50.0, WinchLimit.ACCELERATION, WinchLimit.NONE)
+    signals = run(payout_rate=np.full(TIME.size, 2.0), limits_hit=told.astype(float))
+    signals.speed_limit = 2.0
+    values = kpi_set.evaluate(signals)
+    assert values["time_at_speed_limit_percent"] == 0.0
+    assert values["time_at_acceleration_limit_percent"] == values["time_at_limit_percent"] == pytest.approx(25.0)
+
+
+def test_people_see_the_limits_of_power_torque_pressure_flow_and_payout_only_where_they_acted():
+    seen = {
+        flag: {one.key for one in kpi_set.shown([kpi_set.evaluate(run(payout_rate=TIME, limits_hit=0 * TIME + flag))])}
+        for flag in (0, WinchLimit.POWER)
+    }
+    assert "time_at_power_limit_percent" not in seen[0]
+    assert "time_at_power_limit_percent" in seen[WinchLimit.POWER]
+    assert not {"time_at_torque_limit_percent", "time_at_payout_limit_percent"} & seen[WinchLimit.POWER]
+    assert {"time_at_speed_limit_percent", "time_at_limit_percent"} <= seen[0]
 
 
 HEIGHT = np.interp(TIME, [0.0, 100.0, 130.0], [-560.0, -560.0, -590.0])

@@ -8,13 +8,15 @@ from types import TracebackType
 from typing import TextIO
 
 from rich.console import Console
-from rich.progress import BarColumn, Progress, Task, TaskProgressColumn, TextColumn, TimeRemainingColumn
+from rich.progress import BarColumn, Progress, ProgressColumn, Task, TimeRemainingColumn
 from rich.table import Column
 from rich.text import Text
 
 QUIET_PERIOD = 10.0
 """Wall time between two lines where the output is not a terminal [s]."""
 
+WIDE = 110
+"""Columns of a terminal that has room for a bar and the time to go."""
 
 _quiet = False
 
@@ -39,12 +41,28 @@ def time_to_go(elapsed: float, share: float) -> str:
     return f"{rest / 60.0:.0f} min to go" if rest < 5400.0 else f"{rest / 3600.0:.1f} h to go"
 
 
+def _done(share: float) -> str:
+    """Return in words how much of the work is done: before what is going on, which may have shares of its own."""
+    return f"{100.0 * share:3.0f} % done"
+
+
 class _Bar(BarColumn):
     """A bar where the share of the work that is done is known, and nothing elsewhere."""
+
+    def __init__(self, table_column: Column) -> None:
+        super().__init__(bar_width=20, table_column=table_column)
 
     def render(self, task: Task) -> Text | object:  # type: ignore[override]
         """Return what the column shows."""
         return super().render(task) if task.total is not None else Text("")
+
+
+class _Done(ProgressColumn):
+    """The share of the work that is done where it is known, and nothing elsewhere."""
+
+    def render(self, task: Task) -> Text:
+        """Return what the column shows."""
+        return Text("" if task.total is None else _done(task.completed))
 
 
 class _TimeToGo(TimeRemainingColumn):
@@ -53,6 +71,14 @@ class _TimeToGo(TimeRemainingColumn):
     def render(self, task: Task) -> Text:
         """Return what the column shows."""
         return super().render(task) if task.total is not None else Text("")
+
+
+class _Words(ProgressColumn):
+    """What is going on, as far as it fits."""
+
+    def render(self, task: Task) -> Text:
+        """Return what the column shows."""
+        return Text(task.description, no_wrap=True, overflow="ellipsis")
 
 
 class ProgressLine:
@@ -66,11 +92,10 @@ class ProgressLine:
     def __init__(self, stream: TextIO | None = None) -> None:
         self._stream = sys.stderr if stream is None else stream
         self._console = Console(file=self._stream)
+        shown = (_Bar, _Done, _TimeToGo) if self._console.width >= WIDE else (_Done,)
         self._display = Progress(
-            TextColumn("{task.description}", markup=False, table_column=Column(no_wrap=True, overflow="ellipsis")),
-            _Bar(bar_width=20),
-            TaskProgressColumn(),
-            _TimeToGo(),
+            *(kind(table_column=Column(no_wrap=True)) for kind in shown),
+            _Words(),  # cut where it does not fit
             console=self._console,
             auto_refresh=False,  # no thread of its own: it changes when `show` is called
             transient=True,
@@ -103,7 +128,7 @@ class ProgressLine:
             self._display.update(self._task, description=text, completed=share or 0.0, total=total, refresh=True)
         elif time.monotonic() - self._written_at >= QUIET_PERIOD:
             self._written_at = time.monotonic()
-            self.tell(text if share is None else f"{text} ({share:.0%})")
+            self.tell(text if share is None else f"{_done(share)}  {text}")
 
     def tell(self, text: str) -> None:
         """Print `text` as a line that stays."""

@@ -14,7 +14,7 @@ from heave_bags.analyse import kpi_set
 from heave_bringup.campaign import executors, picture, runs, study
 from heave_bringup.campaign.campaign_file import read_campaign
 from heave_bringup.campaign.plan import Case
-from heave_bringup.campaign.report import case_table, summarise, to_json
+from heave_bringup.campaign.report import case_table, left_out, summarise, to_json
 from heave_bringup.campaign.runs import CaseResult, Task, lost_because, make_tasks, run_task
 from heave_bringup.closed_loop import COLUMNS, LoopRecord
 from heave_bringup.errors import CommandError
@@ -273,3 +273,13 @@ def test_a_campaign_of_laws_that_has_the_baseline_among_them_shows_it_beside_eac
         of_industrial = frame["unit_efficiency"][place["industrial", period, seed]]
         assert frame["baseline_efficiency"][k] == of_industrial
     assert any(str(column.header).startswith("baseline") for column in case_table(frame).columns)
+    assert left_out(frame) == []
+
+
+def test_a_campaign_without_the_baseline_says_that_it_is_left_out_and_how_to_have_it(tmp_path, monkeypatch):
+    monkeypatch.setattr(executors, "run_task", lambda task: CaseResult(task.case, {"unit_efficiency": 0.9}))
+    path = tmp_path / "laws.yaml"
+    path.write_text(TEXT)
+    (line,) = left_out(study.run_study(read_campaign(path), processes=1))
+    assert "law industrial" in line
+    assert "--baseline" in line

@@ -1,9 +1,15 @@
 """The live line: truth where there is truth, no efficiency of a law that is off or of a unit on the bottom."""
 
 import math
+from types import SimpleNamespace
 
 import pytest
+from builtin_interfaces.msg import Time
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+from heave_bags.analyse.events import MODE_PART
 from heave_bringup.run.live_figures import LiveFigures
+from heave_bringup.run.monitor import Monitor
+from std_msgs.msg import Header
 
 
 def running(mode: str, *, is_landed: bool = False, depth_rate: float = 0.0) -> LiveFigures:
@@ -54,6 +60,51 @@ def test_what_was_before_a_change_of_mode_does_not_count():
     live = running("standby")
     live.note_mode(60.0, "compensating", "")
     assert live.words() == "compensating"
+
+
+def diagnosed(mode: str, time: float, changes: dict[str, str], level: bytes = DiagnosticStatus.OK) -> DiagnosticArray:
+    """Return what the controller publishes of its mode, with the `changes` since it did so last."""
+    values = [KeyValue(key=key, value=value) for key, value in {"authority": "1.00", **changes}.items()]
+    part = DiagnosticStatus(level=level, name=MODE_PART, message=mode, values=values)
+    seconds = int(time)
+    header = Header(stamp=Time(sec=seconds, nanosec=round(1e9 * (time - seconds))))
+    return DiagnosticArray(header=header, status=[part])
+
+
+def listener() -> SimpleNamespace:
+    return SimpleNamespace(live=LiveFigures(), _news=[], _errors={}, alarms=[], strangers={})
+
+
+def test_a_loss_is_told_with_the_time_of_the_change_and_the_stop_that_follows_is_no_other():
+    monitor = listener()
+    for message in (
+        diagnosed("compensating", 61.05, {}),
+        diagnosed("fade_out: mru stale", 62.05, {"t = 61.90 s": "fade_out: mru stale"}, DiagnosticStatus.WARN),
+        diagnosed("stopped: mru stale", 72.05, {"t = 71.90 s": "stopping: mru stale"}, DiagnosticStatus.ERROR),
+    ):
+        Monitor._on_diagnostics(monitor, message)
+    assert monitor._news == ["t = 61.90 s: compensation lost: mode fade_out: mru stale"]
+    assert monitor.alarms == []
+
+
+def test_a_loss_between_two_diagnostics_is_told_though_compensation_has_come_back():
+    monitor = listener()
+    Monitor._on_diagnostics(monitor, diagnosed("compensating", 10.0, {}))
+    changes = {"t = 10.20 s": "fade_out: mru stale", "t = 10.80 s": "compensating: mru is back"}
+    Monitor._on_diagnostics(monitor, diagnosed("compensating: mru is back", 11.0, changes))
+    assert monitor._news == ["t = 10.20 s: compensation lost: mode fade_out: mru stale"]
+
+
+def test_a_stop_for_another_reason_than_the_loss_is_told_as_well():
+    monitor = listener()
+    Monitor._on_diagnostics(monitor, diagnosed("compensating", 61.05, {}))
+    loss = {"t = 61.90 s": "fade_out: mru stale"}
+    Monitor._on_diagnostics(monitor, diagnosed("fade_out: mru stale", 62.05, loss))
+    stop = {"t = 62.50 s": "emergency_stop: emergency stop requested"}
+    Monitor._on_diagnostics(
+        monitor, diagnosed("emergency_stop: emergency stop requested", 63.05, stop, DiagnosticStatus.ERROR)
+    )
+    assert monitor.alarms == ["t = 63.05 s: winch_controller: mode: emergency_stop: emergency stop requested"]
 
 
 def test_a_loss_is_told_once_and_a_request_is_none():

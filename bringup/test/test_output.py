@@ -63,7 +63,26 @@ def test_progress_in_a_file_is_a_line_now_and_then_and_what_was_told_stays():
         progress.show("reading", 0.25)
         progress.show("reading", 0.5)
         progress.tell("an alarm [of a node]")
-    assert stream.getvalue() == "reading (25%)\nan alarm [of a node]\n"
+    assert stream.getvalue() == " 25 % done  reading\nan alarm [of a node]\n"
+
+
+def test_the_share_that_is_done_stands_before_what_is_going_on_and_says_of_what_it_is():
+    """A controller that compensates has an authority, a share too: it must not be taken for that."""
+    stream = io.StringIO()
+    with ProgressLine(stream) as progress:
+        progress.show("150.0 s of 600 s  compensating", 0.25)
+    assert stream.getvalue() == " 25 % done  150.0 s of 600 s  compensating\n"
+
+
+@pytest.mark.parametrize("columns", [60, 80, 200])
+def test_the_share_that_is_done_is_seen_in_a_narrow_terminal_too(monkeypatch, columns):
+    monkeypatch.setenv("TERM", "xterm")
+    monkeypatch.setenv("COLUMNS", str(columns))
+    stream = Terminal()
+    with ProgressLine(stream) as progress:
+        progress.show("150.0 s of 600 s  compensating, true unit sigma 0.66 cm, efficiency 97.7 %" * 2, 0.25)
+    assert "25 % done" in stream.getvalue()
+    assert "150.0 s of" in stream.getvalue()
 
 
 def test_progress_in_a_terminal_shows_text_and_share_and_leaves_only_what_was_told(monkeypatch):
@@ -75,6 +94,7 @@ def test_progress_in_a_terminal_shows_text_and_share_and_leaves_only_what_was_to
         progress.tell("an alarm [of a node]")
     said = stream.getvalue()
     assert "waiting for [the] nodes" in said
-    assert "25%" in said
+    assert "25 % done" in said
+    assert said.index("25 % done") < said.index("running")
     assert "an alarm [of a node]\n" in said
     assert said.rstrip().endswith("\x1b[2K") or said.endswith("\x1b[?25h") or "\x1b[2K" in said

@@ -127,6 +127,23 @@ def test_a_winch_weaker_or_other_than_believed_is_known_after_20_seconds(design,
             assert getattr(better, name) == pytest.approx(share * wanted, rel=0.03), name
 
 
+@pytest.mark.parametrize(
+    ("winch", "directions"),
+    [
+        ({"hauling_speed_share": 0.4}, {"speed_limit": "hauling in"}),
+        ({"hauling_acceleration_share": 0.5}, {"acceleration_limit": "hauling in"}),
+        ({"speed_limit": 1.0}, {}),
+        ({"acceleration_limit": 0.8, "stop_deceleration": 0.8}, {}),
+        ({}, {}),
+    ],
+    ids=str,
+)
+def test_the_direction_of_a_limit_is_known_where_it_is_one_of_one_direction_alone(design, winch, directions):
+    identifier = identified(design, WinchParameters(**winch))
+    identifier.improved_winch(WinchControllerParameters().winch)
+    assert identifier.lone_directions == directions
+
+
 def test_a_limit_that_is_not_reached_is_not_learnt(design):
     weak = WinchParameters(acceleration_limit=0.8, stop_deceleration=0.8)
     assert identified(design, weak, size=0.3).improved_winch(WinchControllerParameters().winch) is None

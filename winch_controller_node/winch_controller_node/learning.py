@@ -100,7 +100,10 @@ class Learning:
         if is_learning:
             self._follow_winch(tick)
         words += self._news.update(
-            self._in_force.parameters.winch, is_power_limited=self._winch.is_power_limited, is_learning=is_learning
+            self._in_force.parameters.winch,
+            directions=self._winch.lone_directions,
+            is_power_limited=self._winch.is_power_limited,
+            is_learning=is_learning,
         )
         if not self._work.is_under_way and not is_scheduled(parameters):
             self._follow_sea(tick)

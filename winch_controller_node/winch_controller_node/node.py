@@ -13,7 +13,7 @@ from typing import Any
 from geometry_msgs.msg import TwistStamped
 from heave_msgs.srv import Redesign, SetMode
 from heave_node.interface import topics
-from heave_node.interface.codes import ALARMS, COMMANDS, LATE, SensorLevel
+from heave_node.interface.codes import ALARMS, COMMANDS, LATE, MODE, SensorLevel, told_at
 from heave_node.interface.sensors import SENSORS, Water
 from heave_node.interface.topic import Topic
 from heave_node.numerics.linear_model import ModelError
@@ -68,6 +68,7 @@ class WinchControllerNode(ParticipantNode):
         self.controller = self._make_controller()
         self.outputs_of_tick: Outputs | None = None
         self._told: dict[str, list[str]] = {}
+        self._changes: dict[str, str] = {}
         self.command = self.add_output(topics.WINCH_COMMAND)
         self.state = self.add_output(topics.CONTROLLER_STATE)
         self.kpi = self.add_output(topics.CONTROLLER_KPI)
@@ -127,10 +128,12 @@ class WinchControllerNode(ParticipantNode):
         kpi = outputs.kpi
         if kpi is not None:
             self.kpi.publish_deferred(lambda: conversions.kpi_message(kpi, stamp))
-        time = f"t = {tick.time:.2f} s"
+        time = told_at(tick.time)
         for words in outputs.alarms:
             self.get_logger().warning(f"{time}: {words}")
-            if not words.startswith("mode "):  # diagnostics tell the mode by itself
+            if words.startswith("mode "):  # a part of its own
+                self._changes[time] = words.removeprefix("mode ")
+            else:
                 self._told.setdefault(time, []).append(words)
         self.move.on_tick(tick.time)
 
@@ -141,14 +144,16 @@ class WinchControllerNode(ParticipantNode):
     def diagnose(self) -> list[Health]:
         """Say which sensor is how, the mode and why, how the solver does, and what was told since the last time."""
         if self.outputs_of_tick is None:
-            return [Health("mode", Level.OK, self.controller.mode.value)]
+            return [Health(MODE, Level.OK, self.controller.mode.value)]
         report = self.outputs_of_tick.report
         # standing by after harm is not rest
         is_stopped = report.mode in ("stopped", "emergency_stop", "stopping") or report.is_inhibited
         level = Level.ERROR if is_stopped else Level.WARN if report.mode == "fade_out" else Level.OK
         text = f"{report.mode}: {report.reason}" if report.reason else report.mode
         depth = f"{self.controller.depth:.3f}"
-        parts = [Health("mode", level, text, {"authority": f"{report.authority:.2f}", "mean depth [m]": depth})]
+        changes, self._changes = self._changes, {}
+        values = {"authority": f"{report.authority:.2f}", "mean depth [m]": depth, **changes}
+        parts = [Health(MODE, level, text, values)]
         parts.append(self._diagnose_commands())
         for sensor in report.sensors:
             values = {"accepted": str(sensor.accepted), "rejected": str(sensor.refused)}

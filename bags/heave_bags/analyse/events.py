@@ -8,7 +8,8 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
-from heave_node.interface.codes import ALARMS, SensorLevel, WinchFault, WinchLimit, without_figures
+from heave_node.interface import topics
+from heave_node.interface.codes import ALARMS, MODE, SensorLevel, WinchFault, WinchLimit, told_at, without_figures
 from heave_node.numerics.arrays import Array
 from numpy.typing import NDArray
 
@@ -25,6 +26,10 @@ REQUESTED = "requested"
 """Last word of the reason of a mode that somebody asked for."""
 OFF = "off"
 """Mode of a controller whose law never moves the winch."""
+
+
+MODE_PART = f"{topics.CONTROLLER_STATE.publisher}: {MODE}"
+"""Part of /diagnostics in which the controller tells its mode and why."""
 
 
 @dataclass(frozen=True)
@@ -88,7 +93,7 @@ def is_loss(before: str, mode: str, reason: str) -> bool:
 
 def loss_words(time: float, mode: str, reason: str) -> str:
     """Return the line about a loss of compensation at a `time` [s] into a `mode` for a `reason`."""
-    return f"t = {time:.2f} s: compensation lost: mode {mode}{f': {reason}' if reason else ''}"
+    return f"{told_at(time)}: compensation lost: mode {mode}{f': {reason}' if reason else ''}"
 
 
 def losses(found: Sequence[Interval]) -> list[Interval]:
@@ -128,15 +133,24 @@ def sensor_alarms(state: Fields) -> list[Interval]:
     return found
 
 
-def diagnostic_alarms(diagnostics: Fields) -> list[Interval]:
-    """Return the warnings and errors of /diagnostics; one whose figures alone change, as of a countdown, is one."""
+def diagnostic_alarms(diagnostics: Fields, *, has_modes: bool = False) -> list[Interval]:
+    """Return the warnings and errors of /diagnostics; one whose figures alone change, as of a countdown, is one.
+
+    Parameters
+    ----------
+    diagnostics : columns of the topic
+    has_modes : the modes of the controller are known to the tick, and are not told here once more
+    """
     alarms: dict[tuple[str, int], tuple[str, list[float]]] = {}
     for index in diagnostics.indices("status[].level"):
         levels = diagnostics.codes(f"status[{index}].level")
         names, messages = (diagnostics.texts(f"status[{index}].{part}") for part in ("name", "message"))
         for row in np.flatnonzero(levels >= 1):
             label = ": ".join(str(texts[row]) for texts in (names, messages) if texts is not None)
-            is_told_once = names is not None and str(names[row]).endswith(f": {ALARMS}")
+            name = "" if names is None else str(names[row])
+            if has_modes and name == MODE_PART:
+                continue
+            is_told_once = name.endswith(f": {ALARMS}")
             kind = label if is_told_once else without_figures(label)
             _, times = alarms.setdefault((kind, min(int(levels[row]), 2)), (label, []))
             times.append(float(diagnostics.time[row]))

@@ -14,6 +14,7 @@ from types import MappingProxyType
 
 import numpy as np
 from heave_node import kpi
+from heave_node.interface.codes import WinchLimit
 from heave_node.numerics.arrays import Array
 from numpy.typing import NDArray
 
@@ -121,24 +122,41 @@ class Window:
         return kpi.percent_true(slack.value if slack.size else self.tension.value <= 0.0)
 
     @cached_property
+    def limits_hit(self) -> NDArray[np.int64]:
+        """Flags of the limits that act, as the winch tells it; empty where it says nothing."""
+        return self.of(self.run.limits_hit).value.astype(np.int64)
+
+    @cached_property
+    def tells_of_rates(self) -> bool:
+        """Whether the winch tells of its limits of speed and acceleration: both, or neither."""
+        of_rates = WinchLimit.SPEED | WinchLimit.ACCELERATION
+        return bool(np.any(self.run.limits_hit.value.astype(np.int64) & of_rates))
+
+    def at(self, limit: WinchLimit) -> NDArray[np.bool_]:
+        """Return at which samples of its state the winch tells that a `limit` acts."""
+        return np.asarray((self.limits_hit & limit) != 0, dtype=bool)
+
+    @cached_property
     def at_speed_limit(self) -> NDArray[np.bool_]:
-        """Samples of the rate that are at the speed limit."""
+        """Samples at the speed limit, by the winch's own word, or else by the rate."""
+        if self.tells_of_rates:
+            return self.at(WinchLimit.SPEED)
         return kpi.at_limit(self.rate.value, self.run.speed_limit)
 
     @cached_property
     def at_acceleration_limit(self) -> NDArray[np.bool_]:
-        """Samples of the rate at which the acceleration is at its limit; empty where it is not known."""
+        """Samples at the acceleration limit, by the winch's own word, or else by the acceleration."""
+        if self.tells_of_rates:
+            return self.at(WinchLimit.ACCELERATION)
         is_known = self.acceleration.size == self.rate.size
         return kpi.at_limit(self.acceleration if is_known else np.empty(0), self.run.acceleration_limit)
 
     @cached_property
     def at_any_limit(self) -> NDArray[np.bool_]:
-        """Samples of the rate at which a limit acts, by the rates or by the winch's own word."""
-        limited = self.at_speed_limit
-        if self.at_acceleration_limit.size:
-            limited = limited | self.at_acceleration_limit
-        flagged = self.of(self.run.winch_limited)
-        return limited | (flagged.value != 0.0) if flagged.size == self.rate.size else limited
+        """Samples at which any limit acts."""
+        parts = [part for part in (self.limits_hit != 0, self.at_speed_limit, self.at_acceleration_limit) if part.size]
+        found = parts[0] if parts else np.empty(0, dtype=bool)
+        return np.asarray(np.any([part for part in parts if part.size == found.size] or [found], axis=0), dtype=bool)
 
     @cached_property
     def landings(self) -> list[kpi.Landing]:
@@ -234,6 +252,7 @@ class KpiDefinition:
     scale, digits : a table shows `scale` times the value, with `digits` decimals
     is_count : a whole number
     heading : its name in a table of windows; "" keeps it out of there
+    is_seldom : people see it only where it is not 0
     """
 
     key: str
@@ -245,6 +264,7 @@ class KpiDefinition:
     digits: int = 3
     is_count: bool = False
     heading: str = ""
+    is_seldom: bool = False
 
     def text(self, value: float) -> str:
         """Return the value as a table shows it; a dash for one that could not be computed."""
@@ -433,6 +453,46 @@ KPI_DEFINITIONS: tuple[KpiDefinition, ...] = (
         "%",
         WINCH,
         lambda w: kpi.percent_true(w.at_acceleration_limit),
+    ),
+    KpiDefinition(
+        "time_at_payout_limit_percent",
+        "at the end of its payout, share of time",
+        "%",
+        WINCH,
+        lambda w: kpi.percent_true(w.at(WinchLimit.PAYOUT)),
+        is_seldom=True,
+    ),
+    KpiDefinition(
+        "time_at_power_limit_percent",
+        "at the power limit, share of time",
+        "%",
+        WINCH,
+        lambda w: kpi.percent_true(w.at(WinchLimit.POWER)),
+        is_seldom=True,
+    ),
+    KpiDefinition(
+        "time_at_torque_limit_percent",
+        "at the torque limit, share of time",
+        "%",
+        WINCH,
+        lambda w: kpi.percent_true(w.at(WinchLimit.TORQUE)),
+        is_seldom=True,
+    ),
+    KpiDefinition(
+        "time_at_pressure_limit_percent",
+        "at the pressure limit, share of time",
+        "%",
+        WINCH,
+        lambda w: kpi.percent_true(w.at(WinchLimit.PRESSURE)),
+        is_seldom=True,
+    ),
+    KpiDefinition(
+        "time_at_flow_limit_percent",
+        "at the flow limit, share of time",
+        "%",
+        WINCH,
+        lambda w: kpi.percent_true(w.at(WinchLimit.FLOW)),
+        is_seldom=True,
     ),
     KpiDefinition(
         "time_at_limit_percent",
@@ -672,18 +732,22 @@ def to_json(values: Mapping[str, float]) -> dict[str, float | int | None]:
 def shown(columns: Sequence[Mapping[str, float]]) -> list[KpiDefinition]:
     """Return the figures that people see of the KPIs of one or several runs, `columns`, in order.
 
-    Left out is what no run has a value of, and what counts events that there were none of.
+    Left out is what no run has a value of, what counts events that there were none of, and what is seldom, where it
+    is 0 in all runs.
     """
 
     def has_events(group: str) -> bool:
         count = COUNT_OF_EVENTS.get(group)
         return count is None or any(column.get(count, 0.0) > 0.0 for column in columns)
 
+    def is_told(definition: KpiDefinition, column: Mapping[str, float]) -> bool:
+        value = column.get(definition.key, math.nan)
+        return math.isfinite(value) and not (definition.is_seldom and value == 0.0)
+
     return [
         definition
         for definition in KPI_DEFINITIONS
-        if has_events(definition.group)
-        and any(math.isfinite(column.get(definition.key, math.nan)) for column in columns)
+        if has_events(definition.group) and any(is_told(definition, column) for column in columns)
     ]
 
 

@@ -264,7 +264,7 @@ def _fill(record: RunRecord, fields: Mapping[str, Fields], parameters: NodeParam
             f"the unit was moved to other depths: heave is about its running mean of {SPAN:g} s, "
             "payout about its set-point"
         )
-    record.alarms += events.diagnostic_alarms(fields[DIAGNOSTICS])
+    record.alarms += events.diagnostic_alarms(fields[DIAGNOSTICS], has_modes=bool(record.modes))
     _fill_outcome(record)
     _fill_parameters(record.signals, parameters)
 
@@ -364,7 +364,7 @@ def _fill_winch(record: RunRecord, winch: Fields) -> None:
         signals.payout_rate = winch.signal("encoder_payout_rate")
         record.sources["payout"] = MEASURED
         record.notes.append("payout is the encoder's reading: the true payout was not recorded")
-    signals.winch_limited = Signal(winch.time, (winch.codes("limits_hit") != 0).astype(float))
+    signals.limits_hit = Signal(winch.time, winch.codes("limits_hit").astype(float))
     record.limits += events.winch_limits(winch)
     record.alarms += events.winch_faults(winch)
 

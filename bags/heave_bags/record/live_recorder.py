@@ -69,7 +69,7 @@ class LiveRecorder(Node):
         description = describe_run(
             scenario=parameters.scenario, seed=0, pacing="realtime", tick_period=0.0, transient=0.0
         )
-        for key in ("tick_period_s", "seed", "transient_s", "composed"):
+        for key in ("tick_period_s", "seed", "transient_s", "composed", "replaced"):
             del description[key]
         return BagWriter(
             folder,

@@ -19,6 +19,9 @@ class RecorderParameters:
     directory: str = parameter("bag", unit="", description="Folder of the bag; it must not exist yet.")
     scenario: str = parameter("", unit="", description="Name of the scenario, for the bag's metadata.")
     scenario_file: str = parameter("", unit="", description="Parameter file of the run, carried in the bag.")
+    replaced: tuple[str, ...] = parameter(
+        (), unit="", description="Nodes in whose place a bag or another program takes part, for the bag's metadata."
+    )
     record: bool = parameter(True, unit="", description="Start recording at once; false waits for the service start.")
     snapshot_duration: float = parameter(
         0.0, unit="s", minimum=0.0, maximum=86400.0, description="Time span kept in memory for snapshots; 0: none."

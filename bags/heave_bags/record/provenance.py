@@ -5,6 +5,7 @@ from __future__ import annotations
 import platform
 import subprocess
 import time
+from collections.abc import Sequence
 from importlib import metadata
 from pathlib import Path
 
@@ -56,7 +57,14 @@ def _git(folder: Path, *arguments: str) -> str:
 
 
 def describe_run(
-    *, scenario: str, seed: int, pacing: str, tick_period: float, transient: float, composed: bool = False
+    *,
+    scenario: str,
+    seed: int,
+    pacing: str,
+    tick_period: float,
+    transient: float,
+    composed: bool = False,
+    replaced: Sequence[str] = (),
 ) -> dict[str, str]:
     """Return what the metadata of a bag says of the run it holds.
 
@@ -67,6 +75,7 @@ def describe_run(
     pacing : "lockstep" or "realtime"
     tick_period, transient : [s]
     composed : all nodes share one process
+    replaced : nodes in whose place a bag or another program takes part
     """
     return {
         "scenario": scenario,
@@ -75,6 +84,7 @@ def describe_run(
         "tick_period_s": repr(tick_period),
         "transient_s": repr(transient),
         "composed": str(composed).lower(),
+        "replaced": " ".join(replaced),
         "git_commit": git_commit(),
         "host": platform.node(),
         "machine": f"{platform.system()} {platform.release()} {platform.machine()}",

@@ -99,6 +99,7 @@ class RecorderNode(ParticipantNode):
             tick_period=run.tick_period,
             transient=run.transient,
             composed=self.exchange is not None,
+            replaced=parameters.replaced,
         )
 
         def make_writer(folder: Path) -> BagWriter:

@@ -13,7 +13,7 @@ import numpy as np
 from heave_bringup.benchmark.case import Case, digest
 from heave_bringup.benchmark.outcome import FIGURES, is_lost
 from heave_bringup.benchmark.run import Result
-from heave_bringup.tables.baseline_law import BASELINE
+from heave_bringup.tables.baseline_law import BASELINE_LAW
 
 VERSION = 3
 """Of the benchmark: cases, interface and figures. It goes up with every change that moves a figure."""
@@ -161,7 +161,7 @@ def table(summaries: Sequence[Summary], cases: Mapping[str, Case]) -> str:
 
     Beside each entrant's efficiency is that of the industrial baseline on the same case, where it was run.
     """
-    baseline = {s.case: 1.0 - s.ratio for s in summaries if s.entrant == BASELINE}
+    baseline = {s.case: 1.0 - s.ratio for s in summaries if s.entrant == BASELINE_LAW}
     names = max(len(summary.case) for summary in summaries)
     entrants = max(len(summary.entrant) for summary in summaries) + 1
     lines = [

@@ -11,15 +11,16 @@ from rich.table import Table
 from heave_bringup.campaign.plan import Campaign, Case
 from heave_bringup.campaign.table import FAILURE, LOST, MET, MISSED, NOMINAL, REASON, SEED, SHARE, settings_of
 from heave_bringup.output import make_table
+from heave_bringup.tables.baseline_law import BASELINE_LAW
 from heave_bringup.tables.case_table import CASE, SCENARIO
 
-BASELINE = "baseline_efficiency"
+BASELINE_EFFICIENCY = "baseline_efficiency"
 
 SHOWN = {
     "unit_sigma_m": "unit",
     "uncompensated_sigma_m": "off",
     "unit_efficiency": "effic.",
-    BASELINE: "baseline",
+    BASELINE_EFFICIENCY: "baseline",
     "max_abs_heave_m": "max",
     "uncompensated_max_abs_heave_m": "off max",
     "dynamic_amplification": "DAF",
@@ -31,7 +32,7 @@ SHOWN = {
 }
 """Figures of merit in the table for people, with their headings; all of them are in files."""
 
-SELDOM_KNOWN = (BASELINE,)
+SELDOM_KNOWN = (BASELINE_EFFICIENCY,)
 """Those that are left out where no case has a value."""
 
 
@@ -117,6 +118,13 @@ def _cells(row: dict[object, object], settings: list[str], keys: list[str]) -> l
     remark = f"lost: {row[REASON]}" if row[LOST] else str(row[MISSED])
     cells = [kpi_set.DEFINITION_OF[key].text(value) for key, value in values.items()]
     return [*head, *cells, remark]
+
+
+def left_out(frame: pandas.DataFrame) -> list[str]:
+    """Return the line below the table of a `frame` that says which column is not in it; none where all are."""
+    if frame[BASELINE_EFFICIENCY].notna().any():
+        return []
+    return [f"left out: the efficiency of law {BASELINE_LAW} beside each case (--baseline, in twice the time)"]
 
 
 def summary_table(frame: pandas.DataFrame) -> Table:

@@ -21,7 +21,7 @@ from heave_bringup.run.criteria import refuse_unknown
 from heave_bringup.run.loop_signals import run_signals
 from heave_bringup.scenarios import Scenario, load_scenario
 from heave_bringup.stored_scenario import stored_sections, stored_title
-from heave_bringup.tables.baseline_law import BASELINE
+from heave_bringup.tables.baseline_law import BASELINE_LAW
 
 BOUND = "kappa"
 """Figure that needs bounds, seconds of work: computed only where a criterion asks for it."""
@@ -145,7 +145,7 @@ def _add_baseline(signals: RunSignals, scenario: Scenario) -> None:
 
     from heave_bringup.run.baseline import baseline_signals  # noqa: PLC0415
 
-    is_baseline = scenario.parameters["winch_controller"].law == BASELINE
+    is_baseline = scenario.parameters["winch_controller"].law == BASELINE_LAW
     with contextlib.suppress(DesignError):  # not for this winch: its efficiency stays unknown
         signals.baseline = signals if is_baseline else baseline_signals(scenario)
 

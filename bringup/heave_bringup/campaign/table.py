@@ -11,7 +11,7 @@ from heave_bags.record.provenance import git_commit, versions
 
 from heave_bringup.campaign.plan import Campaign
 from heave_bringup.campaign.runs import CaseResult, Task
-from heave_bringup.tables.baseline_law import BASELINE
+from heave_bringup.tables.baseline_law import BASELINE_LAW
 from heave_bringup.tables.case_table import CASE, SCENARIO
 
 SEED, NOMINAL = "seed", "nominal"
@@ -46,7 +46,7 @@ def _fill_in_baselines(frame: pandas.DataFrame, settings: Sequence[str]) -> None
         return
     others = [SEED, NOMINAL, *(place for place in settings if place != LAW)]
     alike = frame[others].map(str).agg("|".join, axis=1)
-    is_baseline = frame[LAW] == BASELINE
+    is_baseline = frame[LAW] == BASELINE_LAW
     found = dict(zip(alike[is_baseline], frame.loc[is_baseline, "unit_efficiency"], strict=True))
     frame["baseline_efficiency"] = frame["baseline_efficiency"].astype(float).fillna(alike.map(found).astype(float))
 

@@ -11,6 +11,7 @@ from action_msgs.msg import GoalStatus
 from action_msgs.srv import CancelGoal
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import TwistStamped
+from heave_bags.analyse.events import MODE_PART
 from heave_msgs.action import MoveToDepth
 from heave_msgs.msg import CompensationKpi, ControllerState, LoadCell, TickStatus, WinchState
 from heave_node.interface import topics
@@ -50,8 +51,6 @@ LETTING_GO_TIME = 15.0
 SURVEY_PERIOD = 2.0
 """Wall time between two looks at which devices are simulated [s]."""
 MOVE = "controller/move_to_depth"
-MODE_PART = f"{CONTROLLER}: mode"
-"""Part of the diagnostics in which the controller tells the mean depth."""
 
 NEWEST = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
 """For what only the newest matters of: a screen never holds a run up."""

@@ -1,53 +1,144 @@
-"""The baseline beside a run: the same scenario and seed under law industrial, in this process."""
+"""The baseline beside a run: the same scenario and seed under law industrial, in this process, kept beside the bag."""
 
 from __future__ import annotations
 
+import hashlib
+import json
+import zipfile
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
-from heave_bags.analyse.run_record import RunRecord
-from heave_bags.signals import RunSignals
-from heave_node.parameters import ParameterError
+import numpy as np
+from heave_bags.analyse.run_record import ALL_NODES, NodeParameters, RunRecord
+from heave_bags.mcap.reader import Progress, no_progress
+from heave_bags.record.provenance import git_commit, versions
+from heave_bags.signals import RunSignals, Signal
+from heave_node.parameters import ParameterError, flatten
 from winch_controller_node.model.lqr import DesignError
 
 from heave_bringup.closed_loop import ClosedLoop, loop_parameters
 from heave_bringup.run.kappa import scenario_of
 from heave_bringup.run.loop_signals import run_signals
 from heave_bringup.scenarios import Scenario
-from heave_bringup.tables.baseline_law import BASELINE
+from heave_bringup.tables.baseline_law import BASELINE_LAW
+
+SIMULATED = ("wave_vessel", "cable_sim", "virtual_winch")
+"""Nodes that the baseline is the same without ROS as with it, if they were the suite's own."""
+KEPT = ("unit_heave", "uncompensated_heave", "touchdown")
+"""Signals that the efficiency is made from."""
+LARGEST_FILE = 1 << 28
+"""Kept signals are smaller [byte]: a day of them."""
 
 
-def baseline_signals(scenario: Scenario) -> RunSignals:
-    """Return what a `scenario` comes to under the baseline law.
+def baseline_signals(scenario: Scenario, progress: Progress = no_progress) -> RunSignals:
+    """Return what a scenario comes to under the baseline law.
+
+    Parameters
+    ----------
+    scenario : of the run
+    progress : told the share that is done, 0 to 1
 
     Raises DesignError where that law cannot be designed for it.
     """
     parameters: Mapping[str, object] = {
         **scenario.parameters,
-        "winch_controller": replace(scenario.parameters["winch_controller"], law=BASELINE),
+        "winch_controller": replace(scenario.parameters["winch_controller"], law=BASELINE_LAW),
     }
     loop = loop_parameters(replace(scenario, parameters=parameters))
-    return run_signals(ClosedLoop(loop).run(), loop)
+    ticks = round(loop.duration / loop.tick_period)
+    record = ClosedLoop(loop).run(lambda tick, _: progress(tick / ticks) if tick % 20 == 0 else None)
+    return run_signals(record, loop)
 
 
-def add_baseline(record: RunRecord, bag: Path, given: Scenario | None = None) -> None:
+def add_baseline(record: RunRecord, bag: Path, given: Scenario | None = None, progress: Progress = no_progress) -> None:
     """Put the baseline of a run into its record; where it cannot be computed, a note says why.
+
+    It is computed once: its signals stay in a file beside the bag, for as long as scenario and software are the same.
 
     Parameters
     ----------
     record : of the run
     bag : folder that it was read from, with the scenario in it
     given : scenario of the run, where the bag carries none
+    progress : told the share that is done, 0 to 1, where there is work
     """
     scenario = scenario_of(bag) or given
     if scenario is None:
         record.notes.append("the baseline is unknown: the bag carries no scenario (--scenario names one)")
         return
-    if scenario.run.external:
-        record.notes.append(f"the baseline is unknown: {scenario.run.external[0]} was not simulated")
+    replaced = [*scenario.run.external, *record.run.get("replaced", "").split()]
+    unknown = next((node for node in replaced if node in SIMULATED), None)
+    if unknown is not None:
+        record.notes.append(f"the baseline is unknown: {unknown} was not simulated")
         return
+    if scenario.parameters["winch_controller"].law == BASELINE_LAW and not replaced:
+        record.signals.baseline = record.signals
+        return
+    file, digest = kept_at(bag), digest_of(scenario)
+    kept = read_kept(file, digest)
+    if kept is None:
+        try:
+            kept = baseline_signals(scenario, progress)
+        except (DesignError, ParameterError, ArithmeticError, ValueError) as error:  # a bag may carry any scenario
+            record.notes.append(f"the baseline is unknown: {' '.join(str(error).split())}")
+            return
+        with suppress(OSError):  # a folder that cannot be written: it is computed again next time
+            keep(file, digest, kept)
+    record.signals.baseline = kept
+
+
+def parameters_of(scenario: Scenario) -> NodeParameters:
+    """Return the parameters of a scenario as a bag would carry them."""
+    nodes = {node: flatten(parameters) for node, parameters in scenario.parameters.items()}
+    return {**nodes, ALL_NODES: flatten(scenario.run)}
+
+
+def digest_of(scenario: Scenario) -> str:
+    """Return what tells baselines apart: every value of the scenario, versions and commit of the software."""
+    text = json.dumps([parameters_of(scenario), versions(), git_commit()], sort_keys=True)
+    return hashlib.sha256(text.encode()).hexdigest()
+
+
+def kept_at(bag: Path) -> Path:
+    """Return the file in which the baseline of the run in `bag` is kept."""
+    bag = bag.resolve()
+    return bag.with_name(f"{bag.name}.baseline.npz")
+
+
+def keep(file: Path, digest: str, signals: RunSignals) -> None:
+    """Keep a baseline in a file, of which no half is ever seen.
+
+    Parameters
+    ----------
+    file : to be written
+    digest : of scenario and software
+    signals : of the baseline
+
+    Raises OSError where it cannot be written.
+    """
+    parts: dict[str, Signal] = {name: getattr(signals, name) for name in KEPT}
+    columns: dict[str, Any] = {name: np.stack((part.time, part.value)) for name, part in parts.items()}
+    unfinished = file.with_name(f".{file.name}.writing")
+    with unfinished.open("wb") as stream:
+        np.savez_compressed(stream, digest=np.array(digest), **columns)
+    unfinished.replace(file)
+
+
+def read_kept(file: Path, digest: str) -> RunSignals | None:
+    """Return the baseline kept in a `file`; None where it holds none of this `digest`, or is not whole."""
     try:
-        record.signals.baseline = baseline_signals(scenario)
-    except (DesignError, ParameterError, ArithmeticError, ValueError) as error:  # a bag may carry any scenario
-        record.notes.append(f"the baseline is unknown: {' '.join(str(error).split())}")
+        with zipfile.ZipFile(file) as archive:
+            if sum(part.file_size for part in archive.infolist()) > LARGEST_FILE:  # anyone may have written it
+                return None
+        with np.load(file, allow_pickle=False) as columns:
+            if str(columns["digest"]) != digest:
+                return None
+            signals = RunSignals()
+            for name in KEPT:
+                setattr(signals, name, Signal(*columns[name].astype(float)))
+            return signals
+    except (OSError, ValueError, TypeError, KeyError, EOFError, zipfile.BadZipFile):
+        return None

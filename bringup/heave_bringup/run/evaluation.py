@@ -73,7 +73,7 @@ def evaluate(
     report : file of the HTML report; None writes none
     required : criteria of the command line
     alarms : number of errors that the nodes reported
-    has_baseline : the scenario is run again under the baseline law, in this process
+    has_baseline : the scenario is run again under the baseline law, in this process, and that kept beside the bag
     """
     records = read_records([bag], has_baseline=has_baseline)
     (record,) = records

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import math
 from collections import deque
+from collections.abc import Mapping
 
 import numpy as np
 from heave_bags.analyse.events import COMPENSATES, HOLDS_TENSION, OFF, is_loss, loss_words
 from heave_node import kpi
+from heave_node.interface.codes import time_of, without_figures
 from heave_node.numerics.arrays import Array
 
 WINDOW = 60.0
@@ -29,7 +31,7 @@ class LiveFigures:
     """
 
     def __init__(self) -> None:
-        self.mode = self.reason = ""
+        self.mode = self.reason = self._loss_reason = ""
         self.is_landed = self.has_truth = False
         self._samples: deque[tuple[float, float, float]] = deque()
         self._depths: deque[tuple[float, float]] = deque()
@@ -44,7 +46,32 @@ class LiveFigures:
             self._samples.clear()
         if not is_loss(before, mode, reason):
             return ""
+        self._loss_reason = reason
         return loss_words(time, mode, reason)
+
+    def note_modes(self, time: float, words: str, told: Mapping[str, str]) -> list[str]:
+        """Take what the controller tells of its mode in diagnostics.
+
+        Parameters
+        ----------
+        time : of the diagnostics, simulated [s]
+        words : the mode and its reason
+        told : values beside them, each change since the last diagnostics among them
+
+        Returns the lines about compensation that was lost, with the time of the change.
+        """
+        changes = [(at, change) for key, change in told.items() if (at := time_of(key)) is not None]
+        lines = []
+        for at, change in [*changes, (time, words)]:
+            mode, _, reason = change.partition(": ")
+            lines.append(self.note_mode(at, mode, reason))
+        return [line for line in lines if line]
+
+    @property
+    def is_told(self) -> bool:
+        """Whether the mode is one that compensation was lost into, for the reason that was told then."""
+        is_same = without_figures(self.reason) == without_figures(self._loss_reason)
+        return self.mode not in COMPENSATES and bool(self._loss_reason) and is_same
 
     def note_truth(self, time: float, unit: float, uncompensated: float, *, is_landed: bool) -> None:
         """Take where the unit is at a simulated `time` [s].

@@ -33,7 +33,7 @@ def run_signals(record: LoopRecord, parameters: LoopParameters) -> RunSignals:
         tension=signal("top_tension"),
         uncompensated_tension=signal("uncompensated_tension"),
         slack=Signal(time, (record.column("slack_segments") > 0.0).astype(float)),
-        winch_limited=Signal(time, (record.column("limits_hit") != 0.0).astype(float)),
+        limits_hit=signal("limits_hit"),
         static_tension=Signal(time[:1], record.column("top_tension")[:1]),
         unit_height=signal("unit"),
         touchdown=Signal(time, (record.column("touchdown_force") > 0.0).astype(float)),

@@ -8,6 +8,7 @@ from typing import Any
 import rclpy
 from builtin_interfaces.msg import Time
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from heave_bags.analyse.events import MODE_PART
 from heave_msgs.msg import CableState, CompensationKpi, PointMotion, TickStatus
 from heave_node.interface import topics
 from heave_node.interface.codes import ALARMS, without_figures
@@ -29,12 +30,8 @@ DISCOVERY = 0.5
 One that shows itself later is noticed during the run.
 """
 
-ALARMS_PART = f"winch_controller: {ALARMS}"
-"""Part in which it tells what it has learnt, and what is not as it should be."""
-
-
-MODE_PART = "winch_controller: mode"
-"""Part of the diagnostics in which the controller tells its mode and why."""
+ALARMS_PART = f"{topics.CONTROLLER_STATE.publisher}: {ALARMS}"
+"""Part in which the controller tells what it has learnt, and what is not as it should be."""
 
 NEWEST = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
 
@@ -151,12 +148,12 @@ class Monitor:
             return
         for part in message.status:
             if part.name == MODE_PART:
-                mode, _, reason = part.message.partition(": ")
                 time_of_tick = seconds_of(message.header.stamp)
                 told = {value.key: value.value for value in part.values}
                 self.live.note_depth(time_of_tick, float(told.get("mean depth [m]", "nan")))
-                loss = self.live.note_mode(time_of_tick, mode, reason)
-                self._news += [loss] if loss else []
+                self._news += self.live.note_modes(time_of_tick, part.message, told)
+                if self.live.is_told:
+                    continue
             if part.name == ALARMS_PART:
                 self._news += [f"{told.key}: {told.value}" for told in part.values]
             if part.level != DiagnosticStatus.ERROR:

@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 
 from heave_bags.analyse import analysis
-from heave_bags.analyse.run_record import ALL_NODES, NodeParameters, RunRecord
-from heave_node.parameters import flatten
+from heave_bags.analyse.run_record import RunRecord
 
 from heave_bringup.progress import ProgressLine
-from heave_bringup.run.baseline import add_baseline
+from heave_bringup.run.baseline import add_baseline, parameters_of
 from heave_bringup.run.kappa import add_bounds
-from heave_bringup.scenarios import Scenario, load_scenario
-from heave_bringup.tables.baseline_law import BASELINE
+from heave_bringup.scenarios import load_scenario
+from heave_bringup.tables.baseline_law import BASELINE_LAW
 
 
 def read_records(
@@ -30,7 +30,7 @@ def read_records(
     bags : folders or files
     scenario : shipped name or file, for bags that do not carry the scenario of their run
     transient : start of the evaluation window [s]; None takes what each bag says, or else the scenario
-    has_baseline : each run is made again under the baseline law
+    has_baseline : each run is made again under the baseline law, unless that is kept beside its bag
 
     Raises BagError for the first bag that cannot be read, ParameterError for a scenario that cannot be.
     """
@@ -47,12 +47,6 @@ def read_records(
             progress.show("bounds of kappa")
             add_bounds(record, bag, given)
             if has_baseline:
-                progress.show(f"{record.name} under law {BASELINE}")
-                add_baseline(record, bag, given)
+                words = f"{record.name} under law {BASELINE_LAW} (--no-baseline leaves it out)"
+                add_baseline(record, bag, given, partial(progress.show, words))
     return records
-
-
-def parameters_of(scenario: Scenario) -> NodeParameters:
-    """Return the parameters of a scenario as a bag would carry them."""
-    nodes = {node: flatten(parameters) for node, parameters in scenario.parameters.items()}
-    return {**nodes, ALL_NODES: flatten(scenario.run)}

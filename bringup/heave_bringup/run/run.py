@@ -151,7 +151,7 @@ def run_scenario(
             if monitor.another_run():
                 _remove_unused(folder)
                 raise CommandError(ANOTHER_RUN)
-            store_scenario(scenario, folder)
+            store_scenario(scenario, folder, [*(substitutes or {}), *foreign])
             names = nodes_to_start(scenario, foreign)
             if composed is None:
                 launcher.start(names, folder.scenario, folder.logs, substitutes, namespace)
@@ -224,19 +224,21 @@ def nodes_to_start(scenario: Scenario, foreign: Sequence[str] = ()) -> list[str]
     return clock + [node.name for node in NODES if node.name in wanted]
 
 
-def store_scenario(scenario: Scenario, folder: RunFolder) -> None:
+def store_scenario(scenario: Scenario, folder: RunFolder, replaced: Sequence[str] = ()) -> None:
     """Write the parameter file that the nodes get and the bag carries: all values in force.
 
     Parameters
     ----------
     scenario : checked
     folder : of the run; the recorder writes into it
+    replaced : nodes in whose place a bag or another program takes part
     """
     recorder = replace(
         scenario.parameters["recorder"],
         directory=str(folder.bag),
         scenario_file=str(folder.scenario),
         scenario=scenario.name,
+        replaced=tuple(replaced),
     )
     stored = replace(scenario, parameters={**scenario.parameters, "recorder": recorder})
     sections = stored_sections(stored)

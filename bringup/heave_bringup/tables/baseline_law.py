@@ -2,5 +2,5 @@
 
 from __future__ import annotations
 
-BASELINE = "industrial"
+BASELINE_LAW = "industrial"
 """By its name in the registry of laws: what makers of winches do."""

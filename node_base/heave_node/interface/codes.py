@@ -70,6 +70,23 @@ COMMANDS, LATE = "commands", "late"
 ALARMS = "alarms"
 """Part of the controller's diagnostics with what it has told since the last ones: its words, by time, as values."""
 
+MODE = "mode"
+"""Part of the controller's diagnostics with its mode and why, and each change since the last ones by time, as values.
+"""
+
+
+def told_at(time: float) -> str:
+    """Return the key of a value that tells what happened at a simulated `time` [s]."""
+    return f"t = {time:.2f} s"
+
+
+def time_of(key: str) -> float | None:
+    """Return the simulated time [s] of which a `key` tells; None for any other key."""
+    found = _TOLD_AT.fullmatch(key)
+    return None if found is None else float(found[1])
+
+
+_TOLD_AT = re.compile(r"t = ([0-9.]+) s")
 _FIGURES = re.compile(r"[0-9.]+")
 
 

@@ -80,6 +80,9 @@ BETTER = 1.15
 GAIN_STEP, LIMIT_STEP, CREEP_STEP = 0.015, 0.03, 0.001
 """Changes of gains and limits, relative, and of the creep [m/s] that are worth it."""
 
+UNEVEN = 0.1
+"""Limits of paying out and hauling in that differ by less are told as one, relative."""
+
 SHARE_LEFT = 0.25
 """Gains and creep of a record that is not explained are believed where they leave no more of what is left now [-]."""
 
@@ -209,6 +212,16 @@ class WinchIdentifier:
     def is_full(self) -> bool:
         """Tell whether the record has its full length."""
         return len(self._readings) == self._readings.maxlen
+
+    @property
+    def lone_directions(self) -> dict[str, str]:
+        """Return the direction in which alone a limit was found, by the limit's name in the model of a winch."""
+        found = {}
+        for name, pair in (("speed_limit", SPEEDS), ("acceleration_limit", ACCELERATIONS)):
+            paying_out, hauling_in = (float(self._found[i]) for i in pair)
+            if min(paying_out, hauling_in) < (1.0 - UNEVEN) * max(paying_out, hauling_in):
+                found[name] = "paying out" if paying_out < hauling_in else "hauling in"
+        return found
 
     def error(self, winch: WinchModelParameters) -> float:
         """Return how far the drum is off where the model `winch` predicted it a second ago [m]; 0 where unknown.

@@ -92,7 +92,7 @@ class RigidWorld:
                 state.tension,
                 state.rate,
                 state.bottom_force,
-                float(moved.limits != 0),
+                float(moved.limits),
             )
             winch.step(tick, command, state.tension)
             load.step(self._rope_end(tick + 1, winch), dt)
@@ -121,7 +121,7 @@ class RigidWorld:
             payout_acceleration=signal(column["acceleration"]),
             tension=signal(column["tension"]) if has_tension else Signal(),
             static_tension=Signal(time[:1], column["tension"][:1]) if has_tension else Signal(),
-            winch_limited=signal(column["limits"]),
+            limits_hit=signal(column["limits"]),
             speed_limit=self._p.speed_limit,
             acceleration_limit=self._p.acceleration_limit,
         )

@@ -15,7 +15,7 @@ from heave_bringup.commands.command import Command
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the command's own arguments to `parser`."""
     add_bags(parser)
-    add_baseline(parser, "each run is made")
+    add_baseline(parser)
     parser.add_argument("--window", type=float, metavar="S", help="also print figures for each S seconds of the run")
     parser.add_argument("--table", type=Path, metavar="FILE", help="write the figures to a .csv or .parquet file")
 

@@ -12,7 +12,7 @@ from heave_bringup.commands.command import Command
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the command's own arguments to `parser`."""
     add_bags(parser)
-    add_baseline(parser, "each run is made")
+    add_baseline(parser)
     parser.add_argument("--output", type=Path, metavar="FILE", help="default: report.html beside the first bag")
 
 

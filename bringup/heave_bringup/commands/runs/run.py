@@ -90,7 +90,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="print only alarms and errors; --json and the exit status give the result",
     )
     parser.add_argument("--no-report", action="store_true", help="do not write the HTML report")
-    add_baseline(parser, "the scenario is run")
+    add_baseline(parser)
 
 
 def execute(options: argparse.Namespace) -> None:

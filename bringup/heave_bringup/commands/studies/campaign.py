@@ -5,11 +5,15 @@ from __future__ import annotations
 import argparse
 from dataclasses import asdict
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from heave_node.parameters import ParameterError
 
-from heave_bringup.commands.arguments import add_baseline, add_workers
+from heave_bringup.commands.arguments import SAME_SEA, add_workers
 from heave_bringup.commands.command import Command
+
+if TYPE_CHECKING:
+    from rich.table import Table
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -20,7 +24,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="a shipped campaign, or a file (format: heave_bringup/campaign/campaign_file.py)",
     )
     add_workers(parser)
-    add_baseline(parser, "each case is run")
+    parser.add_argument(
+        "--baseline",
+        action="store_true",
+        help=f"show beside the efficiency {SAME_SEA}: each case is run again, which takes twice the time",
+    )
     parser.add_argument("--duration", type=float, metavar="S", help="simulated time of a case, instead of the file's")
     parser.add_argument("--draws", type=int, metavar="N", help="only the first N of the file's random draws")
     parser.add_argument(
@@ -54,7 +62,7 @@ def execute(options: argparse.Namespace) -> None:
 
     from heave_bringup.campaign import picture
     from heave_bringup.campaign.campaign_file import find_campaign, read_campaign
-    from heave_bringup.campaign.report import case_table, summary_table, to_json, without_scenario
+    from heave_bringup.campaign.report import case_table, left_out, summary_table, to_json, without_scenario
     from heave_bringup.campaign.sensitivity import influence_table, influences, save_tornado
     from heave_bringup.campaign.study import run_study
     from heave_bringup.output import check_output, write_result
@@ -81,7 +89,8 @@ def execute(options: argparse.Namespace) -> None:
         without_scenario(frame).to_csv(options.csv, index=False)
     if options.plot is not None:
         picture.save_picture(frame, options.kpi, options.plot)
-    parts, result = [case_table(frame), summary_table(frame)], to_json(campaign, frame)
+    parts: list[str | Table] = [case_table(frame), *left_out(frame), summary_table(frame)]
+    result = to_json(campaign, frame)
     if options.tornado is not None:
         found = influences(frame, options.kpi)
         save_tornado(found, options.kpi, options.tornado)

@@ -24,10 +24,12 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from heave_node.criteria import Criterion
+    from pandas import DataFrame
     from rich.table import Table
 
     from heave_bringup.campaign.plan import Campaign
     from heave_bringup.operability.study import Place, Situation
+    from heave_bringup.scenarios import Scenario
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -68,7 +70,11 @@ def execute(options: argparse.Namespace) -> None:
     if options.csv is not None:
         limit_frame(found).to_csv(options.csv, index=False)
     files = f"report    {page}\ncases     {table}"
-    write_result(options, [*_tables(found, place), files], {**to_json(found, criteria), "report": str(page)})
+    write_result(
+        options,
+        [*_tables(found, place), *_left_out(scenario, frame), files],
+        {**to_json(found, criteria), "report": str(page)},
+    )
 
 
 def _campaign(options: argparse.Namespace, settings: Mapping[str, object], required: list[Criterion]) -> Campaign:
@@ -101,6 +107,18 @@ def _place(options: argparse.Namespace) -> Place | None:
             raise ParameterError("--windows and --alpha need --record: the seas in which windows are looked for")
         return None
     return Place(read_record(options.record), windows, alpha)
+
+
+def _left_out(scenario: Scenario, frame: DataFrame) -> list[str]:
+    """Return the line that says how to have the limits under the baseline law, where they are not among the cases."""
+    from heave_bringup.campaign.table import LAW
+    from heave_bringup.tables.baseline_law import BASELINE_LAW
+
+    law = scenario.parameters["winch_controller"].law
+    if LAW in frame or law == BASELINE_LAW:
+        return []
+    beside = f"--vary '{LAW}=[{law}, {BASELINE_LAW}]'"
+    return [f"left out: the limits under law {BASELINE_LAW} ({beside}, in twice the time)"]
 
 
 def _tables(found: list[Situation], place: Place | None) -> list[str | Table]:

@@ -96,7 +96,17 @@ def execute(options: argparse.Namespace) -> None:
         "winches": buyers.to_dict("records"),
         "report": str(page),
     }
-    write_result(options, [*_tables(found, knees, seas.name), files], answer)
+    write_result(options, [*_tables(found, knees, seas.name), *_left_out(scenario), files], answer)
+
+
+def _left_out(scenario: Scenario) -> list[str]:
+    """Return the line that says how to have the same tables of the baseline law, where they are of another one."""
+    from heave_bringup.tables.baseline_law import BASELINE_LAW
+
+    if scenario.parameters["winch_controller"].law == BASELINE_LAW:
+        return []
+    beside = f"--set winch_controller.law={BASELINE_LAW} --output FILE, in the same time again"
+    return [f"left out: the winch that law {BASELINE_LAW} needs ({beside})"]
 
 
 def _prices(options: argparse.Namespace) -> Prices:

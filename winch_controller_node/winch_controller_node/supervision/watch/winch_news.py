@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
+from types import MappingProxyType
 
 from winch_controller_node.parameters.model import WinchModelParameters
 
@@ -45,12 +47,20 @@ class WinchNews:
         self._told = self._last = winch
         self._rested = self._withheld = 0.0
 
-    def update(self, winch: WinchModelParameters, *, is_power_limited: bool, is_learning: bool) -> list[str]:
+    def update(
+        self,
+        winch: WinchModelParameters,
+        *,
+        directions: Mapping[str, str] = MappingProxyType({}),
+        is_power_limited: bool,
+        is_learning: bool,
+    ) -> list[str]:
         """Return what is to be told in this tick; empty: nothing.
 
         Parameters
         ----------
         winch : in force
+        directions : in which alone a limit was found, by its name
         is_power_limited : the winch has said that its power ends
         is_learning : more may come; otherwise what there is, is told at once
         """
@@ -63,9 +73,10 @@ class WinchNews:
             return []
         words = []
         for label, name, unit in changed:
+            alone = f", {directions[name]} only" if name in directions else ""
             by_power = ", by its power limit" if name == "speed_limit" and is_power_limited else ""
             value = f"{label} {getattr(winch, name):.3f} {unit}".rstrip()
-            words.append(f"{value} (was {getattr(self._told, name):.3f}){by_power}")
+            words.append(f"{value} (was {getattr(self._told, name):.3f}){alone}{by_power}")
         self._told = replace(self._told, **{name: getattr(winch, name) for _, name, _ in changed})
         return [f"winch model updated: {', '.join(words)}"]
 

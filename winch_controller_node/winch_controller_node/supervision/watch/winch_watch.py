@@ -129,6 +129,11 @@ class WinchWatch:
             self._work.begin(tick, question)
 
     @property
+    def lone_directions(self) -> dict[str, str]:
+        """Return the direction in which alone a limit was found, by the limit's name."""
+        return self._identifier.lone_directions
+
+    @property
     def is_power_limited(self) -> bool:
         """Tell whether the winch has said that its power ends."""
         return self._power_limited
