@@ -43,6 +43,9 @@ def test_the_worst_window_is_found_where_it_is():
         ("winch model updated: gain 0.950 (was 1.000)", PLAIN["speed 1.0"], True),
         ("mru suspect: its heave has a high-pass", PLAIN["high-pass 30 s"], False),
         ("depth suspect: its readings contradict all others", PLAIN["high-pass 30 s"], True),
+        ("mru or drum suspect: the heave that the one reads", PLAIN["MRU scale 0.85"], False),
+        ("mru or drum suspect: the heave that the one reads", PLAIN["drum radius 3 %"], False),
+        ("mru or drum suspect: the heave that the one reads", PLAIN["high-pass 30 s"], True),
         ("noise of mru_heave is 0.05, 5.0 times what is believed", PLAIN["MRU noise x5"], False),
     ],
 )
@@ -89,6 +92,17 @@ def test_a_draw_that_was_lost_before_its_winch_or_mru_was_known_is_kept(number, 
     assert not found.wrong
     assert found.fades == 0
     assert found.share > 0.9
+
+
+@pytest.mark.slow
+def test_a_scale_between_mru_and_drum_is_found_and_the_share_of_the_motion_that_it_left_goes():
+    """15 % of the heave unread are 15 % of the motion uncompensated, for good; 0.85 is the truth."""
+    settings = ["wave_vessel.mru.scale_error=-0.15", "all.transient=30", "all.duration=180"]
+    record = ClosedLoop(loop_parameters(load_scenario("b2_calm_300", settings=settings))).run()
+    (words,) = [words for _, words in record.alarms if "suspect" in words]
+    assert words == ("mru or drum suspect: the heave that the one reads is 0.85 times what payout and depth make of it")
+    unit, off = record.column("unit", after=120.0), record.column("uncompensated", after=120.0)
+    assert np.std(unit) < 0.04 * np.std(off)
 
 
 @pytest.mark.slow

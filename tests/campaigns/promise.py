@@ -55,6 +55,8 @@ PLAIN: dict[str, Settings] = {
     "MRU noise x5": {"wave_vessel.mru.noise": 0.05, "wave_vessel.mru.rate_noise": 0.05},
     "MRU and depth noise x5": {name: 5.0 * sigma for name, sigma in NOISES.items()},
     "high-pass 30 s": {"wave_vessel.mru.high_pass_period": 30.0},
+    "MRU scale 0.85": {"wave_vessel.mru.scale_error": -0.15},
+    "drum radius 3 %": {"virtual_winch.drum_radius_error": 0.03},
 }
 """One thing other than believed."""
 
@@ -207,6 +209,7 @@ def is_wrong(words: str, settings: Settings) -> bool:
     is_late = settings.get("wave_vessel.mru.stamp_error", 0.0) > 0.0
     is_filtered = settings.get("wave_vessel.mru.high_pass_period", 0.0) > 0.0
     is_power_limited = truth.get("power_limit", 0.0) > 0.0
+    is_off_scale = truth.get("drum_radius_error", settings.get("wave_vessel.mru.scale_error", 0.0)) != 0.0
     drive = ("speed_gain", "speed_deadband", "encoder.backlash", "time_constant", "command_delay")
     wrongs = {
         "acceleration limit": acceleration > 0.98 * ACCELERATION,
@@ -216,6 +219,7 @@ def is_wrong(words: str, settings: Settings) -> bool:
         "creep": not any(name in truth for name in drive),
         "noise of": max(noises) < 1.5,
         "mru suspect": not (is_filtered or is_late),
+        "mru or drum suspect": not is_off_scale,
         "depth suspect": True,
         "cable suspect": True,
     }

@@ -27,8 +27,11 @@ def design_for(wanted, factors=(1.0, 1.0)):
     return design_controller(wanted, tick_period=DT, cable=cable)
 
 
-def record_of(truth, *, turned_over=()):
-    """Return a minute of readings of the model `truth`, winch locked; what is `turned_over` has the wrong sign."""
+def record_of(truth, *, turned_over=(), scale=1.0):
+    """Return a minute of readings of the model `truth`, winch locked.
+
+    What is `turned_over` has the wrong sign; what the MRU reads is `scale` times the truth.
+    """
     design, random = design_for(truth), np.random.default_rng(3)
     model = design.model
     factor = covariance_factor(model.noise_covariance)
@@ -42,7 +45,10 @@ def record_of(truth, *, turned_over=()):
             Measurement(
                 known.name,
                 float(
-                    (-1.0 if known.name in turned_over else 1.0) * known.row @ x
+                    (-1.0 if known.name in turned_over else 1.0)
+                    * (scale if known.sensor == "mru" else 1.0)
+                    * known.row
+                    @ x
                     + known.sigma * random.standard_normal()
                 ),
                 tick,
@@ -71,6 +77,16 @@ def test_a_high_pass_that_nobody_told_of_is_found_with_its_corner(period):
     # what is left of the corner's error turns the heave at 10 s by less than 2 degrees
     assert found == pytest.approx(period, rel=0.06)
     assert verdict.estimator.model.has_state("mru_offset")
+
+
+@pytest.mark.parametrize("scale", [0.75, pytest.param(1.25, marks=pytest.mark.long)])
+def test_a_scale_of_the_mru_is_found_and_told(scale):
+    verdict = suspect(parameters(), record_of(parameters(), scale=scale), design_for, DT)
+    assert verdict.suspicion.culprit == "mru or drum"
+    # what it reads in a minute tells the scale to some 2 %, beside a prior of 10 %
+    error = verdict.estimator.estimate[verdict.estimator.model.state("mru_scale")]
+    assert f" {1.0 + error:.2f} times " in verdict.suspicion.words
+    assert 1.0 + error == pytest.approx(scale, abs=0.02)
 
 
 @pytest.mark.long

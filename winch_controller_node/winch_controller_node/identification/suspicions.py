@@ -8,14 +8,14 @@ foreseen, names what is at fault.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from winch_controller_node.design.design import ControllerDesign
 from winch_controller_node.estimation.reading_record import ENCODER_ROW, ReadingRecord
-from winch_controller_node.interface.sensors import KnownSensors
+from winch_controller_node.interface.sensors import MRU_SCALE, KnownSensors
 from winch_controller_node.model.estimator import KalmanEstimator, Measurement, RecordedTick
 from winch_controller_node.node_parameters import WinchControllerParameters
 
@@ -27,6 +27,12 @@ CORNERS = (100.0, 60.0, 40.0, 30.0, 22.0, 16.0)
 
 REFINEMENTS = (1.12, 1.05, 1.02)
 """Factors, up and down, by which the best of them is then refined."""
+
+SCALE_SIGMA = 0.1
+"""Error of scale between MRU and drum that is tried, 1 sigma: the estimate finds how large it is."""
+
+LARGEST_SCALE = 0.5
+"""And the largest that is one: a sensor with the wrong sign, or none, has another fault."""
 
 LARGEST_NIS = 50.0
 """What one normalised innovation counts at most."""
@@ -61,6 +67,7 @@ class Suspicion:
     parameters : what is to be believed then
     doubted : sensor whose readings count as noise; empty: none
     cable : inertia and damping of the cable over those believed
+    scale : the scale of this sensor is estimated, and told in the words once it is known; empty: of none
     """
 
     culprit: str
@@ -68,6 +75,7 @@ class Suspicion:
     parameters: WinchControllerParameters
     doubted: str = ""
     cable: tuple[float, float] = (1.0, 1.0)
+    scale: str = ""
 
 
 @dataclass(frozen=True)
@@ -119,12 +127,28 @@ def suspect(
     for factor in REFINEMENTS:
         trials = [best, *(tried(near) for near in _near(parameters, best.verdict.suspicion, factor))]
         best = max(trials, key=lambda trial: trial.likelihood)
-    allowed = min(EXPLAINED, LESS * nothing.worst)
-    if best.verdict.suspicion.culprit in parameters.sensors.use:
-        allowed = max(allowed, SHARE_LEFT * nothing.worst)
-    explains = best.worst < allowed
-    holds = explains and best.likelihood > nothing.likelihood + CLEARLY
+    holds = _explains(best, nothing, parameters) and best.likelihood > nothing.likelihood + CLEARLY
     return best.verdict if holds else nothing.verdict
+
+
+def _explains(trial: _Trial, nothing: _Trial, parameters: WinchControllerParameters) -> bool:
+    """Tell whether the sensors in use are foreseen under a suspicion, and those that only witness no worse for it.
+
+    Parameters
+    ----------
+    trial, nothing : of the suspicion, and of none
+    parameters : believed
+    """
+    used = {row.name for sensor in parameters.sensors.in_use().values() for row in sensor.rows()}
+
+    def worst(of: _Trial, *, are_used: bool) -> float:
+        return max((misfit for name, misfit in of.misfits.items() if (name in used) == are_used), default=1.0)
+
+    allowed = min(EXPLAINED, LESS * worst(nothing, are_used=True))
+    if trial.verdict.suspicion.culprit in parameters.sensors.use:
+        allowed = max(allowed, SHARE_LEFT * worst(nothing, are_used=True))
+    witnessed = max(EXPLAINED, worst(nothing, are_used=False))
+    return worst(trial, are_used=True) < allowed and worst(trial, are_used=False) <= witnessed
 
 
 def likelihood(design: ControllerDesign, record: Sequence[RecordedTick], tick_period: float) -> float:
@@ -158,6 +182,14 @@ def _cut_off(parameters: WinchControllerParameters, period: float) -> Suspicion:
     return Suspicion("mru", words, replace(parameters, sensors=replace(sensors, mru=mru)))
 
 
+def _scale(parameters: WinchControllerParameters) -> Suspicion:
+    sensors = parameters.sensors
+    mru = replace(sensors.mru, scale_sigma=SCALE_SIGMA)
+    # a drum whose rope is wound on another radius than believed leaves as much of the motion
+    words = "the heave that the one reads is {:.2f} times what payout and depth make of it"
+    return Suspicion("mru or drum", words, replace(parameters, sensors=replace(sensors, mru=mru)), scale=MRU_SCALE)
+
+
 def _cable(parameters: WinchControllerParameters, inertia: float, damping: float) -> Suspicion:
     words = f"it answers with {inertia:.2f} times the inertia and {damping:.2g} times the damping that are believed"
     return Suspicion("cable", words, parameters, cable=(inertia, damping))
@@ -167,6 +199,8 @@ def _suspicions(parameters: WinchControllerParameters) -> list[Suspicion]:
     """Return what may be wrong with the sensors in use, and with the cable."""
     sensors = parameters.sensors
     found = [_cut_off(parameters, corner) for corner in CORNERS] if "mru" in sensors.use else []
+    if "mru" in sensors.use and sensors.mru.scale_sigma < SCALE_SIGMA:
+        found.append(_scale(parameters))
     found += [_cable(parameters, inertia, 1.0) for inertia in INERTIAS]
     found += [_cable(parameters, 1.0, damping) for damping in DAMPINGS]
     found += [
@@ -179,7 +213,7 @@ def _suspicions(parameters: WinchControllerParameters) -> list[Suspicion]:
 
 def _near(parameters: WinchControllerParameters, suspicion: Suspicion, factor: float) -> list[Suspicion]:
     """Return the neighbours of a suspicion that has a size, by a factor above and below it."""
-    if suspicion.doubted:
+    if suspicion.doubted or suspicion.scale:
         return []
     if suspicion.culprit == "cable":
         inertia, damping = suspicion.cable
@@ -195,12 +229,12 @@ class _Trial:
     Attributes
     ----------
     likelihood : logarithm of that of the record
-    worst : largest mean of the normalised innovations squared of a measurement
+    misfits : mean of the normalised innovations squared of each measurement
     verdict : if it holds
     """
 
     likelihood: float
-    worst: float
+    misfits: Mapping[str, float]
     verdict: Verdict
 
 
@@ -219,8 +253,12 @@ def _tried(suspicion: Suspicion, design: ControllerDesign, record: Sequence[Reco
                 likelihood -= 0.5 * nis + math.log(innovation.sigma)
                 squares.setdefault(name, []).append(nis)
     # the winch is identified by the encoder, which is right where the model of the winch is not
-    worst = max((float(np.mean(values)) for name, values in squares.items() if name != ENCODER_ROW), default=1.0)
-    return _Trial(likelihood, worst, Verdict(suspicion, design, estimator, record[-1].number))
+    misfits = {name: float(np.mean(values)) for name, values in squares.items() if name != ENCODER_ROW}
+    if suspicion.scale:
+        error = float(estimator.estimate[design.model.state(suspicion.scale)])
+        suspicion = replace(suspicion, words=suspicion.words.format(1.0 + error))
+        likelihood = likelihood if abs(error) < LARGEST_SCALE else -math.inf
+    return _Trial(likelihood, misfits, Verdict(suspicion, design, estimator, record[-1].number))
 
 
 def _with_doubt(sensor: str, record: Sequence[RecordedTick]) -> Sequence[RecordedTick]:
