@@ -83,10 +83,10 @@ def test_a_high_pass_that_nobody_told_of_is_found_with_its_corner(period):
 def test_a_scale_of_the_mru_is_found_and_told(scale):
     verdict = suspect(parameters(), record_of(parameters(), scale=scale), design_for, DT)
     assert verdict.suspicion.culprit == "mru or drum"
-    # what it reads in a minute tells the scale to some 2 %, beside a prior of 10 %
+    # what it reads in a minute tells the scale to some 2 %, beside a prior of 20 %
     error = verdict.estimator.estimate[verdict.estimator.model.state("mru_scale")]
     assert f" {1.0 + error:.2f} times " in verdict.suspicion.words
-    assert 1.0 + error == pytest.approx(scale, abs=0.02)
+    assert 1.0 + error == pytest.approx(scale, abs=0.03)
 
 
 @pytest.mark.long

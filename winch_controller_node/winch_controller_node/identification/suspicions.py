@@ -28,7 +28,7 @@ CORNERS = (100.0, 60.0, 40.0, 30.0, 22.0, 16.0)
 REFINEMENTS = (1.12, 1.05, 1.02)
 """Factors, up and down, by which the best of them is then refined."""
 
-SCALE_SIGMA = 0.1
+SCALE_SIGMA = 0.2
 """Error of scale between MRU and drum that is tried, 1 sigma: the estimate finds how large it is."""
 
 LARGEST_SCALE = 0.5
