@@ -301,9 +301,10 @@ class WinchController:
         )
         self._alarms += loop.sensed.faults
         decision = self._decide(loop, measurements)
-        self._change_mode(decision.mode, loop)
-        self._act_on(decision.landing, loop)
-        loop = self._estimation.refreshed(loop)
+        if decision.mode.before is not None or decision.landing is not None:
+            self._change_mode(decision.mode, loop)
+            self._act_on(decision.landing, loop)
+            loop = self._estimation.refreshed(loop)
         command = self._command.command(loop, decision, self._watch_preview(loop, measurements.preview))
         self._estimation.advance_mean(command.shares.mean, is_braked=self.modes.brake)
         self._watch_load(loop, measurements.winch, command)

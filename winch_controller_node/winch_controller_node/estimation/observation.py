@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from dataclasses import replace
 
 from heave_node.interface.codes import SensorLevel, WinchFault
 from heave_node.interface.sensors import MruReading
@@ -270,4 +269,4 @@ class Observer:
         share = float(estimator.row_of(reading) @ state)
         if reading.name in self._heaves_of_unit:
             share -= self.stretch_per_payout * float(estimator.model.row("payout") @ state)
-        return replace(reading, value=reading.value - share)
+        return reading._replace(value=reading.value - share)

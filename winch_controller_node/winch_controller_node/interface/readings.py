@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 from heave_node.interface.codes import SensorLevel
 from heave_node.interface.preview import HeavePreview
@@ -97,8 +98,7 @@ class WinchOrder:
     brake: bool
 
 
-@dataclass(frozen=True)
-class SensorState:
+class SensorState(NamedTuple):
     """How one sensor is seen.
 
     Attributes

@@ -9,8 +9,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from itertools import islice
+from types import MappingProxyType
+from typing import NamedTuple
 
 import numpy as np
 from heave_node.numerics.arrays import Array
@@ -19,6 +21,8 @@ from heave_node.numerics.linear_model import LinearModel
 from winch_controller_node.model.drag_kernel import Drag
 from winch_controller_node.model.kalman import IMPLEMENTATIONS, KalmanFilter
 from winch_controller_node.model.kalman_kernel import WEIGHTS, WHICH, FilterModel, Gate, Told
+
+NO_REGRESSORS: Mapping[str, float] = MappingProxyType({})
 
 
 @dataclass(frozen=True)
@@ -43,8 +47,7 @@ class MeasurementModel:
     is_gated: bool = True
 
 
-@dataclass(frozen=True, slots=True)
-class Measurement:
+class Measurement(NamedTuple):
     """One reading for the filter.
 
     Attributes
@@ -62,11 +65,10 @@ class Measurement:
     tick: int
     sigma: float | None = None
     offset: float = 0.0
-    regressors: Mapping[str, float] = field(default_factory=dict)
+    regressors: Mapping[str, float] = NO_REGRESSORS
 
 
-@dataclass(frozen=True, slots=True)
-class Innovation:
+class Innovation(NamedTuple):
     """What a reading said against the prediction.
 
     Attributes

@@ -135,7 +135,8 @@ class ModeMachine:
             self._well_time += self._dt
         if self.mode is Mode.FADE_OUT:
             self._approach(0.0, self._parameters.fade_out_time)
-        changed = any(happens(self._view) and self._take(event) for event, happens in TICK_EVENTS.items())
+        view = self._view
+        changed = any(happens(view) and self._take(event) for event, happens in TICK_EVENTS.items())
         if not changed:
             self._go_on()
         before, self._mode_before = self._mode_before, self.mode
@@ -156,8 +157,11 @@ class ModeMachine:
 
     def _take(self, event: Event) -> bool:
         """Take the first row of an event whose guards hold; return whether there is one."""
+        rows = ROWS[self.mode, event]
+        if not rows:
+            return False
         view = self._view
-        row = next((row for row in ROWS[self.mode, event] if all(guard.holds(view) for guard in row.guards)), None)
+        row = next((row for row in rows if all(guard.holds(view) for guard in row.guards)), None)
         if row is None:
             return False
         for action in row.actions:
