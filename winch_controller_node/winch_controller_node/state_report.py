@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -15,8 +15,7 @@ from winch_controller_node.loop_command import TickCommand
 from winch_controller_node.supervision.supervisor import Decision
 
 
-@dataclass(frozen=True, slots=True)
-class ControllerTick:
+class ControllerTick(NamedTuple):
     """One tick of the controller.
 
     Attributes

@@ -20,8 +20,7 @@ class Motion(NamedTuple):
     rate: float
 
 
-@dataclass(frozen=True, slots=True)
-class Sensed:
+class Sensed(NamedTuple):
     """What the sensors said in a tick, after the gates.
 
     Attributes
@@ -53,8 +52,7 @@ class Sensed:
     faults: tuple[str, ...]
 
 
-@dataclass(frozen=True, slots=True)
-class CommandShares:
+class CommandShares(NamedTuple):
     """A command in the terms of the model, in two shares: what is `compensating`, and what moves the `mean` payout."""
 
     compensating: float = 0.0

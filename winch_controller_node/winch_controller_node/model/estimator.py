@@ -84,8 +84,7 @@ class Innovation(NamedTuple):
     accepted: bool
 
 
-@dataclass(frozen=True)
-class RecordedTick:
+class RecordedTick(NamedTuple):
     """What the estimator is told at a tick.
 
     Attributes

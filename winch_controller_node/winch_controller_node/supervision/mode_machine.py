@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 from heave_node.interface.codes import WinchFault, fault_words
 
 from winch_controller_node.parameters.laws import ModeParameters
@@ -172,7 +170,7 @@ class ModeMachine:
 
     def _enter(self, mode: Mode, event: Event) -> None:
         if mode not in (Mode.COMPENSATING, Mode.FADE_OUT):
-            self._memory = replace(self._memory, authority=0.0)
+            self._memory = self._memory._replace(authority=0.0)
         self.reason = self._words(event)
         self.mode, self._time = mode, 0.0
 
@@ -203,7 +201,7 @@ class ModeMachine:
     def _approach(self, target: float, time: float) -> None:
         step = self._dt / time
         change = min(max(target - self.authority, -step), step)
-        self._memory = replace(self._memory, authority=self.authority + change)
+        self._memory = self._memory._replace(authority=self.authority + change)
 
     def _go_on(self) -> None:
         """Move authority to what the winch can follow, and say why the mode stays what it is."""
