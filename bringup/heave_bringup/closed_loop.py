@@ -7,6 +7,7 @@ last bit.
 
 from __future__ import annotations
 
+import gc
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
@@ -187,6 +188,8 @@ class ClosedLoop:
     def run(self, on_tick: Callable[[int, Outputs], None] | None = None) -> LoopRecord:
         """Run to the end; `on_tick` sees each tick's number and outputs."""
         ticks = round(self._parameters.duration / self._dt)
+        # what is there already is not looked through for garbage again and again
+        gc.freeze()
         record = LoopRecord(np.empty((ticks, len(COLUMNS))))
         for index in range(ticks):
             outputs, record.rows[index] = self.step()
@@ -194,4 +197,5 @@ class ClosedLoop:
             record.alarms += [(float(record.rows[index, 0]), words) for words in outputs.alarms]
             if on_tick is not None:
                 on_tick(self.tick - 1, outputs)
+        gc.unfreeze()
         return record

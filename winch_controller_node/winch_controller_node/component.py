@@ -40,7 +40,7 @@ from winch_controller_node.supervision.supervisor import Decision, Supervisor, W
 from winch_controller_node.supervision.watch.load_watch import Episode, LoadWatch
 from winch_controller_node.supervision.watch.winch_watch import WinchWatch, identifies_winch
 
-DYNAMIC_LIMITS = ~WinchLimit.PAYOUT
+DYNAMIC_LIMITS = int(~WinchLimit.PAYOUT)
 """Limits of the winch that a sea takes it to."""
 
 OPERATED = (Mode.COMPENSATING, Mode.MANUAL)

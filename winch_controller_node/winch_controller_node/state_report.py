@@ -5,8 +5,6 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-import numpy as np
-
 from winch_controller_node.design_in_force import DesignInForce
 from winch_controller_node.estimation.loop_estimation import LoopEstimation
 from winch_controller_node.estimation.loop_tick import LoopTick
@@ -44,7 +42,7 @@ def state_report(tick: ControllerTick, estimation: LoopEstimation, in_force: Des
         reason=mode.reason,
         state_names=in_force.design.model.state_names,
         estimate=tuple(loop.estimate.tolist()),
-        covariance_diagonal=tuple(np.diagonal(estimator.covariance).tolist()),
+        covariance_diagonal=tuple(estimator.covariance.diagonal().tolist()),
         measurement_names=names,
         innovation=tuple(math.nan if row is None else row.value for row in innovations),
         innovation_sigma=tuple(math.nan if row is None else row.sigma for row in innovations),

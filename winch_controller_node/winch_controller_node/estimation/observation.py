@@ -264,8 +264,10 @@ class Observer:
         """Take the mean payout's share at the time of the reading off it."""
         if not self._shares or reading.name in self._of_boom_tip:
             return reading
-        noted = (share for tick, share in reversed(self._shares) if tick <= reading.tick)
-        state = next(noted, self._shares[0][1])
+        newest, state = self._shares[-1]
+        if newest > reading.tick:
+            noted = (share for tick, share in reversed(self._shares) if tick <= reading.tick)
+            state = next(noted, self._shares[0][1])
         share = float(estimator.row_of(reading) @ state)
         if reading.name in self._heaves_of_unit:
             share -= self.stretch_per_payout * float(estimator.model.row("payout") @ state)

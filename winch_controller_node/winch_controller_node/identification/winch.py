@@ -101,6 +101,9 @@ POWER_TIME, STEADY = 0.4, 0.05
 
 LIMIT_NAMES = tuple(Drum._fields[i] for i in LIMITS)
 
+AS_FOUND = [DEADBAND, BACKLASH, *LIMITS]
+"""What of a drum is not that of the model in force."""
+
 CHECKED_TIME = 1.0
 """The drum is compared with its prediction over this time [s]."""
 
@@ -228,7 +231,7 @@ class WinchIdentifier:
         """Return how far the last of the `readings` [m] is off what the first half of them and `winch` predict [m]."""
         needed = len(readings) + self._ahead
         payouts, rates = self._payouts.last(needed), self._rates.last(needed)
-        drum = np.array(self._in_force(winch))
+        drum = self._in_force(winch)
         return float(
             readings[-1]
             - predicted_reading(
@@ -247,12 +250,11 @@ class WinchIdentifier:
         self._found = fit.drum[:START_PAYOUT].copy()
         return WinchLags(Drum(*self._found.tolist()), fit.covariance, fit.residual)
 
-    def _in_force(self, winch: WinchModelParameters) -> Drum:
+    def _in_force(self, winch: WinchModelParameters) -> Array:
         """Return the drum of the model `winch`, with limits as they were found: it uses a little less of them."""
-        found = Drum(*self._found.tolist())
-        return drum_of(winch)._replace(
-            deadband=found.deadband, backlash=found.backlash, **{name: getattr(found, name) for name in LIMIT_NAMES}
-        )
+        drum = np.array(drum_of(winch))
+        drum[AS_FOUND] = self._found[AS_FOUND]
+        return drum
 
     def told_winch(self, winch: WinchModelParameters) -> WinchModelParameters | None:
         """Return the model `winch` with the speed at which the winch says now that its power ends; None: it does not.
@@ -287,7 +289,7 @@ class WinchIdentifier:
         record = self._record()
         if record is None:
             return None
-        in_force, found = self._start(record.readings, np.array(self._in_force(winch))), self._found.copy()
+        in_force, found = self._start(record.readings, self._in_force(winch)), self._found.copy()
         return lambda: Answer(fit_drum(record, self._belief, in_force, []), self._fit(record, found))
 
     def take(self, answer: Answer, winch: WinchModelParameters) -> WinchModelParameters | None:
