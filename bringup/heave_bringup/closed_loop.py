@@ -188,14 +188,16 @@ class ClosedLoop:
     def run(self, on_tick: Callable[[int, Outputs], None] | None = None) -> LoopRecord:
         """Run to the end; `on_tick` sees each tick's number and outputs."""
         ticks = round(self._parameters.duration / self._dt)
+        record = LoopRecord(np.empty((ticks, len(COLUMNS))))
         # what is there already is not looked through for garbage again and again
         gc.freeze()
-        record = LoopRecord(np.empty((ticks, len(COLUMNS))))
-        for index in range(ticks):
-            outputs, record.rows[index] = self.step()
-            record.modes.append(outputs.report.mode)
-            record.alarms += [(float(record.rows[index, 0]), words) for words in outputs.alarms]
-            if on_tick is not None:
-                on_tick(self.tick - 1, outputs)
-        gc.unfreeze()
+        try:
+            for index in range(ticks):
+                outputs, record.rows[index] = self.step()
+                record.modes.append(outputs.report.mode)
+                record.alarms += [(float(record.rows[index, 0]), words) for words in outputs.alarms]
+                if on_tick is not None:
+                    on_tick(self.tick - 1, outputs)
+        finally:
+            gc.unfreeze()
         return record
