@@ -469,7 +469,7 @@ def test_no_command_sequence_makes_the_winch_exceed_its_limits(
     previous = winch.state
     for tick, given_command in enumerate(commands):
         is_fresh = given_command is not None and given_command.sequence == 0
-        command = dataclasses.replace(given_command, sequence=1000 + tick) if is_fresh else given_command
+        command = given_command._replace(sequence=1000 + tick) if is_fresh else given_command
         state = winch.step(tick, command, tensions[tick % len(tensions)])
         assert abs(state.payout_rate) <= 2.0 + 1e-12
         assert abs(state.payout_acceleration) <= 1.5 + 1e-9
