@@ -233,7 +233,7 @@ def test_command_that_is_not_a_finite_number_stops_the_winch_with_a_named_fault(
     winch = VirtualWinch(WinchParameters(), tick_period=TICK)
     run(winch, 60, rate=1.0)
     tick = winch.tick
-    winch.step(tick, dataclasses.replace(WinchCommand(1_000_000 + tick), **{field: bad}))
+    winch.step(tick, WinchCommand(1_000_000 + tick)._replace(**{field: bad}))
     states = run(winch, 60, rate=1.0)
     assert states[-1].fault is WinchFault.INVALID_COMMAND
     assert states[-1].brake
