@@ -7,6 +7,7 @@ last bit.
 
 from __future__ import annotations
 
+import gc
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
@@ -188,10 +189,15 @@ class ClosedLoop:
         """Run to the end; `on_tick` sees each tick's number and outputs."""
         ticks = round(self._parameters.duration / self._dt)
         record = LoopRecord(np.empty((ticks, len(COLUMNS))))
-        for index in range(ticks):
-            outputs, record.rows[index] = self.step()
-            record.modes.append(outputs.report.mode)
-            record.alarms += [(float(record.rows[index, 0]), words) for words in outputs.alarms]
-            if on_tick is not None:
-                on_tick(self.tick - 1, outputs)
+        # what is there already is not looked through for garbage again and again
+        gc.freeze()
+        try:
+            for index in range(ticks):
+                outputs, record.rows[index] = self.step()
+                record.modes.append(outputs.report.mode)
+                record.alarms += [(float(record.rows[index, 0]), words) for words in outputs.alarms]
+                if on_tick is not None:
+                    on_tick(self.tick - 1, outputs)
+        finally:
+            gc.unfreeze()
         return record

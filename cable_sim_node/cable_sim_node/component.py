@@ -8,7 +8,7 @@ mean boom tip at t_1: hanging, or with unit and cable on the seabed where `lengt
 from __future__ import annotations
 
 import copy
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from heave_node.interface.sensors import Water
@@ -34,8 +34,7 @@ IMPLAUSIBLE_SPEED = 20.0
 """An input that moves faster [m/s] is a false number, not a motion."""
 
 
-@dataclass(frozen=True)
-class PlantState:
+class PlantState(NamedTuple):
     """Truth of the plant at one time, frame `world` (z up).
 
     Attributes

@@ -59,7 +59,7 @@ def probe(parameters: Probe, seed: int = 1) -> Sensor:
 def run(parameters: Probe, ticks: int, *, seed: int = 1) -> list[tuple[int, Reading]]:
     """Let a probe see the time in place of the tension; return the delivered readings and the ticks of delivery."""
     sensor = probe(parameters, seed)
-    truths = ((k, dataclasses.replace(TRUTH, top_tension=k * TICK)) for k in range(1, ticks + 1))
+    truths = ((k, TRUTH._replace(top_tension=k * TICK)) for k in range(1, ticks + 1))
     return [(k, reading) for k, truth in truths for reading in sensor.step(k, truth)]
 
 
@@ -269,7 +269,7 @@ def test_usbl_comes_after_the_two_way_travel_of_sound_and_its_noise_grows_with_r
 def test_dvl_has_no_reading_above_its_bottom_range() -> None:
     sensors = suite(QUIET)
     assert sensors.step(1, TRUTH)["velocity"]
-    assert not sensors.step(2, dataclasses.replace(TRUTH, height_above_seabed=60.0))["velocity"]
+    assert not sensors.step(2, TRUTH._replace(height_above_seabed=60.0))["velocity"]
     assert sensors.step(3, TRUTH)["velocity"]
 
 

@@ -233,7 +233,7 @@ def test_command_that_is_not_a_finite_number_stops_the_winch_with_a_named_fault(
     winch = VirtualWinch(WinchParameters(), tick_period=TICK)
     run(winch, 60, rate=1.0)
     tick = winch.tick
-    winch.step(tick, dataclasses.replace(WinchCommand(1_000_000 + tick), **{field: bad}))
+    winch.step(tick, WinchCommand(1_000_000 + tick)._replace(**{field: bad}))
     states = run(winch, 60, rate=1.0)
     assert states[-1].fault is WinchFault.INVALID_COMMAND
     assert states[-1].brake
@@ -469,7 +469,7 @@ def test_no_command_sequence_makes_the_winch_exceed_its_limits(
     previous = winch.state
     for tick, given_command in enumerate(commands):
         is_fresh = given_command is not None and given_command.sequence == 0
-        command = dataclasses.replace(given_command, sequence=1000 + tick) if is_fresh else given_command
+        command = given_command._replace(sequence=1000 + tick) if is_fresh else given_command
         state = winch.step(tick, command, tensions[tick % len(tensions)])
         assert abs(state.payout_rate) <= 2.0 + 1e-12
         assert abs(state.payout_acceleration) <= 1.5 + 1e-9

@@ -443,7 +443,7 @@ def test_a_motion_reference_unit_of_the_wrong_sign_is_contradicted_by_the_depth_
     step = loop.controller.step
 
     def upside_down(tick, measured):
-        mru = tuple(dataclasses.replace(m, heave=-m.heave, heave_rate=-m.heave_rate) for m in measured.mru)
+        mru = tuple(m._replace(heave=-m.heave, heave_rate=-m.heave_rate) for m in measured.mru)
         return step(tick, dataclasses.replace(measured, mru=mru))
 
     loop.controller.step = upside_down
@@ -678,7 +678,7 @@ def test_a_motion_reference_unit_that_samples_between_ticks_is_used_at_its_own_t
             heave, rate = cubic(before, now, 1.0 - early if is_shifted else 1.0)
             added = 0.01 * noise.standard_normal(2)
             time = now.time - (early * DT if is_shifted else 0.0)
-            reading = dataclasses.replace(now, time=time, heave=heave + added[0], heave_rate=rate + added[1])
+            reading = now._replace(time=time, heave=heave + added[0], heave_rate=rate + added[1])
             return step(tick, dataclasses.replace(measured, mru=(reading,)))
 
         loop.controller.step = sampled

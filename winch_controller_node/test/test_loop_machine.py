@@ -73,7 +73,7 @@ class AnyOperatorAnyTrouble(RuleBasedStateMachine):
         scalar = {name: readings for name, readings in measured.scalar.items() if name not in self.gap}
         kept = dataclasses.replace(measured, mru=() if "mru" in self.gap else measured.mru, scalar=scalar)
         winch = measured.winch
-        return kept if winch is None else dataclasses.replace(kept, winch=dataclasses.replace(winch, fault=self.fault))
+        return kept if winch is None else dataclasses.replace(kept, winch=winch._replace(fault=self.fault))
 
     @rule(mode=st.sampled_from([mode.value for mode in REQUESTS]))
     def ask(self, mode):

@@ -1,6 +1,5 @@
 """The table of modes: what holds of every row, and of every run through it."""
 
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -151,7 +150,7 @@ class AnyOperatorAnyTrouble(RuleBasedStateMachine):
     @rule()
     def nothing_compensates_again_after_a_stop_before_somebody_asks(self):
         self.modes.request("stopped")
-        self.situation = replace(WELL)
+        self.situation = WELL
         for _ in range(800):
             self.tick()
             assert self.modes.mode not in (Mode.COMPENSATING, Mode.CONSTANT_TENSION, Mode.MANUAL)

@@ -40,7 +40,7 @@ from winch_controller_node.supervision.supervisor import Decision, Supervisor, W
 from winch_controller_node.supervision.watch.load_watch import Episode, LoadWatch
 from winch_controller_node.supervision.watch.winch_watch import WinchWatch, identifies_winch
 
-DYNAMIC_LIMITS = ~WinchLimit.PAYOUT
+DYNAMIC_LIMITS = int(~WinchLimit.PAYOUT)
 """Limits of the winch that a sea takes it to."""
 
 OPERATED = (Mode.COMPENSATING, Mode.MANUAL)
@@ -301,9 +301,10 @@ class WinchController:
         )
         self._alarms += loop.sensed.faults
         decision = self._decide(loop, measurements)
-        self._change_mode(decision.mode, loop)
-        self._act_on(decision.landing, loop)
-        loop = self._estimation.refreshed(loop)
+        if decision.mode.before is not None or decision.landing is not None:
+            self._change_mode(decision.mode, loop)
+            self._act_on(decision.landing, loop)
+            loop = self._estimation.refreshed(loop)
         command = self._command.command(loop, decision, self._watch_preview(loop, measurements.preview))
         self._estimation.advance_mean(command.shares.mean, is_braked=self.modes.brake)
         self._watch_load(loop, measurements.winch, command)

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from typing import NamedTuple
 
 from heave_node.interface.preview import HeavePreview
 from heave_node.numerics.arrays import Array
@@ -26,8 +27,7 @@ GIVING_TIME = 1.0
 """A winch gives way to a tension above the highest one within this time [s], and no quicker than twice its lag."""
 
 
-@dataclass(frozen=True, slots=True)
-class TickCommand:
+class TickCommand(NamedTuple):
     """The command of a tick, in the terms of the model.
 
     Attributes
@@ -189,7 +189,7 @@ class LoopCommand:
         if mode.brake or self._is_first_order or not over > 0.0:
             return asked
         more = over / (self._stiffness * self._giving_time)
-        return replace(asked, value=asked.value + more, active=(*asked.active, TENSION))
+        return asked._replace(value=asked.value + more, active=(*asked.active, TENSION))
 
     def _ask(self, tick: LoopTick, state: LoopState, standing: float, decision: Decision) -> LawCommand:
         """Ask the law that the mode calls for."""

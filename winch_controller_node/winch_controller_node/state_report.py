@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-
-import numpy as np
+from typing import NamedTuple
 
 from winch_controller_node.design_in_force import DesignInForce
 from winch_controller_node.estimation.loop_estimation import LoopEstimation
@@ -15,8 +13,7 @@ from winch_controller_node.loop_command import TickCommand
 from winch_controller_node.supervision.supervisor import Decision
 
 
-@dataclass(frozen=True, slots=True)
-class ControllerTick:
+class ControllerTick(NamedTuple):
     """One tick of the controller.
 
     Attributes
@@ -45,7 +42,7 @@ def state_report(tick: ControllerTick, estimation: LoopEstimation, in_force: Des
         reason=mode.reason,
         state_names=in_force.design.model.state_names,
         estimate=tuple(loop.estimate.tolist()),
-        covariance_diagonal=tuple(np.diagonal(estimator.covariance).tolist()),
+        covariance_diagonal=tuple(estimator.covariance.diagonal().tolist()),
         measurement_names=names,
         innovation=tuple(math.nan if row is None else row.value for row in innovations),
         innovation_sigma=tuple(math.nan if row is None else row.sigma for row in innovations),

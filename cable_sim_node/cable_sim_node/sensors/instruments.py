@@ -10,6 +10,7 @@ import abc
 import dataclasses
 import math
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from heave_node.interface.faults import FaultParameters
@@ -17,8 +18,7 @@ from heave_node.numerics.arrays import Array
 from heave_node.parameters import group, parameter
 
 
-@dataclass(frozen=True)
-class SensorTruth:
+class SensorTruth(NamedTuple):
     """What the sensors look at.
 
     Attributes
@@ -38,8 +38,7 @@ class SensorTruth:
     gravity: float
 
 
-@dataclass(frozen=True)
-class View:
+class View(NamedTuple):
     """What a sensor without noise would say at one time, and how good it is then.
 
     Attributes

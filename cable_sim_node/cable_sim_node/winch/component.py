@@ -36,11 +36,10 @@ controller can take over.
 
 from __future__ import annotations
 
-import dataclasses
 import enum
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from heave_node.interface.codes import WinchFault, WinchLimit, WinchRelease
@@ -65,8 +64,7 @@ class _Mode(enum.Enum):
     """At rest, brake engaged."""
 
 
-@dataclass(frozen=True)
-class WinchCommand:
+class WinchCommand(NamedTuple):
     """What the winch shall do from the start of its tick on, until the next command.
 
     Attributes
@@ -86,8 +84,7 @@ class WinchCommand:
         return math.isfinite(self.payout) and math.isfinite(self.payout_rate)
 
 
-@dataclass(frozen=True)
-class WinchState:
+class WinchState(NamedTuple):
     """State of the winch at the end of a tick.
 
     Attributes
@@ -262,7 +259,7 @@ class VirtualWinch:
             self.refused_commands += 1
             return
         if not command.is_finite():
-            self._command = dataclasses.replace(self._command, sequence=command.sequence)
+            self._command = self._command._replace(sequence=command.sequence)
             self._trip(WinchFault.INVALID_COMMAND)
             return
         self._command = command

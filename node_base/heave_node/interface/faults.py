@@ -197,14 +197,16 @@ class FaultSchedule:
 
     def is_active(self, kind: str, time: float) -> bool:
         """Return whether a fault of `kind` is active at `time` [s]."""
-        return any(fault.kind == kind and fault.is_active(time) for fault in self._faults)
+        return bool(self._faults) and any(fault.kind == kind and fault.is_active(time) for fault in self._faults)
 
     def any_active(self, time: float) -> bool:
         """Return whether any fault is active at `time` [s]."""
-        return any(fault.is_active(time) for fault in self._faults)
+        return bool(self._faults) and any(fault.is_active(time) for fault in self._faults)
 
     def total(self, kind: str, time: float) -> float:
         """Return the sum of the magnitudes of the faults of `kind` that are active at `time` [s]; 0 without one."""
+        if not self._faults:
+            return 0.0
         return sum(fault.magnitude for fault in self._faults if fault.kind == kind and fault.is_active(time))
 
     def newest(self, kind: str, time: float) -> float | None:

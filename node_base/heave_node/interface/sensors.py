@@ -18,7 +18,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from operator import attrgetter
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -50,8 +50,7 @@ STANDARD_WATER = Water(SEAWATER_DENSITY, STANDARD_GRAVITY)
 """For readings that no water has a part in."""
 
 
-@dataclass(frozen=True)
-class Reading:
+class Reading(NamedTuple):
     """One reading of a sensor on the unit or the cable.
 
     Attributes
@@ -66,8 +65,7 @@ class Reading:
     sigma: Array
 
 
-@dataclass(frozen=True)
-class MruReading:
+class MruReading(NamedTuple):
     """One sample of the motion reference unit: the boom tip's heave about its mean, positive up, and the attitude.
 
     Attributes
@@ -92,8 +90,7 @@ class MruReading:
     heave_rate_sigma: float = np.nan
 
 
-@dataclass(frozen=True)
-class WireReading:
+class WireReading(NamedTuple):
     """A reading as it travels: stamp [ns] and the numbers of the message's fields, values first."""
 
     stamp: int

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections import deque
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 from typing import Any
 
 from rclpy.node import Node
@@ -120,7 +119,7 @@ def of_any_machine(decode: Callable[[bytes], Any], kind: type[Any]) -> Callable[
 def stamped(content: Any, stamp: int) -> Any:
     """Return the `content` of a message, as a decoder gives it, with another `stamp` [ns]."""
     if isinstance(content, WireReading):
-        return replace(content, stamp=stamp)
+        return content._replace(stamp=stamp)
     content.header.stamp = stamp_of(stamp)
     return content
 

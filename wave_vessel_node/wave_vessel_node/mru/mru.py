@@ -171,7 +171,7 @@ class MotionReferenceUnit:
 
     def _with_instrument_errors(self, heave: Array, motion: VesselMotion) -> Array:
         x, y, _ = self._parameters.lever_arm_error
-        six = np.stack((motion.displacement, motion.velocity, motion.acceleration))
+        six = np.array((motion.displacement, motion.velocity, motion.acceleration))
         seen: Array = (1.0 + self._parameters.scale_error) * (heave - x * six[:, PITCH] + y * six[:, ROLL])
         return seen
 

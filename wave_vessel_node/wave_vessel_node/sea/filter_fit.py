@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from typing import Any
 
 import numpy as np
@@ -35,12 +35,17 @@ class FilterFit:
     ----------
     form : normalised to the peak and the energy of the sea
     system : the filter at the scale of the sea
-    quality : how well it models the spectrum
+    spectrum : that it models
     """
 
     form: FilterForm
     system: LinearModel
-    quality: FilterQuality
+    spectrum: WaveSpectrum
+
+    @cached_property
+    def quality(self) -> FilterQuality:
+        """How well the filter models the spectrum: by quadrature, which takes as long as some fits."""
+        return filter_quality(self.system, self.spectrum)
 
 
 class _Problem:
@@ -63,6 +68,7 @@ class _Problem:
         self._norm = math.sqrt(float((self._weight**2 * self._target**2).sum()))
         self._low = self._omega < low
         self._leak_bound = leak_bound
+        self._known: tuple[bytes, tuple[Array, Array]] | None = None
 
     def form(self, parameters: Array) -> FilterForm:
         """Return the filter of the logarithms of (frequency, damping) of poles, then zeros, with its best gain."""
@@ -72,6 +78,13 @@ class _Problem:
         return FilterForm(math.sqrt(squared_gain), self._origin, sections_of(sections), sections_of(numerator))
 
     def _shape(self, parameters: Array) -> tuple[Array, Array]:
+        """Return what `_shape_of` does, once: residual and Jacobian are asked for at the same parameters in turn."""
+        key = parameters.tobytes()
+        if self._known is None or self._known[0] != key:
+            self._known = key, self._shape_of(parameters)
+        return self._known[1]
+
+    def _shape_of(self, parameters: Array) -> tuple[Array, Array]:
         """Return the density at gain 1 and its derivatives to the parameters, shapes (n,) and (n, parameters).
 
         A section has |.|^2 = q = (w^2 - omega^2)^2 + (2 zeta w omega)^2; derivatives to log w and log zeta.
@@ -174,7 +187,7 @@ def fit_filter(
     low = round(low_band_edge(spectrum) / peak, _DECIMALS)
     form = _best_form(target.tobytes(), low, poles, zeros, zeros_at_origin, leak_bound)
     system = form.model(peak, spectrum.significant_wave_height)
-    return FilterFit(form, system, filter_quality(system, spectrum))
+    return FilterFit(form, system, spectrum)
 
 
 @lru_cache(maxsize=256)

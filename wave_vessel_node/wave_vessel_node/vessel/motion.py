@@ -61,7 +61,7 @@ def point_motion(motion: VesselMotion, lever: Array, mean_height: float) -> Poin
 
     The frame travels with the mean position of the vessel: forward speed is not in it.
     """
-    six = np.stack((motion.displacement, motion.velocity, motion.acceleration))
+    six = np.array((motion.displacement, motion.velocity, motion.acceleration))
     vessel = six @ lever.T
     if motion.turn_rate != 0.0:
         _add_turning(vessel, motion.turn_rate, motion.turn_acceleration)

@@ -139,10 +139,11 @@ class LoopEstimation:
         self.sea_record.add(RecordedTick(number, command.compensating, of_sea))
         self.surprise.add(estimator.innovations)
         self.observer.learn(estimator, self.surprise)
-        self._follow_sea(estimate)
+        tip = rows.tip @ estimate
+        self._follow_sea(tip)
         if measurements.of("load_cell") and math.isfinite(self.observer.tension):
             self._tension.add(self.observer.tension)
-        uncompensated = self._shadow.step(rows.tip @ estimate)
+        uncompensated = self._shadow.step(tip)
         return LoopTick(
             number=number,
             sensed=self._sensed(readings),
@@ -177,15 +178,14 @@ class LoopEstimation:
             faults=tuple(observer.new_faults()),
         )
 
-    def _follow_sea(self, estimate: Array) -> None:
-        """Let the estimator's driving noise follow the sea that is there."""
+    def _follow_sea(self, tip: Array) -> None:
+        """Let the estimator's driving noise follow the sea that moves the boom `tip`, heave and rate, shape (2,)."""
         if not self._design.parameters.estimator.sea_adaptation:
             return
         surprise = self.estimator.innovations.get("mru_heave_rate")
         if surprise is not None and math.isfinite(surprise.nis):
             self._sea.note_surprise(surprise.nis, surprise.sigma)
-        heave, rate = self._rows.tip @ estimate
-        noise = self._sea.update(float(heave), float(rate))
+        noise = self._sea.update(*tip.tolist())
         if noise is not None:
             self.estimator.set_process_noise(noise)
 

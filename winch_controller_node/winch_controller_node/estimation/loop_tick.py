@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple
 
 from heave_node.numerics.arrays import Array
@@ -19,8 +20,7 @@ class Motion(NamedTuple):
     rate: float
 
 
-@dataclass(frozen=True, slots=True)
-class Sensed:
+class Sensed(NamedTuple):
     """What the sensors said in a tick, after the gates.
 
     Attributes
@@ -52,8 +52,7 @@ class Sensed:
     faults: tuple[str, ...]
 
 
-@dataclass(frozen=True, slots=True)
-class CommandShares:
+class CommandShares(NamedTuple):
     """A command in the terms of the model, in two shares: what is `compensating`, and what moves the `mean` payout."""
 
     compensating: float = 0.0
@@ -65,7 +64,7 @@ class CommandShares:
         return self.compensating + self.mean
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class LoopTick:
     """What is known of the loop at a tick.
 
@@ -101,18 +100,18 @@ class LoopTick:
     is_sea_refuted: bool = False
     doubt: str = ""
 
-    @property
+    @cached_property
     def total_state(self) -> Array:
         """State of the loop, the mean payout's own motion included, shape (n,)."""
         return self.estimate + self.mean_state
 
-    @property
+    @cached_property
     def mean_swing(self) -> Array:
         """Heave and rate of the unit about the mean payout that this itself brings about, shape (2,)."""
         rows = self.rows
         return rows.winch @ self.mean_state + self.mean_state[rows.unit_states]
 
-    @property
+    @cached_property
     def unit(self) -> Motion:
         """Motion of the unit about where the mean payout would have it at rest: what compensation has left."""
         heave, rate = self.mean_swing + self.estimate[self.rows.unit_states]
@@ -123,7 +122,7 @@ class LoopTick:
         """Motion of the unit with the winch locked."""
         return Motion(float(self.uncompensated[0]), float(self.uncompensated[1]))
 
-    @property
+    @cached_property
     def boom_tip(self) -> Motion:
         """Motion of the boom tip."""
         heave, rate = self.rows.tip @ self.estimate

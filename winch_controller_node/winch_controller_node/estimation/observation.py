@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from dataclasses import replace
 
 from heave_node.interface.codes import SensorLevel, WinchFault
 from heave_node.interface.sensors import MruReading
@@ -274,9 +273,11 @@ class Observer:
         """Take the mean payout's share at the time of the reading off it."""
         if not self._shares or reading.name in self._of_boom_tip:
             return reading
-        noted = (share for tick, share in reversed(self._shares) if tick <= reading.tick)
-        state = next(noted, self._shares[0][1])
+        newest, state = self._shares[-1]
+        if newest > reading.tick:
+            noted = (share for tick, share in reversed(self._shares) if tick <= reading.tick)
+            state = next(noted, self._shares[0][1])
         share = float(estimator.row_of(reading) @ state)
         if reading.name in self._heaves_of_unit:
             share -= self.stretch_per_payout * float(estimator.model.row("payout") @ state)
-        return replace(reading, value=reading.value - share)
+        return reading._replace(value=reading.value - share)

@@ -11,7 +11,6 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
-import numpy as np
 from heave_node.numerics.arrays import Array
 
 from winch_controller_node.design.design import ControllerDesign
@@ -145,7 +144,7 @@ class SeaTracker:
         """Height of the boom-tip motion over that of the design; 1 until enough has been seen."""
         settled = math.sqrt(self._variance / self._design_variance) if self._seen >= PATIENCE else 1.0
         growing = GROUP_SHARE * math.sqrt(self._group_variance / self._design_variance)
-        return float(np.clip(max(settled, growing), SMALLEST, LARGEST))
+        return min(max(settled, growing, SMALLEST), LARGEST)
 
     def update(self, heave: float, rate: float = 0.0) -> Array | None:
         """Take in the estimated heave [m] and heave rate [m/s] of the boom tip at a tick.

@@ -268,9 +268,9 @@ def _with_doubt(sensor: str, record: Sequence[RecordedTick]) -> Sequence[Recorde
     sizes = _sizes(sensor, record)
 
     def doubted(reading: Measurement) -> Measurement:
-        return replace(reading, sigma=sizes[reading.name]) if reading.name in sizes else reading
+        return reading._replace(sigma=sizes[reading.name]) if reading.name in sizes else reading
 
-    return [replace(tick, readings=[doubted(reading) for reading in tick.readings]) for tick in record]
+    return [tick._replace(readings=[doubted(reading) for reading in tick.readings]) for tick in record]
 
 
 def _sizes(sensor: str, record: Sequence[RecordedTick]) -> dict[str, float]:

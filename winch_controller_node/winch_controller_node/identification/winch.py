@@ -44,6 +44,7 @@ from winch_controller_node.identification.drum_fit import (
     without_needless,
 )
 from winch_controller_node.identification.drum_kernel import Drum, predicted_reading
+from winch_controller_node.identification.newest import Newest
 from winch_controller_node.parameters.laws import LagParameters
 from winch_controller_node.parameters.model import WinchModelParameters
 
@@ -102,6 +103,9 @@ POWER_TIME, STEADY = 0.4, 0.05
 """A speed at which the power ends for so long [s] is a limit, where its halves differ by no more than this share."""
 
 LIMIT_NAMES = tuple(Drum._fields[i] for i in LIMITS)
+
+AS_FOUND = [DEADBAND, BACKLASH, *LIMITS]
+"""What of a drum is not that of the model in force."""
 
 CHECKED_TIME = 1.0
 """The drum is compared with its prediction over this time [s]."""
@@ -169,9 +173,8 @@ class WinchIdentifier:
         self._ahead = math.ceil((self._nominal.command_delay + parameters.largest) / self._dt) + 2
         self._learnt_age, self._patience = 0.0, 0.0
         window = max(2, round(parameters.window / self._dt))
-        self._payouts: deque[float] = deque(maxlen=window + self._ahead)
-        self._rates: deque[float] = deque(maxlen=window + self._ahead)
-        self._readings: deque[float] = deque(maxlen=window)
+        self._payouts, self._rates = Newest(window + self._ahead), Newest(window + self._ahead)
+        self._readings = Newest(window)
         self._limits_hit: deque[int] = deque(maxlen=window)
         self.reset()
         # compiled here, not in a tick of a run in real time
@@ -183,8 +186,9 @@ class WinchIdentifier:
         self._payouts.clear()
         self._rates.clear()
         self.restart()
-        self._payouts.extend([payout] * self._ahead)
-        self._rates.extend([0.0] * self._ahead)
+        for _ in range(self._ahead):
+            self._payouts.append(payout)
+            self._rates.append(0.0)
 
     def restart(self) -> None:
         """Begin a new record with the drum in motion, after something that the model does not know."""
@@ -211,7 +215,7 @@ class WinchIdentifier:
     @property
     def is_full(self) -> bool:
         """Tell whether the record has its full length."""
-        return len(self._readings) == self._readings.maxlen
+        return self._readings.is_full
 
     @property
     def lone_directions(self) -> dict[str, str]:
@@ -231,18 +235,16 @@ class WinchIdentifier:
         count = round(CHECKED_TIME / self._dt)
         if len(self._readings) < 2 * count:
             return 0.0
-        readings = np.array([self._readings[i] for i in range(-2 * count, 0)])
-        if not np.all(np.isfinite(readings)):
+        readings = self._readings.last(2 * count)
+        if not np.isfinite(readings).all():
             return 0.0
         return self._error_after(readings, winch)
 
     def _error_after(self, readings: Array, winch: WinchModelParameters) -> float:
         """Return how far the last of the `readings` [m] is off what the first half of them and `winch` predict [m]."""
         needed = len(readings) + self._ahead
-        payouts, rates = (
-            np.array([past[i] for i in range(-min(needed, len(past)), 0)]) for past in (self._payouts, self._rates)
-        )
-        drum = np.array(self._in_force(winch))
+        payouts, rates = self._payouts.last(needed), self._rates.last(needed)
+        drum = self._in_force(winch)
         return float(
             readings[-1]
             - predicted_reading(
@@ -261,12 +263,11 @@ class WinchIdentifier:
         self._found = fit.drum[:START_PAYOUT].copy()
         return WinchLags(Drum(*self._found.tolist()), fit.covariance, fit.residual)
 
-    def _in_force(self, winch: WinchModelParameters) -> Drum:
+    def _in_force(self, winch: WinchModelParameters) -> Array:
         """Return the drum of the model `winch`, with limits as they were found: it uses a little less of them."""
-        found = Drum(*self._found.tolist())
-        return drum_of(winch)._replace(
-            deadband=found.deadband, backlash=found.backlash, **{name: getattr(found, name) for name in LIMIT_NAMES}
-        )
+        drum = np.array(drum_of(winch))
+        drum[AS_FOUND] = self._found[AS_FOUND]
+        return drum
 
     def told_winch(self, winch: WinchModelParameters) -> WinchModelParameters | None:
         """Return the model `winch` with the speed at which the winch says now that its power ends; None: it does not.
@@ -276,7 +277,7 @@ class WinchIdentifier:
         half = round(0.5 * POWER_TIME / self._dt)
         if len(self._readings) <= 2 * half or any(self._limits_hit[-i] != WinchLimit.POWER for i in range(1, 2 * half)):
             return None
-        before, middle, now = (self._readings[-1 - count] for count in (2 * half, half, 0))
+        before, middle, now = self._readings.last(2 * half + 1)[::half].tolist()
         speed, change = (now - before) / (2 * half * self._dt), (now - 2.0 * middle + before) / (half * self._dt)
         index = SPEEDS[0] if speed > 0.0 else SPEEDS[1]
         is_steady = abs(change) < STEADY * abs(speed)  # false where a reading is missing
@@ -301,7 +302,7 @@ class WinchIdentifier:
         record = self._record()
         if record is None:
             return None
-        in_force, found = self._start(record.readings, np.array(self._in_force(winch))), self._found.copy()
+        in_force, found = self._start(record.readings, self._in_force(winch)), self._found.copy()
         return lambda: Answer(fit_drum(record, self._belief, in_force, []), self._fit(record, found))
 
     def take(self, answer: Answer, winch: WinchModelParameters) -> WinchModelParameters | None:
@@ -439,21 +440,21 @@ class WinchIdentifier:
         return found if IMPROVEMENT * found.squares < fit.squares else fit
 
     def _record(self) -> DrumRecord | None:
-        readings = np.array(self._readings)
+        readings = self._readings.last().copy()
         seen = np.isfinite(readings)
         if len(readings) * self._dt < SHORTEST_RECORD or np.count_nonzero(seen) < len(readings) // 2:
             return None
-        return self._made(self._rates, readings)
+        return self._made(self._rates.last(), readings)
 
-    def _made(self, rates: deque[float] | Array, readings: Array) -> DrumRecord:
-        payouts = np.array(self._payouts) if len(self._payouts) == len(rates) else np.zeros(len(rates))
+    def _made(self, rates: Array, readings: Array) -> DrumRecord:
+        payouts = self._payouts.last().copy() if len(self._payouts) == len(rates) else np.zeros(len(rates))
         limits_hit = np.zeros(len(readings), dtype=np.int64)
         if len(self._limits_hit) == len(readings):
             limits_hit[:] = self._limits_hit
         is_load_limited = bool(np.any(limits_hit & ~int(KINEMATIC)))
         told = () if is_load_limited else self._told(limits_hit, readings)
         gain = self._nominal.position_gain
-        return DrumRecord(payouts, np.array(rates), readings, gain, self._dt, told, is_load_limited)
+        return DrumRecord(payouts, rates.copy(), readings, gain, self._dt, told, is_load_limited)
 
     def _told(self, limits_hit: NDArray[np.int64], readings: Array) -> tuple[int, ...]:
         """Return the limits of which the winch says that it has reached them.

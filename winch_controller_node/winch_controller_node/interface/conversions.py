@@ -36,7 +36,7 @@ WINCH_STATE = ("encoder_payout", "encoder_payout_rate", "brake", "fault", "comma
 """What the winch measures of itself; the truth in its state is not looked at."""
 _winch_values = attrgetter(*WINCH_STATE)
 
-_ORDER_FIELDS = tuple(field.name for field in fields(WinchOrder))
+_ORDER_FIELDS = WinchOrder._fields
 _order_values = attrgetter(*_ORDER_FIELDS)
 _COMMAND = Packer(topics.WINCH_COMMAND.type, ("header.stamp", *_ORDER_FIELDS))
 

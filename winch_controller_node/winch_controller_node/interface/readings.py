@@ -4,22 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 from heave_node.interface.codes import SensorLevel
 from heave_node.interface.preview import HeavePreview
 from heave_node.interface.sensors import MruReading
 
 
-@dataclass(frozen=True)
-class ScalarReading:
+class ScalarReading(NamedTuple):
     """One scalar: time of measurement [s] and value in the sensor's unit."""
 
     time: float
     value: float
 
 
-@dataclass(frozen=True)
-class WinchReading:
+class WinchReading(NamedTuple):
     """What the winch says of itself, as in heave_msgs/WinchState.
 
     Attributes
@@ -80,8 +79,7 @@ class Measurements:
         return self.scalar.get(sensor, ())
 
 
-@dataclass(frozen=True)
-class WinchOrder:
+class WinchOrder(NamedTuple):
     """The command of a tick.
 
     Attributes
@@ -97,8 +95,7 @@ class WinchOrder:
     brake: bool
 
 
-@dataclass(frozen=True)
-class SensorState:
+class SensorState(NamedTuple):
     """How one sensor is seen.
 
     Attributes

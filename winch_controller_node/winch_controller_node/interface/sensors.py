@@ -12,7 +12,7 @@ import dataclasses
 import math
 from dataclasses import dataclass
 from enum import Enum
-from typing import ClassVar
+from typing import ClassVar, NamedTuple
 
 from heave_node.interface.sensors import MRU, SENSORS
 from heave_node.parameters import group, parameter
@@ -29,8 +29,7 @@ LEVER_ARM_DRIFT = 1e-5
 """Random walk of the lever arm [m/sqrt(s)]."""
 
 
-@dataclass(frozen=True)
-class MeasurementRow:
+class MeasurementRow(NamedTuple):
     """A scalar that the estimator is told: (1 + scale_state) (output + state), with white noise.
 
     Attributes

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 from heave_node.numerics.arrays import Array
@@ -42,8 +42,7 @@ class LawDesign:
     gain: Array
 
 
-@dataclass(frozen=True, slots=True)
-class LawCommand:
+class LawCommand(NamedTuple):
     """What a law asks for.
 
     Attributes

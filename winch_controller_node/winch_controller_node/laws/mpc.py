@@ -347,7 +347,7 @@ class ConstrainedLaw(ControlLaw):
         if surprise is not None:
             free += self._previewed @ surprise
         lower, upper = self._bounds(state)
-        if np.all(free <= upper) and np.all(free >= lower):
+        if (free <= upper).all() and (free >= lower).all():
             self._set_freedom(1.0 - self._releasing * (1.0 - self._freedom))
             self._plan[:] = 0.0
             self._plan_age = 0
@@ -374,7 +374,7 @@ class ConstrainedLaw(ControlLaw):
         limits, reference = self.limits, state.reference
         count = len(self._forced)
         lower, upper = np.full(count, -1e30), np.full(count, 1e30)
-        largest_tension = state.static_tension + max(float(np.max(self._free[self._rows[3].rows] @ state.x)), 0.0)
+        largest_tension = state.static_tension + max(float((self._free[self._rows[3].rows] @ state.x).max()), 0.0)
         speed = limits.speed_under(largest_tension)
         for kind in self._rows:
             if kind.name == SPEED:

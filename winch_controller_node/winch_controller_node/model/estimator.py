@@ -9,8 +9,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from itertools import islice
+from types import MappingProxyType
+from typing import NamedTuple
 
 import numpy as np
 from heave_node.numerics.arrays import Array
@@ -18,7 +20,9 @@ from heave_node.numerics.linear_model import LinearModel
 
 from winch_controller_node.model.drag_kernel import Drag
 from winch_controller_node.model.kalman import IMPLEMENTATIONS, KalmanFilter
-from winch_controller_node.model.kalman_kernel import WEIGHTS, WHICH, FilterModel, Gate, Told
+from winch_controller_node.model.kalman_kernel import WEIGHTS, FilterModel, Gate, Told
+
+NO_REGRESSORS: Mapping[str, float] = MappingProxyType({})
 
 
 @dataclass(frozen=True)
@@ -43,8 +47,7 @@ class MeasurementModel:
     is_gated: bool = True
 
 
-@dataclass(frozen=True, slots=True)
-class Measurement:
+class Measurement(NamedTuple):
     """One reading for the filter.
 
     Attributes
@@ -62,11 +65,10 @@ class Measurement:
     tick: int
     sigma: float | None = None
     offset: float = 0.0
-    regressors: Mapping[str, float] = field(default_factory=dict)
+    regressors: Mapping[str, float] = NO_REGRESSORS
 
 
-@dataclass(frozen=True, slots=True)
-class Innovation:
+class Innovation(NamedTuple):
     """What a reading said against the prediction.
 
     Attributes
@@ -82,8 +84,7 @@ class Innovation:
     accepted: bool
 
 
-@dataclass(frozen=True)
-class RecordedTick:
+class RecordedTick(NamedTuple):
     """What the estimator is told at a tick.
 
     Attributes
@@ -261,38 +262,40 @@ class KalmanEstimator:
             if last is not None and tick.number <= last:
                 raise ValueError(f"estimator: tick {tick.number} is not after the last one, {last}")
             last = tick.number
-        told = self._told(record)
-        said = zip(told.readings[:, WHICH].astype(int).tolist(), self._filter.run(told).tolist(), strict=True)
-        names = list(self.measurements)
+        names, told = self._told(record)
+        said = zip(names, self._filter.run(told).tolist(), strict=True)
         followed = [
             {
-                names[which]: Innovation(value, sigma, nis, bool(accepted))
-                for which, (value, sigma, nis, accepted) in islice(said, len(tick.readings))
+                name: Innovation(value, sigma, nis, bool(accepted))
+                for name, (value, sigma, nis, accepted) in islice(said, len(tick.readings))
             }
             for tick in record
         ]
         self.innovations = followed[-1] if followed else {}
         return followed
 
-    def _told(self, record: Sequence[RecordedTick]) -> Told:
-        """Return a `record` as arrays."""
-        count = [len(tick.readings) for tick in record]
-        table = np.zeros((sum(count), WEIGHTS + self.model.order))
-        rows = iter(table)
+    def _told(self, record: Sequence[RecordedTick]) -> tuple[list[str], Told]:
+        """Return a `record` as arrays, after the names of its readings as they are taken in."""
+        names: list[str] = []
+        steps: list[tuple[int, float, int]] = []
+        numbers: list[tuple[int, int, float, float, float]] = []
+        weights: list[tuple[int, int, float]] = []
         for tick in record:
-            for measured, reading in sorted(((min(one.tick, tick.number), one) for one in tick.readings), key=_first):
-                row, which = next(rows), self._which[reading.name]
-                variance = (reading.sigma or self._sigmas[which]) ** 2
-                row[:WEIGHTS] = measured, which, reading.value, reading.offset, variance
+            for reading in _by_own_tick(tick):
+                which = self._which[reading.name]
                 for name, weight in reading.regressors.items():
                     if self.model.has_state(name):
-                        row[WEIGHTS + self.model.state(name)] = weight
-        return Told(
-            ticks=np.array([tick.number for tick in record], dtype=np.int64),
-            commands=np.array([tick.command for tick in record], dtype=float),
-            ends=np.cumsum(count, dtype=np.int64),
-            readings=table,
-        )
+                        weights.append((len(numbers), WEIGHTS + self.model.state(name), weight))
+                variance = (reading.sigma or self._sigmas[which]) ** 2
+                numbers.append((min(reading.tick, tick.number), which, reading.value, reading.offset, variance))
+                names.append(reading.name)
+            steps.append((tick.number, tick.command, len(numbers)))
+        table = np.zeros((len(numbers), WEIGHTS + self.model.order))
+        if numbers:
+            table[:, :WEIGHTS] = numbers
+        for row, column, weight in weights:
+            table[row, column] = weight
+        return names, Told(np.array(steps, dtype=float).reshape(-1, 3), table)
 
 
 def _with_differences(row: Array, model: LinearModel) -> tuple[Array, Array, Array]:
@@ -301,5 +304,6 @@ def _with_differences(row: Array, model: LinearModel) -> tuple[Array, Array, Arr
     return row, change, change @ model.A - change
 
 
-def _first(pair: tuple[int, Measurement]) -> int:
-    return pair[0]
+def _by_own_tick(tick: RecordedTick) -> list[Measurement]:
+    """Return the readings of a `tick` by the ticks they were measured at."""
+    return sorted(tick.readings, key=lambda reading: min(reading.tick, tick.number))

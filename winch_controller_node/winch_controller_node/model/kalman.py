@@ -81,8 +81,7 @@ class CompiledKalmanFilter:
         )
         self.streams, self.refusals = self._memory.streams, self._memory.refusals
         # compiled (or fetched from the cache) here, not in the first tick of a run in real time
-        none = np.zeros(0, dtype=np.int64)
-        self.run(Told(none, np.zeros(0), none, np.zeros((0, WEIGHTS + n))))
+        self.run(Told(np.zeros((0, 3)), np.zeros((0, WEIGHTS + n))))
 
     @property
     def tick(self) -> int | None:
@@ -147,9 +146,9 @@ class ReferenceKalmanFilter:
     def run(self, told: Told) -> Array:
         """See KalmanFilter."""
         said: list[tuple[float, float, float, bool]] = []
-        for tick, command, end in zip(told.ticks.tolist(), told.commands.tolist(), told.ends.tolist(), strict=True):
-            self._advance(tick, command)
-            delivered = told.readings[len(said) : end]
+        for tick, command, end in told.steps.tolist():
+            self._advance(int(tick), command)
+            delivered = told.readings[len(said) : int(end)]
             for measured in sorted(set(delivered[:, TICK])):
                 said += self._take(int(measured), delivered[delivered[:, TICK] == measured])
         return np.array(said).reshape(-1, 4)

@@ -89,15 +89,12 @@ class Told(NamedTuple):
 
     Attributes
     ----------
-    ticks : numbers, growing (t,); ticks left out are predicted over
-    commands : of the tick before each (t,)
-    ends : where the readings delivered at each end in the table (t,)
-    readings : table of them all, sorted by their own ticks within those of a tick
+    steps : number of each tick, command of the tick before, and where the readings delivered at it end in the table,
+        (t, 3); numbers grow, and ticks left out are predicted over
+    readings : table of them all, sorted by their own ticks within those delivered at one
     """
 
-    ticks: NDArray[np.int64]
-    commands: Array
-    ends: NDArray[np.int64]
+    steps: Array
     readings: Array
 
 
@@ -259,20 +256,21 @@ def run(
     said : what each reading said, shape (len(told.readings), 4)
     """
     said, first = np.empty((len(told.readings), 4)), 0
-    for step in range(len(told.ticks)):
+    for step in told.steps:
+        number, command, last = int(step[0]), step[1], int(step[2])
         F, B, Q = with_drag(model.drag, x, model.F, model.B, model.Q)
         now = FilterModel(
             F, B, Q, model.drag, model.rows, model.changes, model.bends, model.scale_states, model.is_gated
         )
         if memory.span[1] == 0:
-            _begun(memory, told.ticks[step], x, P)
-        for tick in range(memory.span[0] + 1, told.ticks[step] + 1):
-            memory.commands[(tick - 1) % len(memory.x)] = told.commands[step]
-            x, P = _predicted(now, x, P, told.commands[step])
+            _begun(memory, number, x, P)
+        for tick in range(memory.span[0] + 1, number + 1):
+            memory.commands[(tick - 1) % len(memory.x)] = command
+            x, P = _predicted(now, x, P, command)
             _begun(memory, tick, x, P)
-        while first < told.ends[step]:
+        while first < last:
             end = first + 1
-            while end < told.ends[step] and told.readings[end, TICK] == told.readings[first, TICK]:
+            while end < last and told.readings[end, TICK] == told.readings[first, TICK]:
                 end += 1
             x, P, used = _taken(now, gate, memory, used, x, P, told.readings[first:end], said[first:end])
             first = end

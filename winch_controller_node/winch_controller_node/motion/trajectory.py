@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import copy
 import math
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from winch_controller_node.parameters.laws import MoveParameters
 
@@ -22,8 +22,7 @@ LONGEST_PLAY = 20_000
 """Ticks of a move that are played ahead at most: a twentieth of a second of work."""
 
 
-@dataclass(frozen=True)
-class MovePoint:
+class MovePoint(NamedTuple):
     """The mean payout at a tick: payout [m], rate [m/s], acceleration [m/s^2]."""
 
     payout: float

@@ -226,7 +226,7 @@ class EstimatorParameters:
         "compiled",
         unit="",
         choices=("compiled", "filterpy"),
-        description="Implementation of a step: compiled, or filterpy: the same estimate, ten times slower.",
+        description="Implementation of a step: compiled, or filterpy: the same estimate, many times slower.",
     )
     gate: float = parameter(
         25.0,

@@ -19,6 +19,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 from winch_controller_node.estimation.loop_tick import Motion
 from winch_controller_node.laws.parts.effort import Effort
@@ -93,8 +94,7 @@ class GuardedLoop:
     fade_time: float = 10.0
 
 
-@dataclass(frozen=True, slots=True)
-class GuardedMotions:
+class GuardedMotions(NamedTuple):
     """What the guard compares at a tick, all about the mean depth.
 
     Attributes

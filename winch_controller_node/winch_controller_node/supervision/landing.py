@@ -83,17 +83,24 @@ class Trend:
         self._times: Array = np.empty(2 * REMEMBERED)
         self._values: Array = np.empty(2 * REMEMBERED)
         self._count = 0
+        self._changed = -math.inf
 
     def add(self, time: float, value: float) -> None:
         """Take in a reading `value` of a `time` [s]; one that is no later than the last one is left out."""
         if self._count and time <= self._times[self._count - 1]:
             return
+        if not self._count or value != self._values[self._count - 1]:
+            self._changed = time
         if self._count == self._times.size:
             for array in (self._times, self._values):
                 array[:REMEMBERED] = array[REMEMBERED:]
             self._count = REMEMBERED
         self._times[self._count], self._values[self._count] = time, value
         self._count += 1
+
+    def has_stood(self, window: float) -> bool:
+        """Return whether all readings of the last `window` seconds are equal; True without readings."""
+        return self._count == 0 or self._changed <= float(self._times[self._count - 1]) - window
 
     def mean(self, window: float) -> float:
         """Return the mean over the last `window` seconds; 0 without readings."""
@@ -198,8 +205,9 @@ class Landing:
         self._is_lifting = True
 
     def _touches_down(self, time: float, sensed: Sensed, share: float, mode: ModeOutput) -> bool:
-        rate = self._lowering_rate()
-        if mode.mode is not Mode.COMPENSATING or mode.authority <= 0.5 or rate < LEAST_RATE:
+        is_compensating = mode.mode is Mode.COMPENSATING and mode.authority > 0.5
+        rate = self._lowering_rate() if is_compensating else 0.0
+        if rate < LEAST_RATE:
             self.is_suspected = False
             return False
         if not sensed.has_depth:
@@ -212,7 +220,7 @@ class Landing:
 
     def _lowering_rate(self) -> float:
         """Return the speed at which the winch lowers [m/s]; 0 before that is known."""
-        slope = self._payout.slope(SHORTEST)
+        slope = None if self._payout.has_stood(SHORTEST) else self._payout.slope(SHORTEST)
         return 0.0 if slope is None else slope.value
 
     def _shows_landing(self, window: float, rate: float, share: float) -> bool:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 from heave_node.interface.codes import WinchFault, fault_words
 
 from winch_controller_node.parameters.laws import ModeParameters
@@ -135,7 +133,8 @@ class ModeMachine:
             self._well_time += self._dt
         if self.mode is Mode.FADE_OUT:
             self._approach(0.0, self._parameters.fade_out_time)
-        changed = any(happens(self._view) and self._take(event) for event, happens in TICK_EVENTS.items())
+        view = self._view
+        changed = any(happens(view) and self._take(event) for event, happens in TICK_EVENTS.items())
         if not changed:
             self._go_on()
         before, self._mode_before = self._mode_before, self.mode
@@ -156,8 +155,11 @@ class ModeMachine:
 
     def _take(self, event: Event) -> bool:
         """Take the first row of an event whose guards hold; return whether there is one."""
+        rows = ROWS[self.mode, event]
+        if not rows:
+            return False
         view = self._view
-        row = next((row for row in ROWS[self.mode, event] if all(guard.holds(view) for guard in row.guards)), None)
+        row = next((row for row in rows if all(guard.holds(view) for guard in row.guards)), None)
         if row is None:
             return False
         for action in row.actions:
@@ -168,7 +170,7 @@ class ModeMachine:
 
     def _enter(self, mode: Mode, event: Event) -> None:
         if mode not in (Mode.COMPENSATING, Mode.FADE_OUT):
-            self._memory = replace(self._memory, authority=0.0)
+            self._memory = self._memory._replace(authority=0.0)
         self.reason = self._words(event)
         self.mode, self._time = mode, 0.0
 
@@ -199,7 +201,7 @@ class ModeMachine:
     def _approach(self, target: float, time: float) -> None:
         step = self._dt / time
         change = min(max(target - self.authority, -step), step)
-        self._memory = replace(self._memory, authority=self.authority + change)
+        self._memory = self._memory._replace(authority=self.authority + change)
 
     def _go_on(self) -> None:
         """Move authority to what the winch can follow, and say why the mode stays what it is."""

@@ -15,8 +15,9 @@ Arguments: `view` is what events, guards and actions may look at. An action retu
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from enum import Enum
+from typing import NamedTuple
 
 from heave_node.interface.codes import WinchFault, fault_words
 
@@ -99,8 +100,7 @@ REQUESTS = {
 """Modes that may be requested, and the event that the request is."""
 
 
-@dataclass(frozen=True, slots=True)
-class Situation:
+class Situation(NamedTuple):
     """What the mode machine is told each tick.
 
     Attributes
@@ -135,8 +135,7 @@ NOTHING_KNOWN = Situation(lost="", has_estimate=False, winch_fault=WinchFault.NO
 """Before the first tick."""
 
 
-@dataclass(frozen=True, slots=True)
-class Memory:
+class Memory(NamedTuple):
     """What the mode machine remembers beside its mode.
 
     Attributes
@@ -153,8 +152,7 @@ class Memory:
     authority: float = 0.0
 
 
-@dataclass(frozen=True, slots=True)
-class View:
+class View(NamedTuple):
     """All that guards and events may look at.
 
     Attributes
@@ -267,37 +265,37 @@ Action = Callable[[View], Memory]
 
 def want_compensation(view: View) -> Memory:
     """Compensate as soon as that is possible."""
-    return replace(view.memory, wants_compensation=True, may_resume=True)
+    return view.memory._replace(wants_compensation=True, may_resume=True)
 
 
 def want_rest(view: View) -> Memory:
     """Do not compensate until an operator asks for it."""
-    return replace(view.memory, wants_compensation=False, may_resume=True)
+    return view.memory._replace(wants_compensation=False, may_resume=True)
 
 
 def end_in_standby(view: View) -> Memory:
     """Let the stop end in standby."""
-    return replace(view.memory, rest=Mode.STANDBY)
+    return view.memory._replace(rest=Mode.STANDBY)
 
 
 def end_stopped(view: View) -> Memory:
     """Let the stop end in stopped."""
-    return replace(view.memory, rest=Mode.STOPPED)
+    return view.memory._replace(rest=Mode.STOPPED)
 
 
 def compensate_nothing(view: View) -> Memory:
     """Begin with none of the sea."""
-    return replace(view.memory, authority=0.0)
+    return view.memory._replace(authority=0.0)
 
 
 def compensate_all(view: View) -> Memory:
     """Begin with all of the sea: the winch follows it already."""
-    return replace(view.memory, authority=view.factor)
+    return view.memory._replace(authority=view.factor)
 
 
 def wait_for_operator(view: View) -> Memory:
     """Do nothing until an operator asks for it."""
-    return replace(view.memory, wants_compensation=False, may_resume=False)
+    return view.memory._replace(wants_compensation=False, may_resume=False)
 
 
 # the table
@@ -401,8 +399,7 @@ TABLE: tuple[Transition, ...] = (
 """Every way from one mode to another. Where several rows fit, the first one counts."""
 
 
-@dataclass(frozen=True, slots=True)
-class ModeOutput:
+class ModeOutput(NamedTuple):
     """What the mode asks for in a tick.
 
     Attributes

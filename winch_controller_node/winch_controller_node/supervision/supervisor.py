@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from winch_controller_node.design.design import ControllerDesign
 from winch_controller_node.estimation.loop_tick import LoopTick
@@ -37,8 +37,7 @@ LONGEST_WAIT = 2.0
 """Time until which compensation waits for waves, over `modes.settling_time`: in calm water none come."""
 
 
-@dataclass(frozen=True, slots=True)
-class WinchSituation:
+class WinchSituation(NamedTuple):
     """What supervision is told of the winch and its commands.
 
     Attributes
@@ -61,8 +60,7 @@ class WinchSituation:
     fault_cause: str = ""
 
 
-@dataclass(frozen=True, slots=True)
-class Decision:
+class Decision(NamedTuple):
     """What supervision has decided in a tick.
 
     Attributes

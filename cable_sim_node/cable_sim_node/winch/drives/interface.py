@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 from heave_node.interface.codes import WinchLimit
 
@@ -36,8 +36,7 @@ class DriveCommand:
             raise ValueError(f"set-points must be finite numbers, got {self.payout_rate} m/s and {self.payout} m")
 
 
-@dataclass(frozen=True)
-class DriveState:
+class DriveState(NamedTuple):
     """State at the end of a step.
 
     Attributes

@@ -5,7 +5,6 @@ A hydraulic drive has no reference of its own; a step of its set-point would be 
 
 from __future__ import annotations
 
-import dataclasses
 import math
 from collections.abc import Mapping
 
@@ -57,7 +56,7 @@ class RampedDrive:
             state = self._drive.step(DriveCommand(self._reference, brake=command.brake), duration / parts, tension)
             limits |= state.limits
             supplied += state.supply_power / parts
-        self.state = dataclasses.replace(state, limits=limits, supply_power=supplied)
+        self.state = state._replace(limits=limits, supply_power=supplied)
         return self.state
 
     def _move(self, command: DriveCommand, duration: float) -> WinchLimit:

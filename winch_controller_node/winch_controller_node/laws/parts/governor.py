@@ -8,7 +8,7 @@ that the winch cannot make: that is all the anti-windup a state-feedback law nee
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from heave_node.numerics.arrays import Array
@@ -22,8 +22,7 @@ from winch_controller_node.parameters.model import WinchModelParameters
 SPEED, ACCELERATION, PAYOUT, POWER, TENSION = "speed", "acceleration", "payout", "power", "tension"
 
 
-@dataclass(frozen=True, slots=True)
-class GovernedCommand:
+class GovernedCommand(NamedTuple):
     """What came out.
 
     Attributes

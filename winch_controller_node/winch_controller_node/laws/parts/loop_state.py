@@ -9,7 +9,7 @@ move at any time without a step in the command.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from heave_node.interface.preview import HeavePreview
@@ -17,8 +17,7 @@ from heave_node.numerics.arrays import Array
 from heave_node.numerics.linear_model import LinearModel
 
 
-@dataclass(frozen=True, slots=True)
-class Reference:
+class Reference(NamedTuple):
     """Motion of the mean payout that compensation is superposed on, at the moment the next command takes effect.
 
     Attributes
@@ -32,8 +31,7 @@ class Reference:
     command: float = 0.0
 
 
-@dataclass(frozen=True, slots=True)
-class LoopState:
+class LoopState(NamedTuple):
     """State of the loop at a tick.
 
     Attributes

@@ -64,7 +64,7 @@ class WinchNews:
         is_power_limited : the winch has said that its power ends
         is_learning : more may come; otherwise what there is, is told at once
         """
-        self._rested = self._rested + self._dt if winch == self._last else 0.0
+        self._rested = self._rested + self._dt if winch is self._last or winch == self._last else 0.0
         self._last = winch
         self._forget_let_up(winch)
         changed = [(label, name, unit) for label, name, unit in NAMED if self._is_notable(name, winch)]

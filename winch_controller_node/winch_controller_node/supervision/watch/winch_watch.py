@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from concurrent.futures import Executor
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from heave_node.interface.codes import WinchFault, WinchLimit
 
@@ -45,8 +45,7 @@ def identifies_winch(parameters: WinchControllerParameters) -> bool:
     return parameters.lag.adaptation and not is_scheduled(parameters) and parameters.winch.law != "first_order"
 
 
-@dataclass(frozen=True, slots=True)
-class TransportReport:
+class TransportReport(NamedTuple):
     """How commands get to the winch.
 
     Attributes
