@@ -351,6 +351,11 @@ class HeaveNode(LifecycleNode):
         self.is_active = False
         return super().on_deactivate(state)
 
+    @property
+    def next_tick(self) -> int:
+        """Number of the tick that this node works out next."""
+        return 1 if self.tick is None else self.tick.number + 1
+
     # Tick protocol: what both sides do -----------------------------------------------------------------------------
 
     def join_protocol(self) -> None:
