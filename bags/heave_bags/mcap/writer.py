@@ -200,7 +200,11 @@ class McapWriter:
         head = _MESSAGE_HEAD.pack(_MESSAGE, _LENGTH_BEFORE_DATA + length, channel, sequence, log_time, publish_time)
         chunk.parts += (head, data)
         chunk.size += _MESSAGE_HEAD.size + length
-        self._count(channel, log_time)
+        self._counts[channel] += 1
+        if not self.message_count or log_time < self.start_time:
+            self.start_time = log_time
+        self.end_time = max(self.end_time, log_time)
+        self.message_count += 1
         if chunk.size >= self._chunks.size:
             self.close_chunk()
 
@@ -209,13 +213,6 @@ class McapWriter:
         for encoded in self._to_repeat:
             self._chunk.append(encoded)
         self._to_repeat = []
-
-    def _count(self, channel: int, log_time: int) -> None:
-        self._counts[channel] += 1
-        if not self.message_count or log_time < self.start_time:
-            self.start_time = log_time
-        self.end_time = max(self.end_time, log_time)
-        self.message_count += 1
 
     def take_pending(self) -> bytes:
         """Return the records that the open chunk has gained since the last call, for a journal."""

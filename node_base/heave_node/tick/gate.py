@@ -171,21 +171,24 @@ class TickGate:
 
     def _count_anew(self) -> None:
         """Forget what was worked out of the counts: one of them has changed."""
-        self._expected.clear()
+        self._expected = {}
         self._lacking = None
 
     def expected(self, topic: str) -> int:
         """Return how many messages on `topic` since the start this node must have in this tick."""
-        total = self._expected.get(topic)
-        if total is None:
-            total = self._expected[topic] = sum(map(self._published, self._publishers.get(topic, ())))
-        return total
+        if not self._expected:
+            self._expected = {name: self._count(publishers) for name, publishers in self._publishers.items()}
+        return self._expected.get(topic, 0)
 
-    def _published(self, publisher: tuple[str, int, int]) -> int:
-        """Return how many messages the newest counts of a `publisher` of a topic say, an entry of `_publishers`."""
-        node, entry, position = publisher
-        count = self._started[entry] if self._started else 0
-        return max(count, self._done[node][1][position]) if node in self._done else count
+    def _count(self, publishers: Sequence[tuple[str, int, int]]) -> int:
+        """Return how many messages the entries of `publishers` stand for, by the newest counts."""
+        total = 0
+        for node, entry, position in publishers:
+            count = self._started[entry] if self._started else 0
+            if node in self._done:
+                count = max(count, self._done[node][1][position])
+            total += count
+        return total
 
     def is_complete(self) -> bool:
         """Return whether everything of this tick has come."""
