@@ -81,8 +81,13 @@ class Sea(LoopNode):
     def on_build(self) -> None:
         self.mru = self.add_output(topics.MRU)
         self.tip = self.add_output(topics.BOOM_TIP)
+        self.prepared = 0
+
+    def prepare(self, number: int) -> None:
+        self.prepared = number
 
     def on_tick(self, tick) -> None:
+        self.check(tick, self.prepared, tick.number if tick.number > 1 else self.prepared, "is the tick prepared")
         self.memory += 1
         message = MruSample(sequence=self.memory)
         message.header.stamp = tick.stamp

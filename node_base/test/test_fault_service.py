@@ -6,18 +6,17 @@ import pytest
 from heave_msgs.srv import InjectFault
 from heave_node.interface.faults import FaultParameters, FaultSchedule
 from heave_node.ros.fault_service import FaultService
-from heave_node.tick.tick import Tick
 
 KINDS = {"depth": "sensor", "mru": "mru", "encoder": "encoder", "winch": "winch"}
 PERIOD = 0.05
 
 
 class Node(SimpleNamespace):
-    """What the service needs of a node, in tick 9."""
+    """What the service needs of a node that is in tick 9."""
 
     def __init__(self):
         self.devices = {name: FaultSchedule(FaultParameters(), name=name, device=kind) for name, kind in KINDS.items()}
-        super().__init__(name="simulator", run=SimpleNamespace(tick_period=PERIOD), tick=Tick(9, 1, 50_000_000))
+        super().__init__(name="simulator", run=SimpleNamespace(tick_period=PERIOD), next_tick=10)
         FaultService(self, lambda: self.devices)
 
     def create_service(self, kind, name, callback):
@@ -39,14 +38,14 @@ def test_a_fault_begins_with_the_next_tick_and_clear_ends_it(device, kind):
     faults = node.devices[device]
     assert not faults.is_active(kind, 9 * PERIOD)
     assert faults.is_active(kind, 10 * PERIOD)
-    node.tick = Tick(19, 1, 50_000_000)
+    node.next_tick = 20
     assert node.ask(device, "clear").success
     assert [faults.is_active(kind, tick * PERIOD) for tick in (19, 20)] == [True, False]
 
 
 def test_a_fault_before_the_run_begins_with_its_first_tick():
     node = Node()
-    node.tick = None
+    node.next_tick = 1
     assert node.ask("depth", "gap", 0.1).message == "depth: gap from t = 0.050 s"
 
 

@@ -8,7 +8,7 @@ from heave_msgs.msg import PointMotion as PointMotionMessage
 from heave_msgs.msg import SeaState
 from heave_node.interface import topics
 from heave_node.numerics.kinematics import PointMotion
-from heave_node.tick.tick import stamp_of
+from heave_node.tick.tick import Tick, stamp_of
 from nav_msgs.msg import Odometry
 from rclpy.serialization import deserialize_message
 from wave_vessel_node.component import WaveVessel
@@ -68,3 +68,25 @@ def test_the_node_publishes_every_topic_that_is_its_own():
         "mru",
         "vessel/heave_preview",
     }
+
+
+class Steps(list):
+    """Stands in for the component: notes the ticks that it is stepped through."""
+
+    def step(self, number: int) -> int:
+        self.append(number)
+        return number
+
+
+def test_each_tick_is_worked_out_once_in_advance_or_within_and_a_fault_begins_after_what_is_worked_out():
+    shell = node.WaveVesselNode.__new__(node.WaveVesselNode)
+    shell.component, shell._prepared, shell.tick = Steps(), None, None
+    assert shell.next_tick == 1
+    for number in (1, 2, 3):
+        shell.tick = Tick(number, 1, 50_000_000)
+        shell.on_inactive_tick(shell.tick)
+        assert shell.next_tick == number + 1
+        if number == 1:
+            shell.prepare(2)
+            assert shell.next_tick == 3
+    assert shell.component == [1, 2, 3]

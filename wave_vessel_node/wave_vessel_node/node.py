@@ -16,7 +16,7 @@ from heave_node.ros.process import run_node
 from heave_node.tick.tick import Tick
 
 from wave_vessel_node import conversions as messages
-from wave_vessel_node.component import WaveVessel
+from wave_vessel_node.component import WaveVessel, WaveVesselOutputs
 from wave_vessel_node.parameters import WaveVesselParameters
 
 _MRU_SILENCE = 1.0  # s without a reading that diagnostics calls an error
@@ -37,6 +37,7 @@ class WaveVesselNode(ParticipantNode):
         if not self.run.is_lockstep:
             import scipy.signal  # noqa: F401, PLC0415 - the first estimate would load it, for a second, within a tick
         self.component = self._new_component()
+        self._prepared: WaveVesselOutputs | None = None
         self.sea_state = self.add_output(topics.SEA_STATE)
         self.estimate = self.add_output(topics.SEA_STATE_ESTIMATE)
         self.elevation = self.add_output(topics.WAVE_ELEVATION)
@@ -53,6 +54,7 @@ class WaveVesselNode(ParticipantNode):
     def on_reset(self) -> None:
         """See HeaveNode."""
         self.component = self._new_component()
+        self._prepared = None
         self._last_reading_time = 0.0
         self._last_status = MruStatus.OK
 
@@ -60,7 +62,7 @@ class WaveVesselNode(ParticipantNode):
         """See HeaveNode."""
         if tick.number == 1:
             self.sea_state.publish(messages.sea_state_message(self.component.sea_state(), tick.start_nanoseconds))
-        outputs = self.component.step(tick.number)
+        outputs = self._outputs_of(tick)
         reading = outputs.mru
         if reading is not None:
             self.mru.publish(self._mru_messages.message(MRU.to_wire(reading, STANDARD_WATER)))
@@ -77,7 +79,20 @@ class WaveVesselNode(ParticipantNode):
 
     def on_inactive_tick(self, tick: Tick) -> None:
         """See ParticipantNode. The sea goes on."""
-        self.component.step(tick.number)
+        self._outputs_of(tick)
+
+    def prepare(self, number: int) -> None:
+        """See ParticipantNode. The sea waits for nobody, and the controller need not wait for the sea."""
+        self._prepared = self.component.step(number)
+
+    @property
+    def next_tick(self) -> int:
+        """See HeaveNode."""
+        return super().next_tick + (self._prepared is not None)
+
+    def _outputs_of(self, tick: Tick) -> WaveVesselOutputs:
+        outputs, self._prepared = self._prepared, None
+        return self.component.step(tick.number) if outputs is None else outputs
 
     def diagnose(self) -> list[Health]:
         """Tell how the MRU is, and what was repaired in the files read."""

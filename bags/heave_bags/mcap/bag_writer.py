@@ -221,7 +221,7 @@ class BagWriter:
 
     def _must_split(self, log_time: int) -> bool:
         writer, policy = self._writer, self._policy
-        if not writer.message_count:
+        if not (policy.max_file_bytes or policy.max_file_span) or not writer.message_count:
             return False
         too_big = 0 < policy.max_file_bytes <= writer.size + writer.pending_bytes
         return too_big or 0 < policy.max_file_span <= log_time - writer.start_time

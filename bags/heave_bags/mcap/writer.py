@@ -42,6 +42,7 @@ LIBRARY = "heave_bags"
 """
 
 _MESSAGE_HEAD = struct.Struct("<BQHIQQ")
+_MESSAGE = int(Opcode.MESSAGE)
 _INDEX_HEAD = struct.Struct("<BQHI")
 _LENGTH_BEFORE_DATA = 22
 """Bytes of a message record between its length field and its data: channel, sequence, two times."""
@@ -180,25 +181,30 @@ class McapWriter:
         data : the message
         sequence : number that its publisher gave it; 0 where there is none
         """
-        chunk = self._chunk
-        is_due = log_time - chunk.start >= self._chunks.span or chunk.size + len(data) > LARGEST_MESSAGE
-        is_first = not self._chunk_indexes and not chunk.index and chunk.size
-        if (chunk.index and is_due) or is_first:
+        chunk, length = self._chunk, len(data)
+        if chunk.index:
+            is_due = log_time - chunk.start >= self._chunks.span or chunk.size + length > LARGEST_MESSAGE
+        else:
+            is_due = bool(chunk.size) and not self._chunk_indexes
+        if is_due:
             self.close_chunk()
             chunk = self._chunk
         if not chunk.index:
             chunk.start = chunk.end = log_time
             self._repeat_definitions()
-        chunk.start = min(chunk.start, log_time)
-        chunk.end = max(chunk.end, log_time)
+        elif log_time > chunk.end:
+            chunk.end = log_time
+        elif log_time < chunk.start:
+            chunk.start = log_time
         chunk.index.setdefault(channel, []).extend((log_time, chunk.size))
-        head = _MESSAGE_HEAD.pack(
-            Opcode.MESSAGE, _LENGTH_BEFORE_DATA + len(data), channel, sequence, log_time, publish_time
-        )
-        chunk.parts.append(head)
-        chunk.parts.append(data)
-        chunk.size += len(head) + len(data)
-        self._count(channel, log_time)
+        head = _MESSAGE_HEAD.pack(_MESSAGE, _LENGTH_BEFORE_DATA + length, channel, sequence, log_time, publish_time)
+        chunk.parts += (head, data)
+        chunk.size += _MESSAGE_HEAD.size + length
+        self._counts[channel] += 1
+        if not self.message_count or log_time < self.start_time:
+            self.start_time = log_time
+        self.end_time = max(self.end_time, log_time)
+        self.message_count += 1
         if chunk.size >= self._chunks.size:
             self.close_chunk()
 
@@ -207,12 +213,6 @@ class McapWriter:
         for encoded in self._to_repeat:
             self._chunk.append(encoded)
         self._to_repeat = []
-
-    def _count(self, channel: int, log_time: int) -> None:
-        self._counts[channel] += 1
-        self.start_time = min(self.start_time, log_time) if self.message_count else log_time
-        self.end_time = max(self.end_time, log_time)
-        self.message_count += 1
 
     def take_pending(self) -> bytes:
         """Return the records that the open chunk has gained since the last call, for a journal."""

@@ -290,7 +290,8 @@ class RecorderNode(ParticipantNode):
         self._tick_began = time.monotonic_ns()
         if self.run.is_lockstep:
             self._write_complete(tick)
-        self.session.acknowledge()
+        if self.answers(tick.number) or not self.run.is_lockstep:
+            self.session.acknowledge()
 
     def on_flush(self, tick: Tick) -> None:
         """Write the messages of the last tick."""

@@ -44,8 +44,7 @@ class TickOrder:
         self._canonical = canonical
         self._shared = sorted(topic for topic, nodes in publishers.items() if len(set(nodes)) > 1)
         self._of_master = sorted(topic for topic, nodes in publishers.items() if set(nodes) == {master})
-        known = {*self._shared, *self._of_master}
-        self._of_others = sorted(topic for topic in publishers if topic not in known)
+        self._of_others = sorted(topic for topic in publishers if topic not in self._of_master)
         self._held: dict[str, list[bytes]] = {topic: [] for topic in self._shared}
 
     def write(
@@ -55,20 +54,13 @@ class TickOrder:
 
         `tick_before` is the start of the one before it [ns]; `take` hands over the messages of a topic.
         """
-        self._write_others(writer, take, tick_start, tick_before)
+        for topic in self._of_others:
+            messages = take(topic)
+            for data in self._settled(topic, messages, tick_start) if topic in self._held else messages:
+                writer.write(topic, tick_before, data)
         for topic in self._of_master:
             for data in take(topic):
                 writer.write(topic, tick_start, data)
-
-    def _write_others(
-        self, writer: MessageWriter, take: Callable[[str], Sequence[bytes]], tick_start: int, tick_before: int
-    ) -> None:
-        ready: dict[str, Sequence[bytes]] = {topic: take(topic) for topic in self._of_others}
-        for topic in self._shared:
-            ready[topic] = self._settled(topic, take(topic), tick_start)
-        for topic in sorted(ready):
-            for data in ready[topic]:
-                writer.write(topic, tick_before, data)
 
     def _settled(self, topic: str, arrived: Sequence[bytes], tick_start: int) -> list[bytes]:
         """Return the messages of a topic of several publishers that were stamped before `tick_start`, in the order of
@@ -89,6 +81,6 @@ class TickOrder:
             for data in sorted(rest, key=lambda data: (header_stamp(data), data)):
                 writer.write(topic, tick_start, data)
             self._held[topic] = []
-        for topic in sorted(self._of_master + self._of_others):
+        for topic in sorted({*self._of_master, *self._of_others} - {*self._shared}):
             for data in take(topic):
                 writer.write(topic, tick_start, data)

@@ -7,7 +7,7 @@ says of padding is worked out once for each set of lengths, and every message af
 from __future__ import annotations
 
 from array import array
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from struct import Struct
 from typing import Any, Protocol
 
@@ -86,18 +86,21 @@ class _Numbers:
         self._code = STRUCT_CODES[dtype].replace("?", "B")
         self._group = self._dtype.itemsize * width
         self._count = 1 if count is None else count
+        self._length = self._group * self._count
 
     def put(self, value: Any, row: list[Any], lengths: list[int]) -> None:
         if isinstance(value, np.ndarray):
             data = (value if value.dtype is self._dtype else value.astype(self._dtype)).tobytes()
         else:
             data = array(self._code, value).tobytes()
-        count, rest = divmod(len(data), self._group)
-        if rest or self._count not in (-1, count):
-            raise ValueError(f"a field of {self._count} times {self._group} bytes cannot hold {len(data)}")
+        length = self._length
         if self._count == -1:
+            count = len(data) // self._group
+            length = count * self._group
             row.append(count)
             lengths.append(count)
+        if len(data) != length:
+            raise ValueError(f"a field of {self._count} times {self._group} bytes cannot hold {len(data)}")
         row.append(data)
 
     def lay_out(self, form: _Format) -> None:
@@ -157,6 +160,24 @@ class _Sequence:
     def lay_out(self, form: _Format) -> None:
         for _ in range(form.add_length() if self._count < 0 else self._count):
             self._element.lay_out(form)
+
+
+class _Constant:
+    """What a part puts of a value that is always the same."""
+
+    def __init__(self, part: _Part, value: Any) -> None:
+        self._row: list[Any] = []
+        self._lengths: list[int] = []
+        part.put(value, self._row, self._lengths)
+
+    def put(self, _: Any, row: list[Any], lengths: list[int]) -> None:
+        row += self._row
+        lengths += self._lengths
+
+
+def _put_run(values: Sequence[Any], row: list[Any], _: list[int]) -> None:
+    """Put numbers that follow each other both in the message and among the values."""
+    row += values
 
 
 class _Definition:
@@ -260,11 +281,7 @@ class Packer:
             raise ValueError(f"{name} has no field {min(unknown)}")
         self._layout = [part for _, part in parts]
         self._fields = len(fields)
-        others = {path: constants.get(path, "" if isinstance(part, _Text) else ()) for path, part in parts}
-        others = {path: value for path, value in others.items() if path and path not in fields}
-        self._constants = tuple(others.values())
-        order = [*fields, *others]
-        self._steps = [(part.put, order.index(path)) for path, part in parts if not isinstance(part, _Zeros)]
+        self._steps = list(_steps(parts, fields, constants))
         self._structs: dict[tuple[int, ...], Struct] = {}
 
     def pack(self, *values: Any) -> bytes:
@@ -277,9 +294,8 @@ class Packer:
             raise ValueError(f"{len(values)} values for {self._fields} fields")
         row: list[Any] = [LITTLE_ENDIAN]
         lengths: list[int] = []
-        everything = (*values, *self._constants)
         for put, place in self._steps:
-            put(everything[place], row, lengths)
+            put(values[place], row, lengths)
         return self._struct(tuple(lengths)).pack(*row)
 
     def _struct(self, lengths: tuple[int, ...]) -> Struct:
@@ -293,3 +309,29 @@ class Packer:
                 part.lay_out(form)
             known = self._structs[lengths] = Struct(form.text)
         return known
+
+
+_Step = tuple[Callable[[Any, list[Any], list[int]], None], int | slice]
+"""What puts values in a row, and which ones."""
+
+
+def _steps(parts: Sequence[tuple[str, _Part]], fields: Sequence[str], constants: Mapping[str, Any]) -> Iterator[_Step]:
+    """Yield what puts the values of the `fields` and the `constants` in a row, in the order of `parts`."""
+    first = after = 0  # of a run of numbers that has not been yielded yet
+    for path, part in parts:
+        if isinstance(part, _Zeros):
+            continue
+        place = fields.index(path) if path in fields else -1
+        is_in_run = isinstance(part, _Number) and place == after > first
+        if after > first and not is_in_run:
+            yield _put_run, slice(first, after)
+            first = after
+        if place < 0:
+            value = constants.get(path, "" if isinstance(part, _Text) else ())
+            yield _Constant(part, value).put, slice(0)
+        elif isinstance(part, _Number):
+            first, after = (first if is_in_run else place), place + 1
+        else:
+            yield part.put, place
+    if after > first:
+        yield _put_run, slice(first, after)

@@ -6,7 +6,7 @@ import struct
 from collections.abc import Callable, Sequence
 from typing import Generic, TypeVar
 
-from heave_node.cdr.layout import Layout, MessageLayouts
+from heave_node.cdr.layout import LITTLE_ENDIAN, Layout, MessageLayouts
 
 _MOST_PATTERNS = 64
 """Patterns kept of one size of message."""
@@ -26,17 +26,22 @@ def picker(spans: Sequence[tuple[int, int]]) -> struct.Struct:
 
 
 class _Pattern(Generic[Made]):
-    """How to recognise the messages of a layout, and what was made of it."""
+    """How to recognise the messages of a layout among those of its size, and what was made of it.
+
+    Attributes
+    ----------
+    pick : takes byte order and length words out of a message
+    expected : what it finds in one of this layout
+    made : of the layout
+    size : lengths and gaps that are kept
+    """
 
     def __init__(self, layout: Layout, made: Made) -> None:
+        order = LITTLE_ENDIAN[:2]
+        self.pick = picker([(0, len(order)), *((offset, offset + 4) for offset, _ in layout.lengths)]).unpack_from
+        self.expected = (order, *(value.to_bytes(4, "little") for _, value in layout.lengths))
         self.made = made
         self.size = 1 + len(layout.gaps) + len(layout.lengths)
-        self._lengths = picker([(offset, offset + 4) for offset, _ in layout.lengths])
-        self._expected = tuple(value.to_bytes(4, "little") for _, value in layout.lengths)
-
-    def fits(self, data: bytes) -> bool:
-        """Return whether a message of the right size has this layout."""
-        return self._lengths.unpack_from(data) == self._expected
 
 
 class Patterns(Generic[Made]):
@@ -57,7 +62,7 @@ class Patterns(Generic[Made]):
     def of(self, data: bytes) -> Made:
         """Return what was made of the layout of the message `data`. Raises LayoutError if it does not fit the type."""
         for pattern in self._patterns.get(len(data), ()):
-            if pattern.fits(data) and data[:2] == b"\0\1":
+            if pattern.pick(data) == pattern.expected:
                 return pattern.made
         layout = self._layouts.of(data)
         return self._keep(len(data), _Pattern(layout, self._make(layout))).made

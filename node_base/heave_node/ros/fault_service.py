@@ -11,7 +11,7 @@ from heave_node.ros.node import HeaveNode
 
 
 class FaultService:
-    """Injects faults into the devices of a node, from the next tick on.
+    """Injects faults into the devices of a node, from the next tick on that it works out.
 
     Parameters
     ----------
@@ -30,8 +30,7 @@ class FaultService:
         if request.device not in devices:
             response.message = f"{self._node.name} has no device {request.device}; it has {', '.join(devices)}"
             return response
-        tick = 0 if self._node.tick is None else self._node.tick.number
-        start = (tick + 1) * self._node.run.tick_period
+        start = self._node.next_tick * self._node.run.tick_period
         try:
             devices[request.device].inject(
                 request.kind, start=start, duration=request.duration, magnitude=request.magnitude

@@ -351,6 +351,11 @@ class HeaveNode(LifecycleNode):
         self.is_active = False
         return super().on_deactivate(state)
 
+    @property
+    def next_tick(self) -> int:
+        """Number of the tick that this node works out next."""
+        return 1 if self.tick is None else self.tick.number + 1
+
     # Tick protocol: what both sides do -----------------------------------------------------------------------------
 
     def join_protocol(self) -> None:
@@ -399,8 +404,11 @@ class HeaveNode(LifecycleNode):
 
     def flush_deferred(self) -> None:
         """Make and send the deferred messages of this tick; an error in making one ends this node."""
+        self.fail_on_error(self._flush_outputs)
+
+    def _flush_outputs(self) -> None:
         for output in self._outputs:
-            self.fail_on_error(output.flush_deferred)
+            output.flush_deferred()
 
     def resend_outputs(self) -> None:
         """Send every message of this tick again."""

@@ -38,6 +38,9 @@ class ParticipantNode(HeaveNode):
     def on_inactive_tick(self, tick: Tick) -> None:
         """Let time pass in a `tick` in which this node is inactive: it gets no inputs and must publish nothing."""
 
+    def prepare(self, number: int) -> None:
+        """Work out in advance, while the others are in their tick, what needs nothing of them in tick `number`."""
+
     def join_protocol(self) -> None:
         """Make the publisher and the subscriptions by which a participant follows the clock master and answers it."""
         self.punctuality = Punctuality()
@@ -198,9 +201,11 @@ class ParticipantNode(HeaveNode):
         if self.failure:
             return
         self._answered = start
-        if self._is_answer_due(start):
+        if start.flush or self.answers(start.tick):
             self._answer()
         self.flush_deferred()
+        if not self._starts and not start.flush and start.tick < self.run.tick_count:
+            self.fail_on_error(lambda: self.prepare(start.tick + 1))
         self._begin_next()
 
     def _do_tick(self, tick: Tick) -> None:
@@ -214,9 +219,9 @@ class ParticipantNode(HeaveNode):
     def on_flush(self, tick: Tick) -> None:
         """Take the last messages of a run; `tick` follows the last one and has no step of its own."""
 
-    def _is_answer_due(self, start: TickStart) -> bool:
-        """Return whether the master waits for an answer: a node that may lag answers for many ticks at a time."""
-        return start.flush or start.tick % max(1, self.lag // 2) == 0
+    def answers(self, tick: int) -> bool:
+        """Return whether this node answers for the tick of this number: one that may lag does so for many at a time."""
+        return tick % max(1, self.lag // 2) == 0
 
     def _answer(self) -> None:
         assert self._answered is not None

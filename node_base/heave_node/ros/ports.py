@@ -61,6 +61,8 @@ class Output:
 
     def flush_deferred(self) -> None:
         """Make and send the deferred messages."""
+        if not self._deferred:
+            return
         deferred, self._deferred = self._deferred, []
         for make in deferred:
             self._send(make())

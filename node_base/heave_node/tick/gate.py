@@ -97,8 +97,11 @@ class Inbox:
 
     def take(self, expected: int) -> list[Any]:
         """Return the messages not yet taken, up to number `expected` since the start; later ones stay in the inbox."""
-        later = max(0, self.received - expected)
-        return [self._waiting.popleft() for _ in range(len(self._waiting) - later)]
+        if self.received > expected:
+            return [self._waiting.popleft() for _ in range(len(self._waiting) - (self.received - expected))]
+        waiting = list(self._waiting)
+        self._waiting.clear()
+        return waiting
 
 
 class TickGate:
@@ -119,7 +122,8 @@ class TickGate:
         self._publishers: dict[str, list[tuple[str, int, int]]] = {}
         self._started: Sequence[int] = ()
         self._done: dict[str, tuple[tuple[int, int], Sequence[int]]] = {}
-        self._lacking: list[tuple[Inbox, int]] = []
+        self._expected: dict[str, int] = {}
+        self._lacking: list[tuple[Inbox, int]] | None = None
 
     def add_inbox(self, inbox: Inbox) -> Inbox:
         """Wait for the messages of another `inbox` too; return the one of its topic."""
@@ -144,13 +148,13 @@ class TickGate:
             entries = [entry for _, entry, _ in self._publishers[topic]]
             if entries or not inbox.speakers.is_external:
                 inbox.appoint([identities[entry] for entry in entries] if identities else [ANYONE])
-        self._find_lacking()
+        self._count_anew()
 
     def begin(self, epoch: int, tick: int, published: Sequence[int]) -> None:
         """Enter tick `tick` of run `epoch`, before which `published` messages were sent (per entry of the roster)."""
         self.tick = (epoch, tick)
         self._started = published
-        self._find_lacking()
+        self._count_anew()
 
     def peer_done(self, node: str, epoch: int, tick: int, published: Sequence[int]) -> None:
         """Note that `node` has done its part of tick `tick` of run `epoch`.
@@ -161,27 +165,39 @@ class TickGate:
         epoch, tick : numbers of run and tick
         published : messages that the node has sent so far on each of its outputs
         """
-        self._done[node] = ((epoch, tick), published)
-        self._find_lacking()
+        if node in self.after:
+            self._done[node] = ((epoch, tick), published)
+            self._count_anew()
 
-    def _find_lacking(self) -> None:
-        expected = ((inbox, self.expected(topic)) for topic, inbox in self.inboxes.items())
-        self._lacking = [(inbox, count) for inbox, count in expected if inbox.received < count]
+    def _count_anew(self) -> None:
+        """Forget what was worked out of the counts: one of them has changed."""
+        self._expected = {}
+        self._lacking = None
 
     def expected(self, topic: str) -> int:
         """Return how many messages on `topic` since the start this node must have in this tick."""
+        if not self._expected:
+            self._expected = {name: self._count(publishers) for name, publishers in self._publishers.items()}
+        return self._expected.get(topic, 0)
+
+    def _count(self, publishers: Sequence[tuple[str, int, int]]) -> int:
+        """Return how many messages the entries of `publishers` stand for, by the newest counts."""
         total = 0
-        for node, entry, position in self._publishers.get(topic, ()):
+        for node, entry, position in publishers:
             count = self._started[entry] if self._started else 0
-            if node in self.after and node in self._done:
+            if node in self._done:
                 count = max(count, self._done[node][1][position])
             total += count
         return total
 
     def is_complete(self) -> bool:
         """Return whether everything of this tick has come."""
-        if any(self._tick_of(node) < self.tick for node in self.after):
-            return False
+        for node in self.after:
+            if self._tick_of(node) < self.tick:
+                return False
+        if self._lacking is None:
+            expected = ((inbox, self.expected(topic)) for topic, inbox in self.inboxes.items())
+            self._lacking = [(inbox, count) for inbox, count in expected if inbox.received < count]
         lacking = self._lacking  # called after each message, so complete inputs are not checked again
         while lacking and lacking[-1][0].received >= lacking[-1][1]:
             lacking.pop()

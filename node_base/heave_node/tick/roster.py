@@ -46,6 +46,7 @@ class Roster:
     def __init__(self, expected: Iterable[str]) -> None:
         self.expected = tuple(expected)
         self.participants: dict[str, Participant] = {}
+        self._present: list[Participant] = []
         self._entries: list[tuple[str, str]] = []
 
     def join(self, participant: Participant) -> None:
@@ -54,6 +55,7 @@ class Roster:
         if known is not None:
             participant.answered, participant.published = known.answered, known.published
         self.participants[participant.name] = participant
+        self._present = [self.participants[name] for name in self.expected if name in self.participants]
 
     def missing(self, external_topics: Mapping[str, int], needed: Collection[str] = ()) -> list[str]:
         """Return in words what keeps the run from starting; empty where nothing does.
@@ -64,7 +66,7 @@ class Roster:
         needed : those of them that must have one
         """
         lacking = [f"{name} (not seen)" for name in self.expected if name not in self.participants]
-        lacking += [f"{p.name} (not ready)" for p in self._present() if not p.ready]
+        lacking += [f"{p.name} (not ready)" for p in self._present if not p.ready]
         lacking += [f"a publisher of {topic} (external)" for topic in needed if external_topics[topic] == 0]
         return lacking + self._unmatched() + self._deaf_to(external_topics)
 
@@ -73,7 +75,7 @@ class Roster:
         published = [topic for topic, count in external_topics.items() if count > 0]
         return [
             f"{participant.name} sees no publisher of {topic} (external)"
-            for participant in self._present()
+            for participant in self._present
             for topic in published
             if participant.inputs.get(topic) == 0
         ]
@@ -82,31 +84,28 @@ class Roster:
         """Return in words which participants do not see each other on a topic yet."""
         lacking = []
         readers = self._readers()
-        for participant in self._present():
+        for participant in self._present:
             for topic, matched in participant.outputs.items():
                 expected = readers.get(topic, 0)
                 if matched < expected:
                     lacking.append(f"{participant.name} sees {matched} of {expected} subscribers of {topic}")
             for topic, matched in participant.inputs.items():
-                expected = sum(topic in other.outputs for other in self._present())
+                expected = sum(topic in other.outputs for other in self._present)
                 if matched < expected:
                     lacking.append(f"{participant.name} sees {matched} of {expected} publishers of {topic}")
         return lacking
 
-    def _present(self) -> list[Participant]:
-        return [self.participants[name] for name in self.expected if name in self.participants]
-
     def _readers(self) -> dict[str, int]:
         readers: dict[str, int] = {}
-        for participant in self._present():
+        for participant in self._present:
             for topic in participant.inputs:
                 readers[topic] = readers.get(topic, 0) + 1
         return readers
 
     def freeze(self) -> None:
         """Fix the order of the counters: the run begins."""
-        self._entries = [(p.name, topic) for p in self._present() for topic in p.outputs]
-        for participant in self._present():
+        self._entries = [(p.name, topic) for p in self._present for topic in p.outputs]
+        for participant in self._present:
             participant.published = [0] * len(participant.outputs)
 
     @property
@@ -126,12 +125,12 @@ class Roster:
 
     def identities_of(self, topic: str) -> list[str]:
         """Return the processes that publish a `topic` within ticks."""
-        return sorted({p.identity for p in self._present() if topic in p.outputs})
+        return sorted({p.identity for p in self._present if topic in p.outputs})
 
     @property
     def counters(self) -> list[int]:
         """Messages published so far, per entry."""
-        return [count for participant in self._present() for count in participant.published]
+        return [count for participant in self._present for count in participant.published]
 
     def answer(self, name: str, tick: int, published: Sequence[int]) -> None:
         """Note that the node `name` has done its part of `tick` and sent `published` messages, per output.
@@ -145,15 +144,15 @@ class Roster:
 
     def unanswered(self, tick: int, *, flush: bool = False) -> list[Participant]:
         """Return the participants that have not answered `tick`; without a `flush`, those that may lag have time."""
-        return [p for p in self._present() if p.answered < tick - (0 if flush else p.lag)]
+        return [p for p in self._present if p.answered < tick - (0 if flush else p.lag)]
 
     def answered_by_all(self) -> int:
         """Return the last tick that all have answered; those that may lag do not count."""
-        return min((p.answered for p in self._present() if p.lag == 0), default=0)
+        return min((p.answered for p in self._present if p.lag == 0), default=0)
 
     def restart(self) -> None:
         """Count ticks from 1 again; message counters go on."""
-        for participant in self._present():
+        for participant in self._present:
             participant.answered = 0
 
     def published_by_topic(self) -> dict[str, int]:

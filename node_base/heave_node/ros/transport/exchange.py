@@ -35,13 +35,17 @@ class LocalPublisher:
     Parameters
     ----------
     readers : of the topic
-    enqueue : queues a message for them
+    enqueue : queues a message for its readers
     outside : publisher of the middleware
     period : wall time between two messages for others [s]; 0 gives them every one
     """
 
     def __init__(
-        self, readers: list[Reader], enqueue: Callable[[Reader, bytes], None], outside: Publisher[Any], period: float
+        self,
+        readers: list[Reader],
+        enqueue: Callable[[list[Reader], bytes], None],
+        outside: Publisher[Any],
+        period: float,
     ) -> None:
         self._readers = readers
         self._enqueue = enqueue
@@ -53,8 +57,8 @@ class LocalPublisher:
     def publish(self, message: object) -> None:
         """Publish a `message`, or the bytes of a serialised one."""
         data = message if isinstance(message, bytes) else bytes(serialize_message(message))
-        for reader in self._readers:
-            self._enqueue(reader, data)
+        if self._readers:
+            self._enqueue(self._readers, data)
         if self._period:
             now = time.monotonic()
             if now - self._shown_at < self._period:
@@ -99,7 +103,7 @@ class Exchange:
         self._identity = ""
         self._readers: dict[str, list[Reader]] = {}
         self._publishers: dict[str, list[LocalPublisher]] = {}
-        self._queue: deque[tuple[Reader, bytes, int]] = deque()
+        self._queue: deque[tuple[list[Reader], bytes, int]] = deque()
         self.wake: Future[None] = Future()
 
     def add_publisher(self, topic: Topic, outside: Publisher[Any], identity: str) -> LocalPublisher:
@@ -120,8 +124,8 @@ class Exchange:
     def _of(lists: dict[str, list[Any]], name: str) -> list[Any]:
         return lists.setdefault(name, [])
 
-    def _enqueue(self, reader: Reader, data: bytes) -> None:
-        self._queue.append((reader, data, time.time_ns()))
+    def _enqueue(self, readers: list[Reader], data: bytes) -> None:
+        self._queue.append((readers, data, time.time_ns()))
         if not self.wake.done():
             self.wake.set_result(None)
 
@@ -130,7 +134,8 @@ class Exchange:
         queue, identity = self._queue, self._identity
         until = time.monotonic() + seconds
         while queue and time.monotonic() < until:
-            reader, data, sent = queue.popleft()
-            reader(data, identity, sent)
+            readers, data, sent = queue.popleft()
+            for reader in readers:
+                reader(data, identity, sent)
         if not queue:
             self.wake = Future()
