@@ -39,6 +39,7 @@ def test_the_sea_from_another_recorder_by_the_host_s_clock_gives_the_same_run(ca
     foreign = write_foreign(calm_bag, tmp_path / "foreign", by_host_clock)
     again = run_scenario(tmp_path / "again", duration=CALM_DURATION, options=["--from-bag", f"wave_vessel={foreign}"])
     assert recorded_messages(again) == recorded_messages(calm_bag)
+    assert [Bag(bag).run["replaced"] for bag in (again, calm_bag)] == ["wave_vessel", ""]
 
 
 def test_the_sea_of_a_run_in_one_namespace_gives_the_same_run_in_another(calm_bag, tmp_path):

@@ -33,14 +33,15 @@ def bag(tmp_path: Path) -> Path:
 def add(monkeypatch, bag):
     """Add the baseline to a record; `add.runs` counts how often the loop was run for it."""
 
-    def run(_: Scenario, progress: baseline.Progress) -> RunSignals:
+    def run(scenario: Scenario, progress: baseline.Progress) -> RunSignals:
         add.runs += 1
+        add.duration = scenario.run.duration
         progress(0.5)
         return signals()
 
-    def add(*settings: str, **about: str) -> RunRecord:
+    def add(*settings: str, end: float = 4.0, **about: str) -> RunRecord:
         monkeypatch.setattr(baseline, "scenario_of", lambda _: scenario(*settings))
-        record = RunRecord("run", RunSignals(), 1.0, 4.0, run=about)
+        record = RunRecord("run", RunSignals(), 1.0, end, run=about)
         baseline.add_baseline(record, bag)
         return record
 
@@ -112,6 +113,36 @@ def test_beside_the_law_of_somebody_else_it_is_known(add):
     record = add("winch_controller.law=industrial", replaced="winch_controller")
     assert record.signals.baseline is not record.signals
     assert add.runs == 1
+
+
+@pytest.mark.parametrize("meant", ["1e5", "0"])
+def test_it_lasts_as_long_as_what_was_recorded_and_not_as_long_as_was_meant(add, meant):
+    """A run that was ended early, or one that had no end."""
+    add(f"all.duration={meant}", end=2.5)
+    assert add.duration == 2.5
+    add(f"all.duration={meant}", end=3.0)
+    assert (add.runs, add.duration) == (2, 3.0)
+
+
+@pytest.mark.parametrize("end", [baseline.LONGEST + 1.0, 1.7e9, 0.0])
+def test_of_a_bag_that_lasts_for_ever_or_holds_nothing_it_is_unknown(add, end):
+    record = add("all.duration=1e6", end=end)
+    assert add.runs == 0
+    assert record.notes == [f"the baseline is unknown: the record ends at {end:g} s"]
+
+
+def test_a_sea_from_a_file_that_is_no_longer_there_is_a_note(monkeypatch, bag):
+    from_file = ("wave_vessel.boom_tip_source=file", "wave_vessel.recording_file=/nowhere/heave.csv")
+    monkeypatch.setattr(
+        baseline,
+        "scenario_of",
+        lambda _: load_scenario("b2_calm_300", settings=["all.duration=4", *from_file], needs_files=False),
+    )
+    record = RunRecord("run", RunSignals(), 1.0, 4.0)
+    baseline.add_baseline(record, bag)
+    (note,) = record.notes
+    assert note.startswith("the baseline is unknown: ")
+    assert "/nowhere/heave.csv" in note
 
 
 def test_how_far_it_is_is_told():

@@ -30,6 +30,7 @@ def completions(line):
         ("heave operate emer", "emergency-stop"),
         ("heave run b3_", "b3_deep_900"),
         ("heave run b3_deep_900 --qui", "--quiet"),
+        ("heave kpi --no-b", "--no-baseline"),
         ("heave params winch_c", "winch_controller"),
         ("heave params recorder snapshot_d", "snapshot_duration"),
         ("heave operate fault inject mru fre", "freeze"),

@@ -11,9 +11,12 @@ import pytest
 from heave_bags.analyse import kpi_set
 from heave_bringup.campaign import executors
 from heave_bringup.campaign.runs import CaseResult, Task
+from heave_bringup.campaign.table import LAW
 from heave_bringup.cli import main
+from heave_bringup.commands.studies.operability import _left_out
 from heave_bringup.operability.limits import LOST_LIMIT, crossing, limit_curve, seed_limit, situations, utilisation
 from heave_bringup.operability.seas import HEADING, HEIGHT, PERIOD, SeaGrid
+from heave_bringup.scenarios import load_scenario
 from heave_node.criteria import Criterion
 from scipy import stats
 
@@ -173,3 +176,14 @@ def test_a_study_without_criteria_is_refused_before_its_first_case(command, caps
     assert main([command, "b9_model_error"]) == 2
     assert "no criteria: give the scenario some (wanted), or --require" in capsys.readouterr().err
     assert not list(tmp_path.iterdir())
+
+
+def test_limits_under_the_baseline_law_are_left_out_with_a_word_on_how_to_have_them():
+    own = load_scenario("b2_calm_300")
+    (line,) = _left_out(own, pandas.DataFrame({"case": [1]}))
+    assert "law industrial" in line
+    assert "--vary 'winch_controller.law=[mpc, industrial]'" in line
+    assert _left_out(own, pandas.DataFrame({LAW: ["mpc", "industrial"]})) == []
+    assert (
+        _left_out(load_scenario("b2_calm_300", settings=["winch_controller.law=industrial"]), pandas.DataFrame()) == []
+    )

@@ -13,7 +13,9 @@ from heave_bags.analyse import kpi_set
 from heave_bringup.campaign import executors
 from heave_bringup.campaign.runs import CaseResult, Task
 from heave_bringup.cli import main
+from heave_bringup.commands.studies.sizing import _left_out
 from heave_bringup.operability.seas import HEIGHT, PERIOD
+from heave_bringup.scenarios import load_scenario
 from heave_bringup.sizing.candidates import PLACES, STOP, Candidate, as_link, candidates, own_winch
 from heave_bringup.sizing.study import Prices, even_seas, knees, size_winches
 from heave_node.criteria import Criterion
@@ -176,3 +178,10 @@ def test_a_wrong_command_line_is_one_line(arguments, words, capsys, tmp_path, mo
     said = capsys.readouterr().err
     assert words in said
     assert said.count("\n") == 1
+
+
+def test_the_winch_that_the_baseline_law_needs_is_left_out_with_a_word_on_how_to_have_it():
+    (line,) = _left_out(load_scenario("unit_1500"))
+    assert "law industrial" in line
+    assert "--set winch_controller.law=industrial" in line
+    assert _left_out(load_scenario("unit_1500", settings=["winch_controller.law=industrial"])) == []

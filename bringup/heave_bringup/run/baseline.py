@@ -29,6 +29,8 @@ SIMULATED = ("wave_vessel", "cable_sim", "virtual_winch")
 """Nodes that the baseline is the same without ROS as with it, if they were the suite's own."""
 KEPT = ("unit_heave", "uncompensated_heave", "touchdown")
 """Signals that the efficiency is made from."""
+LONGEST = 86_400.0
+"""A record that ends later [s] is of no simulated run that anyone waits for."""
 LARGEST_FILE = 1 << 28
 """Kept signals are smaller [byte]: a day of them."""
 
@@ -66,28 +68,48 @@ def add_baseline(record: RunRecord, bag: Path, given: Scenario | None = None, pr
     progress : told the share that is done, 0 to 1, where there is work
     """
     scenario = scenario_of(bag) or given
-    if scenario is None:
-        record.notes.append("the baseline is unknown: the bag carries no scenario (--scenario names one)")
-        return
-    replaced = [*scenario.run.external, *record.run.get("replaced", "").split()]
-    unknown = next((node for node in replaced if node in SIMULATED), None)
-    if unknown is not None:
-        record.notes.append(f"the baseline is unknown: {unknown} was not simulated")
-        return
-    if scenario.parameters["winch_controller"].law == BASELINE_LAW and not replaced:
+    if scenario is not None and _is_its_own(record, scenario):
         record.signals.baseline = record.signals
         return
+    reason = _why_unknown(record, scenario)
+    if scenario is not None and not reason:
+        scenario = replace(scenario, run=replace(scenario.run, duration=record.end))  # it may have been ended early
+        try:
+            record.signals.baseline = _kept_or_computed(scenario, bag, progress)
+        except (DesignError, ParameterError, ArithmeticError, ValueError, OSError) as error:  # a bag may carry any
+            reason = " ".join(str(error).split())
+    if reason:
+        record.notes.append(f"the baseline is unknown: {reason}")
+
+
+def _is_its_own(record: RunRecord, scenario: Scenario) -> bool:
+    """Return whether a run was one under the baseline law, by the suite's own controller."""
+    return scenario.parameters["winch_controller"].law == BASELINE_LAW and not _replaced(record, scenario)
+
+
+def _why_unknown(record: RunRecord, scenario: Scenario | None) -> str:
+    """Return why the baseline of a run cannot be computed; "" where it can."""
+    if scenario is None:
+        return "the bag carries no scenario (--scenario names one)"
+    not_simulated = [node for node in _replaced(record, scenario) if node in SIMULATED]
+    if not_simulated:
+        return f"{not_simulated[0]} was not simulated"
+    return "" if 0.0 < record.end <= LONGEST else f"the record ends at {record.end:g} s"
+
+
+def _replaced(record: RunRecord, scenario: Scenario) -> list[str]:
+    """Return the nodes of a run in whose place hardware, a bag or another program took part."""
+    return [*scenario.run.external, *record.run.get("replaced", "").split()]
+
+
+def _kept_or_computed(scenario: Scenario, bag: Path, progress: Progress) -> RunSignals:
     file, digest = kept_at(bag), digest_of(scenario)
     kept = read_kept(file, digest)
     if kept is None:
-        try:
-            kept = baseline_signals(scenario, progress)
-        except (DesignError, ParameterError, ArithmeticError, ValueError) as error:  # a bag may carry any scenario
-            record.notes.append(f"the baseline is unknown: {' '.join(str(error).split())}")
-            return
+        kept = baseline_signals(scenario, progress)
         with suppress(OSError):  # a folder that cannot be written: it is computed again next time
             keep(file, digest, kept)
-    record.signals.baseline = kept
+    return kept
 
 
 def parameters_of(scenario: Scenario) -> NodeParameters:

@@ -73,10 +73,10 @@ class WinchNews:
             return []
         words = []
         for label, name, unit in changed:
-            alone = f", {directions[name]} only" if name in directions else ""
+            reached = f", reached {directions[name]}" if name in directions else ""
             by_power = ", by its power limit" if name == "speed_limit" and is_power_limited else ""
             value = f"{label} {getattr(winch, name):.3f} {unit}".rstrip()
-            words.append(f"{value} (was {getattr(self._told, name):.3f}){alone}{by_power}")
+            words.append(f"{value} (was {getattr(self._told, name):.3f}){reached}{by_power}")
         self._told = replace(self._told, **{name: getattr(winch, name) for _, name, _ in changed})
         return [f"winch model updated: {', '.join(words)}"]
 
