@@ -151,7 +151,7 @@ def test_the_same_states_give_the_same_commands_to_the_last_bit(design):
 def test_the_mean_payout_takes_its_share_of_the_speed(design):
     """While the mean is paid out at 1 m/s, compensation may add 1 m/s on that side and 3 m/s on the other."""
     law = make_law(design)
-    state = dataclasses.replace(sea_state(design, 2.0, 0), reference=Reference(rate=1.0))
+    state = sea_state(design, 2.0, 0)._replace(reference=Reference(rate=1.0))
     lower, upper = law._bounds(state)
     assert (lower[0], upper[0]) == (-3.0, 1.0)
 
