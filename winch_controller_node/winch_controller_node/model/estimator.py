@@ -22,6 +22,9 @@ from winch_controller_node.model.drag_kernel import Drag
 from winch_controller_node.model.kalman import IMPLEMENTATIONS, KalmanFilter
 from winch_controller_node.model.kalman_kernel import WEIGHTS, FilterModel, Gate, Told
 
+AT_ONCE = 20
+"""Ticks of a record that are followed in one compiled call, which no other thread can interrupt."""
+
 NO_REGRESSORS: Mapping[str, float] = MappingProxyType({})
 
 
@@ -252,11 +255,20 @@ class KalmanEstimator:
         ValueError : `tick` is not after the last one.
         KeyError : a reading of an unknown name.
         """
-        self.follow([RecordedTick(tick, command, readings)])
+        self._follow([RecordedTick(tick, command, readings)])
         return self.estimate
 
     def follow(self, record: Sequence[RecordedTick]) -> list[dict[str, Innovation]]:
-        """Step through a `record` of ticks; return the innovations of each, see `step`."""
+        """Step through a `record` of ticks; return the innovations of each, see `step`.
+
+        The ticks of a running loop wait for no more than `AT_ONCE` of those of a record that is followed beside them.
+        """
+        followed: list[dict[str, Innovation]] = []
+        for start in range(0, len(record), AT_ONCE):
+            followed += self._follow(record[start : start + AT_ONCE])
+        return followed
+
+    def _follow(self, record: Sequence[RecordedTick]) -> list[dict[str, Innovation]]:
         last = self.tick
         for tick in record:
             if last is not None and tick.number <= last:
