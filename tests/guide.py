@@ -12,7 +12,8 @@ from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
 GUIDE = sorted((ROOT / "docs" / "guide").rglob("*.md"))
-READMES = sorted(path for levels in range(1, 6) for path in ROOT.glob("/".join(["[a-z]*"] * levels) + "/README.md"))
+_FOUND = (path for levels in range(1, 6) for path in ROOT.glob("/".join(["[a-z]*"] * levels) + "/README.md"))
+READMES = sorted(path for path in _FOUND if "node_modules" not in path.parts)
 _BLOCK = re.compile(r'^(<!-- not run -->\n)?```(\w+)(?: title="([^"]+)")?\n(.*?)^```', re.DOTALL | re.MULTILINE)
 
 SHARE = 0.06

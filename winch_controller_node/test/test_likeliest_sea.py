@@ -90,6 +90,28 @@ def test_a_sea_of_another_period_is_found(period):
     assert sea.significant_wave_height == pytest.approx(1.5, rel=0.1)
 
 
+def test_a_sea_that_is_more_regular_than_any_model_is_not_taken_for_a_longer_one():
+    """Regular waves of 12 s: the longer a sea is believed to be, the better it foresees them; their period is seen."""
+    belief, random = parameters(WIND_SEA, {"sea.peak_period": 12.0}), np.random.default_rng(2)
+    omega, design = 2.0 * math.pi / 12.0, design_for(belief)
+    sigmas = {known.name: known.sigma for known in design.measurements}
+    record = []
+    for tick in range(round(110.0 / DT)):
+        phase = omega * tick * DT
+        truth = {"mru_heave": 1.2 * math.sin(phase), "mru_heave_rate": 1.2 * omega * math.cos(phase), "payout": 0.0}
+        readings = [
+            Measurement(name, truth[name] + sigma * random.standard_normal(), tick) for name, sigma in sigmas.items()
+        ]
+        record.append(RecordedTick(tick, 0.0, tuple(readings)))
+    seen = SeaSeen(waves=9.0, heave=1.2 / math.sqrt(2.0), frequency=omega)
+    sea = belief.sea
+    for _ in range(4):
+        seas = possible_seas(seen, belief.sea, sea, belief.vessel)
+        sea = likeliest_sea(dataclasses.replace(belief, sea=sea), seas, record, design_for, DT) or sea
+    frequency = sea_adaptation.sigma_and_frequency(sea, belief.vessel)[1]
+    assert frequency > omega * math.exp(-sea_adaptation.LIKELY / math.sqrt(seen.waves))
+
+
 @pytest.mark.slow
 def test_a_shorter_wind_sea_beside_the_swell_that_was_believed_leaves_the_swell_where_it_is():
     """One factor for both would put the swell at half its period, where no state of the model follows the true one."""

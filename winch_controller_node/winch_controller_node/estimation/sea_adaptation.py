@@ -65,6 +65,9 @@ LONGEST = 2.5
 SCATTER = 0.9
 """Three standard deviations of the logarithm of the period that one wave tells, growing seas included."""
 
+LIKELY = SCATTER / 3.0
+"""And one."""
+
 LEAST_HEAVE = 0.03
 """Standard deviation of the boom tip's heave below which its period is not judged [m]: noise has one as well."""
 
@@ -266,6 +269,9 @@ def neighbours(
 ) -> list[SeaModelParameters]:
     """Return seas whose wind sea is a `factor` longer and shorter, and its cube higher and lower than beside the swell.
 
+    Those whose mean frequency was not seen are none: a sea more regular than any model of it is foreseen best by the
+    longest of all.
+
     Parameters
     ----------
     sea, factor : as told
@@ -274,7 +280,13 @@ def neighbours(
     """
     changes = [(factor, 1.0), (1.0 / factor, 1.0)]
     changes += [(1.0, factor**3), (1.0, factor**-3)] if _has_swell(sea) else []
-    return [as_high_as_seen(_changed_wind(sea, *change), seen, vessel) for change in changes]
+    changed = [_changed_wind(sea, *change) for change in changes]
+    likely = LIKELY / math.sqrt(seen.waves)
+    return [
+        as_high_as_seen(one, seen, vessel)
+        for one in changed
+        if abs(math.log(sigma_and_frequency(one, vessel)[1] / seen.frequency)) < likely
+    ]
 
 
 def distance(one: SeaModelParameters, other: SeaModelParameters) -> float:
