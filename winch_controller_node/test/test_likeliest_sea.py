@@ -92,18 +92,19 @@ def test_a_sea_of_another_period_is_found(period):
 
 def test_a_sea_that_is_more_regular_than_any_model_is_not_taken_for_a_longer_one():
     """Regular waves of 12 s: the longer a sea is believed to be, the better it foresees them; their period is seen."""
-    belief, random = parameters(WIND_SEA, {"sea.peak_period": 12.0}), np.random.default_rng(2)
-    omega, design = 2.0 * math.pi / 12.0, design_for(belief)
+    belief = parameters({"sea.significant_wave_height": 3.4, "sea.peak_period": 12.0})
+    omega, amplitude, design, random = 2.0 * math.pi / 12.0, 4.0, design_for(belief), np.random.default_rng(2)
     sigmas = {known.name: known.sigma for known in design.measurements}
     record = []
     for tick in range(round(110.0 / DT)):
         phase = omega * tick * DT
-        truth = {"mru_heave": 1.2 * math.sin(phase), "mru_heave_rate": 1.2 * omega * math.cos(phase), "payout": 0.0}
+        heave, rate = amplitude * math.sin(phase), amplitude * omega * math.cos(phase)
+        truth = {"mru_heave": heave, "mru_heave_rate": rate, "payout": 0.0}
         readings = [
             Measurement(name, truth[name] + sigma * random.standard_normal(), tick) for name, sigma in sigmas.items()
         ]
         record.append(RecordedTick(tick, 0.0, tuple(readings)))
-    seen = SeaSeen(waves=9.0, heave=1.2 / math.sqrt(2.0), frequency=omega)
+    seen = SeaSeen(waves=9.0, heave=amplitude / math.sqrt(2.0), frequency=omega)
     sea = belief.sea
     for _ in range(4):
         seas = possible_seas(seen, belief.sea, sea, belief.vessel)
