@@ -276,10 +276,82 @@ def test_a_campaign_of_laws_that_has_the_baseline_among_them_shows_it_beside_eac
     assert left_out(frame) == []
 
 
-def test_a_campaign_without_the_baseline_says_that_it_is_left_out_and_how_to_have_it(tmp_path, monkeypatch):
+def test_a_campaign_without_the_baseline_says_that_it_is_left_out(campaign, monkeypatch):
     monkeypatch.setattr(executors, "run_task", lambda task: CaseResult(task.case, {"unit_efficiency": 0.9}))
-    path = tmp_path / "laws.yaml"
-    path.write_text(TEXT)
-    (line,) = left_out(study.run_study(read_campaign(path), processes=1))
+    (line,) = left_out(study.run_study(campaign, processes=1))
     assert "law industrial" in line
-    assert "--baseline" in line
+    assert "--no-baseline" in line
+
+
+def test_a_case_whose_sea_is_among_the_cases_under_the_baseline_law_is_not_run_again(tmp_path):
+    path = tmp_path / "laws.yaml"
+    path.write_text(TEXT.replace("[off, mpc]", "[mpc, industrial]"))
+    campaign = read_campaign(path)
+    tasks = make_tasks(campaign, list(campaign.cases()), has_baseline=True)
+    assert {task.case.settings["winch_controller.law"] for task in tasks if task.has_baseline} == {"industrial"}
+
+
+def test_a_winch_that_the_baseline_law_cannot_drive_is_one_note_for_the_study(campaign, tmp_path, monkeypatch):
+    path = tmp_path / "first_order.yaml"
+    path.write_text("scenario: b1_thesis\nduration: 3\nseeds: 2\nset: {all.transient: 1.0, cable_sim.segments: 2}\n")
+    frame = study.run_study(read_campaign(path), output=tmp_path / "b1.parquet", processes=1, has_baseline=True)
+    assert set(frame["failure"]) == {""}
+    assert frame["baseline_efficiency"].isna().all()
+    note = "the baseline is unknown: law industrial commands a rate: set winch.law to speed_servo"
+    assert left_out(frame) == [note]
+    assert left_out(read_cases(tmp_path / "b1.parquet")[0]) == [note]
+    frame.loc[1, ["baseline_unknown", "baseline_efficiency"]] = "", 0.5
+    assert left_out(frame) == [note.replace("is unknown", "of 1 of 2 cases is unknown; case 1")]
+
+
+def test_a_baseline_that_cannot_be_computed_costs_nothing_but_itself(campaign, monkeypatch):
+    def fails(scenario: object) -> None:
+        raise RuntimeError("no equilibrium:\n 3 m of cable")
+
+    monkeypatch.setattr("heave_bringup.run.baseline.baseline_signals", fails)
+    (task, *_) = make_tasks(campaign, list(campaign.cases()), has_baseline=True)
+    result = run_task(task)
+    assert result.failure == ""
+    assert np.isfinite(result.kpis["unit_efficiency"])
+    assert result.baseline_unknown == "no equilibrium: 3 m of cable"
+
+
+@pytest.mark.parametrize(
+    ("begun_with", "words"),
+    [
+        (True, "was begun without --no-baseline: leave that option out"),
+        (False, "was begun with --no-baseline: give that option again"),
+    ],
+)
+def test_a_study_goes_on_with_or_without_the_baseline_as_it_was_begun(
+    campaign, tmp_path, monkeypatch, begun_with, words
+):
+    output = tmp_path / "cases.parquet"
+
+    def ends_after_four(task: Task) -> CaseResult:
+        if task.case.number == 5:
+            raise KilledError
+        return pretended(task)
+
+    monkeypatch.setattr(executors, "run_task", ends_after_four)
+    with pytest.raises(KilledError):
+        study.run_study(campaign, output=output, processes=1, has_baseline=begun_with)
+    kept = tmp_path.joinpath("cases.parquet.partial").read_text()
+    monkeypatch.setattr(executors, "run_task", pretended)
+    with pytest.raises(ParameterError, match=rf"cases\.parquet\.partial: {words}"):
+        study.run_study(campaign, output=output, processes=1, has_baseline=not begun_with)
+    assert tmp_path.joinpath("cases.parquet.partial").read_text() == kept
+    assert len(study.run_study(campaign, output=output, processes=1, has_baseline=begun_with)) == 8
+    with pytest.raises(ParameterError, match=rf"cases\.parquet: {words}"):  # complete: the same words
+        study.run_study(campaign, output=output, processes=1, has_baseline=not begun_with)
+
+
+def test_progress_says_that_each_case_is_run_under_the_baseline_law_too(campaign, monkeypatch, capsys):
+    monkeypatch.setattr(executors, "run_task", pretended)
+    monkeypatch.setattr("heave_bringup.progress.QUIET_PERIOD", 0.0)
+    study.run_study(campaign, processes=1, has_baseline=True)
+    first, second, *_ = capsys.readouterr().err.splitlines()
+    assert "8 cases of b2_calm_300, each under law industrial too (--no-baseline leaves it out)" in first
+    assert "case 1 of 8 and its baseline, " in second
+    study.run_study(campaign, processes=1)
+    assert "baseline" not in capsys.readouterr().err
