@@ -8,6 +8,8 @@ import pytest
 from heave_bags.analyse import kpi_set
 from heave_bags.analyse.run_record import read_run
 from heave_bags.mcap.reader import Bag
+from heave_bringup.campaign.campaign_file import read_campaign
+from heave_bringup.campaign.study import run_study
 from heave_bringup.closed_loop import ClosedLoop, loop_parameters
 from heave_bringup.run.baseline import add_baseline
 from heave_bringup.run.loop_signals import run_signals
@@ -84,6 +86,26 @@ def test_so_it_is_with_a_preview_of_the_boom_tip_which_is_in_the_bag(tmp_path):
     error = np.array([message.heave[0] for message in previews]) - heave
     # 0.05 m, of 500 samples: within four standard errors
     assert np.std(error) == pytest.approx(0.05, abs=4 * 0.05 / np.sqrt(1000))
+
+
+@pytest.mark.slow
+@pytest.mark.long
+def test_a_case_of_a_table_has_the_figures_of_its_row_over_ros_in_a_bag(tmp_path):
+    settings = ", ".join(f"{name}: {value}" for name, value in OTHER_WATER.items())
+    file, table = tmp_path / "own.yaml", tmp_path / "own.parquet"
+    file.write_text(
+        "scenario: b2_calm_300\nduration: 25\nseeds: [3]\n"
+        f"set: {{all.transient: 12, {settings}}}\nvary: {{winch_controller.law: [off, mpc]}}\n"
+    )
+    frame = run_study(read_campaign(file), output=table, processes=1).set_index("case")
+    assert frame.loc[2, "compensating_percent"] > 0.0
+    for number, law in ((1, "off"), (2, "mpc")):
+        record = read_run(run_scenario(tmp_path / law, f"{table}:{number}", duration=25.0))
+        of_bag, row = record.kpis(), frame.loc[number]
+        known = [key for key in of_bag if np.isfinite(of_bag[key]) and not key.startswith("loop_age")]
+        assert len(known) > 20
+        for key in set(known) - NOT_OF_ONE_PROCESS:
+            assert row[key] == of_bag[key], key
 
 
 def test_a_run_without_a_preview_has_no_topic_for_it(calm_bag):

@@ -4,16 +4,20 @@ import math
 
 import numpy as np
 import pytest
+from heave_bringup.campaign.sensitivity import influences
 from heave_bringup.closed_loop import ClosedLoop, loop_parameters
 from heave_bringup.scenarios import load_scenario
 
 from tests.campaigns.promise import (
+    EFFICIENCY,
     LARGEST,
     PLAIN,
     SCENARIO,
     WINDOW,
     Draw,
+    Kept,
     draw,
+    frame_of,
     is_wrong,
     parameters_of,
     run,
@@ -32,6 +36,31 @@ def test_the_worst_window_is_found_where_it_is():
     assert ratio == pytest.approx(0.6, rel=1e-6)
     assert at == pytest.approx(100.0, abs=1.0)
     assert worst_window(time, unit, off, 170.0)[0] == pytest.approx(0.3, rel=1e-6)
+
+
+def test_what_matters_among_the_draws_is_ranked():
+    """Stands for the runs: the motion that is left grows with the delay, and without a power limit it is halved."""
+    draws = [draw(number) for number in range(256)]
+    found = [kept_of(one) for one in draws]
+    frame = frame_of(draws, found)
+    assert frame.notna().all(axis=None)
+    assert (frame["virtual_winch.power_limit"] == 1e6).sum() == sum(not has_power_limit(one) for one in draws)
+    assert frame.loc[0, EFFICIENCY] == 1.0 - found[0].sigma
+    ranked = influences(frame, EFFICIENCY)
+    assert len(ranked) == 18
+    assert {one.place for one in ranked[:2]} == {"virtual_winch.power_limit", "virtual_winch.command_delay"}
+    assert all(one.is_shown for one in ranked[:2])
+    assert next(one for one in ranked if one.place.endswith("command_delay")).correlation < 0.0
+
+
+def kept_of(one: Draw) -> Kept:
+    share = 1.0 if has_power_limit(one) else 0.5
+    left = share * one.settings["virtual_winch.command_delay"]
+    return Kept(sigma=left, off=1.0, worst=0.0, at=0.0, fades=0, share=1.0, wrong=(), alarms=())
+
+
+def has_power_limit(one: Draw) -> bool:
+    return one.settings["virtual_winch.power_limit"] > 0.0
 
 
 @pytest.mark.parametrize(

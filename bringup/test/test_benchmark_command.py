@@ -99,11 +99,17 @@ def test_efficiency_of_the_industrial_baseline_stands_beside_that_of_every_entra
     rows = capsys.readouterr().out.splitlines()
     heads = rows[0].split("  ")
     assert {"effic. %", "baseline %"} <= {head.strip() for head in heads}
+    assert not any(row.startswith("left out") for row in rows)
     locked = next(row for row in rows if " locked " in row).split()
     industrial = next(row for row in rows if " industrial " in row).split()
     # case, entrant, seeds, off, rms, efficiency, baseline; the second entrant's row does not repeat the case
     assert locked[6] == industrial[5] == industrial[4]
     assert float(industrial[4]) > 80.0
+
+
+def test_a_table_without_the_industrial_baseline_says_how_to_have_it(capsys: pytest.CaptureFixture[str]) -> None:
+    heave_benchmark("run", "locked", *QUICK)
+    assert "left out: the efficiency of law industrial (name industrial among the entrants)" in capsys.readouterr().out
 
 
 def test_list_names_every_case_and_entrant(capsys: pytest.CaptureFixture[str]) -> None:

@@ -65,3 +65,14 @@ def test_the_plot_is_the_same_for_the_same_cases(tmp_path):
         save_tornado(found, "unit_sigma_m", tmp_path / name)
     assert (tmp_path / "one.svg").read_bytes() == (tmp_path / "two.svg").read_bytes()
     assert influence_table(found, "unit_sigma_m").row_count == 3
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_figure_that_follows_one_parameter_exactly_is_drawn_too(tmp_path, sign):
+    frame = frame_of()
+    frame["unit_sigma_m"] = 2.0 + sign * frame["a.strong"]
+    found = influences(frame, "unit_sigma_m")
+    assert found[0].correlation == pytest.approx(sign, abs=1e-12)
+    assert found[0].low <= found[0].correlation <= found[0].high
+    save_tornado(found, "unit_sigma_m", tmp_path / "one.png")
+    assert (tmp_path / "one.png").read_bytes().startswith(b"\x89PNG")

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import json
+import subprocess
 import sys
+import time
 from concurrent.futures import Future
 from concurrent.futures.process import BrokenProcessPool
 from pathlib import Path
@@ -16,6 +19,8 @@ from heave_bringup.campaign.campaign_file import read_campaign
 from heave_bringup.campaign.plan import Case
 from heave_bringup.campaign.report import case_table, left_out, summarise, to_json
 from heave_bringup.campaign.runs import CaseResult, Task, lost_because, make_tasks, run_task
+from heave_bringup.campaign.table import case_frame
+from heave_bringup.cli import main
 from heave_bringup.closed_loop import COLUMNS, LoopRecord
 from heave_bringup.errors import CommandError
 from heave_bringup.progress import time_to_go
@@ -223,6 +228,24 @@ def test_a_reference_to_no_case_is_one_line(campaign, tmp_path, monkeypatch):
         load_scenario(f"{broken}:1")
 
 
+def test_the_command_writes_table_figures_and_pictures(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(executors, "run_task", pretended)
+    Path("own.yaml").write_text(TEXT.replace("seeds: 2", "seeds: 4"))
+    files = ("--output", "own.parquet", "--csv", "own.csv", "--plot", "own.png", "--tornado", "own.svg")
+    assert main(["campaign", "own.yaml", "--processes", "1", *files, "--json", "own.json"]) == 0
+    said = capsys.readouterr().out
+    assert "lost: compensation ended at 2.00 s" in said
+    assert "failed: the cable parted" in said
+    frame, figures = read_cases(Path("own.parquet"))[0], pandas.read_csv("own.csv")
+    assert list(figures.columns) == [name for name in frame.columns if name != "scenario"]
+    np.testing.assert_allclose(figures["unit_sigma_m"], frame["unit_sigma_m"])
+    assert figures["winch_controller.law"].tolist() == frame["winch_controller.law"].tolist()
+    assert Path("own.png").read_bytes().startswith(b"\x89PNG")
+    assert "peak_period" in Path("own.svg").read_text()
+    assert len(json.loads(Path("own.json").read_text())["cases"]) == 16
+
+
 def test_the_time_to_go_is_told_in_the_unit_of_a_person():
     assert time_to_go(10.0, 0.5) == "10 s to go"
     assert time_to_go(600.0, 0.5) == "10 min to go"
@@ -235,6 +258,51 @@ def test_workers_of_a_dask_scheduler_give_the_same_numbers(campaign):
     with distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster:
         over_dask = study.run_study(campaign, dask=cluster.scheduler_address)
     pandas.testing.assert_frame_equal(over_dask, study.run_study(campaign, processes=1))
+
+
+@pytest.fixture
+def workers(tmp_path: Path):
+    """Start a Dask scheduler and two workers, as on machines of a cluster; yield its address and both processes."""
+    pytest.importorskip("distributed")
+    file, started = tmp_path / "scheduler.json", []
+
+    def start(what: str, *arguments: str) -> subprocess.Popen[bytes]:
+        command = [sys.executable, "-m", f"distributed.cli.dask_{what}", "--scheduler-file", str(file)]
+        with (tmp_path / f"{what}{len(started)}.log").open("wb") as log:
+            started.append(subprocess.Popen([*command, "--no-dashboard", *arguments], stdout=log, stderr=log))
+        return started[-1]
+
+    try:
+        start("scheduler", "--host", "127.0.0.1", "--port", "0")
+        both = [start("worker", "--nthreads", "1", "--no-nanny", "--name", name) for name in ("first", "second")]
+        while not (file.exists() and file.read_text().endswith("}")):
+            assert all(process.poll() is None for process in started)
+            time.sleep(0.1)
+        yield json.loads(file.read_text())["address"], both
+    finally:
+        for process in started:
+            process.kill()
+            process.wait()
+
+
+@pytest.mark.long
+def test_a_worker_that_is_killed_midway_costs_no_case(campaign, workers):
+    """What the killed one had in hand is run by the other; the table is that of one process."""
+    address, (first, _) = workers
+    distributed = pytest.importorskip("distributed")
+    tasks, results = make_tasks(campaign, list(campaign.cases())), []
+    with distributed.Client(address) as client:
+        client.wait_for_workers(2, timeout=60)
+        for result in executors.run_tasks(tasks, dask=address):
+            if not results:
+                names = {worker: facts["name"] for worker, facts in client.scheduler_info()["workers"].items()}
+                in_hand = {names[worker]: len(cases) for worker, cases in client.processing().items()}
+                assert in_hand["first"] > 0
+                first.kill()
+            results.append(result)
+        assert [facts["name"] for facts in client.scheduler_info()["workers"].values()] == ["second"]
+    results.sort(key=lambda result: result.case.number)
+    pandas.testing.assert_frame_equal(case_frame(tasks, results), study.run_study(campaign, processes=1))
 
 
 def test_a_scheduler_that_does_not_answer_is_one_line():
@@ -276,10 +344,82 @@ def test_a_campaign_of_laws_that_has_the_baseline_among_them_shows_it_beside_eac
     assert left_out(frame) == []
 
 
-def test_a_campaign_without_the_baseline_says_that_it_is_left_out_and_how_to_have_it(tmp_path, monkeypatch):
+def test_a_campaign_without_the_baseline_says_that_it_is_left_out(campaign, monkeypatch):
     monkeypatch.setattr(executors, "run_task", lambda task: CaseResult(task.case, {"unit_efficiency": 0.9}))
-    path = tmp_path / "laws.yaml"
-    path.write_text(TEXT)
-    (line,) = left_out(study.run_study(read_campaign(path), processes=1))
+    (line,) = left_out(study.run_study(campaign, processes=1))
     assert "law industrial" in line
-    assert "--baseline" in line
+    assert "--no-baseline" in line
+
+
+def test_a_case_whose_sea_is_among_the_cases_under_the_baseline_law_is_not_run_again(tmp_path):
+    path = tmp_path / "laws.yaml"
+    path.write_text(TEXT.replace("[off, mpc]", "[mpc, industrial]"))
+    campaign = read_campaign(path)
+    tasks = make_tasks(campaign, list(campaign.cases()), has_baseline=True)
+    assert {task.case.settings["winch_controller.law"] for task in tasks if task.has_baseline} == {"industrial"}
+
+
+def test_a_winch_that_the_baseline_law_cannot_drive_is_one_note_for_the_study(campaign, tmp_path, monkeypatch):
+    path = tmp_path / "first_order.yaml"
+    path.write_text("scenario: b1_thesis\nduration: 3\nseeds: 2\nset: {all.transient: 1.0, cable_sim.segments: 2}\n")
+    frame = study.run_study(read_campaign(path), output=tmp_path / "b1.parquet", processes=1, has_baseline=True)
+    assert set(frame["failure"]) == {""}
+    assert frame["baseline_efficiency"].isna().all()
+    note = "the baseline is unknown: law industrial commands a rate: set winch.law to speed_servo"
+    assert left_out(frame) == [note]
+    assert left_out(read_cases(tmp_path / "b1.parquet")[0]) == [note]
+    frame.loc[1, ["baseline_unknown", "baseline_efficiency"]] = "", 0.5
+    assert left_out(frame) == [note.replace("is unknown", "of 1 of 2 cases is unknown; case 1")]
+
+
+def test_a_baseline_that_cannot_be_computed_costs_nothing_but_itself(campaign, monkeypatch):
+    def fails(scenario: object) -> None:
+        raise RuntimeError("no equilibrium:\n 3 m of cable")
+
+    monkeypatch.setattr("heave_bringup.run.baseline.baseline_signals", fails)
+    (task, *_) = make_tasks(campaign, list(campaign.cases()), has_baseline=True)
+    result = run_task(task)
+    assert result.failure == ""
+    assert np.isfinite(result.kpis["unit_efficiency"])
+    assert result.baseline_unknown == "no equilibrium: 3 m of cable"
+
+
+@pytest.mark.parametrize(
+    ("begun_with", "words"),
+    [
+        (True, "was begun without --no-baseline: leave that option out"),
+        (False, "was begun with --no-baseline: give that option again"),
+    ],
+)
+def test_a_study_goes_on_with_or_without_the_baseline_as_it_was_begun(
+    campaign, tmp_path, monkeypatch, begun_with, words
+):
+    output = tmp_path / "cases.parquet"
+
+    def ends_after_four(task: Task) -> CaseResult:
+        if task.case.number == 5:
+            raise KilledError
+        return pretended(task)
+
+    monkeypatch.setattr(executors, "run_task", ends_after_four)
+    with pytest.raises(KilledError):
+        study.run_study(campaign, output=output, processes=1, has_baseline=begun_with)
+    kept = tmp_path.joinpath("cases.parquet.partial").read_text()
+    monkeypatch.setattr(executors, "run_task", pretended)
+    with pytest.raises(ParameterError, match=rf"cases\.parquet\.partial: {words}"):
+        study.run_study(campaign, output=output, processes=1, has_baseline=not begun_with)
+    assert tmp_path.joinpath("cases.parquet.partial").read_text() == kept
+    assert len(study.run_study(campaign, output=output, processes=1, has_baseline=begun_with)) == 8
+    with pytest.raises(ParameterError, match=rf"cases\.parquet: {words}"):  # complete: the same words
+        study.run_study(campaign, output=output, processes=1, has_baseline=not begun_with)
+
+
+def test_progress_says_that_each_case_is_run_under_the_baseline_law_too(campaign, monkeypatch, capsys):
+    monkeypatch.setattr(executors, "run_task", pretended)
+    monkeypatch.setattr("heave_bringup.progress.QUIET_PERIOD", 0.0)
+    study.run_study(campaign, processes=1, has_baseline=True)
+    first, second, *_ = capsys.readouterr().err.splitlines()
+    assert "8 cases of b2_calm_300, each under law industrial too (--no-baseline leaves it out)" in first
+    assert "case 1 of 8 and its baseline, " in second
+    study.run_study(campaign, processes=1)
+    assert "baseline" not in capsys.readouterr().err

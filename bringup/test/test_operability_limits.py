@@ -11,12 +11,12 @@ import pytest
 from heave_bags.analyse import kpi_set
 from heave_bringup.campaign import executors
 from heave_bringup.campaign.runs import CaseResult, Task
-from heave_bringup.campaign.table import LAW
 from heave_bringup.cli import main
 from heave_bringup.commands.studies.operability import _left_out
 from heave_bringup.operability.limits import LOST_LIMIT, crossing, limit_curve, seed_limit, situations, utilisation
 from heave_bringup.operability.seas import HEADING, HEIGHT, PERIOD, SeaGrid
 from heave_bringup.scenarios import load_scenario
+from heave_bringup.tables.baseline_law import LAW
 from heave_node.criteria import Criterion
 from scipy import stats
 

@@ -1,12 +1,13 @@
 """Never worse than off: winches, sensors and seas that are not what the controller believes (benchmark B9).
 
-    python -m tests.campaigns.promise --draws 256
+    python -m tests.campaigns.promise --draws 256 --tornado promise.svg
 
 The controller believes in scenario b3_deep_900 as it is. Of the truth are drawn: limits of speed and acceleration, of
 hauling in apart, of power, the servo, its gain, delay, dead zone, the encoder's play, the radius of the drum, the
 noise of MRU and depth sensor, stamps of the MRU and its high-pass, the sea. A draw is kept whose unit is never worse
 than 1.05 times the uncompensated one over any minute that begins 30 s after compensation does. Components run in this
-process. Without --draws the plain table is run: one thing wrong at a time.
+process. Without --draws the plain table is run: one thing wrong at a time. --tornado ranks what matters among what was
+drawn, by the efficiency.
 """
 
 from __future__ import annotations
@@ -16,9 +17,14 @@ import math
 import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
+import pandas
+from heave_bringup.campaign.sensitivity import FEWEST_CASES, influence_table, influences, save_tornado
+from heave_bringup.campaign.table import FAILURE, NOMINAL
 from heave_bringup.closed_loop import ClosedLoop, LoopRecord, loop_parameters
+from heave_bringup.output import print_parts
 from heave_bringup.scenarios import load_scenario
 from heave_node.numerics.arrays import Array
 
@@ -42,6 +48,17 @@ SPEED, ACCELERATION, DELAY, SERVO = 2.0, 1.5, 0.2, 0.15
 
 NOISES = {"wave_vessel.mru.noise": 0.01, "wave_vessel.mru.rate_noise": 0.01, "cable_sim.sensors.depth.noise": 0.02}
 """Noise that is believed in [m], [m/s], [m]."""
+
+EFFICIENCY = "unit_efficiency"
+"""Figure that is ranked by."""
+
+AS_BELIEVED = {
+    **NOISES,
+    "virtual_winch.power_limit": 1e6,
+    "wave_vessel.mru.high_pass_period": 1e3,
+    "wave_vessel.mru.stamp_error": 0.0,
+}
+"""What a draw has that does not name it; a power and a period that nothing in these seas reaches stand for none."""
 
 Settings = Mapping[str, float]
 
@@ -254,6 +271,20 @@ def summary(found: Sequence[Kept]) -> str:
     )
 
 
+def frame_of(draws: Sequence[Draw], found: Sequence[Kept]) -> pandas.DataFrame:
+    """Return a row for each draw, as `influences` takes it: what was drawn, and the efficiency it came to.
+
+    Parameters
+    ----------
+    draws, found : in one order
+    """
+    rows = []
+    for one, its in zip(draws, found, strict=True):
+        drawn = {name: value for name, value in one.settings.items() if value or name not in AS_BELIEVED}
+        rows.append({FAILURE: "", NOMINAL: False, **AS_BELIEVED, **drawn, EFFICIENCY: 1.0 - its.sigma / its.off})
+    return pandas.DataFrame(rows)
+
+
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the campaign; return 1 where the promise was broken."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -261,7 +292,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--first", type=int, default=0, metavar="N", help="number of the first one (default 0)")
     parser.add_argument("--seeds", type=int, default=1, metavar="N", help="seeds of the plain table (default 1)")
     parser.add_argument("--alarms", action="store_true", help="print all findings of each run")
+    parser.add_argument("--tornado", type=Path, metavar="FILE", help="a picture (.png, .svg, .pdf) of what matters")
     options = parser.parse_args(arguments)
+    if options.tornado is not None and options.draws < FEWEST_CASES:
+        parser.error(f"--tornado: what matters needs --draws {FEWEST_CASES} or more")
     draws = [draw(number) for number in range(options.first, options.first + options.draws)]
     draws = draws or [Draw(name, 1 + seed, values) for name, values in PLAIN.items() for seed in range(options.seeds)]
     sys.stdout.write(commit_line() + "\n")
@@ -272,6 +306,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
         sys.stdout.write("\n".join(lines) + "\n")
         sys.stdout.flush()
     sys.stdout.write(summary(found) + "\n")
+    if options.tornado is not None:
+        ranked = influences(frame_of(draws, found), EFFICIENCY)
+        save_tornado(ranked, EFFICIENCY, options.tornado)
+        print_parts([influence_table(ranked, EFFICIENCY)])
     return 0 if all(one.holds for one in found) else 1
 
 

@@ -191,6 +191,8 @@ def table(summaries: Sequence[Summary], cases: Mapping[str, Case]) -> str:
             )
     if any(s.is_reference for s in summaries):
         lines.append("* knows the future of the boom tip: a reference, not an entry")
+    if not baseline:
+        lines.append(f"left out: the efficiency of law {BASELINE_LAW} (name {BASELINE_LAW} among the entrants)")
     return "\n".join(lines)
 
 

@@ -25,8 +25,34 @@ def digest_of(tasks: Sequence[Task], version: str) -> str:
     digest = hashlib.sha256(version.encode())
     for task in tasks:
         digest.update(task.text.encode())
-        digest.update(b"baseline" if task.has_baseline else b"")
     return digest.hexdigest()
+
+
+def mark_of(digest: str, *, has_baseline: bool) -> dict[str, str]:
+    """Return what a file of results says of its campaign: its `digest`, and whether each case `has_baseline`."""
+    return {"digest": digest, "baseline": "yes" if has_baseline else "no"}
+
+
+def refuse_other(path: Path, found: Mapping[str, str], wanted: Mapping[str, str]) -> None:
+    """Raise ParameterError where the results at `path` are not of the campaign that is to be run.
+
+    Parameters
+    ----------
+    path : of the file
+    found, wanted : what it says of its campaign, and what it should say
+    """
+    if found.get("digest") != wanted["digest"]:
+        raise ParameterError(
+            f"{path}: holds results of another campaign, or of another version of the program: remove it to begin "
+            "anew, or name another table"
+        )
+    if found.get("baseline") != wanted["baseline"]:
+        begun = (
+            "was begun with --no-baseline: give that option again"
+            if wanted["baseline"] == "yes"
+            else "was begun without --no-baseline: leave that option out"
+        )
+        raise ParameterError(f"{path}: {begun}, or remove the file to begin anew, or name another table")
 
 
 def journal_path(table: Path) -> Path:
@@ -40,7 +66,7 @@ class Journal:
     Parameters
     ----------
     path : of the file
-    digest : of the campaign
+    mark : what tells its campaign
 
     Attributes
     ----------
@@ -49,12 +75,12 @@ class Journal:
     Raises ParameterError for a file of another campaign.
     """
 
-    def __init__(self, path: Path, digest: str) -> None:
+    def __init__(self, path: Path, mark: Mapping[str, str]) -> None:
         self.path = path
         self.results: dict[int, Mapping[str, object]] = {}
-        kept = self._read(digest) if path.exists() else []
+        kept = self._read(mark) if path.exists() else []
         self._file = path.open("w", encoding="utf-8")
-        for line in (json.dumps({"digest": digest}), *kept):
+        for line in (json.dumps(mark), *kept):
             self._file.write(line + "\n")
         self._file.flush()
 
@@ -66,18 +92,14 @@ class Journal:
     ) -> None:
         self._file.close()
 
-    def _read(self, digest: str) -> list[str]:
+    def _read(self, mark: Mapping[str, str]) -> list[str]:
         """Return the whole lines of results; the last one may have been cut off by what ended the campaign."""
         head, *lines = self.path.read_text(encoding="utf-8").split("\n")
         try:
-            found = json.loads(head)["digest"]
-        except (ValueError, KeyError, TypeError):
-            found = ""
-        if found != digest:
-            raise ParameterError(
-                f"{self.path}: holds results of another campaign, or of another version of the program: remove it to "
-                "begin anew, or name another table"
-            )
+            found = dict(json.loads(head))
+        except (ValueError, TypeError):
+            found = {}
+        refuse_other(self.path, found, mark)
         kept = []
         for line in lines[:-1]:
             result = json.loads(line)
@@ -97,6 +119,7 @@ class Journal:
             compensating=float(found["compensating"]),  # type: ignore[arg-type]
             reason=str(found["reason"]),
             missed=tuple(found["missed"]),  # type: ignore[arg-type]
+            baseline_unknown=str(found["baseline_unknown"]),
         )
 
     def add(self, result: CaseResult) -> None:
@@ -108,6 +131,7 @@ class Journal:
             "compensating": result.compensating,
             "reason": result.reason,
             "missed": list(result.missed),
+            "baseline_unknown": result.baseline_unknown,
         }
         self._file.write(json.dumps(content) + "\n")
         self._file.flush()

@@ -9,12 +9,22 @@ from heave_node import kpi
 from rich.table import Table
 
 from heave_bringup.campaign.plan import Campaign, Case
-from heave_bringup.campaign.table import FAILURE, LOST, MET, MISSED, NOMINAL, REASON, SEED, SHARE, settings_of
+from heave_bringup.campaign.table import (
+    BASELINE_EFFICIENCY,
+    BASELINE_UNKNOWN,
+    FAILURE,
+    LOST,
+    MET,
+    MISSED,
+    NOMINAL,
+    OUTCOME,
+    REASON,
+    SEED,
+    settings_of,
+)
 from heave_bringup.output import make_table
 from heave_bringup.tables.baseline_law import BASELINE_LAW
 from heave_bringup.tables.case_table import CASE, SCENARIO
-
-BASELINE_EFFICIENCY = "baseline_efficiency"
 
 SHOWN = {
     "unit_sigma_m": "unit",
@@ -58,7 +68,7 @@ def _case_content(row: dict[object, object], settings: list[str]) -> dict[str, o
     given = {name: row[name] for name in settings if row[name] is not None}
     if row[FAILURE]:
         return {**head, **given, FAILURE: row[FAILURE]}
-    outcome = {name: row[name] for name in (FAILURE, LOST, REASON, MET, MISSED, SHARE)}
+    outcome = {name: row[name] for name in OUTCOME}
     return {**head, **given, **outcome, **kpi_set.to_json(kpis)}
 
 
@@ -121,10 +131,15 @@ def _cells(row: dict[object, object], settings: list[str], keys: list[str]) -> l
 
 
 def left_out(frame: pandas.DataFrame) -> list[str]:
-    """Return the line below the table of a `frame` that says which column is not in it; none where all are."""
-    if frame[BASELINE_EFFICIENCY].notna().any():
+    """Return the line below the table of a `frame` that says where, and why, the baseline is not in it; or none."""
+    unknown = frame[frame[BASELINE_UNKNOWN] != ""]
+    if len(unknown):
+        some = f"of {len(unknown)} of {len(frame)} cases is unknown; case {unknown[CASE].iloc[0]}"
+        which = "is unknown" if len(unknown) == len(frame) else some
+        return [f"the baseline {which}: {unknown[BASELINE_UNKNOWN].iloc[0]}"]
+    if frame[BASELINE_EFFICIENCY].notna().any() or (frame[FAILURE] != "").all():
         return []
-    return [f"left out: the efficiency of law {BASELINE_LAW} beside each case (--baseline, in twice the time)"]
+    return [f"left out: the efficiency of law {BASELINE_LAW} beside each case (--no-baseline)"]
 
 
 def summary_table(frame: pandas.DataFrame) -> Table:

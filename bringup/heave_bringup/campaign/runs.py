@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import contextlib
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from heave_bags.analyse import kpi_set
@@ -21,7 +20,7 @@ from heave_bringup.run.criteria import refuse_unknown
 from heave_bringup.run.loop_signals import run_signals
 from heave_bringup.scenarios import Scenario, load_scenario
 from heave_bringup.stored_scenario import stored_sections, stored_title
-from heave_bringup.tables.baseline_law import BASELINE_LAW
+from heave_bringup.tables.baseline_law import BASELINE_LAW, LAW
 
 BOUND = "kappa"
 """Figure that needs bounds, seconds of work: computed only where a criterion asks for it."""
@@ -50,6 +49,17 @@ class Task:
         """All values in force as a scenario file has them: what repeats the case."""
         return sections_text(stored_sections(self.scenario), title=stored_title(self.scenario))
 
+    @property
+    def is_baseline(self) -> bool:
+        """Return whether the case is one under the baseline law."""
+        return bool(self.scenario.parameters["winch_controller"].law == BASELINE_LAW)
+
+    @property
+    def but_for_law(self) -> tuple[object, ...]:
+        """What the case is, but for its law: cases of which this is the same have one baseline."""
+        settings = sorted((place, str(value)) for place, value in self.case.settings.items() if place != LAW)
+        return (self.case.seed, self.case.is_nominal, *settings)
+
 
 @dataclass(frozen=True)
 class CaseResult:
@@ -64,6 +74,7 @@ class CaseResult:
         law off
     reason : why it was lost; "" where it was not
     missed : criteria that it does not meet, one line each
+    baseline_unknown : why there is no baseline, where one was asked for; "" elsewhere
     """
 
     case: Case
@@ -72,6 +83,7 @@ class CaseResult:
     compensating: float = math.nan
     reason: str = ""
     missed: tuple[str, ...] = ()
+    baseline_unknown: str = ""
 
     @property
     def is_lost(self) -> bool:
@@ -82,9 +94,14 @@ class CaseResult:
 def make_tasks(campaign: Campaign, cases: Sequence[Case], *, has_baseline: bool = False) -> list[Task]:
     """Return the `cases` of a campaign with their parameters; raise ParameterError for the first that is wrong.
 
-    With `has_baseline` each is run under the baseline law as well.
+    With `has_baseline` each is run under the baseline law as well, unless that is one of the `cases` itself.
     """
-    return [Task(case, _scenario(campaign, case), has_baseline) for case in cases]
+    tasks = [Task(case, _scenario(campaign, case), has_baseline) for case in cases]
+    baselines = {task.but_for_law for task in tasks if task.is_baseline}
+    return [
+        replace(task, has_baseline=False) if task.but_for_law in baselines and not task.is_baseline else task
+        for task in tasks
+    ]
 
 
 def _scenario(campaign: Campaign, case: Case) -> Scenario:
@@ -110,15 +127,19 @@ def run_task(task: Task) -> CaseResult:
         record = loop.run()
         signals = run_signals(record, parameters)
         _add_bounds(signals, record, scenario)
-        if task.has_baseline:
-            _add_baseline(signals, scenario)
+        unknown = _add_baseline(signals, task) if task.has_baseline else ""
         kpis = kpi_set.evaluate(signals, scenario.run.transient, scenario.run.duration)
     except Exception as error:  # one case that cannot be run must not end the others; it is named in the table
-        return CaseResult(case, failure=" ".join(str(error).split()) or type(error).__name__)
+        return CaseResult(case, failure=_in_a_line(error))
     share = _compensating(record, scenario)
     judged = tuple(Judged(criterion, kpis[criterion.kpi]) for criterion in scenario.wanted)
     verdict = Verdict(judged, (), _time_in_modes(record, scenario), share, strain=loop.plant.largest_strain)
-    return CaseResult(case, kpis, "", share, lost_because(record, scenario, kpis), tuple(verdict.failures))
+    reason = lost_because(record, scenario, kpis)
+    return CaseResult(case, kpis, "", share, reason, tuple(verdict.failures), unknown)
+
+
+def _in_a_line(error: Exception) -> str:
+    return " ".join(str(error).split()) or type(error).__name__
 
 
 def _add_bounds(signals: RunSignals, record: LoopRecord, scenario: Scenario) -> None:
@@ -139,15 +160,15 @@ def _add_bounds(signals: RunSignals, record: LoopRecord, scenario: Scenario) -> 
     signals.sensor_bound, signals.actuator_bound = bounds
 
 
-def _add_baseline(signals: RunSignals, scenario: Scenario) -> None:
-    """Put in what the baseline law makes of the same case; a case that is under that law is its own."""
-    from winch_controller_node.model.lqr import DesignError  # noqa: PLC0415 - seconds to load, seldom needed
+def _add_baseline(signals: RunSignals, task: Task) -> str:
+    """Put in what the baseline law makes of the same case, or say why it cannot; one under that law is its own."""
+    from heave_bringup.run.baseline import baseline_signals  # noqa: PLC0415 - seconds to load, not always needed
 
-    from heave_bringup.run.baseline import baseline_signals  # noqa: PLC0415
-
-    is_baseline = scenario.parameters["winch_controller"].law == BASELINE_LAW
-    with contextlib.suppress(DesignError):  # not for this winch: its efficiency stays unknown
-        signals.baseline = signals if is_baseline else baseline_signals(scenario)
+    try:
+        signals.baseline = signals if task.is_baseline else baseline_signals(task.scenario)
+    except Exception as error:  # a baseline that cannot be run must not end its case
+        return _in_a_line(error)
+    return ""
 
 
 def _judged(record: LoopRecord, scenario: Scenario) -> list[str]:

@@ -90,8 +90,8 @@ def _influence(good: pandas.DataFrame, place: str, kpi: str) -> Influence:
     return Influence(
         place,
         correlation,
-        math.tanh(z - half),
-        math.tanh(z + half),
+        min(math.tanh(z - half), correlation),  # at -1 and 1, where z is cut, it is the end itself
+        max(math.tanh(z + half), correlation),
         float(np.median(figure[values <= low])),
         float(np.median(figure[values >= high])),
     )

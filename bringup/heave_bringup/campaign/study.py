@@ -10,14 +10,14 @@ from pathlib import Path
 
 import pandas
 from heave_bags.record.provenance import git_commit
-from heave_node.parameters import ParameterError
 
 from heave_bringup.campaign.executors import run_tasks
-from heave_bringup.campaign.journal import Journal, digest_of, journal_path
+from heave_bringup.campaign.journal import Journal, digest_of, journal_path, mark_of, refuse_other
 from heave_bringup.campaign.plan import Campaign
 from heave_bringup.campaign.runs import CaseResult, Task, make_tasks
 from heave_bringup.campaign.table import case_frame, provenance
 from heave_bringup.progress import ProgressLine, time_to_go
+from heave_bringup.tables.baseline_law import BASELINE_LAW
 from heave_bringup.tables.case_table import check_can_write, read_cases, write_cases
 
 
@@ -38,23 +38,20 @@ def run_study(
         it was, and gives the same file; one that is complete is read.
     processes : number of worker processes; None takes one per processor
     dask : address of a scheduler whose workers run the cases
-    has_baseline : each case is run under the baseline law as well
+    has_baseline : each case is run under the baseline law as well; one that was begun with it, or without it, must go
+        on so
 
     Raises ParameterError for a wrong parameter, and where the file is another campaign's.
     """
     tasks = make_tasks(campaign, list(campaign.cases()), has_baseline=has_baseline)
-    digest = digest_of(tasks, git_commit())
+    mark = mark_of(digest_of(tasks, git_commit()), has_baseline=has_baseline)
     if output is not None and output.exists():
         frame, about = read_cases(output)
-        if about.get("digest") == digest:
-            return frame
-        raise ParameterError(
-            f"{output}: holds the cases of another campaign, or of another version of the program: remove it, or name "
-            "another table"
-        )
+        refuse_other(output, about, mark)
+        return frame
     if output is not None:
         check_can_write(output)
-    journal = None if output is None else Journal(journal_path(output), digest)
+    journal = None if output is None else Journal(journal_path(output), mark)
     found = {task.case.number: journal.result_of(task.case) for task in tasks} if journal else {}
     results = {number: result for number, result in found.items() if result is not None}
     todo = [task for task in tasks if task.case.number not in results]
@@ -62,7 +59,7 @@ def run_study(
         _run(todo, results, journal, run_tasks(todo, processes, dask), campaign.scenario)
         frame = case_frame(tasks, [results[task.case.number] for task in tasks])
         if output is not None and journal is not None:
-            write_cases(frame, output, provenance(campaign, digest))
+            write_cases(frame, output, provenance(campaign, mark))
             journal.remove()
     return frame
 
@@ -90,19 +87,22 @@ def _run(
     """Put what is `coming` of the cases `todo` into the `results`, each at once."""
     before, started = len(results), time.monotonic()
     cases = before + len(todo)
+    is_twice = any(task.has_baseline and not task.is_baseline for task in todo)
+    beside = " and its baseline" if is_twice else ""
     with ProgressLine() as progress:
-        progress.show(_beginning(cases, before, scenario), before / cases)
+        progress.show(_beginning(cases, before, scenario, is_twice=is_twice), before / cases)
         for result in coming:
             results[result.case.number] = result
             if journal is not None:
                 journal.add(result)
             rest = time_to_go(time.monotonic() - started, (len(results) - before) / len(todo))
-            progress.show(f"case {len(results)} of {cases}, {rest}: {_short(result)}", len(results) / cases)
+            progress.show(f"case {len(results)} of {cases}{beside}, {rest}: {_short(result)}", len(results) / cases)
 
 
-def _beginning(cases: int, before: int, scenario: str) -> str:
+def _beginning(cases: int, before: int, scenario: str, *, is_twice: bool) -> str:
     known = f", {before} of them known already" if before else ""
-    return f"{cases} cases of {scenario}{known}"
+    twice = f", each under law {BASELINE_LAW} too (--no-baseline leaves it out)" if is_twice else ""
+    return f"{cases} cases of {scenario}{known}{twice}"
 
 
 def _short(result: CaseResult) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import pandas
 from heave_bags.analyse import kpi_set
@@ -11,16 +11,15 @@ from heave_bags.record.provenance import git_commit, versions
 
 from heave_bringup.campaign.plan import Campaign
 from heave_bringup.campaign.runs import CaseResult, Task
-from heave_bringup.tables.baseline_law import BASELINE_LAW
 from heave_bringup.tables.case_table import CASE, SCENARIO
 
 SEED, NOMINAL = "seed", "nominal"
 FAILURE, LOST, REASON, MET, MISSED, SHARE = "failure", "lost", "reason", "met", "missed", "compensating_share"
-OUTCOME = (FAILURE, LOST, REASON, MET, MISSED, SHARE)
+BASELINE_UNKNOWN = "baseline_unknown"
+OUTCOME = (FAILURE, LOST, REASON, MET, MISSED, SHARE, BASELINE_UNKNOWN)
 """Columns with what became of a case, before its figures of merit."""
 
-LAW = "winch_controller.law"
-"""Place of the law."""
+BASELINE_EFFICIENCY = "baseline_efficiency"
 
 
 def case_frame(tasks: Sequence[Task], results: Sequence[CaseResult]) -> pandas.DataFrame:
@@ -34,21 +33,26 @@ def case_frame(tasks: Sequence[Task], results: Sequence[CaseResult]) -> pandas.D
     settings = dict.fromkeys(place for result in results for place in result.case.settings)
     keys = [definition.key for definition in kpi_set.KPI_DEFINITIONS]
     frame = pandas.DataFrame(rows, columns=[CASE, SEED, NOMINAL, *settings, *OUTCOME, *keys, SCENARIO])
-    _fill_in_baselines(frame, list(settings))
+    _fill_in_baselines(frame, tasks)
     for place in settings:
         frame[place] = _of_one_type(frame[place])
     return frame.astype(dict.fromkeys(keys, float))
 
 
-def _fill_in_baselines(frame: pandas.DataFrame, settings: Sequence[str]) -> None:
-    """Fill in the efficiency of the baseline law where a case differs from another one by its law only."""
-    if LAW not in settings:
-        return
-    others = [SEED, NOMINAL, *(place for place in settings if place != LAW)]
-    alike = frame[others].map(str).agg("|".join, axis=1)
-    is_baseline = frame[LAW] == BASELINE_LAW
-    found = dict(zip(alike[is_baseline], frame.loc[is_baseline, "unit_efficiency"], strict=True))
-    frame["baseline_efficiency"] = frame["baseline_efficiency"].astype(float).fillna(alike.map(found).astype(float))
+def _fill_in_baselines(frame: pandas.DataFrame, tasks: Sequence[Task]) -> None:
+    """Fill in the efficiency of the baseline law, or why it failed, where a case differs from another by its law only.
+
+    Parameters
+    ----------
+    frame : a row for each case
+    tasks : of the cases, in their order
+    """
+    row_of = {task.but_for_law: row for row, task in zip(frame.index, tasks, strict=True) if task.is_baseline}
+    for row, task in zip(frame.index, tasks, strict=True):
+        same_sea = row_of.get(task.but_for_law)
+        if same_sea is not None:
+            frame.loc[row, BASELINE_EFFICIENCY] = frame.loc[same_sea, "unit_efficiency"]
+            frame.loc[row, BASELINE_UNKNOWN] = frame.loc[same_sea, FAILURE]
 
 
 def settings_of(frame: pandas.DataFrame) -> list[str]:
@@ -57,19 +61,19 @@ def settings_of(frame: pandas.DataFrame) -> list[str]:
     return [name for name in frame.columns if name not in known]
 
 
-def provenance(campaign: Campaign, digest: str) -> dict[str, str]:
+def provenance(campaign: Campaign, mark: Mapping[str, str]) -> dict[str, str]:
     """Return what the file of a table says of itself.
 
     Parameters
     ----------
     campaign : that was run
-    digest : of all its values
+    mark : what tells it from others
     """
     found = {name: version for name, version in versions().items() if version}
     return {
         "campaign": str(campaign.path),
         "scenario": campaign.scenario,
-        "digest": digest,
+        **mark,
         "commit": git_commit(),
         **{f"version.{name}": version for name, version in found.items()},
     }
@@ -89,6 +93,7 @@ def _row(task: Task, result: CaseResult) -> dict[str, object]:
         MET: not result.failure and not result.missed,
         MISSED: "; ".join(result.missed),
         SHARE: share,
+        BASELINE_UNKNOWN: result.baseline_unknown,
         **result.kpis,
         SCENARIO: task.text,
     }

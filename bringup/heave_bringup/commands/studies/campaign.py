@@ -26,8 +26,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_workers(parser)
     parser.add_argument(
         "--baseline",
-        action="store_true",
-        help=f"show beside the efficiency {SAME_SEA}: each case is run again, which takes twice the time",
+        action=argparse.BooleanOptionalAction,
+        default=True,
+        help=f"show beside the efficiency {SAME_SEA} (default): each case is run again, in twice the time; "
+        "--no-baseline saves it",
     )
     parser.add_argument("--duration", type=float, metavar="S", help="simulated time of a case, instead of the file's")
     parser.add_argument("--draws", type=int, metavar="N", help="only the first N of the file's random draws")
@@ -105,7 +107,7 @@ COMMAND = Command(
     examples=(
         "heave campaign b9_model_error --json result.json",
         "heave campaign b9_model_error --output b9.parquet --plot b9.svg",
-        "heave campaign b3_robustness --output b3.parquet --tornado b3.svg",
+        "heave campaign b3_robustness --no-baseline --output b3.parquet --tornado b3.svg",
     ),
     add_arguments=add_arguments,
     execute=execute,

@@ -70,7 +70,7 @@ COMMAND = Command(
     summary="Print the largest motion and tension to be expected in 3 h of the same sea, with confidence.",
     examples=(
         "heave extremes runs/b3_deep_900-001/bag",
-        "heave extremes b3.parquet --hours 1    # of heave campaign b3_seeds --output b3.parquet",
+        "heave extremes b3.parquet --hours 1    # of heave campaign b3_seeds --no-baseline --output b3.parquet",
     ),
     add_arguments=add_arguments,
     execute=execute,

@@ -111,8 +111,7 @@ def _place(options: argparse.Namespace) -> Place | None:
 
 def _left_out(scenario: Scenario, frame: DataFrame) -> list[str]:
     """Return the line that says how to have the limits under the baseline law, where they are not among the cases."""
-    from heave_bringup.campaign.table import LAW
-    from heave_bringup.tables.baseline_law import BASELINE_LAW
+    from heave_bringup.tables.baseline_law import BASELINE_LAW, LAW
 
     law = scenario.parameters["winch_controller"].law
     if LAW in frame or law == BASELINE_LAW:
