@@ -157,6 +157,15 @@ def test_a_noisy_sensor_is_not_blamed_before_its_noise_is_known(number):
     assert not any("suspect" in words for words in alarms)
 
 
+def test_noise_is_not_taken_for_a_short_sea_while_that_begins():
+    """Five times the noise believed, the sea as believed: a peak period of 6 s for 10 s was learnt in a calm start."""
+    noisy = PLAIN["MRU and depth noise x5"]
+    scenario = load_scenario(SCENARIO, settings=parameters_of(Draw("noise", 1, noisy), duration=20.0))
+    alarms = [words for _, words in ClosedLoop(loop_parameters(scenario)).run().alarms]
+    assert any(words.startswith("noise of mru_heave") for words in alarms)
+    assert not any(words.startswith("sea model updated") for words in alarms)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(
     "cell",

@@ -30,6 +30,9 @@ from winch_controller_node.model.loop_rows import loop_rows
 from winch_controller_node.model.quadratic_drag import ShadowUnit
 from winch_controller_node.motion.mean_motion import MeanMotion
 
+CLEAR = 4.0
+"""Heave rate of a sea over the error of its estimate from which on its period is judged: noise is short waves."""
+
 SEA_SENSORS = ("mru", "encoder")
 """They tell the sea; what others read tells as much of the cable."""
 
@@ -200,7 +203,14 @@ class LoopEstimation:
         if not parameters.estimator.sea_adaptation or not parameters.sea.follows_spectrum:
             return None
         seen = self._sea.newly_seen()
-        return None if seen is None else possible_seas(seen, self._believed_sea, parameters.sea, parameters.vessel)
+        if seen is None or seen.heave * seen.frequency < CLEAR * self._rate_sigma():
+            return None
+        return possible_seas(seen, self._believed_sea, parameters.sea, parameters.vessel)
+
+    def _rate_sigma(self) -> float:
+        """Return the standard deviation of the estimated heave rate of the boom tip about the true one [m/s]."""
+        row = self._rows.tip[1]
+        return math.sqrt(float(row @ self.estimator.covariance @ row))
 
     def advance_mean(self, command: float, *, is_braked: bool) -> None:
         """Advance the mean payout by a tick with `command` as its share; a brake (`is_braked`) holds it."""
