@@ -5,7 +5,8 @@
     python benchmarks/controller.py b6_resonance_payout --seeds 1 --transient 120 --set system.winch.speed_limit=1.0
 
 Components run in this process, as the nodes would in lockstep: the numbers are those of `heave run`. kappa divides by
-the bound of the sensors (LQG without limits) and that of the winch (clairvoyant, with the boom tip of each run).
+the bound of the sensors (LQG without limits) and that of the winch (clairvoyant, with the boom tip of each run). Beside
+each stands what is left of the motion under the baseline law, which takes as long again (--no-baseline).
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ import argparse
 import json
 import math
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -24,14 +25,20 @@ from heave_bringup.run.kappa import bounds_of
 from heave_bringup.run.loop_signals import run_signals
 from heave_bringup.scenarios import Scenario, load_scenario
 from heave_bringup.settings import Setting, make_setting
+from heave_bringup.tables.baseline_law import BASELINE_LAW
 from heave_node.kpi import kappa
 from winch_controller_node.design.bounds import BOUND_STEP
 from winch_controller_node.interface.readings import Measurements, Outputs
 
+UNDER_BASELINE = f"winch_controller.law={BASELINE_LAW}"
+
 
 @dataclass(frozen=True)
 class Figures:
-    """What one run gave: sigmas [m], bounds [m], the rest as named; step times in CPU milliseconds."""
+    """What one run gave: sigmas [m], the rest as named; step times in CPU milliseconds.
+
+    `baseline_ratio` is the `ratio` of the same run under the baseline law; NaN: not known.
+    """
 
     scenario: str
     law: str
@@ -51,6 +58,12 @@ class Figures:
     modes: str
     step_p50_ms: float
     step_p99_ms: float
+    baseline_ratio: float = math.nan
+
+    @property
+    def ratio(self) -> float:
+        """Motion of the unit over that of the uncompensated one."""
+        return self.unit_sigma_m / self.uncompensated_sigma_m
 
 
 def model_error(nominal: Scenario, draw: int) -> list[Setting]:
@@ -123,10 +136,10 @@ def _bounds(scenario: Scenario, record: LoopRecord) -> tuple[float, float]:
 
 def show(figures: Figures) -> str:
     """Return one line of the table."""
-    ratio = figures.unit_sigma_m / figures.uncompensated_sigma_m
     return (
         f"{figures.scenario:22s} {figures.law:11s} seed {figures.seed:2d}: unit {100 * figures.unit_sigma_m:7.3f} cm, "
-        f"off {100 * figures.uncompensated_sigma_m:7.2f} cm, ratio {ratio:7.4f}, outlet efficiency "
+        f"off {100 * figures.uncompensated_sigma_m:7.2f} cm, ratio {figures.ratio:7.4f} (baseline "
+        f"{figures.baseline_ratio:.3f}), outlet efficiency "
         f"{100 * figures.outlet_efficiency:5.1f} %, largest {figures.max_abs_heave_m:.3f} m (off "
         f"{figures.uncompensated_max_abs_heave_m:.2f}), DAF {figures.dynamic_amplification:.3f} (off "
         f"{figures.uncompensated_dynamic_amplification:.2f}), kappa {figures.kappa:5.2f}, snaps {figures.snaps} (off "
@@ -137,11 +150,13 @@ def show(figures: Figures) -> str:
 def summary(name: str, runs: list[Figures]) -> str:
     """Return what the benchmarks ask of many runs, in one line."""
     sigmas = np.array([run.unit_sigma_m for run in runs])
-    ratios = sigmas / np.array([run.uncompensated_sigma_m for run in runs])
+    ratios = np.array([run.ratio for run in runs])
+    baseline = np.array([run.baseline_ratio for run in runs])
     return (
         f"{name:22s} {len(runs)} runs: root mean square {100 * np.sqrt(np.mean(sigmas**2)):.3f} cm, median "
         f"{100 * np.median(sigmas):.3f} cm, 90th percentile {100 * np.percentile(sigmas, 90):.3f} cm, largest "
-        f"{100 * sigmas.max():.3f} cm, worse {ratios.max():.4f}"
+        f"{100 * sigmas.max():.3f} cm, worse {ratios.max():.4f}; baseline {baseline.mean():.3f}, worse "
+        f"{baseline.max():.3f}"
     )
 
 
@@ -157,6 +172,9 @@ def main() -> None:
     parser.add_argument("--set", action="append", default=[], metavar="NODE.PARAM=VALUE", help="another parameter")
     parser.add_argument("--duration", type=float, default=2100.0, help="simulated time of a run [s]")
     parser.add_argument("--transient", type=float, default=300.0, help="time before the evaluation [s]")
+    parser.add_argument(
+        "--baseline", action=argparse.BooleanOptionalAction, default=True, help=f"law {BASELINE_LAW} beside each run"
+    )
     parser.add_argument("--json", default="", help="file to write the figures to")
     options = parser.parse_args()
     everything: list[dict[str, object]] = []
@@ -168,7 +186,11 @@ def main() -> None:
             seed = 1 + index % 4 if options.draws else 1 + index
             settings = [*law, *options.set, *run, f"all.seed={seed}"]
             errors = model_error(load_scenario(name, settings=settings), index) if options.draws else []
-            runs.append(run_once(load_scenario(name, settings=[*errors, *settings])))
+            figures = run_once(load_scenario(name, settings=[*errors, *settings]))
+            if options.baseline:
+                baseline = run_once(load_scenario(name, settings=[*errors, *settings, UNDER_BASELINE]))
+                figures = replace(figures, baseline_ratio=baseline.ratio)
+            runs.append(figures)
             print(show(runs[-1]), flush=True)
         print(summary(name, runs), flush=True)
         everything += [vars(run) for run in runs]
