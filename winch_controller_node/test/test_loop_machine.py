@@ -71,6 +71,7 @@ def loop_in(height, seed, tension_ratio=0.0):
         "modes.fade_out_time": FADE_TIME,
         # constant tension does not hold a unit that hangs: in waves only, where no stillness is promised
         "tension.hanging": height >= 0.1,
+        "entry.peak_use": 2.0,
     }
     waves = {"significant_wave_height": height, "peak_period": 10.0, "ramp": 5.0}
     linear = LinearModelParameters(INERTIA, DAMPING)
