@@ -1,6 +1,7 @@
 """Never worse than off: a sample of the campaign `tests.campaigns.promise`, and how it judges."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -8,6 +9,7 @@ from heave_bringup.campaign.sensitivity import influences
 from heave_bringup.closed_loop import ClosedLoop, loop_parameters
 from heave_bringup.scenarios import load_scenario
 
+from tests.campaigns import promise
 from tests.campaigns.promise import (
     EFFICIENCY,
     LARGEST,
@@ -36,6 +38,13 @@ def test_the_worst_window_is_found_where_it_is():
     assert ratio == pytest.approx(0.6, rel=1e-6)
     assert at == pytest.approx(100.0, abs=1.0)
     assert worst_window(time, unit, off, 170.0)[0] == pytest.approx(0.3, rel=1e-6)
+
+
+GAIN, LAG = "virtual_winch.speed_gain", "virtual_winch.time_constant"
+LIMIT, RADIUS_ERROR = "virtual_winch.acceleration_limit", "virtual_winch.drum_radius_error"
+TOLD_GAIN = "winch model updated: gain {} (was 1.000)"
+TOLD_LIMIT = "winch model updated: acceleration limit {} m/s^2 (was 1.500), reached hauling in"
+TOLD_TWO = "9 s: winch model updated: time constant 0.115 s (was 0.150), gain 1.080 (was 1.000)"
 
 
 def test_what_matters_among_the_draws_is_ranked():
@@ -72,14 +81,55 @@ def has_power_limit(one: Draw) -> bool:
         ("winch model updated: gain 0.950 (was 1.000)", PLAIN["speed 1.0"], True),
         ("mru suspect: its heave has a high-pass", PLAIN["high-pass 30 s"], False),
         ("depth suspect: its readings contradict all others", PLAIN["high-pass 30 s"], True),
-        ("mru or drum suspect: the heave that the one reads", PLAIN["MRU scale 0.85"], False),
-        ("mru or drum suspect: the heave that the one reads", PLAIN["drum radius 3 %"], False),
-        ("mru or drum suspect: the heave that the one reads", PLAIN["high-pass 30 s"], True),
+        ("mru or drum suspect: the heave that the one reads is 0.85 times what", PLAIN["MRU scale 0.85"], False),
+        ("mru or drum suspect: the heave that the one reads is 1.15 times what", PLAIN["MRU scale 0.85"], True),
+        ("mru or drum suspect: the heave that the one reads is 1.03 times what", PLAIN["drum radius 3 %"], False),
+        ("mru or drum suspect: the heave that the one reads is 0.95 times what", PLAIN["drum radius 3 %"], True),
+        ("mru or drum suspect: the heave that the one reads is 1.04 times what", {RADIUS_ERROR: -0.025}, True),
+        ("mru or drum suspect: the heave that the one reads is 1.04 times what", {RADIUS_ERROR: -0.01}, False),
+        ("mru or drum suspect: the heave that the one reads is 1.04 times what", PLAIN["high-pass 30 s"], True),
         ("noise of mru_heave is 0.05, 5.0 times what is believed", PLAIN["MRU noise x5"], False),
+        ("noise of unit_heave is 0.1, 5.0 times what is believed", PLAIN["MRU noise x5"], True),
+        (TOLD_LIMIT.format("1.200"), {LIMIT: 1.48}, True),
+        (TOLD_LIMIT.format("1.200"), {LIMIT: 1.6, "virtual_winch.hauling_acceleration_share": 0.8}, False),
+        (TOLD_GAIN.format("1.117"), {GAIN: 0.9}, True),
+        (TOLD_GAIN.format("1.117"), {GAIN: 1.1}, False),
+        (TOLD_GAIN.format("0.970"), {GAIN: 1.01}, False),
+        (TOLD_GAIN.format("0.880"), {GAIN: 1.01}, True),
+        (TOLD_GAIN.format("0.900"), {GAIN: 1.03, "virtual_winch.speed_deadband": 0.05}, False),
+        (TOLD_GAIN.format("0.900"), {GAIN: 1.03}, True),
+        (TOLD_TWO, {LAG: 0.19, GAIN: 1.1}, True),
+        (TOLD_TWO, {LAG: 0.11, GAIN: 1.1}, False),
+        (TOLD_TWO, {LAG: 0.11, GAIN: 0.9}, True),
+        ("winch model updated: creep 0.030 m/s (was 0.000)", {GAIN: 0.9}, True),
+        ("winch model updated: gain of hauling in over that 0.900 (was 1.000)", {GAIN: 0.9}, True),
+        ("winch model updated: command delay 0.260 s (was 0.200)", {"virtual_winch.command_delay": 0.28}, False),
+        ("winch model updated: command delay 0.260 s (was 0.200)", {"virtual_winch.command_delay": 0.12}, True),
     ],
 )
-def test_an_alarm_is_wrong_that_names_what_is_as_believed(words, truth, wrong):
+def test_an_alarm_is_wrong_that_names_what_is_as_believed_or_differs_to_the_other_side(words, truth, wrong):
     assert is_wrong(words, truth) is wrong
+
+
+KEPT = Kept(sigma=0.01, off=0.1, worst=0.5, at=60.0, fades=0, share=1.0, wrong=(), alarms=(), learnt=0.01)
+
+
+@pytest.mark.parametrize(
+    ("found", "code"),
+    [
+        (KEPT, 0),
+        (replace(KEPT, told=0.006), 0),
+        (replace(KEPT, told=0.004), 1),
+        (replace(KEPT, worst=1.1), 1),
+        (replace(KEPT, at=math.nan), 1),
+        (replace(KEPT, share=0.0), 1),
+        (replace(KEPT, wrong=("9 s: winch model updated: gain 1.1 (was 1.000)",)), 1),
+    ],
+    ids=["kept", "as told", "worse than told", "worse than off", "never judged", "never compensates", "wrong finding"],
+)
+def test_the_campaign_fails_where_a_draw_is_not_kept(monkeypatch, found, code):
+    monkeypatch.setattr(promise, "run", lambda one: found)
+    assert promise.main(["--draws", "2"]) == code
 
 
 def test_a_draw_is_the_same_each_time_and_none_is_beyond_its_range():

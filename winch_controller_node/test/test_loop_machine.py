@@ -1,16 +1,18 @@
 """The whole loop under any operator and any trouble: what never happens, whatever is asked for and whatever fails."""
 
 import dataclasses
+import math
+from typing import ClassVar
 
 import numpy as np
 import pytest
 from cable_sim_node.node_parameters import CableSimNodeParameters, LinearModelParameters
 from cable_sim_node.parameters import UnitParameters
 from cable_sim_node.winch.parameters import WinchParameters
-from heave_bringup.closed_loop import ClosedLoop, LoopParameters
-from heave_node.interface.codes import WinchFault
+from heave_bringup.closed_loop import COLUMNS, ClosedLoop, LoopParameters
+from heave_node.interface.codes import WinchFault, WinchLimit
 from heave_node.parameters import build_parameters
-from hypothesis import settings
+from hypothesis import Phase, settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, rule, run_state_machine_as_test
 from wave_vessel_node.parameters import WaveVesselParameters
@@ -22,11 +24,37 @@ INERTIA, DAMPING = 7.339769, 0.1906759
 """The 900 m system of thesis 6.2.6 as identified there."""
 
 FADE_TIME = 2.0
+BEGINNING = 15.0
+"""Compensation has begun, and has all of the sea, within this time [s]."""
+
 STILL = 0.02
 """No change of mode moves the unit by more than this in calm water [m]."""
 
+WINCH = WinchParameters(payout_minimum=-6.0, payout_maximum=6.0)
+"""With a range whose ends an operator reaches within the steps of an example."""
 
-def loop_in(height, seed):
+MARGIN = 1.0
+"""Kept to the ends of the range [m]."""
+
+TENSION_RATIO = 1.1
+"""Highest tension over the static one, where there is a highest one."""
+
+TENSION_TIME, TENSION_EXCESS = 4.0, 0.1
+"""Within this time [s] a winch has given way to a tension so far above the highest one, relative."""
+
+ROOM = 0.5
+"""A winch gives way to a tension where it has so much left to the end of its range [m]."""
+
+LARGEST_STEP = WINCH.acceleration_limit * (WINCH.time_constant + DT) + 0.01
+"""Distance of a set-point from the speed that a servo with its acceleration limiter can use up in a tick [m/s]."""
+
+DELAY_TICKS = round(WINCH.command_delay / DT)
+
+VISITED = {"standby", "compensating", "fade_out", "stopping", "stopped", "constant_tension", "manual", "emergency_stop"}
+"""Modes in which every run of the machine has been: all but off, which needs a controller without a law."""
+
+
+def loop_in(height, seed, tension_ratio=0.0):
     """Return the loop on the two-state plant in a sea of significant wave `height` [m]."""
     belief = {
         "length": 900.0,
@@ -34,9 +62,16 @@ def loop_in(height, seed):
         "cable_model.damping": DAMPING,
         "sea.significant_wave_height": max(height, 0.1),
         "sea.peak_period": 10.0,
+        "winch.payout_minimum": WINCH.payout_minimum,
+        "winch.payout_maximum": WINCH.payout_maximum,
+        "limits.payout_margin": MARGIN,
+        "limits.maximum_tension_ratio": tension_ratio,
         "modes.settling_time": 3.0,
         "modes.fade_in_time": FADE_TIME,
         "modes.fade_out_time": FADE_TIME,
+        # constant tension does not hold a unit that hangs: in waves only, where no stillness is promised
+        "tension.hanging": height >= 0.1,
+        "entry.peak_use": 2.0,
     }
     waves = {"significant_wave_height": height, "peak_period": 10.0, "ramp": 5.0}
     linear = LinearModelParameters(INERTIA, DAMPING)
@@ -44,26 +79,42 @@ def loop_in(height, seed):
         LoopParameters(
             sea=build_parameters(WaveVesselParameters, waves, where="test"),
             plant=CableSimNodeParameters(model="linear", linear=linear, length=900.0, unit=UnitParameters()),
-            winch=WinchParameters(),
+            winch=WINCH,
             controller=build_parameters(WinchControllerParameters, belief, where="test"),
             seed=seed,
         )
     )
 
 
+def column(row, name):
+    """Return a value by its `name` from a row of the loop's record."""
+    return row[COLUMNS.index(name)]
+
+
 class AnyOperatorAnyTrouble(RuleBasedStateMachine):
     """Requests, an operator's speed, a gap of each sensor and faults of the winch, in any order."""
 
-    @initialize(height=st.sampled_from([0.01, 1.5, 3.0]), seed=st.integers(1, 1000))
-    def begin(self, height, seed):
-        self.loop = loop_in(height, seed)
+    visited: ClassVar[set[str]] = set()
+
+    @initialize(
+        height=st.sampled_from([0.01, 1.5, 3.0, 3.0]),
+        seed=st.integers(1, 1000),
+        tension_ratio=st.sampled_from([0.0, TENSION_RATIO]),
+    )
+    def begin(self, height, seed, tension_ratio):
+        self.loop = loop_in(height, seed, tension_ratio)
         self.is_calm = height < 0.1
-        self.is_moved = False
         self.gap, self.fault, self.trouble_left = (), WinchFault.NONE, 0
         step = self.loop.controller.step
         self.loop.controller.step = lambda tick, measured: step(tick, self.troubled(measured))
         self.start = None
-        self.last_rate = 0.0
+        self.orders = []
+        self.speed_let_go = self.operated_speed = 0.0
+        self.ticks_over = 0
+        for _ in range(round(BEGINNING / DT)):
+            if self.tick().report.authority == 1.0:
+                break
+        assert self.loop.controller.mode.value == "compensating"
 
     def troubled(self, measured):
         """Return the measurements with what fails now left out."""
@@ -75,21 +126,26 @@ class AnyOperatorAnyTrouble(RuleBasedStateMachine):
         winch = measured.winch
         return kept if winch is None else dataclasses.replace(kept, winch=winch._replace(fault=self.fault))
 
-    @rule(mode=st.sampled_from([mode.value for mode in REQUESTS]))
-    def ask(self, mode):
+    @rule(
+        mode=st.sampled_from([*(mode.value for mode in REQUESTS), "constant_tension", "compensating"]),
+        ticks=st.integers(1, 80),
+    )
+    def ask(self, mode, ticks):
         try:
             self.loop.controller.set_mode(mode)
         except ModeError as error:
             assert str(error)
+        self.wait(ticks)
 
-    @rule(speed=st.floats(-1.0, 1.0))
-    def operate(self, speed):
-        if self.is_calm:
-            return
-        try:
-            self.loop.controller.operate(speed)
-        except ModeError as error:
-            assert str(error)
+    @rule(speed=st.floats(-1.0, 1.0), ticks=st.integers(1, 80))
+    def operate(self, speed, ticks):
+        """An operator asks again and again."""
+        for _ in range(ticks):
+            try:
+                self.loop.controller.operate(speed)
+            except ModeError as error:
+                assert str(error)
+            self.tick()
 
     @rule(
         gap=st.sampled_from([("mru",), ("depth",), ("load_cell",), ("mru", "depth")]),
@@ -98,6 +154,7 @@ class AnyOperatorAnyTrouble(RuleBasedStateMachine):
     )
     def trouble(self, gap, fault, ticks):
         self.gap, self.fault, self.trouble_left = gap, fault, ticks
+        self.wait(min(ticks, 50))
 
     @rule(ticks=st.integers(1, 80))
     def wait(self, ticks):
@@ -114,32 +171,88 @@ class AnyOperatorAnyTrouble(RuleBasedStateMachine):
         assert outputs.report.mode in ("stopped", "emergency_stop")
 
     def tick(self):
+        before = self.loop.winch.state
         outputs, row = self.loop.step()
-        order, winch = outputs.order, self.loop.winch.state
-        assert np.isfinite([order.payout, order.payout_rate]).all()
+        self.visited.add(outputs.report.mode)
+        self.orders = [*self.orders[-DELAY_TICKS:], outputs.order]
         assert np.isfinite(outputs.report.estimate).all()
-        assert not order.brake or order.payout_rate == 0.0
-        assert abs(order.payout_rate) <= 2.0 + 1e-9
-        assert abs(winch.payout_rate) <= 2.0 + 1e-9
-        assert abs(winch.payout_rate - self.last_rate) <= 1.5 * DT + 1e-9
-        self.last_rate = winch.payout_rate
-        self.start = row[2] if self.start is None else self.start
+        self.check_orders(before)
+        self.check_winch()
+        self.check_tension(outputs, row)
         if self.is_calm:
-            assert abs(row[2] - self.start) < STILL
+            self.check_stillness(outputs, row, before)
         return outputs
+
+    def check_orders(self, before):
+        """Check the newest order, and the one that takes effect with the winch in the state `before`.
+
+        The winch itself clips what is beyond its limits; they are kept where it is never asked for more.
+        """
+        newest, effective = self.orders[-1], self.orders[0]
+        assert np.isfinite([newest.payout, newest.payout_rate]).all()
+        assert not newest.brake or newest.payout_rate == 0.0
+        assert abs(newest.payout_rate) <= WINCH.speed_limit + 1e-9
+        if len(self.orders) > DELAY_TICKS and not any(order.brake for order in self.orders):
+            assert abs(effective.payout_rate - before.payout_rate) <= LARGEST_STEP
+
+    def check_winch(self):
+        """Check that the payout keeps its margin to the ends of the range, without help of the winch."""
+        winch = self.loop.winch.state
+        assert WINCH.payout_minimum + MARGIN <= winch.payout <= WINCH.payout_maximum - MARGIN
+        assert not winch.limits_hit & WinchLimit.PAYOUT
+
+    def check_tension(self, outputs, row):
+        """Check that a winch that may move does not leave the tension above the highest one for long."""
+        controller = self.loop.controller
+        highest = controller.parameters.limits.maximum_tension_ratio * controller.design.cable.static_tension
+        is_over = column(row, "top_tension") > (1.0 + TENSION_EXCESS) * highest > 0.0
+        may_give_way = not outputs.order.brake and column(row, "payout") < WINCH.payout_maximum - MARGIN - ROOM
+        self.ticks_over = self.ticks_over + 1 if is_over and may_give_way else 0
+        assert self.ticks_over * DT <= TENSION_TIME
+
+    def check_stillness(self, outputs, row, before):
+        """Check that the unit stays at the depth that is wanted.
+
+        A winch whose speed v ends where nothing damps the unit lets it swing by v sqrt(a), and so at most does an
+        operator who moves it.
+        """
+        height = column(row, "unit") + outputs.report.depth_set_point
+        self.start = height if self.start is None else self.start
+        if outputs.report.mode not in ("compensating", "fade_out"):
+            self.speed_let_go += abs(self.loop.winch.state.payout_rate - before.payout_rate)
+        self.operated_speed = max(self.operated_speed, abs(self.loop.controller.mean.point.rate))
+        swing = math.sqrt(INERTIA) * (self.speed_let_go + self.operated_speed)
+        assert abs(height - self.start) < STILL + swing
 
 
 def run_machine(examples, steps):
-    run_state_machine_as_test(
-        AnyOperatorAnyTrouble,
-        settings=settings(max_examples=examples, stateful_step_count=steps, deadline=None, derandomize=True),
+    """Run the machine, and check that it has been where it can fail."""
+    AnyOperatorAnyTrouble.visited.clear()
+    # an example that fails is shown as it was found: to make it smaller would take many runs of the loop
+    how = settings(
+        max_examples=examples, stateful_step_count=steps, deadline=None, derandomize=True, phases=[Phase.generate]
     )
+    run_state_machine_as_test(AnyOperatorAnyTrouble, settings=how)
+    assert AnyOperatorAnyTrouble.visited == VISITED
 
 
 def test_no_operator_and_no_trouble_takes_the_loop_beyond_its_limits():
-    run_machine(2, 15)
+    run_machine(20, 15)
+
+
+@pytest.mark.parametrize("seed", [3, 4])
+def test_a_fade_out_in_a_high_sea_never_takes_the_tension_far_above_the_highest_one(seed):
+    """It was there for 2.2 and 3.4 s where the winch neither planned for it nor gave way."""
+    machine = AnyOperatorAnyTrouble()
+    machine.begin(height=3.0, seed=seed, tension_ratio=TENSION_RATIO)
+    machine.loop.controller.set_mode("standby")
+    for _ in range(round(20.0 / DT)):
+        machine.tick()
+        assert machine.ticks_over == 0
+    assert machine.loop.controller.mode.value == "standby"
 
 
 @pytest.mark.long
+@pytest.mark.timeout(3600)
 def test_nor_do_ten_thousand_steps():
     run_machine(200, 50)
