@@ -62,7 +62,7 @@ class RunSignals:
     nis_in_band : 1 where the normalised innovation squared lies inside its 95 % band
     uncompensated_tension : top tension with the winch locked, or following the programme of depth only [N]
     static_tension : top tension at rest [N], one sample where the deployed length stays; empty takes the mean tension
-    speed_limit, acceleration_limit : of the winch [m/s], [m/s^2]; infinite when unknown
+    speed_limit, acceleration_limit, power_limit : of the winch [m/s], [m/s^2], [W]; infinite when unknown or none
     driving_omega : angular frequency of a driven scenario [rad/s]; NaN if the scenario is not driven by one
         regular motion
     sensor_bound, actuator_bound : the two bounds in kappa [m]; NaN when unknown
@@ -92,6 +92,7 @@ class RunSignals:
     nis_in_band: Signal = field(default_factory=_signal)
     speed_limit: float = math.inf
     acceleration_limit: float = math.inf
+    power_limit: float = math.inf
     driving_omega: float = math.nan
     sensor_bound: float = math.nan
     actuator_bound: float = math.nan

@@ -138,6 +138,21 @@ def test_bending_cycles_are_the_level_crossing_count_of_the_most_crossed_level(l
     assert wear.bending_cycles == pytest.approx(max(rises))
 
 
+def test_cycles_of_tension_and_time_at_high_load_of_a_run_of_sines():
+    tension = sine(2e4, -0.5 * math.pi, mean=1e5)  # from a trough to a trough
+    signals = run(tension=tension, payout_rate=sine(1.0), payout=sine(1.0))
+    signals.speed_limit = 2.0 / math.sqrt(3.0)  # half of it is exceeded from 35.26 deg to 144.74 deg
+    values = kpi_set.evaluate(signals)
+    assert values["tension_cycles_per_h"] == pytest.approx(360.0, rel=0.01)
+    assert values["tension_range_equivalent_n"] == pytest.approx(4e4 / 10.0**0.25, rel=0.01)
+    share = 100.0 * (1.0 - 2.0 * math.asin(1.0 / math.sqrt(3.0)) / math.pi)
+    assert values["time_above_half_rating_percent"] == pytest.approx(share, abs=1.0)
+    signals.power_limit = 1e3
+    assert kpi_set.evaluate(signals)["time_above_half_rating_percent"] > 95.0
+    signals.speed_limit = signals.power_limit = math.inf
+    assert math.isnan(kpi_set.evaluate(signals)["time_above_half_rating_percent"])
+
+
 def test_a_snap_needs_low_then_high_tension_within_two_seconds():
     time = np.arange(8) * 1.0
     static = 100.0

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from pathlib import Path
 
 import numpy as np
@@ -13,7 +14,15 @@ from heave_bringup.campaign import executors
 from heave_bringup.campaign.runs import CaseResult, Task
 from heave_bringup.cli import main
 from heave_bringup.commands.studies.operability import _left_out
-from heave_bringup.operability.limits import LOST_LIMIT, crossing, limit_curve, seed_limit, situations, utilisation
+from heave_bringup.operability.limits import (
+    LOST_LIMIT,
+    crossing,
+    limit_curve,
+    seed_limit,
+    situations,
+    too_few_seeds,
+    utilisation,
+)
 from heave_bringup.operability.seas import HEADING, HEIGHT, PERIOD, SeaGrid
 from heave_bringup.scenarios import load_scenario
 from heave_bringup.tables.baseline_law import LAW
@@ -85,8 +94,19 @@ def test_the_confidence_of_a_limit_is_student_s_over_the_seeds():
     assert row["lower"] == max(interval[0], 0.0)
     (cut,) = limit_curve(cases(seeds=(1, 2, 4), heights=heights[:-1]), [RESIDUAL]).to_dict("records")
     assert cut["upper"] == 3.0 < interval[1], "the study has not looked beyond"
-    (single,) = limit_curve(cases(), [RESIDUAL]).to_dict("records")
-    assert math.isnan(single["lower"])
+
+
+@pytest.mark.parametrize("seeds", [(1,), (1, 2)])
+def test_fewer_than_three_seeds_show_no_confidence_and_say_how_many_would(seeds):
+    curve = limit_curve(cases(seeds=seeds), [RESIDUAL])
+    (row,) = curve.to_dict("records")
+    assert row["limit"] > 0.0
+    assert math.isnan(row["lower"])
+    assert math.isnan(row["upper"])
+    line = too_few_seeds([curve])
+    assert line.startswith(f"confidence: - with {len(seeds)} seed")
+    assert "at least 3 seeds" in line
+    assert too_few_seeds([limit_curve(cases(seeds=(1, 2, 3)), [RESIDUAL])]) == ""
 
 
 def test_how_much_of_a_bound_is_used_counts_from_a_calm_sea():
@@ -139,6 +159,9 @@ def test_the_command_writes_page_and_tables_and_makes_them_again_without_running
     # seeds 1 and 2: 4 m and 2 m; b2's own criterion on the outlet is never met where its efficiency is 0
     page = (tmp_path / "b2_calm_300_operability.html").read_text()
     assert "workable seas of seas.csv" in said
+    assert re.search(r"\d to \d", said) is None, "of two seeds no confidence is printed"
+    assert said.count("confidence: - with 2 seeds") == 1
+    assert page.count("confidence: - with 2 seeds") == 1
     assert "heave run b2_calm_300_operability.parquet:CASE" in page
     assert page.count('class="figure"') > 5
     assert len(pandas.read_csv("own.csv")) == 4
@@ -146,6 +169,20 @@ def test_the_command_writes_page_and_tables_and_makes_them_again_without_running
     again = ["operability", "b2_calm_300", "--cases", "b2_calm_300_operability.parquet", "--report", "again.html"]
     assert main(again) == 0
     assert (tmp_path / "again.html").is_file()
+
+
+def test_a_scatter_diagram_gives_a_share_and_says_why_there_are_no_windows(tmp_path: Path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(executors, "run_task", pretended)
+    (tmp_path / "scatter.csv").write_text("hs,6,9\n1,60,20\n3,15,5\n")
+    command = ["operability", "b2_calm_300", "--heights", "1", "5", "--periods", "6", "9", "--processes", "1"]
+    assert main([*command, "--require", "significant_residual_m<=0.4", "--record", "scatter.csv"]) == 0
+    said = capsys.readouterr().out
+    page = (tmp_path / "b2_calm_300_operability.html").read_text()
+    assert "workable seas of scatter.csv" in said
+    for text in (said, page):
+        assert text.count("no waiting times: scatter.csv is a scatter diagram") == 1
+    assert "windows with a forecast" not in page
 
 
 @pytest.mark.parametrize(

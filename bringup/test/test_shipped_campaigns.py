@@ -40,6 +40,15 @@ def test_a_name_that_is_no_parameter_s_is_told_with_the_campaign_that_has_it(tmp
         campaign.settings_of(next(campaign.cases()))
 
 
+def test_the_draws_of_b3_say_that_they_are_not_those_of_the_promise_and_where_those_are() -> None:
+    promise = "tests/campaigns/promise.py"
+    repository = Path(__file__).parents[2]
+    assert (repository / promise).is_file()
+    for text in ((FOLDER / "b3_robustness.yaml").read_text(), (repository / "bringup" / "README.md").read_text()):
+        assert promise in text
+        assert "python -m tests.campaigns.promise --draws 256" in text
+
+
 def test_b9_draws_cover_the_ranges_of_the_benchmark() -> None:
     cases = list(read_campaign(FOLDER / "b9_model_error.yaml").cases())
     # BENCHMARKS B9: a, b +-30 %, servo +-50 % of 0.15 s, delay 0.2 +- 0.1 s.

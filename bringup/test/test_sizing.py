@@ -17,6 +17,7 @@ from heave_bringup.commands.studies.sizing import _left_out
 from heave_bringup.operability.seas import HEIGHT, PERIOD
 from heave_bringup.scenarios import load_scenario
 from heave_bringup.sizing.candidates import PLACES, STOP, Candidate, as_link, candidates, own_winch
+from heave_bringup.sizing.page import DUTY, duty_rows
 from heave_bringup.sizing.study import Prices, even_seas, knees, size_winches
 from heave_node.criteria import Criterion
 from heave_node.parameters import ParameterError
@@ -26,8 +27,8 @@ from hypothesis import strategies as st
 OWN = Candidate(speed=2.0, acceleration=1.5, power=math.inf, delay=0.2)
 PRICES = Prices()
 RESIDUAL = Criterion("significant_residual_m", "<=", 0.3)
-POWER_PER_METRE, CYCLES_PER_METRE = 1e4, 100.0
-"""Of the pretended cases: power and bending cycles in a sea of 1 m."""
+POWER_PER_METRE, CYCLES_PER_METRE, RANGE_PER_METRE = 1e4, 100.0, 5e3
+"""Of the pretended cases: power, cycles of bending and tension, range of tension in a sea of 1 m."""
 
 
 def kpis_of(speed: float, height: float) -> dict[str, float]:
@@ -40,6 +41,9 @@ def kpis_of(speed: float, height: float) -> dict[str, float]:
         "energy_wh_per_h": POWER_PER_METRE * height,
         "energy_regenerated_wh_per_h": 0.5 * POWER_PER_METRE * height,
         "bending_cycles_per_h": CYCLES_PER_METRE * height,
+        "time_above_half_rating_percent": 10.0 * height,
+        "tension_cycles_per_h": CYCLES_PER_METRE * height,
+        "tension_range_equivalent_n": RANGE_PER_METRE * height,
     }
 
 
@@ -94,6 +98,25 @@ def test_an_hour_is_a_mean_over_the_workable_seas():
     assert one.duty.peak == pytest.approx(10.0 * POWER_PER_METRE * 0.88)
     assert one.duty.electric == pytest.approx(one.duty.motoring / 0.8)
     assert one.duty.cost == pytest.approx(0.3 * one.duty.electric / 1000.0)
+
+
+def test_the_duty_cycle_of_an_hour_is_load_cycles_a_range_of_equal_damage_and_time_at_high_load():
+    duty = sized([0.5])[1].duty  # even steps of 0.16 m from 0.08 to 0.88 m
+    assert duty.tension_cycles == pytest.approx(CYCLES_PER_METRE * 0.48)
+    assert duty.loaded == pytest.approx(4.8)
+    heights = [0.08 + 0.16 * step for step in range(6)]
+    of_equal_damage = (sum(height**4 for height in heights) / 6) ** 0.25
+    assert duty.tension_range == pytest.approx(RANGE_PER_METRE * of_equal_damage)
+    assert of_equal_damage > 0.48, "the high seas do more than their share"
+
+
+def test_a_table_made_before_a_figure_was_counted_has_a_dash_for_it():
+    frame = frame_of([OWN]).drop(columns=["tension_cycles_per_h", "tension_range_equivalent_n"])
+    found = size_winches(frame, [RESIDUAL], even_seas(frame), PRICES)
+    (row,) = duty_rows(found)
+    assert len(row) == len(DUTY)
+    assert row[-2:] == ["-", "-"]
+    assert row[-3] != "-"
 
 
 def test_a_winch_that_can_work_nowhere_has_no_hour():
@@ -154,6 +177,10 @@ def test_the_command_writes_page_and_tables_and_makes_them_again_without_running
     page = (tmp_path / "unit_1500_sizing.html").read_text()
     assert "heave run unit_1500_sizing.parquet:CASE" in page
     assert page.count('class="figure"') == 6
+    for heading in ("above half rating", "tension cycles", "equivalent tension range"):
+        assert heading in said
+        assert heading in page
+    assert "m = 4 (stranded steel wire rope" in " ".join(page.split())
     monkeypatch.setattr(executors, "run_task", None)
     again = ["sizing", "unit_1500", "--cases", "unit_1500_sizing.parquet", "--report", "again.html"]
     assert main(again) == 0

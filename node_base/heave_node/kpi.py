@@ -222,6 +222,26 @@ class WinchPower:
     regenerated: float
 
 
+RATED_SHARE = 0.5
+"""A winch is loaded from this share of its rated speed or power on."""
+
+
+def percent_loaded(power: ArrayLike, speed: ArrayLike, rated_power: float, rated_speed: float) -> float:
+    """Return the share of time above RATED_SHARE of rated speed or power [%]; NaN for a winch with neither.
+
+    Parameters
+    ----------
+    power : at the drum, shape (n,) [W]
+    speed : of the rope, shape (n,) [m/s]
+    rated_power, rated_speed : limits of the winch [W], [m/s]; infinite where there is none
+    """
+    if not (math.isfinite(rated_power) or math.isfinite(rated_speed)):
+        return math.nan
+    is_fast = np.abs(np.asarray(speed, dtype=float)) > RATED_SHARE * rated_speed
+    is_strong = np.abs(np.asarray(power, dtype=float)) > RATED_SHARE * rated_power
+    return percent_true(is_fast | is_strong)
+
+
 def winch_power(tension: ArrayLike, payout_rate: ArrayLike) -> WinchPower:
     """Return the power figures of a winch from `tension` at the top [N] and `payout_rate` [m/s, positive pays out]."""
     power = np.asarray(tension, dtype=float) * np.asarray(payout_rate, dtype=float)

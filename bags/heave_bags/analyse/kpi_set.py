@@ -15,6 +15,7 @@ from types import MappingProxyType
 import numpy as np
 from heave_node import kpi
 from heave_node.interface.codes import WinchLimit
+from heave_node.load_cycles import DAMAGE_EXPONENT, LoadCycles, load_cycles
 from heave_node.numerics.arrays import Array
 from numpy.typing import NDArray
 
@@ -195,10 +196,27 @@ class Window:
         return kpi.largest_after(part.time, part.value - part.value.mean(), self.mode_changes, AFTER_CHANGE)
 
     @cached_property
+    def tension_at_rate(self) -> Array:
+        """Tension at the samples of the winch's rate [N]; empty where either is not known."""
+        return self.run.tension.at(self.rate) if self.run.tension.size else np.empty(0)
+
+    @cached_property
     def power(self) -> kpi.WinchPower:
         """Power at the drum."""
-        is_known = self.rate.size and self.run.tension.size
-        return kpi.winch_power(self.run.tension.at(self.rate) if is_known else [], self.rate.value if is_known else [])
+        return kpi.winch_power(self.tension_at_rate, self.rate.value if self.tension_at_rate.size else [])
+
+    @cached_property
+    def loaded_percent(self) -> float:
+        """Share of time above half of what the winch is rated for, in speed or power [%]."""
+        if not self.tension_at_rate.size:
+            return NOT_KNOWN
+        power = self.tension_at_rate * self.rate.value
+        return kpi.percent_loaded(power, self.rate.value, self.run.power_limit, self.run.speed_limit)
+
+    @cached_property
+    def load_cycles(self) -> LoadCycles:
+        """Cycles of the top tension."""
+        return load_cycles(self.tension.time, self.tension.value)
 
     @cached_property
     def wear(self) -> kpi.RopeWear:
@@ -510,6 +528,14 @@ KPI_DEFINITIONS: tuple[KpiDefinition, ...] = (
         lambda w: kpi.percent_true(w.of(w.run.compensating).value),
         digits=1,
     ),
+    KpiDefinition(
+        "time_above_half_rating_percent",
+        "above half of rated speed or power, share of time",
+        "%",
+        WINCH,
+        lambda w: w.loaded_percent,
+        digits=1,
+    ),
     KpiDefinition("power_peak_w", "winch power, peak |Tv|", "kW", ENERGY, lambda w: w.power.peak, 1e-3, 2),
     KpiDefinition("power_mean_abs_w", "winch power, mean |Tv|", "kW", ENERGY, lambda w: w.power.mean_abs, 1e-3, 2),
     KpiDefinition("power_rms_w", "winch power, root mean square", "kW", ENERGY, lambda w: w.power.rms, 1e-3, 2),
@@ -535,6 +561,22 @@ KPI_DEFINITIONS: tuple[KpiDefinition, ...] = (
         WEAR,
         lambda w: w.wear.bending_cycles,
         digits=0,
+    ),
+    KpiDefinition(
+        "tension_cycles_per_h",
+        "cycles of the top tension (rainflow), per hour",
+        "1/h",
+        WEAR,
+        lambda w: w.load_cycles.per_hour,
+        digits=0,
+    ),
+    KpiDefinition(
+        "tension_range_equivalent_n",
+        f"damage-equivalent tension range at 1 Hz, m = {DAMAGE_EXPONENT:g}",
+        "kN",
+        WEAR,
+        lambda w: w.load_cycles.equivalent_range,
+        1e-3,
     ),
     KpiDefinition(
         "nis_in_band_percent",
@@ -679,6 +721,7 @@ TOP_TENSION, PAYOUT = "top tension", "payout"
 _OF_TENSION = (
     *("tension_min_n", "tension_mean_n", "tension_max_n", "tension_sigma_n", "tension_ratio_min"),
     *("dynamic_amplification", "snaps", "top_tension_mean_n", "top_tension_amplitude_n"),
+    *("tension_cycles_per_h", "tension_range_equivalent_n"),
 )
 MOTIONS_OF: Mapping[str, tuple[str, ...]] = {
     **dict.fromkeys(("unit_sigma_m", "significant_residual_m", "max_abs_heave_m", "heave_p999_m"), (UNIT_HEAVE,)),

@@ -475,6 +475,7 @@ def _fill_parameters(signals: RunSignals, nodes: NodeParameters) -> None:
     winch, vessel = nodes.get("virtual_winch", {}), nodes.get("wave_vessel", {})
     signals.speed_limit = _number(winch, "speed_limit", math.inf)
     signals.acceleration_limit = _number(winch, "acceleration_limit", math.inf)
+    signals.power_limit = _number(winch, "power_limit", math.inf) or math.inf  # 0 means no limit
     if vessel.get("boom_tip_source") == "regular":
         period = _number(vessel, "period", math.nan)
         signals.driving_omega = 2.0 * math.pi / period if period > 0.0 else math.nan

@@ -1,7 +1,7 @@
 """The largest sea in which criteria hold, by period, from the cases of a grid of seas.
 
 Between two heights a figure of merit is taken as linear; below the smallest it goes to its value in a calm sea. Each
-seed has a limit of its own, and their spread is the confidence in the mean (Student's t).
+seed has a limit of its own, and their spread is the confidence in the mean (Student's t), from FEWEST_SEEDS on.
 """
 
 from __future__ import annotations
@@ -22,6 +22,11 @@ from heave_bringup.operability.seas import HEIGHT, PERIOD
 
 CONFIDENCE = 0.9
 """Two-sided, of the interval about a mean limit."""
+
+FEWEST_SEEDS, USEFUL_SEEDS = 3, 5
+"""Seeds from which on a spread is told, and from which on half its interval is no wider than the standard deviation of
+one seed's limit. Of two seeds Student's t has one degree of freedom: 4.5 standard deviations, which tell nothing.
+"""
 
 LOST_LIMIT = "compensation lost"
 """What limits where compensation is given up, or a case cannot be run."""
@@ -91,8 +96,8 @@ def limit_curve(frame: pandas.DataFrame, criteria: Sequence[Criterion], *, locke
     Returns
     -------
     curve : a row for each peak period, with `period`, `limit` (mean over the seeds), `lower` and `upper` (ends of its
-        confidence interval within the grid, NaN for a single seed), `is_open` (nothing limits some seed up to the
-        largest height), `governs`, `seeds`
+        confidence interval within the grid, NaN for fewer than FEWEST_SEEDS), `is_open` (nothing limits some seed up to
+        the largest height), `governs`, `seeds`
     """
     top = float(frame[HEIGHT].max())
     rows = []
@@ -105,7 +110,7 @@ def limit_curve(frame: pandas.DataFrame, criteria: Sequence[Criterion], *, locke
             {
                 "period": float(period),  # type: ignore[arg-type]
                 "limit": float(heights.mean()),
-                "lower": max(float(heights.mean()) - half, 0.0),
+                "lower": max(float(heights.mean()) - half, 0.0),  # not known stays not known
                 "upper": min(float(heights.mean()) + half, top),
                 "is_open": any(math.isinf(one.height) for one in found),
                 "governs": max(names, key=names.count) if names else "",
@@ -116,12 +121,24 @@ def limit_curve(frame: pandas.DataFrame, criteria: Sequence[Criterion], *, locke
 
 
 def _half_width(heights: Array) -> float:
-    """Return half the confidence interval of a mean; NaN for a single value."""
+    """Return half the confidence interval of a mean; NaN for fewer than FEWEST_SEEDS values."""
     count = heights.size
-    if count < 2:
+    if count < FEWEST_SEEDS:
         return math.nan
     quantile = float(stats.t.ppf(0.5 + 0.5 * CONFIDENCE, count - 1))
     return quantile * float(heights.std(ddof=1)) / math.sqrt(count)
+
+
+def too_few_seeds(curves: Sequence[pandas.DataFrame]) -> str:
+    """Return the line that says why a limit of the `curves` shows no confidence; "" where each has seeds enough."""
+    count = min(int(curve["seeds"].min()) for curve in curves)
+    if count >= FEWEST_SEEDS:
+        return ""
+    seeds = f"{count} seed{'s' if count > 1 else ''}"
+    return (
+        f"confidence: - with {seeds}: it takes at least {FEWEST_SEEDS} seeds, and {USEFUL_SEEDS} (--seeds "
+        f"{USEFUL_SEEDS}) to be within one standard deviation of a seed's limit"
+    )
 
 
 def seed_limit(frame: pandas.DataFrame, criteria: Sequence[Criterion], *, locked: bool = False) -> SeedLimit:

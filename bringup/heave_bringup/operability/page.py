@@ -14,8 +14,9 @@ from heave_bags.analyse.report_figures import Figure
 from heave_node.criteria import Criterion
 
 from heave_bringup.operability import figures
-from heave_bringup.operability.limits import title_of
+from heave_bringup.operability.limits import title_of, too_few_seeds
 from heave_bringup.operability.page_parts import cases_table, criteria_table, notice, number, provenance_table, table
+from heave_bringup.operability.record import SeaRecord
 from heave_bringup.operability.study import Exposure, Place, Situation
 from heave_bringup.operability.windows import ALL
 
@@ -66,8 +67,9 @@ def render(about: About, found: Sequence[Situation], criteria: Sequence[Criterio
 
 
 def _notices(found: Sequence[Situation], place: Place | None) -> Iterable[str]:
-    if any(situation.limit["seeds"].min() < 2 for situation in found):
-        yield notice("One seed only: the limits have no confidence interval.")
+    few = too_few_seeds([situation.limit for situation in found])
+    if few:
+        yield notice(few)
     if place is None:
         return
     for warning in place.record.warnings:
@@ -98,15 +100,25 @@ def _overview(found: Sequence[Situation], place: Place | None) -> str:
     head += [f"wait for {hours:g} h, P50 / P90 [h]" for hours in place.windows if place.record.has_order]
     name = html.escape(place.record.name)
     trust = "with the alpha factors given" if place.alpha is not None else "with a forecast that is trusted"
-    caption = f"Seas of {name}; windows {trust}."
+    windows = f"windows {trust}" if place.record.has_order else html.escape(no_windows(place.record))
+    caption = f"Seas of {name}; {windows}."
     if not any(row[0] for row in rows):  # the sea alone was varied
         head, rows = head[1:], [row[1:] for row in rows]
     texts = 1 + head.index("winch")
     return f'<h2>Answer</h2><p class="caption">{caption}</p>{table(head, rows, texts=texts)}'
 
 
+def no_windows(record: SeaRecord) -> str:
+    """Return why nobody can wait for a window in the seas of a `record` without an order."""
+    return (
+        f"no waiting times: {record.name} is a scatter diagram, whose seas have no order in time; "
+        "a record with the columns time, hs, tp gives them"
+    )
+
+
 def _shares(exposure: Exposure, place: Place) -> list[str]:
-    return [f"{100 * exposure.share:.1f}", f"{100 * exposure.cautious:.1f}", *waits(exposure, place)]
+    cautious = f"{100 * exposure.cautious:.1f}" if math.isfinite(exposure.cautious) else "-"
+    return [f"{100 * exposure.share:.1f}", cautious, *waits(exposure, place)]
 
 
 def waits(exposure: Exposure, place: Place) -> list[str]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
@@ -41,7 +42,8 @@ class Exposure:
 
     Attributes
     ----------
-    share, cautious : of the measured seas within the mean limit, and within the lower end of its confidence
+    share, cautious : of the measured seas within the mean limit, and within the lower end of its confidence; NaN where
+        the seeds show none
     outside : share of the seas whose period the study has not run
     by_month : workable share; empty of a scatter diagram, as are the following
     windows : waiting times by length of window and month [h]
@@ -103,7 +105,8 @@ def exposure_of(place: Place, curve: pandas.DataFrame) -> Exposure:
     curve : as `limit_curve` gives it
     """
     record = place.record
-    shares = (workable_share(record, curve), workable_share(record, curve, "lower"), beyond_the_grid(record, curve))
+    cautious = math.nan if curve["lower"].isna().any() else workable_share(record, curve, "lower")
+    shares = (workable_share(record, curve), cautious, beyond_the_grid(record, curve))
     if not record.has_order:
         return Exposure(*shares)
     time = pandas.DatetimeIndex(record.states.index)

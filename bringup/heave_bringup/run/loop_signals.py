@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from heave_bags.analyse.depth_programme import take_out_programme
 from heave_bags.analyse.events import take_modes
@@ -39,6 +41,7 @@ def run_signals(record: LoopRecord, parameters: LoopParameters) -> RunSignals:
         touchdown=Signal(time, (record.column("touchdown_force") > 0.0).astype(float)),
         speed_limit=parameters.winch.speed_limit,
         acceleration_limit=parameters.winch.acceleration_limit,
+        power_limit=parameters.winch.power_limit or math.inf,  # 0 means no limit
     )
     weight = plant.cable.weight_in_fluid(plant.water_density, plant.gravity)
     take_modes(signals, time, np.asarray(record.modes))

@@ -9,6 +9,8 @@ from collections.abc import Iterable, Sequence
 from heave_bags.analyse.report import place_figure, render_page
 from heave_bags.analyse.report_figures import Figure
 from heave_node.criteria import Criterion
+from heave_node.kpi import RATED_SHARE
+from heave_node.load_cycles import DAMAGE_EXPONENT
 
 from heave_bringup.operability.page import About
 from heave_bringup.operability.page_parts import (
@@ -24,10 +26,13 @@ from heave_bringup.sizing.candidates import PARTICULARS
 from heave_bringup.sizing.figures import limits_figure, sweep_figure
 from heave_bringup.sizing.study import ENOUGH, OF_THE_WINCH, Duty, Knee, Prices, Sized
 
-FOOTER = """SI units. Workable: within the largest sea in which the criteria hold, a mean over the seeds, linear between
-the seas that were run. An hour's figures are means over the workable seas of each winch, so that a winch which works in
-higher seas is charged with them. Bending cycles: of the piece of rope that is bent most, on one sheave whose arc of
-contact is longer than the stroke; count each further sheave. For a PDF, print this page."""
+FOOTER = f"""SI units. Workable: within the largest sea in which the criteria hold, a mean over the seeds, linear
+between the seas that were run. An hour's figures are means over the workable seas of each winch, so that a winch which
+works in higher seas is charged with them. Bending cycles: of the piece of rope that is bent most, on one sheave whose
+arc of contact is longer than the stroke; count each further sheave. Tension cycles: rainflow count of the top tension
+(ASTM E1049-85). Equivalent tension range: the one that once a second does the damage of all cycles, by Miner's sum with
+m = {DAMAGE_EXPONENT:g} (stranded steel wire rope in tension, DNV-OS-E301 Ch.2 Sec.2). Above half rating: more than
+{100 * RATED_SHARE:g} % of the winch's speed or power. For a PDF, print this page."""
 
 ABILITY = (
     "winch",
@@ -49,6 +54,9 @@ DUTY = (
     "rope [km/h]",
     "reversals [1/h]",
     "bends [1/h]",
+    "above half rating [% of time]",
+    "tension cycles [1/h]",
+    "equivalent tension range [kN]",
 )
 
 
@@ -143,6 +151,11 @@ def duty_rows(found: Sequence[Sized]) -> list[list[str]]:
 def _duty(duty: Duty) -> list[str]:
     kilo = (duty.peak, duty.rms, duty.motoring, duty.electric)
     per_hour = (f"{duty.cost:.2f}", number(1e-3 * duty.heat), number(1e-3 * duty.travel))
-    counts = (f"{duty.reversals:.0f}", f"{duty.bending_cycles:.0f}")
-    cells = [*(number(1e-3 * value) for value in kilo), *per_hour, *counts]
+    counts = (_count(duty.reversals), _count(duty.bending_cycles))
+    cycle = (number(duty.loaded), _count(duty.tension_cycles), number(1e-3 * duty.tension_range))
+    cells = [*(number(1e-3 * value) for value in kilo), *per_hour, *counts, *cycle]
     return ["-"] * len(cells) if math.isnan(duty.peak) else cells
+
+
+def _count(value: float) -> str:
+    return f"{value:.0f}" if math.isfinite(value) else "-"

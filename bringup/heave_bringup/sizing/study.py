@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from pathlib import Path
 
 import numpy as np
 import pandas
 from heave_node.criteria import Criterion
+from heave_node.load_cycles import DAMAGE_EXPONENT
 from heave_node.numerics.arrays import Array
 from scipy.interpolate import RegularGridInterpolator
 
@@ -65,6 +66,9 @@ class Duty:
     heat : lost in the drive and burnt in resistors [Wh/h]
     cost : of the energy, in the currency of its price [1/h]
     travel, reversals, bending_cycles : of the rope [m/h, 1/h, 1/h]
+    loaded : share of time above half of rated speed or power [%]
+    tension_cycles : of the top tension [1/h]
+    tension_range : of the top tension, that once a second does the damage of all cycles in the seas' mix [N]
     """
 
     peak: float
@@ -77,6 +81,9 @@ class Duty:
     travel: float
     reversals: float
     bending_cycles: float
+    loaded: float
+    tension_cycles: float
+    tension_range: float
 
 
 @dataclass(frozen=True)
@@ -199,7 +206,7 @@ def duty_of(cases: pandas.DataFrame, limit: pandas.DataFrame, seas: SeaRecord, p
     states = seas.states[workable(seas, limit)]
     weights = states["share"].to_numpy()
     if not weights.size or weights.sum() <= 0.0:
-        return Duty(*([math.nan] * 10))
+        return Duty(**{of.name: math.nan for of in fields(Duty)})
     weights = weights / weights.sum()
 
     def mean(kpi: str) -> float:
@@ -207,6 +214,7 @@ def duty_of(cases: pandas.DataFrame, limit: pandas.DataFrame, seas: SeaRecord, p
 
     motoring, regenerated = mean("energy_wh_per_h"), mean("energy_regenerated_wh_per_h")
     bought = motoring / prices.efficiency
+    ranges = _at(cases, "tension_range_equivalent_n", states)
     fed_back = prices.efficiency * prices.regeneration * regenerated
     electric = bought - fed_back
     return Duty(
@@ -220,11 +228,16 @@ def duty_of(cases: pandas.DataFrame, limit: pandas.DataFrame, seas: SeaRecord, p
         travel=mean("rope_travel_m_per_h"),
         reversals=mean("reversals_per_h"),
         bending_cycles=mean("bending_cycles_per_h"),
+        loaded=mean("time_above_half_rating_percent"),
+        tension_cycles=mean("tension_cycles_per_h"),
+        tension_range=float((weights @ ranges**DAMAGE_EXPONENT) ** (1.0 / DAMAGE_EXPONENT)),
     )
 
 
 def _at(cases: pandas.DataFrame, kpi: str, states: pandas.DataFrame) -> Array:
-    """Return a figure of merit at seas, its mean over the seeds."""
+    """Return a figure of merit at seas, its mean over the seeds; NaN where an older table has no such figure."""
+    if kpi not in cases:
+        return np.full(len(states), math.nan)
     grid = cases.pivot_table(index=PERIOD, columns=HEIGHT, values=kpi, aggfunc="mean", dropna=False)
     grid = grid.bfill(axis=1).ffill(axis=1)  # of a case that could not be run: as in the sea beside it
     grid.insert(0, 0.0, 0.0)
@@ -304,6 +317,9 @@ def buyers_table(found: Sequence[Sized]) -> pandas.DataFrame:
                 "rope_travel_m_per_h": duty.travel,
                 "reversals_per_h": duty.reversals,
                 "bending_cycles_per_h": duty.bending_cycles,
+                "time_above_half_rating_percent": duty.loaded,
+                "tension_cycles_per_h": duty.tension_cycles,
+                "tension_range_equivalent_n": duty.tension_range,
             }
         )
     return pandas.DataFrame(rows)

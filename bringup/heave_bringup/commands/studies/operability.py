@@ -72,7 +72,7 @@ def execute(options: argparse.Namespace) -> None:
     files = f"report    {page}\ncases     {table}"
     write_result(
         options,
-        [*_tables(found, place), *_left_out(scenario, frame), files],
+        [*_tables(found, place), *_remarks(found, place), *_left_out(scenario, frame), files],
         {**to_json(found, criteria), "report": str(page)},
     )
 
@@ -118,6 +118,16 @@ def _left_out(scenario: Scenario, frame: DataFrame) -> list[str]:
         return []
     beside = f"--vary '{LAW}=[{law}, {BASELINE_LAW}]'"
     return [f"left out: the limits under law {BASELINE_LAW} ({beside}, in twice the time)"]
+
+
+def _remarks(found: list[Situation], place: Place | None) -> list[str]:
+    """Return the lines below the tables on what they cannot tell: confidence of few seeds, waiting without an order."""
+    from heave_bringup.operability.limits import too_few_seeds
+    from heave_bringup.operability.page import no_windows
+
+    without_order = [] if place is None or place.record.has_order else [no_windows(place.record)]
+    few = too_few_seeds([situation.limit for situation in found])
+    return without_order + ([few] if few else [])
 
 
 def _tables(found: list[Situation], place: Place | None) -> list[str | Table]:
