@@ -1,5 +1,6 @@
 """What must hold before the winch follows the sea."""
 
+import math
 from types import SimpleNamespace
 
 import pytest
@@ -31,3 +32,46 @@ def test_readings_far_off_close_the_gate_for_as_long_as_it_says():
         observe(gates, 1.0, 1)
         waited += 1
     assert waited * 4 * DT == pytest.approx(6.6, abs=0.3)
+
+
+def gates_over(sigma, **thresholds):
+    """Return gates that have watched a boom tip of a standard deviation `sigma` [m] for five minutes."""
+    gates = EntryGates(EntryParameters(**thresholds), window=60.0, tick_period=DT)
+    for number in range(round(300.0 / DT)):
+        heave = sigma * math.sqrt(2.0) * math.sin(0.7 * number * DT)
+        gates.observe(SimpleNamespace(boom_tip=Motion(heave, 0.0), sensed=SimpleNamespace(innovations={})))
+    return gates
+
+
+def test_constant_tension_waits_for_peaks_below_four_fifths_of_the_limits():
+    """A peak is 1.5 significant amplitudes: 0.53 of them make 80 %."""
+    gates = gates_over(0.0)
+    assert gates.for_tension(0.0, LIMITS, 0.53) == ""
+    assert gates.for_tension(0.0, LIMITS, 0.6) == (
+        "peaks of the boom tip take 90 % of the winch's limits; at most 80 % is allowed"
+    )
+
+
+def test_both_modes_need_room_for_the_waves_in_the_range_of_payout():
+    gates = gates_over(1.0)
+    words = "a payout of 48.0 m leaves 2.0 m to the end of the range, the sea needs 3.0 m"
+    for payout, room in ((48.0, 2.0), (-48.5, 1.5), (60.0, 0.0)):
+        said = words.replace("48.0", f"{payout:.1f}").replace("2.0 m to", f"{room:.1f} m to")
+        assert gates.for_compensation(payout, LIMITS, 0.1, 2.0) == said
+        assert gates.for_tension(payout, LIMITS, 0.1) == said
+    assert gates.for_compensation(46.5, LIMITS, 0.1, 2.0) == ""
+    assert gates.for_tension(-46.5, LIMITS, 0.1) == ""
+
+
+def test_compensation_waits_for_a_sea_that_asks_for_no_more_than_is_allowed():
+    gates = gates_over(0.0)
+    assert gates.for_compensation(0.0, LIMITS, 2.0, 2.0) == ""
+    assert gates.for_compensation(0.0, LIMITS, 2.34, 2.0) == (
+        "the sea demands 2.3 times the winch's limits; at most 2 is allowed"
+    )
+
+
+def test_all_gates_that_are_closed_are_told():
+    words = gates_over(1.0).for_tension(49.0, LIMITS, 2.0)
+    assert words.startswith("a payout of 49.0 m leaves 1.0 m")
+    assert words.endswith("; peaks of the boom tip take 300 % of the winch's limits; at most 80 % is allowed")
