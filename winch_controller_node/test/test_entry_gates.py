@@ -9,6 +9,7 @@ from winch_controller_node.laws.parts.winch_limits import WinchLimits
 from winch_controller_node.model.estimator import Innovation
 from winch_controller_node.parameters.laws import EntryParameters
 from winch_controller_node.supervision.entry_gates import EntryGates
+from winch_controller_node.supervision.supervisor import Supervisor
 
 DT = 0.05
 LIMITS = WinchLimits(2.0, 1.5, -50.0, 50.0)
@@ -75,3 +76,19 @@ def test_all_gates_that_are_closed_are_told():
     words = gates_over(1.0).for_tension(49.0, LIMITS, 2.0)
     assert words.startswith("a payout of 49.0 m leaves 1.0 m")
     assert words.endswith("; peaks of the boom tip take 300 % of the winch's limits; at most 80 % is allowed")
+
+
+def test_compensation_waits_for_waves_and_for_readings_that_can_be_believed():
+    """60 s of twice the settling time: in calm water none come, and it begins without them."""
+    gates = SimpleNamespace(for_compensation=lambda *_: "the sea demands too much")
+    supervisor = SimpleNamespace(
+        _dt=DT, _longest_wait=60.0, _gates=gates, _limits=LIMITS, guard=SimpleNamespace(demand=0.1), _largest_demand=2.0
+    )
+
+    def words(time, *, knows_sea, doubt=""):
+        tick = SimpleNamespace(number=round(time / DT), knows_sea=knows_sea, doubt=doubt)
+        return Supervisor._closed_gates(supervisor, tick, 0.0)
+
+    assert words(20.0, knows_sea=False) == "waves are being looked at, for at most 40 s more"
+    assert words(60.0, knows_sea=False) == words(20.0, knows_sea=True) == "the sea demands too much"
+    assert words(20.0, knows_sea=True, doubt="the depth is doubted") == "the depth is doubted"
