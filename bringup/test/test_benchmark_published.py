@@ -115,6 +115,24 @@ def test_the_law_of_this_suite_leaves_at_most_a_third_of_the_published_figures_w
     assert figures["largest_error_m"] < 0.05
 
 
+@needs_records
+@pytest.mark.long
+@pytest.mark.timeout(3600)
+def test_lqg_stays_below_off_in_the_rough_published_sea() -> None:
+    """Its waves ask for more than the winch's speed, which is in no equation of that law."""
+    figures = run(case_named("z_rough_noisy"), Named("suite:lqg").load())
+    assert figures["unit_sigma_m"] < 0.5 * figures["uncompensated_sigma_m"]
+
+
+@needs_records
+@pytest.mark.long
+@pytest.mark.timeout(3600)
+def test_mpc_leaves_no_more_than_lqg_in_the_moderate_published_sea() -> None:
+    case = case_named("z_moderate_noisy")
+    ours, lqg = (run(case, Named(f"suite:{law}").load())["unit_sigma_m"] for law in ("mpc", "lqg"))
+    assert ours <= 1.02 * lqg
+
+
 @pytest.mark.long
 @pytest.mark.timeout(3600)
 @pytest.mark.parametrize("seed", [1, 8])

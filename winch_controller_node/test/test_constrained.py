@@ -156,6 +156,29 @@ def test_the_mean_payout_takes_its_share_of_the_speed(design):
     assert (lower[0], upper[0]) == (-3.0, 1.0)
 
 
+def test_the_plan_keeps_below_a_highest_tension(design):
+    """A unit that falls at 0.2 m/s pulls in half a second; the winch pays out before, and 30 % of it is not there."""
+    state = sea_state(design, 0.3, 1)
+    state.x[design.model.state("unit_heave_rate")] -= 0.2
+
+    def planned(**changes):
+        """Return the highest tension of the plan about the static one [N], and the command."""
+        parameters, limits = design.parameters, dataclasses.replace(design.limits, **changes)
+        made_for = LawDesign(design.model, parameters.winch, limits, parameters.weights, design.gain)
+        law = ConstrainedLaw(made_for, MpcParameters())
+        command = law.command(state)
+        rows = next(kind.rows for kind in law._rows if kind.name == "tension")
+        return float((law._free @ state.x + law._forced @ law._plan)[rows].max()), command
+
+    highest, command = planned()
+    assert highest > 0.1 * state.static_tension
+    assert "tension" not in command.active
+    bounded, command = planned(maximum_tension=state.static_tension + 0.7 * highest)
+    assert command.status == "solved"
+    assert "tension" in command.active
+    assert bounded == pytest.approx(0.7 * highest, rel=0.005)
+
+
 def test_a_first_order_winch_and_a_horizon_within_the_delay_are_refused_in_words(design):
     winch = WinchModelParameters(law="first_order")
     other = design_controller(WinchControllerParameters(winch=winch, law="lqg"), tick_period=DT)

@@ -1,5 +1,6 @@
 """What must hold before the winch follows the sea."""
 
+import math
 from types import SimpleNamespace
 
 import pytest
@@ -8,6 +9,7 @@ from winch_controller_node.laws.parts.winch_limits import WinchLimits
 from winch_controller_node.model.estimator import Innovation
 from winch_controller_node.parameters.laws import EntryParameters
 from winch_controller_node.supervision.entry_gates import EntryGates
+from winch_controller_node.supervision.supervisor import Supervisor
 
 DT = 0.05
 LIMITS = WinchLimits(2.0, 1.5, -50.0, 50.0)
@@ -31,3 +33,62 @@ def test_readings_far_off_close_the_gate_for_as_long_as_it_says():
         observe(gates, 1.0, 1)
         waited += 1
     assert waited * 4 * DT == pytest.approx(6.6, abs=0.3)
+
+
+def gates_over(sigma, **thresholds):
+    """Return gates that have watched a boom tip of a standard deviation `sigma` [m] for five minutes."""
+    gates = EntryGates(EntryParameters(**thresholds), window=60.0, tick_period=DT)
+    for number in range(round(300.0 / DT)):
+        heave = sigma * math.sqrt(2.0) * math.sin(0.7 * number * DT)
+        gates.observe(SimpleNamespace(boom_tip=Motion(heave, 0.0), sensed=SimpleNamespace(innovations={})))
+    return gates
+
+
+def test_constant_tension_waits_for_peaks_below_four_fifths_of_the_limits():
+    """A peak is 1.5 significant amplitudes: 0.53 of them make 80 %."""
+    gates = gates_over(0.0)
+    assert gates.for_tension(0.0, LIMITS, 0.53) == ""
+    assert gates.for_tension(0.0, LIMITS, 0.6) == (
+        "peaks of the boom tip take 90 % of the winch's limits; at most 80 % is allowed"
+    )
+
+
+def test_both_modes_need_room_for_the_waves_in_the_range_of_payout():
+    gates = gates_over(1.0)
+    words = "a payout of 48.0 m leaves 2.0 m to the end of the range, the sea needs 3.0 m"
+    for payout, room in ((48.0, 2.0), (-48.5, 1.5), (60.0, 0.0)):
+        said = words.replace("48.0", f"{payout:.1f}").replace("2.0 m to", f"{room:.1f} m to")
+        assert gates.for_compensation(payout, LIMITS, 0.1, 2.0) == said
+        assert gates.for_tension(payout, LIMITS, 0.1) == said
+    assert gates.for_compensation(46.5, LIMITS, 0.1, 2.0) == ""
+    assert gates.for_tension(-46.5, LIMITS, 0.1) == ""
+
+
+def test_compensation_waits_for_a_sea_that_asks_for_no_more_than_is_allowed():
+    gates = gates_over(0.0)
+    assert gates.for_compensation(0.0, LIMITS, 2.0, 2.0) == ""
+    assert gates.for_compensation(0.0, LIMITS, 2.34, 2.0) == (
+        "the sea demands 2.3 times the winch's limits; at most 2 is allowed"
+    )
+
+
+def test_all_gates_that_are_closed_are_told():
+    words = gates_over(1.0).for_tension(49.0, LIMITS, 2.0)
+    assert words.startswith("a payout of 49.0 m leaves 1.0 m")
+    assert words.endswith("; peaks of the boom tip take 300 % of the winch's limits; at most 80 % is allowed")
+
+
+def test_compensation_waits_for_waves_and_for_readings_that_can_be_believed():
+    """60 s of twice the settling time: in calm water none come, and it begins without them."""
+    gates = SimpleNamespace(for_compensation=lambda *_: "the sea demands too much")
+    supervisor = SimpleNamespace(
+        _dt=DT, _longest_wait=60.0, _gates=gates, _limits=LIMITS, guard=SimpleNamespace(demand=0.1), _largest_demand=2.0
+    )
+
+    def words(time, *, knows_sea, doubt=""):
+        tick = SimpleNamespace(number=round(time / DT), knows_sea=knows_sea, doubt=doubt)
+        return Supervisor._closed_gates(supervisor, tick, 0.0)
+
+    assert words(20.0, knows_sea=False) == "waves are being looked at, for at most 40 s more"
+    assert words(60.0, knows_sea=False) == words(20.0, knows_sea=True) == "the sea demands too much"
+    assert words(20.0, knows_sea=True, doubt="the depth is doubted") == "the depth is doubted"

@@ -83,7 +83,13 @@ class LoopCommand:
         self._fade_out = OutletHold(model, parameters.winch, 0.0) if rate_driven else None
         self._settling = OutletHold(model, parameters.winch, design.cable.a) if rate_driven else None
         self._constant_tension = ConstantTension(
-            model, design.cable, parameters.winch, parameters.tension, self._tension, self._travel
+            model,
+            design.cable,
+            parameters.winch,
+            parameters.tension,
+            self._tension,
+            self._travel,
+            round_trip=design.wave_round_trip,
         )
         self._stiffness, self._travel_bound = design.cable.stiffness, parameters.tension.travel
         self._giving_time = max(GIVING_TIME, 2.0 * (parameters.winch.command_delay + parameters.winch.time_constant))
@@ -196,7 +202,9 @@ class LoopCommand:
         mode = decision.mode.mode
         if mode is Mode.CONSTANT_TENSION:
             tension = tick.sensed.tension if math.isfinite(tick.sensed.tension) else state.measured_tension
-            return self._constant_tension.command(state, tension, follows_tip="mru" not in tick.sensed.lost)
+            return self._constant_tension.command(
+                state, tension, follows_tip="mru" not in tick.sensed.lost, unit_stands=decision.unit_stands
+            )
         if mode is Mode.COMPENSATING:
             return self._law.command(state)
         if mode is Mode.MANUAL:

@@ -99,6 +99,12 @@ class ControllerDesign:
         unit = self.parameters.unit
         return (unit.mass - self.parameters.water_density * unit.volume) * self.parameters.gravity
 
+    def wave_round_trip(self, payout: float) -> float:
+        """Return the time of an axial wave down the cable and back with a `payout` [m] out [s]."""
+        length = self.parameters.length + payout
+        pieces = believed_plant(self.parameters).line(length).pieces(length)
+        return 2.0 * sum(piece.length * math.sqrt(piece.mass / piece.axial_stiffness) for piece in pieces)
+
     def make_estimator(self) -> KalmanEstimator:
         """Return a Kalman filter at its initial state."""
         estimator = self.parameters.estimator
@@ -250,9 +256,14 @@ def _check_inputs(parameters: WinchControllerParameters, tick_period: float) -> 
         raise DesignError(f"sensors.use must include one of {', '.join(of_motion)}: nothing else measures the motion")
 
 
+def believed_plant(parameters: WinchControllerParameters) -> PlantBelief:
+    """Return what the `parameters` say of cable, unit and water."""
+    return PlantBelief(parameters.cable, parameters.unit, parameters.water_density, parameters.gravity)
+
+
 def believed_cable(parameters: WinchControllerParameters, length: float) -> CableModel:
     """Return the two-state cable at `length` [m] of the plant of `parameters`, fitted where the boom tip has energy."""
-    plant = PlantBelief(parameters.cable, parameters.unit, parameters.water_density, parameters.gravity)
+    plant = believed_plant(parameters)
     tip = boom_tip_block(parameters.sea, parameters.vessel)
     P = state_covariance(tip)
     heave, rate = tip.row("boom_tip_heave"), tip.row("boom_tip_heave_rate")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 from heave_node.numerics.arrays import Array
@@ -11,12 +12,11 @@ from heave_node.numerics.linear_model import LinearModel
 from winch_controller_node.laws.law import LawCommand
 from winch_controller_node.laws.parts.governor import standing_command
 from winch_controller_node.laws.parts.loop_state import LoopState
+from winch_controller_node.laws.parts.tension_alone import TensionAlone, TensionRate
+from winch_controller_node.laws.parts.tip_by_tension import WAVE_TIME_SHARES, TensionRecord
 from winch_controller_node.model.blocks import CableModel
 from winch_controller_node.parameters.laws import TensionLawParameters
 from winch_controller_node.parameters.model import WinchModelParameters
-
-ALONE_LAGS = 2.0
-"""Time constant of a tension loop without the boom tip, in lags of the winch: a phase margin of 60 degrees."""
 
 BLEND_TIME = 2.0
 """Time over which the boom tip is given up, or taken up again [s]."""
@@ -96,14 +96,16 @@ class Travel:
 class ConstantTension:
     """Rate command = predicted boom-tip rate + (tension - set-point)/(stiffness * time constant).
 
-    Without the motion reference unit the tension alone leads, faster and up to the winch's own speed.
+    Without the motion reference unit the tension leads alone, see `TensionAlone`, up to the winch's own speed.
 
     Parameters
     ----------
-    model : the design's augmented model; cable : its stiffness; winch : delay and lag
+    model : the design's augmented model
+    cable : its stiffness, and what a hanging unit does; winch : delay and lag
     parameters : time constant, largest correction
     set_point : that is held, advanced by a tick with each command
     travel : that is bounded
+    round_trip : time of a wave down the cable and back [s], by payout [m]
     """
 
     def __init__(
@@ -114,21 +116,25 @@ class ConstantTension:
         parameters: TensionLawParameters,
         set_point: TensionSetPoint,
         travel: Travel,
+        *,
+        round_trip: Callable[[float], float],
     ) -> None:
         assert model.dt is not None
         self._set_point, self._travel = set_point, travel
-        lag = winch.command_delay + winch.time_constant
-        ticks = round(lag / model.dt)
+        self._model, self._cable, self._winch, self._parameters = model, cable, winch, parameters
+        self._round_trip = round_trip
+        ticks = round((winch.command_delay + winch.time_constant) / model.dt)
         self._tip_rate: Array = model.row("boom_tip_heave_rate") @ np.linalg.matrix_power(model.A, ticks)
         self._standing: Array = standing_command(model, winch) if winch.law == "speed_servo" else np.zeros(model.order)
-        self._outlet: Array = model.row("payout") - model.row("boom_tip_heave")
-        self._stiffness = cable.stiffness
-        self._times = (max(ALONE_LAGS * lag, ALONE_LAGS * model.dt), parameters.time_constant)
-        self._largest = (winch.speed_limit, parameters.speed_limit)
+        self._payout: Array = model.row("payout")
+        self._boom_tip: Array = model.row("boom_tip_heave")
         self._step = model.dt / BLEND_TIME
         self._tip_share = 1.0
+        longest = max(WAVE_TIME_SHARES) * round_trip(winch.payout_maximum)
+        self._record = TensionRecord(longest, tick_period=model.dt)
+        self._alone: TensionAlone | None = None
 
-    def command(self, state: LoopState, tension: float, *, follows_tip: bool) -> LawCommand:
+    def command(self, state: LoopState, tension: float, *, follows_tip: bool, unit_stands: bool) -> LawCommand:
         """Return the command.
 
         Parameters
@@ -136,16 +142,37 @@ class ConstantTension:
         state : its `x` is the unshifted estimate, so that the whole boom tip is followed
         tension : newest reading [N], used where it leads alone
         follows_tip : the motion of the boom tip is known
+        unit_stands : on the bottom
         """
+        self._record.add(tension, float(self._payout @ state.x) + state.reference.payout)
+        if self._alone is None and not follows_tip:
+            self._alone = self._begin_alone(state)
         share = self._tip_share + min(max(float(follows_tip) - self._tip_share, -self._step), self._step)
         self._tip_share = share
-        alone, with_tip = self._times
-        measured = share * state.measured_tension + (1.0 - share) * tension
-        time_constant = share * with_tip + (1.0 - share) * alone
-        largest = share * self._largest[1] + (1.0 - share) * self._largest[0]
-        correction = (measured - self._set_point.advance()) / (self._stiffness * time_constant)
-        correction = min(max(correction, -largest), largest)
-        bounded = self._travel.bounded(correction, float(self._outlet @ state.x) + state.reference.payout)
+        if share == 1.0:
+            self._alone = None
+        set_point = self._set_point.advance()
+        with_tip = self._followed(state, set_point)
+        alone = with_tip if self._alone is None else self._alone.rate(self._record, set_point, unit_stands=unit_stands)
+        correction = share * with_tip.correction + (1.0 - share) * alone.correction
+        outlet = self._payout - self._boom_tip
+        bounded = self._travel.bounded(correction, float(outlet @ state.x) + state.reference.payout)
         active = (TRAVEL,) if bounded != correction else ()
-        rate = float(self._standing @ state.x) + share * float(self._tip_rate @ state.x) + bounded
-        return LawCommand(rate, active=active)
+        tip = share * with_tip.tip + (1.0 - share) * alone.tip
+        return LawCommand(float(self._standing @ state.x) + tip + bounded, active=active)
+
+    def _followed(self, state: LoopState, set_point: float) -> TensionRate:
+        """Return the rate with the boom tip as estimated in `state`, for a `set_point` [N]."""
+        parameters = self._parameters
+        correction = (state.measured_tension - set_point) / (self._cable.stiffness * parameters.time_constant)
+        limit = parameters.speed_limit
+        return TensionRate(float(self._tip_rate @ state.x), min(max(correction, -limit), limit))
+
+    def _begin_alone(self, state: LoopState) -> TensionAlone:
+        """Return what leads by the tension alone from now on, on the wire that is out."""
+        payout = float(self._payout @ state.x) + state.reference.payout
+        alone = TensionAlone(
+            self._model, self._cable, self._winch, self._round_trip(payout), self._parameters.time_constant
+        )
+        alone.begin(state.x, self._record)
+        return alone

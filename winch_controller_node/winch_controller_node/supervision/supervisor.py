@@ -69,6 +69,7 @@ class Decision(NamedTuple):
     is_inhibited : the guard keeps compensation off
     trusts_estimate : the depth sensor agrees with the estimate
     fades_by_law : an operator has asked for a fade-out, and all is well: the law itself lets the unit go
+    unit_stands : on the bottom
     landing : what has just happened to the unit; None: nothing
     alarms : in words
     """
@@ -77,6 +78,7 @@ class Decision(NamedTuple):
     is_inhibited: bool
     trusts_estimate: bool
     fades_by_law: bool
+    unit_stands: bool
     landing: LandingEvent | None
     alarms: tuple[str, ...]
 
@@ -168,12 +170,14 @@ class Supervisor:
             self._fades_by_law = False
         elif mode.before is Mode.COMPENSATING:
             self._fades_by_law = not self.modes.wants_compensation
+        landing = self._watch_landing(time, tick, mode)
         return Decision(
             mode=mode,
             is_inhibited=self.guard.inhibits,
             trusts_estimate=self.guard.trusts_estimate,
             fades_by_law=self._fades_by_law,
-            landing=self._watch_landing(time, tick, mode),
+            unit_stands=self.landing.unit_stands,
+            landing=landing,
             alarms=alarms,
         )
 
