@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+import atexit
 import difflib
 import os
+import shutil
+import tempfile
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cache
 from importlib import resources
 from pathlib import Path
 from typing import Any
 
 from heave_node.catalogue import with_entries
 from heave_node.criteria import WANTED, Criterion
-from heave_node.parameters import Given, ParameterError, describe, unknown_parameter
+from heave_node.parameters import Given, ParameterError, describe, flatten, unknown_parameter
 from heave_node.run_parameters import NodeParameters, RunParameters, build_node_parameters
 from heave_node.scenario import WILDCARD, Sections, parse_sections, read_sections
 from heave_node.system_parameters import SYSTEM, owned_names, system_names
@@ -20,7 +24,8 @@ from winch_controller_node.supervision.modes import Mode
 
 from heave_bringup.nodes import MASTER, NODE_BY_NAME, NODES
 from heave_bringup.settings import Setting, parse_setting
-from heave_bringup.tables.case_table import scenario_of, split_reference
+from heave_bringup.tables.case_table import files_of, scenario_of, split_reference
+from heave_bringup.tables.kept_files import make_good
 
 SCENARIO_FOLDER = "scenarios"
 NAMES_OF_FILES = ("rao_file", "spectrum_file", "recording_file")
@@ -45,6 +50,7 @@ class Scenario:
     parameters : parameter set of each node, by node name
     wanted : criteria that a run should meet
     quality_of_service : what a node's section changes of it, `qos_overrides.`, by node and dotted name
+    remade : a line on each file that was made anew from the table that the scenario is a case of
     """
 
     name: str
@@ -53,6 +59,7 @@ class Scenario:
     parameters: Mapping[str, Any]
     wanted: tuple[Criterion, ...] = ()
     quality_of_service: Mapping[str, Mapping[str, object]] = field(default_factory=dict)
+    remade: tuple[str, ...] = ()
 
     @property
     def moves_winch(self) -> bool:
@@ -94,7 +101,9 @@ def find_scenario(name: str) -> Path:
     raise ParameterError(f"{name}: no such scenario; {hint}")
 
 
-def load_scenario(name: str, *, settings: Iterable[Setting | str] = (), needs_files: bool = True) -> Scenario:
+def load_scenario(
+    name: str, *, settings: Iterable[Setting | str] = (), needs_files: bool = True, folder: Path | None = None
+) -> Scenario:
     """Find, merge and check a scenario.
 
     Parameters
@@ -102,6 +111,8 @@ def load_scenario(name: str, *, settings: Iterable[Setting | str] = (), needs_fi
     name : shipped name, file, or a case of a campaign (`FILE.parquet:CASE`)
     settings : changes on top of the file; a string is read like the value of `--set`
     needs_files : files that it names must be there; False: it is only looked at
+    folder : where files are written that a case's table keeps, and that are not where they were, or not as they were;
+        None: one that goes with this process
 
     Files that the scenario names are relative to its own folder.
 
@@ -109,7 +120,32 @@ def load_scenario(name: str, *, settings: Iterable[Setting | str] = (), needs_fi
     with the option that gave it.
     """
     path = find_scenario(name)
-    return _of_sections(_sections(path), path, settings, needs_files=needs_files)
+    sections, settings = _sections(path), list(settings)
+    case = split_reference(str(path))
+    if case is None or not needs_files:
+        return _of_sections(sections, path, settings, needs_files=needs_files)
+    read, kept = files_of(*case)
+    if not read:
+        return _of_sections(sections, path, settings, needs_files=True)
+    named = named_files(_of_sections(sections, path, settings, needs_files=False))
+    anew, told = make_good(read, kept, named, folder or _scratch_folder(), str(path))
+    for values in sections.values():
+        values.update({name: anew[value] for name, value in values.items() if isinstance(value, str) and value in anew})
+    return replace(_of_sections(sections, path, settings, needs_files=True), remade=tuple(told))
+
+
+@cache
+def _scratch_folder() -> Path:
+    """Return a folder that is removed when this process ends."""
+    folder = tempfile.mkdtemp(prefix="heave-")
+    atexit.register(shutil.rmtree, folder, ignore_errors=True)
+    return Path(folder)
+
+
+def named_files(scenario: Scenario) -> list[str]:
+    """Return the files that a `scenario` names, each once."""
+    values = [of for node in scenario.parameters.values() for of in flatten(node).items()]
+    return list(dict.fromkeys(str(value) for name, value in values if name.endswith(NAMES_OF_FILES) and value))
 
 
 def write_scenario(path: Path, text: str, *, needs_files: bool = True) -> None:

@@ -180,6 +180,8 @@ def test_the_command_writes_page_and_tables_and_makes_them_again_without_running
     for heading in ("above half rating", "tension cycles", "equivalent tension range"):
         assert heading in said
         assert heading in page
+    assert "Fewer than 3 seeds show no confidence" in page
+    assert "ranges of at least 1 % of its mean" in " ".join(page.split())
     assert "m = 4 (stranded steel wire rope" in " ".join(page.split())
     monkeypatch.setattr(executors, "run_task", None)
     again = ["sizing", "unit_1500", "--cases", "unit_1500_sizing.parquet", "--report", "again.html"]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from types import TracebackType
 
@@ -14,17 +14,20 @@ from heave_bringup.campaign.plan import Case
 from heave_bringup.campaign.runs import CaseResult, Task
 
 
-def digest_of(tasks: Sequence[Task], version: str) -> str:
-    """Return what tells campaigns apart: every value of every case, and the version of the program.
+def digest_of(tasks: Sequence[Task], version: str, files: Iterable[str] = ()) -> str:
+    """Return what tells campaigns apart: every value of every case, the files they read, the version of the program.
 
     Parameters
     ----------
     tasks : the cases, in their order
     version : of the program that computes them
+    files : digests of the files that they read
     """
     digest = hashlib.sha256(version.encode())
     for task in tasks:
         digest.update(task.text.encode())
+    for file in files:
+        digest.update(file.encode())
     return digest.hexdigest()
 
 

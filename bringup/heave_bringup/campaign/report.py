@@ -24,7 +24,7 @@ from heave_bringup.campaign.table import (
 )
 from heave_bringup.output import make_table
 from heave_bringup.tables.baseline_law import BASELINE_LAW
-from heave_bringup.tables.case_table import CASE, SCENARIO
+from heave_bringup.tables.case_table import CASE, FILES, SCENARIO
 
 SHOWN = {
     "unit_sigma_m": "unit",
@@ -148,5 +148,5 @@ def summary_table(frame: pandas.DataFrame) -> Table:
 
 
 def without_scenario(frame: pandas.DataFrame) -> pandas.DataFrame:
-    """Return a `frame` for people's programs: without the text of each scenario."""
-    return frame.drop(columns=SCENARIO)
+    """Return a `frame` for people's programs: without the text of each scenario and its files."""
+    return frame.drop(columns=[SCENARIO, FILES])

@@ -17,8 +17,10 @@ from heave_bringup.campaign.plan import Campaign
 from heave_bringup.campaign.runs import CaseResult, Task, make_tasks
 from heave_bringup.campaign.table import case_frame, provenance
 from heave_bringup.progress import ProgressLine, time_to_go
+from heave_bringup.scenarios import named_files
 from heave_bringup.tables.baseline_law import BASELINE_LAW
 from heave_bringup.tables.case_table import check_can_write, read_cases, write_cases
+from heave_bringup.tables.kept_files import keep_files
 
 
 def run_study(
@@ -44,7 +46,9 @@ def run_study(
     Raises ParameterError for a wrong parameter, and where the file is another campaign's.
     """
     tasks = make_tasks(campaign, list(campaign.cases()), has_baseline=has_baseline)
-    mark = mark_of(digest_of(tasks, git_commit()), has_baseline=has_baseline)
+    files = keep_files({path for task in tasks for path in named_files(task.scenario)})
+    digests = [file.digest for file in files.values()]
+    mark = mark_of(digest_of(tasks, git_commit(), digests), has_baseline=has_baseline)
     if output is not None and output.exists():
         frame, about = read_cases(output)
         refuse_other(output, about, mark)
@@ -57,9 +61,9 @@ def run_study(
     todo = [task for task in tasks if task.case.number not in results]
     with _saying_what_is_kept(journal, results):
         _run(todo, results, journal, run_tasks(todo, processes, dask), campaign.scenario)
-        frame = case_frame(tasks, [results[task.case.number] for task in tasks])
+        frame = case_frame(tasks, [results[task.case.number] for task in tasks], files)
         if output is not None and journal is not None:
-            write_cases(frame, output, provenance(campaign, mark))
+            write_cases(frame, output, provenance(campaign, mark), files.values())
             journal.remove()
     return frame
 

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import json
 import math
 from collections.abc import Mapping, Sequence
+from types import MappingProxyType
 
 import pandas
 from heave_bags.analyse import kpi_set
@@ -11,7 +13,9 @@ from heave_bags.record.provenance import git_commit, versions
 
 from heave_bringup.campaign.plan import Campaign
 from heave_bringup.campaign.runs import CaseResult, Task
-from heave_bringup.tables.case_table import CASE, SCENARIO
+from heave_bringup.scenarios import named_files
+from heave_bringup.tables.case_table import CASE, FILES, SCENARIO
+from heave_bringup.tables.kept_files import KeptFile
 
 SEED, NOMINAL = "seed", "nominal"
 FAILURE, LOST, REASON, MET, MISSED, SHARE = "failure", "lost", "reason", "met", "missed", "compensating_share"
@@ -21,18 +25,23 @@ OUTCOME = (FAILURE, LOST, REASON, MET, MISSED, SHARE, BASELINE_UNKNOWN)
 
 BASELINE_EFFICIENCY = "baseline_efficiency"
 
+NO_FILES: Mapping[str, KeptFile] = MappingProxyType({})
 
-def case_frame(tasks: Sequence[Task], results: Sequence[CaseResult]) -> pandas.DataFrame:
+
+def case_frame(
+    tasks: Sequence[Task], results: Sequence[CaseResult], files: Mapping[str, KeptFile] = NO_FILES
+) -> pandas.DataFrame:
     """Return a row for each case: number, seed, settings by place, outcome, figures of merit, the whole scenario.
 
     Parameters
     ----------
     tasks, results : of the cases, in their order
+    files : that they read, by path
     """
-    rows = [_row(task, result) for task, result in zip(tasks, results, strict=True)]
+    rows = [_row(task, result, files) for task, result in zip(tasks, results, strict=True)]
     settings = dict.fromkeys(place for result in results for place in result.case.settings)
     keys = [definition.key for definition in kpi_set.KPI_DEFINITIONS]
-    frame = pandas.DataFrame(rows, columns=[CASE, SEED, NOMINAL, *settings, *OUTCOME, *keys, SCENARIO])
+    frame = pandas.DataFrame(rows, columns=[CASE, SEED, NOMINAL, *settings, *OUTCOME, *keys, SCENARIO, FILES])
     _fill_in_baselines(frame, tasks)
     for place in settings:
         frame[place] = _of_one_type(frame[place])
@@ -57,7 +66,7 @@ def _fill_in_baselines(frame: pandas.DataFrame, tasks: Sequence[Task]) -> None:
 
 def settings_of(frame: pandas.DataFrame) -> list[str]:
     """Return the columns of a `frame` in which its cases differ: places of parameters."""
-    known = {CASE, SEED, NOMINAL, SCENARIO, *OUTCOME, *kpi_set.DEFINITION_OF}
+    known = {CASE, SEED, NOMINAL, SCENARIO, FILES, *OUTCOME, *kpi_set.DEFINITION_OF}
     return [name for name in frame.columns if name not in known]
 
 
@@ -79,8 +88,9 @@ def provenance(campaign: Campaign, mark: Mapping[str, str]) -> dict[str, str]:
     }
 
 
-def _row(task: Task, result: CaseResult) -> dict[str, object]:
+def _row(task: Task, result: CaseResult, files: Mapping[str, KeptFile]) -> dict[str, object]:
     case = result.case
+    read = {path: files[path].digest for path in named_files(task.scenario) if path in files}
     share = None if math.isnan(result.compensating) else result.compensating
     return {
         CASE: case.number,
@@ -96,6 +106,7 @@ def _row(task: Task, result: CaseResult) -> dict[str, object]:
         BASELINE_UNKNOWN: result.baseline_unknown,
         **result.kpis,
         SCENARIO: task.text,
+        FILES: json.dumps(read) if read else "",
     }
 
 

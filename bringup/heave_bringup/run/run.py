@@ -44,7 +44,7 @@ class RunFolder:
     Attributes
     ----------
     path : the folder
-    bag, report, scenario, logs : what lies in it
+    bag, report, scenario, logs, files : what lies in it; files only where a case read some that are gone
     """
 
     path: Path
@@ -52,12 +52,14 @@ class RunFolder:
     report: Path = field(init=False)
     scenario: Path = field(init=False)
     logs: Path = field(init=False)
+    files: Path = field(init=False)
 
     def __post_init__(self) -> None:
         self.bag = self.path / "bag"
         self.report = self.path / "report.html"
         self.scenario = self.path / "scenario.yaml"
         self.logs = self.path / "logs"
+        self.files = self.path / "files"
 
 
 def new_run_folder(name: str, chosen: Path | None) -> RunFolder:

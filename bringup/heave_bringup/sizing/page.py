@@ -10,8 +10,9 @@ from heave_bags.analyse.report import place_figure, render_page
 from heave_bags.analyse.report_figures import Figure
 from heave_node.criteria import Criterion
 from heave_node.kpi import RATED_SHARE
-from heave_node.load_cycles import DAMAGE_EXPONENT
+from heave_node.load_cycles import DAMAGE_EXPONENT, LEAST_RANGE
 
+from heave_bringup.operability.limits import FEWEST_SEEDS
 from heave_bringup.operability.page import About
 from heave_bringup.operability.page_parts import (
     cases_table,
@@ -30,9 +31,10 @@ FOOTER = f"""SI units. Workable: within the largest sea in which the criteria ho
 between the seas that were run. An hour's figures are means over the workable seas of each winch, so that a winch which
 works in higher seas is charged with them. Bending cycles: of the piece of rope that is bent most, on one sheave whose
 arc of contact is longer than the stroke; count each further sheave. Tension cycles: rainflow count of the top tension
-(ASTM E1049-85). Equivalent tension range: the one that once a second does the damage of all cycles, by Miner's sum with
-m = {DAMAGE_EXPONENT:g} (stranded steel wire rope in tension, DNV-OS-E301 Ch.2 Sec.2). Above half rating: more than
-{100 * RATED_SHARE:g} % of the winch's speed or power. For a PDF, print this page."""
+(ASTM E1049-85), ranges of at least {100 * LEAST_RANGE:g} % of its mean. Equivalent tension range: the one that once a
+second does the damage of all cycles, by Miner's sum with m = {DAMAGE_EXPONENT:g} (stranded steel wire rope in tension,
+DNV-OS-E301 Ch.2 Sec.2). Above half rating: more than {100 * RATED_SHARE:g} % of the winch's speed or power.
+For a PDF, print this page."""
 
 ABILITY = (
     "winch",
@@ -106,8 +108,11 @@ def render(
 
 
 def _notices(found: Sequence[Sized]) -> Iterable[str]:
-    if any(one.limit["seeds"].min() < 2 for one in found):
-        yield notice("One seed only: differences of a few percent between winches may be chance.")
+    if any(one.limit["seeds"].min() < FEWEST_SEEDS for one in found):
+        yield notice(
+            f"Fewer than {FEWEST_SEEDS} seeds show no confidence: differences of a few percent between winches may be "
+            "chance."
+        )
     if any(one.limit["is_open"].any() for one in found):
         yield notice(
             "Some winches work in every sea of the study at some period: their limit lies above its largest height."

@@ -2,19 +2,24 @@
 
 from __future__ import annotations
 
+import json
 import re
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from heave_node.parameters import ParameterError
 
+from heave_bringup.tables.kept_files import KeptFile, from_metadata, to_metadata
+
 if TYPE_CHECKING:
     import pandas
 
 ENDING = ".parquet"
-CASE, SCENARIO = "case", "scenario"
-"""Columns with the number of a case, and with all its values in force as a scenario file has them."""
+CASE, SCENARIO, FILES = "case", "scenario", "files"
+"""Columns with the number of a case, with all its values in force as a scenario file has them, and with the files that
+these name: JSON of digests (SHA-256) by path. The files themselves are in the table's metadata, each once.
+"""
 
 MARK = b"heave."
 """Opens the names of what the file itself says: campaign, versions, commit."""
@@ -22,7 +27,7 @@ MARK = b"heave."
 _REFERENCE = re.compile(rf"(.+{re.escape(ENDING)}):(\d+)")
 
 
-def write_cases(frame: pandas.DataFrame, path: Path, about: Mapping[str, str]) -> None:
+def write_cases(frame: pandas.DataFrame, path: Path, about: Mapping[str, str], files: Iterable[KeptFile] = ()) -> None:
     """Write the cases of a `frame` to `path`; equal cases give equal bytes, and no half of a file is ever seen.
 
     Parameters
@@ -30,13 +35,14 @@ def write_cases(frame: pandas.DataFrame, path: Path, about: Mapping[str, str]) -
     frame : one row for each case
     path : of the file
     about : what the file says of itself, by name
+    files : that the cases read
 
     Raises ParameterError without pyarrow.
     """
     arrow, parquet = _pyarrow(path)
     table = arrow.Table.from_pandas(frame, preserve_index=False)
     named = {MARK + name.encode(): text.encode() for name, text in about.items()}
-    table = table.replace_schema_metadata({**(table.schema.metadata or {}), **named})
+    table = table.replace_schema_metadata({**(table.schema.metadata or {}), **named, **to_metadata(files)})
     unfinished = path.with_name(f".{path.name}.writing")
     parquet.write_table(table, unfinished, compression="zstd")
     unfinished.replace(path)
@@ -44,6 +50,13 @@ def write_cases(frame: pandas.DataFrame, path: Path, about: Mapping[str, str]) -
 
 def read_cases(path: Path) -> tuple[pandas.DataFrame, dict[str, str]]:
     """Return the cases of the file at `path`, and what it says of itself; raise ParameterError for any other file."""
+    table = _read(path)
+    metadata = table.schema.metadata or {}
+    about = {name.removeprefix(MARK).decode(): text.decode() for name, text in metadata.items() if MARK in name[:6]}
+    return table.to_pandas(), about
+
+
+def _read(path: Path) -> Any:
     if not path.is_file():
         raise ParameterError(f"{path}: no such file")
     arrow, parquet = _pyarrow(path)
@@ -54,9 +67,7 @@ def read_cases(path: Path) -> tuple[pandas.DataFrame, dict[str, str]]:
     missing = [name for name in (CASE, SCENARIO) if name not in table.column_names]
     if missing:
         raise ParameterError(f"{path}: is not a table of heave campaign: it has no column {missing[0]}")
-    metadata = table.schema.metadata or {}
-    about = {name.removeprefix(MARK).decode(): text.decode() for name, text in metadata.items() if MARK in name[:6]}
-    return table.to_pandas(), about
+    return table
 
 
 def check_can_write(path: Path) -> None:
@@ -82,6 +93,18 @@ def scenario_of(path: Path, number: int) -> str:
     if rows.empty:
         raise ParameterError(f"{path}: has no case {number}: it has {frame[CASE].min()} to {frame[CASE].max()}")
     return str(rows.iloc[0])
+
+
+def files_of(path: Path, number: int) -> tuple[dict[str, str], dict[str, KeptFile]]:
+    """Return the digests of the files that case `number` in the table at `path` read, by path, and all files that the
+    table keeps, by digest; nothing of a table that is older than this.
+    """
+    table = _read(path)
+    if FILES not in table.column_names:
+        return {}, {}
+    frame = table.select([CASE, FILES]).to_pandas()
+    rows = [str(text) for text in frame.loc[frame[CASE] == number, FILES] if text]
+    return (json.loads(rows[0]) if rows else {}), from_metadata(table.schema.metadata or {})
 
 
 def _pyarrow(path: Path) -> tuple[Any, Any]:

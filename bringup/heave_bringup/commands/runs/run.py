@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import importlib
+import sys
 import threading
 from collections.abc import Sequence
 from pathlib import Path
@@ -107,7 +108,8 @@ def execute(options: argparse.Namespace) -> None:
     if options.quiet:
         be_quiet()
     set_up_transport(network=options.network)
-    scenario = load_scenario(options.scenario, settings=[*options.set, *_own_settings(options)])
+    settings = [*options.set, *_own_settings(options)]
+    scenario = load_scenario(options.scenario, settings=settings)
     for criterion in scenario.wanted:
         refuse_unknown(criterion, f"{scenario.path}: wanted")
     _check_foreign(options.foreign, scenario.run)
@@ -116,6 +118,9 @@ def execute(options: argparse.Namespace) -> None:
     if "wave_vessel" not in (*scenario.run.external, *substitutes):
         check_files(scenario)
     folder = new_run_folder(scenario.name, options.bag)
+    if scenario.remade:  # the run keeps them, for who runs its scenario again
+        scenario = load_scenario(options.scenario, settings=settings, folder=folder.files)
+        sys.stderr.write("".join(f"heave: {line}\n" for line in scenario.remade))
     # What judges the run takes seconds to load: time that the nodes need to find each other.
     threading.Thread(target=importlib.import_module, args=(EVALUATION,)).start()
     outcome = run_scenario(
