@@ -111,7 +111,8 @@ def _scenario(campaign: Campaign, case: Case) -> Scenario:
     if run.duration <= run.transient:
         source = next((setting.source for setting in settings if setting.name == "duration"), str(scenario.path))
         raise ParameterError(
-            f"{source}: duration = {run.duration:g} s leaves nothing after the transient of {run.transient:g} s"
+            f"{source}: duration = {run.duration:g} s leaves nothing after the transient of {run.transient:g} s; "
+            "make it longer, or all.transient shorter"
         )
     for criterion in scenario.wanted:
         refuse_unknown(criterion, f"{campaign.path}: wanted")
