@@ -289,6 +289,18 @@ class KpiDefinition:
         return f"{value * self.scale:.{self.digits}f}" if math.isfinite(value) else "-"
 
 
+def _time_at(limit: WinchLimit, key: str, where: str) -> KpiDefinition:
+    """Return the share of time at a `limit` that few winches have or reach, by its `key`; `where` that is, in words."""
+    return KpiDefinition(
+        key,
+        f"{where}, share of time",
+        "%",
+        WINCH,
+        lambda w: kpi.percent_true(w.at(limit)),
+        is_seldom=True,
+    )
+
+
 UNIT, TENSION, WINCH, ENERGY, WEAR, ESTIMATE, TIMING, LANDING, CHANGES, DRIVEN = GROUPS = (
     "Unit",
     "Tension",
@@ -472,46 +484,11 @@ KPI_DEFINITIONS: tuple[KpiDefinition, ...] = (
         WINCH,
         lambda w: kpi.percent_true(w.at_acceleration_limit),
     ),
-    KpiDefinition(
-        "time_at_payout_limit_percent",
-        "at the end of its payout, share of time",
-        "%",
-        WINCH,
-        lambda w: kpi.percent_true(w.at(WinchLimit.PAYOUT)),
-        is_seldom=True,
-    ),
-    KpiDefinition(
-        "time_at_power_limit_percent",
-        "at the power limit, share of time",
-        "%",
-        WINCH,
-        lambda w: kpi.percent_true(w.at(WinchLimit.POWER)),
-        is_seldom=True,
-    ),
-    KpiDefinition(
-        "time_at_torque_limit_percent",
-        "at the torque limit, share of time",
-        "%",
-        WINCH,
-        lambda w: kpi.percent_true(w.at(WinchLimit.TORQUE)),
-        is_seldom=True,
-    ),
-    KpiDefinition(
-        "time_at_pressure_limit_percent",
-        "at the pressure limit, share of time",
-        "%",
-        WINCH,
-        lambda w: kpi.percent_true(w.at(WinchLimit.PRESSURE)),
-        is_seldom=True,
-    ),
-    KpiDefinition(
-        "time_at_flow_limit_percent",
-        "at the flow limit, share of time",
-        "%",
-        WINCH,
-        lambda w: kpi.percent_true(w.at(WinchLimit.FLOW)),
-        is_seldom=True,
-    ),
+    _time_at(WinchLimit.PAYOUT, "time_at_payout_limit_percent", "at the end of its payout"),
+    _time_at(WinchLimit.POWER, "time_at_power_limit_percent", "at the power limit"),
+    _time_at(WinchLimit.TORQUE, "time_at_torque_limit_percent", "at the torque limit"),
+    _time_at(WinchLimit.PRESSURE, "time_at_pressure_limit_percent", "at the pressure limit"),
+    _time_at(WinchLimit.FLOW, "time_at_flow_limit_percent", "at the flow limit"),
     KpiDefinition(
         "time_at_limit_percent",
         "at any winch limit, share of time",

@@ -13,9 +13,8 @@ from heave_node.numerics.arrays import Array
 from wave_vessel_node.ramp import smooth_ramp
 
 from winch_controller_node.design.bounds import boom_tip_realisation
-from winch_controller_node.design.design import believed_cable
+from winch_controller_node.design.design import believed_cable, believed_plant
 from winch_controller_node.identification.cable import Identification, identify
-from winch_controller_node.model.models import PlantBelief
 from winch_controller_node.node_parameters import WinchControllerParameters
 
 if TYPE_CHECKING:
@@ -61,7 +60,7 @@ def identify_simulated(
     Raises IdentificationError, or the AxialError of a response that cannot be simulated.
     """
     length = parameters.length if length is None else length
-    plant = PlantBelief(parameters.cable, parameters.unit, parameters.water_density, parameters.gravity)
+    plant = believed_plant(parameters)
     tip = boom_tip_realisation(parameters.sea, parameters.vessel, duration=DURATION, step=SAMPLE_PERIOD, seed=seed)
     time = SAMPLE_PERIOD * np.arange(len(tip))
     tip = tip * np.array([smooth_ramp(float(t), RAMP)[0] for t in time])
