@@ -140,3 +140,16 @@ def test_the_profiles_differ_between_versions_of_fast_dds_in_the_names_of_tags_o
             text = text.replace(tag, common)
         contents[version] = text.replace(namespace.strip("{}"), "namespace")
     assert contents[2] == contents[3]
+
+
+@pytest.mark.parametrize("reach", ["loopback", "network"])
+@pytest.mark.parametrize("version", PROFILE_VARIABLE)
+def test_endpoints_match_by_type_name(reach, version):
+    """Types that are sent about are looked up among nodes; where that fails a run waits for a match that never comes."""
+    root = ElementTree.fromstring((PROFILES / f"heave_{reach}_{version}.xml").read_text(encoding="utf-8"))
+    namespace = root.tag.removesuffix("profiles")
+    properties = {
+        entry.findtext(f"{namespace}name"): entry.findtext(f"{namespace}value")
+        for entry in root.iter(f"{namespace}property")
+    }
+    assert properties == {"fastdds.type_propagation": "disabled"}
