@@ -145,7 +145,7 @@ def test_the_profiles_differ_between_versions_of_fast_dds_in_the_names_of_tags_o
 @pytest.mark.parametrize("reach", ["loopback", "network"])
 @pytest.mark.parametrize("version", PROFILE_VARIABLE)
 def test_endpoints_match_by_type_name(reach, version):
-    """Types that are sent about are looked up among nodes; where that fails a run waits for a match that never comes."""
+    """Types that are sent about are looked up by the others; where that fails a run waits for ever for a match."""
     root = ElementTree.fromstring((PROFILES / f"heave_{reach}_{version}.xml").read_text(encoding="utf-8"))
     namespace = root.tag.removesuffix("profiles")
     properties = {

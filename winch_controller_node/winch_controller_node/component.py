@@ -434,7 +434,11 @@ class WinchController:
     def _learn(self, tick: int) -> None:
         """Go on with what has been learnt of winch, sea and sensors, and say it."""
         before = self.design
-        self._alarms += self._learning.follow(tick, compensates=self.mode is Mode.COMPENSATING)
+        self._alarms += self._learning.follow(
+            tick,
+            compensates=self.mode is Mode.COMPENSATING,
+            is_trusted=self._supervisor.guard.trusts_estimate,
+        )
         if self.design is not before:
             self._take_law()
         for belief in self._learning.corrected:

@@ -28,6 +28,9 @@ DESIGN_TIME = 1.0
 SURPRISED_TIME = 30.0
 """Sensors are suspected when readings have been foreseen badly for so long [s]."""
 
+GROSSLY, GROSS_TIME = 6.0, 10.0
+"""And once before, after so long [s], where the mean of their normalised innovations squared is so large."""
+
 FIRST_PATIENCE, LONGER = 60.0, 2.0
 """Time from one suspicion to the next [s], and the factor by which it grows each time that none holds."""
 
@@ -73,28 +76,31 @@ class Learning:
         self._news = WinchNews(in_force.parameters.winch, tick_period=self._dt)
         self._patience = FIRST_PATIENCE
         self._suspected = -math.inf
+        self._looked_early = False
         self._seas_compared, self._seas_patience = -math.inf, FIRST_SEAS_PATIENCE
-        self._contradicted = self._refused = ""
+        self._doubts = self._refused = ""
         self.corrected: set[str] = set()
 
     @property
     def inhibition(self) -> str:
         """Why compensation must be off; empty: it need not."""
-        return self._contradicted
+        return self._doubts if self._estimation.observer.doubted == "mru" else ""
 
     def drop(self) -> None:
         """Forget the design that is under way: another one is in force."""
         self._work.drop()
 
-    def follow(self, tick: int, *, compensates: bool) -> list[str]:
+    def follow(self, tick: int, *, compensates: bool, is_trusted: bool) -> list[str]:
         """Do what there is to learn before `tick`; return what has been learnt, in words.
 
-        The winch is learnt while the loop `compensates` only.
+        Parameters
+        ----------
+        tick : that comes
+        compensates : the loop does: the winch is learnt then only
+        is_trusted : the guard trusts the estimate; where it does not, sensors are suspected at once
         """
         self.corrected.clear()
         words = self._take(tick)
-        if self._estimation.surprise.time == 0.0:
-            self._contradicted = ""
         parameters = self._in_force.parameters
         is_learning = compensates and identifies_winch(parameters)
         if is_learning:
@@ -108,7 +114,7 @@ class Learning:
         if not self._work.is_under_way and not is_scheduled(parameters):
             self._follow_sea(tick)
         if not self._work.is_under_way and not is_scheduled(parameters):
-            self._suspect_sensors(tick)
+            self._suspect_sensors(tick, is_trusted=is_trusted)
         return words
 
     def _take(self, tick: int) -> list[str]:
@@ -173,14 +179,11 @@ class Learning:
 
     # the sensors
 
-    def _suspect_sensors(self, tick: int) -> None:
-        """Begin to look for the sensor at fault where readings have been foreseen badly for long."""
-        estimation, now = self._estimation, tick * self._dt
-        is_time = estimation.surprise.time >= SURPRISED_TIME and now - self._suspected >= self._patience
-        if not is_time or not estimation.record.is_full:
+    def _suspect_sensors(self, tick: int, *, is_trusted: bool) -> None:
+        """Begin to look for the sensor at fault where the estimate is not trusted, or has foreseen badly for long."""
+        estimation = self._estimation
+        if not estimation.record.is_full or not self._is_time_to_suspect(tick * self._dt, is_trusted=is_trusted):
             return
-        self._suspected = now
-        self._patience *= LONGER
         in_force, record = self._in_force, estimation.record.ticks()
 
         def judged() -> Learnt:
@@ -190,27 +193,43 @@ class Learning:
 
         self._work.begin(tick, judged)
 
+    def _is_time_to_suspect(self, now: float, *, is_trusted: bool) -> bool:
+        """Tell whether to look at `now` [s]; a sensor that is doubted is judged anew every minute."""
+        surprise, is_doubted = self._estimation.surprise, bool(self._estimation.observer.doubted)
+        if (is_doubted or surprise.time >= SURPRISED_TIME) and now - self._suspected >= self._patience:
+            self._suspected = now
+            self._patience *= 1.0 if is_doubted else LONGER
+            return True
+        is_gross = surprise.time >= GROSS_TIME and surprise.worst[1] >= GROSSLY
+        was_early, is_early = self._looked_early, is_gross or not is_trusted
+        self._looked_early = is_early or (was_early and surprise.time > 0.0)
+        return is_early and not was_early
+
     def _take_verdict(self, tick: int, prepared: PreparedDesign, verdict: Verdict) -> list[str]:
         """Believe what was found of a sensor, and say which it is."""
         suspicion, estimation = verdict.suspicion, self._estimation
+        was_doubted = estimation.observer.doubted
         if not estimation.record.reaches_to(verdict.last):
             return []  # the state has jumped since
-        if not suspicion.culprit:
+        if suspicion.doubted and suspicion.doubted == was_doubted:
+            return []
+        if not suspicion.culprit and not was_doubted:
+            if estimation.surprise.time < SURPRISED_TIME:
+                return []
             name, mean = estimation.surprise.worst
             estimation.surprise.excuse()
             return [f"{name} is {math.sqrt(mean):.1f} times as far off as foreseen; no sensor or cable explains it"]
-        if not suspicion.doubted:
-            matrix = self._in_force.take_sensors(prepared)
-            estimation.adopt(self._in_force.design, matrix, continued(verdict, estimation.record), tick - 1)
-            self._patience = FIRST_PATIENCE
-            self.corrected.add(suspicion.culprit)
-        words = f"{suspicion.culprit} suspect: {suspicion.words}"
-        is_needed = suspicion.culprit == "mru"
-        if not is_needed:
+        matrix = self._in_force.take_sensors(prepared)
+        followed = continued(verdict, estimation.record)
+        estimation.adopt(self._in_force.design, matrix, followed, tick - 1, suspicion.doubted)
+        self._patience = FIRST_PATIENCE
+        if not suspicion.culprit:
+            return [f"{was_doubted} agrees with all others again"]
+        self._doubts = f"{suspicion.culprit} suspect: {suspicion.words}"
+        self.corrected.add(suspicion.culprit)
+        if suspicion.culprit != "mru":
             estimation.surprise.excuse()
-        elif suspicion.doubted:
-            self._contradicted = words
-        return [words]
+        return [self._doubts]
 
 
 def _changes(before: SeaModelParameters, after: SeaModelParameters) -> str:

@@ -6,6 +6,7 @@ import math
 from dataclasses import replace
 from typing import NamedTuple
 
+import numpy as np
 from heave_node.interface.preview import HeavePreview
 from heave_node.numerics.arrays import Array
 
@@ -180,7 +181,10 @@ class LoopCommand:
         """Return the state that the law acts on; constant tension follows the whole sea and acts on the estimate."""
         if mode.mode is Mode.CONSTANT_TENSION:
             return tick.estimate
-        x = self._shift.shift(tick.estimate, tick.uncompensated, mode.authority)
+        if tick.knows_tip:
+            x = self._shift.shift(tick.estimate, tick.uncompensated, mode.authority)
+        else:  # the unit is to come to rest
+            x = self._shift.shift(tick.estimate, np.zeros(2), 0.0)
         rows, mean_state = self._rows, tick.mean_state
         # the unit shall follow the mean payout stiffly, not swing after it as it would by itself
         x[rows.unit_states] += mean_state[rows.unit_states] + rows.winch @ mean_state

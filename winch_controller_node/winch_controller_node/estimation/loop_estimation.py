@@ -58,6 +58,7 @@ class LoopEstimation:
         self.estimator = design.make_estimator()
         self.observer = Observer(design, parameters.health)
         self._shadow = ShadowUnit(design.cable, dt)
+        self._moved_unit = ShadowUnit(design.cable, dt)
         self._tension = TensionFilter(parameters.tension.time_constant, tick_period=dt)
         self._sea = SeaTracker(design)
         self._believed_sea = parameters.sea
@@ -73,6 +74,7 @@ class LoopEstimation:
         self.observer.take_design(design)
         self._rows = loop_rows(design.model)
         self._shadow.take_cable(design.cable, design.tick_period)
+        self._moved_unit.take_cable(design.cable, design.tick_period)
         self._sea.refer_to(design)
 
     # another design
@@ -99,10 +101,18 @@ class LoopEstimation:
         self.observer.forget_shares()
         self._refer_to(design)
 
-    def adopt(self, design: ControllerDesign, matrix: Array, followed: KalmanEstimator, tick: int) -> None:
-        """Go on after `tick` with a design, where an estimator has `followed` that believes in all of its states.
+    def adopt(
+        self, design: ControllerDesign, matrix: Array, followed: KalmanEstimator, tick: int, doubted: str = ""
+    ) -> None:
+        """Go on after `tick` with what another estimator knows.
 
-        The design's states are `matrix`, shape (n_new, n), times the present ones, or new.
+        Parameters
+        ----------
+        design : to go on with
+        matrix : its states are this, shape (n_new, n), times the present ones, or new
+        followed : estimator that believes in all of its states
+        tick : the last one that it knows
+        doubted : sensor whose readings it has left out, and that is only a witness from now on; empty: none
         """
         among = [followed.model.state(name) for name in design.model.state_names]
         self.estimator = design.make_estimator()
@@ -112,6 +122,9 @@ class LoopEstimation:
         self.observer.forget_shares()
         self.surprise.restart()
         self._refer_to(design)
+        # the boom tip was another one, and so is what it does to a unit that no winch moves
+        self._shadow.continue_at(self.estimator.estimate[self._rows.unit_states] - self._moved_unit.state)
+        self.observer.doubt(doubted)
 
     def forget_readings(self) -> None:
         """Forget what was read: it tells nothing of the state from now on."""
@@ -147,6 +160,8 @@ class LoopEstimation:
         if measurements.of("load_cell") and math.isfinite(self.observer.tension):
             self._tension.add(self.observer.tension)
         uncompensated = self._shadow.step(tip)
+        payout_rate = float(rows.payout_rate @ estimate) + rows.payout_rate_through * command.compensating
+        self._moved_unit.step(-np.array([rows.payout @ estimate, payout_rate]))
         return LoopTick(
             number=number,
             sensed=self._sensed(readings),
@@ -160,6 +175,7 @@ class LoopEstimation:
             knows_sea=self.knows_sea,
             is_sea_refuted=self._sea.is_refuted,
             doubt=self.surprise.words,
+            knows_tip=self.observer.doubted != "mru",
         )
 
     def _sensed(self, readings: list[Measurement]) -> Sensed:
@@ -183,7 +199,7 @@ class LoopEstimation:
 
     def _follow_sea(self, tip: Array) -> None:
         """Let the estimator's driving noise follow the sea that moves the boom `tip`, heave and rate, shape (2,)."""
-        if not self._design.parameters.estimator.sea_adaptation:
+        if not self._tells_sea:
             return
         surprise = self.estimator.innovations.get("mru_heave_rate")
         if surprise is not None and math.isfinite(surprise.nis):
@@ -193,6 +209,11 @@ class LoopEstimation:
             self.estimator.set_process_noise(noise)
 
     @property
+    def _tells_sea(self) -> bool:
+        """Tell whether the sea is followed: the boom tip tells it, as long as its sensor is not doubted."""
+        return self._design.parameters.estimator.sea_adaptation and self.observer.doubted != "mru"
+
+    @property
     def knows_sea(self) -> bool:
         """Tell whether some waves have been seen, where the sea is followed."""
         return not self._design.parameters.estimator.sea_adaptation or self._sea.waves >= FIRST_WAVES
@@ -200,7 +221,7 @@ class LoopEstimation:
     def possible_seas(self) -> PossibleSeas | None:
         """Return the seas that may be there; None: that of the design is, or no other is known yet."""
         parameters = self._design.parameters
-        if not parameters.estimator.sea_adaptation or not parameters.sea.follows_spectrum:
+        if not self._tells_sea or not parameters.sea.follows_spectrum:
             return None
         seen = self._sea.newly_seen()
         if seen is None or seen.heave * seen.frequency < CLEAR * self._rate_sigma():
@@ -237,6 +258,7 @@ class LoopEstimation:
         rows, estimate = tick.rows, tick.estimate
         self.motion.return_from(float(rows.payout @ estimate))
         self._shadow.continue_at(estimate[rows.unit_states] + rows.winch @ estimate)
+        self._moved_unit.continue_at(-(rows.winch @ estimate))
 
     def hand_over(self, tick: LoopTick, *, unit_stood: bool) -> None:
         """Make the present depth of the unit the mean and go on from `tick`; `unit_stood` on the seabed until now.
@@ -255,6 +277,7 @@ class LoopEstimation:
         self.forget_readings()
         self.estimator.reset(after.estimate, after.covariance)
         self.estimator.step(tick.number, 0.0, [])
+        self._moved_unit.continue_at(self.estimator.estimate[tick.rows.unit_states] - self._shadow.state)
 
     # depth
 

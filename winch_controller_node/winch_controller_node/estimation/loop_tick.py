@@ -85,6 +85,7 @@ class LoopTick:
     knows_sea : some waves have been seen
     is_sea_refuted : the sea of the design predicts badly what the motion reference unit reads
     doubt : why what is read cannot be believed yet; empty where it can
+    knows_tip : the boom tip is measured; what is known of it otherwise is not to be acted upon
     """
 
     number: int
@@ -99,6 +100,7 @@ class LoopTick:
     knows_sea: bool = True
     is_sea_refuted: bool = False
     doubt: str = ""
+    knows_tip: bool = True
 
     @cached_property
     def total_state(self) -> Array:
@@ -151,6 +153,10 @@ class LoopTick:
 
     @property
     def unit_offset(self) -> Array:
-        """Heave and rate of the unit about its uncompensated motion, payout that is out taken off, shape (2,)."""
+        """Heave and rate of the unit about its uncompensated motion, payout that is out taken off, shape (2,).
+
+        Where the boom tip is not known it is that about rest.
+        """
         rows = self.rows
-        return self.estimate[rows.unit_states] + rows.winch @ self.estimate - self.uncompensated
+        offset = self.estimate[rows.unit_states] + rows.winch @ self.estimate
+        return offset - self.uncompensated if self.knows_tip else offset

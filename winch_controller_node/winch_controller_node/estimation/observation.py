@@ -53,6 +53,7 @@ class Observer:
     mru_rate : newest accepted heave rate of the MRU [m/s]
     depths : stamp [s] and depth, positive down [m], of the depth readings accepted in this tick
     witnessed : readings of this tick that the estimator does not take, in its terms: they tell which sensor is wrong
+    doubted : sensor in use whose readings are only witnesses: they contradict all others; empty: none
     stretch_per_payout : how much further than paid out the unit goes down at rest: stretch of the new cable [-]
     """
 
@@ -85,6 +86,7 @@ class Observer:
         self.take_design(design)
         self.depths: list[tuple[float, float]] = []
         self.witnessed: list[Measurement] = []
+        self.doubted = ""
         self._unit_heave = 0.0
         self._levels: dict[str, SensorLevel] = {}
         self._attitude: tuple[float, float, float] | None = None
@@ -109,6 +111,10 @@ class Observer:
         """Forget the shares noted so far: the states are counted otherwise from now on."""
         self._shares.clear()
 
+    def doubt(self, sensor: str) -> None:
+        """Take the readings of a `sensor` as those of a witness only from now on; empty: of none that is in use."""
+        self.doubted = sensor
+
     def observe(
         self,
         tick: int,
@@ -131,24 +137,25 @@ class Observer:
         """
         now = tick * self._dt
         self.depths.clear()
-        self.witnessed = []
         taken: list[Measurement] = []
+        witnessed: list[Measurement] = []
         for mru in delivered.mru:
             if "mru" in self._use and judge_mru(self.gates["mru"], now, mru):
-                taken += self._mru(mru)
+                (taken if self._is_taken("mru") else witnessed).extend(self._mru(mru))
         taken += self._encoder(now, delivered, expected_rate)
         for name in SCALAR_SENSORS:
             if name in self._watched:
                 of_unit = self._scalar(now, name, delivered.of(name))
-                if unit_stands:
-                    continue
-                if name in self._use:
-                    taken += of_unit
-                else:
-                    self.witnessed += [self._without_share(reading, estimator) for reading in of_unit]
+                if not unit_stands:
+                    (taken if self._is_taken(name) else witnessed).extend(of_unit)
         for gate in self.gates.values():
             gate.tick(now)
+        self.witnessed = [self._without_share(reading, estimator) for reading in witnessed]
         return [self._without_share(reading, estimator) for reading in taken]
+
+    def _is_taken(self, sensor: str) -> bool:
+        """Tell whether the estimator takes what a `sensor` reads."""
+        return sensor in self._use and sensor != self.doubted
 
     def learn(self, estimator: KalmanEstimator, surprise: Surprise) -> None:
         """Take back the samples of which the estimator refused a reading; an MRU's sample holds two.

@@ -161,8 +161,10 @@ def likelihood(design: ControllerDesign, record: Sequence[RecordedTick], tick_pe
 
 
 def continued(verdict: Verdict, record: ReadingRecord) -> KalmanEstimator:
-    """Return the estimator of a `verdict` that doubts no sensor, after the ticks of `record` that have come since."""
-    verdict.estimator.follow(record.ticks(verdict.last))
+    """Return the estimator of a `verdict` after the ticks of `record` that have come since."""
+    since = record.ticks(verdict.last)
+    doubted = verdict.suspicion.doubted
+    verdict.estimator.follow(_without(doubted, since) if doubted else since)
     return verdict.estimator
 
 
@@ -271,6 +273,14 @@ def _with_doubt(sensor: str, record: Sequence[RecordedTick]) -> Sequence[Recorde
         return reading._replace(sigma=sizes[reading.name]) if reading.name in sizes else reading
 
     return [tick._replace(readings=[doubted(reading) for reading in tick.readings]) for tick in record]
+
+
+def _without(sensor: str, record: Sequence[RecordedTick]) -> Sequence[RecordedTick]:
+    """Return a `record` without what a `sensor` read."""
+    rows = {row.name for row in KnownSensors().by_name()[sensor].rows()}
+    return [
+        tick._replace(readings=[reading for reading in tick.readings if reading.name not in rows]) for tick in record
+    ]
 
 
 def _sizes(sensor: str, record: Sequence[RecordedTick]) -> dict[str, float]:

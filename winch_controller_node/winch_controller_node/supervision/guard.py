@@ -222,6 +222,8 @@ class HarmGuard:
         elif since > CORRECTIONS_TIME:
             return
         self.allow_catch_up()
+        self.trusts_estimate = True
+        self._mismatch_check.restart()
         self._is_corrected = True
         self._judged_time = 0.0
         self._make_comparison()

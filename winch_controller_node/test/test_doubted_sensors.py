@@ -1,0 +1,80 @@
+"""A sensor that turns while the loop compensates is found, doubted, and trusted again; the unit is at rest meanwhile.
+
+Truth and belief are those of benchmark B3 but for the sensor; an uncompensated unit is what a locked winch leaves.
+"""
+
+import dataclasses
+from functools import lru_cache
+
+import numpy as np
+import pytest
+from heave_bringup.closed_loop import ClosedLoop, loop_parameters
+from heave_bringup.scenarios import load_scenario
+
+TICK = 0.05
+TURNS, WELL_AGAIN, END = 70.0, 140.0, 260.0
+FAULTS = {"mru wrong sign": ("mru", -1.0), "mru twice": ("mru", 2.0), "depth wrong sign": ("depth", -1.0)}
+
+
+@lru_cache
+def run_with(fault):
+    """Return the record of a run in which a sensor reads a multiple of the heave for a while."""
+    sensor, factor = FAULTS[fault]
+    loop = ClosedLoop(loop_parameters(load_scenario("b3_deep_900", settings=[f"all.duration={END}"])))
+    step = loop.controller.step
+    zero = []
+
+    def turned(tick, measured):
+        if not TURNS <= tick * TICK < WELL_AGAIN:
+            return step(tick, measured)
+        if sensor == "mru":
+            mru = tuple(m._replace(heave=factor * m.heave, heave_rate=factor * m.heave_rate) for m in measured.mru)
+            return step(tick, dataclasses.replace(measured, mru=mru))
+        depths = measured.of("depth")
+        zero.extend(reading.value for reading in depths[:1])
+        wrong = tuple(reading._replace(value=zero[0] + factor * (reading.value - zero[0])) for reading in depths)
+        return step(tick, dataclasses.replace(measured, scalar={**measured.scalar, "depth": wrong}))
+
+    loop.controller.step = turned
+    return loop.run()
+
+
+def told(record, words):
+    """Return the times at which an alarm begins with `words` [s]."""
+    return [time for time, alarm in record.alarms if alarm.startswith(words)]
+
+
+@pytest.mark.parametrize("fault", FAULTS)
+def test_the_sensor_that_turned_is_named_and_no_other(fault):
+    sensor, _ = FAULTS[fault]
+    other = {"mru": "depth", "depth": "mru"}[sensor]
+    record = run_with(fault)
+    assert told(record, f"{sensor} suspect: its readings contradict all others")
+    assert not told(record, f"{other} suspect: its readings")
+
+
+@pytest.mark.parametrize("fault", ["mru wrong sign", "mru twice"])
+def test_a_loop_whose_motion_reference_unit_lies_is_given_up_and_damped_before_the_brake_goes_on(fault):
+    """Between the two the unit is never worse off than with a locked winch; 20 s are half of the promise's 30 s."""
+    record = run_with(fault)
+    (found, *_) = told(record, "mru suspect: its readings")
+    assert TURNS < found < TURNS + 20.0
+    time, unit, off = (record.column(name) for name in ("time", "unit", "uncompensated"))
+    blind = (time > TURNS + 20.0) & (time < WELL_AGAIN)
+    assert np.std(unit[blind]) < 1.05 * np.std(off[blind])
+    assert record.modes[int(np.argmax(time > WELL_AGAIN))] == "standby"
+
+
+@pytest.mark.parametrize("fault", ["mru wrong sign", "mru twice"])
+def test_a_sensor_that_agrees_again_is_trusted_again_and_compensation_goes_on(fault):
+    record = run_with(fault)
+    (back,) = told(record, "mru agrees with all others again")
+    assert back > WELL_AGAIN
+    assert record.modes[-1] == "compensating"
+    assert record.unit_sigma(END - 30.0) < 0.05 * record.uncompensated_sigma(END - 30.0)
+
+
+def test_compensation_goes_on_without_a_depth_sensor_that_lies():
+    record = run_with("depth wrong sign")
+    assert set(record.modes[round(TURNS / TICK) :]) == {"compensating"}
+    assert record.unit_sigma(TURNS) < 0.25 * record.uncompensated_sigma(TURNS)
