@@ -109,13 +109,20 @@ class PossibleSeas:
     seen : what all of them must explain
     believed : at first
     in_force : that of the design, as high as was seen
-    others : that move the boom tip as was seen, where that in force does not, the likeliest first
+    stretched : that believed at first, as long and as high as was seen; None: that in force is as good
+    parts : of which one part, swell or wind sea, is as believed, and that move the boom tip as was seen
     """
 
     seen: SeaSeen
     believed: SeaModelParameters
     in_force: SeaModelParameters
-    others: list[SeaModelParameters]
+    stretched: SeaModelParameters | None
+    parts: list[SeaModelParameters]
+
+    @property
+    def others(self) -> list[SeaModelParameters]:
+        """All but that in force."""
+        return [*([] if self.stretched is None else [self.stretched]), *self.parts]
 
 
 class SeaTracker:
@@ -260,8 +267,8 @@ def possible_seas(
     seen, believed, in_force, vessel : as for `sea_that_was_seen`
     """
     stretched = sea_that_was_seen(seen, believed, in_force, vessel)
-    others = [] if stretched is None else [stretched, *_of_two_parts(seen, believed, vessel)]
-    return PossibleSeas(seen, believed, as_high_as_seen(in_force, seen, vessel), others)
+    parts = _of_two_parts(seen, believed, vessel)
+    return PossibleSeas(seen, believed, as_high_as_seen(in_force, seen, vessel), stretched, parts)
 
 
 def neighbours(

@@ -38,7 +38,7 @@ def likeliest_sea(
     ----------
     parameters : believed, but for the sea
     seas : that may be there
-    record : of SEA_SENSORS; a short one tells nothing, and the first of the other `seas` is returned
+    record : of SEA_SENSORS; a short one tells nothing, and what the moments say is returned
     design_for : designs for parameters
     tick_period : [s]
     """
@@ -50,11 +50,8 @@ def likeliest_sea(
         design = design_for(replace(believed, sea=sea), (1.0, 1.0))
         return likelihood(design, record, tick_period) - FARTHER * distance(sea, seas.believed)
 
-    found = None
-    if len(record) * tick_period >= SHORTEST:
-        found = _best(seas, told, parameters.vessel)
-    elif seas.others:
-        found = seas.others[0]
+    is_told = len(record) * tick_period >= SHORTEST
+    found = _best(seas, told, parameters.vessel) if is_told else seas.stretched
     return None if found is None else no_lower_while_it_grows(found, seas)
 
 
