@@ -249,7 +249,7 @@ def test_an_operator_lowers_the_unit_while_it_is_compensated_and_a_joystick_that
     for _ in range(200):
         controller.operate(0.4)
         rows.append(loop.step()[1])
-    # at the 0.05 m/s^2 of a move it is there after 8 s, and the ease of 2 s at either end
+    # at 3.5 % of 1.5 m/s^2 it is there after 8 s, and the ease of 2 s at either end
     assert controller.mean.point.rate == pytest.approx(0.4, abs=0.08)
     rows += [loop.step()[1] for _ in range(600)]
     assert controller.mean.point.rate == 0.0

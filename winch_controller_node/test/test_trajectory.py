@@ -77,7 +77,7 @@ def test_a_stop_and_a_driven_motion_have_no_time_to_go():
     points(mean, 200)
     mean.stop()
     assert mean.time_to_go == 0.0
-    mean.drive(0.2)
+    mean.drive(0.2, 0.05)
     assert mean.time_to_go == 0.0
 
 

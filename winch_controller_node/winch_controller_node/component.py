@@ -243,14 +243,15 @@ class WinchController:
         if self.mode not in OPERATED:
             self._operator.drop()
             return
-        limits, parameters = self._command.governor.limits, self.parameters.operator
+        limits, shares = self._command.governor.limits, self.parameters.operator
         bounds = OperatorRange(
-            parameters.speed_share * limits.speed,
-            self.parameters.move.acceleration,
-            limits.payout_minimum,
-            limits.payout_maximum,
+            speed=shares.speed_share * limits.speed,
+            acceleration=shares.acceleration_share * limits.acceleration,
+            payout_minimum=limits.payout_minimum,
+            payout_maximum=limits.payout_maximum,
+            lag=self.mean.lag,
         )
-        self.mean.drive(self._operator.advance(self.mean.point, bounds))
+        self.mean.drive(self._operator.advance(self.mean.point, bounds), bounds.acceleration)
 
     def cancel_move(self) -> None:
         """Bring the mean payout to rest smoothly."""

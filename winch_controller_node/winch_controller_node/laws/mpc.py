@@ -35,7 +35,7 @@ from winch_controller_node.laws.parts.governor import (
     SpeedServo,
     drum_ahead,
 )
-from winch_controller_node.laws.parts.loop_state import LoopState
+from winch_controller_node.laws.parts.loop_state import LoopState, Reference
 from winch_controller_node.laws.parts.preview import STEP, PreviewReader, feedforward
 from winch_controller_node.laws.parts.winch_limits import WinchLimits
 from winch_controller_node.model.lqr import DesignError
@@ -206,6 +206,7 @@ class ConstrainedLaw(ControlLaw):
         self._free_less_constrained = free_gain(model, parameters) - self._constrained
         self._releasing = math.exp(-model.dt * parameters.solve_ticks / max(parameters.release_time, 1e-9))
         self._lag, self._dt = winch.time_constant, model.dt
+        self._position_gain = winch.position_gain
         payout, rate = drum_ahead(model, winch)
         self._standing = rate + winch.position_gain * payout
         self.take_limits(design.limits)
@@ -330,14 +331,16 @@ class ConstrainedLaw(ControlLaw):
         if surprise is not None:
             value += float((self._fed[0] + self._freedom * self._free_less_constrained_feed) @ surprise)
         if last.status == FREE:
-            value = self._spare(value, float(self._standing @ state.x))
+            taken = self._acceleration_taken(state.reference)
+            value = self._spare(value, float(self._standing @ state.x) - taken * self._lag)
         return LawCommand(value, last.status, last.iterations, last.active)
 
     def _spare(self, value: float, standing: float) -> float:
         """Return the command that asks for no more than the acceleration limit, also at the start of the tick.
 
         A plan may ask for more at the start of a tick, to gain over all of it what the limit allows; noise alone should
-        not. `standing` is the command [m/s] under which the drum would not accelerate.
+        not. `standing` is the command [m/s] under which the drum would not accelerate, the mean payout's motion
+        included.
         """
         step = (1.0 - SPARED) * self.limits.acceleration * self._lag
         return min(max(value, standing - step), standing + step)
@@ -380,7 +383,8 @@ class ConstrainedLaw(ControlLaw):
             if kind.name == SPEED:
                 lower[kind.rows], upper[kind.rows] = -speed - reference.rate, speed - reference.rate
             elif kind.name == ACCELERATION:
-                lower[kind.rows], upper[kind.rows] = -self._acceleration, self._acceleration
+                taken = self._acceleration_taken(reference)
+                lower[kind.rows], upper[kind.rows] = -self._acceleration - taken, self._acceleration - taken
             elif kind.name == PAYOUT:
                 mean = reference.payout + reference.rate * kind.times
                 lower[kind.rows], upper[kind.rows] = limits.payout_minimum - mean, limits.payout_maximum - mean
@@ -390,6 +394,11 @@ class ConstrainedLaw(ControlLaw):
                 if math.isfinite(limits.maximum_tension):
                     upper[kind.rows] = limits.maximum_tension - state.static_tension
         return lower, upper
+
+    def _acceleration_taken(self, reference: Reference) -> float:
+        """Return the acceleration that the mean payout takes up when the next command takes effect [m/s^2]."""
+        standing = reference.rate + self._position_gain * reference.payout
+        return (reference.command - standing) / self._lag
 
     def _active(self, planned: Array, lower: Array, upper: Array) -> tuple[str, ...]:
         active = []

@@ -7,27 +7,29 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from winch_controller_node.motion.trajectory import MovePoint
+from winch_controller_node.motion.trajectory import MovePoint, approach_speed
 from winch_controller_node.parameters.laws import OperatorParameters
 
 
 @dataclass(frozen=True, slots=True)
 class OperatorRange:
-    """What the operator may use of the winch.
+    """What the operator may use of the winch; compensation has what that leaves.
 
     Attributes
     ----------
     speed, acceleration : largest [m/s], [m/s^2]
     payout_minimum, payout_maximum : ends of the range [m]
+    lag : with which the mean payout goes to another speed [s]
     """
 
     speed: float
     acceleration: float
     payout_minimum: float
     payout_maximum: float
+    lag: float
 
     def nearest(self, speed: float, payout: float) -> float:
-        """Return the nearest speed to the one asked for from which half the acceleration stops within the range.
+        """Return the nearest speed to the one asked for from which the mean payout comes to rest within the range.
 
         Parameters
         ----------
@@ -35,7 +37,7 @@ class OperatorRange:
         payout : now [m]
         """
         down, up = self.payout_maximum - payout, payout - self.payout_minimum
-        lowering, lifting = (math.sqrt(self.acceleration * max(room, 0.0)) for room in (down, up))
+        lowering, lifting = (approach_speed(max(room, 0.0), self.acceleration, self.lag) for room in (down, up))
         return float(np.clip(speed, -min(self.speed, lifting), min(self.speed, lowering)))
 
 

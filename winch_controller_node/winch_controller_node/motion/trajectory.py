@@ -30,6 +30,18 @@ class MovePoint(NamedTuple):
     acceleration: float
 
 
+def approach_speed(distance: float, acceleration: float, lag: float) -> float:
+    """Return the largest speed [m/s] from which half the acceleration is enough to stop after `distance`.
+
+    Parameters
+    ----------
+    distance : to go, at least 0 [m]
+    acceleration : largest [m/s^2]
+    lag : with which a motion goes to another speed [s]; near the end that decides
+    """
+    return min(math.sqrt(acceleration * distance), distance / (4.0 * lag))
+
+
 class MeanPayout:
     """Generator of the mean payout, one point per tick.
 
@@ -37,15 +49,21 @@ class MeanPayout:
     ----------
     parameters : default speed, acceleration, time over which acceleration builds up
     tick_period : [s]
+
+    Attributes
+    ----------
+    lag : with which it goes to another speed [s]
+    point : now
+    target : of the last move [m]
     """
 
     def __init__(self, parameters: MoveParameters, *, tick_period: float) -> None:
         self._parameters = parameters
         self._dt = tick_period
-        self._lag = max(parameters.jerk_time, 2.0 * tick_period)
+        self.lag = max(parameters.jerk_time, 2.0 * tick_period)
         self.point = MovePoint(0.0, 0.0, 0.0)
         self.target = 0.0
-        self._speed = parameters.speed
+        self._speed, self._acceleration = parameters.speed, parameters.acceleration
         self._is_stopping = False
         self._deceleration = 0.0
         self._driven: float | None = None
@@ -87,7 +105,7 @@ class MeanPayout:
         """Go to where the speed of the move begins to fall, if it is reached; return the ticks that this takes."""
         distance = self.target - self.point.payout
         rate = math.copysign(self._speed, distance)
-        slowing = max(self._speed**2 / self._parameters.acceleration, 4.0 * self._lag * self._speed)
+        slowing = max(self._speed**2 / self._acceleration, 4.0 * self.lag * self._speed)
         if self.point.rate / rate < CRUISING or abs(distance) <= slowing:
             return 0
         ticks = int((abs(distance) - slowing) / max(self._speed * self._dt, 1e-9))
@@ -100,6 +118,7 @@ class MeanPayout:
             raise ValueError(f"a move needs a finite payout and a speed of at least 0; got {payout} m, {speed} m/s")
         self.target = payout
         self._speed = speed if speed > 0.0 else self._parameters.speed
+        self._acceleration = self._parameters.acceleration
         self._is_stopping, self._deceleration, self._driven = False, 0.0, None
         self._ticks_to_go = 0
 
@@ -112,9 +131,13 @@ class MeanPayout:
         self._is_stopping = True
         self._deceleration, self._driven = deceleration, None
 
-    def drive(self, rate: float) -> None:
-        """Go to a `rate` [m/s] as smoothly as a move does, and keep it until told otherwise; 0 ends the motion."""
+    def drive(self, rate: float, acceleration: float) -> None:
+        """Go to a `rate` [m/s] and keep it until told otherwise; 0 ends the motion.
+
+        It is done with no more than an `acceleration` [m/s^2], which builds up as that of a move does.
+        """
         self.stop()
+        self._acceleration = acceleration
         if rate != 0.0:
             self._is_stopping, self._driven = False, rate
 
@@ -129,13 +152,14 @@ class MeanPayout:
         self._ticks_to_go = max(self._ticks_to_go - 1, 0)
         if self._deceleration > 0.0:
             return self._brake()
-        limit = self._parameters.acceleration
+        limit = self._acceleration
         wanted = 0.0 if self._is_stopping else self._wanted_rate()
-        acceleration = (wanted - self.point.rate) / self._lag
-        acceleration = min(max(acceleration, -limit), limit)
+        acceleration = (wanted - self.point.rate) / self.lag
         step = limit * self._dt / max(self._parameters.jerk_time, self._dt)
         before = self.point.acceleration
         acceleration = min(max(acceleration, before - step), before + step)
+        # the limit may have become less
+        acceleration = min(max(acceleration, -limit), limit)
         rate = self.point.rate + acceleration * self._dt
         payout = self.point.payout + 0.5 * (self.point.rate + rate) * self._dt
         if not self.is_moving and abs(rate) < ARRIVED_SPEED:
@@ -158,10 +182,9 @@ class MeanPayout:
         return self.point
 
     def _wanted_rate(self) -> float:
-        """Return the rate that is driven, or from which half the acceleration is enough to stop at the target."""
+        """Return the rate that is driven, or from which it can stop at the target."""
         if self._driven is not None:
             return self._driven
         distance = self.target - self.point.payout
-        braking = math.sqrt(self._parameters.acceleration * abs(distance))
-        near = abs(distance) / (4.0 * self._lag)
-        return math.copysign(min(self._speed, braking, near), distance)
+        approach = approach_speed(abs(distance), self._acceleration, self.lag)
+        return math.copysign(min(self._speed, approach), distance)

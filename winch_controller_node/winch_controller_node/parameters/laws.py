@@ -260,14 +260,22 @@ class MoveParameters:
 
 @dataclass(frozen=True)
 class OperatorParameters:
-    """The operator's own speed, as from a joystick, at `move.acceleration`; compensation has the rest of the winch."""
+    """The operator's own speed, as from a joystick: its shares of the winch; compensation has the rest."""
 
     speed_share: float = parameter(
         0.3,
         unit="",
         minimum=0.0,
         maximum=1.0,
-        description="Fraction of the winch's speed limit available to an operator.",
+        description="Fraction of the winch's speed limit in force available to an operator; compensation has the rest.",
+    )
+    acceleration_share: float = parameter(
+        0.035,
+        unit="",
+        minimum=0.001,
+        maximum=1.0,
+        description="Fraction of the winch's acceleration limit in force available to an operator; compensation has "
+        "the rest.",
     )
     timeout: float = parameter(
         0.5,

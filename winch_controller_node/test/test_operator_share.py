@@ -1,0 +1,129 @@
+"""The winch is shared: the operator never uses more than its share of it, and compensation has what that leaves."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+from cable_sim_node.node_parameters import CableSimNodeParameters, LinearModelParameters
+from cable_sim_node.winch.parameters import WinchParameters
+from heave_bringup.closed_loop import ClosedLoop, LoopParameters
+from heave_node.parameters import build_parameters
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from wave_vessel_node.parameters import WaveVesselParameters
+from winch_controller_node.design.design import design_controller
+from winch_controller_node.laws.law import LawDesign
+from winch_controller_node.laws.mpc import ConstrainedLaw, MpcParameters
+from winch_controller_node.laws.parts.loop_state import LoopState, Reference
+from winch_controller_node.motion.operator_speed import OperatorRange, OperatorSpeed
+from winch_controller_node.motion.trajectory import MeanPayout
+from winch_controller_node.node_parameters import WinchControllerParameters
+from winch_controller_node.parameters.laws import MoveParameters, OperatorParameters
+
+DT = 0.05
+INERTIA, DAMPING = 7.339769, 0.1906759
+"""The 900 m system of thesis 6.2.6 as identified there."""
+
+LARGEST_SPEED, ACCELERATION, LAG = 2.0, 1.5, 0.2
+"""Of the winch of these tests [m/s], [m/s^2], [s]."""
+
+
+@settings(max_examples=40, deadline=None)
+@given(st.lists(st.tuples(st.floats(-3.0, 3.0), st.integers(1, 300)), min_size=1, max_size=6))
+def test_an_operator_gets_no_more_than_the_share_and_stays_within_the_range(asked):
+    bounds = OperatorRange(speed=0.6, acceleration=0.15, payout_minimum=-5.0, payout_maximum=5.0, lag=2.0)
+    operator = OperatorSpeed(OperatorParameters(), tick_period=DT)
+    mean = MeanPayout(MoveParameters(), tick_period=DT)
+    for speed, ticks in asked:
+        for _ in range(ticks):
+            operator.ask(speed)
+            before = mean.point
+            mean.drive(operator.advance(before, bounds), bounds.acceleration)
+            point = mean.advance()
+            assert abs(point.rate) <= bounds.speed + 1e-9
+            assert abs(point.rate - before.rate) <= bounds.acceleration * DT + 1e-9
+            assert bounds.payout_minimum - 0.01 <= point.payout <= bounds.payout_maximum + 0.01
+
+
+def test_the_plan_of_compensation_has_what_the_operator_leaves():
+    """While the mean gains speed at 0.3 m/s^2, 1.2 m/s^2 are left on that side, and 1.8 on the other."""
+    design = design_controller(WinchControllerParameters(), tick_period=DT)
+    made_for = LawDesign(design.model, design.parameters.winch, design.limits, design.parameters.weights, design.gain)
+    law = ConstrainedLaw(made_for, MpcParameters())
+    rows = next(kind.rows for kind in law._rows if kind.name == "acceleration")
+    rate = 0.4
+    ahead = Reference(rate=rate, command=rate + design.parameters.winch.time_constant * 0.3)
+    whole, left = (
+        law._bounds(LoopState(np.zeros(design.model.order), reference, design.cable.static_tension))
+        for reference in (Reference(), ahead)
+    )
+    for bound, without in zip(left, whole, strict=True):
+        np.testing.assert_allclose(bound[rows], without[rows] - 0.3)
+
+
+def loop_in(*, acceleration, height=4.0, **controller):
+    """Return a loop in a sea that takes the winch to its limits; the winch has a true `acceleration` [m/s^2]."""
+    sea = {"significant_wave_height": height, "peak_period": 8.0, "ramp": 10.0}
+    belief = {
+        "length": 900.0,
+        "cable_model.inertia": INERTIA,
+        "cable_model.damping": DAMPING,
+        "sea.significant_wave_height": height,
+        "sea.peak_period": 8.0,
+        "modes.settling_time": 10.0,
+        "modes.fade_in_time": 5.0,
+    } | controller
+    return ClosedLoop(
+        LoopParameters(
+            sea=build_parameters(WaveVesselParameters, sea, where="test"),
+            plant=CableSimNodeParameters(model="linear", linear=LinearModelParameters(INERTIA, DAMPING), length=900.0),
+            winch=dataclasses.replace(
+                WinchParameters(), acceleration_limit=acceleration, stop_deceleration=acceleration
+            ),
+            controller=build_parameters(WinchControllerParameters, belief, where="test"),
+        )
+    )
+
+
+def operated(loop, ticks):
+    """Run `ticks` of a `loop` with an operator who lowers and stops; return what was seen by tick.
+
+    Columns: speed and acceleration of the operator's reference, what the winch is asked for, and how far that is from
+    the speed that the drum has when it takes effect.
+    """
+    orders, seen = [], []
+    delay = round(WinchParameters().command_delay / DT)
+    for tick in range(ticks):
+        loop.controller.operate(1.0 if tick % 800 < 400 else 0.0)
+        before, speed = loop.controller.mean.point, loop.winch.state.payout_rate
+        outputs, _ = loop.step()
+        point = loop.controller.mean.point
+        orders = [*orders[-delay:], outputs.order]
+        step = orders[0].payout_rate - speed if len(orders) > delay else 0.0
+        seen.append((point.rate, (point.rate - before.rate) / DT, outputs.order.payout_rate, step))
+    return np.abs(np.array(seen)).T
+
+
+def test_operator_and_compensation_together_keep_the_limits_in_a_sea_that_takes_all_of_the_winch():
+    loop = loop_in(acceleration=ACCELERATION, height=4.0)
+    for _ in range(round(40.0 / DT)):
+        loop.step()
+    rate, acceleration, asked, step = operated(loop, round(40.0 / DT))
+    shares = loop.controller.parameters.operator
+    assert 0.9 * shares.speed_share * LARGEST_SPEED < rate.max() <= shares.speed_share * LARGEST_SPEED
+    assert acceleration.max() == pytest.approx(shares.acceleration_share * ACCELERATION)
+    # the sea and the operator ask for more than the winch has, and neither speed nor acceleration is asked of it
+    assert 0.9 * LARGEST_SPEED < asked.max() <= LARGEST_SPEED + 1e-9
+    assert step.max() <= ACCELERATION * (LAG + DT) + 0.01
+    assert loop.controller.mode.value == "compensating"
+
+
+def test_the_share_is_one_of_the_acceleration_that_was_learnt():
+    """The winch has half of the acceleration that is believed, and so has the operator."""
+    loop = loop_in(acceleration=0.5 * ACCELERATION, height=3.0)
+    for _ in range(round(40.0 / DT)):
+        loop.step()
+    learnt = loop.controller.parameters.winch.acceleration_limit
+    assert learnt == pytest.approx(0.5 * ACCELERATION, rel=0.1)
+    _, acceleration, _, _ = operated(loop, round(15.0 / DT))
+    assert acceleration.max() == pytest.approx(loop.controller.parameters.operator.acceleration_share * learnt)
