@@ -1,8 +1,12 @@
-"""The noise of a sensor is known from its readings alone."""
+"""The noise of a sensor is known from its readings alone; one that is told far too large is told as well."""
 
 import numpy as np
 import pytest
+from heave_bringup.closed_loop import ClosedLoop, loop_parameters
+from heave_bringup.scenarios import load_scenario
+from winch_controller_node.estimation.reading_record import Surprise
 from winch_controller_node.estimation.sensor_noise import FEWEST, READINGS, UNKNOWN, SensorNoise
+from winch_controller_node.model.estimator import Innovation
 
 DT = 0.05
 
@@ -56,3 +60,48 @@ def test_what_a_sensor_states_of_itself_counts_where_it_is_more():
 def test_rare_readings_are_not_judged():
     noise = SensorNoise(0.02, 1.0)
     assert {noise.add(float(value)) for value in np.random.default_rng(0).standard_normal(300)} == {0.02}
+
+
+def run_b3(duration, *settings):
+    """Return the record of benchmark B3 with `settings`, over a `duration` [s]."""
+    scenario = load_scenario("b3_deep_900", settings=[f"all.duration={duration}", *settings])
+    return ClosedLoop(loop_parameters(scenario)).run()
+
+
+def told_quiet(record):
+    """Return time and measurement of each alarm that a sensor is quieter than believed."""
+    return [(time, words.split()[0]) for time, words in record.alarms if "is quieter than believed" in words]
+
+
+def test_sensors_that_are_believed_five_times_noisier_than_they_are_are_told_once_and_compensation_goes_on():
+    sensors = "winch_controller.sensors"
+    record = run_b3(180.0, f"{sensors}.mru.noise=0.05", f"{sensors}.mru.rate_noise=0.05", f"{sensors}.depth.noise=0.1")
+    told = told_quiet(record)
+    assert sorted(name for _, name in told) == ["mru_heave", "mru_heave_rate", "unit_heave"]
+    # their mean squares fall from 1 to 0.4 within half a minute (the depth sensor reads half as often), and
+    # a minute more must pass
+    assert all(60.0 <= time <= 120.0 for time, _ in told)
+    assert record.modes[-1] == "compensating"
+    (words,) = [words for _, words in record.alarms if words.startswith("mru_heave is")]
+    assert "state the noise of sensor mru to have more of it (believed: 0.05, the readings show 0.0" in words
+
+
+def test_sensors_as_believed_are_not_told_also_in_a_sea_far_lower_than_believed():
+    assert not told_quiet(run_b3(150.0, "wave_vessel.significant_wave_height=0.1"))
+
+
+def test_a_reading_that_comes_back_into_its_band_within_the_minute_is_not_told():
+    surprise = Surprise(DT)
+    quiet, usual = ({"mru_heave": Innovation(0.0, 1.0, nis, accepted=True)} for nis in (0.0, 1.0))
+    told = []
+    for seconds, innovations in ((60.0, quiet), (60.0, usual), (60.0, quiet)):
+        for _ in range(round(seconds / DT)):
+            surprise.add(innovations)
+            told.append(surprise.newly_quiet())
+    # it takes 18 s to fall to 0.4
+    assert not any(told)
+    for _ in range(round(60.0 / DT)):
+        surprise.add(quiet)
+        told.append(surprise.newly_quiet())
+    (news,) = [news for news in told if news]
+    assert list(news) == ["mru_heave"]

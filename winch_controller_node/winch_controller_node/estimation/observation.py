@@ -33,6 +33,9 @@ from winch_controller_node.parameters.laws import HealthParameters
 ON_TICK = 1e-4
 """A stamp that is off its tick by a smaller share of the tick period is on it."""
 
+NEGLIGIBLE = 1e-4
+"""A noise that is believed to be no larger than this, in the sensor's unit, is never too large."""
+
 REMEMBERED = 64
 """Ticks for which the mean payout's share is kept, for readings that come late."""
 
@@ -89,6 +92,7 @@ class Observer:
         self.doubted = ""
         self._unit_heave = 0.0
         self._levels: dict[str, SensorLevel] = {}
+        self._quiet: list[str] = []
         self._attitude: tuple[float, float, float] | None = None
         self._shares: deque[tuple[int, Array]] = deque(maxlen=REMEMBERED)
 
@@ -175,13 +179,35 @@ class Observer:
         spikes = {estimator.measurements[name].sensor for name in refused if not surprise.is_surprised_by(name)}
         for sensor in sorted(of_sensors - {"encoder"}):
             self.gates[sensor].take_back(is_spike=sensor in spikes)
+        self._quiet = [
+            self._told_quiet(name, estimator.measurements[name].sensor, mean)
+            for name, mean in surprise.newly_quiet().items()
+            if name in self._noise and self._noise[name].believed > NEGLIGIBLE
+        ]
+
+    def _told_quiet(self, name: str, sensor: str, mean: float) -> str:
+        """Return in words that a measurement is quieter than believed, and what to do.
+
+        Parameters
+        ----------
+        name : of the measurement
+        sensor : that reads it
+        mean : of its normalised innovations squared
+        """
+        noise = self._noise[name]
+        seen = "" if noise.seen is None else f", the readings show {noise.seen:.2g}"
+        return (
+            f"{name} is quieter than believed: {math.sqrt(mean):.2f} times as far off as foreseen for a minute. "
+            f"Compensation goes on; state the noise of sensor {sensor} to have more of it "
+            f"(believed: {noise.believed:.2g}{seen})"
+        )
 
     def lost(self) -> dict[str, str]:
         """Return why each lost sensor counts as lost, by name."""
         return {name: gate.reason for name, gate in self.gates.items() if gate.is_lost}
 
     def new_faults(self) -> list[str]:
-        """Return, in words, which sensors have become worse since the last call."""
+        """Return, in words, which sensors have become worse since the last call, or are quieter than believed."""
         words = []
         for name, gate in self.gates.items():
             before, self._levels[name] = self._levels.get(name, SensorLevel.OK), gate.level
@@ -193,7 +219,7 @@ class Observer:
             factor = noise.news()
             if factor > 0.0:
                 words.append(f"noise of {name} is {noise.sigma:.3g}, {factor:.1f} times what is believed")
-        return words
+        return [*words, *self._quiet]
 
     def states(self, tick: int) -> tuple[SensorState, ...]:
         """Return how each sensor is seen at `tick`."""

@@ -17,6 +17,9 @@ MEMORY = 20.0
 SURPRISING = 2.0
 """Mean of the normalised innovations squared above which a sensor is not what it is believed to be; 1 where it is."""
 
+QUIET, QUIET_TIME = 0.4, 60.0
+"""Mean of them below which a sensor is quieter than believed, and time for which it is until that is told [s]."""
+
 LARGEST = 25.0
 """What one normalised innovation squared counts at most: a spike is no lasting error."""
 
@@ -74,6 +77,8 @@ class Surprise:
         self._dt = tick_period
         self._means: dict[str, float] = {}
         self._time = 0.0
+        self._quiet_times: dict[str, float] = {}
+        self._told_quiet: set[str] = set()
         self.is_excused = False
 
     def add(self, innovations: Mapping[str, Innovation]) -> None:
@@ -83,11 +88,23 @@ class Surprise:
             if name != ENCODER_ROW and math.isfinite(innovation.nis):
                 before = self._means.get(name, 1.0)
                 self._means[name] = before + weight * (min(innovation.nis, LARGEST) - before)
+        for name, mean in self._means.items():
+            self._quiet_times[name] = self._quiet_times.get(name, 0.0) + self._dt if mean < QUIET else 0.0
         self._time = self._time + self._dt if self.worst[1] > SURPRISING else 0.0
 
     def is_surprised_by(self, name: str) -> bool:
         """Tell whether what a measurement of a `name` reads has been foreseen badly of late, not in one reading."""
         return self._means.get(name, 1.0) > SURPRISING
+
+    def newly_quiet(self) -> dict[str, float]:
+        """Return the measurements that are nearer to what is foreseen than their noise allows, for a minute.
+
+        They come by name with the mean of their normalised innovations squared, each once.
+        """
+        times = self._quiet_times.items()
+        quiet = [name for name, time in times if time >= QUIET_TIME and name not in self._told_quiet]
+        self._told_quiet.update(quiet)
+        return {name: self._means[name] for name in quiet}
 
     @property
     def worst(self) -> tuple[str, float]:
@@ -119,4 +136,5 @@ class Surprise:
         """Begin anew: something else is believed from now on."""
         self._means = {}
         self._time = 0.0
+        self._quiet_times = {}
         self.is_excused = False

@@ -49,7 +49,7 @@ class SensorNoise:
     """
 
     def __init__(self, believed: float, period: float) -> None:
-        self._believed = believed
+        self.believed = believed
         self._is_judged = period <= LONGEST_PERIOD
         self._last: deque[float] = deque(maxlen=4)
         self._differences: deque[float] = deque(maxlen=READINGS)
@@ -74,8 +74,13 @@ class SensorNoise:
             if len(self._differences) >= FEWEST and self._count % UPDATED == 0:
                 self._seen = float(np.median(self._differences)) / MEDIAN_OF_MAGNITUDE
         known = [sigma for sigma in (self._seen, stated) if sigma is not None and math.isfinite(sigma)]
-        self.sigma = max([self._believed, *known])
-        return self.sigma if known or not self._is_judged else UNKNOWN * self._believed
+        self.sigma = max([self.believed, *known])
+        return self.sigma if known or not self._is_judged else UNKNOWN * self.believed
+
+    @property
+    def seen(self) -> float | None:
+        """Standard deviation that the readings show, also where it is less than believed; None: not known."""
+        return self._seen
 
     def news(self) -> float:
         """Return how many times as large as believed the noise is, when it has become much larger; else 0."""
@@ -83,4 +88,4 @@ class SensorNoise:
         if self.sigma < WORSE * self._told or not is_sure:
             return 0.0
         self._told = self.sigma
-        return self.sigma / self._believed
+        return self.sigma / self.believed
