@@ -1,9 +1,12 @@
 """What must hold before the winch follows the sea."""
 
 import math
+import re
 from types import SimpleNamespace
 
 import pytest
+from heave_bringup.closed_loop import ClosedLoop, loop_parameters
+from heave_bringup.scenarios import load_scenario
 from winch_controller_node.estimation.loop_tick import Motion
 from winch_controller_node.laws.parts.winch_limits import WinchLimits
 from winch_controller_node.model.estimator import Innovation
@@ -70,6 +73,32 @@ def test_compensation_waits_for_a_sea_that_asks_for_no_more_than_is_allowed():
     assert gates.for_compensation(0.0, LIMITS, 2.34, 2.0) == (
         "the sea demands 2.3 times the winch's limits; at most 2 is allowed"
     )
+
+
+def test_peaks_above_four_fifths_of_the_limits_are_told_with_the_share_that_compensation_begins_with():
+    gates = gates_over(0.0)
+    assert gates.peaks_in_words(0.53, 1.0) == ""
+    assert gates.peaks_in_words(0.6, 0.85) == (
+        "peaks of the boom tip take 90 % of the winch's limits, above 80 %: compensation begins with 85 % of the sea"
+    )
+
+
+@pytest.mark.parametrize(("law", "share"), [("mpc", 100), ("lqg", 78)])
+def test_compensation_that_begins_in_a_sea_beyond_the_winch_says_by_how_much_and_with_what_share(law, share):
+    """Benchmark B4 with its period of 10 s: the law that plans takes all of the sea, the other 85 over 109 of it."""
+    settings = ["all.duration=30", "wave_vessel.ramp=5", f"winch_controller.law={law}"]
+    record = ClosedLoop(loop_parameters(load_scenario("b4_limit_900_tp10", settings=settings))).run()
+    words = [words for _, words in record.alarms]
+    at = words.index("mode compensating: estimate settled")
+    told = re.fullmatch(
+        r"peaks of the boom tip take (\d+) % of the winch's limits, above 80 %: "
+        r"compensation begins with (\d+) % of the sea",
+        words[at + 1],
+    )
+    assert told is not None, words
+    peak, begins = map(int, told.groups())
+    assert peak > 80
+    assert begins == pytest.approx(share, abs=1)
 
 
 def test_all_gates_that_are_closed_are_told():

@@ -241,7 +241,8 @@ class EntryParameters:
         unit="",
         minimum=0.01,
         maximum=10.0,
-        description="No constant tension while the peaks of the boom tip use more than this fraction of the limits.",
+        description="No constant tension while the peaks of the boom tip use more than this fraction of the limits; "
+        "compensation begins all the same, and says with what share of the sea.",
     )
 
 

@@ -89,6 +89,24 @@ class EntryGates:
             )
         return "; ".join(reason for reason in reasons if reason)
 
+    def peaks_in_words(self, demand: float, share: float) -> str:
+        """Return how the peaks of the boom tip are above what a winch should be used for; empty where they are not.
+
+        Compensation need not wait for a lower sea: it begins with what it can have of this one.
+
+        Parameters
+        ----------
+        demand : significant amplitude of the boom tip over the winch's limits
+        share : of the sea that compensation begins with
+        """
+        peak, most = PEAK_OVER_SIGNIFICANT * demand, self._parameters.peak_use
+        if peak <= most:
+            return ""
+        return (
+            f"peaks of the boom tip take {100 * peak:.0f} % of the winch's limits, above {100 * most:.0f} %: "
+            f"compensation begins with {100 * share:.0f} % of the sea"
+        )
+
     def _innovations(self) -> str:
         """Return which readings are too far from what the estimator expects."""
         most = self._parameters.innovation

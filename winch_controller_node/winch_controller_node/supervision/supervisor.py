@@ -143,6 +143,11 @@ class Supervisor:
         self._gates.observe(tick)
         lost = self._lost(tick)
         alarms += self._tell_share(tick, winch)
+        authority_limit = min(
+            _known_share(tick),
+            winch.share,
+            self.guard.authority_limit(keeps_limits=self._keeps_limits),
+        )
         mode = self.modes.step(
             Situation(
                 lost=lost,
@@ -152,11 +157,7 @@ class Supervisor:
                 harm=self.guard.reason,
                 prospect=self.guard.prospect,
                 speed=winch.speed,
-                authority_limit=min(
-                    _known_share(tick),
-                    winch.share,
-                    self.guard.authority_limit(keeps_limits=self._keeps_limits),
-                ),
+                authority_limit=authority_limit,
                 is_settled=self._is_settled(tick, winch.settled_swing),
                 closed_gates=self._closed_gates(tick, winch.mean_payout),
                 tension_refusal=self._why_no_tension(tick, winch.mean_payout),
@@ -164,6 +165,7 @@ class Supervisor:
         )
         if mode.before is not None:
             alarms += (f"mode {mode.mode.value}: {mode.reason}",)
+            alarms += self._tell_peaks(mode, authority_limit)
         if mode.mode is Mode.COMPENSATING and mode.before is Mode.FADE_OUT:
             self.guard.allow_catch_up()
         if mode.mode is not Mode.FADE_OUT or lost:
@@ -224,6 +226,19 @@ class Supervisor:
             return ()
         self._held_time = -TOLD_AGAIN
         return (f"only {100.0 * share:.0f} % of the sea is compensated: {cause}",)
+
+    def _tell_peaks(self, mode: ModeOutput, authority_limit: float) -> tuple[str, ...]:
+        """Return that compensation begins in a sea whose peaks are beyond what the winch should be used for.
+
+        Parameters
+        ----------
+        mode : of the tick
+        authority_limit : largest share of the sea that may be compensated
+        """
+        if mode.mode is not Mode.COMPENSATING or mode.before is not Mode.STANDBY:
+            return ()
+        words = self._gates.peaks_in_words(self.guard.demand, self.modes.factor * authority_limit)
+        return (words,) if words else ()
 
     def _closed_gates(self, tick: LoopTick, mean_payout: float) -> str:
         """Return why compensation may not begin about a mean payout [m]; empty where it may."""
