@@ -36,17 +36,18 @@ LARGEST_JUMP = 1e-6
 winch."""
 
 
-def refuse_jump(where: str, payout: float, payout_start: float) -> None:
+def refuse_jump(payout: float, payout_start: float, time: float | None = None) -> None:
     """Raise BadMotionError if a payout jumps: cable neither appears nor vanishes.
 
     Parameters
     ----------
-    where : opens the message
     payout : of the plant [m]
     payout_start : with which the next interval would start [m]
+    time : simulated time [s], for the message; None: the plant does not know it
     """
     if abs(payout_start - payout) > LARGEST_JUMP:
+        where = "" if time is None else f"at t = {time:g} s: "
         raise BadMotionError(
-            f"{where}: payout_start {payout_start:.9g} m differs from the plant's payout of {payout:.9g} m; start "
+            f"{where}payout_start {payout_start:.9g} m differs from the plant's payout of {payout:.9g} m; start "
             f"where the last interval ended (within {LARGEST_JUMP:g} m)"
         )

@@ -103,6 +103,7 @@ class Learning:
         words = self._take(tick)
         parameters = self._in_force.parameters
         is_learning = compensates and identifies_winch(parameters)
+        has_schedule = is_scheduled(parameters)
         if is_learning:
             self._follow_winch(tick)
         words += self._news.update(
@@ -111,9 +112,9 @@ class Learning:
             is_power_limited=self._winch.is_power_limited,
             is_learning=is_learning,
         )
-        if not self._work.is_under_way and not is_scheduled(parameters):
+        if not has_schedule and not self._work.is_under_way:
             self._follow_sea(tick)
-        if not self._work.is_under_way and not is_scheduled(parameters):
+        if not has_schedule and not self._work.is_under_way:
             self._suspect_sensors(tick, is_trusted=is_trusted)
         return words
 

@@ -10,7 +10,11 @@ from winch_controller_node.estimation.loop_estimation import LoopEstimation
 from winch_controller_node.estimation.loop_tick import LoopTick
 from winch_controller_node.interface.readings import Report, WinchOrder
 from winch_controller_node.loop_command import TickCommand
+from winch_controller_node.model.estimator import Innovation
 from winch_controller_node.supervision.supervisor import Decision
+
+NOT_READ = Innovation(math.nan, math.nan, math.nan, accepted=False)
+"""What a measurement says in a tick without a reading of it."""
 
 
 class ControllerTick(NamedTuple):
@@ -35,7 +39,7 @@ def state_report(tick: ControllerTick, estimation: LoopEstimation, in_force: Des
     loop, mode, command, order = tick.loop, tick.decision.mode, tick.command, tick.order
     estimator = estimation.estimator
     names = tuple(estimator.measurements)
-    innovations = [loop.sensed.innovations.get(name) for name in names]
+    innovations = [loop.sensed.innovations.get(name, NOT_READ) for name in names]
     return Report(
         mode=mode.mode.value,
         law=in_force.parameters.law,
@@ -44,9 +48,9 @@ def state_report(tick: ControllerTick, estimation: LoopEstimation, in_force: Des
         estimate=tuple(loop.estimate.tolist()),
         covariance_diagonal=tuple(estimator.covariance.diagonal().tolist()),
         measurement_names=names,
-        innovation=tuple(math.nan if row is None else row.value for row in innovations),
-        innovation_sigma=tuple(math.nan if row is None else row.sigma for row in innovations),
-        nis=tuple(math.nan if row is None else row.nis for row in innovations),
+        innovation=tuple([row.value for row in innovations]),
+        innovation_sigma=tuple([row.sigma for row in innovations]),
+        nis=tuple([row.nis for row in innovations]),
         gain=tuple(in_force.law.gain.tolist()),
         predicted_unit_heave=loop.unit.heave,
         predicted_boom_tip_heave=loop.boom_tip.heave,

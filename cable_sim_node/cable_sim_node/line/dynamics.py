@@ -58,7 +58,6 @@ class CableDynamics:
         _check_seabed(parameters)
         self._seabed = Seabed(parameters.seabed)
         self._line = build_line(parameters, 2.0 * parameters.length)
-        self._ends = np.zeros((4, 4))
         self._seen = np.zeros(at.SEEN_COLUMNS)
         self._fresh = False
 
@@ -139,18 +138,20 @@ class CableDynamics:
         CableTooShortError, NotConvergedError
             where the line cannot follow; the state is that of the last good step.
         """
-        ends, base = self._ends, self.parameters.length
-        ends[0, :3], ends[1, :3] = tip_start.position, tip_start.velocity
-        ends[2, :3], ends[3, :3] = tip_end.position, tip_end.velocity
-        lengths = (base + payout_start, payout_rate_start, base + payout_end, payout_rate_end)
-        ends[:, 3] = lengths
-        if not (duration > 0.0 and math.isfinite(duration + float(ends.sum()))):
+        base = self.parameters.length
+        start, start_rate, end, end_rate = base + payout_start, payout_rate_start, base + payout_end, payout_rate_end
+        numbers = [
+            *(*tip_start.position.tolist(), start, *tip_start.velocity.tolist(), start_rate),
+            *(*tip_end.position.tolist(), end, *tip_end.velocity.tolist(), end_rate),
+        ]
+        ends = np.array(numbers).reshape(4, 4)
+        if not (duration > 0.0 and math.isfinite(duration + sum(numbers))):
             raise BadMotionError(
                 f"at t = {self.time:g} s: boom tip and payout must be finite and the duration positive; got "
                 f"{ends[:, :3].tolist()}, {ends[:, 3].tolist()}, {duration}"
             )
-        refuse_jump(f"at t = {self.time:g} s", self.unstretched_length - base, payout_start)
-        self._reserve(max(lengths[0], lengths[2]) + duration * max(abs(lengths[1]), abs(lengths[3])))
+        refuse_jump(self.unstretched_length - base, payout_start, self.time)
+        self._reserve(max(start, end) + duration * max(abs(start_rate), abs(end_rate)))
         self._fresh = False
         outcome = advance(self._line, duration, ends)
         if outcome == at.TOO_SHORT:
@@ -214,18 +215,18 @@ class CableDynamics:
     @property
     def top_tension(self) -> float:
         """Size of `top_force` [N]; 0 where the line would have to push."""
-        force, n, x = self.top_force, self.segments, self._line.x
-        return math.sqrt(force @ force) if force @ (x[n - 1] - x[n]) > 0.0 else 0.0
+        self._evaluate()
+        return float(self._seen[at.SEEN_TENSION])
 
     @property
     def unit_position(self) -> Array:
         """Position of the unit [m], shape (3,)."""
-        return self._line.x[0].copy()
+        return self._line.now[0, at.X : at.Z + 1].copy()
 
     @property
     def unit_velocity(self) -> Array:
         """Velocity of the unit [m/s], shape (3,)."""
-        return self._line.v[0].copy()
+        return self._line.now[0, at.VX : at.VZ + 1].copy()
 
     @property
     def unit_acceleration(self) -> Array:
@@ -251,7 +252,7 @@ class CableDynamics:
     def slack_segments(self) -> int:
         """Number of segments that carry no tension."""
         self._evaluate()
-        return int(np.count_nonzero(self._line.tensions[: self.segments] <= 0.0))
+        return int(self._seen[at.SEEN_SLACK])
 
     @property
     def is_on_seabed(self) -> bool:
@@ -292,7 +293,7 @@ class CableDynamics:
 
     def _reserve(self, total: float) -> None:
         """Make sure that the grid reaches beyond `total` [m]; rare, and the only allocation."""
-        if total > self._line.grid_s[-5]:
+        if total > self._line.grid[-5, at.START]:
             self._grow(total)
 
     def _grow(self, total: float) -> None:

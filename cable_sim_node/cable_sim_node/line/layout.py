@@ -103,9 +103,10 @@ SETTING_COLUMNS = 34
 SEGMENTS, NEWTON, STEPS, REFUSED = range(4)
 COUNTER_COLUMNS = 4
 
-# What is seen of the line after an evaluation: acceleration of the unit [m/s^2], largest strain of a segment [-].
-SEEN_AX, SEEN_AY, SEEN_AZ, SEEN_STRAIN = range(4)
-SEEN_COLUMNS = 4
+# What is seen of the line after an evaluation: acceleration of the unit [m/s^2], largest strain of a segment [-], force
+# on the top end [N], number of segments without tension.
+SEEN_AX, SEEN_AY, SEEN_AZ, SEEN_STRAIN, SEEN_TENSION, SEEN_SLACK = range(6)
+SEEN_COLUMNS = 6
 
 # Outcomes of an advance.
 DONE, NOT_CONVERGED, TOO_SHORT = range(3)

@@ -54,13 +54,16 @@ from cable_sim_node.line.layout import (
     RZ,
     SEEN_AX,
     SEEN_AZ,
+    SEEN_SLACK,
     SEEN_STRAIN,
+    SEEN_TENSION,
     SEGMENTS,
     SPRING_ON,
     START,
     STEP,
     STEPS,
     STIFFNESS,
+    TENSION,
     TIME,
     TOLERANCE,
     TOO_SHORT,
@@ -387,20 +390,31 @@ def evaluate(line: LineArrays) -> float:
 
 @kernel
 def observe(line: LineArrays, seen: Array) -> None:
-    """Evaluate the present state of `line`, and set `seen` to the unit's acceleration and the largest strain.
+    """Evaluate the present state of `line`, and set `seen` to what is looked at, see `layout`.
 
     One call for all that is looked at in a tick: to take the arrays apart costs as much as to evaluate a short line.
     """
     evaluate(line)
     unit_acceleration(line, seen[SEEN_AX : SEEN_AZ + 1])
-    largest = -1.0
-    for i in range(line.counters[SEGMENTS]):
+    n, largest, slack = line.counters[SEGMENTS], -1.0, 0
+    for i in range(n):
         low, high = line.now[i], line.now[i + 1]
         dx, dy, dz = high[X] - low[X], high[Y] - low[Y], high[Z] - low[Z]
         strain = math.sqrt(dx * dx + dy * dy + dz * dz) / line.parts[i, LENGTH] - 1.0
         if not strain <= largest:
             largest = strain
-    seen[SEEN_STRAIN] = largest
+        if line.equations[i, TENSION] <= 0.0:
+            slack += 1
+    seen[SEEN_STRAIN], seen[SEEN_SLACK], seen[SEEN_TENSION] = largest, slack, top_tension(line, n)
+
+
+@inner_kernel
+def top_tension(line: LineArrays, n: int) -> float:
+    """Return the size [N] of the force of `line` on its top end, node `n`, after `evaluate`; 0 where it would push."""
+    row, below, end = line.equations[n], line.now[n - 1], line.now[n]
+    fx, fy, fz = -row[RX], -row[RX + 1], -row[RX + 2]
+    pull = fx * (below[X] - end[X]) + fy * (below[Y] - end[Y]) + fz * (below[Z] - end[Z])
+    return math.sqrt(fx * fx + fy * fy + fz * fz) if pull > 0.0 else 0.0
 
 
 @inner_kernel

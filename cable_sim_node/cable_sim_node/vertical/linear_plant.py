@@ -84,7 +84,7 @@ class LinearPlant:
         motions = [tip_start.position, tip_start.velocity, tip_end.position, tip_end.velocity]
         if duration <= 0.0 or not np.isfinite(numbers).all() or not np.isfinite(motions).all():
             raise BadMotionError("boom tip and payout must be finite numbers and the duration positive")
-        refuse_jump("linear plant", self._payout, payout_start)
+        refuse_jump(self._payout, payout_start)
         forcing = _cubic(
             duration,
             tip_start.position[2] - self._start_height - payout_start,

@@ -299,7 +299,7 @@ class VirtualWinch:
         self._payout, self._rate = state.payout, state.payout_rate
         if self._mode is _Mode.STOP and self._rate == 0.0:
             self._mode = _Mode.HOLD
-        return state.limits, state.payout_acceleration
+        return int(state.limits), state.payout_acceleration
 
     def instruments(self) -> Mapping[str, float]:
         """Return what the drive's own instruments read, by name with unit; nothing for the ideal servo."""

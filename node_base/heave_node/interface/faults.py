@@ -211,6 +211,8 @@ class FaultSchedule:
 
     def newest(self, kind: str, time: float) -> float | None:
         """Return the magnitude of the fault of `kind` that is active at `time` [s] and was added last, or None."""
+        if not self._faults:
+            return None
         active = [fault.magnitude for fault in self._faults if fault.kind == kind and fault.is_active(time)]
         return active[-1] if active else None
 

@@ -116,19 +116,17 @@ class LoopTick:
     @cached_property
     def unit(self) -> Motion:
         """Motion of the unit about where the mean payout would have it at rest: what compensation has left."""
-        heave, rate = self.mean_swing + self.estimate[self.rows.unit_states]
-        return Motion(float(heave), float(rate))
+        return Motion(*(self.mean_swing + self.estimate[self.rows.unit_states]).tolist())
 
     @property
     def free_unit(self) -> Motion:
         """Motion of the unit with the winch locked."""
-        return Motion(float(self.uncompensated[0]), float(self.uncompensated[1]))
+        return Motion(*self.uncompensated.tolist())
 
     @cached_property
     def boom_tip(self) -> Motion:
         """Motion of the boom tip."""
-        heave, rate = self.rows.tip @ self.estimate
-        return Motion(float(heave), float(rate))
+        return Motion(*(self.rows.tip @ self.estimate).tolist())
 
     @property
     def payout(self) -> float:

@@ -74,7 +74,8 @@ class Observer:
         }
         self.encoder = EncoderGate(SensorTiming(self._dt, self._dt), health, tick_period=self._dt)
         self.gates["encoder"] = self.encoder.gate
-        rows = [(sensor, row) for sensor in self._use.values() for row in sensor.rows()]
+        self._rows_of = {name: sensor.rows() for name, sensor in self._watched.items()}
+        rows = [(sensor, row) for name, sensor in self._use.items() for row in self._rows_of[name]]
         self._of_boom_tip = {row.name for sensor, row in rows if sensor.sees == "boom_tip"}
         self._heaves_of_unit = {row.name for _, row in rows if row.output == "unit_heave"}
         self._noise = {
@@ -175,6 +176,8 @@ class Observer:
             for name, innovation in estimator.innovations.items()
             if not innovation.accepted and math.isfinite(innovation.nis)
         ]
+        if not refused:
+            return
         of_sensors = {estimator.measurements[name].sensor for name in refused}
         spikes = {estimator.measurements[name].sensor for name in refused if not surprise.is_surprised_by(name)}
         for sensor in sorted(of_sensors - {"encoder"}):
@@ -204,7 +207,7 @@ class Observer:
 
     def lost(self) -> dict[str, str]:
         """Return why each lost sensor counts as lost, by name."""
-        return {name: gate.reason for name, gate in self.gates.items() if gate.is_lost}
+        return {name: gate.reason for name, gate in self.gates.items() if gate.level is SensorLevel.LOST}
 
     def new_faults(self) -> list[str]:
         """Return, in words, which sensors have become worse since the last call, or are quieter than believed."""
@@ -223,7 +226,8 @@ class Observer:
 
     def states(self, tick: int) -> tuple[SensorState, ...]:
         """Return how each sensor is seen at `tick`."""
-        return tuple(gate.state(tick * self._dt) for gate in self.gates.values())
+        now = tick * self._dt
+        return tuple([gate.state(now) for gate in self.gates.values()])
 
     def unit_heave_reading(self, mean_state: Array, unit: int) -> float:
         """Return the newest depth as heave about that of the mean payout [m].
@@ -288,7 +292,9 @@ class Observer:
                 self._unit_heave = value
                 self.depths.append((reading.time, -value))
             when, offset = self._tick_of(reading.time)
-            taken += [Measurement(row.name, value, when, self._sigma(row.name, value), offset) for row in sensor.rows()]
+            taken += [
+                Measurement(row.name, value, when, self._sigma(row.name, value), offset) for row in self._rows_of[name]
+            ]
         return taken
 
     def _sigma(self, measurement: str, value: float) -> float | None:
@@ -313,4 +319,5 @@ class Observer:
         share = float(estimator.row_of(reading) @ state)
         if reading.name in self._heaves_of_unit:
             share -= self.stretch_per_payout * float(estimator.model.row("payout") @ state)
-        return reading._replace(value=reading.value - share)
+        value = reading.value - share
+        return Measurement(reading.name, value, reading.tick, reading.sigma, reading.offset, reading.regressors)

@@ -90,7 +90,7 @@ class Surprise:
                 self._means[name] = before + weight * (min(innovation.nis, LARGEST) - before)
         for name, mean in self._means.items():
             self._quiet_times[name] = self._quiet_times.get(name, 0.0) + self._dt if mean < QUIET else 0.0
-        self._time = self._time + self._dt if self.worst[1] > SURPRISING else 0.0
+        self._time = self._time + self._dt if max(self._means.values(), default=1.0) > SURPRISING else 0.0
 
     def is_surprised_by(self, name: str) -> bool:
         """Tell whether what a measurement of a `name` reads has been foreseen badly of late, not in one reading."""
@@ -114,9 +114,9 @@ class Surprise:
     @property
     def words(self) -> str:
         """What is read cannot be believed yet, in words; empty where it can, or has been excused."""
-        name, mean = self.worst
-        if self.is_excused or mean <= SURPRISING:
+        if self.is_excused or self._time == 0.0:
             return ""
+        name, mean = self.worst
         wait = MEMORY * math.log((mean - 1.0) / (SURPRISING - 1.0))
         return (
             f"{name} is {math.sqrt(mean):.1f} times as far off as foreseen, {math.sqrt(SURPRISING):.1f} is allowed: "

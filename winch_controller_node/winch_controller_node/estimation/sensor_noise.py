@@ -8,8 +8,7 @@ from __future__ import annotations
 
 import math
 from collections import deque
-
-import numpy as np
+from statistics import median
 
 READINGS = 100
 """Readings that the noise is judged by, once there are so many."""
@@ -54,7 +53,7 @@ class SensorNoise:
         self._last: deque[float] = deque(maxlen=4)
         self._differences: deque[float] = deque(maxlen=READINGS)
         self._count = 0
-        self._seen: float | None = None
+        self._seen = math.nan
         self._told = believed
         self.sigma = believed
 
@@ -72,20 +71,24 @@ class SensorNoise:
             self._differences.append(abs(d - 3.0 * c + 3.0 * b - a))
             self._count += 1
             if len(self._differences) >= FEWEST and self._count % UPDATED == 0:
-                self._seen = float(np.median(self._differences)) / MEDIAN_OF_MAGNITUDE
-        known = [sigma for sigma in (self._seen, stated) if sigma is not None and math.isfinite(sigma)]
-        self.sigma = max([self.believed, *known])
-        return self.sigma if known or not self._is_judged else UNKNOWN * self.believed
+                self._seen = median(self._differences) / MEDIAN_OF_MAGNITUDE
+        is_stated = math.isfinite(stated)
+        # one that is not a number is no maximum
+        self.sigma = max(self.believed, self._seen, stated if is_stated else 0.0)
+        is_known = is_stated or math.isfinite(self._seen)
+        return self.sigma if is_known or not self._is_judged else UNKNOWN * self.believed
 
     @property
     def seen(self) -> float | None:
         """Standard deviation that the readings show, also where it is less than believed; None: not known."""
-        return self._seen
+        return self._seen if math.isfinite(self._seen) else None
 
     def news(self) -> float:
         """Return how many times as large as believed the noise is, when it has become much larger; else 0."""
-        is_sure = self._seen is None or len(self._differences) == READINGS
-        if self.sigma < WORSE * self._told or not is_sure:
+        if self.sigma < WORSE * self._told:
+            return 0.0
+        is_sure = math.isnan(self._seen) or len(self._differences) == READINGS
+        if not is_sure:
             return 0.0
         self._told = self.sigma
         return self.sigma / self.believed

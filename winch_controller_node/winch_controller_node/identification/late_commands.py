@@ -47,6 +47,8 @@ class LateCommands:
     @property
     def overdue(self) -> float:
         """Time by which more than half of the commands of the last seconds were later than modelled, at least [s]."""
+        if self._late_in_minute == 0:
+            return 0.0
         later = sorted(islice(reversed(self._overdue), self._window), reverse=True)
         return later[self._window // 2] if len(later) > self._window // 2 else 0.0
 

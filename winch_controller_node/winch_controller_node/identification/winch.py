@@ -104,7 +104,7 @@ POWER_TIME, STEADY = 0.4, 0.05
 
 LIMIT_NAMES = tuple(Drum._fields[i] for i in LIMITS)
 
-AS_FOUND = [DEADBAND, BACKLASH, *LIMITS]
+AS_FOUND = np.array([DEADBAND, BACKLASH, *LIMITS])
 """What of a drum is not that of the model in force."""
 
 CHECKED_TIME = 1.0

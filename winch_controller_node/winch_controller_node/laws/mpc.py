@@ -44,6 +44,8 @@ from winch_controller_node.parameters.model import WinchModelParameters
 
 FREE = "free"
 """Status of a command that no limit shapes."""
+UNBOUNDED = 1e30
+"""Bound that stands for none."""
 SOFT = 8
 """DAQP's mark of a soft constraint."""
 
@@ -310,8 +312,8 @@ class ConstrainedLaw(ControlLaw):
             self._scaled_hessian,
             np.zeros(self._basis.shape[1]),
             self._scaled_forced,
-            np.full(count, 1e30),
-            np.full(count, -1e30),
+            np.full(count, UNBOUNDED),
+            np.full(count, -UNBOUNDED),
             self._sense,
         )
 
@@ -350,7 +352,7 @@ class ConstrainedLaw(ControlLaw):
         if surprise is not None:
             free += self._previewed @ surprise
         lower, upper = self._bounds(state)
-        if (free <= upper).all() and (free >= lower).all():
+        if ((free <= upper) & (free >= lower)).all():
             self._set_freedom(1.0 - self._releasing * (1.0 - self._freedom))
             self._plan[:] = 0.0
             self._plan_age = 0
@@ -375,24 +377,20 @@ class ConstrainedLaw(ControlLaw):
     def _bounds(self, state: LoopState) -> tuple[Array, Array]:
         """Return lower and upper bounds of the constrained outputs, with the mean payout's share subtracted."""
         limits, reference = self.limits, state.reference
-        count = len(self._forced)
-        lower, upper = np.full(count, -1e30), np.full(count, 1e30)
-        largest_tension = state.static_tension + max(float((self._free[self._rows[3].rows] @ state.x).max()), 0.0)
-        speed = limits.speed_under(largest_tension)
-        for kind in self._rows:
-            if kind.name == SPEED:
-                lower[kind.rows], upper[kind.rows] = -speed - reference.rate, speed - reference.rate
-            elif kind.name == ACCELERATION:
-                taken = self._acceleration_taken(reference)
-                lower[kind.rows], upper[kind.rows] = -self._acceleration - taken, self._acceleration - taken
-            elif kind.name == PAYOUT:
-                mean = reference.payout + reference.rate * kind.times
-                lower[kind.rows], upper[kind.rows] = limits.payout_minimum - mean, limits.payout_maximum - mean
-            else:
-                if limits.minimum_tension > 0.0:
-                    lower[kind.rows] = limits.minimum_tension - state.static_tension
-                if math.isfinite(limits.maximum_tension):
-                    upper[kind.rows] = limits.maximum_tension - state.static_tension
+        speeds, accelerations, payouts, tensions = self._rows
+        speed = limits.speed
+        if math.isfinite(limits.power):
+            swing = float((self._free[tensions.rows] @ state.x).max())
+            speed = limits.speed_under(state.static_tension + max(swing, 0.0))
+        mean = reference.payout + reference.rate * payouts.times
+        least, most = limits.minimum_tension, limits.maximum_tension
+        lower, upper = np.empty(len(self._forced)), np.empty(len(self._forced))
+        lower[speeds.rows], upper[speeds.rows] = -speed - reference.rate, speed - reference.rate
+        taken = self._acceleration_taken(reference)
+        lower[accelerations.rows], upper[accelerations.rows] = -self._acceleration - taken, self._acceleration - taken
+        lower[payouts.rows], upper[payouts.rows] = limits.payout_minimum - mean, limits.payout_maximum - mean
+        lower[tensions.rows] = least - state.static_tension if least > 0.0 else -UNBOUNDED
+        upper[tensions.rows] = most - state.static_tension if math.isfinite(most) else UNBOUNDED
         return lower, upper
 
     def _acceleration_taken(self, reference: Reference) -> float:

@@ -199,6 +199,7 @@ class KalmanEstimator:
         self.measurements = {measurement.name: measurement for measurement in measurements}
         self._which = {name: index for index, name in enumerate(self.measurements)}
         self._sigmas = [measurement.sigma for measurement in measurements]
+        self._columns = {name: WEIGHTS + index for index, name in enumerate(model.state_names)}
         differences = [_with_differences(measurement.row, model) for measurement in measurements]
         rows, changes, bends = np.array(differences).reshape(-1, 3, model.order).transpose(1, 0, 2).copy()
         scale_states = [-1 if known.scale_state is None else known.scale_state for known in measurements]
@@ -296,8 +297,8 @@ class KalmanEstimator:
             for reading in _by_own_tick(tick):
                 which = self._which[reading.name]
                 for name, weight in reading.regressors.items():
-                    if self.model.has_state(name):
-                        weights.append((len(numbers), WEIGHTS + self.model.state(name), weight))
+                    if name in self._columns:
+                        weights.append((len(numbers), self._columns[name], weight))
                 variance = (reading.sigma or self._sigmas[which]) ** 2
                 numbers.append((min(reading.tick, tick.number), which, reading.value, reading.offset, variance))
                 names.append(reading.name)

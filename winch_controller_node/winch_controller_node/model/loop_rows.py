@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from heave_node.numerics.arrays import Array
 from heave_node.numerics.linear_model import LinearModel
+from numpy.typing import NDArray
 
 
 @dataclass(frozen=True)
@@ -26,7 +27,7 @@ class LoopRows:
     payout_rate_through: float
     winch: Array
     tip: Array
-    unit_states: list[int]
+    unit_states: NDArray[np.int64]
 
 
 def loop_rows(model: LinearModel) -> LoopRows:
@@ -38,5 +39,5 @@ def loop_rows(model: LinearModel) -> LoopRows:
         payout_rate_through=float(model.D[model.output_names.index("payout_rate"), 0]),
         winch=np.array([payout, rate]),
         tip=np.array([model.row("boom_tip_heave"), model.row("boom_tip_heave_rate")]),
-        unit_states=[model.state("unit_heave"), model.state("unit_heave_rate")],
+        unit_states=np.array([model.state("unit_heave"), model.state("unit_heave_rate")]),
     )

@@ -79,6 +79,12 @@ class MeanPayout:
         return abs(self.target - self.point.payout) > ARRIVED_DISTANCE or abs(self.point.rate) > ARRIVED_SPEED
 
     @property
+    def _rests_at_target(self) -> bool:
+        """Return whether nothing moves, or is to."""
+        is_free = self._driven is None and not self._is_stopping and self._deceleration == 0.0
+        return is_free and self.point == (self.target, 0.0, 0.0)
+
+    @property
     def time_to_go(self) -> float:
         """Time to the target [s], 0 on arrival and where there is no target to go to.
 
@@ -150,6 +156,8 @@ class MeanPayout:
     def advance(self) -> MovePoint:
         """Return the point of the next tick."""
         self._ticks_to_go = max(self._ticks_to_go - 1, 0)
+        if self._rests_at_target:
+            return self.point
         if self._deceleration > 0.0:
             return self._brake()
         limit = self._acceleration

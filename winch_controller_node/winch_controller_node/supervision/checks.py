@@ -26,6 +26,7 @@ class RunningSigma:
 
     def __init__(self, time_constant: float, tick_period: float) -> None:
         self._weight = tick_period / time_constant
+        self._slow_weight = self._weight / SLOW_MEAN_FACTOR
         self._count = 0
         self._mean = 0.0
         self._variance = 0.0
@@ -33,9 +34,10 @@ class RunningSigma:
     def add(self, value: float) -> None:
         """Take a value in; the first ones weigh as in a plain average."""
         self._count += 1
-        weight = max(self._weight, 1.0 / self._count)
-        self._mean += max(self._weight / SLOW_MEAN_FACTOR, 1.0 / self._count) * (value - self._mean)
-        self._variance += weight * ((value - self._mean) ** 2 - self._variance)
+        first = 1.0 / self._count
+        self._mean += (self._slow_weight if self._slow_weight > first else first) * (value - self._mean)
+        off = value - self._mean
+        self._variance += (self._weight if self._weight > first else first) * (off**2 - self._variance)
 
     @property
     def sigma(self) -> float:
@@ -111,8 +113,9 @@ class AmplitudeCheck:
     def add(self, square: float, reference_square: float) -> None:
         """Take in the `square` of the motion and the `reference_square` at a tick."""
         self._count += 1
-        least = 1.0 / self._count
-        short, long = max(self._short_weight, least), max(self._long_weight, least)
+        first = 1.0 / self._count
+        short = self._short_weight if self._short_weight > first else first
+        long = self._long_weight if self._long_weight > first else first
         self._reference_now += short * (reference_square - self._reference_now)
         self._reference_waves += long * (reference_square - self._reference_waves)
         self._mean_square += short * (square - self._mean_square)

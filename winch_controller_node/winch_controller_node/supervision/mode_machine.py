@@ -33,6 +33,9 @@ ROWS: dict[tuple[Mode, Event], tuple[Transition, ...]] = {
 }
 """The rows that each event can take in each mode."""
 
+LOOKED_FOR = {mode: [(event, happens) for event, happens in TICK_EVENTS.items() if ROWS[mode, event]] for mode in Mode}
+"""The events of a tick that a mode has rows for, in their order."""
+
 
 class ModeMachine:
     """Decides the mode each tick.
@@ -134,8 +137,10 @@ class ModeMachine:
         if self.mode is Mode.FADE_OUT:
             self._approach(0.0, self._parameters.fade_out_time)
         view = self._view
-        changed = any(happens(view) and self._take(event) for event, happens in TICK_EVENTS.items())
-        if not changed:
+        for event, happens in LOOKED_FOR[self.mode]:
+            if happens(view) and self._take(event):
+                break
+        else:
             self._go_on()
         before, self._mode_before = self._mode_before, self.mode
         return ModeOutput(self.mode, self.reason, self.authority, self.brake, None if before is self.mode else before)

@@ -186,11 +186,10 @@ class Supervisor:
     def _resume_after_timeout(self, tick: LoopTick, fault: int) -> tuple[str, ...]:
         """Ask for compensation again where only late commands ended it; return what is to be told."""
         wants_compensation = self.modes.wants_compensation
+        is_stopped = self.modes.mode is Mode.STOPPED
+        is_well = is_stopped and not self._lost(tick) and (self.modes.may_resume or not wants_compensation)
         advice = self.timeouts.update(
-            fault,
-            wants_compensation=wants_compensation,
-            is_stopped=self.modes.mode is Mode.STOPPED,
-            is_well=not self._lost(tick) and (self.modes.may_resume or not wants_compensation),
+            fault, wants_compensation=wants_compensation, is_stopped=is_stopped, is_well=is_well
         )
         if advice is Advice.RESUME:
             self.modes.request(Mode.COMPENSATING.value)
@@ -215,16 +214,15 @@ class Supervisor:
 
     def _tell_share(self, tick: LoopTick, winch: WinchSituation) -> tuple[str, ...]:
         """Return what keeps a part of the sea from being compensated, where it lasts; at most once a minute."""
-        causes = {
-            "the sea is not the one that is believed": _known_share(tick),
-            "the winch does not do what it is sent": winch.share,
-        }
-        cause, share = min(causes.items(), key=lambda pair: pair[1])
+        known_share = _known_share(tick)
+        share = min(known_share, winch.share)
         is_held = share < 1.0 and self.modes.mode is Mode.COMPENSATING
         self._held_time = self._held_time + self._dt if is_held else min(self._held_time + self._dt, 0.0)
         if self._held_time < HELD_TIME:
             return ()
         self._held_time = -TOLD_AGAIN
+        is_of_sea = known_share <= winch.share
+        cause = "the sea is not the one that is believed" if is_of_sea else "the winch does not do what it is sent"
         return (f"only {100.0 * share:.0f} % of the sea is compensated: {cause}",)
 
     def _tell_peaks(self, mode: ModeOutput, authority_limit: float) -> tuple[str, ...]:
@@ -251,8 +249,10 @@ class Supervisor:
 
     def _lost(self, tick: LoopTick) -> str:
         """Return which of the required sensors are lost and why; empty when none."""
-        required = REQUIRED_SENSORS.get(self.modes.mode, ("mru", "encoder"))
         lost = tick.sensed.lost
+        if not lost:
+            return ""
+        required = REQUIRED_SENSORS.get(self.modes.mode, ("mru", "encoder"))
         return ", ".join(f"{name} {lost[name]}" for name in required if name in lost)
 
     def _why_no_tension(self, tick: LoopTick, payout: float) -> str:

@@ -95,8 +95,8 @@ class CommandGovernor:
 
     def predict(self, x: Array) -> tuple[float, float]:
         """Return payout [m] and rate [m/s] at the moment the next command takes effect, from the model's state `x`."""
-        payout, rate = self._ahead @ x
-        return float(payout), float(rate)
+        payout, rate = (self._ahead @ x).tolist()
+        return payout, rate
 
     def govern(self, wanted: float, payout: float, rate: float, tension: float) -> GovernedCommand:
         """Return the nearest command to `wanted` within the limits.

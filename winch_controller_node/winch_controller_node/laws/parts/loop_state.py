@@ -62,8 +62,8 @@ class AuthorityShift:
     """
 
     def __init__(self, model: LinearModel, sea_states: tuple[str, ...]) -> None:
-        self._unit = [model.state("unit_heave"), model.state("unit_heave_rate")]
-        self._sea = [model.state(name) for name in sea_states]
+        self._unit = np.array([model.state("unit_heave"), model.state("unit_heave_rate")])
+        self._sea = np.array([model.state(name) for name in sea_states], dtype=np.int64)
 
     def shift(self, estimate: Array, uncompensated: Array, authority: float) -> Array:
         """Return the shifted state, shape (n,), for a share `authority` of the sea.

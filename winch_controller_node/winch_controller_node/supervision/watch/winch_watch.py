@@ -36,6 +36,9 @@ CAUTIOUS_TIME = 3.0
 ANSWER_TIME = 0.2
 """What is identified takes effect so long after it was begun [s], also where it is found at once."""
 
+PAYOUT, POWER = int(WinchLimit.PAYOUT), int(WinchLimit.POWER)
+"""Limits that the winch may say it has reached."""
+
 URGENT_PERIOD = 0.5
 """Least time between two identifications of a winch that is off [s]."""
 
@@ -161,7 +164,7 @@ class WinchWatch:
         if given is None or given.brake:
             self._work.drop()
             self._identifier.reset(0.0 if given is None else given.payout)
-        elif winch is not None and (self._is_irregular(given, winch) or winch.limits_hit & WinchLimit.PAYOUT):
+        elif winch is not None and (self._is_irregular(given, winch) or winch.limits_hit & PAYOUT):
             # every other limit, also of torque, pressure and flow, acts as one of speed or acceleration
             self._identifier.add(given.payout, given.payout_rate, None)
             self._identifier.restart()
@@ -169,7 +172,7 @@ class WinchWatch:
             limits_hit = WinchLimit.NONE if winch is None else winch.limits_hit
             self._identifier.add(given.payout, given.payout_rate, payout, limits_hit)
             self._check_drum(parameters.winch)
-        if winch is not None and winch.limits_hit & WinchLimit.POWER:
+        if winch is not None and winch.limits_hit & POWER:
             self._power_limited = True
         return report
 
