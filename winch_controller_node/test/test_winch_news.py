@@ -35,7 +35,7 @@ def test_a_limit_that_was_reached_in_one_direction_alone_is_told_with_it():
     news = WinchNews(WINCH, tick_period=DT)
     weak = replace(WINCH, speed_limit=0.4, acceleration_limit=0.8)
     directions = {"speed_limit": "hauling in"}
-    (words,) = news.update(weak, directions=directions, is_power_limited=False, is_learning=False)
+    (words,) = news.update(weak, directions=lambda: directions, is_power_limited=False, is_learning=False)
     assert words == (
         "winch model updated: speed limit 0.400 m/s (was 2.000), reached hauling in, "
         "acceleration limit 0.800 m/s^2 (was 1.500)"

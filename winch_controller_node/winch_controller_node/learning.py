@@ -108,7 +108,7 @@ class Learning:
             self._follow_winch(tick)
         words += self._news.update(
             self._in_force.parameters.winch,
-            directions=self._winch.lone_directions,
+            directions=lambda: self._winch.lone_directions,
             is_power_limited=self._winch.is_power_limited,
             is_learning=is_learning,
         )

@@ -30,7 +30,7 @@ from cable_sim_node.line.feed import set_top_segment
 from cable_sim_node.line.grid import build_line, settings_row
 from cable_sim_node.line.rest.hanging import hang
 from cable_sim_node.line.rest.settling import settle
-from cable_sim_node.line.step import advance, observe
+from cable_sim_node.line.step import advance_and_observe, observe
 from cable_sim_node.parameters import CableSimParameters
 from cable_sim_node.physics.properties import unit_properties
 from cable_sim_node.physics.seabed import Seabed
@@ -152,8 +152,8 @@ class CableDynamics:
             )
         refuse_jump(self.unstretched_length - base, payout_start, self.time)
         self._reserve(max(start, end) + duration * max(abs(start_rate), abs(end_rate)))
-        self._fresh = False
-        outcome = advance(self._line, duration, ends)
+        outcome = advance_and_observe(self._line, duration, ends, self._seen)
+        self._fresh = outcome == at.DONE
         if outcome == at.TOO_SHORT:
             raise CableTooShortError(
                 f"at t = {self.time:g} s: {self.unstretched_length:g} m of cable is left, and the last segment "

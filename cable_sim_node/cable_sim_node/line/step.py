@@ -390,10 +390,7 @@ def evaluate(line: LineArrays) -> float:
 
 @kernel
 def observe(line: LineArrays, seen: Array) -> None:
-    """Evaluate the present state of `line`, and set `seen` to what is looked at, see `layout`.
-
-    One call for all that is looked at in a tick: to take the arrays apart costs as much as to evaluate a short line.
-    """
+    """Evaluate the present state of `line`, and set `seen` to what is looked at, see `layout`."""
     evaluate(line)
     unit_acceleration(line, seen[SEEN_AX : SEEN_AZ + 1])
     n, largest, slack = line.counters[SEGMENTS], -1.0, 0
@@ -415,6 +412,23 @@ def top_tension(line: LineArrays, n: int) -> float:
     fx, fy, fz = -row[RX], -row[RX + 1], -row[RX + 2]
     pull = fx * (below[X] - end[X]) + fy * (below[Y] - end[Y]) + fz * (below[Z] - end[Z])
     return math.sqrt(fx * fx + fy * fy + fz * fz) if pull > 0.0 else 0.0
+
+
+@kernel
+def advance_and_observe(line: LineArrays, duration: float, ends: Array, seen: Array) -> int:
+    """Do `advance`, and `observe` where it ended well; return the outcome of `advance`.
+
+    One call for all of it: to take the arrays apart costs as much as to evaluate a short line.
+
+    Parameters
+    ----------
+    line, duration, ends : see `advance`
+    seen : see `observe`
+    """
+    outcome = advance(line, duration, ends)
+    if outcome == DONE:
+        observe(line, seen)
+    return outcome
 
 
 @inner_kernel

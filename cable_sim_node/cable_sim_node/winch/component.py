@@ -333,5 +333,5 @@ class VirtualWinch:
 
 def _round_to_tick(time: float) -> float:
     """Return `time` [ticks], or the tick it is at but for rounding."""
-    nearest = float(np.rint(time))
+    nearest = float(round(time))
     return nearest if abs(time - nearest) < _TICK_ROUNDING else time

@@ -125,15 +125,17 @@ class MotionReferenceUnit:
         """
         now = tick * self._period
         seen = self._with_instrument_errors(heave, motion)
+        value, rate, acceleration = seen.tolist()
         if not self._started:
-            self._filter.settle(seen[0], seen[1])
+            self._filter.settle(value, rate)
             self._started = True
-        self._restart_when_due(now, seen)
-        taken = self._filter.step(seen[0], seen[1], self._acceleration_error(now, motion))
+        self._restart_when_due(now, value, rate)
+        of_value, of_rate, of_acceleration = self._filter.step(value, rate, self._acceleration_error(now, motion))
         attitude = (motion.displacement[ROLL], motion.displacement[PITCH])
-        self._history.append((now, np.array([*(seen - np.array(taken)), *attitude])))
+        passed = (value - of_value, rate - of_rate, acceleration - of_acceleration)
+        self._history.append((now, np.array([*passed, *attitude])))
         # in every tick, whatever becomes of it: a fault changes no other reading
-        noise = np.array([*self._generator.standard_normal(3), 0.0, 0.0])
+        noise = np.array([*self._generator.standard_normal(3).tolist(), 0.0, 0.0])
         faulty_rate = self.faults.newest("rate", now)
         if tick % (self._ticks_between if faulty_rate is None else self._ticks_at(faulty_rate)):
             return None
@@ -186,11 +188,11 @@ class MotionReferenceUnit:
             error += self._parameters.restart_bias * math.exp(-(now - self._restarted_at) / period)
         return error
 
-    def _restart_when_due(self, now: float, seen: Array) -> None:
+    def _restart_when_due(self, now: float, value: float, rate: float) -> None:
         restart = self.faults.take_begun("restart", now)
         if restart is None:
             return
         self._restarted_at = now
         self._settled_at = restart.end + self._parameters.settling_periods * self._parameters.high_pass_period
         if self._parameters.high_pass_period > 0.0:
-            self._filter.reset(seen[0], seen[1])
+            self._filter.reset(value, rate)

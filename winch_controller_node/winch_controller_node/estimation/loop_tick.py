@@ -118,7 +118,7 @@ class LoopTick:
         """Motion of the unit about where the mean payout would have it at rest: what compensation has left."""
         return Motion(*(self.mean_swing + self.estimate[self.rows.unit_states]).tolist())
 
-    @property
+    @cached_property
     def free_unit(self) -> Motion:
         """Motion of the unit with the winch locked."""
         return Motion(*self.uncompensated.tolist())

@@ -54,8 +54,23 @@ class Drum(NamedTuple):
 
 
 @inner_kernel
-def _servo(u: float, v: float, v_set: float, drum: Drum, h: float) -> tuple[float, float]:
-    """Return payout and rate after `h` [s]: constant acceleration while the limit acts, then the linear servo."""
+def _left_of_error(drum: Drum, position_gain: float, h: float) -> float:
+    """Return what the servo makes of an error in a step of a piece of `h` [s], less 1 [-]."""
+    return math.expm1(-h / drum.lag if position_gain == 0.0 else -h / _steps(h) / drum.lag)
+
+
+@inner_kernel
+def _steps(h: float) -> int:
+    """Return the steps of the position loop within a piece of `h` [s]."""
+    return max(math.ceil(h / POSITION_STEP), 1)
+
+
+@inner_kernel
+def _servo(u: float, v: float, v_set: float, drum: Drum, h: float, left: float) -> tuple[float, float]:
+    """Return payout and rate after `h` [s]: constant acceleration while the limit acts, then the linear servo.
+
+    `left` is what that makes of an error over all of `h`, see `_left_of_error`.
+    """
     if drum.reach > 1.0:
         v = min(max(v, -drum.speed_in), drum.speed_out)
     error = v_set - v
@@ -68,7 +83,8 @@ def _servo(u: float, v: float, v_set: float, drum: Drum, h: float) -> tuple[floa
         v += gain
         h -= time
         error = v_set - v
-    change = -error * math.expm1(-h / drum.lag)
+        left = math.expm1(-h / drum.lag)
+    change = -error * left
     return u + v_set * h - drum.lag * change, v + change
 
 
@@ -82,17 +98,17 @@ def _set_point(demand: float, drum: Drum) -> float:
 
 @inner_kernel
 def _piece(
-    u: float, v: float, payout: float, rate: float, drum: Drum, position_gain: float, h: float
+    u: float, v: float, payout: float, rate: float, drum: Drum, position_gain: float, h: float, left: float
 ) -> tuple[float, float]:
-    """Return payout and rate after `h` [s] of constant set-points `payout` and `rate`."""
+    """Return payout and rate after `h` [s] of constant set-points `payout` and `rate`; `left` as in `_servo`."""
     if h <= 0.0:
         return u, v
     if position_gain == 0.0:
-        return _servo(u, v, _set_point(rate, drum), drum, h)
-    steps = math.ceil(h / POSITION_STEP)
+        return _servo(u, v, _set_point(rate, drum), drum, h, left)
+    steps = _steps(h)
     h /= steps
     for _ in range(steps):
-        u, v = _servo(u, v, _set_point(rate + position_gain * (payout - u - 0.5 * v * h), drum), drum, h)
+        u, v = _servo(u, v, _set_point(rate + position_gain * (payout - u - 0.5 * v * h), drum), drum, h, left)
     return u, v
 
 
@@ -119,13 +135,16 @@ def drum_records(
         ticks = drum.delay / dt
         whole = math.floor(ticks)
         part = (ticks - whole) * dt
+        rest = dt - part
+        left_of_part = _left_of_error(drum, position_gain, part)
+        left_of_rest = _left_of_error(drum, position_gain, rest)
         u, v = starts[m, 0], starts[m, 1]
         play = 0.5 * drum.backlash
         reading = u - math.copysign(play, v)
         for j in range(count):
             i = first + j - whole
-            u, v = _piece(u, v, payouts[i - 1], rates[i - 1], drum, position_gain, part)
-            u, v = _piece(u, v, payouts[i], rates[i], drum, position_gain, dt - part)
+            u, v = _piece(u, v, payouts[i - 1], rates[i - 1], drum, position_gain, part, left_of_part)
+            u, v = _piece(u, v, payouts[i], rates[i], drum, position_gain, rest, left_of_rest)
             reading = min(max(reading, u - play), u + play)
             out[m, j] = reading
     return out

@@ -40,7 +40,7 @@ _ORDER_FIELDS = WinchOrder._fields
 _order_values = attrgetter(*_ORDER_FIELDS)
 _COMMAND = Packer(topics.WINCH_COMMAND.type, ("header.stamp", *_ORDER_FIELDS))
 
-_REPORT_FIELDS = tuple(field.name for field in fields(Report) if field.name not in ("sensors", "is_inhibited"))
+_REPORT_FIELDS = tuple(name for name in Report._fields if name not in ("sensors", "is_inhibited"))
 _report_values = attrgetter(*_REPORT_FIELDS)
 _STATE = Packer(topics.CONTROLLER_STATE.type, ("header.stamp", "sensors", *_REPORT_FIELDS))
 

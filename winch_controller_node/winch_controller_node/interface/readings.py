@@ -115,8 +115,7 @@ class SensorState(NamedTuple):
     refused: int
 
 
-@dataclass(frozen=True)
-class Report:
+class Report(NamedTuple):
     """See heave_msgs/ControllerState, whose names these are: what the controller believes and does.
 
     `is_inhibited`, for diagnostics: compensation is harmful, or would, and is kept off.
@@ -168,8 +167,7 @@ class RollingKpi:
     time_at_limit: float
 
 
-@dataclass(frozen=True)
-class Outputs:
+class Outputs(NamedTuple):
     """What a tick gives.
 
     Attributes
@@ -183,4 +181,4 @@ class Outputs:
     order: WinchOrder
     report: Report
     kpi: RollingKpi | None = None
-    alarms: tuple[str, ...] = field(default=())
+    alarms: tuple[str, ...] = ()

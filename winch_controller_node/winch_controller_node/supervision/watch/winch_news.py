@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
-from types import MappingProxyType
 
 from winch_controller_node.parameters.model import WinchModelParameters
 
@@ -51,7 +50,7 @@ class WinchNews:
         self,
         winch: WinchModelParameters,
         *,
-        directions: Mapping[str, str] = MappingProxyType({}),
+        directions: Callable[[], Mapping[str, str]] = dict,
         is_power_limited: bool,
         is_learning: bool,
     ) -> list[str]:
@@ -60,7 +59,7 @@ class WinchNews:
         Parameters
         ----------
         winch : in force
-        directions : in which alone a limit was found, by its name
+        directions : returns in which alone a limit was found, by its name
         is_power_limited : the winch has said that its power ends
         is_learning : more may come; otherwise what there is, is told at once
         """
@@ -74,9 +73,9 @@ class WinchNews:
         self._withheld = self._withheld + self._dt if changed else 0.0
         if not changed or (is_learning and self._rested < SETTLED and self._withheld < LONGEST):
             return []
-        words = []
+        words, lone = [], directions()
         for label, name, unit in changed:
-            reached = f", reached {directions[name]}" if name in directions else ""
+            reached = f", reached {lone[name]}" if name in lone else ""
             by_power = ", by its power limit" if name == "speed_limit" and is_power_limited else ""
             value = f"{label} {getattr(winch, name):.3f} {unit}".rstrip()
             words.append(f"{value} (was {getattr(self._told, name):.3f}){reached}{by_power}")
