@@ -29,11 +29,21 @@ def test_noise_more_than_believed_is_seen_through_a_sea(sigma):
 def test_noise_is_told_when_it_is_known_well():
     noise = SensorNoise(0.01, DT)
     news = []
-    for value in waves(400) + 0.014 * np.random.default_rng(1).standard_normal(400):
+    for value in waves(20000) + 0.014 * np.random.default_rng(1).standard_normal(20000):
         noise.add(float(value))
         news.append(noise.news())
-    # 1.4 times what is believed is not worth telling; 30 readings say twice as much now and then
+    # 1.4 times what is believed is not worth telling; 30 readings say twice as much now and then, 100 hardly ever
     assert not any(news)
+
+
+def test_noise_that_is_worth_telling_is_told_once():
+    noise = SensorNoise(0.01, DT)
+    news = []
+    for value in waves(4000) + 0.03 * np.random.default_rng(1).standard_normal(4000):
+        noise.add(float(value))
+        news.append(noise.news())
+    (factor,) = [factor for factor in news if factor]
+    assert factor == pytest.approx(3.0, rel=0.25)
 
 
 def test_noise_is_never_less_than_believed_and_spikes_are_none():

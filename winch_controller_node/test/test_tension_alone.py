@@ -1,7 +1,5 @@
 """Constant tension above a unit that stands on the bottom, while the motion reference unit is silent."""
 
-import dataclasses
-
 import numpy as np
 import pytest
 from heave_bringup.closed_loop import ClosedLoop, loop_parameters
@@ -48,7 +46,7 @@ def test_a_landed_unit_without_mru_has_less_than_half_of_the_tension_swing_of_a_
     def braked(tick, measured):
         outputs = step(tick, measured)
         order = outputs.order._replace(payout_rate=0.0, brake=True) if tick * DT > LOST else outputs.order
-        return dataclasses.replace(outputs, order=order)
+        return outputs._replace(order=order)
 
     loop.controller.step = braked
     held = loop.run()

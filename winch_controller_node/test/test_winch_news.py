@@ -64,3 +64,17 @@ def test_a_limit_that_recovers_is_no_news_and_one_that_falls_again_is():
 def test_small_corrections_are_never_told(changes):
     models = [replace(WINCH, time_constant=WINCH.time_constant + change) for change in np.array(changes)]
     assert not told(models, seconds=1.0)
+
+
+def test_lags_that_exchange_a_little_with_each_other_are_no_news_and_much_of_it_is():
+    """A drum shows their sum: 0.311 s and 0.313 s here are the same winch."""
+    found = replace(WINCH, time_constant=0.181, command_delay=0.130)
+    again = replace(WINCH, time_constant=0.144, command_delay=0.169)
+    assert len(told([found, again])) == 1
+    assert len(told([found, replace(WINCH, time_constant=0.121, command_delay=0.190)])) == 2
+
+
+def test_directions_that_differ_by_what_half_a_record_tells_are_no_news():
+    assert not told([replace(WINCH, hauling_gain=0.966)])
+    ((_, words),) = told([replace(WINCH, hauling_gain=0.9)])
+    assert words == "winch model updated: gain of hauling in over that 0.900 (was 1.000)"

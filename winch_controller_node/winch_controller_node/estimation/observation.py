@@ -170,6 +170,11 @@ class Observer:
         estimator : that has taken the readings of this tick in
         surprise : by them and those before: what has been foreseen badly for long is no spike
         """
+        self._quiet = [
+            self._told_quiet(name, estimator.measurements[name].sensor, mean)
+            for name, mean in surprise.newly_quiet().items()
+            if name in self._noise and self._noise[name].believed > NEGLIGIBLE
+        ]
         # one that came too late to be compared says nothing against the sensor; `stale` does, when they all are
         refused = [
             name
@@ -182,11 +187,6 @@ class Observer:
         spikes = {estimator.measurements[name].sensor for name in refused if not surprise.is_surprised_by(name)}
         for sensor in sorted(of_sensors - {"encoder"}):
             self.gates[sensor].take_back(is_spike=sensor in spikes)
-        self._quiet = [
-            self._told_quiet(name, estimator.measurements[name].sensor, mean)
-            for name, mean in surprise.newly_quiet().items()
-            if name in self._noise and self._noise[name].believed > NEGLIGIBLE
-        ]
 
     def _told_quiet(self, name: str, sensor: str, mean: float) -> str:
         """Return in words that a measurement is quieter than believed, and what to do.

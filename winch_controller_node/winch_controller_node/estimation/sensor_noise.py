@@ -20,7 +20,7 @@ UNKNOWN = 5.0
 """Noise until then, over the believed: a sensor that is worse than believed must not be taken for one that errs."""
 
 WORSE = 2.0
-"""Noise so many times as large as believed, or as last told, is worth telling."""
+"""Noise so many times as large as believed, or as last told, is worth telling, once it has been seen for READINGS."""
 
 UPDATED = 10
 """Readings from one judgement to the next."""
@@ -55,6 +55,7 @@ class SensorNoise:
         self._count = 0
         self._seen = math.nan
         self._told = believed
+        self._worse = 0
         self.sigma = believed
 
     def add(self, value: float, stated: float = math.nan) -> float:
@@ -72,6 +73,7 @@ class SensorNoise:
             self._count += 1
             if len(self._differences) >= FEWEST and self._count % UPDATED == 0:
                 self._seen = median(self._differences) / MEDIAN_OF_MAGNITUDE
+                self._worse = self._worse + UPDATED if self._seen >= WORSE * self._told else 0
         is_stated = math.isfinite(stated)
         # one that is not a number is no maximum
         self.sigma = max(self.believed, self._seen, stated if is_stated else 0.0)
@@ -85,10 +87,8 @@ class SensorNoise:
 
     def news(self) -> float:
         """Return how many times as large as believed the noise is, when it has become much larger; else 0."""
-        if self.sigma < WORSE * self._told:
+        is_sure = math.isnan(self._seen) or self._worse >= READINGS
+        if not is_sure or self.sigma < WORSE * self._told:
             return 0.0
-        is_sure = math.isnan(self._seen) or len(self._differences) == READINGS
-        if not is_sure:
-            return 0.0
-        self._told = self.sigma
+        self._told, self._worse = self.sigma, 0
         return self.sigma / self.believed

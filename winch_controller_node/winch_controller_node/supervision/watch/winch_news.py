@@ -13,8 +13,13 @@ SETTLED, LONGEST = 12.0, 40.0
 NOTABLE = 0.1
 """Relative change of a limit or a lag, since it was told, that is worth telling."""
 
-NOTABLE_LAG, NOTABLE_GAIN = 0.02, 0.02
-"""Least change of a lag [s], and of the gain, that is."""
+NOTABLE_LAG, EXCHANGED_LAG = 0.02, 0.05
+"""Least change of a lag [s] that is, and where the other lag has taken up what this one has lost: it is their sum that
+a drum shows well.
+"""
+
+NOTABLE_OTHERS = {"speed_gain": 0.02, "hauling_gain": 0.05, "creep": 0.02}
+"""Least change of the gains, and of the creep [m/s], that is: two directions are told apart by half the record each."""
 
 LET_UP = 1.5
 """A limit that has recovered to so many times the one that was told is news when it falls again."""
@@ -88,8 +93,10 @@ class WinchNews:
         if name in LIMITS:
             return bool(new < (1.0 - NOTABLE) * old)
         if name in LAGS:
-            return bool(abs(new - old) > max(NOTABLE_LAG, NOTABLE * old))
-        return bool(abs(new - old) > NOTABLE_GAIN)
+            change = sum(getattr(winch, lag) - getattr(self._told, lag) for lag in LAGS)
+            is_exchanged = abs(change) <= NOTABLE_LAG and abs(new - old) <= EXCHANGED_LAG
+            return not is_exchanged and bool(abs(new - old) > max(NOTABLE_LAG, NOTABLE * old))
+        return bool(abs(new - old) > NOTABLE_OTHERS[name])
 
     def _forget_let_up(self, winch: WinchModelParameters) -> None:
         for name in LIMITS:
