@@ -158,8 +158,8 @@ class ClosedLoop:
                 self.winch.state.payout_rate,
                 self.winch.state.payout_acceleration,
                 state.top_tension,
-                outputs.report.authority,
-                outputs.report.depth_set_point,
+                outputs.authority,
+                outputs.depth_set_point,
                 state.touchdown_force,
                 state.unit.velocity[2],
                 state.uncompensated_tension,
@@ -170,7 +170,7 @@ class ClosedLoop:
         order = outputs.order
         command = WinchCommand(order.sequence, order.payout, order.payout_rate, order.brake)
         winch = self.winch.step(tick, command, state.top_tension)
-        self.plant.advance(tick, vessel.boom_tip, (winch.payout, winch.payout_rate), outputs.report.depth_set_point)
+        self.plant.advance(tick, vessel.boom_tip, (winch.payout, winch.payout_rate), outputs.depth_set_point)
         self._boom_tip = vessel.boom_tip
         self.tick += 1
         return outputs, row
@@ -194,7 +194,7 @@ class ClosedLoop:
         try:
             for index in range(ticks):
                 outputs, record.rows[index] = self.step()
-                record.modes.append(outputs.report.mode)
+                record.modes.append(outputs.mode)
                 record.alarms += [(float(record.rows[index, 0]), words) for words in outputs.alarms]
                 if on_tick is not None:
                     on_tick(self.tick - 1, outputs)

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from concurrent.futures import Executor
+from functools import partial
 
 from heave_node.interface.codes import WinchLimit
 from heave_node.interface.preview import HeavePreview
@@ -312,9 +313,24 @@ class WinchController:
         order = self._command.order(command, decision.mode, self._estimation.motion.set_point)
         self._winch.give(order)
         self._note_kpi(loop)
-        report = state_report(ControllerTick(loop, decision, command, order), self._estimation, self._in_force)
+        told = ControllerTick(
+            loop=loop,
+            decision=decision,
+            command=command,
+            order=order,
+            design=self.design,
+            measurements=tuple(self.estimator.measurements),
+            law=self.parameters.law,
+            gain=self._in_force.law.gain,
+            covariance=self.estimator.covariance,
+            depth_set_point=self._estimation.motion.set_point,
+            sensors=self.observer.states(tick),
+        )
         kpi = self._kpi.figures() if tick % max(1, round(1.0 / self._dt)) == 0 else None
-        return Outputs(order, report, kpi, tuple(self._alarms))
+        mode, make_report = decision.mode, partial(state_report, told)
+        return Outputs(
+            order, mode.mode.value, mode.authority, told.depth_set_point, make_report, kpi, tuple(self._alarms)
+        )
 
     def _decide(self, loop: LoopTick, measurements: Measurements) -> Decision:
         """Have winch and loop supervised."""

@@ -121,9 +121,7 @@ class WinchControllerNode(ParticipantNode):
         previews = self.take(self.preview)
         preview = conversions.heave_preview(previews[-1]) if previews else None
         lateness = Lateness(self.punctuality.of_clock, self.punctuality.of_node)
-        measurements = dataclasses.replace(
-            conversions.measurements(delivered, winch, water, preview), lateness=lateness
-        )
+        measurements = conversions.measurements(delivered, winch, water, preview, lateness)
         outputs = self.controller.step(tick.number, measurements)
         self.outputs_of_tick = outputs
         stamp = tick.start_nanoseconds

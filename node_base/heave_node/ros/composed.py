@@ -9,8 +9,11 @@ import rclpy
 from rclpy.task import Future
 
 from heave_node.ros.node import HeaveNode
-from heave_node.ros.spin import IDLE_PERIOD, SERVICE_SLICE, Spinner
+from heave_node.ros.spin import IDLE_PERIOD, Spinner
 from heave_node.ros.transport.exchange import Exchange
+
+DELIVERY_SLICE = 0.02
+"""Wall time for which messages in memory are handed over before services and timers are served again [s]."""
 
 
 def spin_composed(
@@ -36,7 +39,7 @@ def spin_composed(
                 spinner.spin_for(0.0, until=Future())
             else:
                 spinner.spin_for(IDLE_PERIOD, until=exchange.wake)
-            exchange.deliver(SERVICE_SLICE)
+            exchange.deliver(DELIVERY_SLICE)
             if time.monotonic() - looked_at >= IDLE_PERIOD:
                 looked_at = time.monotonic()
                 for node in staying:

@@ -176,17 +176,21 @@ class TickGate:
 
     def expected(self, topic: str) -> int:
         """Return how many messages on `topic` since the start this node must have in this tick."""
+        return self._counts().get(topic, 0)
+
+    def _counts(self) -> dict[str, int]:
+        """Return how many messages are expected, by topic."""
         if not self._expected:
             self._expected = {name: self._count(publishers) for name, publishers in self._publishers.items()}
-        return self._expected.get(topic, 0)
+        return self._expected
 
     def _count(self, publishers: Sequence[tuple[str, int, int]]) -> int:
         """Return how many messages the entries of `publishers` stand for, by the newest counts."""
-        total = 0
+        total, started, done = 0, self._started, self._done
         for node, entry, position in publishers:
-            count = self._started[entry] if self._started else 0
-            if node in self._done:
-                count = max(count, self._done[node][1][position])
+            count = started[entry] if started else 0
+            if node in done:
+                count = max(count, done[node][1][position])
             total += count
         return total
 
@@ -196,8 +200,10 @@ class TickGate:
             if self._tick_of(node) < self.tick:
                 return False
         if self._lacking is None:
-            expected = ((inbox, self.expected(topic)) for topic, inbox in self.inboxes.items())
-            self._lacking = [(inbox, count) for inbox, count in expected if inbox.received < count]
+            inboxes = self.inboxes
+            self._lacking = [
+                (inboxes[topic], count) for topic, count in self._counts().items() if inboxes[topic].received < count
+            ]
         lacking = self._lacking  # called after each message, so complete inputs are not checked again
         while lacking and lacking[-1][0].received >= lacking[-1][1]:
             lacking.pop()

@@ -19,6 +19,8 @@ from heave_node.interface.sensors import MRU, SENSORS, Water, WireReading, mru_r
 from heave_node.tick.tick import nanoseconds_of
 
 from winch_controller_node.interface.readings import (
+    ON_TIME,
+    Lateness,
     Measurements,
     Report,
     RollingKpi,
@@ -74,6 +76,7 @@ def measurements(
     winch: WinchReading | None,
     water: Water,
     preview: HeavePreview | None = None,
+    lateness: Lateness = ON_TIME,
 ) -> Measurements:
     """Return what came in a tick, read by the water that the controller believes in.
 
@@ -83,6 +86,7 @@ def measurements(
     winch : newest state of the winch; None: none came
     water : believed in
     preview : newest one of the boom tip; None: none came
+    lateness : of the ticks
     """
     mru = tuple(mru_reading(reading) for reading in delivered.get(MRU.name, ()))
     scalar = {
@@ -90,7 +94,7 @@ def measurements(
         for name in SCALAR_SENSORS
         if delivered.get(name)
     }
-    return Measurements(mru, scalar, winch, preview)
+    return Measurements(mru, scalar, winch, preview, lateness)
 
 
 def _scalar(name: str, reading: WireReading, water: Water) -> ScalarReading:

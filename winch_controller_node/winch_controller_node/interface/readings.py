@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
@@ -54,6 +54,10 @@ class Lateness:
     of_controller: float = 0.0
 
 
+ON_TIME = Lateness()
+"""No tick was late."""
+
+
 @dataclass(frozen=True)
 class Measurements:
     """All that was delivered at a tick.
@@ -72,7 +76,7 @@ class Measurements:
     scalar: Mapping[str, tuple[ScalarReading, ...]] = field(default_factory=dict)
     winch: WinchReading | None = None
     preview: HeavePreview | None = None
-    lateness: Lateness = Lateness()
+    lateness: Lateness = ON_TIME
 
     def of(self, sensor: str) -> tuple[ScalarReading, ...]:
         """Return the readings of a sensor; none where none came."""
@@ -173,12 +177,21 @@ class Outputs(NamedTuple):
     Attributes
     ----------
     order : to the winch
-    report : of what is believed and done
+    mode, authority, depth_set_point : see `Report`
+    make_report : returns the report of the tick
     kpi : once a second; None else
     alarms : one line each
     """
 
     order: WinchOrder
-    report: Report
+    mode: str
+    authority: float
+    depth_set_point: float
+    make_report: Callable[[], Report]
     kpi: RollingKpi | None = None
     alarms: tuple[str, ...] = ()
+
+    @property
+    def report(self) -> Report:
+        """What is believed and done in the tick, made when it is looked at: in many loops nobody does."""
+        return self.make_report()

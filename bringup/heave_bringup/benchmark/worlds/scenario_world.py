@@ -8,7 +8,7 @@ from typing import Any, cast
 import numpy as np
 from heave_node.interface.sensors import DEPTH, LOAD_CELL
 from heave_node.numerics.arrays import Array
-from winch_controller_node.interface.readings import Measurements, Outputs, WinchOrder
+from winch_controller_node.interface.readings import Measurements, Outputs, Report, WinchOrder
 
 from heave_bringup.benchmark.interface import (
     NO_WINCH_READING,
@@ -26,13 +26,9 @@ from heave_bringup.run.loop_signals import run_signals
 from heave_bringup.scenarios import Scenario
 
 
-@dataclass(frozen=True)
-class _Report:
-    """What the loop records of a controller's report."""
-
-    depth_set_point: float
-    mode: str = "compensating"
-    authority: float = 1.0
+def _no_report() -> Report:
+    """Stand in for the report of an entrant, which has none."""
+    raise NotImplementedError("an entrant reports nothing")
 
 
 class _ControllerStandIn:
@@ -51,7 +47,7 @@ class _ControllerStandIn:
         command = self._entrant.step(measurement_of(time, delivered, target))
         self._sent += 1
         order = WinchOrder(self._sent, command.payout, command.payout_rate, command.brake)
-        return Outputs(order, cast(Any, _Report(target.payout)))
+        return Outputs(order, "compensating", 1.0, target.payout, _no_report)
 
 
 @dataclass
