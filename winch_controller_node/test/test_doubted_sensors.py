@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from heave_bringup.closed_loop import ClosedLoop, loop_parameters
 from heave_bringup.scenarios import load_scenario
+from heave_node.interface.codes import SensorLevel
 
 TICK = 0.05
 TURNS, WELL_AGAIN, END = 70.0, 140.0, 260.0
@@ -18,7 +19,7 @@ FAULTS = {"mru wrong sign": ("mru", -1.0), "mru twice": ("mru", 2.0), "depth wro
 
 @lru_cache
 def run_with(fault):
-    """Return the record of a run in which a sensor reads a multiple of the heave for a while."""
+    """Return the record of a run in which a sensor reads a multiple of the heave for a while, and how that is seen."""
     sensor, factor = FAULTS[fault]
     loop = ClosedLoop(loop_parameters(load_scenario("b3_deep_900", settings=[f"all.duration={END}"])))
     step = loop.controller.step
@@ -36,7 +37,14 @@ def run_with(fault):
         return step(tick, dataclasses.replace(measured, scalar={**measured.scalar, "depth": wrong}))
 
     loop.controller.step = turned
-    return loop.run()
+    seen = []
+    record = loop.run(lambda _, outputs: seen.append(seen_of(outputs, sensor)))
+    return record, seen
+
+
+def seen_of(outputs, sensor):
+    """Return how a `sensor` is seen in the report of a tick: level and reason."""
+    return next((state.level, state.reason) for state in outputs.report.sensors if state.sensor == sensor)
 
 
 def told(record, words):
@@ -48,7 +56,7 @@ def told(record, words):
 def test_the_sensor_that_turned_is_named_and_no_other(fault):
     sensor, _ = FAULTS[fault]
     other = {"mru": "depth", "depth": "mru"}[sensor]
-    record = run_with(fault)
+    record, _ = run_with(fault)
     assert told(record, f"{sensor} suspect: its readings contradict all others")
     assert not told(record, f"{other} suspect: its readings")
 
@@ -56,7 +64,7 @@ def test_the_sensor_that_turned_is_named_and_no_other(fault):
 @pytest.mark.parametrize("fault", ["mru wrong sign", "mru twice"])
 def test_a_loop_whose_motion_reference_unit_lies_is_given_up_and_damped_before_the_brake_goes_on(fault):
     """Between the two the unit is never worse off than with a locked winch; 20 s are half of the promise's 30 s."""
-    record = run_with(fault)
+    record, _ = run_with(fault)
     (found, *_) = told(record, "mru suspect: its readings")
     assert TURNS < found < TURNS + 20.0
     time, unit, off = (record.column(name) for name in ("time", "unit", "uncompensated"))
@@ -67,7 +75,7 @@ def test_a_loop_whose_motion_reference_unit_lies_is_given_up_and_damped_before_t
 
 @pytest.mark.parametrize("fault", ["mru wrong sign", "mru twice"])
 def test_a_sensor_that_agrees_again_is_trusted_again_and_compensation_goes_on(fault):
-    record = run_with(fault)
+    record, _ = run_with(fault)
     (back,) = told(record, "mru agrees with all others again")
     assert back > WELL_AGAIN
     assert record.modes[-1] == "compensating"
@@ -75,6 +83,17 @@ def test_a_sensor_that_agrees_again_is_trusted_again_and_compensation_goes_on(fa
 
 
 def test_compensation_goes_on_without_a_depth_sensor_that_lies():
-    record = run_with("depth wrong sign")
+    record, _ = run_with("depth wrong sign")
     assert set(record.modes[round(TURNS / TICK) :]) == {"compensating"}
     assert record.unit_sigma(TURNS) < 0.25 * record.uncompensated_sigma(TURNS)
+
+
+@pytest.mark.parametrize("fault", FAULTS)
+def test_a_doubted_sensor_is_shown_as_such_until_it_is_trusted_again(fault):
+    sensor, _ = FAULTS[fault]
+    record, seen = run_with(fault)
+    found = told(record, f"{sensor} suspect: its readings")[0]
+    back = told(record, f"{sensor} agrees with all others again")[0]
+    between = seen[round(found / TICK) + 1 : round(back / TICK) - 1]
+    assert set(between) == {(SensorLevel.SUSPECT, "contradicts all others")}
+    assert seen[-1] == (SensorLevel.OK, "")

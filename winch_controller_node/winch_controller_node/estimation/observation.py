@@ -36,6 +36,9 @@ ON_TICK = 1e-4
 NEGLIGIBLE = 1e-4
 """A noise that is believed to be no larger than this, in the sensor's unit, is never too large."""
 
+CONTRADICTS = "contradicts all others"
+"""How a sensor is seen that is doubted and has no other fault."""
+
 REMEMBERED = 64
 """Ticks for which the mean payout's share is kept, for readings that come late."""
 
@@ -227,7 +230,8 @@ class Observer:
     def states(self, tick: int) -> tuple[SensorState, ...]:
         """Return how each sensor is seen at `tick`."""
         now = tick * self._dt
-        return tuple([gate.state(now) for gate in self.gates.values()])
+        states = [gate.state(now) for gate in self.gates.values()]
+        return tuple([_as_doubted(state) if state.sensor == self.doubted else state for state in states])
 
     def unit_heave_reading(self, mean_state: Array, unit: int) -> float:
         """Return the newest depth as heave about that of the mean payout [m].
@@ -321,3 +325,8 @@ class Observer:
             share -= self.stretch_per_payout * float(estimator.model.row("payout") @ state)
         value = reading.value - share
         return Measurement(reading.name, value, reading.tick, reading.sigma, reading.offset, reading.regressors)
+
+
+def _as_doubted(state: SensorState) -> SensorState:
+    """Return the `state` of a sensor that is doubted."""
+    return state._replace(level=max(state.level, SensorLevel.SUSPECT), reason=state.reason or CONTRADICTS)
