@@ -39,8 +39,10 @@ MARGIN = 1.0
 TENSION_RATIO = 1.1
 """Highest tension over the static one, where there is a highest one."""
 
-TENSION_TIME, TENSION_EXCESS = 4.0, 0.1
-"""Within this time [s] a winch has given way to a tension so far above the highest one, relative."""
+TENSION_TIME, TENSION_EXCESS = math.pi * math.sqrt(INERTIA), 0.1
+"""Within half a free swing of the unit, 8.5 s, a winch has given way to a tension so far above the highest one, relative:
+on a winch that stood a swing of any size would keep it up for less.
+"""
 
 ROOM = 0.5
 """A winch gives way to a tension where it has so much left to the end of its range [m]."""

@@ -223,7 +223,7 @@ class Learning:
         matrix = self._in_force.take_sensors(prepared)
         followed = continued(verdict, estimation.record)
         estimation.adopt(self._in_force.design, matrix, followed, tick - 1, suspicion.doubted)
-        self._patience = FIRST_PATIENCE
+        self._suspected, self._patience = tick * self._dt, FIRST_PATIENCE
         if not suspicion.culprit:
             return [f"{was_doubted} agrees with all others again"]
         self._doubts = f"{suspicion.culprit} suspect: {suspicion.words}"
