@@ -40,7 +40,7 @@ TENSION_RATIO = 1.1
 """Highest tension over the static one, where there is a highest one."""
 
 TENSION_TIME, TENSION_EXCESS = math.pi * math.sqrt(INERTIA), 0.1
-"""Within half a free swing of the unit, 8.5 s, a winch has given way to a tension so far above the highest one, relative.
+"""Within half a free swing of the unit, 8.5 s, a winch has given way to a tension so far above the highest one.
 
 On a winch that stood a swing of any size would keep it up for less.
 """
