@@ -2,7 +2,8 @@
 
 import dataclasses
 import math
-from typing import ClassVar
+from collections import deque
+from typing import ClassVar, NamedTuple
 
 import numpy as np
 import pytest
@@ -15,6 +16,7 @@ from heave_node.parameters import build_parameters
 from hypothesis import Phase, settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, rule, run_state_machine_as_test
+from scipy.linalg import expm
 from wave_vessel_node.parameters import WaveVesselParameters
 from winch_controller_node.node_parameters import WinchControllerParameters
 from winch_controller_node.supervision.modes import REQUESTS, SETTLING_LIMIT, STOPPING_LIMIT, ModeError
@@ -28,7 +30,16 @@ BEGINNING = 15.0
 """Compensation has begun, and has all of the sea, within this time [s]."""
 
 STILL = 0.02
-"""No change of mode moves the unit by more than this in calm water [m]."""
+"""No change of mode moves drum or unit by more than this off its reference path in calm water [m]."""
+
+BY_LAW = ("compensating", "fade_out")
+"""Modes in which a law moves the drum."""
+
+SWUNG = 2.0
+"""A unit that swings already is taken at most so much further, where a fade ends before it was over."""
+
+STOP_DECELERATION = 0.5
+"""At which the set-point falls in an orderly stop [m/s^2]."""
 
 WINCH = WinchParameters(payout_minimum=-6.0, payout_maximum=6.0)
 """With a range whose ends an operator reaches within the steps of an example."""
@@ -94,6 +105,97 @@ def column(row, name):
     return row[COLUMNS.index(name)]
 
 
+class Asked(NamedTuple):
+    """What was asked for in a tick: mode, rate of the mean payout before and after it, set-points of speed, payout."""
+
+    mode: str
+    mean_rates: tuple[float, float]
+    speed: float
+    set_point: float
+
+
+class ReferencePath:
+    """Where drum and unit go in calm water by nothing but what is asked for, from what they were under the law.
+
+    An operator who moves the unit at 0.6 m/s cannot stop it in 2 cm, and a unit whose drum slows down swings on its
+    cable by itself. That is what was asked for, and so is the path off which a change of mode must not take it:
+
+    - in mode manual the drum follows the mean payout;
+    - in an orderly stop its set-point falls from the last one at STOP_DECELERATION, and it follows with its lag;
+    - under the brake it comes to rest from its speed at the winch's own deceleration;
+    - the unit obeys a x'' + b x' + x = -payout;
+    - a law moves the drum as it needs to: the unit stays at the set-point, or within SWUNG times the swing that it
+      would have if the drum followed the set-point from where the law took over;
+    - constant tension, which is refused to a unit that hangs still, does not hold it.
+
+    All of it begins a delay after it was asked for.
+    """
+
+    def __init__(self):
+        forced = np.zeros((3, 3))
+        forced[:2] = [[0.0, 1.0, 0.0], [-1.0 / INERTIA, -DAMPING / INERTIA, -1.0 / INERTIA]]
+        step = expm(DT * forced)
+        self._step, self._pull = step[:2, :2], step[:2, 2]
+        self._asked = deque(maxlen=DELAY_TICKS + 2)
+        self._rest = None
+        self._is_by_law = False
+        self.payout = self.rate = self.speed = 0.0
+        self.unit = self.left_alone = np.zeros(2)
+
+    def check(self, asked, row):
+        """Take in what was `asked` for in a tick, and check the `row` of the record at its start."""
+        payout, rate, height, unit_rate = (column(row, name) for name in ("payout", "payout_rate", "unit", "unit_rate"))
+        self._rest = height + payout if self._rest is None else self._rest
+        unit = np.array([height - self._rest, unit_rate])
+        self._asked.append(asked)
+        if len(self._asked) < DELAY_TICKS + 2:
+            return
+        effective, then = self._asked[0], self._asked[1]
+        if effective.mode in (*BY_LAW, "constant_tension"):
+            if effective.mode in BY_LAW:
+                self._check_law(unit, effective.set_point, then.set_point)
+            self.payout, self.rate, self.unit = payout, rate, unit
+        else:
+            before = self.payout
+            self._move_drum(effective)
+            self.unit = self._moved(self.unit, before, self.payout)
+            assert abs(payout - self.payout) < STILL
+            assert abs(unit[0] - self.unit[0]) < STILL
+        self._is_by_law = effective.mode in BY_LAW
+        if effective.mode != "stopping":
+            self.speed = effective.speed
+
+    def _check_law(self, unit, before, now):
+        """Check the `unit` under a law whose set-point goes from `before` to `now` [m] in the tick."""
+        self.left_alone = self._moved(self.left_alone, before, now) if self._is_by_law else unit
+        swing = math.hypot(self.left_alone[0] + now, math.sqrt(INERTIA) * (self.left_alone[1] + (now - before) / DT))
+        assert abs(unit[0] + now) < STILL + SWUNG * swing
+
+    def _moved(self, unit, before, now):
+        """Return heave and rate of a `unit` after a tick in which the payout went from `before` to `now` [m]."""
+        return self._step @ unit + self._pull * 0.5 * (before + now)
+
+    def _move_drum(self, asked):
+        """Move the drum for a tick as `asked`."""
+        if asked.mode == "manual":
+            self.payout += 0.5 * sum(asked.mean_rates) * DT
+            self.rate = asked.mean_rates[1]
+        elif asked.mode == "stopping":
+            self.speed = slowed(self.speed, STOP_DECELERATION)
+            left = math.exp(-DT / WINCH.time_constant)
+            self.payout += self.speed * DT + (self.rate - self.speed) * WINCH.time_constant * (1.0 - left)
+            self.rate = self.speed + (self.rate - self.speed) * left
+        else:
+            braked = slowed(self.rate, WINCH.stop_deceleration)
+            self.payout += 0.5 * (self.rate + braked) * DT
+            self.rate = braked
+
+
+def slowed(speed, deceleration):
+    """Return a `speed` [m/s] after a tick of `deceleration` [m/s^2]."""
+    return math.copysign(max(abs(speed) - deceleration * DT, 0.0), speed)
+
+
 class AnyOperatorAnyTrouble(RuleBasedStateMachine):
     """Requests, an operator's speed, a gap of each sensor and faults of the winch, in any order."""
 
@@ -106,13 +208,13 @@ class AnyOperatorAnyTrouble(RuleBasedStateMachine):
     )
     def begin(self, height, seed, tension_ratio):
         self.loop = loop_in(height, seed, tension_ratio)
-        self.is_calm = height < 0.1
+        # above a highest tension the winch leaves its path, to give way to a unit that swings
+        self.is_calm = height < 0.1 and tension_ratio == 0.0
         self.gap, self.fault, self.trouble_left = (), WinchFault.NONE, 0
         step = self.loop.controller.step
         self.loop.controller.step = lambda tick, measured: step(tick, self.troubled(measured))
-        self.start = None
+        self.path = ReferencePath()
         self.orders = []
-        self.speed_let_go = self.operated_speed = 0.0
         self.ticks_over = 0
         for _ in range(round(BEGINNING / DT)):
             if self.tick().report.authority == 1.0:
@@ -173,8 +275,20 @@ class AnyOperatorAnyTrouble(RuleBasedStateMachine):
                 break
         assert outputs.report.mode in ("stopped", "emergency_stop")
 
+    @rule(mode=st.sampled_from(["manual", "constant_tension"]), speed=st.floats(-1.0, 1.0), ticks=st.integers(1, 80))
+    def operate_from_a_stop(self, mode, speed, ticks):
+        """An operator stops compensation, goes on in another mode, and asks for a speed."""
+        self.a_stop_ends_under_the_brake()
+        self.wait(20)
+        try:
+            self.loop.controller.set_mode(mode)
+        except ModeError as error:
+            assert str(error)
+        self.operate(speed, ticks)
+
     def tick(self):
-        before = self.loop.winch.state
+        before, mean = self.loop.winch.state, self.loop.controller.mean
+        mean_rate = mean.point.rate
         outputs, row = self.loop.step()
         self.visited.add(outputs.report.mode)
         self.orders = [*self.orders[-DELAY_TICKS:], outputs.order]
@@ -183,7 +297,9 @@ class AnyOperatorAnyTrouble(RuleBasedStateMachine):
         self.check_winch()
         self.check_tension(outputs, row)
         if self.is_calm:
-            self.check_stillness(outputs, row, before)
+            report, last = outputs.report, self.loop.controller._command.last
+            rates, speed = (mean_rate, mean.point.rate), last.governed.value - last.standing
+            self.path.check(Asked(report.mode, rates, speed, report.depth_set_point), row)
         return outputs
 
     def check_orders(self, before):
@@ -213,20 +329,6 @@ class AnyOperatorAnyTrouble(RuleBasedStateMachine):
         self.ticks_over = self.ticks_over + 1 if is_over and may_give_way else 0
         assert self.ticks_over * DT <= TENSION_TIME
 
-    def check_stillness(self, outputs, row, before):
-        """Check that the unit stays at the depth that is wanted.
-
-        A winch whose speed v ends where nothing damps the unit lets it swing by v sqrt(a), and so at most does an
-        operator who moves it.
-        """
-        height = column(row, "unit") + outputs.report.depth_set_point
-        self.start = height if self.start is None else self.start
-        if outputs.report.mode not in ("compensating", "fade_out"):
-            self.speed_let_go += abs(self.loop.winch.state.payout_rate - before.payout_rate)
-        self.operated_speed = max(self.operated_speed, abs(self.loop.controller.mean.point.rate))
-        swing = math.sqrt(INERTIA) * (self.speed_let_go + self.operated_speed)
-        assert abs(height - self.start) < STILL + swing
-
 
 def run_machine(examples, steps):
     """Run the machine, and check that it has been where it can fail."""
@@ -241,6 +343,44 @@ def run_machine(examples, steps):
 
 def test_no_operator_and_no_trouble_takes_the_loop_beyond_its_limits():
     run_machine(20, 15)
+
+
+def calm_machine():
+    """Return the machine in calm water, compensating."""
+    machine = AnyOperatorAnyTrouble()
+    machine.begin(height=0.01, seed=1, tension_ratio=0.0)
+    return machine
+
+
+@pytest.mark.parametrize("mode", ["standby", "stopped", "emergency_stop"])
+@pytest.mark.parametrize("manual", [False, True])
+def test_a_stop_at_the_full_speed_of_an_operator_keeps_the_unit_on_its_reference_path(mode, manual):
+    machine = calm_machine()
+    if manual:
+        machine.operate_from_a_stop("manual", -1.0, 260)
+    else:
+        machine.operate(-1.0, 260)
+    assert abs(machine.loop.winch.state.payout_rate) > 0.3
+    machine.loop.controller.set_mode(mode)
+    machine.wait(900)
+    assert machine.loop.controller.mode.value == mode
+
+
+def test_compensation_that_begins_soon_after_an_operator_let_go_does_not_move_a_unit_at_rest():
+    """The drum went to and fro by a metre, and the unit by 69 cm, where what the mean payout alone would have done to
+    the unit did not count as part of its motion without compensation.
+    """
+    machine = calm_machine()
+    machine.operate(0.4, 100)
+    machine.wait(200)
+    controller = machine.loop.controller
+    for mode in ("standby", "compensating"):
+        controller.set_mode(mode)
+        while controller.mode.value != mode:
+            machine.tick()
+    machine.wait(50)
+    controller.set_mode("standby")
+    machine.wait(400)
 
 
 @pytest.mark.parametrize("seed", [3, 4])

@@ -253,12 +253,12 @@ class LoopEstimation:
     def return_to_mean(self, tick: LoopTick) -> None:
         """Count the payout that is out at `tick` as left over: it goes away slowly.
 
-        With the winch locked it would stay.
+        With the winch locked it would stay, and the unit go on swinging as it does now, whatever has set it going.
         """
         rows, estimate = tick.rows, tick.estimate
         self.motion.return_from(float(rows.payout @ estimate))
-        self._shadow.continue_at(estimate[rows.unit_states] + rows.winch @ estimate)
-        self._moved_unit.continue_at(-(rows.winch @ estimate))
+        self._shadow.continue_at(tick.mean_swing + estimate[rows.unit_states] + rows.winch @ estimate)
+        self._moved_unit.continue_at(estimate[rows.unit_states] - self._shadow.state)
 
     def hand_over(self, tick: LoopTick, *, unit_stood: bool) -> None:
         """Make the present depth of the unit the mean and go on from `tick`; `unit_stood` on the seabed until now.

@@ -156,5 +156,5 @@ class LoopTick:
         Where the boom tip is not known it is that about rest.
         """
         rows = self.rows
-        offset = self.estimate[rows.unit_states] + rows.winch @ self.estimate
+        offset = self.mean_swing + self.estimate[rows.unit_states] + rows.winch @ self.estimate
         return offset - self.uncompensated if self.knows_tip else offset
