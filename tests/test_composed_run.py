@@ -39,3 +39,13 @@ def test_what_is_learnt_is_told_on_the_terminal_and_in_the_report(tmp_path):
     assert told, result.stderr
     assert told[0].startswith("t = 0.")
     assert "times what is believed" in (folder / "report.html").read_text()
+
+
+def test_a_tension_above_the_alarm_of_a_shipped_scenario_is_told_with_the_summary(tmp_path):
+    result = heave(
+        *("run", "b5_storm", "--duration", "14", "--bag", str(tmp_path / "run"), "--composed", "--no-report"),
+        *("--set", "all.transient=2", "--set", "wave_vessel.ramp=5"),
+    )
+    assert result.returncode == 0, result.stderr
+    assert "tension too high: " in result.stdout + result.stderr
+    assert "times the static one; at most 1.5 is allowed" in result.stdout + result.stderr

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from cable_sim_node.peers.reference_systems import DEEP_900
 from heave_bringup.closed_loop import ClosedLoop, loop_parameters
-from heave_bringup.scenarios import make_scenario
+from heave_bringup.scenarios import load_scenario, make_scenario
 from heave_node.kpi import snap_times
 
 DT = 0.05
@@ -13,6 +13,25 @@ LOST = 80.0
 FADE = 10.0
 SLOWEST = 1.5 + FADE + 2.0 / 0.5 + 0.5
 """Coasting, fade-out, and a stop from the winch's 2 m/s at the 0.5 m/s^2 of an orderly one; delay and lag [s]."""
+
+
+def test_the_shipped_storm_has_a_highest_tension_that_bounds_what_compensation_does_and_an_alarm_below_it():
+    """Twice the static tension, a crane of 20 t with 10 t on it; uncompensated, it is exceeded from the first waves on.
+
+    A highest tension that the sea takes the cable to every few waves would cost compensation more than it spares.
+    """
+    settings = ["all.duration=200", "all.seed=1"]
+    loop = ClosedLoop(loop_parameters(load_scenario("b5_storm", settings=settings)))
+    static = loop.controller.design.cable.static_tension
+    assert loop.controller.design.limits.maximum_tension == pytest.approx(2.0 * static)
+    assert static == pytest.approx(98.6e3, rel=0.01)
+    record = loop.run()
+    told = [words for _, words in record.alarms if words.startswith("tension too high")]
+    assert told
+    assert all("at most 1.5 is allowed" in words for words in told)
+    highest, without = (np.max(record.column(name, after=60.0)) for name in ("top_tension", "uncompensated_tension"))
+    assert highest < 2.0 * static < without
+    assert record.unit_sigma(60.0) < 0.5 * record.uncompensated_sigma(60.0)
 
 
 @pytest.mark.slow
