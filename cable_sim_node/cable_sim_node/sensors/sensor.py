@@ -8,7 +8,7 @@ a fault, a rate or a latency changes nothing but itself.
 from __future__ import annotations
 
 import math
-from collections import deque
+from operator import itemgetter
 
 import numpy as np
 from heave_node.interface.faults import TIME_TOLERANCE, FaultSchedule, FaultyValues
@@ -44,7 +44,7 @@ class Sensor:
         self._next_sample = 1.0 / parameters.rate
         self._rate = parameters.rate
         self._faulty_values = FaultyValues(self.faults)
-        self._under_way: deque[tuple[float, Reading]] = deque()
+        self._under_way: list[tuple[float, Reading]] = []
 
     def step(self, tick: int, truth: SensorTruth) -> tuple[Reading, ...]:
         """Look at the `truth` of t_k and return the readings delivered at `tick`, oldest delivery first."""
@@ -78,8 +78,10 @@ class Sensor:
 
     def _deliver(self, time: float) -> tuple[Reading, ...]:
         """Return the readings due by `time`; those with a smaller delay may overtake."""
-        due = [entry for entry in self._under_way if entry[0] <= time + TIME_TOLERANCE]
+        now = time + TIME_TOLERANCE
+        due = [entry for entry in self._under_way if entry[0] <= now]
         if not due:
             return ()
-        self._under_way = deque(entry for entry in self._under_way if entry[0] > time + TIME_TOLERANCE)
-        return tuple(reading for _, reading in sorted(due, key=lambda entry: entry[0]))
+        self._under_way = [entry for entry in self._under_way if entry[0] > now]
+        due.sort(key=itemgetter(0))
+        return tuple([reading for _, reading in due])

@@ -124,8 +124,7 @@ class MotionReferenceUnit:
         motion : true motion of the vessel at the tick
         """
         now = tick * self._period
-        seen = self._with_instrument_errors(heave, motion)
-        value, rate, acceleration = seen.tolist()
+        value, rate, acceleration = self._with_instrument_errors(heave, motion)
         if not self._started:
             self._filter.settle(value, rate)
             self._started = True
@@ -171,11 +170,14 @@ class MotionReferenceUnit:
             heave_rate_sigma=self._parameters.rate_noise,
         )
 
-    def _with_instrument_errors(self, heave: Array, motion: VesselMotion) -> Array:
+    def _with_instrument_errors(self, heave: Array, motion: VesselMotion) -> list[float]:
         x, y, _ = self._parameters.lever_arm_error
-        six = np.array((motion.displacement, motion.velocity, motion.acceleration))
-        seen: Array = (1.0 + self._parameters.scale_error) * (heave - x * six[:, PITCH] + y * six[:, ROLL])
-        return seen
+        scale = 1.0 + self._parameters.scale_error
+        six = (motion.displacement.tolist(), motion.velocity.tolist(), motion.acceleration.tolist())
+        return [
+            scale * (value - x * turned[PITCH] + y * turned[ROLL])
+            for value, turned in zip(heave.tolist(), six, strict=True)
+        ]
 
     def _acceleration_error(self, now: float, motion: VesselMotion) -> float:
         period = self._parameters.high_pass_period
