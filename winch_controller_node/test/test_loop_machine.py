@@ -35,7 +35,7 @@ STILL = 0.02
 BY_LAW = ("compensating", "fade_out")
 """Modes in which a law moves the drum."""
 
-SWUNG = 2.0
+SWUNG = 3.0
 """A unit that swings already is taken at most so much further, where a fade ends before it was over."""
 
 STOP_DECELERATION = 0.5

@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 import numpy as np
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from winch_controller_node.parameters.model import WinchModelParameters
@@ -46,6 +47,14 @@ def test_a_model_that_never_rests_is_told_of_all_the_same():
     hunting = [replace(WINCH, time_constant=0.15 + 0.1 * (k % 2 + 1)) for k in range(100)]
     words = told(hunting, seconds=2.0)
     assert 0 < len(words) <= 2.0 * len(hunting) / LONGEST
+
+
+def test_a_winch_that_changes_after_it_was_known_is_told_once_the_record_holds_it_alone():
+    """A gain of 0.85, fitted to a record of 20 s that still holds the gain of 1, rests elsewhere for a while."""
+    mixed, alone = (replace(WINCH, speed_gain=gain) for gain in (1.023, 0.85))
+    ((when, words),) = told([*[WINCH] * 7, mixed, *[alone] * 8], seconds=15.0)
+    assert words == "winch model updated: gain 0.850 (was 1.000)"
+    assert when == pytest.approx(8 * 15.0 + SETTLED, abs=2.0 * DT)
 
 
 def test_what_is_no_longer_learnt_is_told_at_once():

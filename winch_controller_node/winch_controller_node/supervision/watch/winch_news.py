@@ -10,6 +10,9 @@ from winch_controller_node.parameters.model import WinchModelParameters
 SETTLED, LONGEST = 12.0, 40.0
 """It is told when it has rested for so long, and after the second time at the latest [s]."""
 
+MIXED = 20.0
+"""A winch that changes after it was known is told so much later [s]: the record holds the old one beside the new."""
+
 NOTABLE = 0.1
 """Relative change of a limit or a lag, since it was told, that is worth telling."""
 
@@ -49,7 +52,7 @@ class WinchNews:
     def __init__(self, winch: WinchModelParameters, *, tick_period: float) -> None:
         self._dt = tick_period
         self._told = self._last = winch
-        self._rested = self._withheld = 0.0
+        self._rested = self._withheld = self._known = self._mixed = 0.0
 
     def update(
         self,
@@ -75,8 +78,11 @@ class WinchNews:
         self._last = winch
         self._forget_let_up(winch)
         changed = [(label, name, unit) for label, name, unit in NAMED if self._is_notable(name, winch)]
+        self._known += self._dt if is_learning else 0.0
+        if self._withheld == 0.0:
+            self._mixed = MIXED if self._known > LONGEST else 0.0
         self._withheld = self._withheld + self._dt if changed else 0.0
-        if not changed or (is_learning and self._rested < SETTLED and self._withheld < LONGEST):
+        if not changed or (is_learning and not self._has_settled):
             return []
         words, lone = [], directions()
         for label, name, unit in changed:
@@ -86,6 +92,12 @@ class WinchNews:
             words.append(f"{value} (was {getattr(self._told, name):.3f}){reached}{by_power}")
         self._told = replace(self._told, **{name: getattr(winch, name) for _, name, _ in changed})
         return [f"winch model updated: {', '.join(words)}"]
+
+    @property
+    def _has_settled(self) -> bool:
+        """Tell whether what is withheld has rested, or will never rest."""
+        since = self._withheld - self._mixed
+        return since >= LONGEST or (since >= 0.0 and self._rested >= SETTLED)
 
     def _is_notable(self, name: str, winch: WinchModelParameters) -> bool:
         """Tell whether a value differs from what was told; limits that are only let up again do not count."""
