@@ -71,6 +71,7 @@ class WinchNews:
         is_power_limited : the winch has said that its power ends
         is_learning : more may come; otherwise what there is, is told at once
         """
+        self._known += self._dt if is_learning else 0.0
         is_same = winch is self._last or winch == self._last
         self._rested = self._rested + self._dt if is_same else 0.0
         if is_same and self._withheld == 0.0:
@@ -78,7 +79,6 @@ class WinchNews:
         self._last = winch
         self._forget_let_up(winch)
         changed = [(label, name, unit) for label, name, unit in NAMED if self._is_notable(name, winch)]
-        self._known += self._dt if is_learning else 0.0
         if self._withheld == 0.0:
             self._mixed = MIXED if self._known > LONGEST else 0.0
         self._withheld = self._withheld + self._dt if changed else 0.0
