@@ -81,6 +81,8 @@ def has_power_limit(one: Draw) -> bool:
         ("winch model updated: gain 0.950 (was 1.000)", PLAIN["speed 1.0"], True),
         ("mru suspect: its heave has a high-pass", PLAIN["high-pass 30 s"], False),
         ("depth suspect: its readings contradict all others", PLAIN["high-pass 30 s"], True),
+        ("cable suspect: it answers with 1.25 times the inertia", {promise.INERTIA: 0.8}, False),
+        ("cable suspect: it answers with 1.25 times the inertia", {}, True),
         ("mru or drum suspect: the heave that the one reads is 0.85 times what", PLAIN["MRU scale 0.85"], False),
         ("mru or drum suspect: the heave that the one reads is 1.15 times what", PLAIN["MRU scale 0.85"], True),
         ("mru or drum suspect: the heave that the one reads is 1.03 times what", PLAIN["drum radius 3 %"], False),
@@ -130,6 +132,29 @@ KEPT = Kept(sigma=0.01, off=0.1, worst=0.5, at=60.0, fades=0, share=1.0, wrong=(
 def test_the_campaign_fails_where_a_draw_is_not_kept(monkeypatch, found, code):
     monkeypatch.setattr(promise, "run", lambda one: found)
     assert promise.main(["--draws", "2"]) == code
+
+
+def test_a_draw_with_its_plant_is_that_draw_with_the_ranges_of_b9_besides():
+    for number in range(50):
+        one, plain = promise.draw_with_plant(number), draw(number)
+        assert one == promise.draw_with_plant(number)
+        assert plain.settings.items() < one.settings.items()
+        plant = {name: value for name, value in one.settings.items() if name not in plain.settings}
+        assert set(plant) == {promise.INERTIA, promise.DAMPING, promise.DRAG}
+        # BENCHMARKS B9: a, b +-30 %, drag up to four times
+        assert 0.7 <= plant[promise.INERTIA] <= 1.3
+        assert 0.7 <= plant[promise.DAMPING] <= 1.3
+        assert 1.0 <= plant[promise.DRAG] <= 4.0
+    scenario = load_scenario(SCENARIO, settings=parameters_of(one, 10.0))
+    assert scenario.parameters["cable_sim"].unit.drag_coefficient == (3 * (plant[promise.DRAG],))
+    assert scenario.parameters["winch_controller"].cable_model.inertia_factor == plant[promise.INERTIA]
+
+
+@pytest.mark.slow
+def test_a_plant_and_a_winch_that_are_both_not_as_believed_are_kept():
+    found = run(promise.draw_with_plant(1), duration=150.0)
+    assert found.worst < LARGEST
+    assert not found.wrong
 
 
 def test_a_draw_is_the_same_each_time_and_none_is_beyond_its_range():
