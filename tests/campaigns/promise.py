@@ -9,9 +9,9 @@ than 1.05 times the uncompensated one over any minute that begins 30 s after com
 process. --plant draws mass, damping and drag of the unit besides, as campaign b9_model_error does: each draw then has
 errors of plant, winch and sensors together. --tornado ranks what matters among what was drawn, by the efficiency.
 
-process. Without --draws the plain table is run: one thing wrong at a time; where that is a sensor, beside a run under
-the belief that is told what it is like: from 60 s after the beginning of compensation on, to the end of 400 s, the unit
-moves at most twice as much as in that one.
+Without --draws the plain table is run: one thing wrong at a time; where that is a sensor, beside a run under the belief
+that is told what it is like: from 60 s after the beginning of compensation on, to the end of 400 s, the unit moves at
+most twice as much as in that one.
 
 Fails where a draw is not kept, never compensates, or is told something wrong of its winch or sensors.
 """
