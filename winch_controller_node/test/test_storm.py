@@ -70,3 +70,13 @@ def test_an_mru_lost_in_a_storm_fades_compensation_out_without_a_jerk_and_withou
     assert np.max(record.column("top_tension")[during]) < np.max(record.column("uncompensated_tension")[during])
     # the winch stands near its mean, so that nothing is left to swing about
     assert abs(record.column("payout")[-1]) < 1.0
+
+
+def test_the_lull_behind_the_highest_wave_of_a_storm_is_not_taken_for_a_loop_that_runs_wild():
+    """With this seed the drum comes back from its limits while the boom tip stands still, 53 s after the start.
+
+    It was faded out there, and the unit swung twice as far as one that was never compensated.
+    """
+    record = ClosedLoop(loop_parameters(load_scenario("b5_storm", settings=["all.seed=7", "all.duration=70"]))).run()
+    assert not any("harmful" in words for _, words in record.alarms)
+    assert record.modes[-1] == "compensating"

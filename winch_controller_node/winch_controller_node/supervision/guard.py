@@ -328,10 +328,12 @@ class HarmGuard:
         intended = authority * tip.rate + authority_rate * (3.0 * tip.heave - 2.0 * motions.free_unit.heave)
         error = motions.payout_rate - intended
         allowed = (1.0 + loop.effort.rate_error) * max(authority, LEAST_AUTHORITY) * tip.rate
-        # a law has to stop a unit that swings, and while authority moves to take it out of its uncompensated swing
+        # a law has to stop a unit that swings, and while authority moves to take it out of its uncompensated swing;
+        # where that is large, as at a resonance, the drum does no harm before it is as fast
         is_moving = change != 0.0
         self._exchanged_swing = free_swing if is_moving else self._exchanged_swing * (1.0 - self._dt / SWING_TIME)
-        work = SWING_WORK**2 * (swing + self._exchanged_swing) / loop.inertia if loop.inertia > 0.0 else 0.0
+        to_stop = SWING_WORK**2 * (swing + self._exchanged_swing) + free_swing
+        work = to_stop / loop.inertia if loop.inertia > 0.0 else 0.0
         out_of_reach = OUT_OF_REACH * (intended - self._follow_within_limits(intended))
         self._rate_check.add(error**2, allowed**2 + work + out_of_reach**2)
         self._catch_up = max(self._catch_up - self._dt, 0.0)
