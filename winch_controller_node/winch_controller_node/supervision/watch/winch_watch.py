@@ -79,6 +79,7 @@ class WinchWatch:
         self.fault = int(WinchFault.NONE)
         self._dt = design.tick_period
         self._identifier = WinchIdentifier(design.parameters.lag, design)
+        self._stated_delay = design.parameters.winch.command_delay
         self.late_commands = LateCommands(design.tick_period)
         self._work: DesignWork[Answer] = DesignWork(max(1, round(ANSWER_TIME / self._dt)), designer)
         self._timeout_cause = TimeoutCause(self._dt)
@@ -198,7 +199,8 @@ class WinchWatch:
     def _watch_transport(self, given: int, taken: int, parameters: WinchControllerParameters) -> TransportReport:
         """Notice late commands; nothing is compensated with more delay than can be identified or tolerated."""
         winch = parameters.winch
-        alarm = self.late_commands.update(given, taken, winch.command_delay)
+        # a delay that was learnt to be shorter, what it lacks being taken for lag, makes no command late
+        alarm = self.late_commands.update(given, taken, max(winch.command_delay, self._stated_delay))
         if self.late_commands.has_begun:
             self._identifier.restart()
         lag = winch.command_delay + winch.time_constant
