@@ -201,7 +201,7 @@ class Learning:
             self._suspected = now
             self._patience *= 1.0 if is_doubted else LONGER
             return True
-        is_gross = surprise.time >= GROSS_TIME and surprise.worst[1] >= GROSSLY
+        is_gross = GROSS_TIME <= surprise.time < SURPRISED_TIME and surprise.worst[1] >= GROSSLY
         was_early, is_early = self._looked_early, is_gross or not is_trusted
         self._looked_early = is_early or (was_early and surprise.time > 0.0)
         return is_early and not was_early

@@ -28,6 +28,9 @@ CORNERS = (100.0, 60.0, 40.0, 30.0, 22.0, 16.0)
 REFINEMENTS = (1.12, 1.05, 1.02)
 """Factors, up and down, by which the best of them is then refined."""
 
+DAMPING_POWER = 6
+"""Damping is changed by the power of these factors: a record tells it so much worse than inertia."""
+
 SCALE_SIGMA = 0.2
 """Error of scale between MRU and drum that is tried, 1 sigma: the estimate finds how large it is."""
 
@@ -219,7 +222,9 @@ def _near(parameters: WinchControllerParameters, suspicion: Suspicion, factor: f
         return []
     if suspicion.culprit == "cable":
         inertia, damping = suspicion.cable
-        return [_cable(parameters, inertia * factor, damping), _cable(parameters, inertia / factor, damping)]
+        more = factor**DAMPING_POWER
+        changes = [(factor, 1.0), (1.0 / factor, 1.0), (1.0, more), (1.0, 1.0 / more)]
+        return [_cable(parameters, inertia * mass, damping * drag) for mass, drag in changes]
     corner = suspicion.parameters.sensors.mru.high_pass_period
     return [_cut_off(parameters, corner * factor), _cut_off(parameters, corner / factor)]
 
