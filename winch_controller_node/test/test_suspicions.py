@@ -89,11 +89,18 @@ def test_a_scale_of_the_mru_is_found_and_told(scale):
     assert error == pytest.approx(scale - 1.0, rel=0.3)
 
 
-@pytest.mark.long
-def test_a_cable_other_than_believed_is_no_fault_of_a_sensor():
-    verdict = suspect(parameters(), record_of(parameters(**{"cable_model.inertia": 1.2 * 7.34})), design_for, DT)
+@pytest.mark.parametrize(
+    ("inertia", "damping"), [(1.25, 3.0), pytest.param(1.2, 1.0, marks=pytest.mark.long)], ids=["both", "inertia"]
+)
+def test_a_cable_other_than_believed_is_no_fault_of_a_sensor(inertia, damping):
+    belief = parameters()
+    cable = {"cable_model.inertia": inertia * BELIEF["cable_model.inertia"]}
+    cable["cable_model.damping"] = damping * BELIEF["cable_model.damping"]
+    verdict = suspect(belief, record_of(parameters(**cable)), design_for, DT)
     assert verdict.suspicion.culprit == "cable"
-    assert verdict.design.cable.a == pytest.approx(1.2 * 7.34, rel=0.06)
+    assert verdict.design.cable.a == pytest.approx(cable["cable_model.inertia"], rel=0.06)
+    # a minute tells damping to a factor of one and a half
+    assert 1.0 / 1.5 < verdict.design.cable.b / cable["cable_model.damping"] < 1.5
 
 
 @pytest.mark.parametrize(
