@@ -97,3 +97,14 @@ def test_a_doubted_sensor_is_shown_as_such_until_it_is_trusted_again(fault):
     between = seen[round(found / TICK) + 1 : round(back / TICK) - 1]
     assert set(between) == {(SensorLevel.SUSPECT, "contradicts all others")}
     assert seen[-1] == (SensorLevel.OK, "")
+
+
+def test_a_depth_sensor_that_jumps_is_told_and_not_followed():
+    """It was taken for the truth after some readings: the unit swung by 1.4 m."""
+    fault = {"kind": ["jump"], "start": [TURNS], "duration": [0.0], "magnitude": [3.0]}
+    settings = [f"cable_sim.sensors.depth.faults.{name}={value}" for name, value in fault.items()]
+    scenario = load_scenario("b3_deep_900", settings=["all.duration=120", "all.seed=7", *settings])
+    record = ClosedLoop(loop_parameters(scenario)).run()
+    assert len(told(record, "depth suspect: jump of +")) == 1
+    assert record.modes[-1] == "compensating"
+    assert record.unit_sigma(TURNS) < 0.05 * record.uncompensated_sigma(TURNS)

@@ -4,8 +4,10 @@ import numpy as np
 import pytest
 from heave_node.interface.codes import MruStatus, SensorLevel
 from heave_node.interface.sensors import MruReading
+from hypothesis import given
+from hypothesis import strategies as st
 from winch_controller_node.estimation.reading_record import Surprise
-from winch_controller_node.estimation.sensor_health import EncoderGate, SensorGate, SensorTiming, judge_mru
+from winch_controller_node.estimation.sensor_health import DepthJumps, EncoderGate, SensorGate, SensorTiming, judge_mru
 from winch_controller_node.interface.readings import ScalarReading
 from winch_controller_node.model.estimator import Innovation
 from winch_controller_node.parameters.laws import HealthParameters
@@ -162,3 +164,34 @@ def test_a_jump_that_was_taken_off_is_shown_until_diagnostics_have_told_it():
     assert levels[19 : 19 + round(1.5 / DT)] == [SUSPECT] * round(1.5 / DT)
     assert levels[-1] == OK
     assert gate.jump == pytest.approx(0.2)
+
+
+def heave(time):
+    """Depth of a unit that swings by 1 m in 9 s [m]."""
+    return 900.0 + math.sin(0.7 * time)
+
+
+@pytest.mark.parametrize("jump", [3.0, -0.8, 50.0])
+def test_a_jump_of_the_depth_is_taken_off_and_one_back_leaves_nothing(jump):
+    jumps, times = DepthJumps(), 0.1 * np.arange(300)
+    read = [jumps.take_off(time, heave(time) + (jump if 10.0 <= time < 20.0 else 0.0)) for time in times]
+    assert read.count(None) <= 2
+    errors = [depth - heave(time) for time, depth in zip(times, read, strict=True) if depth is not None]
+    # what the unit itself has moved between two readings is counted to the jump
+    assert max(np.abs(errors)) < 0.08
+    assert jumps.offset == 0.0
+    assert errors[-1] == 0.0
+
+
+def test_a_spike_of_the_depth_is_left_out_and_nothing_else():
+    jumps, times = DepthJumps(), 0.1 * np.arange(100)
+    read = [jumps.take_off(time, heave(time) + (3.0 if k == 50 else 0.0)) for k, time in enumerate(times)]
+    assert [k for k, depth in enumerate(read) if depth is None] == [50]
+    assert read[51:] == [heave(time) for time in times[51:]]
+
+
+@given(st.lists(st.floats(-0.4, 0.4), min_size=1, max_size=100))
+def test_steps_that_a_unit_can_make_are_never_taken_off(steps):
+    jumps = DepthJumps()
+    depths = 900.0 + np.cumsum([0.0, *steps])
+    assert [jumps.take_off(0.1 * k, depth) for k, depth in enumerate(depths)] == list(depths)

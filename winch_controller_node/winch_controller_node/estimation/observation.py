@@ -12,6 +12,7 @@ from heave_node.numerics.arrays import Array
 from winch_controller_node.design.design import ControllerDesign
 from winch_controller_node.estimation.reading_record import Surprise
 from winch_controller_node.estimation.sensor_health import (
+    DepthJumps,
     EncoderGate,
     SensorGate,
     SensorTiming,
@@ -77,6 +78,7 @@ class Observer:
         }
         self.encoder = EncoderGate(SensorTiming(self._dt, self._dt), health, tick_period=self._dt)
         self.gates["encoder"] = self.encoder.gate
+        self._depth_jumps = DepthJumps()
         self._rows_of = {name: sensor.rows() for name, sensor in self._watched.items()}
         rows = [(sensor, row) for name, sensor in self._use.items() for row in self._rows_of[name]]
         self._of_boom_tip = {row.name for sensor, row in rows if sensor.sees == "boom_tip"}
@@ -218,8 +220,8 @@ class Observer:
         for name, gate in self.gates.items():
             before, self._levels[name] = self._levels.get(name, SensorLevel.OK), gate.level
             if gate.level > before:
-                is_jump = name == "encoder" and gate.reason == "jump"
-                detail = f"jump of {self.encoder.jump:+.3f} m subtracted" if is_jump else gate.reason
+                jumps = {"encoder": self.encoder.jump, "depth": self._depth_jumps.jump}
+                detail = f"jump of {jumps[name]:+.3f} m subtracted" if gate.reason == "jump" else gate.reason
                 words.append(f"{name} {gate.level.name.lower()}: {detail}")
         for name, noise in self._noise.items():
             factor = noise.news()
@@ -288,10 +290,14 @@ class Observer:
         for reading in readings:
             if not judge_scalar(self.gates[name], now, reading):
                 continue
+            read = reading.value if name != "depth" else self._depth_jumps.take_off(reading.time, reading.value)
+            if read is None:
+                self.gates[name].take_back_jump()
+                continue
             if name == "load_cell":
-                self.tension = reading.value
+                self.tension = read
             sensor = self._watched[name]
-            value = sensor.sign * (reading.value - self._zero(name, sensor, reading.value))
+            value = sensor.sign * (read - self._zero(name, sensor, read))
             if name == "depth":
                 self._unit_heave = value
                 self.depths.append((reading.time, -value))

@@ -29,6 +29,9 @@ AT_ONCE, TRAVEL_KNOWN = 1.5, 10.0
 meanwhile, as far as that is known, so long [s].
 """
 
+LARGEST_STEP, LARGEST_SPEED = 0.2, 4.0
+"""A unit makes no step beyond the first [m] plus the second [m/s] times the time since the last reading."""
+
 MOVING_SPEED, PLAY = 0.05, 0.03
 """A drum commanded faster than this [m/s] must show in the encoder, once that has taken up play and lag [m]."""
 
@@ -119,6 +122,11 @@ class SensorGate:
         if not is_spike:
             self.level, self.reason = before
 
+    def take_back_jump(self) -> None:
+        """Take back the newest reading: it has jumped."""
+        self._accepted -= 1
+        self._refuse("jump")
+
     def show_for(self, samples: int) -> None:
         """Let what was just refused be seen until `samples` good readings have come."""
         self._good_needed = samples
@@ -164,6 +172,36 @@ class SensorGate:
         self._good_in_a_row += 1
         if self.level is not SensorLevel.OK and self._good_in_a_row >= self._good_needed:
             self.level, self.reason = SensorLevel.OK, ""
+
+
+class DepthJumps:
+    """Takes jumps off the readings of a depth sensor that no unit can have made.
+
+    A sensor that jumps back, as after a spike, is again where it was at first.
+
+    Attributes
+    ----------
+    offset : sum of the jumps found so far [m]; a reading less the offset is the depth
+    jump : the last one [m]
+    """
+
+    def __init__(self) -> None:
+        self.offset = self.jump = 0.0
+        self._last: tuple[float, float] | None = None
+
+    def take_off(self, time: float, depth: float) -> float | None:
+        """Return a `depth` read at a `time` [s] without jumps [m], or None where it has just jumped."""
+        last_time, last = (time, depth) if self._last is None else self._last
+        allowed = LARGEST_STEP + LARGEST_SPEED * (time - last_time)
+        for offset in (self.offset, 0.0):
+            if abs(depth - offset - last) <= allowed:
+                self.offset = offset
+                self._last = (time, depth - offset)
+                return depth - offset
+        self.jump = depth - self.offset - last
+        self.offset = depth - last
+        self._last = (time, last)
+        return None
 
 
 _MRU_WORDS: dict[int, str] = {

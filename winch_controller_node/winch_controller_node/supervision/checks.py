@@ -5,14 +5,13 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from winch_controller_node.estimation.sensor_health import LARGEST_SPEED, LARGEST_STEP
+
 SLOW_MEAN_FACTOR = 3.0
 """The mean about which motion is judged is followed this many times more slowly than the variance."""
 
 DETREND_TIME = 5.0
 """Time constant with which the mean of a sensor's heave is followed [s]."""
-
-LARGEST_STEP, LARGEST_SPEED = 0.2, 4.0
-"""A step beyond the first [m] plus the second [m/s] times the time since the last reading is a fault of the sensor."""
 
 
 class RunningSigma:
