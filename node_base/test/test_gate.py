@@ -127,6 +127,17 @@ def test_the_barrier_names_whoever_is_not_there():
     assert roster.missing({"/winch": 0}) == [], "the loop closes without it"
 
 
+def test_what_a_node_waited_for_in_a_tick_that_it_has_done_is_forgotten():
+    """A run named 'tick 10' as what a node waited for at tick 2038."""
+    roster = Roster(["winch"])
+    roster.join(Participant("winch", ready=True, outputs={"/state": 0}))
+    roster.freeze()
+    roster.participants["winch"].waiting_for = "winch_controller to end tick 10"
+    roster.answer("winch", 10, [10])
+    (behind,) = roster.unanswered(11)
+    assert behind.waiting_for == ""
+
+
 def test_the_barrier_waits_until_every_reader_sees_the_external_publisher():
     """The graph shows a publisher before its readers are known or matched: quality of service may yet keep it out."""
     roster = Roster(["winch", "recorder"])

@@ -141,6 +141,7 @@ class Roster:
         if tick > participant.answered:
             participant.answered = tick
             participant.published = published
+            participant.waiting_for = ""
 
     def unanswered(self, tick: int, *, flush: bool = False) -> list[Participant]:
         """Return the participants that have not answered `tick`; without a `flush`, those that may lag have time."""
