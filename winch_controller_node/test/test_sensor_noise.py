@@ -26,23 +26,23 @@ def test_noise_more_than_believed_is_seen_through_a_sea(sigma):
     assert found[FEWEST] == UNKNOWN * 0.01
 
 
-def test_noise_is_told_when_it_is_known_well():
+def told_of(sigma, count):
+    """Return what is told in `count` readings of a sensor whose noise is believed to be 0.01 and is `sigma`."""
     noise = SensorNoise(0.01, DT)
     news = []
-    for value in waves(20000) + 0.014 * np.random.default_rng(1).standard_normal(20000):
+    for value in waves(count) + sigma * np.random.default_rng(1).standard_normal(count):
         noise.add(float(value))
         news.append(noise.news())
+    return [factor for factor in news if factor]
+
+
+def test_noise_is_told_when_it_is_known_well():
     # 1.4 times what is believed is not worth telling; 30 readings say twice as much now and then, 100 hardly ever
-    assert not any(news)
+    assert not told_of(0.014, 20000)
 
 
 def test_noise_that_is_worth_telling_is_told_once():
-    noise = SensorNoise(0.01, DT)
-    news = []
-    for value in waves(4000) + 0.03 * np.random.default_rng(1).standard_normal(4000):
-        noise.add(float(value))
-        news.append(noise.news())
-    (factor,) = [factor for factor in news if factor]
+    (factor,) = told_of(0.03, 4000)
     assert factor == pytest.approx(3.0, rel=0.25)
 
 

@@ -160,9 +160,7 @@ class LoopEstimation:
         if measurements.of("load_cell") and math.isfinite(self.observer.tension):
             self._tension.add(self.observer.tension)
         uncompensated = self._shadow.step(tip)
-        payout_rate = float(rows.payout_rate @ estimate) + rows.payout_rate_through * command.compensating
-        self._moved_unit.step(-np.array([rows.payout @ estimate, payout_rate]))
-        return LoopTick(
+        loop = LoopTick(
             number=number,
             sensed=self._sensed(readings),
             rows=rows,
@@ -177,6 +175,8 @@ class LoopEstimation:
             doubt=self.surprise.words,
             knows_tip=self.observer.doubted != "mru",
         )
+        self._moved_unit.step(-np.array([loop.payout, loop.payout_rate]))
+        return loop
 
     def _sensed(self, readings: list[Measurement]) -> Sensed:
         observer = self.observer

@@ -280,9 +280,14 @@ def _with_doubt(sensor: str, record: Sequence[RecordedTick]) -> Sequence[Recorde
     return [tick._replace(readings=[doubted(reading) for reading in tick.readings]) for tick in record]
 
 
+def _rows_of(sensor: str) -> list[str]:
+    """Return the measurements of a `sensor`, by name."""
+    return [row.name for row in KnownSensors().by_name()[sensor].rows()]
+
+
 def _without(sensor: str, record: Sequence[RecordedTick]) -> Sequence[RecordedTick]:
     """Return a `record` without what a `sensor` read."""
-    rows = {row.name for row in KnownSensors().by_name()[sensor].rows()}
+    rows = _rows_of(sensor)
     return [
         tick._replace(readings=[reading for reading in tick.readings if reading.name not in rows]) for tick in record
     ]
@@ -290,7 +295,7 @@ def _without(sensor: str, record: Sequence[RecordedTick]) -> Sequence[RecordedTi
 
 def _sizes(sensor: str, record: Sequence[RecordedTick]) -> dict[str, float]:
     """Return the standard deviations of what a sensor read, by measurement."""
-    values: dict[str, list[float]] = {row.name: [] for row in KnownSensors().by_name()[sensor].rows()}
+    values: dict[str, list[float]] = {name: [] for name in _rows_of(sensor)}
     for tick in record:
         for reading in tick.readings:
             if reading.name in values:

@@ -27,8 +27,8 @@ from heave_bringup.scenarios import Scenario
 
 
 def _no_report() -> Report:
-    """Stand in for the report of an entrant, which has none."""
-    raise NotImplementedError("an entrant reports nothing")
+    """Refuse the report of a tick: an entrant gives commands only, and the loop itself reads no report."""
+    raise RuntimeError("an entrant gives commands only: a report of the tick is made by the suite's controller alone")
 
 
 class _ControllerStandIn:
