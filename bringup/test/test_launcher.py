@@ -11,6 +11,11 @@ import time
 from heave_node.ros import process
 
 class Node:
+    def fail_on_error(self, work):
+        work()
+    def wait_until_heard(self):
+        if "HELD" == "waiting":
+            time.sleep(60.0)
     def destroy_node(self):
         time.sleep(60.0)
 
@@ -27,8 +32,9 @@ def ended(tmp_path, name, program):
     return NodeProcess(name, process, log, [name])
 
 
-def test_a_node_that_the_middleware_does_not_let_go_has_left_and_holds_up_nobody(tmp_path):
-    node = ended(tmp_path, "recorder", STUCK)
+@pytest.mark.parametrize("held", ["waiting", "destroyed"])
+def test_a_node_that_the_middleware_does_not_let_go_has_left_and_holds_up_nobody(tmp_path, held):
+    node = ended(tmp_path, "recorder", STUCK.replace("HELD", held))
     assert node.has_left
     assert not node.has_failed
 

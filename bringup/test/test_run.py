@@ -41,6 +41,28 @@ def test_the_cause_that_is_told_is_the_first_one_and_not_what_followed(nodes, re
     assert run._cause(nodes, monitor) == cause
 
 
+@pytest.mark.parametrize("has_bag", [True, False])
+def test_a_node_that_does_not_end_fails_a_run_only_where_the_bag_is_not_closed(monkeypatch, tmp_path, capsys, has_bag):
+    monkeypatch.setattr(run, "_show_progress", lambda *_: None)
+    ended = TickStatus(state=TickStatus.ENDED)
+    monitor = SimpleNamespace(spin=lambda _: None, status=ended, is_over=True, is_over_for=31.0, take_news=lambda: [])
+    launcher = Launcher()
+    for name, program in [("cable_sim", "sleep(60)"), ("recorder", "" if has_bag else "sleep(60)")]:
+        process = subprocess.Popen([sys.executable, "-c", f"from time import sleep; {program}"])
+        launcher.nodes.append(NodeProcess(name, process, tmp_path / "log", [name]))
+    try:
+        if has_bag:
+            launcher.nodes[1].process.wait(timeout=30.0)
+            folder = run.RunFolder(tmp_path)
+            assert run._watch(None, folder, launcher, monitor, run.ProgressLine(), None) is ended
+            assert "cable_sim did not exit within 30 s after the run and is ended" in capsys.readouterr().err
+        else:
+            with pytest.raises(run.CommandError, match="cable_sim, recorder did not exit within 30 s"):
+                run._watch(None, run.RunFolder(tmp_path), launcher, monitor, run.ProgressLine(), None)
+    finally:
+        launcher.stop(grace=0.0)
+
+
 def test_runs_that_begin_together_get_folders_of_their_own(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     with ThreadPoolExecutor(8) as pool:

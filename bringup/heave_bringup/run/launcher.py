@@ -143,6 +143,10 @@ class Launcher:
         """Return the nodes that have ended as if their work were done."""
         return [node for node in self.nodes if node.has_left]
 
+    def has_left(self, name: str) -> bool:
+        """Return whether the process of this `name` has ended with its work done."""
+        return any(node.name == name for node in self.left())
+
     def running(self) -> list[str]:
         """Return the names of the nodes that have not ended."""
         return [node.name for node in self.nodes if node.process.poll() is None]

@@ -32,7 +32,8 @@ LOOK_PERIOD = 0.1
 END_NEWS_WAIT = 1.0
 """Wall time in which the master's word that the run is over may arrive after the first node has left for it [s]."""
 SHUTDOWN_WAIT = 30.0
-"""Wall time that the nodes have to end once the run is over [s]."""
+"""Wall time that the nodes have to end once the run is over [s]. By then a node that the middleware holds up has ended
+itself; one that still runs is ended, and the run fails unless its recorder has closed the bag."""
 STOP_RECORDING_TIME = 3.0
 """Real time: wall time for which a run goes on after a node died, so that the bag shows how the winch stops [s]."""
 
@@ -272,7 +273,11 @@ def _watch(
         if launcher.all_ended():
             break
         if monitor.is_over_for > SHUTDOWN_WAIT:
-            raise CommandError(f"{', '.join(launcher.running())} did not exit within {SHUTDOWN_WAIT:g} s after the run")
+            held_up = f"{', '.join(launcher.running())} did not exit within {SHUTDOWN_WAIT:g} s after the run"
+            if not launcher.has_left(RECORDER):
+                raise CommandError(f"{held_up}; {_where_to_look(folder)}")
+            progress.tell(f"{held_up} and is ended; the bag is complete")
+            break
     status = monitor.status
     if status is None or status.state != TickStatus.ENDED:
         raise CommandError(f"the nodes exited, but the run was never reported as finished; {_where_to_look(folder)}")

@@ -403,10 +403,13 @@ class ClockMasterNode(HeaveNode):
         self.finish()
 
     def on_exit(self) -> None:
-        """Tell the others how the run ended, whatever the reason, and wait until they have it."""
+        """Tell the others how the run ended, whatever the reason."""
         if self.run_state != TickStatus.ENDED:
             self.run_state, self._reason = TickStatus.FAILED, self.failure
         self._publish_status()
+
+    def wait_until_heard(self) -> None:
+        """Wait until the others have the last status."""
         self._status_publisher.wait_for_all_acked(LAST_STATUS_TIMEOUT)
 
     # Supervision in wall time --------------------------------------------------------------------------------------

@@ -155,6 +155,9 @@ class HeaveNode(LifecycleNode):
     def on_exit(self) -> None:
         """Release what the node holds, such as files; called once, however the node ends."""
 
+    def wait_until_heard(self) -> None:
+        """Wait until others have what they must hear last; called after `on_exit`, and cut short where it hangs."""
+
     # Ports ---------------------------------------------------------------------------------------------------------
 
     def add_output(self, topic: Topic) -> Output:

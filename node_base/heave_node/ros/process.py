@@ -12,7 +12,6 @@ from types import FrameType
 import rclpy
 from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.lifecycle import TransitionCallbackReturn
-from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
 from heave_node.interface import topics
@@ -35,8 +34,8 @@ EXIT_REFUSED = 2
 EXIT_STUCK = -signal.SIGALRM
 """Exit status, as a parent sees it, of a node that had done its work but was held up by the middleware."""
 
-SHUTDOWN_TIMEOUT = 3
-"""Wall time that the middleware has to shut a node down [s]."""
+SHUTDOWN_TIMEOUT = 5
+"""Wall time that the middleware has to deliver a node's last message and to shut it down [s]."""
 
 
 def run_node(node_type: type[HeaveNode], args: list[str] | None = None) -> int:
@@ -129,14 +128,16 @@ def in_namespace(namespace: str) -> list[str]:
     return ["--ros-args", *(part for name, new in rules for part in ("-r", f"{name}:={new}"))]
 
 
-def shut_down(nodes: Sequence[Node]) -> None:
+def shut_down(nodes: Sequence[HeaveNode]) -> None:
     """Destroy `nodes` whose work is done, and shut ROS down.
 
-    Fast DDS can lock up forever when an endpoint is removed while a timer of discovery expires. An alarm then ends the
-    process: by that time every file is closed and every message sent.
+    Fast DDS can lock up forever when an endpoint is removed, here or in another process, while one of its timers
+    expires. An alarm then ends the process: by that time every file is closed and every message sent.
     """
     signal.signal(signal.SIGALRM, signal.SIG_DFL)
     signal.alarm(SHUTDOWN_TIMEOUT)
+    for node in nodes:
+        node.fail_on_error(node.wait_until_heard)
     for node in nodes:
         node.destroy_node()
     rclpy.try_shutdown()
