@@ -111,7 +111,13 @@ def test_compensation_waits_for_waves_and_for_readings_that_can_be_believed():
     """60 s of twice the settling time: in calm water none come, and it begins without them."""
     gates = SimpleNamespace(for_compensation=lambda *_: "the sea demands too much")
     supervisor = SimpleNamespace(
-        _dt=DT, _longest_wait=60.0, _gates=gates, _limits=LIMITS, guard=SimpleNamespace(demand=0.1), _largest_demand=2.0
+        _dt=DT,
+        _longest_wait=60.0,
+        _gates=gates,
+        _limits=LIMITS,
+        guard=SimpleNamespace(demand=0.1),
+        _largest_demand=2.0,
+        _why_tension_is_too_low=lambda: "",
     )
 
     def words(time, *, knows_sea, doubt=""):

@@ -1,14 +1,18 @@
-"""Above the highest tension the winch gives way, whatever the law asks."""
+"""Above the highest tension the winch gives way, whatever the law asks, where compensation can keep below it."""
 
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
+from heave_bringup.closed_loop import ClosedLoop, loop_parameters
+from heave_bringup.scenarios import load_scenario
 from winch_controller_node.design.design import design_controller
 from winch_controller_node.laws.law import LawCommand
 from winch_controller_node.loop_command import LoopCommand
 from winch_controller_node.node_parameters import WinchControllerParameters
 from winch_controller_node.parameters.laws import LimitParameters
 from winch_controller_node.parameters.model import WinchModelParameters
+from winch_controller_node.supervision.watch.tension_need import LEFT, PEAK, TensionNeed
 
 DT = 0.05
 RATIO = 1.2
@@ -23,7 +27,7 @@ def given_way(excess, *, brake=False, **winch):
     )
     design = design_controller(parameters, tick_period=DT)
     command = LoopCommand(design, design.make_law())
-    tick = SimpleNamespace(sensed=SimpleNamespace(tension=RATIO * design.cable.static_tension + excess))
+    tick = SimpleNamespace(sensed=SimpleNamespace(filtered_tension=RATIO * design.cable.static_tension + excess))
     asked = command._give_way(LawCommand(0.1, active=("speed",)), tick, SimpleNamespace(brake=brake))
     return asked, excess / design.cable.stiffness
 
@@ -42,3 +46,39 @@ def test_a_slow_winch_takes_twice_its_lag():
 def test_nothing_is_added_below_the_highest_tension_or_under_a_brake():
     assert given_way(-1.0)[0] == LawCommand(0.1, active=("speed",))
     assert given_way(5e3, brake=True)[0] == LawCommand(0.1, active=("speed",))
+
+
+@pytest.mark.parametrize(("use", "share"), [(0.0, LEFT), (0.8, LEFT), (1.25, 0.2), (4.0, 0.75)])
+def test_what_is_beyond_the_winch_is_needed_as_tension(use, share):
+    need = TensionNeed(60.0, tick_period=DT)
+    for stretch in 0.5 * np.sin(0.6 * DT * np.arange(12000)):
+        need.add(stretch)
+    sigma = 0.5 / np.sqrt(2.0)
+    assert need.least_ratio(1e5, 2e4, use) == pytest.approx(1.0 + share * PEAK * sigma * 0.2, rel=0.05)
+
+
+def with_highest_tension(scenario, ratio, duration):
+    settings = [f"winch_controller.limits.maximum_tension_ratio={ratio}", f"all.duration={duration}"]
+    return ClosedLoop(loop_parameters(load_scenario(scenario, settings=settings)))
+
+
+def test_a_highest_tension_below_the_static_one_is_refused_at_entry_with_the_least_that_would_do():
+    loop = with_highest_tension("b2_calm_300", 0.9, 60.0)
+    assert set(loop.run().modes) == {"standby"}
+    assert "needs a tension of 1.02 times" in loop.controller.modes.obstacle
+    assert "the highest allowed is 0.90 times: raise limits.maximum_tension_ratio" in loop.controller.modes.obstacle
+
+
+def test_giving_way_does_not_ring_with_the_wire(monkeypatch):
+    """A winch that gave way to the tension as it is read rang with 900 m of wire at 0.9 Hz: 124 of 28 cm."""
+    monkeypatch.setattr(TensionNeed, "least_ratio", lambda *_: 1.0)
+    record = with_highest_tension("b3_deep_900", 1.01, 110.0).run()
+    assert np.max(record.column("top_tension", after=60.0)) > 1.02 * np.median(record.column("top_tension"))
+    assert record.unit_sigma(60.0) < 0.05 * record.uncompensated_sigma(60.0)
+
+
+@pytest.mark.parametrize(("scenario", "ratio"), [("b3_deep_900", 1.02), ("b4_limit_900_tp10", 1.005)])
+def test_a_highest_tension_that_compensation_cannot_keep_makes_it_none_the_worse(scenario, ratio):
+    record = with_highest_tension(scenario, ratio, 120.0).run()
+    assert record.unit_sigma(60.0) < 0.05 * record.uncompensated_sigma(60.0)
+    assert len([words for _, words in record.alarms if "does not give way" in words]) == 1

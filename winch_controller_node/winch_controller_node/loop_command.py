@@ -27,6 +27,9 @@ IDLE = LawCommand(0.0)
 GIVING_TIME = 1.0
 """A winch gives way to a tension above the highest one within this time [s], and no quicker than twice its lag."""
 
+BY_LAW = (Mode.COMPENSATING, Mode.FADE_OUT)
+"""Modes in which a winch that gives way to more than compensation can keep would be too late for the next wave."""
+
 
 class TickCommand(NamedTuple):
     """The command of a tick, in the terms of the model.
@@ -142,8 +145,11 @@ class LoopCommand:
             measured_tension=tick.sensed.filtered_tension,
             mru_rate=mode.authority * tick.sensed.mru_rate,
             preview=preview,
+            bounds_tension=decision.bounds_tension,
         )
-        asked = self._give_way(self._ask(tick, state, standing, decision), tick, mode)
+        asked = self._ask(tick, state, standing, decision)
+        if decision.bounds_tension or mode.mode not in BY_LAW:
+            asked = self._give_way(asked, tick, mode)
         if mode.brake:
             governed = GovernedCommand(standing, (), standing)
         else:
@@ -195,7 +201,7 @@ class LoopCommand:
 
     def _give_way(self, asked: LawCommand, tick: LoopTick, mode: ModeOutput) -> LawCommand:
         """Pay out more than is asked for where the tension is above the highest one."""
-        over = tick.sensed.tension - self.governor.limits.maximum_tension
+        over = tick.sensed.filtered_tension - self.governor.limits.maximum_tension
         if mode.brake or self._is_first_order or not over > 0.0:
             return asked
         more = over / (self._stiffness * self._giving_time)

@@ -383,7 +383,7 @@ class ConstrainedLaw(ControlLaw):
             swing = float((self._free[tensions.rows] @ state.x).max())
             speed = limits.speed_under(state.static_tension + max(swing, 0.0))
         mean = reference.payout + reference.rate * payouts.times
-        least, most = limits.minimum_tension, limits.maximum_tension
+        least, most = limits.minimum_tension, limits.maximum_tension if state.bounds_tension else math.inf
         lower, upper = np.empty(len(self._forced)), np.empty(len(self._forced))
         lower[speeds.rows], upper[speeds.rows] = -speed - reference.rate, speed - reference.rate
         taken = self._acceleration_taken(reference)

@@ -9,11 +9,12 @@ from winch_controller_node.design.design import ControllerDesign
 from winch_controller_node.estimation.loop_tick import LoopTick
 from winch_controller_node.laws.law import ControlLaw
 from winch_controller_node.supervision.command_timeouts import Advice, CommandTimeouts
-from winch_controller_node.supervision.entry_gates import EntryGates
+from winch_controller_node.supervision.entry_gates import PEAK_OVER_SIGNIFICANT, EntryGates
 from winch_controller_node.supervision.guard import GuardedLoop, GuardedMotions, HarmGuard
 from winch_controller_node.supervision.landing import HangingLoad, Landing, LandingEvent
 from winch_controller_node.supervision.mode_machine import ModeMachine
 from winch_controller_node.supervision.modes import Mode, ModeOutput, Situation
+from winch_controller_node.supervision.watch import tension_need
 
 REQUIRED_SENSORS = {
     Mode.CONSTANT_TENSION: ("load_cell", "encoder"),
@@ -70,6 +71,7 @@ class Decision(NamedTuple):
     trusts_estimate : the depth sensor agrees with the estimate
     fades_by_law : an operator has asked for a fade-out, and all is well: the law itself lets the unit go
     unit_stands : on the bottom
+    bounds_tension : the highest tension is one that compensation can keep in this sea
     landing : what has just happened to the unit; None: nothing
     alarms : in words
     """
@@ -79,6 +81,7 @@ class Decision(NamedTuple):
     trusts_estimate: bool
     fades_by_law: bool
     unit_stands: bool
+    bounds_tension: bool
     landing: LandingEvent | None
     alarms: tuple[str, ...]
 
@@ -96,6 +99,7 @@ class Supervisor:
     guard : whether compensation is harmful
     landing : whether the unit stands
     timeouts : whether compensation goes on after a command timeout of the winch
+    bounds_tension : the highest tension is one that compensation can keep in this sea, and is kept
     """
 
     def __init__(self, design: ControllerDesign, law: ControlLaw) -> None:
@@ -111,6 +115,8 @@ class Supervisor:
         )
         self.landing = Landing(parameters.tension, hanging_load(design))
         self._gates = EntryGates(parameters.entry, window=parameters.guard.window, tick_period=dt)
+        self.bounds_tension, self._enough_time = True, math.inf
+        self._tension_need = tension_need.TensionNeed(parameters.guard.window, tick_period=dt)
         self._holds_hanging = parameters.tension.hanging
         self._largest_demand = parameters.guard.demand_ratio
         self.timeouts = CommandTimeouts(dt, resumes=parameters.modes.resume)
@@ -141,6 +147,7 @@ class Supervisor:
             self.guard.inhibit(winch.inhibition, TRANSPORT_HOLD)
         alarms = self._judge(tick) + self._resume_after_timeout(tick, winch.fault)
         self._gates.observe(tick)
+        alarms += self._watch_highest_tension(tick)
         lost = self._lost(tick)
         alarms += self._tell_share(tick, winch)
         authority_limit = min(
@@ -179,6 +186,7 @@ class Supervisor:
             trusts_estimate=self.guard.trusts_estimate,
             fades_by_law=self._fades_by_law,
             unit_stands=self.landing.unit_stands,
+            bounds_tension=self.bounds_tension,
             landing=landing,
             alarms=alarms,
         )
@@ -245,7 +253,29 @@ class Supervisor:
             return f"waves are being looked at, for at most {wait:.0f} s more"
         if tick.doubt:
             return tick.doubt
+        too_low = self._why_tension_is_too_low()
+        if too_low:
+            return too_low
         return self._gates.for_compensation(mean_payout, self._limits, self.guard.demand, self._largest_demand)
+
+    def _watch_highest_tension(self, tick: LoopTick) -> tuple[str, ...]:
+        """Return that the sea has become too high for the highest tension, where that is new."""
+        self._tension_need.add(tick.boom_tip.heave - tick.free_unit.heave)
+        words = self._why_tension_is_too_low()
+        is_news = words and self.bounds_tension and self.modes.mode is Mode.COMPENSATING
+        self._enough_time = self._enough_time + self._dt if not words else 0.0
+        self.bounds_tension = self._enough_time > tension_need.HOLD
+        return (f"{words}; until then compensation does not give way to it",) if is_news else ()
+
+    def _why_tension_is_too_low(self) -> str:
+        """Return how the highest tension is below what compensation needs; empty: it is not."""
+        load = self._load
+        ratio = self._limits.maximum_tension / load.static_tension
+        if math.isinf(ratio):
+            return ""
+        peak_use = PEAK_OVER_SIGNIFICANT * self.guard.demand
+        least = self._tension_need.least_ratio(load.static_tension, load.stiffness, peak_use)
+        return tension_need.in_words(least, ratio) if least > ratio else ""
 
     def _lost(self, tick: LoopTick) -> str:
         """Return which of the required sensors are lost and why; empty when none."""

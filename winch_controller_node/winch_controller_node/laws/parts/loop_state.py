@@ -42,6 +42,7 @@ class LoopState(NamedTuple):
     measured_tension : low-passed reading of the load cell [N]; NaN before the first
     mru_rate : newest heave rate that the MRU read, times the authority [m/s]
     preview : boom-tip heave ahead, times the authority; None: there is none
+    bounds_tension : the highest tension is one that compensation can keep in this sea
     """
 
     x: Array
@@ -50,6 +51,7 @@ class LoopState(NamedTuple):
     measured_tension: float = math.nan
     mru_rate: float = 0.0
     preview: HeavePreview | None = None
+    bounds_tension: bool = True
 
 
 class AuthorityShift:
