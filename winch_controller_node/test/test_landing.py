@@ -4,11 +4,13 @@ import math
 
 import numpy as np
 import pytest
+from heave_bringup.closed_loop import ClosedLoop, loop_parameters
+from heave_bringup.scenarios import load_scenario
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from winch_controller_node.estimation.loop_tick import Sensed
 from winch_controller_node.parameters.laws import TensionLawParameters
-from winch_controller_node.supervision.landing import HangingLoad, Landing, LandingEvent, Trend
+from winch_controller_node.supervision.landing import HangingLoad, HangingUnit, Landing, LandingEvent, Trend
 from winch_controller_node.supervision.modes import Mode, ModeOutput
 
 DT = 0.05
@@ -75,6 +77,12 @@ class Lowering:
         amplitude, omega = self._swing
         return min(self._speed * time, self._speed * self._contact) - amplitude * math.cos(omega * time)
 
+    def hanging(self, time):
+        """What a unit would do that had not landed."""
+        amplitude, omega = self._swing
+        swing = -amplitude * math.cos(omega * time)
+        return HangingUnit(self._speed * time + swing, swing)
+
     def tension(self, time):
         """Relieved by what the winch lowers after the contact, and by the inertia of a unit that swings."""
         amplitude, omega = self._swing
@@ -94,7 +102,7 @@ class Lowering:
             depths = [(stamp, self.depth(stamp) + DEPTH_NOISE * noise())] if has_reading else []
             tension = self.tension(time) * (1.0 + TENSION_NOISE * noise())
             now = sensed(tension=tension, depths=depths, innovation=innovation, has_depth=has_depth)
-            self.landing.observe(time, now, self._speed * time)
+            self.landing.observe(time, now, self._speed * time, self.hanging(time))
             if self.landing.update(time, now, mode) is LandingEvent.TOUCHDOWN:
                 return time
         return None
@@ -184,5 +192,22 @@ def test_a_winch_that_begins_to_lower_relieves_the_cable_by_the_inertia_of_the_u
         depth = max(payout - 100e3 * 0.05 / 270e3, 0.0)
         depths = [(time - 0.1, depth)] if tick % 2 == 0 else []
         now = sensed(tension=load.static_tension - load.stiffness * (payout - depth), depths=depths, innovation=5.0)
-        landing.observe(time, now, payout)
+        landing.observe(time, now, payout, HangingUnit(depth, payout - depth))
         assert landing.update(time, now, COMPENSATING) is None
+
+
+@pytest.mark.parametrize(("law", "height", "seed"), [("mpc", 3.0, 1), ("lqg", 4.0, 2)])
+def test_an_operator_who_lifts_and_lowers_at_full_speed_in_a_high_sea_has_not_landed(law, height, seed):
+    """A unit that stayed behind the drum, or swung, was taken to stand: constant tension let it drop by metres."""
+    settings = [f"winch_controller.law={law}", f"system.sea.significant_wave_height={height}", f"all.seed={seed}"]
+    loop = ClosedLoop(loop_parameters(load_scenario("b3_deep_900", settings=[*settings, "all.duration=230"])))
+
+    def operate(tick, outputs):
+        time = tick * DT
+        if outputs.mode == "compensating" and time > 90.0 and time % 40.0 < 20.0:
+            loop.controller.operate(-3.0 if time % 80.0 < 40.0 else 3.0)
+
+    record = loop.run(operate)
+    assert np.max(record.column("touchdown_force")) == 0.0
+    assert np.ptp(record.column("depth_set_point")) > 10.0
+    assert set(record.modes) == {"standby", "compensating"}

@@ -368,7 +368,7 @@ def test_a_stop_at_the_full_speed_of_an_operator_keeps_the_unit_on_its_reference
         machine.operate_from_a_stop("manual", -1.0, 260)
     else:
         machine.operate(-1.0, 260)
-    assert abs(machine.loop.winch.state.payout_rate) > 0.3
+    assert abs(machine.loop.winch.state.payout_rate) > 0.15
     machine.loop.controller.set_mode(mode)
     machine.wait(900)
     assert machine.loop.controller.mode.value == mode

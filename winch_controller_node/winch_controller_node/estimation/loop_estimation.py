@@ -170,6 +170,7 @@ class LoopEstimation:
             mean_command=self.motion.reference_command(self._design.parameters.winch),
             left_over=self.motion.left_over.point.payout,
             uncompensated=uncompensated,
+            hanging_heave=float(self.motion.state[rows.unit_states[0]] + uncompensated[0] + self._moved_unit.state[0]),
             knows_sea=self.knows_sea,
             is_sea_refuted=self._sea.is_refuted,
             doubt=self.surprise.words,

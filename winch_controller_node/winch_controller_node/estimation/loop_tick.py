@@ -82,6 +82,7 @@ class LoopTick:
     mean_command : share of the next command that moves the mean payout, in the terms of the model
     left_over : payout left over from before a stop, on its way to the mean [m]
     uncompensated : heave [m] and rate [m/s] of the unit with the winch locked, shape (2,)
+    hanging_heave : of a unit that only hangs on its cable, whatever the depth sensor has read of it [m]
     knows_sea : some waves have been seen
     is_sea_refuted : the sea of the design predicts badly what the motion reference unit reads
     doubt : why what is read cannot be believed yet; empty where it can
@@ -97,6 +98,7 @@ class LoopTick:
     mean_command: float
     left_over: float
     uncompensated: Array
+    hanging_heave: float = 0.0
     knows_sea: bool = True
     is_sea_refuted: bool = False
     doubt: str = ""
@@ -122,6 +124,16 @@ class LoopTick:
     def free_unit(self) -> Motion:
         """Motion of the unit with the winch locked."""
         return Motion(*self.uncompensated.tolist())
+
+    @cached_property
+    def unit_without_compensation(self) -> Motion:
+        """Motion of the unit with a winch that does nothing but move the mean payout, as `unit` is counted."""
+        return Motion(*(self.uncompensated + self.mean_swing).tolist())
+
+    @property
+    def hanging_stretch(self) -> float:
+        """By how much the cable would be longer than at rest, did the unit only hang on it [m]."""
+        return self.boom_tip.heave - float(self.rows.payout @ self.total_state) - self.hanging_heave
 
     @cached_property
     def boom_tip(self) -> Motion:

@@ -1,11 +1,15 @@
 """Whether a unit that is lowered has landed, and whether one that is lifted off hangs again.
 
 A cable is unloaded by the seabed, and by a unit that swings. While the winch lowers at speed v, a landed unit stands
-still and its cable of stiffness k loses k v of tension each second, until it is slack; a swinging unit never does both
-at once. Depth sensor, load cell and the mean payout tell, each by its trend over a window in which the winch lowers by
-some centimetres. Soft and long cables are known to have landed long before they are unloaded. While lowering changes
-its speed, the inertia of a hanging unit does the same for a moment, but that is what the estimate expects: the depth
-sensor must read a landed unit above it.
+still and its cable of stiffness k loses k v of tension each second, until it is slack. Depth sensor, load cell and the
+mean payout tell, each by its trend over a window in which the winch lowers by some centimetres. Soft and long cables
+are known to have landed long before they are unloaded.
+
+What else does both at once is ruled out. While lowering gains speed, the inertia of a hanging unit keeps it behind for
+seconds: lowering must have been steady for as long as such a unit needs to follow. At the lowest point of a swing a
+unit stands too and the tension falls, but from above the weight, which the cable of a landed unit no longer carries.
+And a unit that hangs would sink: that is worked out from boom tip and drum, and the depth sensor must read a landed one
+above the estimate as well.
 """
 
 from __future__ import annotations
@@ -13,6 +17,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from enum import Enum
+from typing import NamedTuple
 
 import numpy as np
 from heave_node.numerics.arrays import Array
@@ -134,15 +139,30 @@ class HangingLoad:
     static_tension : at the top while the unit hangs [N]
     weight : of the unit in water [N]
     stiffness : of the cable [N/m]
+    following_time : that the hanging unit needs to follow the winch, a quarter of its free swing [s]
     """
 
     static_tension: float
     weight: float
     stiffness: float
+    following_time: float = 0.0
 
     def weight_share(self, tension: float) -> float:
         """Return the share of the unit's weight that the cable carries under a `tension` at the top [N]."""
         return (tension - self.static_tension) / self.weight + 1.0
+
+
+class HangingUnit(NamedTuple):
+    """What a unit would do that only hangs on its cable, whatever is read of it.
+
+    Attributes
+    ----------
+    depth : about that at rest, positive down [m]
+    stretch : by which its cable is longer than at rest [m]
+    """
+
+    depth: float
+    stretch: float
 
 
 class Landing:
@@ -165,20 +185,32 @@ class Landing:
         self.unit_stands = False
         self.is_suspected = False
         self._is_lifting = False
-        self._depth, self._tension, self._payout, self._innovation = Trend(), Trend(), Trend(), Trend()
+        self._depth, self._hanging, self._tension, self._payout, self._innovation = (Trend() for _ in range(5))
         self._suspected_time = -math.inf
+        self._hanging_share = 1.0
 
     def take_load(self, load: HangingLoad) -> None:
         """Judge another load, or another length of its cable, from now on."""
         self._load = load
 
-    def observe(self, time: float, sensed: Sensed, mean_payout: float) -> None:
-        """Take in what was `sensed` at a `time` [s], and the `mean_payout` [m] of the drum."""
+    def observe(self, time: float, sensed: Sensed, mean_payout: float, hanging: HangingUnit) -> None:
+        """Take in what is known at a tick.
+
+        Parameters
+        ----------
+        time : of the tick [s]
+        sensed : in it
+        mean_payout : of the drum [m]
+        hanging : what it would be of a unit that hangs
+        """
         for stamp, depth in sensed.depths:
             self._depth.add(stamp, depth)
         if math.isfinite(sensed.tension):
             self._tension.add(time, sensed.tension)
         self._payout.add(time, mean_payout)
+        self._hanging.add(time, hanging.depth)
+        load = self._load
+        self._hanging_share = min(1.0, 1.0 + load.stiffness * hanging.stretch / load.weight)
         if sensed.depth_innovation is not None:
             self._innovation.add(time, sensed.depth_innovation)
 
@@ -211,7 +243,7 @@ class Landing:
             self.is_suspected = False
             return False
         if not sensed.has_depth:
-            return share < self._parameters.touchdown_ratio
+            return share < self._parameters.touchdown_ratio * self._hanging_share
         if not sensed.depths:
             return False
         window = min(max(LOWERED / rate, SHORTEST), LONGEST)
@@ -226,18 +258,24 @@ class Landing:
     def _shows_landing(self, window: float, rate: float, share: float) -> bool:
         """Tell whether the unit has stood for a `window` [s] in which the winch lowered and the cable was relieved.
 
-        `rate` is that of lowering now [m/s]: while it grows, the inertia of a hanging unit relieves the cable too.
+        `rate` is that of lowering now [m/s], `share` that of the weight which the cable carries.
         """
         depth, payout, tension = (trend.slope(window) for trend in (self._depth, self._payout, self._tension))
-        if depth is None or payout is None or payout.value < max(LEAST_RATE, STEADY_SHARE * rate):
+        before = self._payout.slope(window + self._load.following_time)
+        hanging = self._hanging.slope(window)
+        if depth is None or payout is None or before is None or hanging is None:
             return False
-        if abs(depth.value) > STANDING_SHARE * payout.value or payout.value - depth.value < CERTAIN * depth.error:
+        if min(payout.value, before.value) < max(LEAST_RATE, STEADY_SHARE * rate):
+            return False
+        sinking = min(payout.value, hanging.value)
+        if abs(depth.value) > STANDING_SHARE * sinking or sinking - depth.value < CERTAIN * depth.error:
             return False
         if self._innovation.mean(window) < INNOVATION_ABOVE:
             return False
         relief = RELIEF_SHARE * self._load.stiffness * payout.value
         is_relieved = tension is not None and -tension.value > max(relief, CERTAIN * tension.error)
-        return is_relieved or share < self._parameters.touchdown_ratio
+        relieved_share = 1.0 - relief * window / self._load.weight
+        return (is_relieved and share < relieved_share) or share < self._parameters.touchdown_ratio
 
     def _suspect(self, time: float, window: float, rate: float) -> None:
         """Notice within half a window that the unit may have landed."""

@@ -11,7 +11,7 @@ from winch_controller_node.laws.law import ControlLaw
 from winch_controller_node.supervision.command_timeouts import Advice, CommandTimeouts
 from winch_controller_node.supervision.entry_gates import PEAK_OVER_SIGNIFICANT, EntryGates
 from winch_controller_node.supervision.guard import GuardedLoop, GuardedMotions, HarmGuard
-from winch_controller_node.supervision.landing import HangingLoad, Landing, LandingEvent
+from winch_controller_node.supervision.landing import HangingLoad, HangingUnit, Landing, LandingEvent
 from winch_controller_node.supervision.mode_machine import ModeMachine
 from winch_controller_node.supervision.modes import Mode, ModeOutput, Situation
 from winch_controller_node.supervision.watch import tension_need
@@ -142,7 +142,8 @@ class Supervisor:
         """Return what is to be done in a tick with the `winch` in this situation."""
         time = tick.number * self._dt
         # where the drum is, not where its command is
-        self.landing.observe(time, tick.sensed, float(tick.rows.payout @ tick.mean_state))
+        hanging = HangingUnit(-tick.hanging_heave, tick.hanging_stretch)
+        self.landing.observe(time, tick.sensed, float(tick.rows.payout @ tick.mean_state), hanging)
         if winch.inhibition:
             self.guard.inhibit(winch.inhibition, TRANSPORT_HOLD)
         alarms = self._judge(tick) + self._resume_after_timeout(tick, winch.fault)
@@ -210,7 +211,7 @@ class Supervisor:
         is_judged = hangs and self.modes.mode is not Mode.CONSTANT_TENSION
         motions = GuardedMotions(
             unit=tick.unit,
-            free_unit=tick.free_unit,
+            free_unit=tick.unit_without_compensation,
             boom_tip=tick.boom_tip,
             payout_rate=tick.payout_rate,
             measured_heave=tick.measured_unit_heave if hangs else None,
@@ -322,7 +323,9 @@ def _known_share(tick: LoopTick) -> float:
 def hanging_load(design: ControllerDesign) -> HangingLoad:
     """Return what landing must know of the load of a design."""
     cable = design.cable
-    return HangingLoad(cable.static_tension, design.unit_weight, cable.stiffness)
+    return HangingLoad(
+        cable.static_tension, design.unit_weight, cable.stiffness, following_time=0.5 * math.pi * math.sqrt(cable.a)
+    )
 
 
 def guarded_loop(design: ControllerDesign, law: ControlLaw) -> GuardedLoop:
