@@ -96,6 +96,9 @@ def test_a_frozen_mru_is_named_within_three_samples_and_the_winch_stops_without_
     )
     assert first * DT - 40.0 <= 3 * DT + 1e-9
     assert record.modes[-1] == "stopped"
+    told = [words for _, words in record.alarms]
+    assert "mru lost: frozen: its readings do not change: start it or its driver again" in told
+    assert "mode stopped: mru frozen; compensation goes on by itself once that is good again" in told
     assert abs(record.column("payout_rate")[-1]) < 0.05
     rates = record.column("payout_rate")
     assert np.max(np.abs(np.diff(rates))) <= 1.5 * DT + 1e-9

@@ -7,14 +7,16 @@ import pytest
 pytest.importorskip("rclpy")
 pytest.importorskip("heave_msgs")
 
+from heave_node.interface.codes import SensorLevel
 from heave_node.ros.diagnostics import Level
+from winch_controller_node.interface.readings import SensorState
 from winch_controller_node.node import WinchControllerNode
 
 
-def health_of(mode, *, is_inhibited, reason=""):
-    """Return level and words of the mode, as `diagnose` says them."""
+def parts_of(mode, *, is_inhibited=False, reason="", sensors=()):
+    """Return the parts that `diagnose` says, the mode first."""
     report = SimpleNamespace(
-        mode=mode, is_inhibited=is_inhibited, reason=reason, authority=0.0, sensors=(), solver_status="free"
+        mode=mode, is_inhibited=is_inhibited, reason=reason, authority=0.0, sensors=sensors, solver_status="free"
     )
     node = SimpleNamespace(
         outputs_of_tick=SimpleNamespace(report=report),
@@ -23,7 +25,12 @@ def health_of(mode, *, is_inhibited, reason=""):
         _told={},
         _diagnose_commands=lambda: None,
     )
-    part = WinchControllerNode.diagnose(node)[0]
+    return WinchControllerNode.diagnose(node)
+
+
+def health_of(mode, *, is_inhibited=False, reason=""):
+    """Return level and words of the mode, as `diagnose` says them."""
+    part = parts_of(mode, is_inhibited=is_inhibited, reason=reason)[0]
     return part.level, part.message
 
 
@@ -42,3 +49,11 @@ def test_standing_by_is_an_error_where_the_guard_keeps_compensation_off(mode, is
     found, words = health_of(mode, is_inhibited=is_inhibited, reason="the unit swings more than off")
     assert found == level
     assert words == f"{mode}: the unit swings more than off"
+
+
+def test_a_lost_sensor_says_what_to_do_and_one_that_is_well_is_ok():
+    lost = SensorState("mru", SensorLevel.LOST, "frozen", 0.2, 10, 3)
+    well = SensorState("depth", SensorLevel.OK, "", 0.2, 10, 0)
+    words = {part.part: part.message for part in parts_of("compensating", sensors=(lost, well)) if part is not None}
+    assert words["sensor mru"] == "frozen: its readings do not change: start it or its driver again"
+    assert words["sensor depth"] == "ok"

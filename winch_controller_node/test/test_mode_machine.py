@@ -1,5 +1,7 @@
 """The mode machine: what it does with the table."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 from heave_node.interface.codes import WinchFault
@@ -12,8 +14,9 @@ WELL = Situation(lost="", has_estimate=True, winch_fault=WinchFault.NONE, harm="
 PARAMETERS = ModeParameters(settling_time=1.0, fade_in_time=2.0, fade_out_time=2.0, coast_time=1.5, resume_time=3.0)
 
 
-def machine(*, moves_winch=True):
-    return ModeMachine(PARAMETERS, moves_winch=moves_winch, factor=1.0, tick_period=DT)
+def machine(*, moves_winch=True, resume=True):
+    parameters = dataclasses.replace(PARAMETERS, resume=resume)
+    return ModeMachine(parameters, moves_winch=moves_winch, factor=1.0, tick_period=DT)
 
 
 def run(modes, seconds, situation=WELL):
@@ -62,11 +65,18 @@ def test_a_lost_mru_is_coasted_over_then_faded_then_stopped_then_forgiven():
     assert run(modes, 0.3, lost)[-1].mode is Mode.FADE_OUT
     assert run(modes, 2.0, lost)[-1].mode is Mode.STOPPING
     assert run(modes, 0.1, situation(lost="mru frozen"))[-1].mode is Mode.STOPPED
-    assert modes.reason == "mru frozen"
+    assert modes.reason == "mru frozen; compensation goes on by itself once that is good again"
     run(modes, 2.9)
     assert modes.mode is Mode.STOPPED
     run(modes, 2.0)
     assert modes.mode is Mode.COMPENSATING
+
+
+def test_a_mode_that_a_lost_sensor_has_ended_for_good_says_that_it_must_be_asked_for():
+    modes = machine(resume=False)
+    run(modes, 5.0)
+    run(modes, 2.0, situation(lost="mru frozen", speed=0.3))
+    assert modes.reason == "mru frozen; ask for a mode again once that is good again"
 
 
 def test_a_short_gap_does_not_end_compensation():

@@ -7,7 +7,16 @@ from heave_node.interface.sensors import MruReading
 from hypothesis import given
 from hypothesis import strategies as st
 from winch_controller_node.estimation.reading_record import Surprise
-from winch_controller_node.estimation.sensor_health import DepthJumps, EncoderGate, SensorGate, SensorTiming, judge_mru
+from winch_controller_node.estimation.sensor_health import (
+    REMEDIES,
+    UNKNOWN_STATUS,
+    DepthJumps,
+    EncoderGate,
+    SensorGate,
+    SensorTiming,
+    judge_mru,
+    remedy,
+)
 from winch_controller_node.interface.readings import ScalarReading
 from winch_controller_node.model.estimator import Innovation
 from winch_controller_node.parameters.laws import HealthParameters
@@ -43,6 +52,20 @@ def test_a_fault_raises_the_alarm_within_three_samples_and_is_named(fault, reaso
     levels = feed(gate, fault, start=11)
     assert levels[-1] == LOST
     assert gate.reason == reason
+
+
+@pytest.mark.parametrize("stamp", [0.05, 99.0])
+@pytest.mark.parametrize("value", [math.nan, 7.0])
+@pytest.mark.parametrize("status", ["", "status settling"])
+def test_whatever_a_reading_is_refused_for_has_a_remedy(stamp, value, status):
+    gate = make_gate()
+    feed(gate, [7.0] * 2)
+    gate.judge(3 * DT, stamp, (value,), status)
+    assert gate.reason in REMEDIES
+
+
+def test_a_sensor_that_calls_itself_wrong_is_to_be_looked_at():
+    assert remedy("status invalid") == remedy("status 7") == UNKNOWN_STATUS
 
 
 def test_one_bad_reading_makes_a_sensor_suspect_and_good_ones_make_it_well_again():

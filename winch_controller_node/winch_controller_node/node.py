@@ -32,6 +32,7 @@ from rclpy.task import Future
 from winch_controller_node.component import WinchController
 from winch_controller_node.design.design import ControllerDesign
 from winch_controller_node.design_in_force import PreparedDesign
+from winch_controller_node.estimation.sensor_health import remedy
 from winch_controller_node.interface import conversions
 from winch_controller_node.interface.readings import Lateness, Measurements, Outputs
 from winch_controller_node.interface.sensors import INPUTS
@@ -159,7 +160,8 @@ class WinchControllerNode(ParticipantNode):
         parts.append(self._diagnose_commands())
         for sensor in report.sensors:
             values = {"accepted": str(sensor.accepted), "rejected": str(sensor.refused)}
-            parts.append(Health(f"sensor {sensor.sensor}", LEVELS[sensor.level], sensor.reason or "ok", values))
+            text = f"{sensor.reason}: {remedy(sensor.reason)}" if sensor.level is SensorLevel.LOST else sensor.reason
+            parts.append(Health(f"sensor {sensor.sensor}", LEVELS[sensor.level], text or "ok", values))
         preview = self.controller.preview
         if preview.has_come:
             parts.append(Health("preview", Level.WARN if preview.fault else Level.OK, preview.words))

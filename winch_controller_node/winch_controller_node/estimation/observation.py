@@ -18,6 +18,7 @@ from winch_controller_node.estimation.sensor_health import (
     SensorTiming,
     judge_mru,
     judge_scalar,
+    remedy,
 )
 from winch_controller_node.estimation.sensor_noise import SensorNoise
 from winch_controller_node.interface.readings import Measurements, ScalarReading, SensorState
@@ -220,14 +221,21 @@ class Observer:
         for name, gate in self.gates.items():
             before, self._levels[name] = self._levels.get(name, SensorLevel.OK), gate.level
             if gate.level > before:
-                jumps = {"encoder": self.encoder.jump, "depth": self._depth_jumps.jump}
-                detail = f"jump of {jumps[name]:+.3f} m subtracted" if gate.reason == "jump" else gate.reason
-                words.append(f"{name} {gate.level.name.lower()}: {detail}")
+                words.append(f"{name} {gate.level.name.lower()}: {self._fault_in_words(name, gate)}")
         for name, noise in self._noise.items():
             factor = noise.news()
             if factor > 0.0:
                 words.append(f"noise of {name} is {noise.sigma:.3g}, {factor:.1f} times what is believed")
         return [*words, *self._quiet]
+
+    def _fault_in_words(self, name: str, gate: SensorGate) -> str:
+        """Return what is wrong with the sensor `name` of a `gate`, and what to do or what is done about it."""
+        jumps = {"encoder": self.encoder.jump, "depth": self._depth_jumps.jump}
+        if gate.reason == "jump":
+            return f"jump of {jumps[name]:+.3f} m subtracted"
+        if gate.is_lost:
+            return f"{gate.reason}: {remedy(gate.reason)}"
+        return f"{gate.reason}: that reading is left out"
 
     def states(self, tick: int) -> tuple[SensorState, ...]:
         """Return how each sensor is seen at `tick`."""

@@ -36,6 +36,26 @@ MOVING_SPEED, PLAY = 0.05, 0.03
 """A drum commanded faster than this [m/s] must show in the encoder, once that has taken up play and lag [m]."""
 
 
+REMEDIES = {
+    "nan": "it reads no numbers: start it or its driver again",
+    "wrong stamp": "its stamps are ahead of the run's clock, or none: set its clock",
+    "late": "its readings come out of order, or twice: look at its driver and the network",
+    "stale": "no reading comes any more: look at its power, cable and driver",
+    "frozen": "its readings do not change: start it or its driver again",
+    "spike": "its readings are far from what all others foresee: look at its mounting, sign and unit",
+    "jump": "its readings jump again and again: look at its mounting and driver",
+    "status settling": "it settles by itself: wait",
+}
+"""What to do about a lost sensor, by the reason for which its readings are refused; a status of its own has others."""
+
+UNKNOWN_STATUS = "it calls its own readings wrong: look at what it shows, and start it again"
+
+
+def remedy(reason: str) -> str:
+    """Return what to do, in words, about a sensor that is lost for a `reason`."""
+    return REMEDIES.get(reason, UNKNOWN_STATUS)
+
+
 @dataclass(frozen=True)
 class SensorTiming:
     """What is known of a sensor's timing: period [s] and usual latency [s]."""

@@ -84,7 +84,10 @@ class ModeMachine:
     @property
     def obstacle(self) -> str:
         """What keeps compensation from beginning now, in words; empty where nothing does."""
-        return self._situation.lost or self._situation.harm or self._situation.closed_gates
+        lost = self._situation.lost
+        if lost:
+            return f"{lost}; ask again once that is good again"
+        return self._situation.harm or self._situation.closed_gates
 
     @property
     def fault(self) -> str:
@@ -186,11 +189,17 @@ class ModeMachine:
             cause = f": {situation.fault_cause}" if situation.fault_cause else ""
             return f"winch fault: {self.fault}{cause}"
         if event in (Event.SENSOR_LOST, Event.ENCODER_LOST):
-            return situation.lost
+            return f"{situation.lost}; {self._after_loss()}"
         if event is Event.HARM:
             return situation.harm
         # a stop that comes to its end goes on for the reason for which it began
         return self.reason if event in (Event.FADED, Event.AT_REST) else event.value
+
+    def _after_loss(self) -> str:
+        """Return what becomes of a mode that a lost sensor has ended, once that is good again."""
+        if self.wants_compensation and self._memory.may_resume and self._parameters.resume:
+            return "compensation goes on by itself once that is good again"
+        return "ask for a mode again once that is good again"
 
     def _refusal(self, name: str, event: Event) -> str:
         """Return why no row of a request can be taken."""

@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 from winch_controller_node.design.design import ControllerDesign
 from winch_controller_node.estimation.loop_tick import LoopTick
+from winch_controller_node.estimation.sensor_health import remedy
 from winch_controller_node.laws.law import ControlLaw
 from winch_controller_node.supervision.command_timeouts import Advice, CommandTimeouts
 from winch_controller_node.supervision.entry_gates import PEAK_OVER_SIGNIFICANT, EntryGates
@@ -289,7 +290,8 @@ class Supervisor:
     def _why_no_tension(self, tick: LoopTick, payout: float) -> str:
         """Return why constant tension may not be asked for; empty when it may."""
         if "load_cell" in tick.sensed.lost:
-            return f"the load cell is {tick.sensed.lost['load_cell']}"
+            reason = tick.sensed.lost["load_cell"]
+            return f"the load cell is {reason}: {remedy(reason)}"
         share = self._load.weight_share(tick.sensed.filtered_tension)
         least, most = HANGING_SHARES
         if not self._holds_hanging and not self.landing.unit_stands and least < share < most:
