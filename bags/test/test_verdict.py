@@ -15,10 +15,11 @@ SIGMA = 0.01
 """Standard deviation of a sine of amplitude sqrt(2) SIGMA over whole periods [m]."""
 
 
-def record(compensates_until: float, *, is_past_transient: bool = True) -> RunRecord:
+def record(compensates_until: float, *, is_past_transient: bool = True, reason: str = "") -> RunRecord:
     heave = np.sqrt(2.0) * SIGMA * np.sin(2.0 * np.pi * TIME / 10.0)
     signals = RunSignals(unit_heave=Signal(TIME, heave), compensating=Signal(TIME, compensates_until > TIME))
-    modes = [Interval(0.0, compensates_until, "compensating"), Interval(compensates_until, 100.0, "stopped")]
+    stopped = Interval(compensates_until, 100.0, "stopped", reason=reason)
+    modes = [Interval(0.0, compensates_until, "compensating"), stopped]
     return RunRecord("run", signals, 0.0, 100.0, modes=modes, is_past_transient=is_past_transient)
 
 
@@ -48,6 +49,13 @@ def test_compensation_that_was_not_in_force_is_no_success(until, words):
     assert not verdict.is_good
     assert words in verdict.lines()[1]
     assert "stopped" in verdict.lines()[1], "it says what the controller did instead"
+
+
+@pytest.mark.parametrize("until", [0.0, 40.0])
+def test_a_stop_that_somebody_has_asked_for_is_no_failure_and_any_other_is(until):
+    assert judge(record(until, reason="stop requested"), moves_winch=True).is_good
+    for reason in ("mru frozen", "emergency stop requested"):
+        assert not judge(record(until, reason=reason), moves_winch=True).is_good
 
 
 def test_a_law_that_is_off_need_not_compensate():

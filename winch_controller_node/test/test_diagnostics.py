@@ -11,6 +11,7 @@ from heave_node.interface.codes import SensorLevel
 from heave_node.ros.diagnostics import Level
 from winch_controller_node.interface.readings import SensorState
 from winch_controller_node.node import WinchControllerNode
+from winch_controller_node.supervision.modes import Event
 
 
 def parts_of(mode, *, is_inhibited=False, reason="", sensors=()):
@@ -49,6 +50,17 @@ def test_standing_by_is_an_error_where_the_guard_keeps_compensation_off(mode, is
     found, words = health_of(mode, is_inhibited=is_inhibited, reason="the unit swings more than off")
     assert found == level
     assert words == f"{mode}: the unit swings more than off"
+
+
+@pytest.mark.parametrize("mode", ["fade_out", "stopping", "stopped", "standby"])
+@pytest.mark.parametrize("event", [Event.ASK_STOPPED, Event.ASK_STANDBY, Event.ASK_MANUAL])
+def test_a_rest_that_was_asked_for_is_no_error_unless_there_is_harm(mode, event):
+    assert health_of(mode, reason=event.value)[0] == Level.OK
+    assert health_of(mode, is_inhibited=True, reason=event.value)[0] == Level.ERROR
+
+
+def test_an_emergency_stop_is_an_error_whoever_asked_for_it():
+    assert health_of("emergency_stop", reason=Event.ASK_EMERGENCY_STOP.value)[0] == Level.ERROR
 
 
 def test_a_lost_sensor_says_what_to_do_and_one_that_is_well_is_ok():

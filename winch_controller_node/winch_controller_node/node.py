@@ -13,7 +13,7 @@ from typing import Any
 from geometry_msgs.msg import TwistStamped
 from heave_msgs.srv import Redesign, SetMode
 from heave_node.interface import topics
-from heave_node.interface.codes import ALARMS, COMMANDS, LATE, MODE, SensorLevel, told_at
+from heave_node.interface.codes import ALARMS, COMMANDS, LATE, MODE, RESTS_REQUESTED, SensorLevel, told_at
 from heave_node.interface.sensors import SENSORS, Water
 from heave_node.interface.topic import Topic
 from heave_node.numerics.linear_model import ModelError
@@ -34,7 +34,7 @@ from winch_controller_node.design.design import ControllerDesign
 from winch_controller_node.design_in_force import PreparedDesign
 from winch_controller_node.estimation.sensor_health import remedy
 from winch_controller_node.interface import conversions
-from winch_controller_node.interface.readings import Lateness, Measurements, Outputs
+from winch_controller_node.interface.readings import Lateness, Measurements, Outputs, Report
 from winch_controller_node.interface.sensors import INPUTS
 from winch_controller_node.model.lqr import DesignError
 from winch_controller_node.move_action import MoveAction
@@ -149,14 +149,11 @@ class WinchControllerNode(ParticipantNode):
         if self.outputs_of_tick is None:
             return [Health(MODE, Level.OK, self.controller.mode.value)]
         report = self.outputs_of_tick.report
-        # standing by after harm is not rest
-        is_stopped = report.mode in ("stopped", "emergency_stop", "stopping") or report.is_inhibited
-        level = Level.ERROR if is_stopped else Level.WARN if report.mode == "fade_out" else Level.OK
         text = f"{report.mode}: {report.reason}" if report.reason else report.mode
         depth = f"{self.controller.depth:.3f}"
         changes, self._changes = self._changes, {}
         values = {"authority": f"{report.authority:.2f}", "mean depth [m]": depth, **changes}
-        parts = [Health(MODE, level, text, values)]
+        parts = [Health(MODE, _level_of(report), text, values)]
         parts.append(self._diagnose_commands())
         for sensor in report.sensors:
             values = {"accepted": str(sensor.accepted), "rejected": str(sensor.refused)}
@@ -270,6 +267,17 @@ class WinchControllerNode(ParticipantNode):
             in_force.set_result(None)
         except ValueError as error:
             in_force.set_exception(error)
+
+
+def _level_of(report: Report) -> Level:
+    """Return how grave the mode of a `report` is."""
+    # standing by after harm is not rest
+    if report.is_inhibited:
+        return Level.ERROR
+    if report.reason in RESTS_REQUESTED:
+        return Level.OK
+    is_stopped = report.mode in ("stopped", "emergency_stop", "stopping")
+    return Level.ERROR if is_stopped else Level.WARN if report.mode == "fade_out" else Level.OK
 
 
 def main() -> None:

@@ -9,7 +9,16 @@ from typing import Any
 
 import numpy as np
 from heave_node.interface import topics
-from heave_node.interface.codes import ALARMS, MODE, SensorLevel, WinchFault, WinchLimit, told_at, without_figures
+from heave_node.interface.codes import (
+    ALARMS,
+    MODE,
+    REQUESTED,
+    SensorLevel,
+    WinchFault,
+    WinchLimit,
+    told_at,
+    without_figures,
+)
 from heave_node.numerics.arrays import Array
 from numpy.typing import NDArray
 
@@ -22,8 +31,6 @@ REPEATED = 1.0
 HOLDS_TENSION = "constant_tension"
 COMPENSATES = ("compensating", HOLDS_TENSION)
 """Modes of the controller in which the winch does its work."""
-REQUESTED = "requested"
-"""Last word of the reason of a mode that somebody asked for."""
 OFF = "off"
 """Mode of a controller whose law never moves the winch."""
 

@@ -7,8 +7,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from heave_node.criteria import Criterion
+from heave_node.interface.codes import RESTS_REQUESTED
 from heave_node.numerics.constants import LARGEST_STRAIN
 
+from heave_bags.analyse.events import Interval
 from heave_bags.analyse.run_record import RunRecord
 
 LEAST_SHARE = 0.9
@@ -46,7 +48,8 @@ class Verdict:
     judged : the criteria of the scenario
     required : those of the command line
     time_in_modes : share of the evaluation window in each mode of the controller, 0 to 1; empty: none was recorded
-    share : of the evaluation window in which compensation was in force, 0 to 1; NaN: unknown, or not required
+    share : of the evaluation window in which compensation was in force, 0 to 1, not counting the time in which it
+        rested since somebody had asked for that; NaN: unknown, or not required
     alarms : number of errors that came
     is_judged : the run is longer than its transient
     strain : largest of the cable in the whole run [-]; NaN: unknown
@@ -141,7 +144,7 @@ def judge(
 
     # the start-up says nothing about the loop
     wanted = wanted if record.is_past_transient else ()
-    share = values["compensating_percent"] / 100.0 if moves_winch and record.is_past_transient else math.nan
+    share = _share_in_force(record, values) if moves_winch and record.is_past_transient else math.nan
     return Verdict(
         held(wanted),
         held(required),
@@ -153,6 +156,19 @@ def judge(
     )
 
 
+def _share_in_force(record: RunRecord, values: Mapping[str, float]) -> float:
+    """Return the share of the time in which compensation was in force, of that in which nobody wanted it to rest.
+
+    Parameters
+    ----------
+    record : of the run
+    values : its figures of merit
+    """
+    rested = sum(_within(record, mode) for mode in record.modes if mode.reason in RESTS_REQUESTED)
+    left = 1.0 - rested / (record.end - record.start)
+    return values["compensating_percent"] / 100.0 / left if left > 0.0 else math.nan
+
+
 def time_in_modes(record: RunRecord) -> dict[str, float]:
     """Return the share of the evaluation window of `record` that the controller spent in each mode, the largest first.
 
@@ -160,8 +176,13 @@ def time_in_modes(record: RunRecord) -> dict[str, float]:
     """
     shares: dict[str, float] = {}
     for mode in record.modes:
-        part = min(mode.end, record.end) - max(mode.start, record.start)
+        part = _within(record, mode)
         if part > 0.0:
             shares[mode.name] = shares.get(mode.name, 0.0) + part
     total = record.end - record.start
     return {name: part / total for name, part in sorted(shares.items(), key=lambda item: -item[1])}
+
+
+def _within(record: RunRecord, mode: Interval) -> float:
+    """Return how long a `mode` held within the evaluation window of `record` [s]."""
+    return max(min(mode.end, record.end) - max(mode.start, record.start), 0.0)

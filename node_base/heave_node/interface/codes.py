@@ -74,6 +74,12 @@ MODE = "mode"
 """Part of the controller's diagnostics with its mode and why, and each change since the last ones by time, as values.
 """
 
+REQUESTED = "requested"
+"""Last word of the reason of a mode that somebody asked for."""
+
+RESTS_REQUESTED = (f"stop {REQUESTED}", f"standby {REQUESTED}", f"manual {REQUESTED}")
+"""Reasons of modes in which compensation rests since somebody asked for that; an emergency stop is none of them."""
+
 
 def told_at(time: float) -> str:
     """Return the key of a value that tells what happened at a simulated `time` [s]."""

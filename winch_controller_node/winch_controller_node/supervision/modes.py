@@ -19,7 +19,7 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import NamedTuple
 
-from heave_node.interface.codes import WinchFault, fault_words
+from heave_node.interface.codes import REQUESTED, WinchFault, fault_words
 
 from winch_controller_node.parameters.laws import ModeParameters
 
@@ -70,12 +70,12 @@ class ModeError(ValueError):
 class Event(str, Enum):
     """What can happen, in words."""
 
-    ASK_STANDBY = "standby requested"
-    ASK_COMPENSATING = "compensation requested"
-    ASK_CONSTANT_TENSION = "constant tension requested"
-    ASK_MANUAL = "manual requested"
-    ASK_STOPPED = "stop requested"
-    ASK_EMERGENCY_STOP = "emergency stop requested"
+    ASK_STANDBY = f"standby {REQUESTED}"
+    ASK_COMPENSATING = f"compensation {REQUESTED}"
+    ASK_CONSTANT_TENSION = f"constant tension {REQUESTED}"
+    ASK_MANUAL = f"manual {REQUESTED}"
+    ASK_STOPPED = f"stop {REQUESTED}"
+    ASK_EMERGENCY_STOP = f"emergency stop {REQUESTED}"
     TOUCHDOWN = "touchdown"
     LIFTED_OFF = "unit suspended"
     WINCH_EMERGENCY_STOP = "emergency stop of the winch"
