@@ -16,6 +16,7 @@ from winch_controller_node.supervision.landing import HangingLoad, HangingUnit, 
 from winch_controller_node.supervision.mode_machine import ModeMachine
 from winch_controller_node.supervision.modes import Mode, ModeOutput, Situation
 from winch_controller_node.supervision.watch import tension_need
+from winch_controller_node.supervision.watch.share_news import ShareNews
 
 REQUIRED_SENSORS = {
     Mode.CONSTANT_TENSION: ("load_cell", "encoder"),
@@ -31,9 +32,6 @@ TRANSPORT_HOLD = 5.0
 
 UNKNOWN_SEA_SHARE = 0.3
 """Share of a sea that is compensated while it is predicted badly."""
-
-HELD_TIME, TOLD_AGAIN = 5.0, 60.0
-"""That a part of the sea is not compensated is told when it has lasted so long [s], and again when so much later."""
 
 LONGEST_WAIT = 2.0
 """Time until which compensation waits for waves, over `modes.settling_time`: in calm water none come."""
@@ -123,7 +121,7 @@ class Supervisor:
         self.timeouts = CommandTimeouts(dt, resumes=parameters.modes.resume)
         self._reason_before = ""
         self._fades_by_law = False
-        self._held_time = 0.0
+        self._share_news = ShareNews(dt)
         self._longest_wait = LONGEST_WAIT * parameters.modes.settling_time
         self._refer_to(design, law)
 
@@ -223,17 +221,17 @@ class Supervisor:
         return (reason,) if self.modes.brake and reason and reason != before else ()
 
     def _tell_share(self, tick: LoopTick, winch: WinchSituation) -> tuple[str, ...]:
-        """Return what keeps a part of the sea from being compensated, where it lasts; at most once a minute."""
+        """Return what keeps a part of the sea from being compensated, where it lasts, or that it is over."""
         known_share = _known_share(tick)
-        share = min(known_share, winch.share)
-        is_held = share < 1.0 and self.modes.mode is Mode.COMPENSATING
-        self._held_time = self._held_time + self._dt if is_held else min(self._held_time + self._dt, 0.0)
-        if self._held_time < HELD_TIME:
-            return ()
-        self._held_time = -TOLD_AGAIN
         is_of_sea = known_share <= winch.share
-        cause = "the sea is not the one that is believed" if is_of_sea else "the winch does not do what it is sent"
-        return (f"only {100.0 * share:.0f} % of the sea is compensated: {cause}",)
+        words = self._share_news.update(
+            min(known_share, winch.share),
+            "the sea is not the one that is believed" if is_of_sea else "the winch does not do what it is sent",
+            authority=self.modes.authority,
+            target=self.modes.target,
+            compensates=self.modes.mode is Mode.COMPENSATING,
+        )
+        return (words,) if words else ()
 
     def _tell_peaks(self, mode: ModeOutput, authority_limit: float) -> tuple[str, ...]:
         """Return that compensation begins in a sea whose peaks are beyond what the winch should be used for.

@@ -1,0 +1,56 @@
+"""What holds compensation back is told, and taken back once when it is over."""
+
+import pytest
+from winch_controller_node.supervision.watch.share_news import ShareNews
+
+DT = 0.05
+HELD, OVER = "only 30 % of the sea is compensated: why", "100 % of the sea is compensated again"
+
+
+def told(news, seconds, share, *, authority=1.0, target=1.0, compensates=True):
+    """Return what is told while a share may be compensated for some time."""
+    words = [
+        news.update(share, "why", authority=authority, target=target, compensates=compensates)
+        for _ in range(round(seconds / DT))
+    ]
+    return [word for word in words if word]
+
+
+def test_what_was_told_is_taken_back_once_when_all_is_compensated():
+    news = ShareNews(DT)
+    assert told(news, 10.0, 0.3, authority=0.3, target=0.3) == [HELD]
+    assert told(news, 20.0, 1.0, authority=0.6) == [], "authority is on its way"
+    (over,) = told(news, 200.0, 1.0)
+    assert over.startswith(OVER)
+
+
+def test_nothing_is_taken_back_that_was_not_told():
+    news = ShareNews(DT)
+    assert told(news, 4.0, 0.3) == []
+    assert told(news, 100.0, 1.0) == []
+
+
+def test_a_moment_without_it_takes_nothing_back():
+    news = ShareNews(DT)
+    assert told(news, 10.0, 0.3) == [HELD]
+    for _ in range(5):
+        assert told(news, 4.0, 1.0) == told(news, 1.0, 0.3) == []
+
+
+def test_what_lasts_is_told_each_minute():
+    assert told(ShareNews(DT), 180.0, 0.3) == [HELD] * 3
+
+
+def test_an_end_of_compensation_takes_nothing_back():
+    news = ShareNews(DT)
+    assert told(news, 10.0, 0.3) == [HELD]
+    assert told(news, 100.0, 1.0, compensates=False) == []
+    assert told(news, 100.0, 1.0) == []
+
+
+@pytest.mark.parametrize("factor", [0.5, 0.8])
+def test_of_a_factor_what_it_allows_is_all(factor):
+    news = ShareNews(DT)
+    assert told(news, 10.0, 0.3) == [HELD]
+    (over,) = told(news, 10.0, 1.0, authority=factor, target=factor)
+    assert over.startswith(f"{100 * factor:.0f} % of the sea is compensated again")
