@@ -230,6 +230,14 @@ def test_a_depth_sensor_that_sees_twice_the_uncompensated_motion_is_believed_aga
     assert "depth sensor" in guard.reason
 
 
+def test_of_two_sensors_that_disagree_neither_is_blamed_before_it_is_known_which_is_wrong():
+    guard = make_guard()
+    watch_waves(guard, 60.0, authority=0.0)
+    assert watch_waves(guard, 60.0, depth=lambda time: -0.6 * math.sin(0.7 * time), authority=0.0) is not None
+    assert guard.reason.startswith("depth sensor and motion reference unit disagree by ")
+    assert "which of them is wrong is not known" in guard.reason
+
+
 @pytest.mark.parametrize("fault", [lambda time: 2.0 * (time > 20.0), lambda time: 3.0 * (abs(time - 20.0) < 0.01)])
 def test_a_jump_or_a_spike_of_the_depth_sensor_is_no_harm(fault):
     guard = make_guard()

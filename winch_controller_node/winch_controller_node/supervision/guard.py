@@ -255,8 +255,9 @@ class HarmGuard:
         if self._mismatch_check.is_exceeded:
             self.trusts_estimate = False
             self.inhibit(
-                f"the depth sensor disagrees with the estimate by {self._mismatch_check.amplitude:.3f} m: no "
-                "compensation until they agree"
+                f"depth sensor and motion reference unit disagree by {self._mismatch_check.amplitude:.3f} m about the "
+                "heave of the unit, and which of them is wrong is not known: no compensation until they agree; look at "
+                "sign, scale and mounting of both"
             )
         if self.inhibits:
             self._wait(authority)
@@ -354,7 +355,7 @@ class HarmGuard:
             self.trusts_estimate = False
             self._begin_inhibiting(
                 f"compensation is harmful: the depth sensor reads {self._depth_check.amplitude:.3f} m of heave, more "
-                "than without compensation"
+                "than without compensation; if it does not move so, depth sensor or motion reference unit is wrong"
             )
         elif feeds_back_unit and self._swing_check.is_exceeded:
             self._begin_inhibiting(
