@@ -128,6 +128,13 @@ def test_spike_spoils_one_sample_and_jump_all_of_its_duration() -> None:
     assert [r.time for r in jump if r.value[0] != r.time] == pytest.approx(np.arange(2.0, 3.0, 0.1))
 
 
+@pytest.mark.parametrize("factor", [-1.0, 0.5])
+def test_scale_multiplies_the_samples_of_its_duration(factor: float) -> None:
+    for _, reading in run(with_fault("scale", magnitude=factor), 100):
+        is_scaled = 2.0 - 1e-9 <= reading.time < 3.0 - 1e-9
+        assert reading.value[0] == pytest.approx((factor if is_scaled else 1.0) * reading.time, rel=1e-12)
+
+
 def test_nan_fault_delivers_nan() -> None:
     bad = [r.time for _, r in run(with_fault("nan"), 100) if math.isnan(r.value[0])]
     assert bad == pytest.approx(np.arange(2.0, 3.0, 0.1))
@@ -150,7 +157,7 @@ def test_fault_without_duration_lasts_to_the_end() -> None:
     assert all(r.value[0] == pytest.approx(r.time + 1.0) for _, r in readings if r.time > 2.0 - 1e-9)
 
 
-@pytest.mark.parametrize("kind", ["freeze", "gap", "spike", "jump", "nan", "rate", "delay"])
+@pytest.mark.parametrize("kind", ["freeze", "gap", "spike", "jump", "scale", "nan", "rate", "delay"])
 def test_fault_of_one_sensor_leaves_the_noise_of_all_other_samples_as_it_was(kind: str) -> None:
     def errors(parameters: Probe) -> dict[float, float]:
         return {r.time: r.value[0] for _, r in run(parameters, 200) if not 1.99 < r.time < 3.01}
@@ -274,7 +281,7 @@ def test_dvl_has_no_reading_above_its_bottom_range() -> None:
 
 
 FAULT = st.tuples(
-    st.sampled_from(["freeze", "gap", "spike", "jump", "nan", "rate", "delay"]),
+    st.sampled_from(["freeze", "gap", "spike", "jump", "scale", "nan", "rate", "delay"]),
     st.floats(0.0, 10.0),
     st.floats(0.0, 5.0),
     st.floats(0.1, 30.0),

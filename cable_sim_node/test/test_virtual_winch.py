@@ -315,6 +315,14 @@ def test_encoder_faults_show_in_the_reading_and_not_in_the_truth(kind: str, expe
     np.testing.assert_allclose(errors[59:], 0.0)
 
 
+def test_scaled_encoder_counts_another_length_than_is_paid_out() -> None:
+    faults = FaultParameters(kind=("scale",), start=(2.0,), duration=(1.0,), magnitude=(0.9,))
+    winch = VirtualWinch(WinchParameters(encoder=EncoderParameters(0.0, faults)), tick_period=TICK)
+    states = run(winch, 70, rate=0.3)
+    factors = [s.encoder_payout / s.payout for s in states[10:]]
+    np.testing.assert_allclose(factors, [1.0] * 29 + [0.9] * 20 + [1.0] * 11, rtol=1e-12)
+
+
 def test_frozen_encoder_repeats_its_last_reading() -> None:
     faults = FaultParameters(kind=("freeze",), start=(2.0,), duration=(1.0,), magnitude=(0.0,))
     winch = VirtualWinch(WinchParameters(encoder=EncoderParameters(0.001, faults)), tick_period=TICK)

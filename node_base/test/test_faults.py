@@ -80,6 +80,7 @@ def test_what_happens_once_is_taken_once():
         ("sensor", ("gap", 0.0, -1.0, 0.0), "a fault needs a finite start, a duration of at least 0 s"),
         ("sensor", ("jump", 0.0, 1.0, math.nan), "and a finite magnitude; got 0.0, 1.0, nan"),
         ("sensor", ("rate", 0.0, 1.0, 0.0), "the magnitude of kind rate must be above 0 Hz; got 0"),
+        ("mru", ("scale", 0.0, 1.0, 0.0), "the magnitude of kind scale must be a factor that is not 0"),
         ("sensor", ("delay", 0.0, 1.0, -0.1), "the magnitude of kind delay must be from 0 to inf s; got -0.1"),
         ("mru", ("delay", 0.0, 1.0, 11.0), "the magnitude of kind delay must be from 0 to 10 s; got 11"),
     ],
@@ -106,6 +107,17 @@ def test_values_freeze_at_the_last_sample_spike_once_jump_and_are_no_numbers():
     values = FaultyValues(faults)
     said = [float(values.apply(float(time), np.array([float(time)]))[0]) for time in range(11)]
     assert said == pytest.approx([0, 1, 1, 1, 4, 14, 6, 6, math.nan, 9, 10], nan_ok=True)
+
+
+def test_values_are_multiplied_by_all_scales_that_are_active_and_then_offset():
+    values = FaultyValues(schedule(("scale", 1.0, 2.0, -1.0), ("scale", 2.0, 2.0, 0.5), ("jump", 3.0, 2.0, 1.0)))
+    said = [float(values.apply(time, np.array([8.0]))[0]) for time in (0.0, 1.0, 2.0, 3.0, 4.0, 5.0)]
+    assert said == [8.0, -8.0, -4.0, 5.0, 9.0, 8.0]
+
+
+def test_a_scale_may_be_of_some_axes_alone():
+    values = FaultyValues(schedule(("scale", 0.0, 0.0, -1.0)), scaled=np.array([1.0, 0.0]))
+    assert values.apply(1.0, np.array([5.0, 6.0])).tolist() == [-5.0, 6.0]
 
 
 def test_a_device_that_is_frozen_from_its_first_sample_repeats_that():

@@ -140,6 +140,19 @@ def test_a_spike_is_one_wrong_reading():
     assert readings[9].heave == 3.0
 
 
+def test_a_unit_that_is_turned_over_says_heave_rate_and_acceleration_with_the_wrong_sign_and_no_other():
+    def motion():
+        return VesselMotion(displacement=np.array([0.0, 0.0, 0.0, 0.1, 0.2, 0.0]))
+
+    right = run(MruParameters(), 20, sine(1.0), motion)
+    turned = run(MruParameters(faults=fault("scale", 0.5, magnitude=-1.0)), 20, sine(1.0), motion)
+    assert turned[:9] == right[:9]
+    for one, other in zip(turned[9:], right[9:], strict=True):
+        for name in ("heave", "heave_rate", "heave_acceleration"):
+            assert getattr(one, name) == -getattr(other, name), name
+        assert (one.roll, one.pitch) == (other.roll, other.pitch) == (0.1, 0.2)
+
+
 def test_after_a_restart_the_unit_is_silent_then_settling_then_right():
     parameters = MruParameters(
         high_pass_period=10.0,

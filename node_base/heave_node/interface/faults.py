@@ -50,6 +50,11 @@ FAULTS: dict[str, FaultKind] = {
     "jump": FaultKind(
         "every sample is offset, on all axes (mru: heave only)", (*_SENSORS, "encoder"), "error, in the sensor's unit"
     ),
+    "scale": FaultKind(
+        "every sample is multiplied, on all axes (mru: heave, its rate and acceleration)",
+        (*_SENSORS, "encoder"),
+        "factor, not 0: -1 for a sensor that is turned over",
+    ),
     "nan": FaultKind("every sample is NaN", (*_SENSORS, "encoder")),
     "rate": FaultKind("samples are taken at a different rate", _SENSORS, "rate, above 0 [Hz]"),
     "delay": FaultKind(
@@ -85,7 +90,9 @@ class FaultParameters:
         (), unit="s", minimum=0.0, description="Duration of each fault; 0 means until cleared or to the end of the run."
     )
     magnitude: tuple[float, ...] = parameter(
-        (), unit="", description="Magnitude of each fault: sensor's unit for spike and jump, Hz for rate, s for delay."
+        (),
+        unit="",
+        description="Magnitude of each: sensor's unit for spike and jump, factor for scale, Hz for rate, s for delay.",
     )
 
     def check(self, name: str, device: str) -> None:
@@ -190,6 +197,8 @@ class FaultSchedule:
             )
         elif kind == "rate" and magnitude <= 0.0:
             wrong = f"the magnitude of kind rate must be above 0 Hz; got {magnitude:g}"
+        elif kind == "scale" and magnitude == 0.0:
+            wrong = "the magnitude of kind scale must be a factor that is not 0, such as -1 or 0.5; got 0"
         elif kind == "delay" and not 0.0 <= magnitude <= largest_delay:
             wrong = f"the magnitude of kind delay must be from 0 to {largest_delay:g} s; got {magnitude:g}"
         if wrong:
@@ -208,6 +217,10 @@ class FaultSchedule:
         if not self._faults:
             return 0.0
         return sum(fault.magnitude for fault in self._faults if fault.kind == kind and fault.is_active(time))
+
+    def product(self, kind: str, time: float) -> float:
+        """Return the product of the magnitudes of the faults of `kind` that are active at `time` [s]; 1 without one."""
+        return math.prod(fault.magnitude for fault in self._faults if fault.kind == kind and fault.is_active(time))
 
     def newest(self, kind: str, time: float) -> float | None:
         """Return the magnitude of the fault of `kind` that is active at `time` [s] and was added last, or None."""
@@ -240,23 +253,25 @@ class FaultSchedule:
 
 
 class FaultyValues:
-    """What freeze, spike, jump and nan make of the values of a device, sample by sample.
+    """What freeze, spike, jump, scale and nan make of the values of a device, sample by sample.
 
     Parameters
     ----------
     faults : of the device
     axes : shape (n,) or a number, what share of a spike or jump each value gets
+    scaled : the same of a scale; 1 for a value that is multiplied, 0 for one that is not
     """
 
-    def __init__(self, faults: FaultSchedule, axes: Array | float = 1.0) -> None:
+    def __init__(self, faults: FaultSchedule, axes: Array | float = 1.0, scaled: Array | float = 1.0) -> None:
         self._faults = faults
-        self._axes = axes
+        self._axes, self._scaled = axes, scaled
         self._last: Array | None = None
 
     def apply(self, time: float, values: Array) -> Array:
         """Return what the device says at `time` [s] in place of `values`, shape (n,); call it once per sample."""
         faults = self._faults
         if faults.any_active(time):
+            values = values * (1.0 + self._scaled * (faults.product("scale", time) - 1.0))
             values = values + self._axes * (faults.total("jump", time) + faults.take_once("spike", time))
             if faults.is_active("freeze", time) and self._last is not None:
                 values = self._last

@@ -27,6 +27,8 @@ from wave_vessel_node.vessel.motion import PITCH, ROLL, VesselMotion
 _TURNING = 1e-4  # rad/s: above this rate of turn the unit is disturbed
 _IN_HEAVE = np.array([1.0, 0.0, 0.0, 0.0, 0.0])
 """A spike or jump is an error of heave, not of rate, acceleration, roll or pitch."""
+_OF_HEAVE = np.array([1.0, 1.0, 1.0, 0.0, 0.0])
+"""A scale is one of heave, its rate and acceleration, not of roll or pitch."""
 
 
 class HighPass:
@@ -96,7 +98,7 @@ class MotionReferenceUnit:
             device="mru",
             usual_duration={"restart": parameters.restart_duration},
         )
-        self._faulty_values = FaultyValues(self.faults, _IN_HEAVE)
+        self._faulty_values = FaultyValues(self.faults, _IN_HEAVE, _OF_HEAVE)
         self._noise_sigma = np.array([parameters.noise, parameters.rate_noise, parameters.rate_noise, 0.0, 0.0])
         self._stamp_error_ticks = round(parameters.stamp_error / tick_period)
         self._late_ticks = self._stamp_error_ticks + round(parameters.latency / tick_period)

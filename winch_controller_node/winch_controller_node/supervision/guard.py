@@ -255,9 +255,8 @@ class HarmGuard:
         if self._mismatch_check.is_exceeded:
             self.trusts_estimate = False
             self.inhibit(
-                f"depth sensor and motion reference unit disagree by {self._mismatch_check.amplitude:.3f} m about the "
-                "heave of the unit, and which of them is wrong is not known: no compensation until they agree; look at "
-                "sign, scale and mounting of both"
+                f"depth sensor and motion reference unit disagree by {self._mismatch_check.amplitude:.3f} m, and which "
+                "of them is wrong is not known: no compensation until they agree; look at sign and scale of both"
             )
         if self.inhibits:
             self._wait(authority)
