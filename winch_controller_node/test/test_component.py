@@ -260,13 +260,13 @@ def test_an_operator_lowers_the_unit_while_it_is_compensated_and_a_joystick_that
     # benchmark B3's 0.5 cm twice, while the mean comes to rest
     assert np.std((rows[:, 2] + rows[:, 9])[500:]) < 0.01
     assert np.max(np.abs(np.diff(rows[:, 5]))) <= 1.5 * DT + 1e-9
-    controller.operate(5.0)
-    loop.step()
+    told = []
     for _ in range(500):
         controller.operate(5.0)
-        loop.step()
+        told += loop.step()[0].alarms
     # 30 % of 2 m/s are the operator's
     assert controller.mean.point.rate == pytest.approx(0.3 * 2.0, abs=0.02)
+    assert len([words for words in told if words.startswith("the operator's speed is limited to 0.60 m/s")]) == 1
 
 
 def test_manual_speed_moves_the_winch_alone_and_stops_before_the_end_of_its_range():

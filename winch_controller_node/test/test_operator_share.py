@@ -45,6 +45,20 @@ def test_an_operator_gets_no_more_than_the_share_and_stays_within_the_range(aske
             assert bounds.payout_minimum - 0.01 <= point.payout <= bounds.payout_maximum + 0.01
 
 
+def test_a_speed_beyond_the_share_is_told_once_each_time_that_it_is_asked_for_anew():
+    bounds = OperatorRange(speed=0.6, acceleration=0.15, payout_minimum=-5.0, payout_maximum=5.0, lag=2.0)
+    operator = OperatorSpeed(OperatorParameters(timeout=0.5), tick_period=DT)
+    told = []
+    for second, speed in enumerate((0.6, -0.9, 0.7, 0.0, 0.8, None, 0.8)):
+        for _ in range(20):
+            if speed is not None:
+                operator.ask(speed)
+            told += [(second, words) for words in [operator.limit_news(bounds)] if words]
+            operator.advance(MeanPayout(MoveParameters(), tick_period=DT).point, bounds)
+    assert [second for second, _ in told] == [1, 4, 6]
+    assert told[0][1].startswith("the operator's speed is limited to 0.60 m/s, 0.90 m/s was asked for")
+
+
 def test_the_plan_of_compensation_has_what_the_operator_leaves():
     """While the mean gains speed at 0.3 m/s^2, 1.2 m/s^2 are left on that side, and 1.8 on the other."""
     design = design_controller(WinchControllerParameters(), tick_period=DT)

@@ -252,6 +252,8 @@ class WinchController:
             payout_maximum=limits.payout_maximum,
             lag=self.mean.lag,
         )
+        limited = self._operator.limit_news(bounds)
+        self._alarms += [limited] if limited else []
         self.mean.drive(self._operator.advance(self.mean.point, bounds), bounds.acceleration)
 
     def cancel_move(self) -> None:

@@ -37,6 +37,8 @@ OFF = "off"
 
 MODE_PART = f"{topics.CONTROLLER_STATE.publisher}: {MODE}"
 """Part of /diagnostics in which the controller tells its mode and why."""
+ALARMS_PART = f"{topics.CONTROLLER_STATE.publisher}: {ALARMS}"
+"""Part in which the controller tells what it has learnt, and what is not as it should be."""
 
 
 @dataclass(frozen=True)

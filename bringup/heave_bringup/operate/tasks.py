@@ -11,6 +11,9 @@ import math
 from collections.abc import Callable, Sequence
 from typing import Protocol
 
+from heave_bags.analyse.events import ALARMS_PART
+from heave_node.interface.codes import OPERATOR_LIMITED
+
 from heave_bringup.operate.answer import Answer, refusal
 from heave_bringup.operate.requests import Request, request_fault, request_mode, request_pause, request_step
 from heave_bringup.operate.situation import PAUSED, RUNNING, Situation
@@ -275,6 +278,7 @@ class Lowering:
         self._speed, self._duration = speed, duration
         self._began = self._ended = self._asked_at = self._payout_before = math.nan
         self._is_let_go = False
+        self._limit = ""
         self._heard_at = link.wall_time
         self._heard_time = math.nan
 
@@ -287,17 +291,26 @@ class Lowering:
         if controller.mode not in ("compensating", "manual"):
             return refusal(f"a speed needs mode compensating or manual; the mode is {controller.mode}")
         now = controller.time
+        self._limit = self._limit or self._told_limit()
         if math.isnan(self._began):
             self._began, self._payout_before = now, controller.mean_payout
         if math.isnan(self._ended) and (self._is_let_go or now - self._began >= self._duration):
             self._ended = now
         if not math.isnan(self._ended) and now - self._ended > SETTLING_TIME:
             moved, took = controller.mean_payout - self._payout_before, self._ended - self._began
-            return Answer(f"speed {self._speed:+g} m/s for {took:.1f} s: the mean payout moved by {moved:+.2f} m")
+            limit = f"; {self._limit}" if self._limit else ""
+            done = f"speed {self._speed:+g} m/s for {took:.1f} s: the mean payout moved by {moved:+.2f} m"
+            return Answer(done + limit)
         if not now - self._asked_at < SPEED_PERIOD - 1e-6:  # tick times are rounded sums
             self._asked_at = now
             self._link.ask_speed(self._speed if math.isnan(self._ended) else 0.0)
         return None
+
+    def _told_limit(self) -> str:
+        """Return what the controller tells of a limit of this speed; empty: nothing, or nothing yet."""
+        told = self._link.situation.troubles.get(ALARMS_PART)
+        words = [] if told is None else told.message.split("; ")
+        return next((word for word in words if word.startswith(OPERATOR_LIMITED)), "")
 
     def _silence(self, heard: float) -> float:
         """Return for how long nothing new was `heard` of the controller, by wall time [s]."""

@@ -8,10 +8,10 @@ from typing import Any
 import rclpy
 from builtin_interfaces.msg import Time
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
-from heave_bags.analyse.events import MODE_PART
+from heave_bags.analyse.events import ALARMS_PART, MODE_PART
 from heave_msgs.msg import CableState, CompensationKpi, PointMotion, TickStatus
 from heave_node.interface import topics
-from heave_node.interface.codes import ALARMS, without_figures
+from heave_node.interface.codes import without_figures
 from heave_node.ros.process import in_namespace
 from heave_node.ros.spin import Spinner
 from heave_node.ros.transport.qos import qos_of
@@ -29,9 +29,6 @@ DISCOVERY = 0.5
 
 One that shows itself later is noticed during the run.
 """
-
-ALARMS_PART = f"{topics.CONTROLLER_STATE.publisher}: {ALARMS}"
-"""Part in which the controller tells what it has learnt, and what is not as it should be."""
 
 NEWEST = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
 

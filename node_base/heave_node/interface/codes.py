@@ -80,6 +80,9 @@ REQUESTED = "requested"
 RESTS_REQUESTED = (f"stop {REQUESTED}", f"standby {REQUESTED}", f"manual {REQUESTED}")
 """Reasons of modes in which compensation rests since somebody asked for that; an emergency stop is none of them."""
 
+OPERATOR_LIMITED = "the operator's speed is limited to "
+"""Begins what the controller tells of a speed that an operator cannot have."""
+
 
 def told_at(time: float) -> str:
     """Return the key of a value that tells what happened at a simulated `time` [s]."""

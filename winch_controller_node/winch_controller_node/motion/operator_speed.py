@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from heave_node.interface.codes import OPERATOR_LIMITED
 
 from winch_controller_node.motion.trajectory import MovePoint, approach_speed
 from winch_controller_node.parameters.laws import OperatorParameters
@@ -55,6 +56,7 @@ class OperatorSpeed:
         self._timeout = parameters.timeout
         self._asked = 0.0
         self._age = math.inf
+        self._is_limit_told = False
 
     @property
     def is_asked(self) -> bool:
@@ -63,6 +65,7 @@ class OperatorSpeed:
 
     def ask(self, speed: float) -> None:
         """Ask for a `speed` of the mean payout, positive lowers [m/s]."""
+        self._is_limit_told = self._is_limit_told and self.is_asked and speed != 0.0
         self._asked, self._age = speed, 0.0
 
     def drop(self) -> None:
@@ -73,3 +76,13 @@ class OperatorSpeed:
         """Return the speed of the next tick [m/s] at a `point` of mean payout, within `bounds`; 0 once it lapsed."""
         self._age += self._dt
         return bounds.nearest(self._asked, point.payout) if self.is_asked else 0.0
+
+    def limit_news(self, bounds: OperatorRange) -> str:
+        """Return in words that more is asked for than `bounds` allow, once until it rests or lapses; else empty."""
+        if self._is_limit_told or not self.is_asked or abs(self._asked) <= bounds.speed:
+            return ""
+        self._is_limit_told = True
+        return (
+            f"{OPERATOR_LIMITED}{bounds.speed:.2f} m/s, {abs(self._asked):.2f} m/s was asked for: "
+            "operator.speed_share of the winch's speed limit"
+        )
