@@ -266,6 +266,7 @@ def _checked(name: str, path: Path, in_file: Values, settings: Iterable[Setting 
         of_ros = {name: own.pop(name).value for name in list(own) if name.startswith(QOS_OVERRIDES)}
         quality_of_service |= {node.name: of_ros} if of_ros else {}
         _check_own_names(own)
+        _check_owners(node.name, own)
         where = _where(path, node.name, changes)
         built[node.name] = build_node_parameters(node.name, node.parameters_type(), {**shared, **own}, where=where)
     of_all = built[MASTER]
@@ -327,6 +328,29 @@ def _check_own_names(given: Mapping[str, Given]) -> None:
     for name, value in given.items():
         if name in _RUN_NAMES or name.startswith((SYSTEM, WANTED)):
             raise ParameterError(f"{value.where}: all nodes share {name}: set it under {WILDCARD}")
+
+
+def _check_owners(node: str, given: Mapping[str, Given]) -> None:
+    """Refuse what is `given` to a `node` and only another one knows, a parameter or a choice, and say which does."""
+    for name, value in given.items():
+        refused = _unknown(node, value)
+        owners = [other for other in NODE_BY_NAME if not _unknown(other, value)] if refused else []
+        if owners:
+            raise ParameterError(f"{refused}; did you mean {' or '.join(f'{owner}.{name}' for owner in owners)}?")
+
+
+def _unknown(node: str, given: Given) -> str:
+    """Return in words that a `node` knows no such parameter, or no such choice of it, as is `given`; else empty."""
+    infos = {info.name: info for info in describe(NODE_BY_NAME[node].parameters_type())}
+    if given.name not in infos:
+        return f"{given.where}: there is no parameter {given.name}"
+    if not infos[given.name].choices:
+        return ""
+    try:
+        infos[given.name].check_given(given)
+    except ParameterError as error:
+        return str(error)
+    return ""
 
 
 def _refuse_overruled(changes: Sequence[Setting], in_file: Values) -> None:

@@ -50,6 +50,7 @@ def test_a_pattern_is_a_part_of_the_name_or_has_wildcards_or_is_a_word_of_the_me
     assert names("mpc.*horizon") == ["winch_controller.mpc.horizon"]
     assert names("system.sea.peak_period") == ["wave_vessel.peak_period", "winch_controller.sea.peak_period"]
     assert "winch_controller.factor" in names("fraction of full compensation")
+    assert "wave_vessel.mru.faults.kind" in names("freeze"), "a value to choose"
     assert names("whale") == []
 
 

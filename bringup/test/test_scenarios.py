@@ -130,6 +130,8 @@ def test_what_is_wrong_with_a_file_is_told_in_one_line(file, text, words) -> Non
         ("xyz.peak_period=9", "no such node: xyz; known: system, wanted, all, cable_sim"),
         ("wave_vessel.peak_period=[1", "'[1' is not a YAML value"),
         ("wave_vessel.peak_perid=9", "there is no parameter peak_perid; did you mean peak_period?"),
+        ("virtual_winch.law=off", "must be one of speed_servo, first_order; did you mean winch_controller.law?"),
+        ("virtual_winch.mru.noise=0.1", "there is no parameter mru.noise; did you mean wave_vessel.mru.noise?"),
         (
             "system.sea.peak_perid=9",
             "there is no parameter system.sea.peak_perid; did you mean system.sea.peak_period?",

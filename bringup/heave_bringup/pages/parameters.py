@@ -91,7 +91,7 @@ def all_rows() -> list[Row]:
 
 
 def matching(rows: Iterable[Row], pattern: str) -> list[Row]:
-    """Return the rows whose name, or shared name, fits a pattern; where none does, those whose meaning has the word.
+    """Return the rows whose name, or shared name, fits a pattern; where none does, those whose meaning or choices do.
 
     Parameters
     ----------
@@ -105,7 +105,7 @@ def matching(rows: Iterable[Row], pattern: str) -> list[Row]:
         return fnmatch.fnmatchcase(text.lower(), wanted) if has_wildcard else wanted in text.lower()
 
     by_name = [row for row in rows if any(map(fits, (row.info.name, row.shared, f"{row.node}.{row.info.name}")))]
-    return by_name or [row for row in rows if fits(row.info.description)]
+    return by_name or [row for row in rows if any(map(fits, (row.info.description, *row.info.choices)))]
 
 
 def value_words(info: ParameterInfo, value: Value) -> str:

@@ -20,7 +20,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     completed_by(node, lambda: [*NODE_BY_NAME, "all"])
     pattern = parser.add_argument(
-        "pattern", metavar="PATTERN", nargs="?", help="a part of the name, or with * and ?; a word of the meaning"
+        "pattern",
+        metavar="PATTERN",
+        nargs="?",
+        help="a part of the name, or with * and ?; a word of the meaning, or a value to choose",
     )
     completed_by(pattern, _names)
 
