@@ -1,7 +1,7 @@
 """Warnings and errors of /diagnostics as intervals: a countdown is one, what is told once is each."""
 
 import numpy as np
-from heave_bags.analyse.events import diagnostic_alarms
+from heave_bags.analyse.events import Interval, diagnostic_alarms, operator_requests
 from heave_bags.analyse.fields import Fields
 
 
@@ -35,3 +35,10 @@ def test_the_mode_is_no_alarm_where_the_controller_s_state_tells_it_to_the_tick(
     told = fields("winch_controller: mode", ["stopped: mru stale"] * 3)
     assert len(diagnostic_alarms(told)) == 1
     assert diagnostic_alarms(told, has_modes=True) == []
+
+
+def test_what_an_operator_asked_for_is_told_at_its_own_time_and_is_no_alarm():
+    messages = ["ok", "t = 1.20 s: factor 0.8; t = 1.55 s: speed +0.20 m/s", "ok"]
+    told = fields("winch_controller: operator", messages)
+    assert operator_requests(told) == [Interval(1.2, 1.2, "factor 0.8"), Interval(1.55, 1.55, "speed +0.20 m/s")]
+    assert operator_requests(fields("winch_controller: alarms", messages)) == []

@@ -126,7 +126,9 @@ def test_what_happened_is_told_in_words_and_in_order(shared_bag):
     (record,) = analysis.analyse([shared_bag])
     modes = [("standby", ""), ("compensating", ""), ("stopping", "mru frozen"), ("stopped", "mru frozen")]
     record.modes = [Interval(10.0 * n, 10.0 * n + 10.0, mode, reason=reason) for n, (mode, reason) in enumerate(modes)]
+    record.requests = [Interval(12.0, 12.0, "factor 0.8")]
     texts = [one.text for one in run_words.happenings(record)]
+    assert "operator: factor 0.8" in texts
     assert "compensation lost: mode stopping: mru frozen" in texts
     assert run_words.losses(record) == ["t = 20.00 s: compensation lost: mode stopping: mru frozen"]
     times = [one.start for one in run_words.happenings(record)]

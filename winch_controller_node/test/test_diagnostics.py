@@ -7,14 +7,14 @@ import pytest
 pytest.importorskip("rclpy")
 pytest.importorskip("heave_msgs")
 
-from heave_node.interface.codes import SensorLevel
+from heave_node.interface.codes import OPERATOR, SensorLevel, told_in
 from heave_node.ros.diagnostics import Level
 from winch_controller_node.interface.readings import SensorState
 from winch_controller_node.node import WinchControllerNode
 from winch_controller_node.supervision.modes import Event
 
 
-def parts_of(mode, *, is_inhibited=False, reason="", sensors=()):
+def parts_of(mode, *, is_inhibited=False, reason="", sensors=(), asked=None):
     """Return the parts that `diagnose` says, the mode first."""
     report = SimpleNamespace(
         mode=mode, is_inhibited=is_inhibited, reason=reason, authority=0.0, sensors=sensors, solver_status="free"
@@ -24,6 +24,7 @@ def parts_of(mode, *, is_inhibited=False, reason="", sensors=()):
         controller=SimpleNamespace(depth=300.0, preview=SimpleNamespace(has_come=False)),
         _changes={},
         _told={},
+        _asked=asked or {},
         _diagnose_commands=lambda: None,
     )
     return WinchControllerNode.diagnose(node)
@@ -69,3 +70,10 @@ def test_a_lost_sensor_says_what_to_do_and_one_that_is_well_is_ok():
     words = {part.part: part.message for part in parts_of("compensating", sensors=(lost, well)) if part is not None}
     assert words["sensor mru"] == "frozen: its readings do not change: start it or its driver again"
     assert words["sensor depth"] == "ok"
+
+
+def test_what_an_operator_asked_for_is_told_with_its_time_and_is_no_warning():
+    asked = {"t = 1.20 s": "factor 0.8", "t = 1.55 s": "speed +0.20 m/s"}
+    (part,) = [one for one in parts_of("compensating", asked=asked) if one is not None and one.part == OPERATOR]
+    assert (part.level, part.values) == (Level.OK, asked)
+    assert told_in(part.message) == [(1.2, "factor 0.8"), (1.55, "speed +0.20 m/s")]

@@ -87,6 +87,7 @@ class WinchController:
         self._kpi = KpiWindow(parameters.kpi_window, parameters.winch, tick_period=tick_period)
         self._learning = Learning(self._in_force, self._estimation, self._winch, designer)
         self._alarms: list[str] = []
+        self._requests: list[str] = []
         self.preview = PreviewWatch(law.preview, tick_period=tick_period)
         self._tick_nanoseconds = round(tick_period * 1e9)
         self._previews = False
@@ -194,6 +195,7 @@ class WinchController:
         (info,) = (info for info in describe(WinchControllerParameters) if info.name == "factor")
         info.check(factor, where="winch_controller")
         self.modes.set_factor(factor)
+        self._requests.append(f"factor {factor:g}")
 
     def move_to_depth(self, depth: float, speed: float = 0.0) -> None:
         """Move the unit to the mean depth [m] at no more than `speed` [m/s] (0: the default).
@@ -207,6 +209,7 @@ class WinchController:
         if not math.isfinite(depth):
             raise ModeError(f"a depth must be a number; got {depth} m")
         self.move_to_payout(self._estimation.payout_at(depth), speed)
+        self._requests.append(f"depth {depth:.2f} m" + (f" at {speed:g} m/s" if speed > 0.0 else ""))
 
     def move_to_payout(self, payout: float, speed: float = 0.0) -> None:
         """Move the mean payout to `payout` [m] at no more than `speed` [m/s] (0: the default).
@@ -239,6 +242,7 @@ class WinchController:
 
     def _follow_operator(self) -> None:
         """Drive the mean payout as the operator asks, and bring it to rest when that has lapsed."""
+        self._requests += self._operator.news(self.mean.point.payout)
         if not self._operator.is_asked:
             return
         if self.mode not in OPERATED:
@@ -328,11 +332,11 @@ class WinchController:
             depth_set_point=self._estimation.motion.set_point,
             sensors=self.observer.states(tick),
         )
+        requests, self._requests = tuple(self._requests), []
         kpi = self._kpi.figures() if tick % max(1, round(1.0 / self._dt)) == 0 else None
         mode, make_report = decision.mode, partial(state_report, told)
-        return Outputs(
-            order, mode.mode.value, mode.authority, told.depth_set_point, make_report, kpi, tuple(self._alarms)
-        )
+        alarms, authority = tuple(self._alarms), mode.authority
+        return Outputs(order, mode.mode.value, authority, told.depth_set_point, make_report, kpi, alarms, requests)
 
     def _decide(self, loop: LoopTick, measurements: Measurements) -> Decision:
         """Have winch and loop supervised."""

@@ -13,7 +13,7 @@ from typing import Any
 from geometry_msgs.msg import TwistStamped
 from heave_msgs.srv import Redesign, SetMode
 from heave_node.interface import topics
-from heave_node.interface.codes import ALARMS, COMMANDS, LATE, MODE, RESTS_REQUESTED, SensorLevel, told_at
+from heave_node.interface.codes import ALARMS, COMMANDS, LATE, MODE, OPERATOR, RESTS_REQUESTED, SensorLevel, told_at
 from heave_node.interface.sensors import SENSORS, Water
 from heave_node.interface.topic import Topic
 from heave_node.numerics.linear_model import ModelError
@@ -74,6 +74,7 @@ class WinchControllerNode(ParticipantNode):
         self.outputs_of_tick: Outputs | None = None
         self._told: dict[str, list[str]] = {}
         self._changes: dict[str, str] = {}
+        self._asked: dict[str, str] = {}
         self.command = self.add_output(topics.WINCH_COMMAND)
         self.state = self.add_output(topics.CONTROLLER_STATE)
         self.kpi = self.add_output(topics.CONTROLLER_KPI)
@@ -138,6 +139,8 @@ class WinchControllerNode(ParticipantNode):
                 self._changes[time] = words.removeprefix("mode ")
             else:
                 self._told.setdefault(time, []).append(words)
+        if outputs.requests:
+            self._asked[time] = ", ".join(outputs.requests)
         self.move.on_tick(tick.time)
 
     def on_exit(self) -> None:
@@ -166,6 +169,9 @@ class WinchControllerNode(ParticipantNode):
             parts.append(Health("solver", Level.WARN, report.solver_status))
         told, self._told = {time: "; ".join(words) for time, words in self._told.items()}, {}
         parts.append(Health(ALARMS, Level.WARN, "; ".join(told.values()), told) if told else Health(ALARMS))
+        asked, self._asked = self._asked, {}
+        words = "; ".join(f"{time}: {what}" for time, what in asked.items())
+        parts.append(Health(OPERATOR, Level.OK, words, asked) if asked else Health(OPERATOR))
         return parts
 
     def _diagnose_commands(self) -> Health:

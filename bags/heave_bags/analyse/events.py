@@ -12,11 +12,13 @@ from heave_node.interface import topics
 from heave_node.interface.codes import (
     ALARMS,
     MODE,
+    OPERATOR,
     REQUESTED,
     SensorLevel,
     WinchFault,
     WinchLimit,
     told_at,
+    told_in,
     without_figures,
 )
 from heave_node.numerics.arrays import Array
@@ -39,6 +41,8 @@ MODE_PART = f"{topics.CONTROLLER_STATE.publisher}: {MODE}"
 """Part of /diagnostics in which the controller tells its mode and why."""
 ALARMS_PART = f"{topics.CONTROLLER_STATE.publisher}: {ALARMS}"
 """Part in which the controller tells what it has learnt, and what is not as it should be."""
+OPERATOR_PART = f"{topics.CONTROLLER_STATE.publisher}: {OPERATOR}"
+"""Part in which the controller tells what an operator has asked for."""
 
 
 @dataclass(frozen=True)
@@ -167,6 +171,18 @@ def diagnostic_alarms(diagnostics: Fields, *, has_modes: bool = False) -> list[I
     for (_, level), (label, times) in alarms.items():
         found += _joined(times, label, level)
     return found
+
+
+def operator_requests(diagnostics: Fields) -> list[Interval]:
+    """Return what an operator has asked for, from the columns of /diagnostics: factor, speed, depth."""
+    found: list[Interval] = []
+    for index in diagnostics.indices("status[].level"):
+        names, messages = (diagnostics.texts(f"status[{index}].{part}") for part in ("name", "message"))
+        if names is None or messages is None:
+            continue
+        told = [told_in(str(messages[row])) for row in np.flatnonzero(names == OPERATOR_PART)]
+        found += [Interval(time, time, words) for one in told for time, words in one]
+    return sorted(found, key=lambda one: one.start)
 
 
 def _unchanged(time: Array, names: NDArray[Any]) -> list[Interval]:

@@ -121,6 +121,7 @@ class RunRecord:
     signals : what the KPIs are computed from
     start, end : evaluation window [s]: after the transient, to the end
     modes, alarms, limits : what held when
+    requests : what an operator asked for, and when: factor, speed, depth
     innovations : per measurement of the estimator
     run, outcome : the bag's own words on the run
     losses : what of the bag could not be read
@@ -140,6 +141,7 @@ class RunRecord:
     modes: list[Interval] = field(default_factory=list)
     alarms: list[Interval] = field(default_factory=list)
     limits: list[Interval] = field(default_factory=list)
+    requests: list[Interval] = field(default_factory=list)
     innovations: list[Innovation] = field(default_factory=list)
     run: Mapping[str, str] = field(default_factory=dict)
     outcome: Mapping[str, str] = field(default_factory=dict)
@@ -265,6 +267,7 @@ def _fill(record: RunRecord, fields: Mapping[str, Fields], parameters: NodeParam
             "payout about its set-point"
         )
     record.alarms += events.diagnostic_alarms(fields[DIAGNOSTICS], has_modes=bool(record.modes))
+    record.requests += events.operator_requests(fields[DIAGNOSTICS])
     _fill_outcome(record)
     _fill_parameters(record.signals, parameters)
 

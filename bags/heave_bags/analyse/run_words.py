@@ -207,8 +207,9 @@ class Happening:
 
 
 def happenings(record: RunRecord) -> list[Happening]:
-    """Return what happened in the run `record`, in order: modes, landings, limits and alarms."""
+    """Return what happened in the run `record`, in order: modes, requests, landings, limits and alarms."""
     found = [*_modes(record.modes), *_landings(record), *_limits(record.limits)]
+    found += [Happening(one.start, one.end, f"operator: {one.name}") for one in record.requests]
     found += [Happening(alarm.start, alarm.end, alarm.name, alarm.level) for alarm in record.alarms]
     return sorted(found, key=lambda one: one.start)
 

@@ -74,6 +74,11 @@ MODE = "mode"
 """Part of the controller's diagnostics with its mode and why, and each change since the last ones by time, as values.
 """
 
+OPERATOR = "operator"
+"""Part of the controller's diagnostics with what an operator has asked for since the last ones, by time, as values and
+in its message.
+"""
+
 REQUESTED = "requested"
 """Last word of the reason of a mode that somebody asked for."""
 
@@ -93,6 +98,12 @@ def time_of(key: str) -> float | None:
     """Return the simulated time [s] of which a `key` tells; None for any other key."""
     found = _TOLD_AT.fullmatch(key)
     return None if found is None else float(found[1])
+
+
+def told_in(message: str) -> list[tuple[float, str]]:
+    """Return simulated time [s] and words of all that a `message` tells: "t = 1.00 s: this; t = 2.00 s: that"."""
+    _, *found = re.split(r"(?:^|; )t = ([0-9.]+) s: ", message)
+    return [(float(time), words) for time, words in zip(found[::2], found[1::2], strict=True)]
 
 
 _TOLD_AT = re.compile(r"t = ([0-9.]+) s")

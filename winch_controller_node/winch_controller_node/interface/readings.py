@@ -181,6 +181,7 @@ class Outputs(NamedTuple):
     make_report : returns the report of the tick
     kpi : once a second; None else
     alarms : one line each
+    requests : what an operator has asked for since the last tick, one line each; modes are told by themselves
     """
 
     order: WinchOrder
@@ -190,6 +191,7 @@ class Outputs(NamedTuple):
     make_report: Callable[[], Report]
     kpi: RollingKpi | None = None
     alarms: tuple[str, ...] = ()
+    requests: tuple[str, ...] = ()
 
     @property
     def report(self) -> Report:

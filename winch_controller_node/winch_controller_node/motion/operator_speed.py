@@ -57,6 +57,7 @@ class OperatorSpeed:
         self._asked = 0.0
         self._age = math.inf
         self._is_limit_told = False
+        self._begun_at: float | None = None
 
     @property
     def is_asked(self) -> bool:
@@ -76,6 +77,17 @@ class OperatorSpeed:
         """Return the speed of the next tick [m/s] at a `point` of mean payout, within `bounds`; 0 once it lapsed."""
         self._age += self._dt
         return bounds.nearest(self._asked, point.payout) if self.is_asked else 0.0
+
+    def news(self, payout: float) -> tuple[str, ...]:
+        """Return in words that an operator's speed has begun, or is over, with the mean `payout` [m] in this tick."""
+        is_under_way = self.is_asked and self._asked != 0.0
+        if is_under_way and self._begun_at is None:
+            self._begun_at = payout
+            return (f"speed {self._asked:+.2f} m/s",)
+        if not is_under_way and self._begun_at is not None:
+            moved, self._begun_at = payout - self._begun_at, None
+            return (f"speed 0 m/s: the mean payout has moved by {moved:+.2f} m",)
+        return ()
 
     def limit_news(self, bounds: OperatorRange) -> str:
         """Return in words that more is asked for than `bounds` allow, once until it rests or lapses; else empty."""
