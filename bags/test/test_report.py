@@ -11,7 +11,7 @@ from heave_bags.analyse.report_figures import pack, run_figures, thin
 from heave_bags.signals import Signal
 from heave_node.criteria import Criterion
 from made_up_run import MadeUpRun
-from numpy import arange, sin, zeros
+from numpy import arange, array, sin, zeros
 
 from tests import browser
 
@@ -107,6 +107,21 @@ def test_a_motion_has_one_unit_in_table_extremes_axes_and_under_the_pointer(shar
         for trace in drawn["traces"]:
             if trace.get("yaxis", "y") == "y" and "heave" in drawn["layout"]["yaxis"]["title"]["text"]:
                 assert trace["hovertemplate"].endswith((" cm", "</extra>"))
+
+
+def test_a_limit_that_was_learnt_is_drawn_from_when_on_it_is_told(shared_bag):
+    (record,) = analysis.analyse([shared_bag])
+    (figure,) = [one for one in run_figures(record) if one.title.startswith("Winch speed")]
+    assert "learnt" not in figure.caption
+    told = "winch_controller: alarms: winch model updated: acceleration limit {} m/s^2 (was 1.500), reached paying out"
+    record.alarms += [Interval(time, time + 1.0, told.format(limit), 1) for time, limit in ((40.0, 0.6), (20.0, 0.9))]
+    (figure,) = [one for one in run_figures(record) if one.title.startswith("Winch speed")]
+    assert "dotted: as the controller has learnt them" in figure.caption
+    upper, lower = [trace for trace in figure.traces if trace["name"] == "acceleration limit, learnt"]
+    assert upper["yaxis"] == lower["yaxis"] == "y2"
+    assert upper["x"] == lower["x"] == pack(array([20.0, 40.0, 40.0, record.end]))
+    assert upper["y"] == pack(array([0.9, 0.9, 0.6, 0.6]))
+    assert lower["y"] == pack(-array([0.9, 0.9, 0.6, 0.6]))
 
 
 def test_a_comparison_is_called_by_what_differs(shared_bag):

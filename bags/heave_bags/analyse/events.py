@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
@@ -14,6 +15,7 @@ from heave_node.interface.codes import (
     MODE,
     OPERATOR,
     REQUESTED,
+    WINCH_LEARNT,
     SensorLevel,
     WinchFault,
     WinchLimit,
@@ -183,6 +185,21 @@ def operator_requests(diagnostics: Fields) -> list[Interval]:
         told = [told_in(str(messages[row])) for row in np.flatnonzero(names == OPERATOR_PART)]
         found += [Interval(time, time, words) for one in told for time, words in one]
     return sorted(found, key=lambda one: one.start)
+
+
+def learnt_limits(alarms: Sequence[Interval], quantity: str) -> list[tuple[float, float]]:
+    """Return from when [s] on the controller has used which limit of the winch that it had learnt.
+
+    Parameters
+    ----------
+    alarms : of the run, in which it is told
+    quantity : speed [m/s] or acceleration [m/s^2]
+    """
+    found = []
+    for alarm in sorted(alarms, key=lambda one: one.start):
+        told = re.findall(rf"\b{quantity} limit ([\d.]+) m/s", alarm.name) if WINCH_LEARNT in alarm.name else []
+        found += [(alarm.start, float(value)) for value in told]
+    return found
 
 
 def _unchanged(time: Array, names: NDArray[Any]) -> list[Interval]:

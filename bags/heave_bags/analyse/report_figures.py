@@ -15,6 +15,7 @@ import numpy as np
 from heave_node.numerics.arrays import Array
 from heave_node.tick.durations import EDGES, LAST
 
+from heave_bags.analyse import events
 from heave_bags.analyse.events import Interval
 from heave_bags.analyse.kpi_set import QUANTITIES
 from heave_bags.analyse.run_record import Innovation, RunRecord
@@ -337,20 +338,44 @@ def winch_figure(record: RunRecord) -> Figure:
     shapes = [shape for sign in (1, -1) for shape in _level(sign * signals.speed_limit, "speed limit")]
     for sign in (1, -1):
         shapes += _level(sign * signals.acceleration_limit, "acceleration limit", "y2")
+    learnt = [*_learnt_limit(record, "speed", "y"), *_learnt_limit(record, "acceleration", "y2")]
     figure = Figure(
         "Winch speed and acceleration",
-        "Positive pays out and lowers the unit.",
+        "Positive pays out and lowers the unit. Dashed: limits of the winch as stated"
+        + ("; dotted: as the controller has learnt them, from when on it told." if learnt else "."),
         layout=_time_layout(record, "payout rate [m/s]", shapes),
         height=520,
     )
     figure.traces += [
         line(signals.payout_rate, "payout rate", PAYOUT),
         line(signals.payout_acceleration, "payout acceleration", OTHER, axis="y2"),
+        *learnt,
     ]
     figure.layout["yaxis"]["domain"] = [0.54, 1.0]
     figure.layout["yaxis2"] = {"title": {"text": "acceleration [m/s²]"}, "domain": [0.0, 0.46]}
     figure.layout["xaxis"]["anchor"] = "y2"
     return figure
+
+
+def _learnt_limit(record: RunRecord, quantity: str, axis: str) -> list[dict[str, Any]]:
+    """Return a limit of the winch that was learnt in the run `record` as two lines, in steps; nothing where none was.
+
+    Parameters
+    ----------
+    record : of the run
+    quantity : speed or acceleration
+    axis : of the figure
+    """
+    learnt = events.learnt_limits(record.alarms, quantity)
+    if not learnt:
+        return []
+    times = np.repeat([*(time for time, _ in learnt), max(record.end, learnt[-1][0])], 2)[1:-1]
+    values = np.repeat([value for _, value in learnt], 2)
+    name, style = f"{quantity} limit, learnt", {"axis": axis, "dash": "dot"}
+    return [
+        line(Signal(times, values), name, LIMIT, **style),
+        line(Signal(times, -values), name, LIMIT, **style) | {"showlegend": False},
+    ]
 
 
 def spectrum_lines(record: RunRecord) -> dict[str, Spectrum]:

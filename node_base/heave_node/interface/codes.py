@@ -85,6 +85,9 @@ REQUESTED = "requested"
 RESTS_REQUESTED = (f"stop {REQUESTED}", f"standby {REQUESTED}", f"manual {REQUESTED}")
 """Reasons of modes in which compensation rests since somebody asked for that; an emergency stop is none of them."""
 
+WINCH_LEARNT = "winch model updated: "
+"""Begins what the controller tells of a winch that is not as it was believed to be."""
+
 OPERATOR_LIMITED = "the operator's speed is limited to "
 """Begins what the controller tells of a speed that an operator cannot have."""
 

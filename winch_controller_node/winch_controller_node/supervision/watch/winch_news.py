@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 
+from heave_node.interface.codes import WINCH_LEARNT
+
 from winch_controller_node.parameters.model import WinchModelParameters
 
 SETTLED, LONGEST = 12.0, 40.0
@@ -91,7 +93,7 @@ class WinchNews:
             value = f"{label} {getattr(winch, name):.3f} {unit}".rstrip()
             words.append(f"{value} (was {getattr(self._told, name):.3f}){reached}{by_power}")
         self._told = replace(self._told, **{name: getattr(winch, name) for _, name, _ in changed})
-        return [f"winch model updated: {', '.join(words)}"]
+        return [f"{WINCH_LEARNT}{', '.join(words)}"]
 
     @property
     def _has_settled(self) -> bool:
