@@ -201,7 +201,7 @@ def _run(record: RunRecord, verdict: Verdict, values: Mapping[str, float]) -> di
     return {
         "name": record.name,
         "facts": run_words.facts(record),
-        "remarks": record.remarks(),
+        "remarks": [*record.remarks(), *run_words.warnings(record, values)],
         "verdict": [line.strip() for line in verdict.lines()],
         "verdict_class": "bad" if not verdict.is_good else "" if is_silent else "good",
         "tiles": _tiles(record, values),
