@@ -5,6 +5,7 @@ import pandas
 import pytest
 from heave_bringup.campaign.sensitivity import influence_table, influences, save_tornado
 from heave_bringup.campaign.table import FAILURE, NOMINAL
+from heave_bringup.cli import main
 from heave_bringup.tables.case_table import CASE, SCENARIO
 from heave_node.parameters import ParameterError
 from scipy import stats
@@ -76,3 +77,11 @@ def test_a_figure_that_follows_one_parameter_exactly_is_drawn_too(tmp_path, sign
     assert found[0].low <= found[0].correlation <= found[0].high
     save_tornado(found, "unit_sigma_m", tmp_path / "one.png")
     assert (tmp_path / "one.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_a_campaign_of_too_few_cases_is_refused_before_they_are_run(tmp_path, capsys):
+    campaign = tmp_path / "few.yaml"
+    draws = "{count: 9, nominal: true, uniform: {system.length: [250, 300]}}"
+    campaign.write_text(f"scenario: b2_calm_300\nduration: 100000\ndraw: {draws}\n")
+    assert main(["campaign", str(campaign), "--tornado", str(tmp_path / "few.svg")]) == 2
+    assert capsys.readouterr().err == f"heave: {campaign}: 9 cases: what matters needs 10 and more\n"

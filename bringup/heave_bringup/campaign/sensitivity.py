@@ -19,6 +19,7 @@ from rich.table import Table
 from scipy import stats
 
 from heave_bringup.campaign.picture import load_pyplot, save_figure
+from heave_bringup.campaign.plan import Campaign
 from heave_bringup.campaign.table import FAILURE, NOMINAL, settings_of
 from heave_bringup.output import make_table
 
@@ -52,6 +53,13 @@ class Influence:
     def is_shown(self) -> bool:
         """Whether the cases show any influence."""
         return self.low > 0.0 or self.high < 0.0
+
+
+def check_enough(campaign: Campaign) -> None:
+    """Refuse a `campaign` whose cases are too few to tell what matters, before they are run; raises ParameterError."""
+    count = sum(not case.is_nominal for case in campaign.cases())
+    if count < FEWEST_CASES:
+        raise ParameterError(f"{campaign.path}: {count} cases: what matters needs {FEWEST_CASES} and more")
 
 
 def influences(frame: pandas.DataFrame, kpi: str) -> list[Influence]:

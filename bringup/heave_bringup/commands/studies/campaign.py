@@ -65,7 +65,7 @@ def execute(options: argparse.Namespace) -> None:
     from heave_bringup.campaign import picture
     from heave_bringup.campaign.campaign_file import find_campaign, read_campaign
     from heave_bringup.campaign.report import case_table, left_out, summary_table, to_json, without_scenario
-    from heave_bringup.campaign.sensitivity import influence_table, influences, save_tornado
+    from heave_bringup.campaign.sensitivity import check_enough, influence_table, influences, save_tornado
     from heave_bringup.campaign.study import run_study
     from heave_bringup.output import check_output, write_result
 
@@ -80,6 +80,8 @@ def execute(options: argparse.Namespace) -> None:
     check_output("--tornado", options.tornado, picture.ENDINGS)
     campaign = read_campaign(find_campaign(options.campaign))
     campaign = campaign.shortened(duration=options.duration, draws=options.draws)
+    if options.tornado is not None:
+        check_enough(campaign)
     frame = run_study(
         campaign,
         output=options.output,
