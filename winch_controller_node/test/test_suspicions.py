@@ -103,6 +103,19 @@ def test_a_cable_other_than_believed_is_no_fault_of_a_sensor(inertia, damping):
     assert 1.0 / 1.5 < verdict.design.cable.b / cable["cable_model.damping"] < 1.5
 
 
+def test_a_high_pass_on_a_cable_of_other_inertia_is_found_with_it():
+    """Either of them alone explained too little, and the MRU was doubted as a whole."""
+    truth = parameters(
+        **{"sensors.mru.high_pass_period": 27.0, "cable_model.inertia": 1.3 * BELIEF["cable_model.inertia"]}
+    )
+    verdict = suspect(parameters(), record_of(truth), design_for, DT)
+    assert list(verdict.suspicion.findings) == ["mru", "cable"]
+    assert verdict.suspicion.parameters.sensors.mru.high_pass_period == pytest.approx(27.0, rel=0.06)
+    assert verdict.design.cable.a == pytest.approx(1.3 * BELIEF["cable_model.inertia"], rel=0.03)
+    assert verdict.suspicion.findings["mru"].startswith("its heave has a high-pass with a cut-off period of 2")
+    assert verdict.suspicion.findings["cable"].startswith("it answers with 1.")
+
+
 @pytest.mark.parametrize(
     ("turned_over", "sensor"),
     [(("mru_heave", "mru_heave_rate"), "mru"), pytest.param(("unit_heave",), "depth", marks=pytest.mark.long)],

@@ -226,11 +226,12 @@ class Learning:
         self._suspected, self._patience = tick * self._dt, FIRST_PATIENCE
         if not suspicion.culprit:
             return [f"{was_doubted} agrees with all others again"]
-        self._doubts = f"{suspicion.culprit} suspect: {suspicion.words}"
-        self.corrected.add(suspicion.culprit)
+        doubts = [f"{culprit} suspect: {words}" for culprit, words in suspicion.findings.items()]
+        self._doubts = "; ".join(doubts)
+        self.corrected.update(suspicion.findings)
         if suspicion.culprit != "mru":
             estimation.surprise.excuse()
-        return [self._doubts]
+        return doubts
 
 
 def _changes(before: SeaModelParameters, after: SeaModelParameters) -> str:

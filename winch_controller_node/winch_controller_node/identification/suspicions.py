@@ -2,7 +2,8 @@
 
 Each sensor tells something of the same motions, so that an estimator that believes in a wrong one foresees badly what
 all of them read. The suspicion under which the readings of a minute are by far the likeliest, and as far off as
-foreseen, names what is at fault.
+foreseen, names what is at fault. Where none explains it, two may be wrong: a high-pass of the MRU and the inertia of
+the cable are then tried together, as either of them alone leaves what the other does.
 """
 
 from __future__ import annotations
@@ -19,6 +20,9 @@ from winch_controller_node.interface.sensors import MRU_SCALE, KnownSensors
 from winch_controller_node.model.estimator import KalmanEstimator, Measurement, RecordedTick
 from winch_controller_node.node_parameters import WinchControllerParameters
 
+CABLE = "cable"
+"""Culprit that is no sensor."""
+
 SETTLING = 15.0
 """Time at the start of the record over which a suspicion is not judged: its estimate settles [s]."""
 
@@ -27,6 +31,9 @@ CORNERS = (100.0, 60.0, 40.0, 30.0, 22.0, 16.0)
 
 REFINEMENTS = (1.12, 1.05, 1.02)
 """Factors, up and down, by which the best of them is then refined."""
+
+COARSE = 1.25
+"""And before these, where two are wrong: the best corner of one that is tried alone is farther off."""
 
 DAMPING_POWER = 6
 """Damping is changed by the power of these factors: a record tells it so much worse than inertia."""
@@ -65,7 +72,7 @@ class Suspicion:
 
     Attributes
     ----------
-    culprit : the sensor, or the cable; empty: none
+    culprit : the sensor, or the cable; empty: none; the cable may be wrong besides a sensor
     words : what is wrong with it
     parameters : what is to be believed then
     doubted : sensor whose readings count as noise; empty: none
@@ -79,6 +86,17 @@ class Suspicion:
     doubted: str = ""
     cable: tuple[float, float] = (1.0, 1.0)
     scale: str = ""
+
+    @property
+    def is_high_pass(self) -> bool:
+        """Tell whether it is one of the MRU."""
+        return self.culprit == "mru" and not self.doubted
+
+    @property
+    def findings(self) -> dict[str, str]:
+        """Return what is wrong with each that is at fault, by culprit."""
+        found = {self.culprit: self.words} if self.culprit else {}
+        return found if self.cable == (1.0, 1.0) else found | {CABLE: _cable_words(*self.cable)}
 
 
 @dataclass(frozen=True)
@@ -124,34 +142,55 @@ def suspect(
         design = design_for(replace(suspicion.parameters, sensors=replace(sensors, use=use)), suspicion.cable)
         return _tried(suspicion, design, record, first_judged)
 
+    def refined(trials: Sequence[_Trial], factors: Sequence[float]) -> _Trial:
+        best = _likeliest(trials)
+        for factor in factors:
+            best = _likeliest([best, *(tried(near) for near in _near(parameters, best.verdict.suspicion, factor))])
+        return best
+
     nothing = tried(Suspicion("", "", parameters))
     trials = [tried(suspicion) for suspicion in _suspicions(parameters)]
-    best = max(trials, key=lambda trial: trial.likelihood)
-    for factor in REFINEMENTS:
-        trials = [best, *(tried(near) for near in _near(parameters, best.verdict.suspicion, factor))]
-        best = max(trials, key=lambda trial: trial.likelihood)
-    holds = _explains(best, nothing, parameters) and best.likelihood > nothing.likelihood + CLEARLY
-    return best.verdict if holds else nothing.verdict
+    best = refined(trials, REFINEMENTS)
+    found = best if _explains(best, nothing, parameters) and best.likelihood > nothing.likelihood + CLEARLY else nothing
+    filtered = [trial for trial in trials if trial.verdict.suspicion.is_high_pass]
+    if not filtered or _is_enough(found, parameters):
+        return found.verdict
+    one = _likeliest(filtered).verdict.suspicion
+    both = refined([tried(replace(one, cable=(inertia, 1.0))) for inertia in INERTIAS], (COARSE, *REFINEMENTS))
+    # of a sensor that is doubted nothing is foreseen: it is no measure
+    before = nothing if found.verdict.suspicion.doubted else found
+    likeliest = _likeliest([best, nothing])
+    holds = _explains(both, before, parameters) and both.likelihood > likeliest.likelihood + CLEARLY
+    return (both if holds else found).verdict
 
 
-def _explains(trial: _Trial, nothing: _Trial, parameters: WinchControllerParameters) -> bool:
+def _likeliest(trials: Sequence[_Trial]) -> _Trial:
+    """Return that of the `trials` under which the record is likeliest."""
+    return max(trials, key=lambda trial: trial.likelihood)
+
+
+def _explains(trial: _Trial, before: _Trial, parameters: WinchControllerParameters) -> bool:
     """Tell whether the sensors in use are foreseen under a suspicion, and those that only witness no worse for it.
 
     Parameters
     ----------
-    trial, nothing : of the suspicion, and of none
+    trial, before : of the suspicion, and of none or a simpler one
     parameters : believed
     """
-    used = {row.name for sensor in parameters.sensors.in_use().values() for row in sensor.rows()}
+    unexplained = before.worst(parameters, are_used=True)
+    allowed = min(EXPLAINED, LESS * unexplained)
+    if set(trial.verdict.suspicion.findings) <= set(parameters.sensors.use):
+        allowed = max(allowed, SHARE_LEFT * unexplained)
+    witnessed = max(EXPLAINED, before.worst(parameters, are_used=False))
+    is_witnessed = trial.worst(parameters, are_used=False) <= witnessed
+    return trial.worst(parameters, are_used=True) < allowed and is_witnessed
 
-    def worst(of: _Trial, *, are_used: bool) -> float:
-        return max((misfit for name, misfit in of.misfits.items() if (name in used) == are_used), default=1.0)
 
-    allowed = min(EXPLAINED, LESS * worst(nothing, are_used=True))
-    if trial.verdict.suspicion.culprit in parameters.sensors.use:
-        allowed = max(allowed, SHARE_LEFT * worst(nothing, are_used=True))
-    witnessed = max(EXPLAINED, worst(nothing, are_used=False))
-    return worst(trial, are_used=True) < allowed and worst(trial, are_used=False) <= witnessed
+def _is_enough(found: _Trial, parameters: WinchControllerParameters) -> bool:
+    """Tell whether what was `found` says what is wrong, so that the sensors in use (`parameters`) are foreseen."""
+    suspicion = found.verdict.suspicion
+    is_named = bool(suspicion.culprit) and not suspicion.doubted
+    return is_named and found.worst(parameters, are_used=True) < EXPLAINED
 
 
 def likelihood(design: ControllerDesign, record: Sequence[RecordedTick], tick_period: float) -> float:
@@ -196,8 +235,11 @@ def _scale(parameters: WinchControllerParameters) -> Suspicion:
 
 
 def _cable(parameters: WinchControllerParameters, inertia: float, damping: float) -> Suspicion:
-    words = f"it answers with {inertia:.2f} times the inertia and {damping:.2g} times the damping that are believed"
-    return Suspicion("cable", words, parameters, cable=(inertia, damping))
+    return Suspicion(CABLE, _cable_words(inertia, damping), parameters, cable=(inertia, damping))
+
+
+def _cable_words(inertia: float, damping: float) -> str:
+    return f"it answers with {inertia:.2f} times the inertia and {damping:.2g} times the damping that are believed"
 
 
 def _suspicions(parameters: WinchControllerParameters) -> list[Suspicion]:
@@ -220,13 +262,18 @@ def _near(parameters: WinchControllerParameters, suspicion: Suspicion, factor: f
     """Return the neighbours of a suspicion that has a size, by a factor above and below it."""
     if suspicion.doubted or suspicion.scale:
         return []
-    if suspicion.culprit == "cable":
-        inertia, damping = suspicion.cable
+    inertia, damping = suspicion.cable
+    if suspicion.culprit == CABLE:
         more = factor**DAMPING_POWER
         changes = [(factor, 1.0), (1.0 / factor, 1.0), (1.0, more), (1.0, 1.0 / more)]
         return [_cable(parameters, inertia * mass, damping * drag) for mass, drag in changes]
     corner = suspicion.parameters.sensors.mru.high_pass_period
-    return [_cut_off(parameters, corner * factor), _cut_off(parameters, corner / factor)]
+    near = [
+        replace(_cut_off(parameters, period), cable=suspicion.cable) for period in (corner * factor, corner / factor)
+    ]
+    if CABLE not in suspicion.findings:
+        return near
+    return [*near, *(replace(suspicion, cable=(mass, damping)) for mass in (inertia * factor, inertia / factor))]
 
 
 @dataclass(frozen=True)
@@ -243,6 +290,11 @@ class _Trial:
     likelihood: float
     misfits: Mapping[str, float]
     verdict: Verdict
+
+    def worst(self, parameters: WinchControllerParameters, *, are_used: bool) -> float:
+        """Return the largest misfit of the sensors that `parameters` use, or of those that only witness."""
+        used = {row.name for sensor in parameters.sensors.in_use().values() for row in sensor.rows()}
+        return max((misfit for name, misfit in self.misfits.items() if (name in used) == are_used), default=1.0)
 
 
 def _tried(suspicion: Suspicion, design: ControllerDesign, record: Sequence[RecordedTick], first_judged: int) -> _Trial:
