@@ -157,6 +157,21 @@ def test_a_plant_and_a_winch_that_are_both_not_as_believed_are_kept():
     assert not found.wrong
 
 
+@pytest.mark.parametrize(
+    ("number", "culprits"),
+    [(193, {"cable"}), pytest.param(28, {"mru", "cable"}, marks=pytest.mark.long)],
+    ids=["slack", "two at once"],
+)
+def test_a_plant_that_kept_compensation_from_beginning_is_known_after_a_minute(number, culprits):
+    """Slack for three seconds the cable was no linear spring, and a high-pass of the MRU hid what it was like."""
+    one = promise.draw_with_plant(number)
+    record = ClosedLoop(loop_parameters(load_scenario(SCENARIO, settings=parameters_of(one, duration=65.0)))).run()
+    told = dict(words.split(" suspect: ") for _, words in record.alarms if " suspect: " in words)
+    assert set(told) == culprits
+    inertia = float(told["cable"].split("answers with ")[1].split(" times")[0])
+    assert inertia == pytest.approx(1.0 / one.settings[promise.INERTIA], rel=0.03)
+
+
 def test_a_draw_is_the_same_each_time_and_none_is_beyond_its_range():
     for number in range(200):
         one = draw(number)

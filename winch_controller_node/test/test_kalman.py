@@ -12,12 +12,13 @@ from hypothesis import strategies as st
 from winch_controller_node.model.drag_kernel import Drag
 from winch_controller_node.model.estimator import KalmanEstimator, Measurement, MeasurementModel, RecordedTick
 from winch_controller_node.model.kalman_kernel import corrected_covariance, filter_gain
+from winch_controller_node.model.slack_kernel import Slack
 
 STATES = ("heave", "rate", "scale", "lever", "bias")
 SENSORS = ("heave", "scaled", "rate", "ungated")
 
 
-def estimator(implementation, seed, *, drag):
+def estimator(implementation, seed, *, linear):
     """Return an estimator of a random stable model, whose memory is short and which gives a sensor up soon."""
     random = np.random.default_rng(seed)
     A = random.standard_normal((5, 5))
@@ -40,6 +41,7 @@ def estimator(implementation, seed, *, drag):
         )
         for name in SENSORS
     ]
+    slack = Slack(random.standard_normal(5), random.uniform(0.0, 1.0, len(SENSORS)), 1, 2.0, 0.1, 0.05)
     return KalmanEstimator(
         model,
         measurements,
@@ -48,7 +50,8 @@ def estimator(implementation, seed, *, drag):
         gate_limit=3,
         largest_age=4,
         implementation=implementation,
-        drag=Drag(1, inertia=2.0, damping=0.1, quadratic=0.5, tick_period=0.05) if drag else None,
+        drag=None if linear else Drag(1, inertia=2.0, damping=0.1, quadratic=0.5, tick_period=0.05),
+        slack=None if linear else slack,
     )
 
 
@@ -81,13 +84,13 @@ def recorded(told):
 
 
 @settings(max_examples=150, deadline=None)
-@given(told=ticks, seed=st.integers(0, 2**16), drag=st.booleans())
-def test_the_compiled_filter_estimates_and_judges_as_the_reference_does(told, seed, drag):
+@given(told=ticks, seed=st.integers(0, 2**16), linear=st.booleans())
+def test_the_compiled_filter_estimates_and_judges_as_the_reference_does(told, seed, linear):
     """Late readings, missing and absurd ones, streams, bilinear scales, weights of other states, another noise.
 
     filterpy takes readings one after the other, the compiled filter those of a tick at once.
     """
-    ours, peer = (estimator(implementation, seed, drag=drag) for implementation in ("compiled", "filterpy"))
+    ours, peer = (estimator(implementation, seed, linear=linear) for implementation in ("compiled", "filterpy"))
     for tick in recorded(told):
         for one in (ours, peer):
             one.step(tick.number, tick.command, tick.readings)
@@ -110,7 +113,7 @@ def test_the_compiled_filter_estimates_and_judges_as_the_reference_does(told, se
 @settings(max_examples=30, deadline=None)
 @given(told=ticks, seed=st.integers(0, 2**16), implementation=st.sampled_from(["compiled", "filterpy"]))
 def test_a_record_gives_to_the_bit_what_its_ticks_give_one_by_one(told, seed, implementation):
-    stepped, followed = (estimator(implementation, seed, drag=True) for _ in range(2))
+    stepped, followed = (estimator(implementation, seed, linear=False) for _ in range(2))
     innovations = []
     for tick in recorded(told):
         stepped.step(tick.number, tick.command, tick.readings)
@@ -132,7 +135,7 @@ def test_josephs_form_with_the_optimal_gain_is_the_short_form():
 @pytest.mark.parametrize("implementation", ["compiled", "filterpy"])
 def test_an_estimate_that_was_given_is_never_changed(implementation):
     """Whoever keeps an estimate keeps that of its tick, also when a reading of that tick comes late."""
-    kalman, kept = estimator(implementation, 1, drag=True), []
+    kalman, kept = estimator(implementation, 1, linear=False), []
     for number in range(1, 12):
         late = Measurement("heave", 0.1 * number, max(number - 2, 1))
         kalman.step(number, 0.3, [late])
@@ -158,6 +161,6 @@ def test_the_loop_of_the_thesis_runs_on_filterpy_as_on_the_compiled_filter():
 
 @pytest.mark.parametrize("implementation", ["compiled", "filterpy"])
 def test_a_model_with_other_states_or_measurements_needs_a_new_estimator(implementation):
-    kalman = estimator(implementation, 1, drag=False)
+    kalman = estimator(implementation, 1, linear=True)
     with pytest.raises(ValueError, match="needs a new estimator"):
         kalman.set_model(kalman.model, list(kalman.measurements.values())[1:])

@@ -39,6 +39,8 @@ from winch_controller_node.model.models import (
 )
 from winch_controller_node.model.quadratic_drag import unit_drag
 from winch_controller_node.model.regulator import full_gain, is_sea_state, is_sensor_state, weighted_cost
+from winch_controller_node.model.slack_cable import cable_slack
+from winch_controller_node.model.slack_kernel import Slack
 from winch_controller_node.node_parameters import WinchControllerParameters
 
 FIT_FREQUENCIES = 80
@@ -117,12 +119,18 @@ class ControllerDesign:
             largest_age=round(estimator.largest_age / self.tick_period),
             implementation=estimator.implementation,
             drag=self.drag,
+            slack=self.slack,
         )
 
     @property
     def drag(self) -> Drag:
         """Drag of the unit in the model."""
         return unit_drag(self.model, self.cable)
+
+    @property
+    def slack(self) -> Slack:
+        """When the cable is slack in the model."""
+        return cable_slack(self.model, self.cable, self.measurements)
 
     @property
     def limits(self) -> WinchLimits:

@@ -81,7 +81,7 @@ class LoopEstimation:
 
     def take_design(self, design: ControllerDesign) -> None:
         """Go on with a design of the same states, each of which means the same."""
-        self.estimator.set_model(design.model, design.measurements, design.drag)
+        self.estimator.set_model(design.model, design.measurements, design.drag, design.slack)
         self.forget_readings()
         self._refer_to(design)
 

@@ -27,7 +27,7 @@ class CableModel:
     ----------
     a : [s^2]; b : [s]
     stiffness : top tension per metre of boom tip over outlet and unit [N/m]
-    static_tension : mean tension at the top [N]
+    static_tension : mean tension at the top [N]; unit_weight : of the unit in water, which is that at the lower end [N]
     drag : quadratic drag: at a speed v of the unit the damping is drag |v|, where that is more than b [s^2/m]
     """
 
@@ -35,6 +35,7 @@ class CableModel:
     b: float
     stiffness: float = 1.0
     static_tension: float = 0.0
+    unit_weight: float = math.inf
     drag: float = 0.0
 
     def __post_init__(self) -> None:

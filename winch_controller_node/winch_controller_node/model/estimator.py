@@ -21,6 +21,7 @@ from heave_node.numerics.linear_model import LinearModel
 from winch_controller_node.model.drag_kernel import Drag
 from winch_controller_node.model.kalman import IMPLEMENTATIONS, KalmanFilter
 from winch_controller_node.model.kalman_kernel import WEIGHTS, FilterModel, Gate, Told
+from winch_controller_node.model.slack_kernel import Slack, no_slack
 
 AT_ONCE = 20
 """Ticks of a record that are followed in one compiled call, which no other thread can interrupt."""
@@ -115,6 +116,7 @@ class KalmanEstimator:
     largest_age : ticks; older readings are refused
     implementation : of the filter: "compiled", or "filterpy" for the reference
     drag : of the unit, whose damping then follows the speed it is seen to have; None: that of the model alone
+    slack : of the cable, which then pulls the unit no further down than that sinks; None: it always pulls
 
     `estimate`, shape (n,), and `covariance`, shape (n, n), are those after the last step; `innovations` those of the
     readings given to it, by name (the newest of each).
@@ -131,12 +133,13 @@ class KalmanEstimator:
         largest_age: int = 20,
         implementation: str = "compiled",
         drag: Drag | None = None,
+        slack: Slack | None = None,
     ) -> None:
         self._gate = Gate(gate, gate_limit, np.ascontiguousarray(initial_covariance, dtype=float))
         self._kept = largest_age + 1
         self._implementation = IMPLEMENTATIONS[implementation]
         self.innovations: dict[str, Innovation] = {}
-        self._refer_to(model, measurements, drag)
+        self._refer_to(model, measurements, drag, slack)
         self.reset()
 
     @property
@@ -183,18 +186,28 @@ class KalmanEstimator:
             row, change, bend = table.rows[which], table.changes[which], table.bends[which]
         return np.asarray(row + offset * change + 0.5 * offset * (offset - 1.0) * bend) if offset != 0.0 else row
 
-    def set_model(self, model: LinearModel, measurements: Sequence[MeasurementModel], drag: Drag | None = None) -> None:
-        """Go on with another model of the same states, measurements and drag (gain schedule); the estimate stays.
+    def set_model(
+        self,
+        model: LinearModel,
+        measurements: Sequence[MeasurementModel],
+        drag: Drag | None = None,
+        slack: Slack | None = None,
+    ) -> None:
+        """Go on with another model of the same states, measurements, drag and slack (gain schedule).
+
+        The estimate stays.
 
         Raises ValueError for a model with other states, or other names of measurements.
         """
         names = [measurement.name for measurement in measurements]
         if model.state_names != self.model.state_names or names != list(self.measurements):
             raise ValueError("a model with different states or measurements needs a new estimator")
-        self._refer_to(model, measurements, drag)
+        self._refer_to(model, measurements, drag, slack)
         self._filter.model = self._filter_model
 
-    def _refer_to(self, model: LinearModel, measurements: Sequence[MeasurementModel], drag: Drag | None) -> None:
+    def _refer_to(
+        self, model: LinearModel, measurements: Sequence[MeasurementModel], drag: Drag | None, slack: Slack | None
+    ) -> None:
         self.model = model
         self.measurements = {measurement.name: measurement for measurement in measurements}
         self._which = {name: index for index, name in enumerate(self.measurements)}
@@ -208,6 +221,7 @@ class KalmanEstimator:
             B=np.ascontiguousarray(model.B[:, 0]),
             Q=np.ascontiguousarray(model.noise_covariance),
             drag=drag or Drag(),
+            slack=slack or no_slack(model.order, len(measurements)),
             rows=rows,
             changes=changes,
             bends=bends,

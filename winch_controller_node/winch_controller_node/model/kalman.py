@@ -29,6 +29,7 @@ from winch_controller_node.model.kalman_kernel import (
     Told,
     run,
 )
+from winch_controller_node.model.slack_kernel import slack_variance, with_slack
 
 
 class KalmanFilter(Protocol):
@@ -156,6 +157,7 @@ class ReferenceKalmanFilter:
     def _advance(self, tick: int, command: float) -> None:
         """Predict for a `tick`, with all between, under the drag of the speed before it."""
         F, B, Q = with_drag(self.model.drag, self.x, self.model.F, self.model.B, self.model.Q)
+        F, Q = with_slack(self.model.slack, self.x, F, Q)
         self._filter.F, self._filter.B, self._filter.Q = F, B[:, None], Q
         if self._newest is None:
             self._past.append(_Tick(self.x, self.P))
@@ -178,6 +180,8 @@ class ReferenceKalmanFilter:
         if index < len(self._past) - 1:
             self._set_state(entry.x, entry.P)
             self._update(entry.used)
+        for reading in readings:
+            reading[VARIANCE] += slack_variance(self.model.slack, self.x, int(reading[WHICH]))
         judged = [self._judge(reading) for reading in readings]
         accepted = [reading for reading, (_, is_used) in zip(readings, judged, strict=True) if is_used]
         self._update(accepted)

@@ -15,6 +15,7 @@ from heave_node.numerics.compiled import inner_kernel, kernel
 from numpy.typing import NDArray
 
 from winch_controller_node.model.drag_kernel import Drag, with_drag
+from winch_controller_node.model.slack_kernel import Slack, slack_variance, with_slack
 
 TICK, WHICH, VALUE, OFFSET, VARIANCE, WEIGHTS = range(6)
 """Columns of a table of readings: tick that it belongs to, index of the measurement, value, how much later than the
@@ -30,7 +31,7 @@ class FilterModel(NamedTuple):
     Attributes
     ----------
     F, B, Q : transition (n, n), input (n,) and covariance of the process noise (n, n) of a tick
-    drag : of the unit
+    drag, slack : of the unit, and of the cable
     rows, changes, bends : of the measurements at a tick, and their first and second differences over ticks, (m, n)
     scale_states : index of the state that is the relative scale error, (m,); -1: none
     is_gated : refused where it is far off its prediction, (m,)
@@ -40,6 +41,7 @@ class FilterModel(NamedTuple):
     B: Array
     Q: Array
     drag: Drag
+    slack: Slack
     rows: Array
     changes: Array
     bends: Array
@@ -224,6 +226,7 @@ def _taken(
     if tick < now:
         x, P = _with_readings(model, memory.x[place].copy(), memory.P[place].copy(), used[place, :before])
     for i in range(len(readings)):
+        readings[i, VARIANCE] += slack_variance(model.slack, x, int(readings[i, WHICH]))
         accepted, P = _judged(model, gate, memory, x, P, readings[i], said[i])
         if accepted:
             used = _noted(memory, used, place, readings[i])
@@ -259,8 +262,9 @@ def run(
     for step in told.steps:
         number, command, last = int(step[0]), step[1], int(step[2])
         F, B, Q = with_drag(model.drag, x, model.F, model.B, model.Q)
+        F, Q = with_slack(model.slack, x, F, Q)
         now = FilterModel(
-            F, B, Q, model.drag, model.rows, model.changes, model.bends, model.scale_states, model.is_gated
+            F, B, Q, model.drag, model.slack, model.rows, model.changes, model.bends, model.scale_states, model.is_gated
         )
         if memory.span[1] == 0:
             _begun(memory, number, x, P)

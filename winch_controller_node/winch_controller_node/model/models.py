@@ -111,7 +111,12 @@ def _exact(line: AxialLine, parameters: CableModelParameters, length: float) -> 
     """Return what no fit is needed for."""
     stretch = sum(piece.length / piece.axial_stiffness for piece in line.pieces(length))
     drag = 0.0 if parameters.damping > 0.0 else parameters.damping_factor * stretch * drag_at_unit(line, length)
-    return {"stiffness": 1.0 / stretch, "static_tension": line.static_top_tension(length), "drag": drag}
+    return {
+        "stiffness": 1.0 / stretch,
+        "static_tension": line.static_top_tension(length),
+        "unit_weight": line.unit.weight,
+        "drag": drag,
+    }
 
 
 def sea_spectrum(sea: SeaModelParameters) -> WaveSpectrum:
