@@ -63,6 +63,10 @@ GAINS, LARGEST_DEADBAND, LARGEST_BACKLASH, LOWEST_LIMIT = (0.5, 2.0), 0.2, 0.2, 
 LARGEST_UNEVENNESS, LARGEST_CREEP = 2.0, 0.2
 """Largest factor between the gains of paying out and hauling in [-], and creep beyond the nominal one [m/s]."""
 
+TELLS_APART = 0.001
+"""Servo and delay are told apart by a record of which no more than this is left [m]: to take 50 ms from the one and
+give them to the other moves a drum in a sea by 2 mm, which a limit that has just been reached leaves as well."""
+
 SIGNIFICANT = 4.0
 """A change of lag or delay is taken when it is so many standard deviations off."""
 
@@ -337,8 +341,11 @@ class WinchIdentifier:
             speed_limit=self._limit(found.drum, SPEEDS, winch.speed_limit),
             acceleration_limit=self._limit(found.drum, ACCELERATIONS, winch.acceleration_limit),
         )
-        if found.is_far_from(winch, self._parameters.step):
-            better = replace(better, time_constant=found.time_constant, command_delay=found.delay)
+        lag, delay = self._lags_told(winch, found)
+        step = self._parameters.step
+        is_far = max(abs(lag - winch.time_constant), abs(delay - winch.command_delay)) > step
+        if is_far and found.is_far_from(winch, step):
+            better = replace(better, time_constant=lag, command_delay=delay)
         hauling, creep = found.drum.hauling, found.drum.creep
         if abs(hauling / winch.hauling_gain - 1.0) >= GAIN_STEP or abs(creep - winch.creep) >= CREEP_STEP:
             # the three explain a record together
@@ -346,6 +353,14 @@ class WinchIdentifier:
         if abs(better.speed_gain / winch.speed_gain - 1.0) < GAIN_STEP:
             better = replace(better, speed_gain=winch.speed_gain)
         return better
+
+    def _lags_told(self, winch: WinchModelParameters, found: WinchLags) -> tuple[float, float]:
+        """Return time constant and delay [s]: as found, or their sum alone, with the time constant of the `winch`."""
+        if found.residual <= TELLS_APART:
+            return found.time_constant, found.delay
+        together = found.time_constant + found.delay
+        delay = max(together - winch.time_constant, float(self._belief.lowest[DELAY]))
+        return together - delay, delay
 
     @staticmethod
     def _is_worth_it(
