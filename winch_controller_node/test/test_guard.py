@@ -54,9 +54,9 @@ def test_the_guard_says_when_compensation_is_tried_again():
     guard = make_guard()
     assert guard.prospect == ""
     feed_guard(guard, 0.8, 0.5, 40.0)
-    assert guard.prospect == "tried again 30 s after that is over"
+    assert guard.prospect == "tried again once that has been over for 30 s, in 30 s at best"
     feed_guard(guard, 0.0, 0.5, 10.0, authority=0.0)
-    assert guard.prospect == "tried again in 20 s"
+    assert guard.prospect == "tried again once that has been over for 30 s, in 20 s at best"
     feed_guard(guard, 0.0, 0.5, 60.0, authority=0.0)
     assert guard.prospect == ""
     feed_guard(guard, 0.8, 0.5, 40.0, rate=10.0)

@@ -192,10 +192,9 @@ class HarmGuard:
         if not self.inhibits:
             return ""
         hold = self._hold_time if self._hold is None else self._hold
-        if self._off_time <= self._dt:
-            return f"tried again {hold:.0f} s after that is over"
         if self._off_time < hold:
-            return f"tried again in {hold - self._off_time:.0f} s"
+            # one wording, whether the reason is there in this tick or not: it may come and go
+            return f"tried again once that has been over for {hold:.0f} s, in {hold - self._off_time:.0f} s at best"
         most = self._parameters.demand_ratio
         return f"tried again once the sea demands at most {most:g} times the winch's limits; now {self.demand:.1f}"
 
