@@ -11,7 +11,7 @@ from heave_node.interface.faults import FaultParameters
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from winch_controller_node.design.design import design_controller
-from winch_controller_node.identification.drum_fit import SPEEDS, DrumFit
+from winch_controller_node.identification.drum_fit import ACCELERATIONS, SPEEDS, DrumFit
 from winch_controller_node.identification.drum_kernel import Drum, drum_records
 from winch_controller_node.identification.late_commands import LateCommands
 from winch_controller_node.identification.winch import Answer, WinchIdentifier, drum_of
@@ -414,22 +414,26 @@ def test_a_drum_that_gathers_speed_is_not_at_the_end_of_its_power(design):
 
 
 @pytest.mark.parametrize(
-    ("left", "lags", "expected"),
+    ("left", "limit", "lags", "expected"),
     [
-        (0.0005, (0.093, 0.256), (0.093, 0.256)),
-        (0.0015, (0.093, 0.256), (0.15, 0.2)),
-        (0.0015, (0.05, 0.18), (0.15, 0.08)),
-        (0.0015, (0.05, 0.06), (0.11, 0.0)),
+        (0.0005, 0.8, (0.093, 0.256), (0.093, 0.256)),
+        (0.0015, 1.5, (0.093, 0.256), (0.093, 0.256)),
+        (0.0015, 0.8, (0.093, 0.256), (0.15, 0.2)),
+        (0.0015, 0.8, (0.05, 0.18), (0.15, 0.08)),
+        (0.0015, 0.8, (0.05, 0.06), (0.11, 0.0)),
     ],
-    ids=["explained", "exchanged", "sooner", "no delay"],
+    ids=["explained", "no limit", "exchanged", "sooner", "no delay"],
 )
-def test_a_record_of_which_much_is_left_tells_the_sum_of_servo_and_delay_alone(design, left, lags, expected):
+def test_a_drum_at_its_limits_of_which_much_is_left_tells_the_sum_of_servo_and_delay(
+    design, left, limit, lags, expected
+):
     """0.15 s and 0.2 s are believed; a limit that was just reached leaves what an exchange of both explains."""
     belief = WinchControllerParameters().winch
     identifier = WinchIdentifier(WinchControllerParameters().lag, design)
     believed = np.array([*drum_of(belief), 0.0, 0.0])
     drum = believed.copy()
     drum[:2] = lags
+    drum[list(ACCELERATIONS)] = limit
     covariance = 1e-4 * np.array([[1.0, -0.9], [-0.9, 1.0]])
     present = DrumFit(believed, 400 * 0.006**2, 400, covariance)
     better = identifier.take(Answer(present, DrumFit(drum, 400 * left**2, 400, covariance)), belief) or belief

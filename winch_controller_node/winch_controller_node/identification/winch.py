@@ -64,8 +64,9 @@ LARGEST_UNEVENNESS, LARGEST_CREEP = 2.0, 0.2
 """Largest factor between the gains of paying out and hauling in [-], and creep beyond the nominal one [m/s]."""
 
 TELLS_APART = 0.001
-"""Servo and delay are told apart by a record of which no more than this is left [m]: to take 50 ms from the one and
-give them to the other moves a drum in a sea by 2 mm, which a limit that has just been reached leaves as well."""
+"""Servo and delay are told apart by a drum at its limits only where no more than this is left of its record [m]: to
+take 50 ms from the one and give them to the other moves a drum in a sea by 2 mm, which a limit that has just been
+reached, or lies a little beside the one that was found, leaves as well."""
 
 SIGNIFICANT = 4.0
 """A change of lag or delay is taken when it is so many standard deviations off."""
@@ -356,7 +357,8 @@ class WinchIdentifier:
 
     def _lags_told(self, winch: WinchModelParameters, found: WinchLags) -> tuple[float, float]:
         """Return time constant and delay [s]: as found, or their sum alone, with the time constant of the `winch`."""
-        if found.residual <= TELLS_APART:
+        has_reached_a_limit = bool(self._belief.lowered(np.array(found.drum)))
+        if found.residual <= TELLS_APART or not has_reached_a_limit:
             return found.time_constant, found.delay
         together = found.time_constant + found.delay
         delay = max(together - winch.time_constant, float(self._belief.lowest[DELAY]))
