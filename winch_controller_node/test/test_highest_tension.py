@@ -12,7 +12,7 @@ from winch_controller_node.loop_command import LoopCommand
 from winch_controller_node.node_parameters import WinchControllerParameters
 from winch_controller_node.parameters.laws import LimitParameters
 from winch_controller_node.parameters.model import WinchModelParameters
-from winch_controller_node.supervision.watch.tension_need import LEFT, PEAK, TensionNeed
+from winch_controller_node.supervision.watch.highest_tension import LEFT, PEAK, HighestTension
 
 DT = 0.05
 RATIO = 1.2
@@ -50,11 +50,28 @@ def test_nothing_is_added_below_the_highest_tension_or_under_a_brake():
 
 @pytest.mark.parametrize(("use", "share"), [(0.0, LEFT), (0.8, LEFT), (1.25, 0.2), (4.0, 0.75)])
 def test_what_is_beyond_the_winch_is_needed_as_tension(use, share):
-    need = TensionNeed(60.0, tick_period=DT)
+    tension = HighestTension(60.0, tick_period=DT)
     for stretch in 0.5 * np.sin(0.6 * DT * np.arange(12000)):
-        need.add(stretch)
+        tension.update(stretch, 3.0, tension_per_metre=0.2, peak_use=use, brake=False)
     sigma = 0.5 / np.sqrt(2.0)
-    assert need.least_ratio(1e5, 2e4, use) == pytest.approx(1.0 + share * PEAK * sigma * 0.2, rel=0.05)
+    assert tension.least_ratio(0.2, use) == pytest.approx(1.0 + share * PEAK * sigma * 0.2, rel=0.05)
+    assert tension.is_kept
+    assert not tension.words
+
+
+def test_a_highest_tension_that_was_too_low_is_kept_again_after_five_minutes_or_once_the_brake_was_on():
+    tension = HighestTension(60.0, tick_period=DT)
+
+    def after(seconds, ratio, *, brake=False):
+        for _ in range(round(seconds / DT)):
+            tension.update(0.0, ratio, tension_per_metre=0.2, peak_use=0.5, brake=brake)
+        return tension.is_kept
+
+    assert not after(DT, 0.9)
+    assert not after(299.0, 1.1)
+    assert after(2.0, 1.1)
+    assert not after(DT, 0.9, brake=True)
+    assert after(DT, 1.1, brake=True)
 
 
 def with_highest_tension(scenario, ratio, duration):
@@ -71,7 +88,7 @@ def test_a_highest_tension_below_the_static_one_is_refused_at_entry_with_the_lea
 
 def test_giving_way_does_not_ring_with_the_wire(monkeypatch):
     """A winch that gave way to the tension as it is read rang with 900 m of wire at 0.9 Hz: 124 of 28 cm."""
-    monkeypatch.setattr(TensionNeed, "least_ratio", lambda *_: 1.0)
+    monkeypatch.setattr(HighestTension, "least_ratio", lambda *_: 1.0)
     record = with_highest_tension("b3_deep_900", 1.01, 110.0).run()
     assert np.max(record.column("top_tension", after=60.0)) > 1.02 * np.median(record.column("top_tension"))
     assert record.unit_sigma(60.0) < 0.05 * record.uncompensated_sigma(60.0)

@@ -15,7 +15,7 @@ from winch_controller_node.supervision.guard import GuardedLoop, GuardedMotions,
 from winch_controller_node.supervision.landing import HangingLoad, HangingUnit, Landing, LandingEvent
 from winch_controller_node.supervision.mode_machine import ModeMachine
 from winch_controller_node.supervision.modes import Mode, ModeOutput, Situation
-from winch_controller_node.supervision.watch import tension_need
+from winch_controller_node.supervision.watch.highest_tension import HighestTension
 from winch_controller_node.supervision.watch.share_news import ShareNews
 
 REQUIRED_SENSORS = {
@@ -98,7 +98,7 @@ class Supervisor:
     guard : whether compensation is harmful
     landing : whether the unit stands
     timeouts : whether compensation goes on after a command timeout of the winch
-    bounds_tension : the highest tension is one that compensation can keep in this sea, and is kept
+    highest_tension : whether it is one that compensation can keep
     """
 
     def __init__(self, design: ControllerDesign, law: ControlLaw) -> None:
@@ -114,8 +114,7 @@ class Supervisor:
         )
         self.landing = Landing(parameters.tension, hanging_load(design))
         self._gates = EntryGates(parameters.entry, window=parameters.guard.window, tick_period=dt)
-        self.bounds_tension, self._enough_time = True, math.inf
-        self._tension_need = tension_need.TensionNeed(parameters.guard.window, tick_period=dt)
+        self.highest_tension = HighestTension(parameters.guard.window, tick_period=dt)
         self._holds_hanging = parameters.tension.hanging
         self._largest_demand = parameters.guard.demand_ratio
         self.timeouts = CommandTimeouts(dt, resumes=parameters.modes.resume)
@@ -186,7 +185,7 @@ class Supervisor:
             trusts_estimate=self.guard.trusts_estimate,
             fades_by_law=self._fades_by_law,
             unit_stands=self.landing.unit_stands,
-            bounds_tension=self.bounds_tension,
+            bounds_tension=self.highest_tension.is_kept,
             landing=landing,
             alarms=alarms,
         )
@@ -253,29 +252,24 @@ class Supervisor:
             return f"waves are being looked at, for at most {wait:.0f} s more"
         if tick.doubt:
             return tick.doubt
-        too_low = self._why_tension_is_too_low()
-        if too_low:
-            return too_low
+        if self.highest_tension.words:
+            return self.highest_tension.words
         return self._gates.for_compensation(mean_payout, self._limits, self.guard.demand, self._largest_demand)
 
     def _watch_highest_tension(self, tick: LoopTick) -> tuple[str, ...]:
         """Return that the sea has become too high for the highest tension, where that is new."""
-        self._tension_need.add(tick.boom_tip.heave - tick.free_unit.heave)
-        words = self._why_tension_is_too_low()
-        is_news = words and self.bounds_tension and self.modes.mode is Mode.COMPENSATING
-        self._enough_time = self._enough_time + self._dt if not words else 0.0
-        self.bounds_tension = self._enough_time > tension_need.HOLD
-        return (f"{words}; until then compensation does not give way to it",) if is_news else ()
-
-    def _why_tension_is_too_low(self) -> str:
-        """Return how the highest tension is below what compensation needs; empty: it is not."""
-        load = self._load
-        ratio = self._limits.maximum_tension / load.static_tension
-        if math.isinf(ratio):
-            return ""
-        peak_use = PEAK_OVER_SIGNIFICANT * self.guard.demand
-        least = self._tension_need.least_ratio(load.static_tension, load.stiffness, peak_use)
-        return tension_need.in_words(least, ratio) if least > ratio else ""
+        load, highest = self._load, self.highest_tension
+        was_kept = highest.is_kept
+        highest.update(
+            tick.boom_tip.heave - tick.free_unit.heave,
+            self._limits.maximum_tension / load.static_tension,
+            tension_per_metre=load.stiffness / load.static_tension,
+            peak_use=PEAK_OVER_SIGNIFICANT * self.guard.demand,
+            brake=self.modes.brake,
+        )
+        if highest.is_kept or not was_kept or self.modes.mode is not Mode.COMPENSATING:
+            return ()
+        return (f"{highest.words}; until then compensation does not give way to it",)
 
     def _lost(self, tick: LoopTick) -> str:
         """Return which of the required sensors are lost and why; empty when none."""

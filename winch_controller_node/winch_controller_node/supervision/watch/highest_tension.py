@@ -1,0 +1,75 @@
+"""The highest tension: whether compensation can keep below it in the sea that is seen now."""
+
+from __future__ import annotations
+
+import math
+
+from winch_controller_node.supervision.checks import RunningSigma
+
+PEAK = 2.7
+"""Peak amplitude over standard deviation of forty waves, sqrt(2 ln 40): those of five minutes or more."""
+
+LEFT = 0.1
+"""Share of a locked winch's tension that is left where the winch follows the whole sea: the cable has inertia too."""
+
+HOLD = 300.0
+"""A highest tension that was once too low must be enough for so long before compensation keeps it again [s]."""
+
+
+class HighestTension:
+    """Compares the highest tension with what compensation needs.
+
+    What the winch follows hardly changes the tension. What is beyond its limits it does not: of that share of a peak
+    the tension is that of a locked winch. With a highest tension below it the winch would give way in every group of
+    waves, while it has nothing left to bring the unit back with.
+
+    Parameters
+    ----------
+    window : memory of the waves [s]
+    tick_period : [s]
+
+    Attributes
+    ----------
+    is_kept : the winch gives way to a tension above the highest one, and plans to stay below it
+    words : why it is too low for this sea, and what to do; empty: it is not
+    """
+
+    def __init__(self, window: float, *, tick_period: float) -> None:
+        self._dt = tick_period
+        self._stretch = RunningSigma(window, tick_period)
+        self._enough_time = math.inf
+        self.is_kept, self.words = True, ""
+
+    def update(self, stretch: float, ratio: float, *, tension_per_metre: float, peak_use: float, brake: bool) -> None:
+        """Take a tick in.
+
+        Parameters
+        ----------
+        stretch : by which the cable would be longer than at rest, were the winch locked [m]
+        ratio : highest tension over the static one [-]; infinite without one
+        tension_per_metre : of stretch, over the static one [1/m]
+        peak_use : peak of the boom tip over the winch's limits [-]
+        brake : is on: compensation begins anew
+        """
+        self._stretch.add(stretch)
+        least = self.least_ratio(tension_per_metre, peak_use)
+        self.words = _in_words(least, ratio) if least > ratio else ""
+        if self.words:
+            self._enough_time = 0.0
+        else:
+            self._enough_time = math.inf if brake else self._enough_time + self._dt
+        self.is_kept = self._enough_time > HOLD
+
+    def least_ratio(self, tension_per_metre: float, peak_use: float) -> float:
+        """Return the least highest tension over the static one [-], from `tension_per_metre` and `peak_use`."""
+        share = max(LEFT, 1.0 - 1.0 / peak_use) if peak_use > 0.0 else LEFT
+        return 1.0 + share * PEAK * self._stretch.sigma * tension_per_metre
+
+
+def _in_words(least_ratio: float, ratio: float) -> str:
+    """Return that a highest tension is below what compensation needs, both over the static one, and what to do."""
+    needed = math.ceil(100.0 * least_ratio) / 100.0
+    return (
+        f"compensation needs a tension of {needed:.2f} times the static one in this sea; the highest allowed is "
+        f"{ratio:.2f} times: raise limits.maximum_tension_ratio or wait for a lower sea"
+    )
