@@ -139,6 +139,7 @@ class HarmGuard:
         self.inhibits = False
         self.trusts_estimate = True
         self.reason = ""
+        self._is_unexplained = False
         self._hold_time = parameters.hold_time
         self._hold: float | None = None
         self._off_time = 0.0
@@ -223,6 +224,7 @@ class HarmGuard:
         self.allow_catch_up()
         self.trusts_estimate = True
         self._mismatch_check.restart()
+        self._mismatch = DetrendedHeave(self._dt)
         self._is_corrected = True
         self._judged_time = 0.0
         self._make_comparison()
@@ -236,7 +238,7 @@ class HarmGuard:
         hold : time after it [s]; None: the hold time of harm, which becomes longer each time
         """
         self._off_time = 0.0
-        if not self.inhibits:
+        if not self.inhibits or self._is_unexplained:
             self._begin_inhibiting(reason, hold)
 
     def update(self, motions: GuardedMotions, authority: float, target: float = 1.0) -> None:
@@ -253,7 +255,7 @@ class HarmGuard:
         self._update_checks(motions, authority)
         if self._mismatch_check.is_exceeded:
             self.trusts_estimate = False
-            self.inhibit(
+            self._disagree(
                 f"depth sensor and motion reference unit disagree by {self._mismatch_check.amplitude:.3f} m, and which "
                 "of them is wrong is not known: no compensation until they agree; look at sign and scale of both"
             )
@@ -266,6 +268,13 @@ class HarmGuard:
             self._judge_checks()
             if not self.inhibits and authority >= FULL_SHARE * target:
                 self._compare(motions)
+
+    def _disagree(self, reason: str) -> None:
+        """Keep compensation off for a disagreement, which is the `reason` until it is known who is wrong."""
+        self._off_time = 0.0
+        if not self.inhibits:
+            self._begin_inhibiting(reason)
+            self._is_unexplained = True
 
     # over seconds
 
@@ -389,6 +398,7 @@ class HarmGuard:
 
     def _begin_inhibiting(self, reason: str, hold: float | None = None) -> None:
         self.inhibits = True
+        self._is_unexplained = False
         self._hold = hold
         self._off_time = 0.0
         self.reason = reason

@@ -21,6 +21,7 @@ from winch_controller_node.supervision.modes import (
     Situation,
     Transition,
     View,
+    goes_on_blind,
 )
 
 HICCUP = 0.5
@@ -139,6 +140,8 @@ class ModeMachine:
             self._well_time += self._dt
         if self.mode is Mode.FADE_OUT:
             self._approach(0.0, self._parameters.fade_out_time)
+            if goes_on_blind(self._view):
+                self._time = min(self._time, self._parameters.fade_out_time)
         view = self._view
         for event, happens in LOOKED_FOR[self.mode]:
             if happens(view) and self._take(event):
@@ -224,6 +227,8 @@ class ModeMachine:
             self.target = self.factor * situation.authority_limit
             self._approach(self.target, self._parameters.fade_in_time)
             self.reason = f"coasting on prediction: {situation.lost}" if situation.lost else ""
+        elif self.mode is Mode.FADE_OUT and self.wants_compensation and situation.harm:
+            self.reason = situation.harm  # the cause may have become known
         elif self.mode is Mode.STANDBY and situation.lost:
             self.reason = situation.lost
         elif self.mode is Mode.STANDBY and self.wants_compensation:

@@ -113,6 +113,7 @@ class Situation(NamedTuple):
     speed : speed of the winch as commanded [m/s], absolute
     authority_limit : share of the sea that the winch can follow under this law
     is_settled : the unit moves as it would with the winch locked: the winch may stop
+    is_damped_blind : the unit is damped by the depth sensor, and how it would move with the winch locked is not known
     closed_gates : why compensation may not begin now, with figures; empty when it may
     tension_refusal : why constant tension may not begin now; empty when it may
     fault_cause : why the winch has its fault, in words; empty where that is not known
@@ -125,6 +126,7 @@ class Situation(NamedTuple):
     speed: float
     authority_limit: float = 1.0
     is_settled: bool = True
+    is_damped_blind: bool = False
     closed_gates: str = ""
     tension_refusal: str = ""
     fault_cause: str = ""
@@ -179,9 +181,15 @@ class View(NamedTuple):
 # events of a tick
 
 
+def goes_on_blind(view: View) -> bool:
+    """Tell whether a fade-out goes on for as long as the boom tip is not known: no operator has asked for rest."""
+    return view.situation.is_damped_blind and view.memory.wants_compensation
+
+
 def _has_faded(view: View) -> bool:
     situation, longest = view.situation, view.parameters.fade_out_time + SETTLING_LIMIT
-    is_over = situation.is_settled or bool(situation.lost) or view.time > longest
+    is_settled = situation.is_settled and not goes_on_blind(view)
+    is_over = is_settled or bool(situation.lost) or view.time > longest
     return view.memory.authority == 0.0 and is_over
 
 

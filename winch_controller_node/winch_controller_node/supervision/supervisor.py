@@ -33,6 +33,9 @@ TRANSPORT_HOLD = 5.0
 UNKNOWN_SEA_SHARE = 0.3
 """Share of a sea that is compensated while it is predicted badly."""
 
+BLIND_LIMIT = 900.0
+"""Longest time for which the unit is damped by the depth sensor alone, until the brake goes on [s]."""
+
 LONGEST_WAIT = 2.0
 """Time until which compensation waits for waves, over `modes.settling_time`: in calm water none come."""
 
@@ -121,6 +124,7 @@ class Supervisor:
         self._reason_before = ""
         self._fades_by_law = False
         self._share_news = ShareNews(dt)
+        self._blind_time = 0.0
         self._longest_wait = LONGEST_WAIT * parameters.modes.settling_time
         self._refer_to(design, law)
 
@@ -165,6 +169,7 @@ class Supervisor:
                 speed=winch.speed,
                 authority_limit=authority_limit,
                 is_settled=self._is_settled(tick, winch.settled_swing),
+                is_damped_blind=self._is_damped_blind(tick, winch.settled_swing),
                 closed_gates=self._closed_gates(tick, winch.mean_payout),
                 tension_refusal=self._why_no_tension(tick, winch.mean_payout),
             )
@@ -301,6 +306,16 @@ class Supervisor:
             return True
         heave, rate = tick.unit_offset
         return math.hypot(heave, math.sqrt(self._inertia) * rate) < settled_swing
+
+    def _is_damped_blind(self, tick: LoopTick, settled_swing: float) -> bool:
+        """Tell whether a fade-out damps the unit by the depth sensor alone: the boom tip is not known.
+
+        Let go at rest the unit would take minutes to swing as it does without compensation, and swing more on the way.
+        """
+        has_depth = "depth" not in tick.sensed.lost and self.guard.trusts_estimate
+        is_blind = self.guard.inhibits and not tick.knows_tip and has_depth and math.isfinite(settled_swing)
+        self._blind_time = self._blind_time + self._dt if is_blind else 0.0
+        return is_blind and self._blind_time < BLIND_LIMIT
 
     def _watch_landing(self, time: float, tick: LoopTick, mode: ModeOutput) -> LandingEvent | None:
         """Notice touchdown while lowering, and that the unit hangs again after lift-off."""
