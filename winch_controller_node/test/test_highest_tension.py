@@ -83,7 +83,7 @@ def test_a_highest_tension_below_the_static_one_is_refused_at_entry_with_the_lea
     loop = with_highest_tension("b2_calm_300", 0.9, 60.0)
     assert set(loop.run().modes) == {"standby"}
     assert "needs a tension of 1.02 times" in loop.controller.modes.obstacle
-    assert "the highest allowed is 0.90 times: raise limits.maximum_tension_ratio" in loop.controller.modes.obstacle
+    assert "the highest allowed is 0.9 times: raise limits.maximum_tension_ratio" in loop.controller.modes.obstacle
 
 
 def test_giving_way_does_not_ring_with_the_wire(monkeypatch):

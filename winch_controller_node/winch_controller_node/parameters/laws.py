@@ -33,7 +33,7 @@ class LimitParameters:
         minimum=0.0,
         maximum=100.0,
         description="Highest tension as a multiple of static tension: plans respect it, and above it the winch pays "
-        "out; 0: none.",
+        "out, unless compensation needs more in the sea that is seen, which is told; 0: none.",
     )
 
 
