@@ -105,7 +105,7 @@ def time_of(key: str) -> float | None:
 
 def told_in(message: str) -> list[tuple[float, str]]:
     """Return simulated time [s] and words of all that a `message` tells: "t = 1.00 s: this; t = 2.00 s: that"."""
-    _, *found = re.split(r"(?:^|; )t = ([0-9.]+) s: ", message)
+    _, *found = re.split(rf"(?:^|; ){_TOLD_AT.pattern}: ", message)
     return [(float(time), words) for time, words in zip(found[::2], found[1::2], strict=True)]
 
 

@@ -210,7 +210,7 @@ class Landing:
         self._payout.add(time, mean_payout)
         self._hanging.add(time, hanging.depth)
         load = self._load
-        self._hanging_share = min(1.0, 1.0 + load.stiffness * hanging.stretch / load.weight)
+        self._hanging_share = min(1.0, load.weight_share(load.static_tension + load.stiffness * hanging.stretch))
         if sensed.depth_innovation is not None:
             self._innovation.add(time, sensed.depth_innovation)
 

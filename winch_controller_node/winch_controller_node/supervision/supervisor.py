@@ -169,7 +169,7 @@ class Supervisor:
                 speed=winch.speed,
                 authority_limit=authority_limit,
                 is_settled=self._is_settled(tick, winch.settled_swing),
-                is_damped_blind=self._is_damped_blind(tick, winch.settled_swing),
+                is_damped_blind=self._watch_blind_damping(tick, winch.settled_swing),
                 closed_gates=self._closed_gates(tick, winch.mean_payout),
                 tension_refusal=self._why_no_tension(tick, winch.mean_payout),
             )
@@ -263,6 +263,8 @@ class Supervisor:
 
     def _watch_highest_tension(self, tick: LoopTick) -> tuple[str, ...]:
         """Return that the sea has become too high for the highest tension, where that is new."""
+        if math.isinf(self._limits.maximum_tension):
+            return ()
         load, highest = self._load, self.highest_tension
         was_kept = highest.is_kept
         highest.update(
@@ -307,8 +309,8 @@ class Supervisor:
         heave, rate = tick.unit_offset
         return math.hypot(heave, math.sqrt(self._inertia) * rate) < settled_swing
 
-    def _is_damped_blind(self, tick: LoopTick, settled_swing: float) -> bool:
-        """Tell whether a fade-out damps the unit by the depth sensor alone: the boom tip is not known.
+    def _watch_blind_damping(self, tick: LoopTick, settled_swing: float) -> bool:
+        """Count for how long a fade-out has damped the unit by the depth sensor alone; return whether it does and may.
 
         Let go at rest the unit would take minutes to swing as it does without compensation, and swing more on the way.
         """

@@ -46,7 +46,7 @@ class HighestTension:
         Parameters
         ----------
         stretch : by which the cable would be longer than at rest, were the winch locked [m]
-        ratio : highest tension over the static one [-]; infinite without one
+        ratio : highest tension over the static one [-]
         tension_per_metre : of stretch, over the static one [1/m]
         peak_use : peak of the boom tip over the winch's limits [-]
         brake : is on: compensation begins anew
