@@ -4,7 +4,7 @@ import re
 import subprocess
 import sys
 
-from loop_processes import start_all
+from loop_processes import PEERS
 
 ROGUE = """
 import signal
@@ -27,7 +27,7 @@ mru, command = publisher(topics.MRU, MruSample), publisher(topics.WINCH_COMMAND,
 join, roster = publisher(topics.TICK_JOIN, TickJoin), publisher(topics.TICK_ROSTER, TickRoster)
 start, status = publisher(topics.TICK_START, TickStart), publisher(topics.TICK_STATUS, TickStatus)
 done = publisher(topics.tick_done_topic("wave_vessel"), TickDone)
-number = 0
+number, is_found = 0, False
 is_over = []
 signal.signal(signal.SIGTERM, lambda *_: is_over.append(True))
 while not is_over:
@@ -45,16 +45,25 @@ while not is_over:
     status.publish(TickStatus(state=TickStatus.FAILED, topics=["/mru"]))
     done.publish(TickDone(epoch=1, tick=10**6, published=[1] * 99))
     rclpy.spin_once(node, timeout_sec=0.005)
+    if not is_found and mru.get_subscription_count() >= 1 and start.get_subscription_count() >= 3:
+        is_found = True
+        print("found", flush=True)
 for name in sorted(errors):
     print(name, "|", errors[name])
 """
 
 
 def run_with_rogue(loop, **parameters: object) -> tuple[int, str, str, str]:
-    """Run the loop beside a node that publishes everywhere; return how the master ended, and what the rogue heard."""
+    """Run the loop beside a node that publishes everywhere; return how the master ended, and what the rogue heard.
+
+    The master comes last, once the rogue and the others have found each other: two seconds of run are short for that.
+    """
     rogue = subprocess.Popen([sys.executable, "-c", ROGUE], env=loop.environment, stdout=subprocess.PIPE, text=True)
     try:
-        start_all(loop, **parameters)
+        loop.start(*PEERS, **parameters)
+        assert rogue.stdout is not None
+        assert rogue.stdout.readline() == "found\n"
+        loop.start("cable_sim", **parameters)
         status, out, err = loop.end("cable_sim")
     finally:
         rogue.terminate()
@@ -63,7 +72,7 @@ def run_with_rogue(loop, **parameters: object) -> tuple[int, str, str, str]:
 
 
 def test_in_lockstep_a_stranger_shifts_nothing_and_is_named(loop):
-    # 20 simulated seconds take about two: long enough for each node to have discovered each of the rogue's publishers
+    # 20 simulated seconds take about two, and each node looks at the publishers more than twice in one
     status, out, err, heard = run_with_rogue(loop, duration=20.0)
     assert status == 0, err
     assert f"ended=True ticks=401 epoch=1 sum={sum(range(1, 401))}" in out
