@@ -378,6 +378,7 @@ def is_wrong(words: str, settings: Settings) -> bool:
         **{f"noise of {row} is": factor < 1.5 for row, factor in noises.items()},
         "mru suspect": not (is_filtered or is_late),
         "depth suspect": True,
+        "encoder suspect": True,
         "cable suspect": not any(settings.get(name, 1.0) != 1.0 for name in (INERTIA, DAMPING, DRAG)),
     }
     is_misnamed = any(things[name].is_wrong(learnt) for name, learnt in named_values(words))

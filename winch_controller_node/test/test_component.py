@@ -83,7 +83,7 @@ def test_two_loops_of_one_seed_are_equal_to_the_last_bit_and_another_seed_differ
     assert np.any(one.rows != other.rows)
 
 
-def test_a_frozen_mru_is_named_within_three_samples_and_the_winch_stops_without_a_jerk():
+def test_a_frozen_mru_is_named_within_three_samples_and_the_unit_is_damped_without_it_and_without_a_jerk():
     sea = mru_fault("freeze", 40.0, 100.0)
     health = {}
 
@@ -95,11 +95,14 @@ def test_a_frozen_mru_is_named_within_three_samples_and_the_winch_stops_without_
         tick for tick, sensor in health.items() if (sensor.level, sensor.reason) == (SensorLevel.LOST, "frozen")
     )
     assert first * DT - 40.0 <= 3 * DT + 1e-9
-    assert record.modes[-1] == "stopped"
+    assert record.modes[-1] == "fade_out"
     told = [words for _, words in record.alarms]
     assert "mru lost: frozen: its readings do not change: start it or its driver again" in told
-    assert "mode stopped: mru frozen; compensation goes on by itself once that is good again" in told
-    assert abs(record.column("payout_rate")[-1]) < 0.05
+    (words,) = [words for words in told if words.startswith("mode fade_out")]
+    assert words == (
+        "mode fade_out: mru frozen; compensation goes on by itself once that is good again; "
+        "until then the unit is damped by the depth sensor"
+    )
     rates = record.column("payout_rate")
     assert np.max(np.abs(np.diff(rates))) <= 1.5 * DT + 1e-9
 

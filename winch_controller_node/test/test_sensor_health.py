@@ -6,8 +6,10 @@ from heave_node.interface.codes import MruStatus, SensorLevel
 from heave_node.interface.sensors import MruReading
 from hypothesis import given
 from hypothesis import strategies as st
+from winch_controller_node.estimation.mru_steps import MruSteps
 from winch_controller_node.estimation.reading_record import Surprise
 from winch_controller_node.estimation.sensor_health import (
+    PLAY,
     REMEDIES,
     UNKNOWN_STATUS,
     DepthJumps,
@@ -115,7 +117,7 @@ def test_surprise_is_of_the_measurement_that_has_been_foreseen_badly():
 
 def test_an_mru_that_says_it_is_settling_is_not_used():
     gate = SensorGate("mru", SensorTiming(DT), HealthParameters())
-    assert not judge_mru(gate, DT, MruReading(DT, 0.1, 0.0, status=MruStatus.SETTLING))
+    assert not judge_mru(gate, DT, MruReading(DT, 0.1, 0.0, status=MruStatus.SETTLING), MruSteps(), 0.0)
     assert gate.reason == "status settling"
 
 
@@ -187,6 +189,220 @@ def test_a_jump_that_was_taken_off_is_shown_until_diagnostics_have_told_it():
     assert levels[19 : 19 + round(1.5 / DT)] == [SUSPECT] * round(1.5 / DT)
     assert levels[-1] == OK
     assert gate.jump == pytest.approx(0.2)
+
+
+def encoder_gate():
+    return EncoderGate(SensorTiming(DT, DT), HealthParameters(), tick_period=DT)
+
+
+PAYOUT = 5.0
+
+
+def swung_payout(time):
+    """Payout of a drum in a sea [m]: 0.6 m in 9 s, faster than MOVING_SPEED but for 0.34 s at each turn."""
+    return PAYOUT + 0.6 * math.sin(0.7 * time)
+
+
+def followed(gate, readings, start=1, *, is_driven=True, expected=None):
+    """Give one of the `readings`, functions of time, per tick; return payouts taken and levels.
+
+    The winch was sent what `swung_payout` does, or what is `expected`.
+    """
+    taken, levels = [], []
+    for k, reading in enumerate(readings, start=start):
+        rate = (swung_payout(k * DT) - swung_payout((k - 1) * DT)) / DT if expected is None else expected
+        gate.pass_tick(k * DT, rate)
+        taken.append(gate.judge(k * DT, ScalarReading(k * DT, reading), rate, is_driven=is_driven))
+        gate.gate.tick(k * DT)
+        levels.append(gate.gate.level)
+    return taken, levels
+
+
+def payouts(ticks):
+    """Return what the drum does in `ticks` [m]."""
+    return [swung_payout(k * DT) for k in ticks]
+
+
+@pytest.mark.parametrize("factor", [0.5, -1.0, 2.0, 0.8])
+@pytest.mark.parametrize("was", [1.0, -2.0])
+def test_an_encoder_of_another_scale_goes_on_at_the_payout_that_is_given(factor, was):
+    """From then on a step is one of the readings over both factors, and none of them has jumped."""
+    gate = encoder_gate()
+    if was != 1.0:
+        gate.rescale(was, 0.0)
+    read = [was * factor * payout for payout in payouts(range(1, 101))]
+    for k in range(1, 51):
+        gate.judge(k * DT, ScalarReading(k * DT, read[k - 1]), 0.0)
+    gate.rescale(factor, swung_payout(50 * DT))
+    assert gate.scale == was * factor
+    offset = gate.offset
+    taken, levels = followed(gate, read[50:], start=51)
+    assert taken == pytest.approx(payouts(range(51, 101)), abs=1e-9)
+    assert gate.offset == offset
+    assert levels[-1] == OK
+
+
+def test_the_last_reading_is_the_payout_that_is_given_whatever_it_was_before():
+    """A step of 0.1 m at half the scale is 0.2 m of the drum."""
+    gate = encoder_gate()
+    gate.judge(DT, ScalarReading(DT, 7.0), 0.0)
+    gate.rescale(0.5, 3.0)
+    assert gate.judge(2 * DT, ScalarReading(2 * DT, 7.0), 0.0) == pytest.approx(3.0)
+    assert gate.judge(3 * DT, ScalarReading(3 * DT, 7.1), 0.2 / DT) == pytest.approx(3.2)
+
+
+def test_an_encoder_that_goes_on_as_before_in_another_scale_has_not_jumped():
+    """3 m/s of the readings are 6 m/s of the drum, which nobody has sent the winch."""
+    gate = encoder_gate()
+    for k in range(1, 11):
+        gate.judge(k * DT, ScalarReading(k * DT, 0.15 * k), 3.0)
+    gate.rescale(0.5, 3.0)
+    taken = [gate.judge(k * DT, ScalarReading(k * DT, 0.15 * k), 0.0) for k in range(11, 21)]
+    assert taken == pytest.approx([3.0 + 0.3 * k for k in range(1, 11)])
+
+
+def test_an_encoder_without_a_reading_yet_is_rescaled_for_those_to_come():
+    gate = encoder_gate()
+    gate.rescale(2.0, 3.0)
+    assert gate.judge(DT, ScalarReading(DT, 7.0), 0.0) == pytest.approx(3.5)
+
+
+@pytest.mark.parametrize("factor", [-1.0, 0.5, -3.0])
+def test_an_encoder_that_goes_otherwise_than_the_winch_was_sent_does_not_jump_again_and_again(factor):
+    """It goes on as it went: at 0.42 m/s a step of an encoder turned over is 42 mm off, one of -3 times 84 mm."""
+    gate = encoder_gate()
+    taken, levels = followed(gate, [factor * payout for payout in payouts(range(1, 401))])
+    assert LOST not in levels
+    assert taken.count(None) <= 1
+    steps = np.diff([payout for payout in taken if payout is not None][1:])
+    assert max(np.abs(steps)) == pytest.approx(abs(factor) * 0.42 * DT, rel=0.02)
+
+
+def test_one_that_goes_the_other_way_from_some_moment_on_jumps_once():
+    """From the middle of the drum's turn, where it is fastest: by twice the payout that it had, and then no more."""
+    gate = encoder_gate()
+    turned = [payout if k < 180 else -payout for k, payout in enumerate(payouts(range(1, 401)))]
+    taken, levels = followed(gate, turned)
+    assert LOST not in levels
+    assert taken.count(None) <= 2
+    assert gate.offset == pytest.approx(-2.0 * swung_payout(181 * DT), abs=4.0 * 0.42 * DT)
+
+
+def frozen_gate(until=60):
+    """Return a gate whose encoder has stood still since tick 20, and where it did [m]."""
+    gate, stuck = encoder_gate(), swung_payout(20 * DT)
+    followed(gate, payouts(range(1, 21)))
+    _, levels = followed(gate, [stuck] * (until - 20), start=21)
+    assert levels[-1] == LOST
+    assert gate.gate.reason == "frozen"
+    return gate, stuck
+
+
+def test_a_frozen_encoder_stays_frozen_while_the_drum_is_slow_turns_round_or_is_braked():
+    """Three waves; then the winch is sent nothing; then it brakes."""
+    gate, stuck = frozen_gate()
+    _, levels = followed(gate, [stuck] * 540, start=61)
+    assert set(levels) == {LOST}
+    _, levels = followed(gate, [stuck] * 200, start=601, expected=0.0)
+    assert set(levels) == {LOST}
+    _, levels = followed(gate, [stuck] * 200, start=801, expected=0.0, is_driven=False)
+    assert set(levels) == {LOST}
+
+
+def test_a_drum_that_turns_back_before_its_encoder_is_frozen_takes_no_proof_away():
+    """Slower than MOVING_SPEED near its turn at 2.24 s the drum proves nothing; after it, it does so at once.
+
+    It has gone PLAY, 3 cm, 0.49 s after the turn: 0.6 (1 - cos(0.7 t)).
+    """
+    gate, turn = encoder_gate(), round(math.pi / 2.0 / 0.7 / DT)
+    followed(gate, payouts(range(1, turn + 1)))
+    _, levels = followed(gate, [swung_payout(turn * DT)] * 40, start=turn + 1)
+    assert levels.index(LOST) * DT == pytest.approx(0.45, abs=DT)
+
+
+def test_a_drum_that_is_slow_for_a_moment_again_and_again_takes_no_proof_away():
+    """Two ticks at 0.5 m/s, one at rest: three in which it turned are four ticks, and PLAY is gone after two."""
+    gate, frozen = encoder_gate(), []
+    for k in range(8):
+        gate.judge(k * DT, ScalarReading(k * DT, 1.0), 0.0 if k % 3 == 0 else 0.5)
+        frozen.append(gate.gate.level == LOST)
+    assert frozen.index(True) == 4
+
+
+@pytest.mark.parametrize("until", [60, 200, 470])
+def test_a_frozen_encoder_is_good_again_once_it_moves_and_the_payout_is_right_then(until):
+    """One that kept its sight reads what the drum has done meanwhile; the winch was sent just that."""
+    gate, _ = frozen_gate(until)
+    taken, levels = followed(gate, payouts(range(until + 1, until + 41)), start=until + 1)
+    assert taken == pytest.approx(payouts(range(until + 1, until + 41)), abs=1e-9)
+    assert gate.offset == pytest.approx(0.0, abs=1e-9)
+    assert levels[-1] == OK
+
+
+@given(st.integers(20, 400), st.integers(1, 600), st.floats(0.9, 1.1))
+def test_an_encoder_that_freezes_and_counts_on_has_missed_at_most_a_fifth_of_the_path(frozen, ticks, gain):
+    """It counts on from where it stood: what the drum did meanwhile is known by what the winch was sent.
+
+    The drum does up to a tenth more or less than that. Where it came back nearly to where it was, nothing is told.
+    """
+    gate = encoder_gate()
+    drum = [gain * payout for payout in payouts(range(1, frozen + ticks + 61))]
+    followed(gate, drum[:frozen])
+    followed(gate, [drum[frozen - 1]] * ticks, start=frozen + 1)
+    missed = drum[frozen + ticks - 1] - drum[frozen - 1]
+    taken, levels = followed(gate, [payout - missed for payout in drum[frozen + ticks :]], start=frozen + ticks + 1)
+    path = float(np.sum(np.abs(np.diff(payouts(range(frozen, frozen + ticks + 2))))))
+    # whether it froze or not: less than PLAY, gone unseen, proves nothing, as in a gear
+    allowed = HealthParameters().encoder_step + max(0.2 * path, PLAY + 0.42 * DT) + 0.1 * path
+    errors = [abs(one - true) for one, true in zip(taken, drum[frozen + ticks :], strict=True) if one is not None]
+    assert len(errors) >= 58
+    assert max(errors) < allowed
+    assert levels[-1] == OK
+
+
+def test_an_encoder_that_freezes_for_two_seconds_and_counts_on_is_right_again():
+    """Of 1 m and more, which it has not seen, nothing is missing but the step in which it counts on."""
+    gate = encoder_gate()
+    drum = payouts(range(1, 400))
+    start = 155  # from one turn of the drum nearly to the other
+    followed(gate, drum[:start])
+    _, levels = followed(gate, [drum[start - 1]] * 40, start=start + 1)
+    assert levels[-1] == LOST
+    missed = drum[start + 39] - drum[start - 1]
+    assert abs(missed) > 0.5
+    taken, _ = followed(gate, [payout - missed for payout in drum[start + 40 : start + 100]], start=start + 41)
+    assert taken[0] is None
+    assert taken[1:] == pytest.approx(drum[start + 41 : start + 100], abs=0.01)
+    assert gate.offset == pytest.approx(-missed, abs=0.01)
+
+
+def test_an_operator_who_trusts_a_frozen_encoder_has_it_go_on_where_the_drum_got_to():
+    """It has stood still since 1 s; at 3 s the winch has gone by swung_payout(3) - swung_payout(1)."""
+    gate, stuck = frozen_gate()
+    gate.trust()
+    taken, levels = followed(gate, [stuck] * 10, start=61, expected=0.0)
+    assert taken == pytest.approx([swung_payout(60 * DT)] * 10, abs=1e-9)
+    assert levels[-1] == OK
+    # moved on from there it counts on
+    taken, _ = followed(gate, [stuck + 0.01 * k for k in range(1, 11)], start=71, expected=0.01 / DT)
+    assert taken[-1] == pytest.approx(swung_payout(60 * DT) + 0.1, abs=1e-9)
+
+
+def test_an_encoder_that_was_trusted_and_is_frozen_still_is_so_again():
+    gate, stuck = frozen_gate()
+    gate.trust()
+    _, levels = followed(gate, [stuck] * 40, start=61)
+    assert levels[-1] == LOST
+    assert gate.gate.reason == "frozen"
+
+
+def test_to_trust_an_encoder_that_is_well_changes_nothing():
+    gate = encoder_gate()
+    followed(gate, payouts(range(1, 41)))
+    gate.trust()
+    taken, levels = followed(gate, payouts(range(41, 81)), start=41)
+    assert taken == pytest.approx(payouts(range(41, 81)))
+    assert set(levels) == {OK}
 
 
 def heave(time):

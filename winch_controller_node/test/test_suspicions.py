@@ -158,6 +158,6 @@ def test_a_record_knows_how_far_back_it_reaches():
     for number in range(5, 20):
         record.add(RecordedTick(number, 0.0, ()))
     assert [tick.number for tick in record.ticks(16)] == [17, 18, 19]
-    assert record.reaches_to(5) and not record.reaches_to(4) and not record.is_full
+    assert record.reaches_to(5) and not record.reaches_to(4) and not record.covers(RECORD)
     record.clear()
     assert not record.reaches_to(5)

@@ -11,8 +11,10 @@ from heave_node.interface.faults import FaultParameters
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from winch_controller_node.design.design import design_controller
+from winch_controller_node.estimation.depth_witness import WINDOWS
 from winch_controller_node.identification.drum_fit import ACCELERATIONS, SPEEDS, DrumFit
 from winch_controller_node.identification.drum_kernel import Drum, drum_records
+from winch_controller_node.identification.encoder_scale import CONTRARY_TIME
 from winch_controller_node.identification.late_commands import LateCommands
 from winch_controller_node.identification.winch import Answer, WinchIdentifier, drum_of
 from winch_controller_node.node_parameters import WinchControllerParameters
@@ -438,3 +440,77 @@ def test_a_drum_at_its_limits_of_which_much_is_left_tells_the_sum_of_servo_and_d
     present = DrumFit(believed, 400 * 0.006**2, 400, covariance)
     better = identifier.take(Answer(present, DrumFit(drum, 400 * left**2, 400, covariance)), belief) or belief
     assert (better.time_constant, better.command_delay) == pytest.approx(expected)
+
+
+TIMES = (CONTRARY_TIME, *WINDOWS)
+
+
+def sent_over_20_seconds(design, *, factor=1.0, gap=(), size=0.5, **winch):
+    """Return the identifier of a winch whose encoder reads `factor` times the payout, and the payouts."""
+    scaled = FaultParameters(kind=("scale",), start=(0.0,), duration=(0.0,), magnitude=(factor,))
+    belief = WinchControllerParameters()
+    virtual = VirtualWinch(WinchParameters(encoder=EncoderParameters(faults=scaled), **winch), tick_period=DT)
+    identifier, payouts = WinchIdentifier(belief.lag, design), []
+    for rate, encoder in record_of(virtual, commands_of(20.0, noise=0.0, size=size), gap):
+        identifier.add(0.0, rate, encoder)
+        payouts.append(virtual.state.payout)
+    return identifier, np.array(payouts)
+
+
+@pytest.mark.parametrize("time", TIMES)
+@pytest.mark.parametrize(
+    ("factor", "gain"),
+    [(1.0, 1.0), (0.5, 1.0), (-1.0, 1.0), (2.0, 1.0), (0.8, 1.0), (1.0, 0.8), (1.0, 1.3), (0.5, 1.3)],
+)
+def test_an_encoder_reads_its_scale_times_the_gain_of_the_winch_of_what_that_was_sent(design, factor, gain, time):
+    """The speed at the start is known to a tick: 0.02 m/s for the lag of 0.15 s are 3 mm, of 3 cm and more."""
+    identifier, payouts = sent_over_20_seconds(design, factor=factor, speed_gain=gain)
+    sent, count = identifier.sent(time), round(time / DT)
+    assert sent.share == pytest.approx(factor * gain, rel=0.03)
+    assert sent.left < 0.05
+    travel = (payouts[-1] - payouts[-1 - count]) / gain
+    # a gain that the identifier does not know makes the speed at the start wrong by as much, for the lag
+    assert sent.payout == pytest.approx(factor * payouts[-1 - count] + travel, abs=0.01)
+
+
+def test_what_was_learnt_of_the_gain_is_held_against_the_encoder_until_it_is_known_whose_it_is(design):
+    identifier, _ = sent_over_20_seconds(design, factor=0.8, size=1.5)
+    learnt = identifier.improved_winch(WinchControllerParameters().winch)
+    assert learnt.speed_gain == pytest.approx(0.8, rel=0.03)
+    assert identifier.sent(8.0).share == pytest.approx(0.8, rel=0.03)
+
+
+def test_what_was_learnt_of_a_wrong_encoder_is_forgotten(design):
+    """It reads 0.8 of the payout for 20 s, and then all of it."""
+    belief, half = WinchControllerParameters(), 400
+    scaled = FaultParameters(kind=("scale",), start=(0.0,), duration=(half * DT,), magnitude=(0.8,))
+    winch = VirtualWinch(WinchParameters(encoder=EncoderParameters(faults=scaled)), tick_period=DT)
+    identifier = WinchIdentifier(belief.lag, design)
+    for tick, (rate, encoder) in enumerate(record_of(winch, commands_of(40.0, size=1.5))):
+        if tick == half:
+            assert identifier.improved_winch(belief.winch).speed_gain == pytest.approx(0.8, rel=0.03)
+            identifier.forget()
+            assert identifier.sent(CONTRARY_TIME) is None
+            assert identifier.find() is None
+        identifier.add(0.0, rate, encoder)
+    after = identifier.improved_winch(belief.winch) or belief.winch
+    assert after.speed_gain == pytest.approx(1.0, abs=0.015)
+    assert (after.speed_limit, after.acceleration_limit) == (2.0, 1.5)
+    assert identifier.sent(8.0).share == pytest.approx(1.0, rel=0.03)
+
+
+@pytest.mark.parametrize("time", TIMES)
+def test_too_little_that_was_read_or_moved_tells_nothing_of_the_encoder(design, time):
+    count = round(time / DT)
+    end = 400
+    few, some = range(end - count // 2, end - count // 2 + count // 3), range(end - count // 2, end - count // 2 + 4)
+    assert sent_over_20_seconds(design, gap=few)[0].sent(time) is None
+    assert sent_over_20_seconds(design, gap=some)[0].sent(time).share == pytest.approx(1.0, rel=0.03)
+    # the reading that it begins with
+    assert sent_over_20_seconds(design, gap=[end - count])[0].sent(time) is None
+    # a drum that goes 3 mm shows less than the 4 mm, 1 sigma, that are compared
+    assert sent_over_20_seconds(design, size=0.002)[0].sent(time) is None
+    fresh = WinchIdentifier(WinchControllerParameters().lag, design)
+    for _ in range(count):
+        fresh.add(0.0, 1.0, 1.0)
+    assert fresh.sent(time) is None

@@ -154,6 +154,8 @@ class WinchController:
         Returns the mode taken in words. Raises ModeError, saying why, where it cannot be taken.
         """
         self._supervisor.timeouts.cancel()
+        self.observer.encoder.trust()
+        self._learning.trust_encoder()
         if name == Mode.CONSTANT_TENSION.value:
             measured = self._estimation.filtered_tension
             if not math.isfinite(measured):
@@ -351,6 +353,7 @@ class WinchController:
                 settled_swing=self._command.settled_swing,
                 share=self._winch.share if identifies_winch(self.parameters) else 1.0,
                 inhibition=transport.inhibition or self._learning.inhibition,
+                is_contrary=self._learning.is_contrary,
             ),
         )
         self._alarms += [transport.alarm] if transport.alarm else []
@@ -459,6 +462,7 @@ class WinchController:
         before = self.design
         self._alarms += self._learning.follow(
             tick,
+            moves=self.mode in (Mode.COMPENSATING, Mode.FADE_OUT),
             compensates=self.mode is Mode.COMPENSATING,
             is_trusted=self._supervisor.guard.trusts_estimate,
         )

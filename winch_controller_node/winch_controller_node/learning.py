@@ -12,7 +12,9 @@ from dataclasses import dataclass, replace
 from winch_controller_node.design.schedule import is_scheduled
 from winch_controller_node.design.work import DesignWork
 from winch_controller_node.design_in_force import DesignInForce, PreparedDesign
+from winch_controller_node.encoder_learning import EncoderLearning
 from winch_controller_node.estimation.loop_estimation import LoopEstimation
+from winch_controller_node.estimation.reading_record import RECORD
 from winch_controller_node.identification.likeliest_sea import likeliest_sea
 from winch_controller_node.identification.suspicions import Verdict, continued, suspect
 from winch_controller_node.identification.winch import is_weaker
@@ -27,6 +29,9 @@ DESIGN_TIME = 1.0
 
 SURPRISED_TIME = 30.0
 """Sensors are suspected when readings have been foreseen badly for so long [s]."""
+
+SHORT_RECORD = 30.0
+"""Record that is enough where the guard does not trust the estimate [s]: the first minute has no longer one."""
 
 GROSSLY, GROSS_TIME = 6.0, 10.0
 """And once before, after so long [s], where the mean of their normalised innovations squared is so large."""
@@ -73,29 +78,36 @@ class Learning:
         self._winch = winch
         self._dt = in_force.design.tick_period
         self._work: DesignWork[Learnt | None] = DesignWork(max(1, round(DESIGN_TIME / self._dt)), designer)
+        self._encoder = EncoderLearning(in_force, estimation, winch)
         self._news = WinchNews(in_force.parameters.winch, tick_period=self._dt)
         self._patience = FIRST_PATIENCE
         self._suspected = -math.inf
-        self._looked_early = False
+        self._looked_early = self._is_doubted = False
         self._seas_compared, self._seas_patience = -math.inf, FIRST_SEAS_PATIENCE
-        self._doubts = self._refused = ""
+        self._refused = ""
         self.corrected: set[str] = set()
 
     @property
     def inhibition(self) -> str:
         """Why compensation must be off; empty: it need not."""
-        return self._doubts if self._estimation.observer.doubted == "mru" else ""
+        return self._encoder.inhibition
+
+    @property
+    def is_contrary(self) -> bool:
+        """Tell whether drum or encoder go the other way than the winch is sent."""
+        return self._encoder.is_contrary
 
     def drop(self) -> None:
         """Forget the design that is under way: another one is in force."""
         self._work.drop()
 
-    def follow(self, tick: int, *, compensates: bool, is_trusted: bool) -> list[str]:
+    def follow(self, tick: int, *, moves: bool, compensates: bool, is_trusted: bool) -> list[str]:
         """Do what there is to learn before `tick`; return what has been learnt, in words.
 
         Parameters
         ----------
         tick : that comes
+        moves : the winch does, or is to: the encoder is compared with it then
         compensates : the loop does: the winch is learnt then only
         is_trusted : the guard trusts the estimate; where it does not, sensors are suspected at once
         """
@@ -104,6 +116,8 @@ class Learning:
         parameters = self._in_force.parameters
         is_learning = compensates and identifies_winch(parameters)
         has_schedule = is_scheduled(parameters)
+        if moves and identifies_winch(parameters):
+            words += self._compare_encoder(tick)
         if is_learning:
             self._follow_winch(tick)
         words += self._news.update(
@@ -114,7 +128,7 @@ class Learning:
         )
         if not has_schedule and not self._work.is_under_way:
             self._follow_sea(tick)
-        if not has_schedule and not self._work.is_under_way:
+        if not has_schedule and not self._work.is_under_way and not self._encoder.doubts_encoder:
             self._suspect_sensors(tick, is_trusted=is_trusted)
         return words
 
@@ -139,12 +153,26 @@ class Learning:
         self._seas_patience = FIRST_SEAS_PATIENCE
         return [f"sea model updated: {_changes(before.sea, after.sea)}"]
 
+    # scales of encoder and motion reference unit
+
+    def _compare_encoder(self, tick: int) -> list[str]:
+        """Use another scale of the encoder, or do without the motion reference unit, where that has been found."""
+        words = self._encoder.follow(tick)
+        if self._encoder.corrected:
+            self._work.drop()  # it was begun with what was wrong
+            self.corrected.add(self._encoder.corrected)
+        return words
+
+    def trust_encoder(self) -> None:
+        """Try an encoder again that was set aside: an operator asks for it."""
+        self._encoder.trust_encoder()
+
     # the winch
 
     def _follow_winch(self, tick: int) -> None:
         """Use limits and gain as found at once; begin to design for another servo or delay."""
         before = self._in_force.parameters.winch
-        found = self._winch.improved_winch(tick, before)
+        found = self._winch.improved_winch(tick, before, doubts_encoder=self._encoder.doubts_encoder)
         if found is None:
             return
         self._in_force.take_limits(found)
@@ -183,7 +211,8 @@ class Learning:
     def _suspect_sensors(self, tick: int, *, is_trusted: bool) -> None:
         """Begin to look for the sensor at fault where the estimate is not trusted, or has foreseen badly for long."""
         estimation = self._estimation
-        if not estimation.record.is_full or not self._is_time_to_suspect(tick * self._dt, is_trusted=is_trusted):
+        is_long = estimation.record.covers(RECORD if is_trusted else SHORT_RECORD)
+        if not is_long or not self._is_time_to_suspect(tick * self._dt, is_trusted=is_trusted):
             return
         in_force, record = self._in_force, estimation.record.ticks()
 
@@ -196,11 +225,16 @@ class Learning:
 
     def _is_time_to_suspect(self, now: float, *, is_trusted: bool) -> bool:
         """Tell whether to look at `now` [s]; a sensor that is doubted is judged anew every minute."""
-        surprise, is_doubted = self._estimation.surprise, bool(self._estimation.observer.doubted)
+        surprise, was_doubted = self._estimation.surprise, self._is_doubted
+        is_doubted = self._is_doubted = bool(self._estimation.observer.doubted)
+        if is_doubted and not was_doubted:
+            self._suspected, self._patience = now, FIRST_PATIENCE
         if (is_doubted or surprise.time >= SURPRISED_TIME) and now - self._suspected >= self._patience:
             self._suspected = now
             self._patience *= 1.0 if is_doubted else LONGER
             return True
+        if is_doubted:
+            return False
         is_gross = GROSS_TIME <= surprise.time < SURPRISED_TIME and surprise.worst[1] >= GROSSLY
         was_early, is_early = self._looked_early, is_gross or not is_trusted
         self._looked_early = is_early or (was_early and surprise.time > 0.0)
@@ -227,7 +261,6 @@ class Learning:
         if not suspicion.culprit:
             return [f"{was_doubted} agrees with all others again"]
         doubts = [f"{culprit} suspect: {words}" for culprit, words in suspicion.findings.items()]
-        self._doubts = "; ".join(doubts)
         self.corrected.update(suspicion.findings)
         if suspicion.culprit != "mru":
             estimation.surprise.excuse()

@@ -231,7 +231,7 @@ class LoopCommand:
         """Ask for a fade-out that uses no more of the estimate than can be trusted."""
         if not decision.trusts_estimate:
             return self._slow_down(state, standing)
-        if decision.is_inhibited and self._settling is not None:
+        if decision.is_damped and self._settling is not None:
             return self._settling.command(state)
         if self._fade_out is not None and not decision.fades_by_law:
             # a sensor was lost: the estimated motion of the unit is not to be acted upon

@@ -13,13 +13,18 @@ import numpy as np
 from heave_node.numerics.arrays import Array
 from heave_node.numerics.linear_model import LinearModel
 
-from winch_controller_node.interface.sensors import DEPTH_BIAS
+from winch_controller_node.interface.sensors import DEPTH_BIAS, MRU_SCALE
+from winch_controller_node.model.regulator import is_sea_state
 
 PULL_SIGMA = 0.1
 """Doubt in the pull of the cable [m] of a unit that has just been lifted off: 5 % of a weight on a long cable."""
 
 STANDING_SIGMA = 0.01
 """Doubt in its rate [m/s]: it stood."""
+
+
+SEEN_SIGMA = 0.05
+"""Doubt in payout [m], heave [m] and rates [m/s] of drum and unit as the depth sensor has seen them over a wave."""
 
 
 @dataclass(frozen=True)
@@ -85,3 +90,48 @@ def hand_over_standing(
         # the depth sensor knows their sum
         covariance[unit, bias] = covariance[bias, unit] = -(1.0 - 1e-3) * PULL_SIGMA**2
     return hand_over(model, np.asarray(estimate), covariance, mean_state)
+
+
+def hand_over_seen(
+    model: LinearModel, estimate: Array, covariance: Array, *, payout: float, unit: Array
+) -> tuple[Array, Array]:
+    """Return estimate and covariance of a loop whose drum and unit are elsewhere than the encoder had it.
+
+    Parameters
+    ----------
+    model, estimate, covariance : as for `hand_over`
+    payout : that is out, without the mean payout [m]
+    unit : its heave [m] and rate [m/s], without those that the mean payout brings about, shape (2,)
+    """
+    estimate, covariance = estimate.copy(), covariance.copy()
+    known = {"payout": payout, "unit_heave": float(unit[0]), "unit_heave_rate": float(unit[1])}
+    for name in (*known, "payout_rate"):
+        if model.has_state(name):
+            index = model.state(name)
+            estimate[index] = known.get(name, estimate[index])
+            covariance[index, :] = covariance[:, index] = 0.0
+            covariance[index, index] = SEEN_SIGMA**2
+    return estimate, covariance
+
+
+def hand_over_scaled(
+    model: LinearModel, estimate: Array, covariance: Array, *, share: float, sigma: float
+) -> tuple[Array, Array]:
+    """Return estimate and covariance of a loop whose boom tip moves a `share` of what was estimated.
+
+    The MRU's scale has made up for the difference, and reads the same.
+
+    Parameters
+    ----------
+    model, estimate, covariance : as for `hand_over`
+    share : of boom tip, waves and what the MRU's filter makes of them [-]
+    sigma : standard deviation of the MRU's scale [-]
+    """
+    is_moved = [is_sea_state(name) or name.startswith("mru_offset") for name in model.state_names]
+    size = np.where(is_moved, share, 1.0)
+    estimate, covariance = size * estimate, covariance * np.outer(size, size)
+    scale = model.state(MRU_SCALE)
+    estimate[scale] = (1.0 + estimate[scale]) / share - 1.0
+    covariance[scale, :] = covariance[:, scale] = 0.0
+    covariance[scale, scale] = sigma**2
+    return estimate, covariance

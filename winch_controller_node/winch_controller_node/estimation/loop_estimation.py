@@ -12,7 +12,13 @@ import numpy as np
 from heave_node.numerics.arrays import Array
 
 from winch_controller_node.design.design import ControllerDesign
-from winch_controller_node.estimation.handover import hand_over, hand_over_standing
+from winch_controller_node.estimation.depth_witness import DepthWitness, Seen
+from winch_controller_node.estimation.handover import (
+    hand_over,
+    hand_over_scaled,
+    hand_over_seen,
+    hand_over_standing,
+)
 from winch_controller_node.estimation.loop_tick import CommandShares, LoopTick, Sensed
 from winch_controller_node.estimation.observation import Observer
 from winch_controller_node.estimation.reading_record import SEA_RECORD, ReadingRecord, Surprise
@@ -24,7 +30,7 @@ from winch_controller_node.estimation.sea_adaptation import (
 )
 from winch_controller_node.estimation.tension_filter import TensionFilter
 from winch_controller_node.interface.readings import Measurements
-from winch_controller_node.interface.sensors import DEPTH_BIAS, KnownSensors
+from winch_controller_node.interface.sensors import DEPTH_BIAS, MRU_SCALE, KnownSensors
 from winch_controller_node.model.estimator import KalmanEstimator, Measurement, RecordedTick
 from winch_controller_node.model.loop_rows import loop_rows
 from winch_controller_node.model.quadratic_drag import ShadowUnit
@@ -32,6 +38,12 @@ from winch_controller_node.motion.mean_motion import MeanMotion
 
 CLEAR = 4.0
 """Heave rate of a sea over the error of its estimate from which on its period is judged: noise is short waves."""
+
+TIP_BACK = 1.0
+"""Time after which an MRU that was lost tells the boom tip again [s]: compensation goes on then."""
+
+LIKELY = 2.0
+"""Error of the MRU's scale that there may well be, in standard deviations."""
 
 SEA_SENSORS = ("mru", "encoder")
 """They tell the sea; what others read tells as much of the cable."""
@@ -49,6 +61,8 @@ class LoopEstimation:
     estimator, observer : the filter and the gates in front of it
     motion : mean payout and what it brings about
     record, surprise : what the estimator was told in the last minute, and how far that was from what it foresaw
+    depth_witness : of what the encoder reads
+    knows_tip : the boom tip is measured by a sensor that is believed
     sea_record : what it was told by motion reference unit and encoder, which tell the sea, in the last two minutes
     """
 
@@ -62,9 +76,11 @@ class LoopEstimation:
         self._tension = TensionFilter(parameters.tension.time_constant, tick_period=dt)
         self._sea = SeaTracker(design)
         self._believed_sea = parameters.sea
+        self._tip_lost, self._tip_back, self.knows_tip = 0.0, TIP_BACK, True
         sensors = KnownSensors().by_name()
         self._sea_rows = {row.name for name in SEA_SENSORS for row in sensors[name].rows()}
         self.record, self.surprise = ReadingRecord(dt), Surprise(dt)
+        self.depth_witness = DepthWitness(design.cable, dt)
         self.sea_record = ReadingRecord(dt, SEA_RECORD)
         self._refer_to(design)
 
@@ -75,6 +91,7 @@ class LoopEstimation:
         self._rows = loop_rows(design.model)
         self._shadow.take_cable(design.cable, design.tick_period)
         self._moved_unit.take_cable(design.cable, design.tick_period)
+        self.depth_witness.take_cable(design.cable)
         self._sea.refer_to(design)
 
     # another design
@@ -126,6 +143,45 @@ class LoopEstimation:
         self._shadow.continue_at(self.estimator.estimate[self._rows.unit_states] - self._moved_unit.state)
         self.observer.doubt(doubted)
 
+    def set_encoder_aside(self, payout: float, tick: int) -> None:
+        """Go on after `tick` without the encoder, the drum being at a `payout` [m]."""
+        self.observer.doubt("encoder")
+        moved = payout - float(self._rows.payout @ self.motion.state)
+        unit = self.estimator.estimate[self._rows.unit_states]
+        self._go_on(tick, payout=moved, unit=unit)
+
+    def rescale_encoder(self, factor: float, seen: Seen, tick: int) -> None:
+        """Go on after `tick` with an encoder that reads `factor` times what it was taken to.
+
+        Drum and unit are where the depth sensor has `seen` them.
+        """
+        bias = self._depth_bias()
+        payout = seen.payout - bias
+        self.observer.encoder.rescale(factor, payout)
+        self.observer.doubt("")
+        offset = np.array([bias, 0.0]) + self._likely_share * self._shadow.state
+        unit = seen.unit + offset - self.motion.state[self._rows.unit_states]
+        self._go_on(tick, payout=payout - float(self._rows.payout @ self.motion.state), unit=unit)
+        self.depth_witness.restart()
+        self.forget_readings()
+
+    def _go_on(self, tick: int, *, payout: float, unit: Array) -> None:
+        """Go on after `tick` with drum and `unit` elsewhere, without what the mean payout does of it.
+
+        `payout` is that of the drum [m], `unit` heave [m] and rate [m/s], shape (2,).
+        """
+        estimator, streams = self.estimator, self.estimator.streams
+        now = (self._design.model, estimator.estimate, estimator.covariance)
+        estimate, covariance = hand_over_seen(*now, payout=payout, unit=unit)
+        share = self._likely_share
+        if share != 1.0:
+            sigma = self._design.parameters.sensors.mru.scale_sigma
+            estimate, covariance = hand_over_scaled(now[0], estimate, covariance, share=share, sigma=sigma)
+            self._shadow.continue_at(share * self._shadow.state)
+        estimator.reset(estimate, covariance, streams)
+        estimator.step(tick, 0.0, [])
+        self._moved_unit.continue_at(unit - self._shadow.state)
+
     def forget_readings(self) -> None:
         """Forget what was read: it tells nothing of the state from now on."""
         self.record.clear()
@@ -160,6 +216,14 @@ class LoopEstimation:
         if measurements.of("load_cell") and math.isfinite(self.observer.tension):
             self._tension.add(self.observer.tension)
         uncompensated = self._shadow.step(tip)
+        depths = () if unit_stands else tuple(self.observer.depths)
+        heave = self._likely_share * float(uncompensated[0])
+        self.depth_witness.add(number, self.observer.payout, heave, depths)
+        before, self.knows_tip = self.knows_tip, not self._is_tip_unseen()
+        if self.knows_tip and not before:
+            # what the winch would have left of the boom tip meanwhile is not known: it goes on from now
+            self._shadow.continue_at(estimate[rows.unit_states] - self._moved_unit.state)
+            uncompensated = self._shadow.state
         loop = LoopTick(
             number=number,
             sensed=self._sensed(readings),
@@ -174,7 +238,7 @@ class LoopEstimation:
             knows_sea=self.knows_sea,
             is_sea_refuted=self._sea.is_refuted,
             doubt=self.surprise.words,
-            knows_tip=self.observer.doubted != "mru",
+            knows_tip=self.knows_tip,
         )
         self._moved_unit.step(-np.array([loop.payout, loop.payout_rate]))
         return loop
@@ -197,6 +261,17 @@ class LoopEstimation:
             lost=observer.lost(),
             faults=tuple(observer.new_faults()),
         )
+
+    def _is_tip_unseen(self) -> bool:
+        """Tell whether the MRU is doubted, or lost for longer than it is predicted, and not yet back for a while."""
+        dt, gate = self._design.tick_period, self.observer.gates.get("mru")
+        is_doubted = self.observer.doubted == "mru"
+        if is_doubted or (gate is not None and gate.is_lost):
+            self._tip_lost, self._tip_back = math.inf if is_doubted else self._tip_lost + dt, 0.0
+        else:
+            self._tip_back += dt
+            self._tip_lost = 0.0 if self._tip_back > TIP_BACK else self._tip_lost
+        return self._tip_lost > self._design.parameters.modes.coast_time
 
     def _follow_sea(self, tip: Array) -> None:
         """Let the estimator's driving noise follow the sea that moves the boom `tip`, heave and rate, shape (2,)."""
@@ -279,6 +354,18 @@ class LoopEstimation:
         self.estimator.reset(after.estimate, after.covariance)
         self.estimator.step(tick.number, 0.0, [])
         self._moved_unit.continue_at(self.estimator.estimate[tick.rows.unit_states] - self._shadow.state)
+
+    @property
+    def _likely_share(self) -> float:
+        """Share of the estimated boom tip that there may well be, by what is known of the MRU's scale.
+
+        Where the estimator follows that, it makes up with it for an encoder that reads half or twice the payout.
+        """
+        model, sigma = self._design.model, self._design.parameters.sensors.mru.scale_sigma
+        if not model.has_state(MRU_SCALE):
+            return 1.0
+        scale = float(self.estimator.estimate[model.state(MRU_SCALE)])
+        return (1.0 + scale) / (1.0 + min(max(scale, -LIKELY * sigma), LIKELY * sigma))
 
     # depth
 

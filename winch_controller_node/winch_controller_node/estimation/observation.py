@@ -10,6 +10,7 @@ from heave_node.interface.sensors import MruReading
 from heave_node.numerics.arrays import Array
 
 from winch_controller_node.design.design import ControllerDesign
+from winch_controller_node.estimation.mru_steps import MruSteps
 from winch_controller_node.estimation.reading_record import Surprise
 from winch_controller_node.estimation.sensor_health import (
     DepthJumps,
@@ -80,6 +81,7 @@ class Observer:
         self.encoder = EncoderGate(SensorTiming(self._dt, self._dt), health, tick_period=self._dt)
         self.gates["encoder"] = self.encoder.gate
         self._depth_jumps = DepthJumps()
+        self._mru_steps = MruSteps()
         self._rows_of = {name: sensor.rows() for name, sensor in self._watched.items()}
         rows = [(sensor, row) for name, sensor in self._use.items() for row in self._rows_of[name]]
         self._of_boom_tip = {row.name for sensor, row in rows if sensor.sees == "boom_tip"}
@@ -151,7 +153,9 @@ class Observer:
         taken: list[Measurement] = []
         witnessed: list[Measurement] = []
         for mru in delivered.mru:
-            if "mru" in self._use and judge_mru(self.gates["mru"], now, mru):
+            if "mru" in self._use and judge_mru(self.gates["mru"], now, mru, self._mru_steps, self._mru_noise):
+                if self._mru_steps.is_unproved and not self.doubted:
+                    self.doubt("mru")  # it must agree with all others first
                 (taken if self._is_taken("mru") else witnessed).extend(self._mru(mru))
         taken += self._encoder(now, delivered, expected_rate)
         for name in SCALAR_SENSORS:
@@ -212,8 +216,9 @@ class Observer:
         )
 
     def lost(self) -> dict[str, str]:
-        """Return why each lost sensor counts as lost, by name."""
-        return {name: gate.reason for name, gate in self.gates.items() if gate.level is SensorLevel.LOST}
+        """Return why each lost sensor counts as lost, by name; a doubted MRU does: nothing else tells the boom tip."""
+        lost = {name: gate.reason for name, gate in self.gates.items() if gate.level is SensorLevel.LOST}
+        return {"mru": CONTRADICTS, **lost} if self.doubted == "mru" else lost
 
     def new_faults(self) -> list[str]:
         """Return, in words, which sensors have become worse since the last call, or are quieter than believed."""
@@ -231,7 +236,7 @@ class Observer:
     def _fault_in_words(self, name: str, gate: SensorGate) -> str:
         """Return what is wrong with the sensor `name` of a `gate`, and what to do or what is done about it."""
         jumps = {"encoder": self.encoder.jump, "depth": self._depth_jumps.jump}
-        if gate.reason == "jump":
+        if gate.reason == "jump" and name in jumps:
             return f"jump of {jumps[name]:+.3f} m subtracted"
         if gate.is_lost:
             return f"{gate.reason}: {remedy(gate.reason)}"
@@ -258,6 +263,11 @@ class Observer:
         tick = round(time / self._dt)
         offset = time / self._dt - tick
         return tick, offset if abs(offset) > ON_TICK else 0.0
+
+    @property
+    def _mru_noise(self) -> float:
+        """Standard deviation of the MRU's heave [m]."""
+        return self._noise["mru_heave"].sigma
 
     def _mru(self, reading: MruReading) -> list[Measurement]:
         tick, offset = self._tick_of(reading.time)
@@ -287,7 +297,7 @@ class Observer:
         is_driven = not winch.brake and winch.fault == WinchFault.NONE
         payout = self.encoder.judge(now, reading, expected_rate, is_driven=is_driven)
         self.payout = payout
-        if payout is None:
+        if payout is None or not self._is_taken("encoder"):
             return []
         tick, offset = self._tick_of(winch.time)
         return [Measurement("payout", payout, tick, offset=offset)]

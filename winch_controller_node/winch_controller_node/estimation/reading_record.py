@@ -37,6 +37,7 @@ class ReadingRecord:
     """
 
     def __init__(self, tick_period: float, length: float = RECORD) -> None:
+        self._dt = tick_period
         self._ticks: deque[RecordedTick] = deque(maxlen=round(length / tick_period))
 
     def add(self, tick: RecordedTick) -> None:
@@ -47,10 +48,9 @@ class ReadingRecord:
         """Begin anew: the state has jumped."""
         self._ticks.clear()
 
-    @property
-    def is_full(self) -> bool:
-        """Tell whether the record has its full length."""
-        return len(self._ticks) == self._ticks.maxlen
+    def covers(self, time: float) -> bool:
+        """Tell whether the record goes back for a `time` [s]."""
+        return len(self._ticks) >= round(time / self._dt)
 
     def reaches_to(self, number: int) -> bool:
         """Tell whether the tick of a `number` is still on record."""

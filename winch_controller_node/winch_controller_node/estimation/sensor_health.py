@@ -15,6 +15,7 @@ import numpy as np
 from heave_node.interface.codes import MruStatus, SensorLevel
 from heave_node.interface.sensors import MruReading
 
+from winch_controller_node.estimation.mru_steps import MruSteps
 from winch_controller_node.interface.readings import ScalarReading, SensorState
 from winch_controller_node.parameters.laws import HealthParameters
 
@@ -35,6 +36,8 @@ LARGEST_STEP, LARGEST_SPEED = 0.2, 4.0
 MOVING_SPEED, PLAY = 0.05, 0.03
 """A drum commanded faster than this [m/s] must show in the encoder, once that has taken up play and lag [m]."""
 
+KNOWN_UNSEEN = 0.2
+"""Share of the way that a drum has gone unseen by which it may be elsewhere than it was sent."""
 
 REMEDIES = {
     "nan": "it reads no numbers: start it or its driver again",
@@ -231,9 +234,22 @@ _MRU_WORDS: dict[int, str] = {
 }
 
 
-def judge_mru(gate: SensorGate, now: float, reading: MruReading) -> bool:
-    """Tell whether `gate` lets a `reading` of the MRU pass at `now` [s], its status word included."""
+def judge_mru(gate: SensorGate, now: float, reading: MruReading, steps: MruSteps, noise: float) -> bool:
+    """Tell whether a reading of the MRU may be used, its status word included.
+
+    Parameters
+    ----------
+    gate : of the MRU
+    now : present time [s]
+    reading : the MRU's
+    steps : of the readings before
+    noise : standard deviation of its heave [m]
+    """
     status = _MRU_WORDS.get(reading.status, f"status {reading.status}")
+    if status or not math.isfinite(reading.heave + reading.heave_rate + reading.time):
+        steps.restart()
+    elif steps.is_off(reading, noise):
+        status = "jump"
     values = (reading.heave, reading.heave_rate, reading.roll, reading.pitch)
     return gate.judge(now, reading.time, values, status)
 
@@ -253,19 +269,29 @@ class EncoderGate:
 
     Attributes
     ----------
-    offset : sum of the jumps found so far [m]; a reading less the offset is the payout
+    scale : a reading over this, less the offset, is the payout; 1 until it is known to be another
+    offset : sum of the jumps found so far [m]
     jump : the last one [m]
     """
 
     def __init__(self, timing: SensorTiming, parameters: HealthParameters, *, tick_period: float) -> None:
         self.gate = SensorGate("encoder", timing, parameters, checks_frozen=False)
+        self.scale = 1.0
         self.offset = 0.0
         self.jump = 0.0
         self._parameters = parameters
         self._dt = tick_period
         self._last: tuple[float, float] | None = None
-        self._still, self._unseen = 0, 0.0
+        self._speed = 0.0
+        self._still, self._unseen, self._path, self._is_frozen = 0, 0.0, 0.0, False
         self._travel: deque[tuple[float, float]] = deque(maxlen=max(2, round(TRAVEL_KNOWN / tick_period)))
+
+    def rescale(self, factor: float, payout: float) -> None:
+        """Take the encoder to read `factor` times as much as it was taken to until now, and the last to be `payout`."""
+        self.scale *= factor
+        if self._last is not None:
+            self._last, self._speed = (self._last[0], self._last[1] / factor), self._speed / factor
+            self.offset = self._last[1] - payout
 
     def pass_tick(self, now: float, expected_rate: float) -> None:
         """Note how the drum should have turned since the last tick, whether a reading comes or not.
@@ -290,6 +316,7 @@ class EncoderGate:
         expected_rate : payout rate the drum should have had since the last tick [m/s]
         is_driven : the winch follows its commands; a braked drum stands still and is not frozen
         """
+        reading = ScalarReading(reading.time, reading.value / self.scale)
         status = self._status(reading, expected_rate, is_driven)
         if not self.gate.judge(now, reading.time, (reading.value,), status):
             if status == "jump":
@@ -307,21 +334,51 @@ class EncoderGate:
         elapsed = max(reading.time - last[0], self._dt)
         step = reading.value - last[1]
         ticks = elapsed / self._dt
-        if ticks < AT_ONCE:
+        is_thawing = self._is_frozen and step != 0.0
+        if is_thawing:
+            expected = self._unseen + expected_rate * elapsed
+            tolerance = self._parameters.encoder_step + KNOWN_UNSEEN * self._path
+        elif ticks < AT_ONCE:
             expected, tolerance = expected_rate * elapsed, self._parameters.encoder_step
         else:
             # in a gap the drum may have been off its model in each tick
             expected, tolerance = self._expected_travel(last[0], reading.time), ticks * self._parameters.encoder_step
+        is_frozen = self._watch_still(step, expected_rate * elapsed, is_driven)
         error = step - expected
-        if abs(error) > tolerance:
+        before, self._speed = self._speed, step / elapsed
+        # what goes on as before does not jump: whether the drum does so is known by what the winch was sent
+        if abs(error) > tolerance and (is_thawing or abs(step - before * elapsed) > tolerance):
             self.offset += error
             self.jump = error
             return "jump"
-        is_still = is_driven and step == 0.0 and abs(expected_rate) > MOVING_SPEED
-        self._still = self._still + 1 if is_still else 0
-        self._unseen = self._unseen + expected_rate * elapsed if is_still else 0.0
-        is_frozen = self._still >= self._parameters.frozen_samples and abs(self._unseen) > PLAY
         return "frozen" if is_frozen else ""
+
+    def _watch_still(self, step: float, expected: float, is_driven: bool) -> bool:
+        """Tell whether the encoder is frozen.
+
+        Parameters
+        ----------
+        step : since the last reading [m]
+        expected : how far the drum should have turned meanwhile [m]
+        is_driven : the winch follows its commands
+        """
+        if step != 0.0 or not (is_driven or self._is_frozen):
+            self._thaw()
+            return False
+        self._unseen += expected
+        self._path += abs(expected)
+        self._still += 1 if abs(expected) > MOVING_SPEED * self._dt else 0
+        # a drum that turns back, and is slow for a moment, takes no proof away
+        self._is_frozen |= self._still >= self._parameters.frozen_samples and abs(self._unseen) > PLAY
+        return self._is_frozen
+
+    def _thaw(self) -> None:
+        self._still, self._unseen, self._path, self._is_frozen = 0, 0.0, 0.0, False
+
+    def trust(self) -> None:
+        """Take a frozen encoder for good until the drum turns unseen again: an operator asks for it to be tried."""
+        self.offset -= self._unseen  # the drum stands where it got to
+        self._thaw()
 
     def _expected_travel(self, start: float, end: float) -> float:
         """Return by how much the drum should have turned between two readings, from `start` to `end` [s]."""

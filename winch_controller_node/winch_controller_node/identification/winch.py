@@ -15,6 +15,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from heave_node.interface.codes import WinchLimit
 from heave_node.numerics.arrays import Array
+from heave_node.numerics.newest import Newest
 from numpy.typing import NDArray
 
 from winch_controller_node.design.design import ControllerDesign
@@ -43,8 +44,8 @@ from winch_controller_node.identification.drum_fit import (
     told_belief,
     without_needless,
 )
-from winch_controller_node.identification.drum_kernel import Drum, predicted_reading
-from winch_controller_node.identification.newest import Newest
+from winch_controller_node.identification.drum_kernel import Drum, drum_records, predicted_reading
+from winch_controller_node.identification.encoder_scale import Sent
 from winch_controller_node.parameters.laws import LagParameters
 from winch_controller_node.parameters.model import WinchModelParameters
 
@@ -114,6 +115,12 @@ AS_FOUND = np.array([DEADBAND, BACKLASH, *LIMITS])
 
 CHECKED_TIME = 1.0
 """The drum is compared with its prediction over this time [s]."""
+
+SENT_LEAST = 0.004
+"""What the winch was sent and what the encoder read are compared where both have moved so far, 1 sigma [m]."""
+
+SENT_SEEN = 0.8
+"""And so many of the readings have come."""
 
 
 @dataclass(frozen=True)
@@ -256,6 +263,43 @@ class WinchIdentifier:
                 payouts, rates, readings, drum, self._nominal.position_gain, len(readings) // 2, self._dt
             )
         )
+
+    def sent(self, time: float) -> Sent | None:
+        """Return what the encoder reads of what the winch was sent, did that do as it was told; None: unknown.
+
+        Gain and limits are those that it was believed to have at first: what was learnt of them is learnt of the
+        encoder. They are compared over a `time` [s].
+        """
+        count = round(time / self._dt)
+        readings = self._readings.last(count + 1)
+        seen = np.isfinite(readings)
+        if len(readings) <= count or not seen[0] or np.count_nonzero(seen) < SENT_SEEN * count:
+            return None
+        needed = count + 1 + self._ahead
+        drum = self._belief.nominal.copy()
+        drum[[LAG, DELAY]] = self._found[[LAG, DELAY]]
+        start = np.array([[readings[0], self._rate_before(count)]])
+        payouts, rates = self._payouts.last(needed), self._rates.last(needed)
+        sent = drum_records(payouts, rates, drum[np.newaxis], start, self._nominal.position_gain, count, self._dt)[0]
+        asked, read = sent[seen[1:]], readings[1:][seen[1:]]
+        asked, read = asked - asked.mean(), read - read.mean()
+        asked_squares, read_squares = float(asked @ asked), float(read @ read)
+        if min(asked_squares, read_squares) < SENT_LEAST**2 * len(read):
+            return None
+        share = float(asked @ read) / asked_squares
+        left = max(read_squares - share**2 * asked_squares, 0.0)
+        return Sent(share, math.sqrt(left / read_squares), float(sent[-1]))
+
+    def _rate_before(self, count: int) -> float:
+        """Return the speed that the winch was sent `count` ticks ago and has reached by now [m/s]."""
+        lag = round((self._found[LAG] + self._found[DELAY]) / self._dt)
+        return float(self._rates.last(count + 1 + lag)[0])
+
+    def forget(self) -> None:
+        """Forget what was learnt, and begin a new record: the encoder was wrong."""
+        self._found = self._belief.nominal.copy()
+        self._learnt_age = self._patience = 0.0
+        self.restart()
 
     def find(self) -> WinchLags | None:
         """Return the drum that fits the record best, or None where it does not tell."""

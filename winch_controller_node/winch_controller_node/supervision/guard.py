@@ -46,6 +46,9 @@ LARGEST_LEFT_OVER = 2.0
 CORRECTIONS_TIME, CORRECTIONS_REST = 20.0, 300.0
 """Time within which a belief is corrected again and again [s], and time from its beginning to the next such."""
 
+CAUSE_TIME, KNOWN_HOLD = 20.0, 5.0
+"""Harm whose cause is known and corrected within the first time [s] keeps compensation off for the second [s] only."""
+
 OUT_OF_REACH = 2.0
 """Error of the drum's speed that its limits excuse, over that of a drum that follows what is intended within them."""
 
@@ -169,7 +172,7 @@ class HarmGuard:
         self._left_over = 0.0
         self._is_corrected = False
         self._corrected_first: dict[str, float] = {}
-        self._time = 0.0
+        self._time = self._began = 0.0
 
     @property
     def demand(self) -> float:
@@ -207,6 +210,13 @@ class HarmGuard:
         """Do not check the drum for some seconds: the law has to catch up with what it could not see."""
         self._catch_up = CATCH_UP_TIME
 
+    def allow_resumption(self) -> None:
+        """Do not hold against the loop how drum and unit moved while a sensor was lost."""
+        self.allow_catch_up()
+        self._is_corrected = True
+        self._judged_time = 0.0
+        self._make_comparison()
+
     def allow_correction(self, belief: str) -> None:
         """Do not hold against the loop what a wrong belief has done: it has just been corrected.
 
@@ -216,18 +226,17 @@ class HarmGuard:
         ----------
         belief : what it is about, as "winch"
         """
+        if self.inhibits and self._hold is None and self._time - self._began < CAUSE_TIME:
+            self._hold = KNOWN_HOLD
         since = self._time - self._corrected_first.get(belief, -math.inf)
         if since > CORRECTIONS_REST:
             self._corrected_first[belief] = self._time
         elif since > CORRECTIONS_TIME:
             return
-        self.allow_catch_up()
+        self.allow_resumption()
         self.trusts_estimate = True
         self._mismatch_check.restart()
         self._mismatch = DetrendedHeave(self._dt)
-        self._is_corrected = True
-        self._judged_time = 0.0
-        self._make_comparison()
 
     def inhibit(self, reason: str, hold: float | None = None) -> None:
         """Keep compensation off while there is a `reason` that is certain, and for a time after it.
@@ -397,7 +406,7 @@ class HarmGuard:
     # while it inhibits
 
     def _begin_inhibiting(self, reason: str, hold: float | None = None) -> None:
-        self.inhibits = True
+        self.inhibits, self._began = True, self._time
         self._is_unexplained = False
         self._hold = hold
         self._off_time = 0.0

@@ -139,9 +139,11 @@ class ModeMachine:
         elif not situation.lost:
             self._well_time += self._dt
         if self.mode is Mode.FADE_OUT:
-            self._approach(0.0, self._parameters.fade_out_time)
             if goes_on_blind(self._view):
+                # the unit is held at rest, and goes on so once its sensor is back
                 self._time = min(self._time, self._parameters.fade_out_time)
+            else:
+                self._approach(0.0, self._parameters.fade_out_time)
         view = self._view
         for event, happens in LOOKED_FOR[self.mode]:
             if happens(view) and self._take(event):
@@ -191,7 +193,7 @@ class ModeMachine:
         if event in (Event.WINCH_FAULT, Event.WINCH_EMERGENCY_STOP):
             cause = f": {situation.fault_cause}" if situation.fault_cause else ""
             return f"winch fault: {self.fault}{cause}"
-        if event in (Event.SENSOR_LOST, Event.ENCODER_LOST):
+        if event in (Event.SENSOR_LOST, Event.WINCH_SILENT):
             return f"{situation.lost}; {self._after_loss()}"
         if event is Event.HARM:
             return situation.harm
@@ -200,8 +202,9 @@ class ModeMachine:
 
     def _after_loss(self) -> str:
         """Return what becomes of a mode that a lost sensor has ended, once that is good again."""
+        until = "; until then the unit is damped by the depth sensor" if self._situation.is_damped_blind else ""
         if self.wants_compensation and self._memory.may_resume and self._parameters.resume:
-            return "compensation goes on by itself once that is good again"
+            return f"compensation goes on by itself once that is good again{until}"
         return "ask for a mode again once that is good again"
 
     def _refusal(self, name: str, event: Event) -> str:

@@ -80,7 +80,7 @@ class Event(str, Enum):
     LIFTED_OFF = "unit suspended"
     WINCH_EMERGENCY_STOP = "emergency stop of the winch"
     WINCH_FAULT = "winch fault"
-    ENCODER_LOST = "encoder lost"
+    WINCH_SILENT = "winch silent"
     SENSOR_LOST = "sensor lost"
     HARM = "compensation is harmful"
     SENSORS_BACK = "sensors available again"
@@ -112,7 +112,7 @@ class Situation(NamedTuple):
     prospect : when compensation is tried again after harm, in words
     speed : speed of the winch as commanded [m/s], absolute
     authority_limit : share of the sea that the winch can follow under this law
-    is_settled : the unit moves as it would with the winch locked: the winch may stop
+    is_settled : the unit moves as it would with the winch locked, or cannot be damped: the winch may stop
     is_damped_blind : the unit is damped by the depth sensor, and how it would move with the winch locked is not known
     closed_gates : why compensation may not begin now, with figures; empty when it may
     tension_refusal : why constant tension may not begin now; empty when it may
@@ -188,9 +188,8 @@ def goes_on_blind(view: View) -> bool:
 
 def _has_faded(view: View) -> bool:
     situation, longest = view.situation, view.parameters.fade_out_time + SETTLING_LIMIT
-    is_settled = situation.is_settled and not goes_on_blind(view)
-    is_over = is_settled or bool(situation.lost) or view.time > longest
-    return view.memory.authority == 0.0 and is_over
+    is_over = situation.is_settled or view.time > longest
+    return view.memory.authority == 0.0 and is_over and not goes_on_blind(view)
 
 
 def _has_new_fault(view: View) -> bool:
@@ -203,7 +202,7 @@ TICK_EVENTS: dict[Event, Callable[[View], bool]] = {
         view.situation.winch_fault == WinchFault.EMERGENCY_STOP and _has_new_fault(view)
     ),
     Event.WINCH_FAULT: _has_new_fault,
-    Event.ENCODER_LOST: lambda view: "encoder" in view.situation.lost,
+    Event.WINCH_SILENT: lambda view: "encoder stale" in view.situation.lost,  # it comes with the state of the winch
     Event.SENSOR_LOST: lambda view: view.lost_time > view.parameters.coast_time,
     Event.HARM: lambda view: bool(view.situation.harm),
     Event.SENSORS_BACK: lambda view: view.well_time > BACK_TIME,
@@ -386,7 +385,7 @@ TABLE: tuple[Transition, ...] = (
     Transition(MOVING, Event.WINCH_FAULT, _STOPPED, (), (want_rest,)),
     Transition((_STANDBY,), Event.WINCH_FAULT, _STOPPED, (NEW_FAULT,), (want_rest,)),
     # what happens to the sensors
-    Transition((_FADE_OUT,), Event.ENCODER_LOST, _STOPPING, (RESTS_STOPPED,)),
+    Transition((_FADE_OUT,), Event.WINCH_SILENT, _STOPPING, (RESTS_STOPPED,)),
     Transition((_COMPENSATING,), Event.SENSOR_LOST, _FADE_OUT, (), (end_stopped,)),
     Transition((_TENSION, _MANUAL), Event.SENSOR_LOST, _STOPPING, (), (end_stopped,)),
     Transition((_COMPENSATING,), Event.HARM, _FADE_OUT, (), (end_in_standby,)),

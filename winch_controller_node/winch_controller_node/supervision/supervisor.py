@@ -52,6 +52,7 @@ class WinchSituation(NamedTuple):
     share : largest share of the sea that may be compensated with what is known of the winch
     inhibition : why compensation must be off; empty: it need not
     fault_cause : why the winch has its fault, in words; empty: unknown
+    is_contrary : drum or encoder go the other way than it is sent: it is brought to rest
     """
 
     fault: int
@@ -61,6 +62,7 @@ class WinchSituation(NamedTuple):
     share: float = 1.0
     inhibition: str = ""
     fault_cause: str = ""
+    is_contrary: bool = False
 
 
 class Decision(NamedTuple):
@@ -70,6 +72,7 @@ class Decision(NamedTuple):
     ----------
     mode : with authority and brake
     is_inhibited : the guard keeps compensation off
+    is_damped : the unit is damped while compensation fades out
     trusts_estimate : the depth sensor agrees with the estimate
     fades_by_law : an operator has asked for a fade-out, and all is well: the law itself lets the unit go
     unit_stands : on the bottom
@@ -80,6 +83,7 @@ class Decision(NamedTuple):
 
     mode: ModeOutput
     is_inhibited: bool
+    is_damped: bool
     trusts_estimate: bool
     fades_by_law: bool
     unit_stands: bool
@@ -158,6 +162,8 @@ class Supervisor:
             winch.share,
             self.guard.authority_limit(keeps_limits=self._keeps_limits),
         )
+        is_damped_blind = self._watch_blind_damping(tick, winch.settled_swing)
+        is_damped = not winch.is_contrary and (is_damped_blind or self._may_damp(tick, lost))
         mode = self.modes.step(
             Situation(
                 lost=lost,
@@ -168,8 +174,8 @@ class Supervisor:
                 prospect=self.guard.prospect,
                 speed=winch.speed,
                 authority_limit=authority_limit,
-                is_settled=self._is_settled(tick, winch.settled_swing),
-                is_damped_blind=self._watch_blind_damping(tick, winch.settled_swing),
+                is_settled=not is_damped or self._is_settled(tick, winch.settled_swing),
+                is_damped_blind=is_damped_blind,
                 closed_gates=self._closed_gates(tick, winch.mean_payout),
                 tension_refusal=self._why_no_tension(tick, winch.mean_payout),
             )
@@ -178,7 +184,7 @@ class Supervisor:
             alarms += (f"mode {mode.mode.value}: {mode.reason}",)
             alarms += self._tell_peaks(mode, authority_limit)
         if mode.mode is Mode.COMPENSATING and mode.before is Mode.FADE_OUT:
-            self.guard.allow_catch_up()
+            self.guard.allow_resumption()
         if mode.mode is not Mode.FADE_OUT or lost:
             self._fades_by_law = False
         elif mode.before is Mode.COMPENSATING:
@@ -187,7 +193,8 @@ class Supervisor:
         return Decision(
             mode=mode,
             is_inhibited=self.guard.inhibits,
-            trusts_estimate=self.guard.trusts_estimate,
+            is_damped=is_damped,
+            trusts_estimate=self.guard.trusts_estimate and not winch.is_contrary,
             fades_by_law=self._fades_by_law,
             unit_stands=self.landing.unit_stands,
             bounds_tension=self.highest_tension.is_kept,
@@ -211,7 +218,7 @@ class Supervisor:
         """Have the guard judge the tick; return its reason when the brake is on and no change of mode would tell it."""
         # the estimate is that of a hanging unit
         hangs = not (self.landing.unit_stands or self.landing.is_suspected)
-        is_judged = hangs and self.modes.mode is not Mode.CONSTANT_TENSION
+        is_judged = hangs and tick.knows_tip and self.modes.mode is not Mode.CONSTANT_TENSION
         motions = GuardedMotions(
             unit=tick.unit,
             free_unit=tick.unit_without_compensation,
@@ -302,10 +309,16 @@ class Supervisor:
             return ""  # the winch follows already
         return self._gates.for_tension(payout, self._limits, self.guard.demand)
 
+    def _may_damp(self, tick: LoopTick, lost: str) -> bool:
+        """Tell whether the unit is to be damped in a fade-out: after harm, or without the encoder (`lost`).
+
+        What the winch was sent tells the payout for the while, and MRU and depth sensor the rest.
+        """
+        is_known = tick.sensed.has_depth and "depth" not in tick.sensed.lost and "mru" not in lost
+        return self.guard.trusts_estimate and (self.guard.inhibits if not lost else is_known)
+
     def _is_settled(self, tick: LoopTick, settled_swing: float) -> bool:
-        """Tell whether the unit swings no more, after a loop that was unstable: the winch may stop."""
-        if not (self.guard.inhibits and self.guard.trusts_estimate):
-            return True
+        """Tell whether the unit swings no more about its uncompensated motion: the winch may stop."""
         heave, rate = tick.unit_offset
         return math.hypot(heave, math.sqrt(self._inertia) * rate) < settled_swing
 
@@ -314,8 +327,8 @@ class Supervisor:
 
         Let go at rest the unit would take minutes to swing as it does without compensation, and swing more on the way.
         """
-        has_depth = "depth" not in tick.sensed.lost and self.guard.trusts_estimate
-        is_blind = self.guard.inhibits and not tick.knows_tip and has_depth and math.isfinite(settled_swing)
+        has_depth = tick.sensed.has_depth and "depth" not in tick.sensed.lost and self.guard.trusts_estimate
+        is_blind = not tick.knows_tip and has_depth and math.isfinite(settled_swing)
         self._blind_time = self._blind_time + self._dt if is_blind else 0.0
         return is_blind and self._blind_time < BLIND_LIMIT
 

@@ -11,6 +11,7 @@ from heave_node.interface.codes import WinchFault, WinchLimit
 from winch_controller_node.design.design import ControllerDesign
 from winch_controller_node.design.schedule import is_scheduled
 from winch_controller_node.design.work import DesignWork
+from winch_controller_node.identification.encoder_scale import Sent
 from winch_controller_node.identification.late_commands import LateCommands
 from winch_controller_node.identification.winch import Answer, WinchIdentifier
 from winch_controller_node.interface.readings import Lateness, WinchOrder, WinchReading
@@ -103,17 +104,33 @@ class WinchWatch:
         """Note the order of a tick."""
         self._given = order
 
-    def improved_winch(self, tick: int, winch: WinchModelParameters) -> WinchModelParameters | None:
+    def sent(self, time: float) -> Sent | None:
+        """Return what the encoder reads of what the winch was sent over a `time` [s]; None: unknown."""
+        return self._identifier.sent(time)
+
+    def forget(self) -> None:
+        """Forget what was learnt of the winch: the encoder was wrong."""
+        self._work.drop()
+        self._identifier.forget()
+        self._cautious = 0.0
+
+    def improved_winch(
+        self, tick: int, winch: WinchModelParameters, *, doubts_encoder: bool = False
+    ) -> WinchModelParameters | None:
         """Return the winch as identified; None: the model `winch` in force is as good, or it is not the time.
 
-        `tick` is the number of the present one.
+        Parameters
+        ----------
+        tick : number of the present one
+        winch : in force
+        doubts_encoder : what it reads is not believed before it is known to be right
         """
         self._since_found += self._dt
         told = self._identifier.told_winch(winch)
         if told is not None:
             return told
         answer = self._work.take(tick)
-        better = None if answer is None else self._identifier.take(answer, winch)
+        better = None if answer is None or doubts_encoder else self._identifier.take(answer, winch)
         if better is not None:
             self._cautious = 0.0
         elif not self._work.is_under_way:

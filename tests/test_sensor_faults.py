@@ -1,0 +1,190 @@
+"""A sensor at fault: what is done, a sample of the campaign `tests.campaigns.sensor_faults`, and how that judges.
+
+Benchmark B3, whose unit swings by 0.6 m (1 sigma) where it is let be; it compensates from 23 s on.
+"""
+
+import re
+
+import numpy as np
+import pytest
+from heave_bringup.closed_loop import ClosedLoop, loop_parameters
+from heave_bringup.scenarios import load_scenario
+
+from tests.campaigns import sensor_faults
+from tests.campaigns.promise import LARGEST, TROUBLE, WINDOW, worst_window
+from tests.campaigns.sensor_faults import GROUPS, KINDS, NOT_OF, Draw, Kept, culprits, draw, kept
+
+TICK = 0.05
+
+
+def fault(sensor, kind, start, lasting=0.0, magnitude=0.0, scenario="b3_deep_900"):
+    """Return a fault of a sensor as the campaign draws it."""
+    return Draw(0, scenario, "mpc", sensor, kind, start, lasting, magnitude)
+
+
+def loop_with(one, duration):
+    """Return the loop of a draw, for another duration [s]."""
+    settings = [*one.settings, f"all.duration={duration}"]
+    return ClosedLoop(loop_parameters(load_scenario(one.scenario, settings=settings)))
+
+
+def worst_from(record, begin):
+    """Return the largest ratio of unit and uncompensated one over a minute from `begin` [s] on."""
+    unit = record.column("unit") + record.column("depth_set_point")
+    worst, at = worst_window(record.column("time"), unit, record.column("uncompensated"), begin)
+    assert np.isfinite(at)
+    return worst
+
+
+def changes_of_mode(record):
+    """Return each mode that was taken, with the time at which [s]."""
+    before = ["", *record.modes[:-1]]
+    times = record.column("time")
+    return [(mode, time) for mode, was, time in zip(record.modes, before, times, strict=True) if mode != was]
+
+
+# one fault after the other
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("scale", "start", "found_within"),
+    [(0.5, 0.0, 15.0), (-1.0, 130.0, 15.0)],
+    ids=["half from the start", "turned over on the way"],
+)
+def test_an_encoder_of_a_wrong_scale_is_found_by_winch_and_depth_sensor_and_compensation_goes_on(
+    scale, start, found_within
+):
+    """A wave is 8 s, three judgements in a row are 1.5 s; the rest is for what the loop did of it before."""
+    one = fault("encoder", "scale", start, magnitude=scale)
+    loop = loop_with(one, max(start, 25.0) + TROUBLE + WINDOW + 5.0)
+    record = loop.run()
+    compensates = dict(changes_of_mode(record))["compensating"]
+    begin = max(start, compensates)
+    assert worst_from(record, begin + TROUBLE) < LARGEST
+    ((time, words),) = [alarm for alarm in record.alarms if "suspect: it reads" in alarm[1]]
+    (told,) = re.fullmatch(r"encoder suspect: it reads (-?[\d.]+) times .*", words).groups()
+    assert float(told) == pytest.approx(scale, rel=0.03)
+    assert loop.controller.observer.encoder.scale == pytest.approx(scale, rel=0.01)
+    assert begin < time < begin + found_within
+    assert [mode for mode, _ in changes_of_mode(record)] == ["standby", "compensating"]
+    # of a winch that is as believed nothing else stays learnt, and nobody else is blamed
+    assert loop.controller.design.parameters.winch.speed_gain == 1.0
+    assert not kept(one, record).wrong
+    # once it is known it costs nothing: 1.5 % of the motion is left by this loop with all sensors right
+    assert record.unit_sigma(begin + TROUBLE) < 0.05 * record.uncompensated_sigma(begin + TROUBLE)
+
+
+@pytest.mark.slow
+def test_a_unit_without_motion_reference_unit_is_damped_by_the_depth_sensor_until_that_is_back():
+    lost, back = 97.0, 97.0 + 47.0
+    one = fault("mru", "nan", lost, lasting=back - lost)
+    record = loop_with(one, back + 60.0).run()
+    modes = changes_of_mode(record)
+    assert [mode for mode, _ in modes] == ["standby", "compensating", "fade_out", "compensating"]
+    # it coasts for 1.5 s; it is well again after 10 readings, and a second
+    assert modes[2][1] == pytest.approx(lost + 1.5, abs=0.2)
+    assert modes[3][1] == pytest.approx(back + 1.5, abs=0.5)
+    assert worst_from(record, lost + TROUBLE) < LARGEST
+    time, unit, off = (record.column(name) for name in ("time", "unit", "uncompensated"))
+    blind = (time > lost + TROUBLE) & (time < back)
+    assert np.std(unit[blind]) < np.std(off[blind])
+    assert record.unit_sigma(back + TROUBLE) < 0.05 * record.uncompensated_sigma(back + TROUBLE)
+    assert any("damped by the depth sensor" in words for _, words in record.alarms)
+    assert not kept(one, record).wrong
+
+
+@pytest.mark.slow
+def test_a_loop_whose_encoder_freezes_stops_and_tries_again_only_when_an_operator_asks():
+    lost = 97.0
+    one = fault("encoder", "freeze", lost)
+    loop = loop_with(one, 160.0)
+    record = loop.run()
+    modes = changes_of_mode(record)
+    assert [mode for mode, _ in modes] == ["standby", "compensating", "fade_out", "stopping", "stopped"]
+    assert np.max(np.abs(record.column("payout_rate", after=lost + TROUBLE))) < 1e-3
+    ((time, _),) = [alarm for alarm in record.alarms if alarm[1].startswith("encoder lost: frozen")]
+    assert lost < time < lost + 2.0
+    assert not kept(one, record).wrong
+    # a drum at rest proves nothing more: the encoder is taken for good, until the drum turns unseen again
+    loop.controller.set_mode("compensating")
+    taken, told = [], []
+    for _ in range(round(40.0 / TICK)):
+        outputs, _ = loop.step()
+        taken += [] if taken[-1:] == [outputs.mode] else [outputs.mode]
+        told += outputs.alarms
+    assert taken == ["standby", "compensating", "fade_out", "stopping", "stopped"]
+    assert len([words for words in told if words.startswith("encoder lost: frozen")]) == 1
+
+
+# the campaign
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("number", "duration"),
+    [
+        (35, 120.0),
+        (90, 190.0),
+        (140, 170.0),
+        (65, 170.0),
+        (32, 175.0),
+    ],
+    ids=["encoder", "encoder for a while", "no mru for a while", "mru", "depth"],
+)
+def test_a_draw_is_kept(number, duration):
+    one = draw(number)
+    found = kept(one, loop_with(one, duration).run())
+    assert np.isfinite(found.at)
+    assert found.holds
+    assert found.is_named
+    assert not found.wrong
+
+
+def test_a_draw_is_the_same_each_time_and_a_fault_that_its_sensor_can_have():
+    found = [draw(number) for number in range(256)]
+    assert found == [draw(number) for number in range(256)]
+    assert {one.sensor for one in found} == set(GROUPS)
+    assert {one.kind for one in found} == set(KINDS)
+    for one in found:
+        assert one.kind not in NOT_OF.get(one.sensor, ())
+        assert one.start == 0.0 or 40.0 <= one.start <= 150.0
+        assert one.duration == 0.0 or 2.0 <= one.duration <= 80.0
+        if one.kind == "scale":
+            assert 0.3 <= abs(one.magnitude) <= 3.0
+        # the parameters say whether they can be had
+        scenario = load_scenario(one.scenario, settings=one.settings)
+        faults = scenario.parameters["virtual_winch"].encoder.faults
+        assert faults.kind == ((one.kind,) if one.sensor == "encoder" else ())
+
+
+@pytest.mark.parametrize(
+    ("words", "blamed"),
+    [
+        ("encoder suspect: it reads 0.50 times what the winch was sent and the depth sensor sees", ["encoder"]),
+        ("encoder suspect: it goes the other way than the winch was sent: set aside while they", ["encoder"]),
+        ("mru suspect: its readings contradict all others", ["mru"]),
+        ("mru or drum suspect: the heave that the one reads is 0.85 times what", ["mru or encoder"]),
+        ("encoder lost: frozen: its readings do not change", ["encoder"]),
+        ("load_cell suspect: spike: that reading is left out", ["load_cell"]),
+        ("cable suspect: it answers with 1.25 times the inertia", ["cable"]),
+        ("winch model updated: gain 0.950 (was 1.000)", ["winch"]),
+        ("mode fade_out: encoder frozen; compensation goes on by itself once that is good again", []),
+        ("sea model updated: peak period 9.0 s (was 8.0)", []),
+        ("depth suspect: one; cable suspect: two", ["depth", "cable"]),
+    ],
+)
+def test_whom_an_alarm_blames(words, blamed):
+    assert culprits(words) == blamed
+
+
+@pytest.mark.parametrize(
+    ("worst", "wrong", "code"),
+    [(LARGEST, (), 0), (LARGEST + 0.01, (), 1), (0.5, ("9.0 s: cable suspect: x",), 0)],
+    ids=["kept", "worse than off", "a wrong finding is only told"],
+)
+def test_the_campaign_fails_where_a_draw_is_not_kept(monkeypatch, worst, wrong, code):
+    found = Kept(worst=worst, at=60.0, holds=worst <= LARGEST, share=1.0, is_named=True, wrong=wrong, alarms=wrong)
+    monkeypatch.setattr(sensor_faults, "run", lambda one: found)
+    assert sensor_faults.main(["--draws", "2"]) == code
+    assert sensor_faults.main(["--draws", "9", "--sensor", "encoder"]) == code

@@ -1,0 +1,101 @@
+"""A drum, or an encoder, that goes the other way than the winch was sent, in a closed loop of benchmark B3.
+
+Its unit swings by 0.3 m (1 sigma) where it is let be; it compensates from 23 s on.
+"""
+
+from functools import lru_cache
+
+import numpy as np
+import pytest
+from heave_bringup.closed_loop import ClosedLoop, loop_parameters
+from heave_bringup.scenarios import load_scenario
+
+TICK = 0.05
+END = 125.0
+MOVES = 0.01
+"""A drum that is faster than this moves [m/s]."""
+
+WHO = ["winch", "encoder"]
+TURNED_OVER = {"kind": ["scale"], "start": [0.0], "duration": [0.0], "magnitude": [-1.0]}
+
+
+def loop_of(who):
+    """Return a loop in which `who` goes the other way from the start."""
+    settings = [f"all.duration={END}", "all.seed=1"]
+    if who == "encoder":
+        settings += [f"virtual_winch.encoder.faults.{name}={value}" for name, value in TURNED_OVER.items()]
+    loop = ClosedLoop(loop_parameters(load_scenario("b3_deep_900", settings=settings)))
+    if who == "winch":
+        step = loop.winch.step
+        loop.winch.step = lambda tick, command, tension: step(
+            tick, command._replace(payout_rate=-command.payout_rate), tension
+        )
+    return loop
+
+
+@lru_cache
+def run_of(who):
+    """Return the record of a run, and modes and alarms of a minute after an operator has asked for it again."""
+    loop = loop_of(who)
+    record = loop.run()
+    modes, alarms = [], []
+    loop.controller.set_mode("compensating")
+    for _ in range(round(60.0 / TICK)):
+        outputs, _ = loop.step()
+        modes += [] if modes[-1:] == [outputs.mode] else [outputs.mode]
+        alarms += outputs.alarms
+    return record, modes, alarms
+
+
+def modes_of(record):
+    return [mode for mode, was in zip(record.modes, ["", *record.modes[:-1]], strict=True) if mode != was]
+
+
+@pytest.mark.parametrize("who", WHO)
+def test_a_winch_that_goes_the_other_way_is_stopped_within_three_seconds_of_motion(who):
+    record, _, _ = run_of(who)
+    moving = record.column("time")[np.abs(record.column("payout_rate")) > MOVES]
+    assert len(moving) > 0
+    assert moving[-1] - moving[0] < 3.0
+    assert modes_of(record) == ["standby", "compensating", "fade_out", "stopping", "standby"]
+    # what was found is told once, and compensation is not tried again by itself
+    told = [words for _, words in record.alarms]
+    assert len([words for words in told if words.startswith("encoder suspect: it goes the other way")]) == 1
+    assert told[-1].startswith("mode standby: the encoder goes the other way than the winch is sent")
+    assert told[-1].endswith("then ask for compensation again")
+
+
+@pytest.mark.parametrize("who", WHO)
+def test_a_winch_that_goes_the_other_way_is_tried_again_once_an_operator_asks(who):
+    """It is no better, and is stopped again; once it is right it would go on."""
+    _, modes, alarms = run_of(who)
+    assert modes == ["standby", "compensating", "fade_out", "stopping", "standby"]
+    assert len([words for words in alarms if words.startswith("encoder suspect: it goes the other way")]) == 1
+
+
+@pytest.mark.parametrize("who", WHO)
+def test_a_unit_whose_winch_goes_the_other_way_is_never_worse_off(who):
+    record, _, _ = run_of(who)
+    time, unit, off = (record.column(name) for name in ("time", "unit", "uncompensated"))
+    for begin in np.arange(30.0, END - 60.0, 1.0):
+        minute = (time >= begin) & (time < begin + 60.0)
+        assert np.std(unit[minute]) < 1.05 * np.std(off[minute])
+
+
+def test_a_winch_that_was_set_right_goes_on_once_an_operator_asks():
+    loop = loop_of("winch")
+    loop.run()
+    del loop.winch.step  # what it is sent is what it does from now on
+    loop.controller.set_mode("compensating")
+    found = [loop.step() for _ in range(round(60.0 / TICK))]
+    assert found[-1][0].mode == "compensating"
+    assert not [words for outputs, _ in found for words in outputs.alarms if "suspect" in words]
+
+
+def test_a_storm_blames_no_sensor_and_no_winch():
+    """At its limits a winch does other than it was sent for a quarter of the time, and the cable is slack."""
+    scenario = load_scenario("b5_storm", settings=["all.duration=200", "all.seed=1"])
+    record = ClosedLoop(loop_parameters(scenario)).run()
+    assert record.modes[-1] == "compensating"
+    blamed = ("suspect", "lost", "model updated", "explains it", "contradict")
+    assert not [alarm for alarm in record.alarms if any(word in alarm[1] for word in blamed)]

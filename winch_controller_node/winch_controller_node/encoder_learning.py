@@ -1,0 +1,127 @@
+"""Learning in a running loop that the encoder reads a wrong scale, or the other way.
+
+It is taken so from then on, and compensation goes on.
+"""
+
+from __future__ import annotations
+
+from winch_controller_node.design_in_force import DesignInForce
+from winch_controller_node.estimation.depth_witness import WINDOWS
+from winch_controller_node.estimation.loop_estimation import LoopEstimation
+from winch_controller_node.identification.encoder_scale import (
+    CONTRARY_PERIOD,
+    CONTRARY_TIME,
+    JUDGED_PERIOD,
+    Scale,
+    ScaleJudge,
+    Sent,
+    encoder_scale,
+    is_contrary,
+    is_off,
+    winch_gain,
+)
+from winch_controller_node.supervision.watch.winch_watch import WinchWatch
+
+LONGEST_ASIDE = 20.0
+"""Time in which it must be known what an encoder reads that goes the other way [s]: it may be the winch that does."""
+
+BEGINNING = 15.0
+"""Time since the winch began to move in which it may well be [s]: the sign of one was wrong from the start."""
+
+
+class EncoderLearning:
+    """Compares what the winch was sent with what encoder and depth sensor read of it.
+
+    Parameters
+    ----------
+    in_force, estimation, winch : what goes on with what is learnt
+
+    Attributes
+    ----------
+    is_contrary : the drum goes the other way, or the encoder does: nothing can be done with it
+    corrected : sensor that was found wrong in this tick; empty: none
+    """
+
+    def __init__(self, in_force: DesignInForce, estimation: LoopEstimation, winch: WinchWatch) -> None:
+        self._in_force, self._estimation, self._winch = in_force, estimation, winch
+        self._dt = in_force.design.tick_period
+        self._told_winch = in_force.parameters.winch
+        self._judge, self._gain_judge = ScaleJudge(), ScaleJudge()
+        self._gain = 1.0  # of the winch, as encoder and depth sensor have shown
+        self._aside_time = self._moving_time = 0.0
+        self._last = -1
+        self.is_contrary = False
+        self.corrected = ""
+
+    @property
+    def doubts_encoder(self) -> bool:
+        """Tell whether what the encoder reads says nothing now, of the winch or of other sensors."""
+        return self._judge.doubts or self._estimation.observer.doubted == "encoder"
+
+    @property
+    def inhibition(self) -> str:
+        """Why compensation must be off; empty: it need not."""
+        if not self.is_contrary:
+            return ""
+        return (
+            "the encoder goes the other way than the winch is sent, and which of them is wrong is not known: look at "
+            "the sign of both, then ask for compensation again"
+        )
+
+    def trust_encoder(self) -> None:
+        """Try an encoder again that was set aside: an operator asks for it."""
+        self.is_contrary = False
+        if self._estimation.observer.doubted == "encoder":
+            self._estimation.observer.doubt("")
+
+    def follow(self, tick: int) -> list[str]:
+        """Compare before a `tick` in which the winch moves, and return what has been found, in words."""
+        self.corrected = ""
+        self._moving_time = self._moving_time + self._dt if tick == self._last + 1 else 0.0
+        self._last = tick
+        words = self._watch_direction(tick)
+        is_known = self._estimation.knows_tip and self._estimation.observer.doubted != "depth"
+        if not is_known or tick % max(1, round(JUDGED_PERIOD / self._dt)) != 0:
+            return words
+        sent, witness = [self._sent(time) for time in WINDOWS], self._estimation.depth_witness
+        seen = witness.seen() if is_off(sent) else []
+        found = self._judge.judge(encoder_scale(sent, seen) if seen else None)
+        gain = self._gain_judge.judge(winch_gain(sent, seen) if seen else None)
+        self._gain *= 1.0 if gain is None else gain.value
+        return words if found is None else [self._rescale_encoder(found, tick)]
+
+    def _sent(self, time: float) -> Sent | None:
+        """Return what the encoder reads of what the winch was sent over a `time` [s], and does; None: unknown."""
+        sent = self._winch.sent(time)
+        return None if sent is None else sent._replace(share=sent.share / self._gain)
+
+    def _rescale_encoder(self, found: Scale, tick: int) -> str:
+        """Take the encoder to read as was `found`, forget what was learnt from it, and say so."""
+        self._estimation.rescale_encoder(found.value, found.seen, tick - 1)
+        self._winch.forget()
+        self._in_force.take_limits(self._told_winch)
+        self.corrected = "encoder"
+        scale = self._estimation.observer.encoder.scale
+        return (
+            f"encoder suspect: it reads {scale:.2f} times what the winch was sent and the depth sensor sees, and is "
+            "taken so from now on: look at its scale and sign, and at the radius of the drum"
+        )
+
+    def _watch_direction(self, tick: int) -> list[str]:
+        """Set an encoder aside that goes the other way than the winch was sent, until it is known which is wrong."""
+        observer = self._estimation.observer
+        was = observer.doubted == "encoder"
+        self._aside_time = self._aside_time + self._dt if was else 0.0
+        self.is_contrary |= self._aside_time > LONGEST_ASIDE
+        if tick % max(1, round(CONTRARY_PERIOD / self._dt)) != 0 or observer.doubted not in ("", "encoder"):
+            return []
+        sent = self._winch.sent(CONTRARY_TIME)
+        if sent is None or is_contrary(sent, was=was) == was:
+            return []
+        if was:
+            observer.doubt("")
+            return []
+        self._estimation.set_encoder_aside(sent.payout, tick - 1)
+        self.is_contrary = self._moving_time < BEGINNING
+        self.corrected = "encoder"
+        return ["encoder suspect: it goes the other way than the winch was sent: set aside while they are compared"]

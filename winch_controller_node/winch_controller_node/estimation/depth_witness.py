@@ -1,0 +1,168 @@
+"""What the depth sensor has seen of the payout that the encoder reads.
+
+The unit moves by what the boom tip does to it, by what the drum does to it, and freely, by how it swung before.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from heave_node.numerics.arrays import Array
+from heave_node.numerics.compiled import kernel
+from heave_node.numerics.newest import Newest
+
+from winch_controller_node.model.blocks import CableModel
+from winch_controller_node.model.models import shadow_model
+
+WINDOWS = (4.0, 6.0, 8.0)
+"""Times over which they are compared [s]: a wave, and less where that is enough."""
+
+LEAST_READINGS = 12
+"""Of the depth sensor within each of them."""
+
+CORRELATED = 4.0
+"""Residuals in a row that count as one: they are not white."""
+
+RIDGE = 1e-10
+"""What has not moved at all is known this badly, over all terms: no inverse is singular."""
+
+
+class Seen(NamedTuple):
+    """What the depth sensor sees of the payout that the encoder reads.
+
+    Attributes
+    ----------
+    share, sigma : times as much, and its standard deviation
+    left : standard deviation of the rest over that of all that was to be explained
+    payout : that the unit shows now [m], less the mean depth
+    unit : heave [m] and rate [m/s] that it gives the unit now, shape (2,)
+    """
+
+    share: float
+    sigma: float
+    left: float
+    payout: float
+    unit: Array
+
+
+class DepthWitness:
+    """What the depth sensor sees of what the encoder reads, the boom tip being right.
+
+    How the unit swung when the comparison begins is not known: the encoder may have been wrong before.
+
+    Parameters
+    ----------
+    cable : that the unit hangs on
+    tick_period : [s]
+    """
+
+    def __init__(self, cable: CableModel, tick_period: float) -> None:
+        self._dt = tick_period
+        self._count = round(max(WINDOWS) / tick_period)
+        self._payouts, self._uncompensated = Newest(self._count + 1), Newest(self._count + 1)
+        self._depths: deque[tuple[float, float]] = deque(maxlen=self._count)
+        self._tick = 0
+        self.take_cable(cable)
+
+    def take_cable(self, cable: CableModel) -> None:
+        """Go on with another `cable`."""
+        model = shadow_model(cable, self._dt)
+        self._A, self._B = np.ascontiguousarray(model.A), np.ascontiguousarray(model.B)
+        still = np.zeros((self._count + 1, 2))
+        self._free = [driven_unit(self._A, self._B, still, state) for state in np.eye(2)]
+
+    def restart(self) -> None:
+        """Begin a new record."""
+        for record in (self._payouts, self._uncompensated, self._depths):
+            record.clear()
+
+    def add(self, tick: int, payout: float | None, uncompensated: float, depths: Sequence[tuple[float, float]]) -> None:
+        """Take a tick in.
+
+        Parameters
+        ----------
+        tick : its number
+        payout : encoder reading [m]; None: none
+        uncompensated : heave of the unit with the winch locked [m]
+        depths : stamps [s] and depths [m] of the readings that came
+        """
+        self._tick = tick
+        if payout is None:
+            self.restart()
+            return
+        self._payouts.append(payout)
+        self._uncompensated.append(uncompensated)
+        self._depths.extend(depths)
+
+    def seen(self) -> list[Seen | None]:
+        """Return what it sees over each window; None: too little is known."""
+        if not self._payouts.is_full:
+            return [None for _ in WINDOWS]
+        first, grid = self._tick - self._count, np.arange(self._count + 1)
+        read = np.array([pair for pair in self._depths if pair[0] >= first * self._dt]).reshape(-1, 2)
+        places = read[:, 0] / self._dt - first
+        unit = -read[:, 1] - np.interp(places, grid, self._uncompensated.last())
+        states = np.stack([self._by_drum(), *self._free], axis=2)
+        terms = np.column_stack([*(np.interp(places, grid, states[:, 0, i]) for i in range(3)), np.ones(len(places))])
+        late = [places >= self._count - window / self._dt for window in WINDOWS]
+        return [self._fitted(terms[these], unit[these], states[-1]) for these in late]
+
+    def _by_drum(self) -> Array:
+        """Return heave [m] and rate [m/s] of a unit from rest that only the drum moves, shape (count + 1, 2)."""
+        payouts = self._payouts.last()
+        boom_tip = -np.column_stack([payouts - payouts[0], np.gradient(payouts, self._dt)])
+        return np.asarray(driven_unit(self._A, self._B, boom_tip, np.zeros(2)))
+
+    def _fitted(self, terms: Array, unit: Array, now: Array) -> Seen | None:
+        """Return what is seen over a window; None: there are too few readings.
+
+        Parameters
+        ----------
+        terms : heave by the drum, of the two free swings, and 1, at each reading, shape (readings, 4)
+        unit : heave that they have to explain, shape (readings,) [m]
+        now : heave and rate by drum and free swings at the end, shape (2, 3) [m], [m/s]
+        """
+        if len(unit) < LEAST_READINGS:
+            return None
+        weights, sigma, left = _least_squares(terms, unit)
+        share, mean, payouts = float(weights[0]), float(weights[3]), self._payouts.last()
+        payout = share * float(payouts[-1] - payouts[0]) - mean
+        return Seen(share, sigma, left, payout, now @ weights[:3] + np.array([mean, 0.0]))
+
+
+def _least_squares(terms: Array, values: Array) -> tuple[Array, float, float]:
+    """Return the weights of `terms`, shape (count, n), the last of them constant, that explain `values`.
+
+    With them come the standard deviation of the first, and the share of the values' that is left.
+    """
+    information = terms.T @ terms
+    inverse = np.linalg.inv(information + RIDGE * np.trace(information) * np.eye(len(information)))
+    weights = inverse @ (terms.T @ values)
+    left, about = values - terms @ weights, values - values.mean()
+    squares, all_squares = float(left @ left), max(float(about @ about), 1e-12)
+    variance = CORRELATED * squares / max(len(values) - len(weights), 1)
+    return weights, math.sqrt(variance * inverse[0, 0]), math.sqrt(squares / max(all_squares, squares))
+
+
+@kernel
+def driven_unit(A: Array, B: Array, motion: Array, start: Array) -> Array:
+    """Return heave and rate of the unit at each tick, shape (count, 2) [m], [m/s].
+
+    Parameters
+    ----------
+    A, B : of the unit's model, shape (2, 2)
+    motion : heave and rate of the boom tip at each tick, shape (count, 2) [m], [m/s]
+    start : heave and rate at the first, shape (2,)
+    """
+    states = np.empty((len(motion), 2))
+    states[0] = start
+    for k in range(len(motion) - 1):
+        for i in range(2):
+            states[k + 1, i] = (
+                A[i, 0] * states[k, 0] + A[i, 1] * states[k, 1] + B[i, 0] * motion[k, 0] + B[i, 1] * motion[k, 1]
+            )
+    return states
