@@ -154,7 +154,7 @@ CONTRACTS: tuple[Contract, ...] = (
         publishes=(STATE,),
         hears=(CLOCK, COMMAND, Port(topics.CABLE_STATE, 0.0, False, "tension, of simulated cables only")),
         when_late="The simulated cable coasts the drum to rest after 0.5 s without a state. The controller takes the "
-        f"encoder for lost, runs on prediction for {COAST:g} s, then fades out and stops the winch.",
+        f"encoder for lost, runs on prediction for {COAST:g} s, then stops the winch.",
         handshake=f"Begin with the brake on, `encoder_payout` 0. Without a fresh command for {WATCHDOG:g} s, once "
         "released, the drive must stop by itself, brake, and say `fault: 1` (FAULT_COMMAND_TIMEOUT). A set-point that "
         f"is not finite: stop, brake, `fault: 2`. `brake: true` is no fault: stop, brake.\n\n{RELEASE}\n\nThe suite's "
@@ -172,8 +172,10 @@ CONTRACTS: tuple[Contract, ...] = (
         "a motion reference unit, or a vessel with one",
         publishes=(MRU, BOOM_TIP, HEAVE_PREVIEW),
         hears=(CLOCK,),
-        when_late=f"The controller runs on prediction for {COAST:g} s, then fades out and stops the winch; it resumes "
-        f"when readings have been good for {RESUME:g} s. The simulated cable coasts its upper end to rest after 0.5 s.",
+        when_late=f"The controller runs on prediction for {COAST:g} s, then damps the unit by the depth sensor and "
+        "goes on compensating 1 s after readings are good again; on a short stiff cable, and without a depth sensor, "
+        f"it fades out and stops the winch, and resumes when readings have been good for {RESUME:g} s. The simulated "
+        "cable coasts its upper end to rest after 0.5 s.",
         advice="`mru` may be published at a rate of its own, with the time of the measurement. `boom_tip` moves the "
         "simulated cable: one message for each `clock` message, `position` = (0, 0, height + heave) with the height "
         f"of the boom tip in the scenario, `system.boom_tip_height` ({BOOM_TIP_HEIGHT:g} m unless set), `velocity.z` "

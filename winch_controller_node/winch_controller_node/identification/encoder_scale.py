@@ -114,7 +114,6 @@ def encoder_scale(sent: Sequence[Sent | None], seen: Sequence[Seen | None]) -> S
             continue
         off = abs(other.share - 1.0)
         is_clear = abs(one.share - 1.0) > WRONG and off > CLEARLY * other.sigma and one.left < EXPLAINED
-        is_clear &= other.left < EXPLAINED or one.share < 0.0  # so little moves while it is aside
         if is_clear and abs(one.share * other.share - 1.0) < min(NEARER * off, ALIKE_SEEN):
             found.append(Scale(one.share, other))
     return _surest(found)
