@@ -39,7 +39,7 @@ class EncoderLearning:
     Attributes
     ----------
     is_contrary : the drum goes the other way, or the encoder does: nothing can be done with it
-    corrected : sensor that was found wrong in this tick; empty: none
+    has_found : that the encoder is wrong, in this tick
     """
 
     def __init__(self, in_force: DesignInForce, estimation: LoopEstimation, winch: WinchWatch) -> None:
@@ -51,7 +51,7 @@ class EncoderLearning:
         self._aside_time = self._moving_time = 0.0
         self._last = -1
         self.is_contrary = False
-        self.corrected = ""
+        self.has_found = False
 
     @property
     def doubts_encoder(self) -> bool:
@@ -76,7 +76,7 @@ class EncoderLearning:
 
     def follow(self, tick: int) -> list[str]:
         """Compare before a `tick` in which the winch moves, and return what has been found, in words."""
-        self.corrected = ""
+        self.has_found = False
         self._moving_time = self._moving_time + self._dt if tick == self._last + 1 else 0.0
         self._last = tick
         words = self._watch_direction(tick)
@@ -100,7 +100,7 @@ class EncoderLearning:
         self._estimation.rescale_encoder(found.value, found.seen, tick - 1)
         self._winch.forget()
         self._in_force.take_limits(self._told_winch)
-        self.corrected = "encoder"
+        self.has_found = True
         scale = self._estimation.observer.encoder.scale
         return (
             f"encoder suspect: it reads {scale:.2f} times what the winch was sent and the depth sensor sees, and is "
@@ -123,5 +123,5 @@ class EncoderLearning:
             return []
         self._estimation.set_encoder_aside(sent.payout, tick - 1)
         self.is_contrary = self._moving_time < BEGINNING
-        self.corrected = "encoder"
+        self.has_found = True
         return ["encoder suspect: it goes the other way than the winch was sent: set aside while they are compared"]

@@ -158,9 +158,9 @@ class Learning:
     def _compare_encoder(self, tick: int) -> list[str]:
         """Use another scale of the encoder, or do without the motion reference unit, where that has been found."""
         words = self._encoder.follow(tick)
-        if self._encoder.corrected:
+        if self._encoder.has_found:
             self._work.drop()  # it was begun with what was wrong
-            self.corrected.add(self._encoder.corrected)
+            self.corrected.add("encoder")
         return words
 
     def trust_encoder(self) -> None:

@@ -22,7 +22,6 @@ PULL_SIGMA = 0.1
 STANDING_SIGMA = 0.01
 """Doubt in its rate [m/s]: it stood."""
 
-
 SEEN_SIGMA = 0.05
 """Doubt in payout [m], heave [m] and rates [m/s] of drum and unit as the depth sensor has seen them over a wave."""
 

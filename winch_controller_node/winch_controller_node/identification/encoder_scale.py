@@ -41,6 +41,9 @@ CONTRARY, NOT_CONTRARY = -0.2, 0.5
 STRAIGHT = 0.3
 """And where no more is left of its readings: a drum that lags behind goes the other way for a moment."""
 
+LEAST_SHARE = 1e-9
+"""No share is taken for less where something is divided by it."""
+
 
 class Sent(NamedTuple):
     """What the encoder reads of what the winch was sent.
@@ -109,12 +112,10 @@ def encoder_scale(sent: Sequence[Sent | None], seen: Sequence[Seen | None]) -> S
     sent, seen : what the encoder reads of what the winch was sent, and what is seen of that, over the same times
     """
     found = []
-    for one, other in zip(sent, seen, strict=True):
-        if one is None or other is None:
-            continue
+    for one, other in _known(sent, seen):
         off = abs(other.share - 1.0)
-        is_clear = abs(one.share - 1.0) > WRONG and off > CLEARLY * other.sigma and one.left < EXPLAINED
-        if is_clear and abs(one.share * other.share - 1.0) < min(NEARER * off, ALIKE_SEEN):
+        is_alike = abs(one.share * other.share - 1.0) < min(NEARER * off, ALIKE_SEEN)
+        if off > CLEARLY * other.sigma and is_alike:
             found.append(Scale(one.share, other))
     return _surest(found)
 
@@ -127,18 +128,24 @@ def winch_gain(sent: Sequence[Sent | None], seen: Sequence[Seen | None]) -> Scal
     sent, seen : as for `encoder_scale`
     """
     found = []
-    for one, other in zip(sent, seen, strict=True):
-        if one is None or other is None:
-            continue
-        off = abs(1.0 / one.share - 1.0)
-        is_clear = abs(one.share - 1.0) > WRONG and off > CLEARLY * other.sigma and one.left < EXPLAINED
-        if is_clear and abs(other.share - 1.0) < NEARER * off:
+    for one, other in _known(sent, seen):
+        off = abs(1.0 - one.share) / max(abs(one.share), LEAST_SHARE)
+        if off > CLEARLY * other.sigma and abs(other.share - 1.0) < NEARER * off:
             found.append(Scale(one.share, other))
     return _surest(found)
 
 
+def _known(sent: Sequence[Sent | None], seen: Sequence[Seen | None]) -> list[tuple[Sent, Seen]]:
+    """Return what was `sent` and `seen` over the times in which a scale that is off explains what the encoder reads."""
+    return [
+        (one, other)
+        for one, other in zip(sent, seen, strict=True)
+        if one is not None and other is not None and abs(one.share - 1.0) > WRONG and one.left < EXPLAINED
+    ]
+
+
 def _surest(found: Sequence[Scale]) -> Scale | None:
-    return min(found, key=lambda scale: scale.seen.sigma / abs(scale.seen.share), default=None)
+    return min(found, key=lambda scale: scale.seen.sigma / max(abs(scale.seen.share), LEAST_SHARE), default=None)
 
 
 def is_contrary(sent: Sent, *, was: bool) -> bool:
