@@ -7,11 +7,13 @@ from pathlib import Path
 import pytest
 import yaml
 from heave_bringup.cli import main
+from heave_bringup.nodes import NODES
 from heave_bringup.scenarios import load_scenario, make_scenario, shipped_scenarios
 from heave_bringup.settings import Setting, make_setting, parse_setting
 from heave_bringup.stored_scenario import stored_sections, stored_title
 from heave_node.criteria import Criterion
-from heave_node.parameters import ParameterError, flatten
+from heave_node.parameters import ParameterError, ParameterInfo, describe, flatten
+from heave_node.run_parameters import RunParameters
 from heave_node.scenario import read_sections, write_sections
 from heave_node.system_parameters import system_names
 from hypothesis import given, settings
@@ -256,3 +258,48 @@ def test_a_file_that_cannot_be_used_is_refused_before_a_run_is_made(tmp_path, mo
     assert not Path("runs").exists()
     assert main(["design", "b2_calm_300", *options]) == 1
     assert "rao.csv" in capsys.readouterr().err.splitlines()[-1]
+
+
+def choices() -> list[tuple[str, ParameterInfo, str]]:
+    """Return each text parameter that has choices, with its node and each of its choices."""
+    of_nodes = [(node.name, info) for node in NODES for info in describe(node.parameters_type())]
+    of_run = [("all", info) for info in describe(RunParameters)]
+    return [(node, info, choice) for node, info in [*of_run, *of_nodes] for choice in info.choices]
+
+
+def test_every_choice_of_a_text_can_be_given_bare_in_a_file_and_on_the_command_line(file) -> None:
+    for node, info, choice in choices():
+        bare = f"[{choice}, {choice}]" if info.is_array else choice
+        wanted = [choice, choice] if info.is_array else choice
+        set_here = parse_setting(f"{node}.{info.name}={bare}")
+        assert info.check(set_here.value, where="") == info.check(wanted, where=""), (node, info.name, choice)
+        file.write_text(f"/**/{node}: {{ros__parameters: {{{info.name}: {bare}}}}}\n")
+        (read,) = read_sections(file).values()
+        assert info.check(read[info.name], where="") == info.check(wanted, where=""), (node, info.name, choice)
+
+
+def test_ros_reads_every_choice_of_a_text_from_a_stored_scenario_as_it_was_meant(file, monkeypatch) -> None:
+    rclpy = pytest.importorskip("rclpy")
+    given = choices()
+    values = {
+        f"p{n}": (choice, info.choices[0]) if info.is_array else choice for n, (_, info, choice) in enumerate(given)
+    }
+    write_sections({"/**": values}, file)
+    context = rclpy.Context()
+    rclpy.init(args=["--ros-args", "--params-file", str(file)], context=context)
+    try:
+        node = rclpy.create_node("any", context=context, automatically_declare_parameters_from_overrides=True)
+        read = {name: node.get_parameter(name).value for name in values}
+        node.destroy_node()
+    finally:
+        rclpy.shutdown(context=context)
+    assert read == {name: list(value) if isinstance(value, tuple) else value for name, value in values.items()}
+
+
+def test_a_sensor_that_sends_nan_can_be_asked_for_without_quotes(file) -> None:
+    faults = "{kind: [freeze, nan], start: [60.0, 70.0], duration: [5.0, 0.0], magnitude: [0.0, 0.0]}"
+    settings = ["kind=[freeze, nan]", "start=[60.0, 70.0]", "duration=[5.0, 0.0]", "magnitude=[0.0, 0.0]"]
+    told = load_scenario("b2_calm_300", settings=[f"wave_vessel.mru.faults.{setting}" for setting in settings])
+    assert told.parameters["wave_vessel"].mru.faults.kind == ("freeze", "nan")
+    file.write_text(f"/**/wave_vessel: {{ros__parameters: {{mru: {{faults: {faults}}}}}}}\n")
+    assert load_scenario(str(file)).parameters["wave_vessel"].mru.faults.kind == ("freeze", "nan")

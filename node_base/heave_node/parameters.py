@@ -22,6 +22,8 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, TypeVar
 
+from heave_node.bare_words import word_meant
+
 T = TypeVar("T")
 
 Scalar = bool | int | float | str
@@ -100,7 +102,8 @@ class ParameterInfo:
     def check(self, value: object, *, where: str) -> Value:
         """Return a value as this parameter's type, or raise ParameterError.
 
-        A whole number is taken for a float; nothing else is converted. NaN and infinity are never legal.
+        A whole number is taken for a float, and what a bare word is read as for the word, where it is a choice: false
+        for off. Nothing else is converted. NaN and infinity are never legal numbers.
 
         Parameters
         ----------
@@ -123,8 +126,8 @@ class ParameterInfo:
     def _check_scalar(self, value: object, given: Given) -> Scalar:
         if self.type is float and isinstance(value, int) and not isinstance(value, bool):
             value = float(value)
-        if self.type is str and isinstance(value, bool) and ("on" if value else "off") in self.choices:
-            value = "on" if value else "off"  # YAML reads a bare off as false
+        if self.type is str and not isinstance(value, str):
+            value = word_meant(value, self.choices) or value
         is_right_type = isinstance(value, self.type) and not (self.type is int and isinstance(value, bool))
         if not is_right_type or (isinstance(value, float) and not math.isfinite(value)):
             raise self._refusal(value, given)
@@ -140,8 +143,9 @@ class ParameterInfo:
 
     def _refusal(self, value: object, given: Given) -> ParameterError:
         reader = f" for {given.reader}" if given.reader else ""
+        quotes = "" if self.type is not str or self.choices or isinstance(value, str) else f', in quotes: "{value}"'
         return ParameterError(
-            f"{given.where}: {given.name} = {value!r} is not allowed{reader}: it must be {self.allowed()}"
+            f"{given.where}: {given.name} = {value!r} is not allowed{reader}: it must be {self.allowed()}{quotes}"
         )
 
 

@@ -14,6 +14,7 @@ from typing import Any
 
 import yaml
 
+from heave_node.bare_words import read_bare
 from heave_node.catalogue import with_entries
 from heave_node.parameters import Given, ParameterError
 from heave_node.system_parameters import SYSTEM, own_name
@@ -28,7 +29,7 @@ _EXPONENT = re.compile(r"^[-+]?(\d+\.?\d*|\.\d+)[eE][-+]?\d+$")
 
 
 class _RosLoader(yaml.SafeLoader):
-    """Reads numbers and names as the parameter reader of ROS 2 does: 1e-5 is a number, every key a string.
+    """Reads numbers and names as the parameter reader of ROS 2 does: 1e-5 is a number, a time and every key a string.
 
     A key that appears twice is refused: the first of the two values would be lost silently.
     """
@@ -62,6 +63,17 @@ class _RosDumper(yaml.SafeDumper):
         return True
 
 
+def _represent_text(dumper: _RosDumper, text: str) -> yaml.ScalarNode:
+    """Write a text in quotes that bare is read as something else: nan is a number to ROS 2, and y is true."""
+    style = None if isinstance(read_bare(text), str) else "'"
+    return dumper.represent_scalar("tag:yaml.org,2002:str", text, style=style)
+
+
+_RosDumper.add_representer(str, _represent_text)
+_RosLoader.yaml_implicit_resolvers = {
+    first: [(tag, form) for tag, form in resolvers if tag != "tag:yaml.org,2002:timestamp"]
+    for first, resolvers in yaml.SafeLoader.yaml_implicit_resolvers.items()
+}
 for _reader_or_writer in (_RosLoader, _RosDumper):
     _reader_or_writer.add_implicit_resolver("tag:yaml.org,2002:float", _EXPONENT, list("-+.0123456789"))
 _RosDumper.add_representer(

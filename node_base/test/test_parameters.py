@@ -119,11 +119,25 @@ def test_external_nodes_need_real_time():
         build_parameters(RunParameters, {"external": ["virtual_winch"]}, where="")
 
 
-def test_a_bare_off_in_yaml_is_the_text_off_where_off_is_a_choice():
+def test_a_choice_that_was_written_without_quotes_is_meant_whatever_it_is_read_as():
     @dataclass(frozen=True)
     class Law:
         law: str = parameter("mpc", unit="", description="Law.", choices=("off", "mpc"))
+        faults: tuple[str, ...] = parameter((), unit="", description="Faults.", choices=("freeze", "nan"))
 
     assert build_parameters(Law, {"law": False}, where="x").law == "off"
-    with pytest.raises(ParameterError):
-        build_parameters(Law, {"law": True}, where="x")
+    assert build_parameters(Law, {"faults": [math.nan, "freeze"]}, where="x").faults == ("nan", "freeze")
+    for wrong in ({"law": True}, {"law": math.nan}, {"faults": [1.0]}, {"faults": [False]}):
+        with pytest.raises(ParameterError):
+            build_parameters(Law, wrong, where="x")
+
+
+def test_a_text_that_was_read_as_a_number_is_refused_with_what_to_write():
+    @dataclass(frozen=True)
+    class Recorder:
+        directory: str = parameter("bag", unit="", description="Folder.")
+
+    with pytest.raises(
+        ParameterError, match=r'directory = 2026 is not allowed: it must be a string, in quotes: "2026"'
+    ):
+        build_parameters(Recorder, {"directory": 2026}, where="x")

@@ -184,3 +184,8 @@ def test_numbers_with_an_exponent_are_numbers_as_for_ros(text: str, value: objec
 
 def test_a_key_is_a_string_as_for_ros() -> None:
     assert parse_yaml("{on: 1, 2: 3}") == {"on": 1, "2": 3}
+
+
+def test_a_time_is_a_text_as_for_ros() -> None:
+    assert parse_yaml("1996-06-14") == "1996-06-14"
+    assert parse_yaml("1996-06-14T18:00:00") == "1996-06-14T18:00:00"
