@@ -109,24 +109,6 @@ def test_a_motion_has_one_unit_in_table_extremes_axes_and_under_the_pointer(shar
                 assert trace["hovertemplate"].endswith((" cm", "</extra>"))
 
 
-@pytest.mark.parametrize(
-    ("unit", "outlet", "baseline", "words"),
-    [
-        (0.9, 0.9, 0.8, []),
-        (0.9, 0.9, math.nan, []),
-        (0.8, 0.9, 0.9, ["the unit moved more than under law industrial in the same sea (unit efficiency 80.0 %"]),
-        (-0.1, 0.2, math.nan, ["the unit efficiency is below 0 (-10.0 %): the unit moved more than it would have"]),
-        (0.1, -0.2, math.nan, ["the outlet efficiency is below 0 (-20.0 %): the cable moved more"]),
-        (-0.001, -0.001, 0.001, []),
-    ],
-)
-def test_a_winch_that_does_harm_or_less_than_another_would_is_told_in_words(shared_bag, unit, outlet, baseline, words):
-    (record,) = analysis.analyse([shared_bag])
-    values = {"unit_efficiency": unit, "outlet_efficiency": outlet, "baseline_efficiency": baseline}
-    found = run_words.warnings(record, values)
-    assert [text.startswith(word) for text, word in zip(found, words, strict=True)] == [True] * len(words)
-
-
 def test_what_harm_means_is_on_the_page(made_up_bag):
     records = analysis.analyse([made_up_bag(run=MadeUpRun(unit=2.0))])
     assert "the unit moved more than it would have with the winch locked" in report.render(records)

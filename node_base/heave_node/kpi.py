@@ -28,6 +28,11 @@ SNAP_WINDOW = 2.0
 seconds.
 """
 
+WORSE_WINDOW = 60.0
+"""Time over which the unit's motion is held against that of the uncompensated unit [s]."""
+WORSE_RATIO = 1.05
+"""A unit is worse than off where its standard deviation is larger than so many times that of the uncompensated one."""
+
 
 def sigma(values: ArrayLike) -> float:
     """Return the standard deviation of `values` about their mean; NaN for fewer than two samples."""
@@ -71,6 +76,29 @@ def worse(unit_sigmas: ArrayLike, uncompensated_sigmas: ArrayLike) -> float:
     """
     ratios = np.asarray(unit_sigmas, dtype=float) / np.asarray(uncompensated_sigmas, dtype=float)
     return float(ratios.max()) if ratios.size else math.nan
+
+
+def window_ratios(time: ArrayLike, unit: ArrayLike, uncompensated: ArrayLike, begin: float) -> tuple[Array, Array]:
+    """Return when windows of WORSE_WINDOW begin, one each second, and `s(z) / s(z_off)` over each of them.
+
+    Parameters
+    ----------
+    time : of the samples, shape (n,) [s]
+    unit, uncompensated : z and z_off, shape (n,) [m]
+    begin : of the first window [s]
+    """
+    times = np.asarray(time, dtype=float)
+    period = float(np.median(np.diff(times))) if times.size > 1 else math.nan
+    if not 0.0 < period < WORSE_WINDOW:
+        return np.empty(0), np.empty(0)
+    count, first = round(WORSE_WINDOW / period), int(np.searchsorted(times, begin))
+    starts = np.arange(first, times.size - count + 1, max(1, round(1.0 / period)))
+    deviations = [
+        np.array([sigma(values[start : start + count]) for start in starts])
+        for values in (np.asarray(unit, dtype=float), np.asarray(uncompensated, dtype=float))
+    ]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return times[starts], np.asarray(deviations[0] / deviations[1])
 
 
 def max_abs(values: ArrayLike) -> float:

@@ -33,6 +33,7 @@ from heave_bringup.campaign.table import FAILURE, NOMINAL
 from heave_bringup.closed_loop import ClosedLoop, LoopRecord, loop_parameters
 from heave_bringup.output import print_parts
 from heave_bringup.scenarios import load_scenario
+from heave_node.kpi import WORSE_RATIO, WORSE_WINDOW, window_ratios
 from heave_node.numerics.arrays import Array
 
 from tests.campaigns.commit import commit_line
@@ -41,10 +42,10 @@ SCENARIO = "b3_deep_900"
 DURATION = 240.0
 """Of a run [s]."""
 
-WINDOW, TROUBLE = 60.0, 30.0
+WINDOW, TROUBLE = WORSE_WINDOW, 30.0
 """Length of a window that is judged, and time after the beginning of compensation from which on they are [s]."""
 
-LARGEST = 1.05
+LARGEST = WORSE_RATIO
 """Largest standard deviation of the unit over that of the uncompensated one."""
 
 HEIGHTS = (1.5, 1.8, 2.8)
@@ -280,13 +281,11 @@ def worst_window(time: Array, unit: Array, off: Array, begin: float) -> tuple[fl
     time, unit, off : of each tick [s], heave of the unit and of the uncompensated one [m], shape (ticks,)
     begin : of the first window [s]
     """
-    dt = time[1] - time[0]
-    count, first = round(WINDOW / dt), int(np.searchsorted(time, begin))
-    worst = (0.0, math.nan)
-    for start in range(first, len(time) - count + 1, round(1.0 / dt)):
-        ratio = float(np.std(unit[start : start + count]) / np.std(off[start : start + count]))
-        worst = max(worst, (ratio, float(time[start])))
-    return worst
+    starts, ratios = window_ratios(time, unit, off, begin)
+    if not ratios.size:
+        return 0.0, math.nan
+    at = int(np.argmax(ratios))
+    return float(ratios[at]), float(starts[at])
 
 
 def _is_finding(words: str) -> bool:

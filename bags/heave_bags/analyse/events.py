@@ -77,6 +77,24 @@ def modes(state: Fields) -> list[Interval]:
     return [replace(interval, reason=str(reasons[row])) for interval, row in zip(found, rows, strict=True)]
 
 
+def waits(state: Fields) -> list[Interval]:
+    """Return when the controller did not compensate, and why, from the columns of its `state`.
+
+    A reason whose figures alone change, as of a countdown, is one; it is told as it was first.
+    """
+    names, reasons = state.texts("mode"), state.texts("reason")
+    if names is None or reasons is None or not names.size:
+        return []
+    kinds = np.array([f"{name}: {without_figures(str(reason))}" for name, reason in zip(names, reasons, strict=True)])
+    stretches = _unchanged(state.time, kinds)
+    rows = np.searchsorted(state.time, [interval.start for interval in stretches])
+    found = [
+        replace(interval, name=str(names[row]), reason=str(reasons[row]))
+        for interval, row in zip(stretches, rows, strict=True)
+    ]
+    return [interval for interval in found if interval.name not in COMPENSATES]
+
+
 def take_modes(signals: RunSignals, time: Array, modes: NDArray[Any]) -> None:
     """Fill in the `signals` of a run when its controller worked, held a tension and changed its mode.
 

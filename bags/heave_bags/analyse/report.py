@@ -15,7 +15,7 @@ from typing import Any
 
 from jinja2 import Environment, FunctionLoader, StrictUndefined, Template
 
-from heave_bags.analyse import analysis, kpi_set, run_words
+from heave_bags.analyse import analysis, kpi_set, run_warnings, run_words
 from heave_bags.analyse.report_figures import (
     RUN_COLOURS,
     Figure,
@@ -201,7 +201,7 @@ def _run(record: RunRecord, verdict: Verdict, values: Mapping[str, float]) -> di
     return {
         "name": record.name,
         "facts": run_words.facts(record),
-        "remarks": [*record.remarks(), *run_words.warnings(record, values)],
+        "remarks": [*record.remarks(), *run_warnings.warnings(record, values)],
         "verdict": [line.strip() for line in verdict.lines()],
         "verdict_class": "bad" if not verdict.is_good else "" if is_silent else "good",
         "tiles": _tiles(record, values),

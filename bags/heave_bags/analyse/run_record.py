@@ -121,6 +121,7 @@ class RunRecord:
     signals : what the KPIs are computed from
     start, end : evaluation window [s]: after the transient, to the end
     modes, alarms, limits : what held when
+    waits : when the controller did not compensate, and why
     requests : what an operator asked for, and when: factor, speed, depth
     innovations : per measurement of the estimator
     run, outcome : the bag's own words on the run
@@ -141,6 +142,7 @@ class RunRecord:
     modes: list[Interval] = field(default_factory=list)
     alarms: list[Interval] = field(default_factory=list)
     limits: list[Interval] = field(default_factory=list)
+    waits: list[Interval] = field(default_factory=list)
     requests: list[Interval] = field(default_factory=list)
     innovations: list[Innovation] = field(default_factory=list)
     run: Mapping[str, str] = field(default_factory=dict)
@@ -373,7 +375,7 @@ def _fill_winch(record: RunRecord, winch: Fields) -> None:
 
 
 def _fill_controller(record: RunRecord, state: Fields) -> None:
-    record.modes = events.modes(state)
+    record.modes, record.waits = events.modes(state), events.waits(state)
     names = state.texts("mode")
     if names is not None:
         events.take_modes(record.signals, state.time, names)

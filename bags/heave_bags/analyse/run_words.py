@@ -19,8 +19,6 @@ from heave_bags.analyse.run_record import RunRecord
 
 MOST_DIFFERENCES = 3
 """Runs that differ in more are called by the names of their bags."""
-NOTABLE = 0.005
-"""An efficiency that is lower than another one by less is as good [-]."""
 BURST = 10.0
 """A limit that acts again within this time is told once [s]."""
 UNITS = {"duration": "s", "peak_period": "s", "significant_wave_height": "m", "length": "m", "mass": "kg"}
@@ -214,36 +212,6 @@ def happenings(record: RunRecord) -> list[Happening]:
     found += [Happening(one.start, one.end, f"operator: {one.name}") for one in record.requests]
     found += [Happening(alarm.start, alarm.end, alarm.name, alarm.level) for alarm in record.alarms]
     return sorted(found, key=lambda one: one.start)
-
-
-def warnings(record: RunRecord, values: Mapping[str, float]) -> list[str]:
-    """Return what it means where the winch did harm in the run `record`, or less good than another would have done.
-
-    Parameters
-    ----------
-    record : of the run
-    values : its figures of merit
-    """
-    if not record.moves_winch:
-        return []
-    unit, outlet, baseline = (values[f"{of}_efficiency"] for of in ("unit", "outlet", "baseline"))
-    found = []
-    if unit < -NOTABLE:
-        found.append(
-            f"the unit efficiency is below 0 ({100.0 * unit:.1f} %): the unit moved more than it would have with the "
-            "winch locked; What happened says when the winch did not do what it should"
-        )
-    if outlet < -NOTABLE:
-        found.append(
-            f"the outlet efficiency is below 0 ({100.0 * outlet:.1f} %): the cable moved more where it leaves the boom "
-            "tip than with the winch locked"
-        )
-    if unit < baseline - NOTABLE:
-        found.append(
-            f"the unit moved more than under law industrial in the same sea (unit efficiency {100.0 * unit:.1f} % "
-            f"against {100.0 * baseline:.1f} %): what makers of winches do would have been better here"
-        )
-    return found
 
 
 def losses(record: RunRecord) -> list[str]:

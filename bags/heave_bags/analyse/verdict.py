@@ -144,7 +144,7 @@ def judge(
 
     # the start-up says nothing about the loop
     wanted = wanted if record.is_past_transient else ()
-    share = _share_in_force(record, values) if moves_winch and record.is_past_transient else math.nan
+    share = share_in_force(record, values) if moves_winch and record.is_past_transient else math.nan
     return Verdict(
         held(wanted),
         held(required),
@@ -156,7 +156,7 @@ def judge(
     )
 
 
-def _share_in_force(record: RunRecord, values: Mapping[str, float]) -> float:
+def share_in_force(record: RunRecord, values: Mapping[str, float]) -> float:
     """Return the share of the time in which compensation was in force, of that in which nobody wanted it to rest.
 
     Parameters
@@ -164,7 +164,7 @@ def _share_in_force(record: RunRecord, values: Mapping[str, float]) -> float:
     record : of the run
     values : its figures of merit
     """
-    rested = sum(_within(record, mode) for mode in record.modes if mode.reason in RESTS_REQUESTED)
+    rested = sum(time_within(record, mode) for mode in record.modes if mode.reason in RESTS_REQUESTED)
     left = 1.0 - rested / (record.end - record.start)
     return values["compensating_percent"] / 100.0 / left if left > 0.0 else math.nan
 
@@ -176,13 +176,13 @@ def time_in_modes(record: RunRecord) -> dict[str, float]:
     """
     shares: dict[str, float] = {}
     for mode in record.modes:
-        part = _within(record, mode)
+        part = time_within(record, mode)
         if part > 0.0:
             shares[mode.name] = shares.get(mode.name, 0.0) + part
     total = record.end - record.start
     return {name: part / total for name, part in sorted(shares.items(), key=lambda item: -item[1])}
 
 
-def _within(record: RunRecord, mode: Interval) -> float:
+def time_within(record: RunRecord, mode: Interval) -> float:
     """Return how long a `mode` held within the evaluation window of `record` [s]."""
     return max(min(mode.end, record.end) - max(mode.start, record.start), 0.0)

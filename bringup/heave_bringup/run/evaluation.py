@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from heave_bags.analyse import analysis, run_words
+from heave_bags.analyse import analysis, run_warnings, run_words
 from heave_bags.analyse.report import save_report
 from heave_bags.analyse.verdict import Verdict, judge
 from heave_bags.mcap.reader import Bag
@@ -46,12 +46,14 @@ class Evaluation:
     table : of the figures of merit
     figures : the same for a machine
     losses : of compensation, each in words
+    warnings : what a reader of the figures must be warned of
     verdict : by the criteria of the scenario and of the command line
     """
 
     table: str
     figures: dict[str, object]
     losses: list[str]
+    warnings: list[str]
     verdict: Verdict
 
 
@@ -81,5 +83,11 @@ def evaluate(
     if report is not None:
         save_report(records, report, [verdict])
     losses = run_words.losses(record)
-    figures = {**analysis.to_json(record), "losses_of_compensation": losses, "verdict": verdict.to_json()}
-    return Evaluation(analysis.table(records), figures, losses, verdict)
+    warnings = run_warnings.warnings(record, record.kpis())
+    figures = {
+        **analysis.to_json(record),
+        "losses_of_compensation": losses,
+        "warnings": warnings,
+        "verdict": verdict.to_json(),
+    }
+    return Evaluation(analysis.table(records), figures, losses, warnings, verdict)

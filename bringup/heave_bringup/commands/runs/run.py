@@ -153,6 +153,7 @@ def execute(options: argparse.Namespace) -> None:
     told = [
         *_told("errors reported by the nodes:", outcome.alarms),
         *_told("compensation was lost:", result.losses),
+        *_told("warnings:", result.warnings),
     ]
     text = "\n".join([result.table, "", *told, *places, "", *result.verdict.lines()])
     write_result(

@@ -1,0 +1,145 @@
+"""What a reader of a run must be warned of: compensation that did harm, that was seldom in force, that others beat."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from heave_node import kpi
+from heave_node.interface import topics
+from heave_node.interface.codes import RESTS_REQUESTED, without_figures
+
+from heave_bags.analyse import events
+from heave_bags.analyse.run_record import RunRecord
+from heave_bags.analyse.verdict import LEAST_SHARE, share_in_force, time_within
+
+NOTABLE = 0.005
+"""An efficiency that is lower than another one by less is as good [-]."""
+MOST_LISTED = 3
+"""Times, reasons or alarms that a warning lists."""
+LEAST_OF_WAITS = 0.05
+"""A reason that held for a smaller share of the time without compensation is not told."""
+ERROR = 2
+"""Level of an alarm that is an error."""
+OF_CONTROLLER = f"{topics.CONTROLLER_STATE.publisher}: "
+"""Begins the alarms of the controller."""
+
+
+def warnings(record: RunRecord, values: Mapping[str, float]) -> list[str]:
+    """Return what it means where the winch did harm in the run `record`, or less good than another would have done.
+
+    Parameters
+    ----------
+    record : of the run
+    values : its figures of merit
+    """
+    if not record.moves_winch:
+        return []
+    unit, outlet, baseline = (values[f"{of}_efficiency"] for of in ("unit", "outlet", "baseline"))
+    found = [*worse_than_off(record), *why_not_in_force(record, values)]
+    if unit < -NOTABLE:
+        found.append(
+            f"the unit efficiency is below 0 ({100.0 * unit:.1f} %): the unit moved more than it would have with the "
+            "winch locked; What happened says when the winch did not do what it should"
+        )
+    if outlet < -NOTABLE:
+        found.append(
+            f"the outlet efficiency is below 0 ({100.0 * outlet:.1f} %): the cable moved more where it leaves the boom "
+            "tip than with the winch locked"
+        )
+    if unit < baseline - NOTABLE:
+        found.append(
+            f"the unit moved more than under law industrial in the same sea (unit efficiency {100.0 * unit:.1f} % "
+            f"against {100.0 * baseline:.1f} %): what makers of winches do would have been better here"
+        )
+    return found
+
+
+@dataclass
+class Worse:
+    """A time in which the unit moved more than the uncompensated one.
+
+    Attributes
+    ----------
+    start, end : of all windows in it [s]
+    ratio, at : largest standard deviation over the uncompensated one, and where that window begins [s]
+    """
+
+    start: float
+    end: float
+    ratio: float
+    at: float
+
+    def __str__(self) -> str:
+        return f"{self.start:.0f} s to {self.end:.0f} s, most from {self.at:.0f} s on: {self.ratio:.2f} times as much"
+
+
+def worse_times(record: RunRecord) -> list[Worse]:
+    """Return when the unit of the run `record` moved more than the uncompensated one, since compensation first began.
+
+    That is judged over every window of `kpi.WORSE_WINDOW`; windows that overlap are one time.
+    """
+    unit, off = record.signals.unit_heave, record.signals.uncompensated_heave
+    began = next((mode.start for mode in record.modes if mode.name in events.COMPENSATES), math.nan)
+    if not (unit.size and off.size and math.isfinite(began)):
+        return []
+    starts, ratios = kpi.window_ratios(unit.time, unit.value, off.at(unit), began)
+    is_worse = ratios > kpi.WORSE_RATIO
+    found: list[Worse] = []
+    for start, ratio in zip(starts[is_worse].tolist(), ratios[is_worse].tolist(), strict=True):
+        if not found or start > found[-1].end:
+            found.append(Worse(start, start, 0.0, start))
+        last = found[-1]
+        last.end = start + kpi.WORSE_WINDOW
+        if ratio > last.ratio:
+            last.ratio, last.at = ratio, start
+    return found
+
+
+def worse_than_off(record: RunRecord) -> list[str]:
+    """Return in words when the unit of the run `record` moved more than it would have with the winch locked."""
+    found = worse_times(record)
+    if not found:
+        return []
+    more = f"; {len(found) - MOST_LISTED} more times" if len(found) > MOST_LISTED else ""
+    return [
+        f"worse than off: the unit moved more than with the winch locked, by standard deviations over "
+        f"{kpi.WORSE_WINDOW:g} s: {'; '.join(map(str, found[:MOST_LISTED]))}{more}"
+    ]
+
+
+def why_not_in_force(record: RunRecord, values: Mapping[str, float]) -> list[str]:
+    """Return in words why compensation was seldom in force, or never, where nobody had asked for that.
+
+    Parameters
+    ----------
+    record : of the run
+    values : its figures of merit
+    """
+    waits = [wait for wait in record.waits if wait.reason not in RESTS_REQUESTED and time_within(record, wait) > 0.0]
+    is_over = bool(record.modes) and record.modes[-1].name not in events.COMPENSATES
+    is_seldom = share_in_force(record, values) < LEAST_SHARE and (record.is_past_transient or is_over)
+    if not waits or not is_seldom:
+        return []
+    share = values["compensating_percent"]
+    how = f"was in force for {share:.1f} % of the time" if share > 0.0 else "was never in force"
+    how += f" from {record.start:.0f} s to {record.end:.0f} s"
+    if not any(mode.name in events.COMPENSATES for mode in record.modes):
+        how = "never began"
+    alarms = [one.name for one in record.alarms if one.level == ERROR and one.name.startswith(OF_CONTROLLER)]
+    told = [*_reasons(record, waits), *list(dict.fromkeys(alarms))[:MOST_LISTED]]
+    return [f"compensation {how}; why, in the controller's words: {'; '.join(told)}"]
+
+
+def _reasons(record: RunRecord, waits: list[events.Interval]) -> list[str]:
+    """Return for how long compensation was not in force for which reason, the longest first."""
+    spent: dict[str, float] = {}
+    words: dict[str, str] = {}
+    for wait in waits:
+        kind = f"{wait.name}: {without_figures(wait.reason)}"
+        words.setdefault(kind, f": {wait.reason}" if wait.reason else "")
+        spent[kind] = spent.get(kind, 0.0) + time_within(record, wait)
+    least = LEAST_OF_WAITS * sum(spent.values())
+    longest = sorted((kind for kind in spent if spent[kind] >= least), key=lambda kind: -spent[kind])
+    return [f"{kind.partition(':')[0]} for {spent[kind]:.0f} s{words[kind]}" for kind in longest[:MOST_LISTED]]

@@ -1,0 +1,107 @@
+"""What a reader of a run is warned of: harm, compensation that was not in force, and what others would have done."""
+
+import math
+
+import pytest
+from heave_bags.analyse import analysis, report, run_warnings
+from heave_bags.analyse.events import Interval
+from heave_bags.signals import Signal
+from numpy import arange, sin, where
+
+TOLD = "the encoder goes the other way than the winch is sent; in {} s at best"
+
+
+@pytest.fixture
+def record(shared_bag):
+    """Return a run of 300 s whose unit moves a third of what it would uncompensated, all along in mode compensating."""
+    (record,) = analysis.analyse([shared_bag])
+    record.start, record.end = 10.0, 300.0
+    time = arange(0.0, 300.0, 0.05)
+    record.signals.uncompensated_heave = Signal(time, sin(time))
+    record.signals.unit_heave = Signal(time, sin(time) / 3.0)
+    record.signals.compensating = Signal(time, 1.0 + 0.0 * time)
+    record.modes = [Interval(0.0, 20.0, "standby"), Interval(20.0, 300.0, "compensating")]
+    record.waits = [Interval(0.0, 20.0, "standby", reason="estimate settling, 20 s more")]
+    record.alarms = []
+    return record
+
+
+def warned(record):
+    values = {"unit_efficiency": 0.5, "outlet_efficiency": 0.5, "baseline_efficiency": math.nan}
+    return run_warnings.warnings(record, {**record.kpis(), **values})
+
+
+def test_a_run_that_does_no_harm_and_compensates_is_not_warned_of(record):
+    assert warned(record) == []
+
+
+@pytest.mark.parametrize(("times", "is_told"), [(3.0, False), (3.3, True), (6.0, True)])
+def test_a_unit_that_moves_more_than_uncompensated_is_told_with_times_and_ratio(record, times, is_told):
+    """Of 100 s in which the unit moves `times` a third of off, some windows of 60 s see nothing else."""
+    time, unit = record.signals.unit_heave.time, record.signals.unit_heave.value
+    record.signals.unit_heave = Signal(time, where((time >= 100.0) & (time < 200.0), times, 1.0) * unit)
+    found = run_warnings.worse_times(record)
+    assert bool(found) is is_told
+    if is_told:
+        (one,) = found
+        assert one.ratio == pytest.approx(times / 3.0, rel=0.01)
+        assert 40.0 < one.start < one.at < 200.0 < one.end
+        (text,) = warned(record)
+        assert text.startswith("worse than off: the unit moved more than with the winch locked")
+        assert f"{one.start:.0f} s to {one.end:.0f} s, most from {one.at:.0f} s on: {one.ratio:.2f} times" in text
+        assert text in report.render([record])
+
+
+def test_what_the_unit_does_before_compensation_first_begins_is_not_held_against_it(record):
+    time, unit = record.signals.unit_heave.time, record.signals.unit_heave.value
+    record.signals.unit_heave = Signal(time, where(time < 20.0, 30.0, 1.0) * unit)
+    assert run_warnings.worse_times(record) == []
+
+
+def test_why_compensation_never_began_is_told_in_the_words_of_the_controller(record):
+    record.modes = [Interval(0.0, 300.0, "standby")]
+    record.signals.compensating = Signal(record.signals.unit_heave.time, 0.0 * record.signals.unit_heave.time)
+    record.waits = [
+        Interval(0.0, 20.0, "standby", reason="estimate settling, 20 s more"),
+        Interval(20.0, 120.0, "standby", reason="mru nan"),
+        Interval(120.0, 220.0, "standby", reason=TOLD.format(5)),
+        Interval(220.0, 300.0, "standby", reason=TOLD.format(4)),
+    ]
+    record.alarms = [Interval(21.0, 22.0, "winch_controller: sensor mru: nan: start it again", level=2)]
+    record.alarms += [Interval(21.0, 22.0, "winch_controller: alarms: only a warning", level=1)]
+    (text,) = warned(record)
+    assert text == (
+        "compensation never began; why, in the controller's words: standby for 180 s: "
+        f"{TOLD.format(5)}; standby for 100 s: mru nan; winch_controller: sensor mru: nan: start it again"
+    )
+
+
+def test_why_compensation_was_seldom_in_force_is_told_and_a_rest_that_was_asked_for_is_none(record):
+    time = record.signals.unit_heave.time
+    record.modes += [Interval(60.0, 300.0, "standby")]
+    record.signals.compensating = Signal(time, where(time < 60.0, 1.0, 0.0))
+    record.waits += [Interval(60.0, 300.0, "standby", reason="mru nan")]
+    (text,) = warned(record)
+    assert text.startswith(
+        "compensation was in force for 17.2 % of the time from 10 s to 300 s; why, in the controller's words: standby"
+    )
+    record.modes[-1] = record.waits[-1] = Interval(60.0, 300.0, "standby", reason="standby requested")
+    assert warned(record) == []
+
+
+@pytest.mark.parametrize(
+    ("unit", "outlet", "baseline", "words"),
+    [
+        (0.9, 0.9, 0.8, []),
+        (0.9, 0.9, math.nan, []),
+        (0.8, 0.9, 0.9, ["the unit moved more than under law industrial in the same sea (unit efficiency 80.0 %"]),
+        (-0.1, 0.2, math.nan, ["the unit efficiency is below 0 (-10.0 %): the unit moved more than it would have"]),
+        (0.1, -0.2, math.nan, ["the outlet efficiency is below 0 (-20.0 %): the cable moved more"]),
+        (-0.001, -0.001, 0.001, []),
+    ],
+)
+def test_a_winch_that_does_harm_or_less_than_another_would_is_told_in_words(shared_bag, unit, outlet, baseline, words):
+    (record,) = analysis.analyse([shared_bag])
+    values = record.kpis() | {"unit_efficiency": unit, "outlet_efficiency": outlet, "baseline_efficiency": baseline}
+    found = run_warnings.warnings(record, values)
+    assert [text.startswith(word) for text, word in zip(found, words, strict=True)] == [True] * len(words)
