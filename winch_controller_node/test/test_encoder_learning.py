@@ -73,6 +73,22 @@ def test_a_winch_that_goes_the_other_way_is_tried_again_once_an_operator_asks(wh
     assert len([words for words in alarms if words.startswith("encoder suspect: it goes the other way")]) == 1
 
 
+def test_what_stands_beside_it_is_that_it_is_not_tried_again_until_an_operator_asks():
+    """An operator who asks is not refused: only that ends it."""
+    loop = loop_of("encoder")
+    reports = []
+    loop.run(lambda _, outputs: reports.append(outputs.report))
+    stands = [report.reason for report in reports if report.mode == "standby" and report.reason.startswith("the enc")]
+    assert len(stands) > 60.0 / TICK
+    assert {reason.endswith("look at the sign of both, then ask for compensation again") for reason in stands} == {True}
+    assert loop.controller.ask_for_mode("compensating") == "standby, on the way to compensating"
+    outputs, _ = loop.step()
+    told = outputs.report.reason
+    assert told.startswith("the encoder goes the other way than the winch is sent")
+    assert "look at the sign of both; tried again once that has been over for 5 s" in told
+    assert "ask for" not in told
+
+
 @pytest.mark.parametrize("who", WHO)
 def test_a_unit_whose_winch_goes_the_other_way_is_never_worse_off(who):
     record, _, _ = run_of(who)

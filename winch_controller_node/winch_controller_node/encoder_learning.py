@@ -60,12 +60,12 @@ class EncoderLearning:
 
     @property
     def inhibition(self) -> str:
-        """Why compensation must be off; empty: it need not."""
+        """Why compensation must be off until an operator asks for it; empty: it need not."""
         if not self.is_contrary:
             return ""
         return (
             "the encoder goes the other way than the winch is sent, and which of them is wrong is not known: look at "
-            "the sign of both, then ask for compensation again"
+            "the sign of both"
         )
 
     def trust_encoder(self) -> None:

@@ -88,7 +88,8 @@ class ModeMachine:
         lost = self._situation.lost
         if lost:
             return f"{lost}; ask again once that is good again"
-        return self._situation.harm or self._situation.closed_gates
+        harm = "" if self._situation.awaits_operator else self._situation.harm  # who asks has looked at the cause
+        return harm or self._situation.closed_gates
 
     @property
     def fault(self) -> str:

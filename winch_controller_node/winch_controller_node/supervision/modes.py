@@ -117,6 +117,7 @@ class Situation(NamedTuple):
     closed_gates : why compensation may not begin now, with figures; empty when it may
     tension_refusal : why constant tension may not begin now; empty when it may
     fault_cause : why the winch has its fault, in words; empty where that is not known
+    awaits_operator : after this harm compensation is tried again only once an operator asks for it
     """
 
     lost: str
@@ -131,6 +132,7 @@ class Situation(NamedTuple):
     tension_refusal: str = ""
     fault_cause: str = ""
     prospect: str = ""
+    awaits_operator: bool = False
 
 
 NOTHING_KNOWN = Situation(lost="", has_estimate=False, winch_fault=WinchFault.NONE, harm="", speed=0.0)

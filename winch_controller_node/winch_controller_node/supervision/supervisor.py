@@ -27,6 +27,9 @@ REQUIRED_SENSORS = {
 HANGING_SHARES = (0.7, 1.3)
 """A unit hangs whose cable carries a share of its weight between these, and that has not landed."""
 
+ASK_AGAIN = "then ask for compensation again"
+"""Ends the reason of an inhibition that only an operator can end."""
+
 TRANSPORT_HOLD = 5.0
 """Time for which compensation stays off after commands were late for long [s]: the transport is not the loop's harm."""
 
@@ -52,7 +55,7 @@ class WinchSituation(NamedTuple):
     share : largest share of the sea that may be compensated with what is known of the winch
     inhibition : why compensation must be off; empty: it need not
     fault_cause : why the winch has its fault, in words; empty: unknown
-    is_contrary : drum or encoder go the other way than it is sent: it is brought to rest
+    is_contrary : drum or encoder go the other way than it is sent: it is brought to rest until an operator asks for it
     """
 
     fault: int
@@ -170,8 +173,9 @@ class Supervisor:
                 has_estimate=tick.sensed.has_encoder,
                 winch_fault=winch.fault,
                 fault_cause=winch.fault_cause,
-                harm=self.guard.reason,
-                prospect=self.guard.prospect,
+                harm=f"{self.guard.reason}, {ASK_AGAIN}" if winch.is_contrary else self.guard.reason,
+                prospect="" if winch.is_contrary else self.guard.prospect,
+                awaits_operator=winch.is_contrary,
                 speed=winch.speed,
                 authority_limit=authority_limit,
                 is_settled=not is_damped or self._is_settled(tick, winch.settled_swing),
