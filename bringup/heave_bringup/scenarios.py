@@ -23,7 +23,7 @@ from heave_node.system_parameters import SYSTEM, owned_names, system_names
 from winch_controller_node.supervision.modes import Mode
 
 from heave_bringup.nodes import MASTER, NODE_BY_NAME, NODES
-from heave_bringup.settings import Setting, parse_setting
+from heave_bringup.settings import Setting, meant, near_places, parse_setting
 from heave_bringup.tables.case_table import files_of, scenario_of, split_reference
 from heave_bringup.tables.kept_files import make_good
 
@@ -320,6 +320,7 @@ def _check_shared_names(given: Mapping[str, Given]) -> None:
         known |= owned_names(node, _names_of(node)).keys()
     for name, value in given.items():
         if name not in known and not name.startswith(WANTED):
+            _refuse_misplaced(WILDCARD, value)
             raise unknown_parameter(value, known)
 
 
@@ -331,16 +332,27 @@ def _check_own_names(given: Mapping[str, Given]) -> None:
 
 
 def _check_owners(node: str, given: Mapping[str, Given]) -> None:
-    """Refuse what is `given` to a `node` and only another one knows, a parameter or a choice, and say which does."""
+    """Refuse what is `given` to a `node` and is elsewhere, a parameter or a choice, and say where."""
+    known = set(_names_of(node))
     for name, value in given.items():
-        refused = _unknown(node, value)
-        owners = [other for other in NODE_BY_NAME if not _unknown(other, value)] if refused else []
+        if name not in known:
+            _refuse_misplaced(node, value)
+            continue
+        refused = _unfit(node, value)
+        owners = [other for other in NODE_BY_NAME if refused and not _unfit(other, value)]
         if owners:
-            raise ParameterError(f"{refused}; did you mean {' or '.join(f'{owner}.{name}' for owner in owners)}?")
+            raise ParameterError(f"{refused}; {meant([f'{owner}.{name}' for owner in owners])}")
 
 
-def _unknown(node: str, given: Given) -> str:
-    """Return in words that a `node` knows no such parameter, or no such choice of it, as is `given`; else empty."""
+def _refuse_misplaced(target: str, given: Given) -> None:
+    """Refuse what a `target` does not know and another place does; a name that nobody knows is left to others."""
+    near = near_places(target, given.name)
+    if near:
+        raise ParameterError(f"{given.where}: there is no parameter {given.name}; {meant(near)}")
+
+
+def _unfit(node: str, given: Given) -> str:
+    """Return in words that a `node` has no such parameter, or no such choice of it, as is `given`; else empty."""
     infos = {info.name: info for info in describe(NODE_BY_NAME[node].parameters_type())}
     if given.name not in infos:
         return f"{given.where}: there is no parameter {given.name}"

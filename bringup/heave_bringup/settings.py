@@ -1,20 +1,29 @@
-"""Changes to a scenario that a user requests: `--set NODE.PARAM=VALUE`, options of a command, cases of a campaign."""
+"""Changes to a scenario that a user requests: `--set NODE.PARAM=VALUE`, options of a command, cases of a campaign.
+
+And where else a parameter is that somebody gave to the wrong node, or without the group before its name.
+"""
 
 from __future__ import annotations
 
 import difflib
+from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cache
 
 import yaml
-from heave_node.parameters import ParameterError
+from heave_node.parameters import ParameterError, describe
+from heave_node.run_parameters import RunParameters
 from heave_node.scenario import WILDCARD, parse_yaml
+from heave_node.system_parameters import SYSTEM, owned_names
 
-from heave_bringup.nodes import NODE_BY_NAME
+from heave_bringup.nodes import NODE_BY_NAME, NODES
 
 EVERY_NODE = "all"
 """What stands for every node on the command line, where a shell would take `/**` for files."""
 SHARED = ("system", "wanted")
 """Groups under `/**`, so that the command line needs no node before them."""
+MOST_PLACES = 3
+"""So many places are told where a parameter is elsewhere."""
 
 
 @dataclass(frozen=True)
@@ -77,3 +86,46 @@ def parse_setting(text: str) -> Setting:
         return make_setting(place, parse_yaml(value), source)
     except yaml.YAMLError as error:
         raise ParameterError(f"{source}: {value!r} is not a YAML value") from error
+
+
+def near_places(target: str, name: str) -> list[str]:
+    """Return where there is a parameter of a `name` that the `target` does not know, with or without a group before it.
+
+    First comes the target itself, then other nodes, those first whose name is the most alike.
+
+    Parameters
+    ----------
+    target : node, or `/**` for what all nodes share
+    name : dotted
+    """
+    found = [(where, of, _alike(of, name)) for where, of in _places() if _alike(of, name)]
+    own = [(where, of, alike) for where, of, alike in found if where == target]
+    own = [one for one in own if one[2] == max(alike for *_, alike in own)]
+    nodes = [one for one in found if one[0] not in (target, WILDCARD)]
+    same = [one for one in nodes if one[1] == name]
+    others = [] if target == WILDCARD and own else same if own or same else nodes
+    told = [*own, *sorted(others, key=lambda one: -one[2])]
+    return [of if where == WILDCARD else f"{where}.{of}" for where, of, _ in told[:MOST_PLACES]]
+
+
+def meant(places: Sequence[str]) -> str:
+    """Return the question whether one of the `places` was meant."""
+    return f"did you mean {' or '.join(places)}?"
+
+
+@cache
+def _places() -> tuple[tuple[str, str], ...]:
+    """Return every parameter: its node, or `/**`, and its name there."""
+    of_nodes = [(node.name, info.name) for node in NODES for info in describe(node.parameters_type())]
+    shared = [
+        (WILDCARD, name)
+        for node in NODES
+        for name in owned_names(node.name, [of for where, of in of_nodes if where == node.name])
+    ]
+    return (*((WILDCARD, f"{EVERY_NODE}.{info.name}") for info in describe(RunParameters)), *shared, *of_nodes)
+
+
+def _alike(one: str, other: str) -> int:
+    """Return how many words two dotted names have in common where one of them ends with the other; else 0."""
+    shorter, longer = sorted((one.removeprefix(SYSTEM).split("."), other.removeprefix(SYSTEM).split(".")), key=len)
+    return len(shorter) if longer[-len(shorter) :] == shorter else 0

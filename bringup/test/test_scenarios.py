@@ -138,6 +138,22 @@ def test_what_is_wrong_with_a_file_is_told_in_one_line(file, text, words) -> Non
             "system.sea.peak_perid=9",
             "there is no parameter system.sea.peak_perid; did you mean system.sea.peak_period?",
         ),
+        (
+            "winch_controller.speed_gain=1.1",
+            "parameter speed_gain; did you mean winch_controller.winch.speed_gain or virtual_winch.speed_gain?",
+        ),
+        (
+            "virtual_winch.winch.power_limit=9",
+            "did you mean virtual_winch.power_limit or winch_controller.winch.power_",
+        ),
+        ("winch_controller.winch.gain=1.1", "there is no parameter winch.gain; did you mean winch.speed_gain?"),
+        (
+            "system.winch.speed_gain=1.1",
+            "there is no parameter system.winch.speed_gain; did you mean winch_controller.winch.speed_gain or "
+            "virtual_winch.speed_gain?",
+        ),
+        ("system.mru.noise=0.1", "did you mean system.sensors.mru.noise?"),
+        ("all.maximum_tension_ratio=2", "did you mean winch_controller.limits.maximum_tension_ratio?"),
         ("all.length=9", "there is no parameter length; did you mean system.length?"),
         ("wave_vessel.peak_period=99", "peak_period = 99.0 is not allowed: it must be a number from 1 to 40 [s]"),
         ("cable_sim.seed=2", "all nodes share seed: set it under /**"),
