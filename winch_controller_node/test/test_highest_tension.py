@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from heave_bringup.closed_loop import ClosedLoop, loop_parameters
 from heave_bringup.scenarios import load_scenario
+from heave_node.parameters import ParameterError
 from winch_controller_node.design.design import design_controller
 from winch_controller_node.laws.law import LawCommand
 from winch_controller_node.loop_command import LoopCommand
@@ -79,11 +80,22 @@ def with_highest_tension(scenario, ratio, duration):
     return ClosedLoop(loop_parameters(load_scenario(scenario, settings=settings)))
 
 
-def test_a_highest_tension_below_the_static_one_is_refused_at_entry_with_the_least_that_would_do():
-    loop = with_highest_tension("b2_calm_300", 0.9, 60.0)
+@pytest.mark.parametrize("ratio", [0.001, 0.9, 0.9999])
+def test_a_highest_tension_below_the_static_one_is_refused_before_anything_starts(ratio):
+    setting = f"winch_controller.limits.maximum_tension_ratio={ratio}"
+    with pytest.raises(ParameterError) as refusal:
+        load_scenario("b2_calm_300", settings=[setting])
+    words = f"winch_controller with --set {setting}: limits.maximum_tension_ratio = {ratio} can never be kept"
+    assert words in str(refusal.value)
+    assert "give more than 1, such as 1.5, or 0 for no highest tension" in str(refusal.value)
+    assert "\n" not in str(refusal.value)
+
+
+def test_a_highest_tension_that_waves_exceed_is_refused_at_entry_with_the_least_that_would_do():
+    loop = with_highest_tension("b2_calm_300", 1.0, 60.0)
     assert set(loop.run().modes) == {"standby"}
     assert "needs a tension of 1.02 times" in loop.controller.modes.obstacle
-    assert "the highest allowed is 0.9 times: raise limits.maximum_tension_ratio" in loop.controller.modes.obstacle
+    assert "the highest allowed is 1 times: raise limits.maximum_tension_ratio" in loop.controller.modes.obstacle
 
 
 def test_giving_way_does_not_ring_with_the_wire(monkeypatch):

@@ -36,6 +36,13 @@ class LimitParameters:
         "out, unless compensation needs more in the sea that is seen, which is told; 0: none.",
     )
 
+    def __post_init__(self) -> None:
+        if 0.0 < self.maximum_tension_ratio < 1.0:
+            raise ParameterError(
+                f"limits.maximum_tension_ratio = {self.maximum_tension_ratio:g} can never be kept: the unit at rest "
+                "hangs on 1 times the static tension; give more than 1, such as 1.5, or 0 for no highest tension"
+            )
+
 
 @dataclass(frozen=True)
 class GuardParameters:

@@ -69,8 +69,7 @@ class HighestTension:
 def _in_words(least_ratio: float, ratio: float) -> str:
     """Return that a highest tension is below what compensation needs, both over the static one, and what to do."""
     needed = math.ceil(100.0 * least_ratio) / 100.0
-    remedy = "raise limits.maximum_tension_ratio" + ("" if ratio < 1.0 else " or wait for a lower sea")
     return (
         f"compensation needs a tension of {needed:.2f} times the static one in this sea, and more in a higher one; the "
-        f"highest allowed is {ratio:.4g} times: {remedy}"
+        f"highest allowed is {ratio:.4g} times: raise limits.maximum_tension_ratio or wait for a lower sea"
     )
