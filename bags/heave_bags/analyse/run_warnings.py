@@ -64,15 +64,18 @@ class Worse:
     ----------
     start, end : of all windows in it [s]
     ratio, at : largest standard deviation over the uncompensated one, and where that window begins [s]
+    mode : of the controller in the middle of that window
     """
 
     start: float
     end: float
     ratio: float
     at: float
+    mode: str = ""
 
     def __str__(self) -> str:
-        return f"{self.start:.0f} s to {self.end:.0f} s, most from {self.at:.0f} s on: {self.ratio:.2f} times as much"
+        most = f"most from {self.at:.0f} s on in mode {self.mode}"
+        return f"{self.start:.0f} s to {self.end:.0f} s, {most}: {self.ratio:.2f} times as much"
 
 
 def worse_times(record: RunRecord) -> list[Worse]:
@@ -93,8 +96,13 @@ def worse_times(record: RunRecord) -> list[Worse]:
         last = found[-1]
         last.end = start + kpi.WORSE_WINDOW
         if ratio > last.ratio:
-            last.ratio, last.at = ratio, start
+            last.ratio, last.at, last.mode = ratio, start, _mode_at(record, start + 0.5 * kpi.WORSE_WINDOW)
     return found
+
+
+def _mode_at(record: RunRecord, time: float) -> str:
+    """Return the mode of the controller at a `time` [s] after its first."""
+    return next(mode.name for mode in reversed(record.modes) if mode.start <= time)
 
 
 def worse_than_off(record: RunRecord) -> list[str]:
@@ -104,7 +112,7 @@ def worse_than_off(record: RunRecord) -> list[str]:
         return []
     more = f"; {len(found) - MOST_LISTED} more times" if len(found) > MOST_LISTED else ""
     return [
-        f"worse than off: the unit moved more than with the winch locked, by standard deviations over "
+        f"worse than off: the unit moved more than with the winch locked all along, by standard deviations over "
         f"{kpi.WORSE_WINDOW:g} s: {'; '.join(map(str, found[:MOST_LISTED]))}{more}"
     ]
 
