@@ -11,6 +11,8 @@ from scipy.signal import lsim
 from winch_controller_node.estimation.depth_witness import (
     CORRELATED,
     LEAST_READINGS,
+    LONGEST_GAP,
+    LONGEST_SLACK,
     WINDOWS,
     DepthWitness,
     driven_unit,
@@ -72,17 +74,21 @@ class Motion:
         payout = MEAN_PAYOUT + 0.5 * np.sin(0.9 * later) + 0.2 * np.sin(1.3 * later) + stirred
         uncompensated, by_drum = swung(time, tip), swung(time, -(payout - payout[0])) - [payout[0], 0.0]
         ticks = slice(round(before / DT) * fine, None, fine)
-        self.payout, self.by_drum = payout[ticks], by_drum[ticks]
-        self.uncompensated = uncompensated[ticks]
+        self.payout, self.unit = payout[ticks], (uncompensated + by_drum)[ticks]
+        self.boom_tip = np.column_stack([tip, np.gradient(tip, time)])[ticks]
         self.encoder = FIRST_PAYOUT + (self.payout - self.payout[0]) / of_drum
-        self.heave = self.uncompensated[:, 0] + self.by_drum[:, 0]
+
+    def read(self, k, tick, heave_noise=0.0):
+        """Return what is read at a `tick`, k after the first: payout, boom tip and depth."""
+        return self.encoder[k], self.boom_tip[k], [(tick * DT, heave_noise - self.unit[k, 0])]
 
     def witness(self, *, noise=0.0, seed=0, every=EVERY, first=0):
         """Return the witness after the record."""
         rng, witness = np.random.default_rng(seed), DepthWitness(CABLE, DT)
         for k in range(COUNT + 1):
-            read = [((first + k) * DT, -self.heave[k] + noise * rng.standard_normal())] if k % every == 0 else []
-            witness.add(first + k, self.encoder[k], self.uncompensated[k, 0], read)
+            error = noise * rng.standard_normal() if k % every == 0 else 0.0
+            payout, boom_tip, depths = self.read(k, first + k, error)
+            witness.add(first + k, payout, boom_tip, depths if k % every == 0 else [])
         return witness
 
 
@@ -94,9 +100,9 @@ def test_the_share_of_the_payout_that_the_unit_shows_is_found(share):
         assert seen.share == pytest.approx(share, abs=4.0 * seen.sigma)
         assert 0.0 < seen.sigma < 0.1 * max(abs(share), 1.0)
         assert seen.payout == pytest.approx(truth.payout[-1], abs=4.0 * NOISE)
-        assert seen.unit[0] == pytest.approx(truth.by_drum[-1, 0], abs=4.0 * NOISE)
+        assert seen.unit[0] == pytest.approx(truth.unit[-1, 0], abs=4.0 * NOISE)
         # at the resonance of 1.6 rad/s a rate is 1.6 times a heave
-        assert seen.unit[1] == pytest.approx(truth.by_drum[-1, 1], abs=1.6 * 4.0 * NOISE)
+        assert seen.unit[1] == pytest.approx(truth.unit[-1, 1], abs=1.6 * 4.0 * NOISE)
 
 
 @pytest.mark.parametrize("share", SHARES)
@@ -107,7 +113,7 @@ def test_without_noise_it_is_exact_but_for_the_rate_that_is_taken_from_the_payou
         assert seen.share == pytest.approx(share, rel=1e-3)
         assert seen.left < 1e-3
         assert seen.payout == pytest.approx(truth.payout[-1], abs=1e-3)
-        np.testing.assert_allclose(seen.unit, truth.by_drum[-1], atol=2e-3)
+        np.testing.assert_allclose(seen.unit, truth.unit[-1], atol=2e-3)
 
 
 def test_its_sigma_is_that_of_noise_of_which_one_reading_in_four_tells_something():
@@ -123,19 +129,40 @@ def test_its_sigma_is_that_of_noise_of_which_one_reading_in_four_tells_something
 def test_what_is_left_is_the_noise_over_what_was_to_be_explained():
     seen = Motion().witness(noise=NOISE, every=1).seen()[-1]
     truth = Motion()
-    assert seen.left == pytest.approx(NOISE / np.std(truth.by_drum[:, 0]), rel=0.3)
+    by_boom_tip = swung(DT * np.arange(COUNT + 1), truth.boom_tip[:, 0])[:, 0]
+    assert seen.left == pytest.approx(NOISE / np.std(truth.unit[:, 0] - by_boom_tip), rel=0.3)
 
 
-def test_a_payout_that_is_not_read_begins_a_new_record():
-    truth = Motion()
-    witness = truth.witness()
-    witness.add(COUNT + 1, None, 0.0, [])
-    assert witness.seen() == [None, None, None]
-    for k in range(COUNT):
-        witness.add(COUNT + 2 + k, truth.encoder[k], 0.0, [((COUNT + 2 + k) * DT, 0.0)])
-    assert witness.seen() == [None, None, None]
-    witness.add(2 * COUNT + 2, truth.encoder[-1], 0.0, [])
-    assert None not in witness.seen()
+def interrupted(*, gap=0.0, slack=0.0):
+    """Return the witness of a record, and of a second one after a `gap` of the encoder or a `slack` cable [s]."""
+    truth, witness = Motion(of_drum=0.5), DepthWitness(CABLE, DT)
+    for k in range(COUNT + 1):
+        payout, boom_tip, depths = truth.read(k, k)
+        is_unread, is_slack = k - COUNT + 100 in range(round(gap / DT)), k - COUNT + 100 in range(round(slack / DT))
+        witness.add(k, None if is_unread else payout, boom_tip, depths, is_slack=is_slack)
+    return witness
+
+
+def test_a_reading_of_the_encoder_that_is_missing_interrupts_no_record():
+    """One that has jumped is left out; for its tick the drum counts as standing, at 0.05 s of 0.6 m/s."""
+    for seen in interrupted(gap=DT).seen():
+        assert seen.share == pytest.approx(0.5, abs=0.03)
+
+
+@pytest.mark.parametrize("interruption", [{"gap": LONGEST_GAP + 2 * DT}, {"slack": LONGEST_SLACK + 2 * DT}])
+def test_a_long_gap_or_a_cable_that_is_slack_for_long_begins_a_new_record(interruption):
+    """It ends less than 5 s before the end of the record: too late for 6 and 8 s."""
+    assert [one is not None for one in interrupted(**interruption).seen()][1:] == [False, False]
+
+
+def test_a_record_tells_what_its_length_allows():
+    truth, witness, told = Motion(of_drum=0.5), DepthWitness(CABLE, DT), []
+    for k in range(COUNT + 1):
+        witness.add(k, *truth.read(k, k))
+        told.append([seen is not None for seen in witness.seen()])
+    assert [told.index(known) * DT for known in ([True, False, False], [True, True, False], [True, True, True])] == [
+        pytest.approx(window) for window in WINDOWS
+    ]
 
 
 @pytest.mark.parametrize(
@@ -179,7 +206,7 @@ def test_whatever_is_read_what_is_seen_is_a_number_or_nothing(payouts, swings, d
     for k in range(2 * COUNT + 2):
         payout = None if k in unread else payouts[k % len(payouts)]
         read = [(k * DT, depths[k % len(depths)])] if k % every == 0 else []
-        witness.add(k, payout, swings[k % len(swings)], read)
+        witness.add(k, payout, np.full(2, swings[k % len(swings)]), read)
     for seen in witness.seen():
         if seen is not None:
             assert np.all(np.isfinite([seen.share, seen.sigma, seen.left, seen.payout, *seen.unit]))

@@ -7,7 +7,7 @@ from heave_node.numerics.linear_sampling import discretise
 from scipy.integrate import solve_ivp
 from winch_controller_node.model.blocks import CableModel, cable_block
 from winch_controller_node.model.estimator import KalmanEstimator, Measurement, MeasurementModel
-from winch_controller_node.model.slack_cable import cable_slack
+from winch_controller_node.model.simulated_unit import cable_slack
 
 CABLE = CableModel(a=7.0, b=0.0, stiffness=17.5e3, unit_weight=35e3)
 """A unit of 120 t that weighs 35 kN in water: slack where the boom tip is more than 2 m below it, by the stretch."""

@@ -37,9 +37,8 @@ from winch_controller_node.model.models import (
     cable_model,
     sea_noise_covariance,
 )
-from winch_controller_node.model.quadratic_drag import unit_drag
 from winch_controller_node.model.regulator import full_gain, is_sea_state, is_sensor_state, weighted_cost
-from winch_controller_node.model.slack_cable import cable_slack
+from winch_controller_node.model.simulated_unit import cable_slack, unit_drag
 from winch_controller_node.model.slack_kernel import Slack
 from winch_controller_node.node_parameters import WinchControllerParameters
 

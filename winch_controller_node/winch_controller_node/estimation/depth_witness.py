@@ -21,6 +21,12 @@ from winch_controller_node.model.models import shadow_model
 WINDOWS = (4.0, 6.0, 8.0)
 """Times over which they are compared [s]: a wave, and less where that is enough."""
 
+LONGEST_GAP = 0.25
+"""Time without the encoder that a record goes on over [s], as if the drum stood: a jump that is taken off is one."""
+
+LONGEST_SLACK = 1.0
+"""Time for which the cable may be slack [s]: what the drum does reaches the unit later, and as a shock."""
+
 LEAST_READINGS = 12
 """Of the depth sensor within each of them."""
 
@@ -39,7 +45,7 @@ class Seen(NamedTuple):
     share, sigma : times as much, and its standard deviation
     left : standard deviation of the rest over that of all that was to be explained
     payout : that the unit shows now [m], less the mean depth
-    unit : heave [m] and rate [m/s] that it gives the unit now, shape (2,)
+    unit : heave [m] and rate [m/s] of the unit now, shape (2,), less the mean depth
     """
 
     share: float
@@ -63,9 +69,10 @@ class DepthWitness:
     def __init__(self, cable: CableModel, tick_period: float) -> None:
         self._dt = tick_period
         self._count = round(max(WINDOWS) / tick_period)
-        self._payouts, self._uncompensated = Newest(self._count + 1), Newest(self._count + 1)
+        self._payouts = Newest(self._count + 1)
+        self._boom_tip: deque[Array] = deque(maxlen=self._count + 1)
         self._depths: deque[tuple[float, float]] = deque(maxlen=self._count)
-        self._tick = 0
+        self._tick = self._missing = self._slack = 0
         self.take_cable(cable)
 
     def take_cable(self, cable: CableModel) -> None:
@@ -77,47 +84,69 @@ class DepthWitness:
 
     def restart(self) -> None:
         """Begin a new record."""
-        for record in (self._payouts, self._uncompensated, self._depths):
+        for record in (self._payouts, self._boom_tip, self._depths):
             record.clear()
 
-    def add(self, tick: int, payout: float | None, uncompensated: float, depths: Sequence[tuple[float, float]]) -> None:
+    def add(
+        self,
+        tick: int,
+        payout: float | None,
+        boom_tip: Array,
+        depths: Sequence[tuple[float, float]],
+        *,
+        is_slack: bool = False,
+    ) -> None:
         """Take a tick in.
 
         Parameters
         ----------
         tick : its number
         payout : encoder reading [m]; None: none
-        uncompensated : heave of the unit with the winch locked [m]
+        boom_tip : its heave [m] and heave rate [m/s], shape (2,)
         depths : stamps [s] and depths [m] of the readings that came
+        is_slack : the cable is
         """
         self._tick = tick
-        if payout is None:
+        self._slack = self._slack + 1 if is_slack else 0
+        if self._slack * self._dt > LONGEST_SLACK:
             self.restart()
-            return
+        self._missing = self._missing + 1 if payout is None else 0
+        if payout is None:
+            if not len(self._payouts) or self._missing * self._dt > LONGEST_GAP:
+                self.restart()
+                return
+            payout = float(self._payouts.last(1)[0])
         self._payouts.append(payout)
-        self._uncompensated.append(uncompensated)
+        self._boom_tip.append(boom_tip)
         self._depths.extend(depths)
 
     def seen(self) -> list[Seen | None]:
         """Return what it sees over each window; None: too little is known."""
-        if not self._payouts.is_full:
+        count = len(self._payouts) - 1
+        if count * self._dt < min(WINDOWS):
             return [None for _ in WINDOWS]
-        first, grid = self._tick - self._count, np.arange(self._count + 1)
+        first, grid = self._tick - count, np.arange(count + 1)
         read = np.array([pair for pair in self._depths if pair[0] >= first * self._dt]).reshape(-1, 2)
         places = read[:, 0] / self._dt - first
-        unit = -read[:, 1] - np.interp(places, grid, self._uncompensated.last())
-        states = np.stack([self._by_drum(), *self._free], axis=2)
+        # about a unit from rest: how it swung, and what is not linear with the winch locked, is not in it
+        by_boom_tip = driven_unit(self._A, self._B, np.array(self._boom_tip), np.zeros(2))
+        unit = -read[:, 1] - np.interp(places, grid, by_boom_tip[:, 0])
+        states = np.stack([self._by_drum(), *(free[: count + 1] for free in self._free)], axis=2)
         terms = np.column_stack([*(np.interp(places, grid, states[:, 0, i]) for i in range(3)), np.ones(len(places))])
-        late = [places >= self._count - window / self._dt for window in WINDOWS]
-        return [self._fitted(terms[these], unit[these], states[-1]) for these in late]
+        now = (states[-1], by_boom_tip[-1])
+        return [
+            self._fitted(terms[late], unit[late], *now) if count >= ticks else None
+            for ticks in (round(window / self._dt) for window in WINDOWS)
+            for late in [places >= count - ticks]
+        ]
 
     def _by_drum(self) -> Array:
-        """Return heave [m] and rate [m/s] of a unit from rest that only the drum moves, shape (count + 1, 2)."""
+        """Return heave [m] and rate [m/s] of a unit from rest that only the drum moves, shape (ticks, 2)."""
         payouts = self._payouts.last()
         boom_tip = -np.column_stack([payouts - payouts[0], np.gradient(payouts, self._dt)])
         return np.asarray(driven_unit(self._A, self._B, boom_tip, np.zeros(2)))
 
-    def _fitted(self, terms: Array, unit: Array, now: Array) -> Seen | None:
+    def _fitted(self, terms: Array, unit: Array, now: Array, by_boom_tip: Array) -> Seen | None:
         """Return what is seen over a window; None: there are too few readings.
 
         Parameters
@@ -125,13 +154,14 @@ class DepthWitness:
         terms : heave by the drum, of the two free swings, and 1, at each reading, shape (readings, 4)
         unit : heave that they have to explain, shape (readings,) [m]
         now : heave and rate by drum and free swings at the end, shape (2, 3) [m], [m/s]
+        by_boom_tip : and by the boom tip, shape (2,)
         """
         if len(unit) < LEAST_READINGS:
             return None
         weights, sigma, left = _least_squares(terms, unit)
         share, mean, payouts = float(weights[0]), float(weights[3]), self._payouts.last()
         payout = share * float(payouts[-1] - payouts[0]) - mean
-        return Seen(share, sigma, left, payout, now @ weights[:3] + np.array([mean, 0.0]))
+        return Seen(share, sigma, left, payout, by_boom_tip + now @ weights[:3] + [mean, 0.0])
 
 
 def _least_squares(terms: Array, values: Array) -> tuple[Array, float, float]:

@@ -33,7 +33,7 @@ from winch_controller_node.interface.readings import Measurements
 from winch_controller_node.interface.sensors import DEPTH_BIAS, MRU_SCALE, KnownSensors
 from winch_controller_node.model.estimator import KalmanEstimator, Measurement, RecordedTick
 from winch_controller_node.model.loop_rows import loop_rows
-from winch_controller_node.model.quadratic_drag import ShadowUnit
+from winch_controller_node.model.simulated_unit import SimulatedUnit
 from winch_controller_node.motion.mean_motion import MeanMotion
 
 CLEAR = 4.0
@@ -44,6 +44,9 @@ TIP_BACK = 1.0
 
 LIKELY = 2.0
 """Error of the MRU's scale that there may well be, in standard deviations."""
+
+NEARLY_ALL = 0.95
+"""Share of the unit's weight that the load cell misses where the cable is slack."""
 
 SEA_SENSORS = ("mru", "encoder")
 """They tell the sea; what others read tells as much of the cable."""
@@ -71,8 +74,8 @@ class LoopEstimation:
         self.motion = MeanMotion(parameters.move, design.model.order, tick_period=dt)
         self.estimator = design.make_estimator()
         self.observer = Observer(design, parameters.health)
-        self._shadow = ShadowUnit(design.cable, dt)
-        self._moved_unit = ShadowUnit(design.cable, dt)
+        self._shadow = SimulatedUnit(design.cable, dt)
+        self._hanging_unit = SimulatedUnit(design.cable, dt)
         self._tension = TensionFilter(parameters.tension.time_constant, tick_period=dt)
         self._sea = SeaTracker(design)
         self._believed_sea = parameters.sea
@@ -90,7 +93,7 @@ class LoopEstimation:
         self.observer.take_design(design)
         self._rows = loop_rows(design.model)
         self._shadow.take_cable(design.cable, design.tick_period)
-        self._moved_unit.take_cable(design.cable, design.tick_period)
+        self._hanging_unit.take_cable(design.cable, design.tick_period)
         self.depth_witness.take_cable(design.cable)
         self._sea.refer_to(design)
 
@@ -140,7 +143,7 @@ class LoopEstimation:
         self.surprise.restart()
         self._refer_to(design)
         # the boom tip was another one, and so is what it does to a unit that no winch moves
-        self._shadow.continue_at(self.estimator.estimate[self._rows.unit_states] - self._moved_unit.state)
+        self._take_unit(self.estimator.estimate[self._rows.unit_states])
         self.observer.doubt(doubted)
 
     def set_encoder_aside(self, payout: float, tick: int) -> None:
@@ -159,8 +162,7 @@ class LoopEstimation:
         payout = seen.payout - bias
         self.observer.encoder.rescale(factor, payout)
         self.observer.doubt("")
-        offset = np.array([bias, 0.0]) + self._likely_share * self._shadow.state
-        unit = seen.unit + offset - self.motion.state[self._rows.unit_states]
+        unit = seen.unit + np.array([bias, 0.0]) - self.motion.state[self._rows.unit_states]
         self._go_on(tick, payout=payout - float(self._rows.payout @ self.motion.state), unit=unit)
         self.depth_witness.restart()
         self.forget_readings()
@@ -180,7 +182,12 @@ class LoopEstimation:
             self._shadow.continue_at(share * self._shadow.state)
         estimator.reset(estimate, covariance, streams)
         estimator.step(tick, 0.0, [])
-        self._moved_unit.continue_at(unit - self._shadow.state)
+        self._hanging_unit.continue_at(unit)
+
+    def _take_unit(self, unit: Array) -> None:
+        """Go on with a `unit` elsewhere, heave [m] and rate [m/s], shape (2,), also with the winch locked."""
+        self._shadow.continue_at(self._shadow.state + unit - self._hanging_unit.state)
+        self._hanging_unit.continue_at(unit)
 
     def forget_readings(self) -> None:
         """Forget what was read: it tells nothing of the state from now on."""
@@ -216,15 +223,16 @@ class LoopEstimation:
         if measurements.of("load_cell") and math.isfinite(self.observer.tension):
             self._tension.add(self.observer.tension)
         uncompensated = self._shadow.step(tip)
+        drum_rate = float(rows.payout_rate @ estimate) + rows.payout_rate_through * command.compensating
+        self._hanging_unit.step(tip - [float(rows.payout @ estimate), drum_rate])
         depths = () if unit_stands else tuple(self.observer.depths)
-        heave = self._likely_share * float(uncompensated[0])
-        self.depth_witness.add(number, self.observer.payout, heave, depths)
+        self.depth_witness.add(number, self.observer.payout, self._likely_share * tip, depths, is_slack=self._is_slack)
         before, self.knows_tip = self.knows_tip, not self._is_tip_unseen()
         if self.knows_tip and not before:
             # what the winch would have left of the boom tip meanwhile is not known: it goes on from now
-            self._shadow.continue_at(estimate[rows.unit_states] - self._moved_unit.state)
+            self._take_unit(estimate[rows.unit_states])
             uncompensated = self._shadow.state
-        loop = LoopTick(
+        return LoopTick(
             number=number,
             sensed=self._sensed(readings),
             rows=rows,
@@ -234,14 +242,12 @@ class LoopEstimation:
             mean_command=self.motion.reference_command(self._design.parameters.winch),
             left_over=self.motion.left_over.point.payout,
             uncompensated=uncompensated,
-            hanging_heave=float(self.motion.state[rows.unit_states[0]] + uncompensated[0] + self._moved_unit.state[0]),
+            hanging_heave=float(self.motion.state[rows.unit_states[0]] + self._hanging_unit.state[0]),
             knows_sea=self.knows_sea,
             is_sea_refuted=self._sea.is_refuted,
             doubt=self.surprise.words,
             knows_tip=self.knows_tip,
         )
-        self._moved_unit.step(-np.array([loop.payout, loop.payout_rate]))
-        return loop
 
     def _sensed(self, readings: list[Measurement]) -> Sensed:
         observer = self.observer
@@ -261,6 +267,12 @@ class LoopEstimation:
             lost=observer.lost(),
             faults=tuple(observer.new_faults()),
         )
+
+    @property
+    def _is_slack(self) -> bool:
+        """Tell whether the load cell carries hardly more than the cable itself."""
+        cable = self._design.cable
+        return self.observer.tension < cable.static_tension - NEARLY_ALL * cable.unit_weight
 
     def _is_tip_unseen(self) -> bool:
         """Tell whether the MRU is doubted, or lost for longer than it is predicted, and not yet back for a while."""
@@ -334,7 +346,7 @@ class LoopEstimation:
         rows, estimate = tick.rows, tick.estimate
         self.motion.return_from(float(rows.payout @ estimate))
         self._shadow.continue_at(tick.mean_swing + estimate[rows.unit_states] + rows.winch @ estimate)
-        self._moved_unit.continue_at(estimate[rows.unit_states] - self._shadow.state)
+        self._hanging_unit.continue_at(estimate[rows.unit_states])
 
     def hand_over(self, tick: LoopTick, *, unit_stood: bool) -> None:
         """Make the present depth of the unit the mean and go on from `tick`; `unit_stood` on the seabed until now.
@@ -353,7 +365,13 @@ class LoopEstimation:
         self.forget_readings()
         self.estimator.reset(after.estimate, after.covariance)
         self.estimator.step(tick.number, 0.0, [])
-        self._moved_unit.continue_at(self.estimator.estimate[tick.rows.unit_states] - self._shadow.state)
+        self._hanging_unit.continue_at(self.estimator.estimate[tick.rows.unit_states])
+
+    @property
+    def mru_scale(self) -> float | None:
+        """Error of the MRU's scale as estimated; None: it is not followed."""
+        model = self._design.model
+        return float(self.estimator.estimate[model.state(MRU_SCALE)]) if model.has_state(MRU_SCALE) else None
 
     @property
     def _likely_share(self) -> float:
@@ -361,10 +379,9 @@ class LoopEstimation:
 
         Where the estimator follows that, it makes up with it for an encoder that reads half or twice the payout.
         """
-        model, sigma = self._design.model, self._design.parameters.sensors.mru.scale_sigma
-        if not model.has_state(MRU_SCALE):
+        scale, sigma = self.mru_scale, self._design.parameters.sensors.mru.scale_sigma
+        if scale is None:
             return 1.0
-        scale = float(self.estimator.estimate[model.state(MRU_SCALE)])
         return (1.0 + scale) / (1.0 + min(max(scale, -LIKELY * sigma), LIKELY * sigma))
 
     # depth

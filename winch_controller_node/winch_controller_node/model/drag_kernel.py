@@ -1,4 +1,4 @@
-"""Quadratic drag in a step of a linear model, compiled; see `quadratic_drag`."""
+"""Quadratic drag in a step of a linear model, compiled; see `simulated_unit`."""
 
 from __future__ import annotations
 

@@ -1,4 +1,6 @@
-"""A unit that moves fast, against quadratures of a x'' + max(b, drag |x'|) x' + x = x0 by scipy."""
+"""A unit that moves far, against quadratures of a x'' + max(b, drag |x'|) x' = max(x0 - x, -weight) by scipy."""
+
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -7,7 +9,7 @@ from heave_node.numerics.linear_sampling import discretise
 from scipy.integrate import solve_ivp
 from winch_controller_node.model.blocks import CableModel, cable_block
 from winch_controller_node.model.estimator import KalmanEstimator
-from winch_controller_node.model.quadratic_drag import ShadowUnit, unit_drag
+from winch_controller_node.model.simulated_unit import SimulatedUnit, unit_drag
 
 CABLE = CableModel(a=1.12, b=0.06, drag=0.2)
 """A unit of 12 t on 1,500 m of wire."""
@@ -15,16 +17,19 @@ CABLE = CableModel(a=1.12, b=0.06, drag=0.2)
 DT, RESONANCE = 0.05, 1.12**-0.5
 
 
-def quadrature(start: Array, times: Array, amplitude: float = 0.0) -> Array:
-    """Return the unit's heave at `times` [s]; the boom tip moves at the resonance with an `amplitude` [m]."""
+def quadrature(start: Array, times: Array, amplitude: float = 0.0, largest_push: float = np.inf) -> Array:
+    """Return the unit's heave at `times` [s]; the boom tip moves at the resonance with an `amplitude` [m].
+
+    The cable pushes by no more than `largest_push`, the weight of the unit over the stiffness [m].
+    """
 
     def rates(time: float, state: Array) -> list[float]:
         heave, rate = state
         damping = max(CABLE.b, CABLE.drag * abs(rate))
-        pull = amplitude * np.sin(RESONANCE * time) - heave - damping * rate
-        return [rate, pull / CABLE.a]
+        pull = max(amplitude * np.sin(RESONANCE * time) - heave, -largest_push)
+        return [rate, (pull - damping * rate) / CABLE.a]
 
-    solution = solve_ivp(rates, (0.0, times[-1]), start, t_eval=times, rtol=1e-9, atol=1e-9)
+    solution = solve_ivp(rates, (0.0, times[-1]), start, t_eval=times, rtol=1e-9, atol=1e-9, max_step=0.05)
     heave: Array = solution.y[0]
     return heave
 
@@ -37,7 +42,7 @@ def hanging_unit(*, is_followed: bool = True) -> KalmanEstimator:
 
 def test_the_locked_unit_in_resonance_swings_as_far_as_quadratic_drag_lets_it():
     times = DT * np.arange(2400)
-    shadow, heave = ShadowUnit(CABLE, DT), []
+    shadow, heave = SimulatedUnit(CABLE, DT), []
     for time in times:
         heave.append(shadow.state[0])
         tip = np.array([np.sin(RESONANCE * time), RESONANCE * np.cos(RESONANCE * time)])
@@ -46,6 +51,18 @@ def test_the_locked_unit_in_resonance_swings_as_far_as_quadratic_drag_lets_it():
     assert np.ptp(exact[-200:]) < 6.0  # with the damping of small motion it would be 35 m
     # drag is that at the start of a tick, half a tick late
     assert np.array(heave) == pytest.approx(exact, abs=0.5 * DT * RESONANCE * np.max(exact))
+
+
+def test_the_locked_unit_is_not_pushed_by_a_slack_cable():
+    """In resonance it then swings otherwise: by the weight alone it sinks more slowly than the boom tip."""
+    cable = replace(CABLE, stiffness=50e3, unit_weight=60e3)
+    times, shadow, heave = DT * np.arange(1200), SimulatedUnit(cable, DT), []
+    for time in times:
+        heave.append(shadow.state[0])
+        shadow.step(np.array([np.sin(RESONANCE * time), RESONANCE * np.cos(RESONANCE * time)]))
+    exact, taut = (quadrature(np.zeros(2), times, amplitude=1.0, largest_push=push) for push in (1.2, np.inf))
+    assert np.max(np.abs(exact - taut)) > 0.5
+    assert np.array(heave) == pytest.approx(exact, abs=DT * RESONANCE * np.max(np.abs(exact)))
 
 
 def test_an_estimator_foresees_a_large_free_swing():
