@@ -76,6 +76,43 @@ def test_an_encoder_of_a_wrong_scale_is_found_by_winch_and_depth_sensor_and_comp
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize(
+    ("one", "found_within", "words"),
+    [
+        (
+            fault("encoder", "scale", 130.0, magnitude=0.5, scenario="b10_real_mru_swell"),
+            8.0,
+            "encoder suspect: it reads 0.5",
+        ),
+        (fault("depth", "scale", 100.0, magnitude=-1.0, scenario="b2_calm_300"), 1.0, "depth suspect: jump of -60"),
+        (fault("mru", "scale", 100.0, magnitude=2.0, scenario="b2_calm_300"), 70.0, "mru or drum suspect: the heave"),
+    ],
+    ids=["an encoder in a swell where the cable goes slack", "a depth sensor", "an mru on a short stiff cable"],
+)
+def test_a_sensor_of_a_wrong_scale_leaves_the_unit_no_worse_than_off(one, found_within, words):
+    """In b10 the unit was pumped to 5 m, in b2 a depth sensor that is turned over made it 1.5 times worse than off."""
+    record = loop_with(one, one.start + TROUBLE + WINDOW + 40.0).run()
+    assert worst_from(record, one.start + TROUBLE) < LARGEST
+    told = [time for time, alarm in record.alarms if alarm.startswith(words)]
+    assert one.start <= told[0] < one.start + found_within
+    assert record.modes[-1] == "compensating"
+    assert record.unit_sigma(one.start + 100.0) < 0.15 * record.uncompensated_sigma(one.start + 100.0)
+
+
+@pytest.mark.slow
+def test_a_winch_that_is_far_too_weak_is_not_taken_for_an_encoder_that_goes_the_other_way():
+    """A fifth of acceleration and speed believed, in Hs 4: the drum turns back long after it is sent to."""
+    winch = {"acceleration_limit": 0.3, "stop_deceleration": 0.3, "speed_limit": 0.4}
+    settings = [f"virtual_winch.{name}={value}" for name, value in winch.items()]
+    settings += ["wave_vessel.significant_wave_height=4.0", "all.duration=170.0"]
+    record = ClosedLoop(loop_parameters(load_scenario("b3_deep_900", settings=settings))).run()
+    assert not [words for _, words in record.alarms if words.startswith("encoder")]
+    assert any("speed limit 0.3" in words for _, words in record.alarms)
+    compensates = dict(changes_of_mode(record))["compensating"]
+    assert worst_from(record, compensates + TROUBLE) < 1.15  # such a winch it must stop, which leaves a swing
+
+
+@pytest.mark.slow
 def test_a_unit_without_motion_reference_unit_is_damped_by_the_depth_sensor_until_that_is_back():
     lost, back = 97.0, 97.0 + 47.0
     one = fault("mru", "nan", lost, lasting=back - lost)

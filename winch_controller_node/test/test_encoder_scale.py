@@ -24,6 +24,7 @@ from winch_controller_node.identification.encoder_scale import (
     encoder_scale,
     is_contrary,
     is_off,
+    is_right_way,
 )
 
 LITTLE = 1e-6
@@ -226,6 +227,12 @@ def test_nothing_is_sure_that_was_not_seen_often_enough(values):
 )
 def test_an_encoder_goes_the_other_way_until_it_clearly_goes_the_same(share, left, was, contrary):
     assert is_contrary(sent(share, left), was=was) is contrary
+
+
+@given(st.floats(-10.0, 10.0), POSITIVE)
+def test_an_encoder_that_goes_the_right_way_does_not_go_the_other(share, left):
+    one = sent(share, left)
+    assert not (is_right_way(one) and is_contrary(one, was=True))
 
 
 @given(st.floats(CONTRARY, 10.0), POSITIVE)

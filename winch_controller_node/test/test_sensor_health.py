@@ -422,6 +422,30 @@ def test_a_jump_of_the_depth_is_taken_off_and_one_back_leaves_nothing(jump):
     assert errors[-1] == 0.0
 
 
+@pytest.mark.parametrize(
+    ("factor", "offset", "is_like_scale"),
+    [(-1.0, 0.0, True), (0.5, 0.0, True), (1.2, 0.0, True), (1.05, 0.0, False), (1.0, 3.0, False), (1.0, -80.0, False)],
+)
+def test_a_jump_as_large_as_that_of_another_scale_or_sign_must_be_proved(factor, offset, is_like_scale):
+    """From the reading on that goes on from it; one back to the first place is none."""
+    jumps, times = DepthJumps(), 0.1 * np.arange(40)
+    unproved = []
+    for k, time in enumerate(times):
+        is_wrong = 10 <= k < 30
+        jumps.take_off(time, factor * heave(time) + offset if is_wrong else heave(time))
+        unproved.append(jumps.is_unproved)
+    assert unproved[11] is is_like_scale
+    assert not any(unproved[:11])
+    assert not any(unproved[30:])
+
+
+def test_a_spike_of_the_depth_however_large_leaves_nothing_to_prove():
+    jumps, times = DepthJumps(), 0.1 * np.arange(100)
+    for k, time in enumerate(times):
+        jumps.take_off(time, -heave(time) if k == 50 else heave(time))
+        assert not jumps.is_unproved
+
+
 def test_a_spike_of_the_depth_is_left_out_and_nothing_else():
     jumps, times = DepthJumps(), 0.1 * np.arange(100)
     read = [jumps.take_off(time, heave(time) + (3.0 if k == 50 else 0.0)) for k, time in enumerate(times)]

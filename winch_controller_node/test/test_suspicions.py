@@ -127,6 +127,19 @@ def test_the_load_cell_witnesses_which_of_two_sensors_has_the_wrong_sign(turned_
     assert verdict.suspicion.culprit == verdict.suspicion.doubted == sensor
 
 
+@pytest.mark.parametrize(
+    ("height", "doubted"),
+    [(1.8, ""), (0.01, "depth"), (1.8, "depth")],
+    ids=["a sea, none doubted", "at rest", "a sea"],
+)
+def test_a_sensor_that_is_doubted_is_trusted_once_there_is_something_that_it_tells(height, doubted):
+    """A unit at rest shows no sign: one that has been turned over reads there what it should."""
+    belief = parameters(**{"sea.significant_wave_height": height})
+    verdict = suspect(belief, record_of(belief), design_for, DT, doubted=doubted)
+    assert verdict.suspicion.doubted == ("depth" if height < 0.1 else "")
+    assert verdict.suspicion.culprit == verdict.suspicion.doubted
+
+
 def test_surprise_lasts_while_innovations_are_larger_than_foreseen_and_can_be_excused():
     surprise = Surprise(DT)
     for _ in range(600):

@@ -154,7 +154,7 @@ class WinchController:
         Returns the mode taken in words. Raises ModeError, saying why, where it cannot be taken.
         """
         self._supervisor.timeouts.cancel()
-        self.observer.encoder.trust()
+        self.observer.trust()
         self._learning.trust_encoder()
         if name == Mode.CONSTANT_TENSION.value:
             measured = self._estimation.filtered_tension

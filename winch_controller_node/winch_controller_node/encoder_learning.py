@@ -18,6 +18,7 @@ from winch_controller_node.identification.encoder_scale import (
     encoder_scale,
     is_contrary,
     is_off,
+    is_right_way,
     winch_gain,
 )
 from winch_controller_node.supervision.watch.winch_watch import WinchWatch
@@ -50,6 +51,7 @@ class EncoderLearning:
         self._gain = 1.0  # of the winch, as encoder and depth sensor have shown
         self._aside_time = self._moving_time = 0.0
         self._last = -1
+        self._was_right = False
         self.is_contrary = False
         self.has_found = False
 
@@ -116,12 +118,15 @@ class EncoderLearning:
         if tick % max(1, round(CONTRARY_PERIOD / self._dt)) != 0 or observer.doubted not in ("", "encoder"):
             return []
         sent = self._winch.sent(CONTRARY_TIME)
-        if sent is None or is_contrary(sent, was=was) == was:
+        if sent is None:
+            return []
+        self._was_right |= is_right_way(sent)
+        if is_contrary(sent, was=was) == was:
             return []
         if was:
             observer.doubt("")
             return []
         self._estimation.set_encoder_aside(sent.payout, tick - 1)
-        self.is_contrary = self._moving_time < BEGINNING
+        self.is_contrary = self._moving_time < BEGINNING and not self._was_right
         self.has_found = True
         return ["encoder suspect: it goes the other way than the winch was sent: set aside while they are compared"]

@@ -36,8 +36,11 @@ SHORT_RECORD = 30.0
 GROSSLY, GROSS_TIME = 6.0, 10.0
 """And once before, after so long [s], where the mean of their normalised innovations squared is so large."""
 
-FIRST_PATIENCE, LONGER = 60.0, 2.0
+FIRST_PATIENCE, LONGER = 30.0, 2.0
 """Time from one suspicion to the next [s], and the factor by which it grows each time that none holds."""
+
+DOUBTED_PATIENCE = 60.0
+"""The same while a sensor is doubted [s]."""
 
 FIRST_SEAS_PATIENCE, LONGEST_SEAS_PATIENCE = 5.0, 120.0
 """Time from one comparison of seas to the next [s]; it grows by the same factor while no other sea is found."""
@@ -80,7 +83,7 @@ class Learning:
         self._work: DesignWork[Learnt | None] = DesignWork(max(1, round(DESIGN_TIME / self._dt)), designer)
         self._encoder = EncoderLearning(in_force, estimation, winch)
         self._news = WinchNews(in_force.parameters.winch, tick_period=self._dt)
-        self._patience = FIRST_PATIENCE
+        self._patience = FIRST_PATIENCE / LONGER
         self._suspected = -math.inf
         self._looked_early = self._is_doubted = False
         self._seas_compared, self._seas_patience = -math.inf, FIRST_SEAS_PATIENCE
@@ -215,9 +218,10 @@ class Learning:
         if not is_long or not self._is_time_to_suspect(tick * self._dt, is_trusted=is_trusted):
             return
         in_force, record = self._in_force, estimation.record.ticks()
+        doubted, scale = estimation.observer.doubted, estimation.mru_scale
 
         def judged() -> Learnt:
-            verdict = suspect(in_force.parameters, record, in_force.design_for, self._dt)
+            verdict = suspect(in_force.parameters, record, in_force.design_for, self._dt, doubted=doubted, scale=scale)
             suspicion = verdict.suspicion
             return Learnt(in_force.prepared_for(suspicion.parameters, suspicion.cable), verdict)
 
@@ -228,7 +232,7 @@ class Learning:
         surprise, was_doubted = self._estimation.surprise, self._is_doubted
         is_doubted = self._is_doubted = bool(self._estimation.observer.doubted)
         if is_doubted and not was_doubted:
-            self._suspected, self._patience = now, FIRST_PATIENCE
+            self._suspected, self._patience = now, DOUBTED_PATIENCE
         if (is_doubted or surprise.time >= SURPRISED_TIME) and now - self._suspected >= self._patience:
             self._suspected = now
             self._patience *= 1.0 if is_doubted else LONGER

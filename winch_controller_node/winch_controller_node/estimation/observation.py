@@ -128,6 +128,20 @@ class Observer:
         """Take the readings of a `sensor` as those of a witness only from now on; empty: of none that is in use."""
         self.doubted = sensor
 
+    def trust(self) -> None:
+        """Try a frozen encoder and a doubted depth sensor again: an operator asks for it, and any harm is found again.
+
+        A motion reference unit that contradicts all others must agree with them first.
+        """
+        self.encoder.trust()
+        if self.doubted == "depth":
+            self.doubt("")
+
+    def _doubt_first(self, sensor: str) -> None:
+        """Doubt a `sensor` in use that has jumped: it must agree with all others before it is used again."""
+        if sensor in self._use and not self.doubted:
+            self.doubt(sensor)
+
     def observe(
         self,
         tick: int,
@@ -154,8 +168,8 @@ class Observer:
         witnessed: list[Measurement] = []
         for mru in delivered.mru:
             if "mru" in self._use and judge_mru(self.gates["mru"], now, mru, self._mru_steps, self._mru_noise):
-                if self._mru_steps.is_unproved and not self.doubted:
-                    self.doubt("mru")  # it must agree with all others first
+                if self._mru_steps.is_unproved:
+                    self._doubt_first("mru")
                 (taken if self._is_taken("mru") else witnessed).extend(self._mru(mru))
         taken += self._encoder(now, delivered, expected_rate)
         for name in SCALAR_SENSORS:
@@ -236,6 +250,11 @@ class Observer:
     def _fault_in_words(self, name: str, gate: SensorGate) -> str:
         """Return what is wrong with the sensor `name` of a `gate`, and what to do or what is done about it."""
         jumps = {"encoder": self.encoder.jump, "depth": self._depth_jumps.jump}
+        if gate.reason == "jump" and name == "depth" and self._depth_jumps.is_like_scale:
+            return (
+                f"jump of {self._depth_jumps.jump:+.3f} m, as by another scale or sign: left out until it agrees with "
+                "all others, or an operator asks for a mode; look at both"
+            )
         if gate.reason == "jump" and name in jumps:
             return f"jump of {jumps[name]:+.3f} m subtracted"
         if gate.is_lost:
@@ -309,6 +328,8 @@ class Observer:
             if not judge_scalar(self.gates[name], now, reading):
                 continue
             read = reading.value if name != "depth" else self._depth_jumps.take_off(reading.time, reading.value)
+            if self._depth_jumps.is_unproved:
+                self._doubt_first("depth")
             if read is None:
                 self.gates[name].take_back_jump()
                 continue

@@ -33,6 +33,9 @@ meanwhile, as far as that is known, so long [s].
 LARGEST_STEP, LARGEST_SPEED = 0.2, 4.0
 """A unit makes no step beyond the first [m] plus the second [m/s] times the time since the last reading."""
 
+LIKE_SCALE = 0.1
+"""A jump of the depth by more than this share of it may be another scale, and one that makes a loop harmful."""
+
 MOVING_SPEED, PLAY = 0.05, 0.03
 """A drum commanded faster than this [m/s] must show in the encoder, once that has taken up play and lag [m]."""
 
@@ -46,7 +49,7 @@ REMEDIES = {
     "stale": "no reading comes any more: look at its power, cable and driver",
     "frozen": "its readings do not change: start it or its driver again",
     "spike": "its readings are far from what all others foresee: look at its mounting, sign and unit",
-    "jump": "its readings jump again and again: look at its mounting and driver",
+    "jump": "its readings jump again and again: look at its mounting, scale and sign, and its driver",
     "status settling": "it settles by itself: wait",
 }
 """What to do about a lost sensor, by the reason for which its readings are refused; a status of its own has others."""
@@ -206,10 +209,14 @@ class DepthJumps:
     ----------
     offset : sum of the jumps found so far [m]; a reading less the offset is the depth
     jump : the last one [m]
+    is_like_scale : as large as that of a sensor that gets another scale or sign
+    is_unproved : the last reading goes on from such a jump
     """
 
     def __init__(self) -> None:
         self.offset = self.jump = 0.0
+        self.is_like_scale = self.is_unproved = False
+        self._has_jumped = False
         self._last: tuple[float, float] | None = None
 
     def take_off(self, time: float, depth: float) -> float | None:
@@ -218,10 +225,13 @@ class DepthJumps:
         allowed = LARGEST_STEP + LARGEST_SPEED * (time - last_time)
         for offset in (self.offset, 0.0):
             if abs(depth - offset - last) <= allowed:
-                self.offset = offset
+                self.is_unproved = self._has_jumped and self.is_like_scale and offset != 0.0
+                self._has_jumped, self.offset = False, offset
                 self._last = (time, depth - offset)
                 return depth - offset
         self.jump = depth - self.offset - last
+        self.is_like_scale = abs(self.jump) > LIKE_SCALE * abs(last)
+        self._has_jumped, self.is_unproved = True, False
         self.offset = depth - last
         self._last = (time, last)
         return None

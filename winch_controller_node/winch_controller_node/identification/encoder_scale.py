@@ -38,8 +38,8 @@ believes it is unstable.
 CONTRARY, NOT_CONTRARY = -0.2, 0.5
 """It does where it reads so little of what the winch was sent, and does no more where it reads so much."""
 
-STRAIGHT = 0.3
-"""And where no more is left of its readings: a drum that lags behind goes the other way for a moment."""
+STRAIGHT = 0.15
+"""And where no more is left of its readings: a drum that is weak lags behind, and goes the other way for a moment."""
 
 LEAST_SHARE = 1e-9
 """No share is taken for less where something is divided by it."""
@@ -146,6 +146,11 @@ def _known(sent: Sequence[Sent | None], seen: Sequence[Seen | None]) -> list[tup
 
 def _surest(found: Sequence[Scale]) -> Scale | None:
     return min(found, key=lambda scale: scale.seen.sigma / max(abs(scale.seen.share), LEAST_SHARE), default=None)
+
+
+def is_right_way(sent: Sent) -> bool:
+    """Tell whether the encoder goes the way that the winch was `sent`."""
+    return sent.share > NOT_CONTRARY and sent.left < STRAIGHT
 
 
 def is_contrary(sent: Sent, *, was: bool) -> bool:

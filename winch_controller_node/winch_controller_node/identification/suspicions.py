@@ -41,8 +41,8 @@ DAMPING_POWER = 6
 SCALE_SIGMA = 0.2
 """Error of scale between MRU and drum that is tried, 1 sigma: the estimate finds how large it is."""
 
-LARGEST_SCALE = 0.5
-"""And the largest that is one: a sensor with the wrong sign, or none, has another fault."""
+SCALES = (-0.7, 1.5)
+"""And the errors that are one: a sensor with the wrong sign, or none, has another fault."""
 
 LARGEST_NIS = 50.0
 """What one normalised innovation counts at most."""
@@ -121,7 +121,13 @@ Designer = Callable[[WinchControllerParameters, tuple[float, float]], Controller
 
 
 def suspect(
-    parameters: WinchControllerParameters, record: Sequence[RecordedTick], design_for: Designer, tick_period: float
+    parameters: WinchControllerParameters,
+    record: Sequence[RecordedTick],
+    design_for: Designer,
+    tick_period: float,
+    *,
+    doubted: str = "",
+    scale: float | None = None,
 ) -> Verdict:
     """Return the likeliest suspicion of a `record`: that all is as believed, where no other is clearly likelier.
 
@@ -131,16 +137,18 @@ def suspect(
     record : of a minute
     design_for : designs for parameters, and for inertia and damping of the cable over those believed
     tick_period : [s]
+    doubted : sensor that is until it clearly agrees with all others; of a unit that is held at rest none tells its sign
+    scale : error of the MRU's scale that has been found; None: it is not followed
     """
     first_judged = record[0].number + round(SETTLING / tick_period)
 
     witnesses = _witnesses(record)
 
-    def tried(suspicion: Suspicion) -> _Trial:
+    def tried(suspicion: Suspicion, known_scale: float | None = None) -> _Trial:
         sensors = suspicion.parameters.sensors
         use = (*sensors.use, *(name for name in witnesses if name not in sensors.use))
         design = design_for(replace(suspicion.parameters, sensors=replace(sensors, use=use)), suspicion.cable)
-        return _tried(suspicion, design, record, first_judged)
+        return _tried(suspicion, design, record, first_judged, known_scale)
 
     def refined(trials: Sequence[_Trial], factors: Sequence[float]) -> _Trial:
         best = _likeliest(trials)
@@ -148,10 +156,14 @@ def suspect(
             best = _likeliest([best, *(tried(near) for near in _near(parameters, best.verdict.suspicion, factor))])
         return best
 
-    nothing = tried(Suspicion("", "", parameters))
+    nothing = tried(Suspicion("", "", parameters), scale)
     trials = [tried(suspicion) for suspicion in _suspicions(parameters)]
     best = refined(trials, REFINEMENTS)
     found = best if _explains(best, nothing, parameters) and best.likelihood > nothing.likelihood + CLEARLY else nothing
+    if found is nothing:
+        for trial in trials:
+            if trial.verdict.suspicion.doubted == doubted != "" and nothing.likelihood < trial.likelihood + CLEARLY:
+                found = trial
     filtered = [trial for trial in trials if trial.verdict.suspicion.is_high_pass]
     if not filtered or _is_enough(found, parameters):
         return found.verdict
@@ -246,7 +258,8 @@ def _suspicions(parameters: WinchControllerParameters) -> list[Suspicion]:
     """Return what may be wrong with the sensors in use, and with the cable."""
     sensors = parameters.sensors
     found = [_cut_off(parameters, corner) for corner in CORNERS] if "mru" in sensors.use else []
-    if "mru" in sensors.use and sensors.mru.scale_sigma < SCALE_SIGMA:
+    # one that is followed already may have changed since, and is found slowly
+    if "mru" in sensors.use and sensors.mru.scale_sigma <= SCALE_SIGMA:
         found.append(_scale(parameters))
     found += [_cable(parameters, inertia, 1.0) for inertia in INERTIAS]
     found += [_cable(parameters, 1.0, damping) for damping in DAMPINGS]
@@ -297,9 +310,17 @@ class _Trial:
         return max((misfit for name, misfit in self.misfits.items() if (name in used) == are_used), default=1.0)
 
 
-def _tried(suspicion: Suspicion, design: ControllerDesign, record: Sequence[RecordedTick], first_judged: int) -> _Trial:
-    """Go through a `record` under a `suspicion`, and judge its readings from a tick on."""
+def _tried(
+    suspicion: Suspicion,
+    design: ControllerDesign,
+    record: Sequence[RecordedTick],
+    first_judged: int,
+    scale: float | None = None,
+) -> _Trial:
+    """Go through a `record` under a `suspicion`, judging readings from a tick on; the MRU's `scale` may be known."""
     estimator = design.make_estimator()
+    if scale is not None:
+        _know_scale(estimator, design.model.state(MRU_SCALE), scale)
     likelihood = 0.0
     squares: dict[str, list[float]] = {}
     followed = estimator.follow(_with_doubt(suspicion.doubted, record))
@@ -316,8 +337,16 @@ def _tried(suspicion: Suspicion, design: ControllerDesign, record: Sequence[Reco
     if suspicion.scale:
         error = float(estimator.estimate[design.model.state(suspicion.scale)])
         suspicion = replace(suspicion, words=suspicion.words.format(1.0 + error))
-        likelihood = likelihood if abs(error) < LARGEST_SCALE else -math.inf
+        likelihood = likelihood if SCALES[0] < error < SCALES[1] else -math.inf
     return _Trial(likelihood, misfits, Verdict(suspicion, design, estimator, record[-1].number))
+
+
+def _know_scale(estimator: KalmanEstimator, state: int, scale: float) -> None:
+    """Let an `estimator` begin with a `scale` of the MRU, which is a `state` of it, as known."""
+    estimate, covariance = estimator.estimate.copy(), estimator.covariance.copy()
+    estimate[state] = scale
+    covariance[state, :] = covariance[:, state] = 0.0
+    estimator.reset(estimate, covariance)
 
 
 def _with_doubt(sensor: str, record: Sequence[RecordedTick]) -> Sequence[RecordedTick]:

@@ -172,7 +172,7 @@ class HarmGuard:
         self._left_over = 0.0
         self._is_corrected = False
         self._corrected_first: dict[str, float] = {}
-        self._time = self._began = 0.0
+        self._time = self._began = self._excused = 0.0
 
     @property
     def demand(self) -> float:
@@ -214,6 +214,7 @@ class HarmGuard:
         """Do not hold against the loop how drum and unit moved while a sensor was lost."""
         self.allow_catch_up()
         self._is_corrected = True
+        self._excused = LEFT_OVER_TIME
         self._judged_time = 0.0
         self._make_comparison()
 
@@ -261,6 +262,7 @@ class HarmGuard:
         """
         self._demand.add(motions.boom_tip.rate)
         self._time += self._dt
+        self._excused = max(self._excused - self._dt, 0.0)
         self._update_checks(motions, authority)
         if self._mismatch_check.is_exceeded:
             self.trusts_estimate = False
@@ -275,7 +277,8 @@ class HarmGuard:
             self._make_comparison()
         else:
             self._judge_checks()
-            if not self.inhibits and authority >= FULL_SHARE * target:
+            may_compare = self._excused == 0.0 and authority >= FULL_SHARE * target
+            if not self.inhibits and may_compare:
                 self._compare(motions)
 
     def _disagree(self, reason: str) -> None:
