@@ -121,10 +121,13 @@ def test_the_times_that_are_compared_are_the_same():
         encoder_scale([sent(0.5), sent(0.5)], [seen(2.0)])
 
 
-def test_the_surest_of_several_times_is_told():
-    """A sigma of 0.05 of a share of 4 is less than 0.03 of 2."""
+def test_the_surest_of_several_times_is_told_with_the_scale_that_explains_most():
+    """A sigma of 0.05 of a share of 4 is less than 0.03 of 2; a time over which the scale has changed explains less."""
     times = [seen(2.0, sigma=0.03), seen(4.0, sigma=0.05), seen(1.8, sigma=0.1)]
-    assert encoder_scale([sent(0.5), sent(0.25), sent(0.55)], times) == Scale(0.25, times[1])
+    ones = [sent(0.5, left=0.02), sent(0.25, left=0.02), sent(0.55, left=0.01)]
+    assert encoder_scale(ones, times) == Scale(0.55, times[1])
+    # also one over which the depth sensor is not sure yet
+    assert encoder_scale(ones, [*times[:2], seen(1.8, sigma=10.0)]) == Scale(0.55, times[1])
 
 
 @pytest.mark.parametrize(

@@ -111,13 +111,13 @@ def encoder_scale(sent: Sequence[Sent | None], seen: Sequence[Seen | None]) -> S
     ----------
     sent, seen : what the encoder reads of what the winch was sent, and what is seen of that, over the same times
     """
-    found = []
-    for one, other in _known(sent, seen):
+    known, found = _known(sent, seen), []
+    for one, other in known:
         off = abs(other.share - 1.0)
         is_alike = abs(one.share * other.share - 1.0) < min(NEARER * off, ALIKE_SEEN)
         if off > CLEARLY * other.sigma and is_alike:
-            found.append(Scale(one.share, other))
-    return _surest(found)
+            found.append(other)
+    return _surest(known, found)
 
 
 def winch_gain(sent: Sequence[Sent | None], seen: Sequence[Seen | None]) -> Scale | None:
@@ -127,12 +127,12 @@ def winch_gain(sent: Sequence[Sent | None], seen: Sequence[Seen | None]) -> Scal
     ----------
     sent, seen : as for `encoder_scale`
     """
-    found = []
-    for one, other in _known(sent, seen):
+    known, found = _known(sent, seen), []
+    for one, other in known:
         off = abs(1.0 - one.share) / max(abs(one.share), LEAST_SHARE)
         if off > CLEARLY * other.sigma and abs(other.share - 1.0) < NEARER * off:
-            found.append(Scale(one.share, other))
-    return _surest(found)
+            found.append(other)
+    return _surest(known, found)
 
 
 def _known(sent: Sequence[Sent | None], seen: Sequence[Seen | None]) -> list[tuple[Sent, Seen]]:
@@ -144,8 +144,12 @@ def _known(sent: Sequence[Sent | None], seen: Sequence[Seen | None]) -> list[tup
     ]
 
 
-def _surest(found: Sequence[Scale]) -> Scale | None:
-    return min(found, key=lambda scale: scale.seen.sigma / max(abs(scale.seen.share), LEAST_SHARE), default=None)
+def _surest(known: Sequence[tuple[Sent, Seen]], found: Sequence[Seen]) -> Scale | None:
+    """Return the scale over that time of all `known` over which it explains most, as it is `found` with least doubt."""
+    if not found:
+        return None
+    value = min(known, key=lambda pair: pair[0].left)[0].share
+    return Scale(value, min(found, key=lambda seen: seen.sigma / max(abs(seen.share), LEAST_SHARE)))
 
 
 def is_right_way(sent: Sent) -> bool:
