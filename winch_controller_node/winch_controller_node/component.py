@@ -401,6 +401,8 @@ class WinchController:
             self._estimation.motion.stand()
         elif mode.mode is not Mode.COMPENSATING:
             self.mean.stop()
+        if mode.mode is Mode.COMPENSATING:
+            self._estimation.begin_share()
         starts = mode.mode is Mode.COMPENSATING and before is not Mode.FADE_OUT
         if starts and before is Mode.CONSTANT_TENSION:
             self._hand_over(loop, unit_stood=False)

@@ -188,7 +188,9 @@ class LoopCommand:
         if mode.mode is Mode.CONSTANT_TENSION:
             return tick.estimate
         if tick.knows_tip:
-            x = self._shift.shift(tick.estimate, tick.uncompensated, mode.authority)
+            is_held = mode.mode is Mode.COMPENSATING
+            uncompensated = tick.taut_uncompensated if is_held else tick.uncompensated
+            x = self._shift.shift(tick.estimate, uncompensated, mode.authority)
         else:  # the unit is to come to rest
             x = self._shift.shift(tick.estimate, np.zeros(2), 0.0)
         rows, mean_state = self._rows, tick.mean_state

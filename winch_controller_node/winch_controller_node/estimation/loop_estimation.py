@@ -75,6 +75,7 @@ class LoopEstimation:
         self.estimator = design.make_estimator()
         self.observer = Observer(design, parameters.health)
         self._shadow = SimulatedUnit(design.cable, dt)
+        self._taut_shadow = SimulatedUnit(design.cable, dt)
         self._hanging_unit = SimulatedUnit(design.cable, dt)
         self._tension = TensionFilter(parameters.tension.time_constant, tick_period=dt)
         self._sea = SeaTracker(design)
@@ -93,6 +94,7 @@ class LoopEstimation:
         self.observer.take_design(design)
         self._rows = loop_rows(design.model)
         self._shadow.take_cable(design.cable, design.tick_period)
+        self._taut_shadow.take_cable(replace(design.cable, unit_weight=math.inf), design.tick_period)
         self._hanging_unit.take_cable(design.cable, design.tick_period)
         self.depth_witness.take_cable(design.cable)
         self._sea.refer_to(design)
@@ -179,15 +181,24 @@ class LoopEstimation:
         if share != 1.0:
             sigma = self._design.parameters.sensors.mru.scale_sigma
             estimate, covariance = hand_over_scaled(now[0], estimate, covariance, share=share, sigma=sigma)
-            self._shadow.continue_at(share * self._shadow.state)
+            self._continue_shadow(share * self._shadow.state)
         estimator.reset(estimate, covariance, streams)
         estimator.step(tick, 0.0, [])
         self._hanging_unit.continue_at(unit)
 
     def _take_unit(self, unit: Array) -> None:
         """Go on with a `unit` elsewhere, heave [m] and rate [m/s], shape (2,), also with the winch locked."""
-        self._shadow.continue_at(self._shadow.state + unit - self._hanging_unit.state)
+        self._continue_shadow(self._shadow.state + unit - self._hanging_unit.state)
         self._hanging_unit.continue_at(unit)
+
+    def begin_share(self) -> None:
+        """Let the uncompensated unit of a cable that stays taut go on from where it is: the cable is, from now on."""
+        self._taut_shadow.continue_at(self._shadow.state)
+
+    def _continue_shadow(self, state: Array) -> None:
+        """Go on with the uncompensated unit in another `state`, heave [m] and rate [m/s], shape (2,)."""
+        self._shadow.continue_at(state)
+        self.begin_share()
 
     def forget_readings(self) -> None:
         """Forget what was read: it tells nothing of the state from now on."""
@@ -223,6 +234,7 @@ class LoopEstimation:
         if measurements.of("load_cell") and math.isfinite(self.observer.tension):
             self._tension.add(self.observer.tension)
         uncompensated = self._shadow.step(tip)
+        self._taut_shadow.step(tip)
         drum_rate = float(rows.payout_rate @ estimate) + rows.payout_rate_through * command.compensating
         self._hanging_unit.step(tip - [float(rows.payout @ estimate), drum_rate])
         depths = () if unit_stands else tuple(self.observer.depths)
@@ -242,6 +254,7 @@ class LoopEstimation:
             mean_command=self.motion.reference_command(self._design.parameters.winch),
             left_over=self.motion.left_over.point.payout,
             uncompensated=uncompensated,
+            taut_uncompensated=self._taut_shadow.state,
             hanging_heave=float(self.motion.state[rows.unit_states[0]] + self._hanging_unit.state[0]),
             knows_sea=self.knows_sea,
             is_sea_refuted=self._sea.is_refuted,
@@ -333,6 +346,7 @@ class LoopEstimation:
             tick,
             estimate=self.estimator.estimate,
             uncompensated=self._shadow.state,
+            taut_uncompensated=self._taut_shadow.state,
             mean_state=self.motion.state,
             mean_command=self.motion.reference_command(self._design.parameters.winch),
             left_over=self.motion.left_over.point.payout,
@@ -345,7 +359,7 @@ class LoopEstimation:
         """
         rows, estimate = tick.rows, tick.estimate
         self.motion.return_from(float(rows.payout @ estimate))
-        self._shadow.continue_at(tick.mean_swing + estimate[rows.unit_states] + rows.winch @ estimate)
+        self._continue_shadow(tick.mean_swing + estimate[rows.unit_states] + rows.winch @ estimate)
         self._hanging_unit.continue_at(estimate[rows.unit_states])
 
     def hand_over(self, tick: LoopTick, *, unit_stood: bool) -> None:

@@ -49,6 +49,9 @@ CORRECTIONS_TIME, CORRECTIONS_REST = 20.0, 300.0
 CAUSE_TIME, KNOWN_HOLD = 20.0, 5.0
 """Harm whose cause is known and corrected within the first time [s] keeps compensation off for the second [s] only."""
 
+BEYOND = 0.02
+"""A sea is beyond the winch's limits where so much of the largest speed is missing."""
+
 OUT_OF_REACH = 2.0
 """Error of the drum's speed that its limits excuse, over that of a drum that follows what is intended within them."""
 
@@ -170,7 +173,7 @@ class HarmGuard:
         self._exchanged_swing = self._reachable = 0.0
         self._catch_up = 0.0
         self._left_over = 0.0
-        self._is_corrected = False
+        self._is_corrected = self._is_out_of_reach = False
         self._corrected_first: dict[str, float] = {}
         self._time = self._began = self._excused = 0.0
 
@@ -314,18 +317,18 @@ class HarmGuard:
         """Do not hold against the loop the swing that it has found.
 
         While the winch stands, the unit less the uncompensated one is a free swing, and would go on for long: whoever
-        stops the winch suddenly sets it going. So does a wrong belief that has been corrected: of a compensated unit
-        all of its motion is that.
+        stops the winch suddenly sets it going. So does a wrong belief that has been corrected, and a wave that is
+        beyond the winch's limits: of a compensated unit all of its motion is that.
         """
         unit, free = motions.unit, motions.free_unit
         if authority <= 0.0:
             unit = Motion(unit.heave - free.heave, unit.rate - free.rate)
+        found = min(math.sqrt(self._swing(unit)), LARGEST_LEFT_OVER * math.sqrt(self._swing_check.reference))
         if authority <= 0.0 or self._is_corrected:
-            self._left_over = min(
-                math.sqrt(self._swing(unit)), LARGEST_LEFT_OVER * math.sqrt(self._swing_check.reference)
-            )
+            self._left_over = found
         else:
             self._left_over *= 1.0 - self._dt / LEFT_OVER_TIME
+            self._left_over = max(self._left_over, found if self._is_out_of_reach else 0.0)
         self._is_corrected = False
         self._swing_check.allow(self._left_over)
         self._depth_check.allow(math.sqrt(0.5) * self._left_over)
@@ -354,8 +357,9 @@ class HarmGuard:
         self._exchanged_swing = free_swing if is_moving else self._exchanged_swing * (1.0 - self._dt / SWING_TIME)
         to_stop = SWING_WORK**2 * (swing + self._exchanged_swing) + free_swing
         work = to_stop / loop.inertia if loop.inertia > 0.0 else 0.0
-        out_of_reach = OUT_OF_REACH * (intended - self._follow_within_limits(intended))
-        self._rate_check.add(error**2, allowed**2 + work + out_of_reach**2)
+        out_of_reach = intended - self._follow_within_limits(intended)
+        self._is_out_of_reach = abs(out_of_reach) > BEYOND * loop.limits.speed
+        self._rate_check.add(error**2, allowed**2 + work + (OUT_OF_REACH * out_of_reach) ** 2)
         self._catch_up = max(self._catch_up - self._dt, 0.0)
         if self._catch_up > 0.0:
             self._rate_check.restart()
