@@ -5,7 +5,7 @@
 One sensor of one of four scenarios is at fault, from the start or in mid-run, for a time or to the end. A draw is kept
 whose unit is never worse than 1.05 times the uncompensated one over any minute that begins 30 s after the trouble does,
 or after it ends; where encoder or motion reference unit are lost, or the encoder goes the other way from the start, so
-that the winch has to stop, than 1.5 times: a unit that is let go at rest swings at first. Components run in this
+that the winch has to stop, than 1.2 times: a unit that is let go at rest swings at first. Components run in this
 process. What is named besides the sensor is printed.
 """
 
@@ -41,7 +41,7 @@ GROUPS = {
 KINDS = ("scale", "scale", "freeze", "jump", "nan", "spike", "gap", "delay", "restart")
 """A wrong scale is drawn twice as often: no sample shows it."""
 
-LOST_KINDS, LARGEST_LOST = ("freeze", "nan", "gap", "restart"), 1.5
+LOST_KINDS, LARGEST_LOST = ("freeze", "nan", "gap", "restart"), 1.2
 """Kinds that leave nothing to read, and the largest ratio where the winch has to stop."""
 
 NOT_OF = {"encoder": ("gap", "delay", "restart"), "depth": ("restart",), "load_cell": ("restart",)}

@@ -30,6 +30,13 @@ BEGINNING = 15.0
 """Time since the winch began to move in which it may well be [s]: the sign of one was wrong from the start."""
 
 
+LOOKS = 2
+"""An encoder that has gone the right way goes the other only once that has been seen so often in a row.
+
+A drum that lags behind turns back late.
+"""
+
+
 class EncoderLearning:
     """Compares what the winch was sent with what encoder and depth sensor read of it.
 
@@ -51,7 +58,7 @@ class EncoderLearning:
         self._gain = 1.0  # of the winch, as encoder and depth sensor have shown
         self._aside_time = self._moving_time = 0.0
         self._last = -1
-        self._was_right = False
+        self._was_right, self._looks = False, 0
         self.is_contrary = False
         self.has_found = False
 
@@ -121,7 +128,9 @@ class EncoderLearning:
         if sent is None:
             return []
         self._was_right |= is_right_way(sent)
-        if is_contrary(sent, was=was) == was:
+        is_now = is_contrary(sent, was=was)
+        self._looks = self._looks + 1 if is_now else 0
+        if is_now == was or (is_now and self._was_right and self._looks < LOOKS):
             return []
         if was:
             observer.doubt("")

@@ -24,8 +24,10 @@ WINDOWS = (4.0, 6.0, 8.0)
 LONGEST_GAP = 0.25
 """Time without the encoder that a record goes on over [s], as if the drum stood: a jump that is taken off is one."""
 
-LONGEST_SLACK = 1.0
-"""Time for which the cable may be slack [s]: what the drum does reaches the unit later, and as a shock."""
+LONGEST_SLACK, NO_SLACK = 1.0, 5.0
+"""Time for which the cable may be slack [s]: what the drum does reaches the unit later, and as a shock. For longer than
+the second no unit falls: the load cell is wrong.
+"""
 
 LEAST_READINGS = 12
 """Of the depth sensor within each of them."""
@@ -108,7 +110,7 @@ class DepthWitness:
         """
         self._tick = tick
         self._slack = self._slack + 1 if is_slack else 0
-        if self._slack * self._dt > LONGEST_SLACK:
+        if LONGEST_SLACK < self._slack * self._dt < NO_SLACK:
             self.restart()
         self._missing = self._missing + 1 if payout is None else 0
         if payout is None:

@@ -46,7 +46,7 @@ REMEDIES = {
     "nan": "it reads no numbers: start it or its driver again",
     "wrong stamp": "its stamps are ahead of the run's clock, or none: set its clock",
     "late": "its readings come out of order, or twice: look at its driver and the network",
-    "stale": "no reading comes any more: look at its power, cable and driver",
+    "stale": "no reading comes any more, or each too late: look at its power, cable, driver and clock",
     "frozen": "its readings do not change: start it or its driver again",
     "spike": "its readings are far from what all others foresee: look at its mounting, sign and unit",
     "jump": "its readings jump again and again: look at its mounting, scale and sign, and its driver",

@@ -13,6 +13,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.signal import detrend
 
 from winch_controller_node.design.design import ControllerDesign
 from winch_controller_node.estimation.reading_record import ENCODER_ROW, ReadingRecord
@@ -61,6 +62,9 @@ SHARE_LEFT = 0.25
 
 The cable is held to the first: the drag of such a swing looks like a cable that is damped otherwise.
 """
+
+TELLING = 3.0
+"""Motion over the noise of a sensor, standard deviations, in which it shows its sign and scale."""
 
 CLEARLY = 100.0
 """A suspicion holds if it makes the record likelier by a factor of exp(CLEARLY) at least, than no and any other."""
@@ -160,10 +164,9 @@ def suspect(
     trials = [tried(suspicion) for suspicion in _suspicions(parameters)]
     best = refined(trials, REFINEMENTS)
     found = best if _explains(best, nothing, parameters) and best.likelihood > nothing.likelihood + CLEARLY else nothing
-    if found is nothing:
-        for trial in trials:
-            if trial.verdict.suspicion.doubted == doubted != "" and nothing.likelihood < trial.likelihood + CLEARLY:
-                found = trial
+    if found is nothing and doubted:
+        left_out = next(trial for trial in trials if trial.verdict.suspicion.doubted == doubted)
+        found = nothing if _agrees(doubted, nothing, left_out) else left_out
     filtered = [trial for trial in trials if trial.verdict.suspicion.is_high_pass]
     if not filtered or _is_enough(found, parameters):
         return found.verdict
@@ -196,6 +199,19 @@ def _explains(trial: _Trial, before: _Trial, parameters: WinchControllerParamete
     witnessed = max(EXPLAINED, before.worst(parameters, are_used=False))
     is_witnessed = trial.worst(parameters, are_used=False) <= witnessed
     return trial.worst(parameters, are_used=True) < allowed and is_witnessed
+
+
+def _agrees(sensor: str, nothing: _Trial, left_out: _Trial) -> bool:
+    """Tell whether a `sensor` is foreseen where it is believed, and has something to tell.
+
+    Parameters
+    ----------
+    sensor : that is doubted
+    nothing, left_out : with all sensors believed, and without this one
+    """
+    rows = [row for row in KnownSensors().by_name()[sensor].rows() if row.name in left_out.motions]
+    is_foreseen = all(nothing.misfits.get(row.name, 0.0) < EXPLAINED for row in rows)
+    return is_foreseen and any(left_out.motions[row.name] > TELLING * row.sigma for row in rows)
 
 
 def _is_enough(found: _Trial, parameters: WinchControllerParameters) -> bool:
@@ -297,11 +313,13 @@ class _Trial:
     ----------
     likelihood : logarithm of that of the record
     misfits : mean of the normalised innovations squared of each measurement
+    motions : standard deviation of what each measurement is foreseen to read, where that moves least
     verdict : if it holds
     """
 
     likelihood: float
     misfits: Mapping[str, float]
+    motions: Mapping[str, float]
     verdict: Verdict
 
     def worst(self, parameters: WinchControllerParameters, *, are_used: bool) -> float:
@@ -323,12 +341,15 @@ def _tried(
         _know_scale(estimator, design.model.state(MRU_SCALE), scale)
     likelihood = 0.0
     squares: dict[str, list[float]] = {}
+    foreseen: dict[str, list[float]] = {}
     followed = estimator.follow(_with_doubt(suspicion.doubted, record))
     for tick, innovations in zip(record, followed, strict=True):
         if tick.number < first_judged:
             continue
+        read = {reading.name: reading.value for reading in tick.readings}
         for name, innovation in innovations.items():
             if math.isfinite(innovation.nis):
+                foreseen.setdefault(name, []).append(read[name] - innovation.value)
                 nis = min(innovation.nis, LARGEST_NIS)
                 likelihood -= 0.5 * nis + math.log(innovation.sigma)
                 squares.setdefault(name, []).append(nis)
@@ -338,7 +359,14 @@ def _tried(
         error = float(estimator.estimate[design.model.state(suspicion.scale)])
         suspicion = replace(suspicion, words=suspicion.words.format(1.0 + error))
         likelihood = likelihood if SCALES[0] < error < SCALES[1] else -math.inf
-    return _Trial(likelihood, misfits, Verdict(suspicion, design, estimator, record[-1].number))
+    motions = {name: _least_motion(values) for name, values in foreseen.items()}
+    return _Trial(likelihood, misfits, motions, Verdict(suspicion, design, estimator, record[-1].number))
+
+
+def _least_motion(values: Sequence[float]) -> float:
+    """Return the standard deviation of the quarter of `values` that moves least, without a mean that drifts."""
+    quarters = np.array_split(np.array(values), 4)
+    return min(float(np.std(detrend(quarter))) if len(quarter) else 0.0 for quarter in quarters)
 
 
 def _know_scale(estimator: KalmanEstimator, state: int, scale: float) -> None:

@@ -403,8 +403,10 @@ class HarmGuard:
             return
         sigma, free_sigma = self._unit.sigma, self._free_unit.sigma
         if sigma > parameters.floor and sigma > parameters.harm_ratio * free_sigma:
+            least = 100.0 * (1.0 - parameters.harm_ratio)
+            verdict = "is harmful" if sigma > free_sigma else f"gains less than {least:.0f} %"
             self._begin_inhibiting(
-                f"compensation is harmful: heave of the unit {sigma:.3f} m, {free_sigma:.3f} m without compensation "
+                f"compensation {verdict}: heave of the unit {sigma:.3f} m, {free_sigma:.3f} m without compensation "
                 "(standard deviations)"
             )
         elif self._judged_time > 4.0 * self._hold_time:

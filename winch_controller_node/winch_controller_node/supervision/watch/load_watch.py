@@ -29,6 +29,10 @@ class Episode:
         return is_there and was_quiet
 
 
+PUSH = -0.1
+"""Share of the static tension below which no cable is slack: it cannot push."""
+
+
 class LoadWatch:
     """Watches the tension at the top, and how much of the time the winch is at its limits.
 
@@ -58,7 +62,7 @@ class LoadWatch:
         share = tension / static_tension if math.isfinite(tension) and static_tension > 0.0 else 1.0
         words = []
         if self._slack.begins(share < parameters.slack_ratio):
-            words.append(f"cable slack: tension {tension / 1e3:.1f} kN, {100.0 * share:.0f} % of the static one")
+            words.append(self._slack_words(tension, share))
         if self._over.begins(0.0 < parameters.tension_ratio < share):
             words.append(
                 f"tension too high: {tension / 1e3:.1f} kN, {share:.2f} times the static one; "
@@ -71,3 +75,10 @@ class LoadWatch:
                 f"{parameters.saturation_time:g} s"
             )
         return tuple(words)
+
+    @staticmethod
+    def _slack_words(tension: float, share: float) -> str:
+        """Return what a `tension` [N] so far below the static one, a `share` of it, means."""
+        if share < PUSH:
+            return f"load_cell suspect: it reads {tension / 1e3:.1f} kN, and no cable pushes: look at its sign and zero"
+        return f"cable slack: tension {tension / 1e3:.1f} kN, {100.0 * share:.0f} % of the static one"
