@@ -11,7 +11,7 @@ from winch_controller_node.estimation.loop_tick import Motion
 from winch_controller_node.laws.parts.winch_limits import WinchLimits
 from winch_controller_node.model.estimator import Innovation
 from winch_controller_node.parameters.laws import EntryParameters
-from winch_controller_node.supervision.entry_gates import FORGOTTEN, EntryGates
+from winch_controller_node.supervision.entry_gates import EntryGates
 from winch_controller_node.supervision.supervisor import Supervisor
 
 DT = 0.05
@@ -36,21 +36,6 @@ def test_readings_far_off_close_the_gate_for_as_long_as_it_says():
         observe(gates, 1.0, 1)
         waited += 1
     assert waited * 4 * DT == pytest.approx(6.6, abs=0.3)
-
-
-def test_a_sensor_that_is_left_out_closes_no_gate():
-    """One that contradicted all others is no witness of the estimate that is made without it, and begins anew."""
-    gates = EntryGates(EntryParameters(innovation=4.0), window=60.0, tick_period=DT)
-    observe(gates, 30.0, 600)
-    silent = SimpleNamespace(boom_tip=Motion(0.0, 0.0), sensed=SimpleNamespace(innovations={}))
-    for _ in range(round(FORGOTTEN / DT) - 5):
-        gates.observe(silent)
-    assert gates.for_compensation(0.0, LIMITS, 0.1, 2.0)
-    for _ in range(10):
-        gates.observe(silent)
-    assert not gates.for_compensation(0.0, LIMITS, 0.1, 2.0)
-    observe(gates, 1.0, 1)
-    assert not gates.for_compensation(0.0, LIMITS, 0.1, 2.0)
 
 
 def gates_over(sigma, **thresholds):

@@ -21,9 +21,6 @@ INNOVATION_WEIGHT = 0.02
 LEAST_EXCESS = 0.1
 """What a mean square of innovations that is back where it belongs may still be above 1."""
 
-FORGOTTEN = 10.0
-"""Readings that none have come of for so long [s] say nothing any more: their sensor is lost, or left out."""
-
 ENCODER_ROW = "payout"
 """Readings of the encoder are never far off for long: the winch is identified by them."""
 
@@ -43,7 +40,6 @@ class EntryGates:
         self._heave = RunningSigma(window, tick_period)
         self._mean_squares: dict[str, float] = {}
         self._readings: dict[str, int] = {}
-        self._newest: dict[str, float] = {}
         self._time = 0.0
         self._dt = tick_period
 
@@ -53,10 +49,9 @@ class EntryGates:
         self._time += self._dt
         for name, innovation in tick.sensed.innovations.items():
             if name != ENCODER_ROW and math.isfinite(innovation.nis):
-                before = self._mean_squares[name] if self._is_recent(name) else 1.0
+                before = self._mean_squares.get(name, 1.0)
                 self._mean_squares[name] = before + INNOVATION_WEIGHT * (innovation.nis - before)
                 self._readings[name] = self._readings.get(name, 0) + 1
-                self._newest[name] = self._time
 
     def for_compensation(self, payout: float, limits: WinchLimits, demand: float, largest_demand: float) -> str:
         """Return why compensation may not begin, in words; empty when it may.
@@ -115,17 +110,12 @@ class EntryGates:
     def _innovations(self) -> str:
         """Return which readings are too far from what the estimator expects."""
         most = self._parameters.innovation
-        recent = [name for name in self._mean_squares if self._is_recent(name)]
-        far = {name: math.sqrt(self._mean_squares[name]) for name in recent if self._mean_squares[name] > most**2}
+        far = {name: math.sqrt(value) for name, value in self._mean_squares.items() if value > most**2}
         return "; ".join(
             f"innovations of {name} are {value:.1f} standard deviations; at most {most:g} is allowed: about "
             f"{self._settling_time(name):.0f} s if all is as foreseen from now on"
             for name, value in far.items()
         )
-
-    def _is_recent(self, name: str) -> bool:
-        """Tell whether readings of a measurement have come lately."""
-        return self._time - self._newest.get(name, -math.inf) <= FORGOTTEN
 
     def _settling_time(self, name: str) -> float:
         """Return after how long the innovations of a measurement are small enough, if they are as foreseen [s]."""
