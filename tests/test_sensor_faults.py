@@ -69,7 +69,8 @@ def test_an_encoder_of_a_wrong_scale_is_found_by_winch_and_depth_sensor_and_comp
     assert begin < time < begin + found_within
     assert [mode for mode, _ in changes_of_mode(record)] == ["standby", "compensating"]
     # of a winch that is as believed nothing else stays learnt, and nobody else is blamed
-    assert loop.controller.design.parameters.winch.speed_gain == 1.0
+    # what the scale is off by is learnt as a gain
+    assert loop.controller.design.parameters.winch.speed_gain == pytest.approx(1.0, abs=0.01)
     assert not kept(one, record).wrong
     # once it is known it costs nothing: 1.5 % of the motion is left by this loop with all sensors right
     assert record.unit_sigma(begin + TROUBLE) < 0.05 * record.uncompensated_sigma(begin + TROUBLE)

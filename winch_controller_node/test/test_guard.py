@@ -118,11 +118,13 @@ def test_a_swing_above_the_sea_is_noticed_within_seconds_and_one_below_never():
     assert "swings" in guard.reason
 
 
-@pytest.mark.parametrize(("rate", "swing", "is_held_against"), [(6.0, 0.9, False), (0.3, 0.9, True), (6.0, 2.5, True)])
+@pytest.mark.parametrize(("rate", "swing", "is_held_against"), [(6.0, 0.9, False), (0.05, 0.9, True), (6.0, 2.5, True)])
 def test_a_swing_that_waves_beyond_the_limits_have_left_is_given_time_to_be_taken_out(rate, swing, is_held_against):
-    """The winch reaches 2 m/s; waves of 0.3 m/s leave no swing in a loop that is well, and none leave a growing one."""
+    """The winch reaches 2 m/s; waves of 0.05 m/s leave no swing in a loop that is well, and none leave a growing one."""
     guard = make_guard()
     feed_guard(guard, 0.01, 0.5, 60.0, authority=0.9)
+    # the winch falls behind at the crest, where the swing is all heave
+    guard.update(GuardedMotions(Motion(0.9, 0.0), Motion(0.5, 0.0), Motion(0.0, rate), rate), 0.9)
     feed_guard(guard, 0.9, 0.5, 3.0, authority=0.9, rate=rate)
     feed_guard(guard, swing, 0.3, 8.0, authority=0.9)
     assert guard.inhibits is is_held_against

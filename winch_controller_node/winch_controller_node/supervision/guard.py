@@ -49,6 +49,9 @@ CORRECTIONS_TIME, CORRECTIONS_REST = 20.0, 300.0
 CAUSE_TIME, KNOWN_HOLD = 20.0, 5.0
 """Harm whose cause is known and corrected within the first time [s] keeps compensation off for the second [s] only."""
 
+RESTART = 0.1
+"""A swing that waves have left is excused again once so little of the last one is excused still."""
+
 BEYOND = 0.02
 """A sea is beyond the winch's limits where so much of the largest speed is missing."""
 
@@ -328,7 +331,8 @@ class HarmGuard:
             self._left_over = found
         else:
             self._left_over *= 1.0 - self._dt / LEFT_OVER_TIME
-            self._left_over = max(self._left_over, found if self._is_out_of_reach else 0.0)
+            if self._is_out_of_reach and self._left_over < RESTART * found:
+                self._left_over = found  # once: what keeps growing is no swing that a wave has left
         self._is_corrected = False
         self._swing_check.allow(self._left_over)
         self._depth_check.allow(math.sqrt(0.5) * self._left_over)
