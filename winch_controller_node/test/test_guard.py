@@ -118,9 +118,10 @@ def test_a_swing_above_the_sea_is_noticed_within_seconds_and_one_below_never():
     assert "swings" in guard.reason
 
 
-@pytest.mark.parametrize(("rate", "swing", "is_held_against"), [(6.0, 0.9, False), (0.05, 0.9, True), (6.0, 2.5, True)])
-def test_a_swing_that_waves_beyond_the_limits_have_left_is_given_time_to_be_taken_out(rate, swing, is_held_against):
-    """The winch reaches 2 m/s; waves of 0.05 m/s leave no swing in a loop that is well, and none leave a growing one."""
+@pytest.mark.parametrize(("swing", "is_held_against"), [(0.9, False), (2.5, True)])
+def test_a_swing_that_waves_beyond_the_limits_have_left_is_given_time_to_be_taken_out(swing, is_held_against):
+    """The winch reaches 2 m/s; a growing swing is not what waves have left."""
+    rate = 6.0
     guard = make_guard()
     feed_guard(guard, 0.01, 0.5, 60.0, authority=0.9)
     # the winch falls behind at the crest, where the swing is all heave
