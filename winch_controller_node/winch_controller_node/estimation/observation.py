@@ -328,7 +328,7 @@ class Observer:
             if not judge_scalar(self.gates[name], now, reading):
                 continue
             read = reading.value if name != "depth" else self._depth_jumps.take_off(reading.time, reading.value)
-            if self._depth_jumps.is_unproved:
+            if name == "depth" and self._depth_jumps.is_unproved:
                 self._doubt_first("depth")
             if read is None:
                 self.gates[name].take_back_jump()
