@@ -29,7 +29,6 @@ LONGEST_ASIDE = 20.0
 BEGINNING = 15.0
 """Time since the winch began to move in which it may well be [s]: the sign of one was wrong from the start."""
 
-
 LOOKS = 2
 """An encoder that has gone the right way goes the other only once that has been seen so often in a row.
 

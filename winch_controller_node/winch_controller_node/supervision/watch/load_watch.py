@@ -9,6 +9,9 @@ from winch_controller_node.parameters.laws import AlarmParameters
 QUIET_TIME = 10.0
 """An alarm is given again only after its cause was away for so long [s]."""
 
+PUSH = -0.1
+"""Share of the static tension below which no cable is slack: it cannot push."""
+
 
 class Episode:
     """Tells the beginning of something that comes and goes.
@@ -27,10 +30,6 @@ class Episode:
         was_quiet = self._quiet_time >= QUIET_TIME
         self._quiet_time = 0.0 if is_there else self._quiet_time + self._dt
         return is_there and was_quiet
-
-
-PUSH = -0.1
-"""Share of the static tension below which no cable is slack: it cannot push."""
 
 
 class LoadWatch:
