@@ -48,6 +48,10 @@ LIKELY = 2.0
 NEARLY_ALL = 0.95
 """Share of the unit's weight that the load cell misses where the cable is slack."""
 
+TAUT_TIME = 20.0
+"""Time in which a unit that had a taut cable goes over to one that had not [s]: near the resonance of the cable it
+would swing by far more than any unit does, and what the law refers to with it."""
+
 SEA_SENSORS = ("mru", "encoder")
 """They tell the sea; what others read tells as much of the cable."""
 
@@ -235,6 +239,7 @@ class LoopEstimation:
             self._tension.add(self.observer.tension)
         uncompensated = self._shadow.step(tip)
         self._taut_shadow.step(tip)
+        self._taut_shadow.go_over_to(uncompensated, TAUT_TIME)
         drum_rate = float(rows.payout_rate @ estimate) + rows.payout_rate_through * command.compensating
         self._hanging_unit.step(tip - [float(rows.payout @ estimate), drum_rate])
         depths = () if unit_stands else tuple(self.observer.depths)

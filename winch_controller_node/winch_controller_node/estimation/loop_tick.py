@@ -82,7 +82,8 @@ class LoopTick:
     mean_command : share of the next command that moves the mean payout, in the terms of the model
     left_over : payout left over from before a stop, on its way to the mean [m]
     uncompensated : heave [m] and rate [m/s] of the unit with the winch locked, shape (2,)
-    taut_uncompensated : the same since compensation began, had the cable been taut, as it is once the unit is held
+    taut_uncompensated : the same since compensation began, had the cable been taut for the last seconds, as it is
+        once the unit is held
     hanging_heave : of a unit that only hangs on its cable, whatever the depth sensor has read of it [m]
     knows_sea : some waves have been seen
     is_sea_refuted : the sea of the design predicts badly what the motion reference unit reads

@@ -70,6 +70,10 @@ class SimulatedUnit:
         """Go on from another `state`, shape (2,)."""
         self.state = state
 
+    def go_over_to(self, state: Array, time: float) -> None:
+        """Go over to another `state`, shape (2,), with a time constant of `time` [s], by a tick."""
+        self.state = self.state + self._dt / time * (state - self.state)
+
     def step(self, outlet: Array) -> Array:
         """Advance by a tick and return the state.
 
