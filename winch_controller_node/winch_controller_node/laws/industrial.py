@@ -12,15 +12,18 @@ is predicted from the commands that are still on their way (Smith predictor), th
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import ClassVar
 
+import numpy as np
+from heave_node.numerics.arrays import Array
+from heave_node.numerics.linear_model import LinearModel
 from heave_node.parameters import parameter
 
 from winch_controller_node.laws.law import ControlLaw, LawCommand, LawDesign
 from winch_controller_node.laws.parts.governor import drum_ahead, standing_command
 from winch_controller_node.laws.parts.loop_state import LoopState
-from winch_controller_node.laws.parts.tip_ahead import tip_ahead
 from winch_controller_node.model.lqr import DesignError
 
 LARGEST_GAIN = 2.0
@@ -79,7 +82,7 @@ class IndustrialBaseline(ControlLaw):
         assert model.dt is not None
         delay, lag = winch.command_delay + 0.5 * model.dt, winch.time_constant
         k = parameters.position_gain or rule_gain(delay, lag)
-        heave, rate, acceleration = tip_ahead(model, delay)
+        heave, rate, acceleration = _tip_ahead(model, delay)
         payout, payout_rate = drum_ahead(model, winch)
         payout = payout + 0.5 * model.dt * payout_rate
         wanted = rate + k * (heave - payout)
@@ -89,3 +92,15 @@ class IndustrialBaseline(ControlLaw):
     def command(self, state: LoopState) -> LawCommand:
         """Return the command at `state`."""
         return LawCommand(-float(self.gain @ state.x))
+
+
+def _tip_ahead(model: LinearModel, time: float) -> tuple[Array, Array, Array]:
+    """Return rows of the boom tip's heave, rate and acceleration a `time` [s] from now, linear between ticks."""
+    assert model.dt is not None
+    whole = math.floor(time / model.dt)
+    share = time / model.dt - whole
+    soon = np.linalg.matrix_power(model.A, whole)
+    later = soon @ model.A
+    ahead = (1.0 - share) * soon + share * later
+    rate = model.row("boom_tip_heave_rate")
+    return model.row("boom_tip_heave") @ ahead, rate @ ahead, rate @ (later - soon) / model.dt

@@ -1,4 +1,10 @@
-"""Law lqg: feedback of all states, those of the sea included, estimated by the Kalman filter (thesis 6.3)."""
+"""Law lqg: feedback of all states, those of the sea included, estimated by the Kalman filter (thesis 6.3).
+
+A linear law does not know the limits of the winch. Where the sea comes near to them, the drum would be late, be sent
+after the boom tip with all of the winch's speed, not be able to stop where it should, and soon move against the boom
+tip: the unit would swing more than without compensation. There the law with the limits as constraints takes over, until
+the sea is well away from them again.
+"""
 
 from __future__ import annotations
 
@@ -8,8 +14,9 @@ from typing import ClassVar
 from heave_node.parameters import parameter
 
 from winch_controller_node.laws.law import LawCommand, LawDesign
-from winch_controller_node.laws.parts.late_drum import LateDrum
+from winch_controller_node.laws.mpc import ConstrainedLaw, MpcParameters
 from winch_controller_node.laws.parts.loop_state import LoopState
+from winch_controller_node.laws.parts.near_limits import NearLimits
 from winch_controller_node.laws.parts.winch_limits import WinchLimits
 from winch_controller_node.laws.state_feedback import StateFeedback
 
@@ -30,32 +37,35 @@ class LqgParameters:
 class FullStateFeedback(StateFeedback):
     """Feedback of all states with the gain of the `design`; `parameters` bound what the unit's error may ask for.
 
-    What a drum is asked for that the sea outruns, see `late_drum`.
+    Near the limits of the winch the commands are those of law mpc, with its default parameters.
     """
 
     name: ClassVar[str] = "lqg"
-    summary: ClassVar[str] = "feedback of all states"
+    summary: ClassVar[str] = "feedback of all states; near the limits as mpc"
     parameters_type: ClassVar[type | None] = LqgParameters
 
     def __init__(self, design: LawDesign, parameters: LqgParameters) -> None:
-        largest_share = parameters.unit_share * design.limits.speed
-        super().__init__(design, design.gain, largest_share)
-        self._payout = design.model.state("payout")
-        self._late_drum: LateDrum | None = None
+        super().__init__(design, design.gain, parameters.unit_share * design.limits.speed)
+        self._limits: NearLimits | None = None
         if design.winch.law == "speed_servo":  # a first-order winch has no acceleration to be limited
-            self._late_drum = LateDrum(
-                design.model, design.winch, design.limits, gain=self.gain, largest_share=largest_share
-            )
+            self._limits = NearLimits(design.model, design.limits)
+            horizon = MpcParameters.horizon + design.winch.command_delay
+            self._constrained = ConstrainedLaw(design, MpcParameters(horizon=horizon))
 
     def take_limits(self, limits: WinchLimits) -> None:
         """Count with other limits of the winch from now on."""
-        if self._late_drum is not None:
-            self._late_drum.take_limits(limits)
+        if self._limits is not None:
+            self._limits.take_limits(limits)
+            self._constrained.take_limits(limits)
+
+    def reset(self) -> None:
+        """Start again."""
+        if self._limits is not None:
+            self._limits.reset()
+            self._constrained.reset()
 
     def command(self, state: LoopState) -> LawCommand:
         """Return the command at `state`."""
-        if self._late_drum is None:
-            return super().command(state)
-        x = state.x.copy()
-        x[self._payout] -= self._late_drum.forgiven(x)
-        return LawCommand(self._feed_back(x) + self._late_drum.turn_early(state.x))
+        if self._limits is not None and self._limits.are_near(state.x):
+            return self._constrained.command(state)
+        return super().command(state)

@@ -30,11 +30,7 @@ class StateFeedback(ControlLaw):
 
     def command(self, state: LoopState) -> LawCommand:
         """Return the command at `state`."""
-        return LawCommand(self._feed_back(state.x))
-
-    def _feed_back(self, x: Array) -> float:
-        """Return what the feedback of state `x`, shape (n,), asks for, the unit's share bounded."""
-        whole = -float(self.gain @ x)
-        share = -float(self.gain[self._unit] @ x[self._unit])
+        whole = -float(self.gain @ state.x)
+        share = -float(self.gain[self._unit] @ state.x[self._unit])
         bounded = min(max(share, -self._largest_share), self._largest_share)
-        return whole - share + bounded
+        return LawCommand(whole - share + bounded)
