@@ -78,7 +78,7 @@ def run_with_rogue(loop, **parameters: object) -> tuple[int, str, str, str]:
 
 
 def test_in_lockstep_a_stranger_shifts_nothing_and_is_named(loop):
-    # 20 simulated seconds take about two, and each node looks at the publishers more than twice in one
+    # 20 simulated seconds take about one, and each node looks at the publishers at its beginning and twice in it
     status, out, err, heard = run_with_rogue(loop, duration=20.0)
     assert status == 0, err
     assert f"ended=True ticks=401 epoch=1 sum={sum(range(1, 401))}" in out

@@ -89,14 +89,14 @@ class Strangers:
             stranger.who = self._describe(topic, identity)
 
     def look(self, speakers: Mapping[str, Speakers]) -> None:
-        """Look at the publishers of topics, a few times per second of wall time.
+        """Look at the publishers of topics, a few times per second of wall time; the first time at once.
 
         Parameters
         ----------
-        speakers : who may publish, by resolved name
+        speakers : who may publish, by resolved name; none before the run is known
         """
         now = time.monotonic()
-        if now - self._looked_at < LOOK_PERIOD:
+        if not speakers or now - self._looked_at < LOOK_PERIOD:
             return
         self._looked_at = now
         for topic, lawful in speakers.items():
