@@ -1,4 +1,4 @@
-"""Where a sea comes near to the limits of the winch, law lqg gives the commands of the law that knows them."""
+"""Near the winch's limits, by the sea or by a unit that is far off, law lqg commands as the law that knows them."""
 
 import math
 from types import SimpleNamespace
@@ -37,32 +37,43 @@ def test_up_and_down_are_alike_and_the_sea_is_near_the_limits_only_after_it_was(
     highest = 0.0
     for share in shares:
         highest = max(highest, abs(share))
-        are_near = up.are_near(state_at(share))
-        assert are_near == down.are_near(state_at(-share))
+        are_near = up.are_near(state_at(share), 0.0)
+        assert are_near == down.are_near(state_at(-share), 0.0)
         assert not are_near or highest > BEGINS
         assert are_near or abs(share) <= BEGINS
 
 
 def test_a_wave_is_remembered_until_a_decay_of_first_order_has_taken_it_well_away_from_the_limits():
     limits = NearLimits(DESIGN.model, LIMITS)
-    assert limits.are_near(state_at(1.5))
+    assert limits.are_near(state_at(1.5), 0.0)
     calm = np.zeros(DESIGN.model.order)
     ticks = 0
-    while limits.are_near(calm):
+    while limits.are_near(calm, 0.0):
         ticks += 1
     assert ticks * DT == pytest.approx(MEMORY * math.log(1.5 / ENDS), abs=2 * DT)
-    assert limits.are_near(state_at(1.0))
+    assert limits.are_near(state_at(1.0), 0.0)
     limits.reset()
-    assert not limits.are_near(calm)
+    assert not limits.are_near(calm, 0.0)
+
+
+def test_a_unit_that_asks_for_all_that_it_may_is_remembered_as_a_wave_is():
+    by_unit, by_wave = NearLimits(DESIGN.model, LIMITS), NearLimits(DESIGN.model, LIMITS)
+    calm = np.zeros(DESIGN.model.order)
+    assert not by_unit.are_near(calm, BEGINS)
+    assert by_unit.are_near(calm, 1.0)
+    assert by_wave.are_near(state_at(1.0), 0.0)
+    for _ in range(round(2.0 * MEMORY / DT)):
+        assert by_unit.are_near(calm, 0.0) == by_wave.are_near(calm, 0.0)
+    assert not by_unit.are_near(calm, 0.0)
 
 
 def test_a_weaker_winch_is_nearer_to_its_limits():
     limits = NearLimits(DESIGN.model, LIMITS)
-    assert not limits.are_near(state_at(0.5))
+    assert not limits.are_near(state_at(0.5), 0.0)
     weak = {name: getattr(LIMITS, name) for name in WinchLimits.__dataclass_fields__}
     weak.update(speed=0.5 * LIMITS.speed, acceleration=0.5 * LIMITS.acceleration)
     limits.take_limits(WinchLimits(**weak))
-    assert limits.are_near(state_at(0.5))
+    assert limits.are_near(state_at(0.5), 0.0)
 
 
 @pytest.mark.slow

@@ -2,8 +2,9 @@
 
 A linear law does not know the limits of the winch. Where the sea comes near to them, the drum would be late, be sent
 after the boom tip with all of the winch's speed, not be able to stop where it should, and soon move against the boom
-tip: the unit would swing more than without compensation. There the law with the limits as constraints takes over, until
-the sea is well away from them again.
+tip: the unit would swing more than without compensation. Nor does a bounded share of the command bring a unit to rest
+that something has set swinging by metres. There the law with the limits as constraints takes over, until all is well
+away from them again.
 """
 
 from __future__ import annotations
@@ -66,6 +67,7 @@ class FullStateFeedback(StateFeedback):
 
     def command(self, state: LoopState) -> LawCommand:
         """Return the command at `state`."""
-        if self._limits is not None and self._limits.are_near(state.x):
+        unit_use = abs(self.unit_share(state)) / self._largest_share
+        if self._limits is not None and self._limits.are_near(state.x, unit_use):
             return self._constrained.command(state)
         return super().command(state)

@@ -28,9 +28,12 @@ class StateFeedback(ControlLaw):
         self._unit = [design.model.state("unit_heave"), design.model.state("unit_heave_rate")]
         self._largest_share = largest_share
 
+    def unit_share(self, state: LoopState) -> float:
+        """Return what the unit's own error asks for at `state`, not bounded yet [m/s] ([m], first-order winch)."""
+        return -float(self.gain[self._unit] @ state.x[self._unit])
+
     def command(self, state: LoopState) -> LawCommand:
         """Return the command at `state`."""
-        whole = -float(self.gain @ state.x)
-        share = -float(self.gain[self._unit] @ state.x[self._unit])
+        whole, share = -float(self.gain @ state.x), self.unit_share(state)
         bounded = min(max(share, -self._largest_share), self._largest_share)
         return LawCommand(whole - share + bounded)

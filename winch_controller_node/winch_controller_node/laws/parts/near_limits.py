@@ -1,4 +1,4 @@
-"""Whether the boom tip moves so that the winch comes near to its limits in following it."""
+"""Whether the winch comes near to its limits in following the boom tip, or in holding a unit that is far off."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ BEGINS, ENDS = 0.8, 0.4
 """Share of a limit from which on it is near, and below which it is no longer: a sea at the limits comes in groups."""
 
 MEMORY = 30.0
-"""Time constant with which a wave is forgotten [s]: a few groups."""
+"""Time constant with which a wave, or a swing of the unit, is forgotten [s]: a few groups."""
 
 
 class NearLimits:
-    """Compares speed and acceleration of the boom tip with what the winch can do.
+    """Compares speed and acceleration of the boom tip, and what the unit asks for, with what the winch can do.
 
     Parameters
     ----------
@@ -42,10 +42,16 @@ class NearLimits:
         self._share = 0.0
         self._are_near = False
 
-    def are_near(self, x: Array) -> bool:
-        """Return whether limits are near at state `x`, shape (n,), or were shortly before; to be asked every tick."""
+    def are_near(self, x: Array, unit_use: float) -> bool:
+        """Return whether limits are near, or were shortly before; to be asked every tick.
+
+        Parameters
+        ----------
+        x : state, shape (n,)
+        unit_use : what the unit's own error asks for, over what it may [-]
+        """
         speed = abs(float(self._speed @ x)) / self._limits.speed
         acceleration = abs(float(self._acceleration @ x)) / self._limits.acceleration
-        self._share = max(speed, acceleration, self._kept * self._share)
+        self._share = max(speed, acceleration, unit_use, self._kept * self._share)
         self._are_near = self._share > (ENDS if self._are_near else BEGINS)
         return self._are_near
