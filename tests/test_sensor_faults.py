@@ -179,6 +179,27 @@ def test_a_draw_is_kept(number, duration):
     assert not found.wrong
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("law", "scale", "seed"), [("mpc", 0.333, 1094), ("lqg", 2.4, 1044)], ids=["a third", "more than twice"]
+)
+def test_an_encoder_that_reads_another_scale_all_at_once_does_not_set_the_unit_swinging(law, scale, seed):
+    """In the swell of benchmark B10, near the resonance, the unit swung by 8 m (3 m without compensation)."""
+    start, end = 130.0, 200.0
+    changes = [f"winch_controller.law={law}", f"all.seed={seed}", f"all.duration={end}"]
+    for name, value in (("kind", "scale"), ("start", start), ("duration", 0.0), ("magnitude", scale)):
+        changes.append(f"virtual_winch.encoder.faults.{name}=[{value}]")
+    record = ClosedLoop(loop_parameters(load_scenario("b10_real_mru_swell", settings=changes))).run()
+    assert [mode for mode, _ in changes_of_mode(record)] == ["standby", "compensating"]
+    after = record.column("time") > start
+    unit, off = (record.column(name)[after] for name in ("unit", "uncompensated"))
+    assert np.std(unit) < 0.5 * np.std(off)
+    blamed = [(time, words) for time, words in record.alarms if time > start and culprits(words)]
+    assert {culprit for _, words in blamed for culprit in culprits(words)} == {"encoder"}
+    assert any(f"it reads {scale:.1f}" in words for _, words in blamed), blamed
+    assert blamed[-1][0] < start + 10.0
+
+
 def test_a_draw_is_the_same_each_time_and_a_fault_that_its_sensor_can_have():
     found = [draw(number) for number in range(256)]
     assert found == [draw(number) for number in range(256)]
@@ -201,6 +222,7 @@ def test_a_draw_is_the_same_each_time_and_a_fault_that_its_sensor_can_have():
     [
         ("encoder suspect: it reads 0.50 times what the winch was sent and the depth sensor sees", ["encoder"]),
         ("encoder suspect: it goes the other way than the winch was sent: set aside while they", ["encoder"]),
+        ("encoder suspect: it reads far more or less than the winch was sent: set aside", ["encoder"]),
         ("mru suspect: its readings contradict all others", ["mru"]),
         ("mru or drum suspect: the heave that the one reads is 0.85 times what", ["mru or encoder"]),
         ("encoder lost: frozen: its readings do not change", ["encoder"]),

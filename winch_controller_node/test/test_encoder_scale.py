@@ -16,7 +16,10 @@ from winch_controller_node.identification.encoder_scale import (
     EXPLAINED,
     NEARER,
     NOT_CONTRARY,
+    NOT_SUDDEN,
     STRAIGHT,
+    SUDDEN,
+    TRUE,
     WRONG,
     Scale,
     ScaleJudge,
@@ -25,6 +28,8 @@ from winch_controller_node.identification.encoder_scale import (
     is_contrary,
     is_off,
     is_right_way,
+    is_sudden,
+    is_true,
 )
 
 LITTLE = 1e-6
@@ -241,3 +246,32 @@ def test_an_encoder_that_goes_the_right_way_does_not_go_the_other(share, left):
 @given(st.floats(CONTRARY, 10.0), POSITIVE)
 def test_an_encoder_that_goes_with_the_winch_is_never_set_aside(share, left):
     assert not is_contrary(sent(share, left), was=False)
+
+
+# all at once
+
+
+@pytest.mark.parametrize(
+    ("share", "left", "was", "sudden"),
+    [
+        (SUDDEN[0] - LITTLE, STRAIGHT - LITTLE, False, True),
+        (SUDDEN[0] + LITTLE, STRAIGHT - LITTLE, False, False),
+        (SUDDEN[0] - LITTLE, STRAIGHT + LITTLE, False, False),
+        (SUDDEN[1] - LITTLE, 0.0, False, False),
+        (SUDDEN[1] + LITTLE, 0.0, False, True),
+        (NOT_SUDDEN[0] - LITTLE, math.inf, True, True),
+        (NOT_SUDDEN[0] + LITTLE, math.inf, True, False),
+        (NOT_SUDDEN[1] + LITTLE, math.inf, True, True),
+        (-1.0, 0.0, False, True),
+    ],
+)
+def test_an_encoder_is_off_all_at_once_until_it_is_clearly_near_again(share, left, was, sudden):
+    assert is_sudden(sent(share, left), was=was) is sudden
+
+
+@given(st.floats(-10.0, 10.0), POSITIVE)
+def test_an_encoder_that_reads_what_was_sent_is_neither_off_nor_contrary(share, left):
+    one = sent(share, left)
+    assert is_true(one) == (abs(share - 1.0) < TRUE and left < STRAIGHT)
+    for was in (False, True):
+        assert not (is_true(one) and (is_sudden(one, was=was) or is_contrary(one, was=was)))

@@ -160,6 +160,9 @@ def test_surprise_lasts_while_innovations_are_larger_than_foreseen_and_can_be_ex
     assert waited * DT == pytest.approx(20.0 * math.log(6.2), rel=0.02)
     for _ in range(600):
         surprise.add({"unit_heave": Innovation(0.06, 0.02, 9.0, True)})
+    words = surprise.unexplained("depth")
+    assert "no sensor or cable explains it" in words
+    assert words.endswith("where it comes again look at sensor depth and at what hangs on the cable")
     surprise.excuse()
     assert surprise.words == ""
     surprise.restart()

@@ -112,6 +112,9 @@ def identified(design, winch, size=1.5):
         ({"hauling_speed_share": 0.4}, {"speed_limit": 0.8}),
         ({"speed_gain": 0.8}, {"speed_gain": 0.8}),
         ({"speed_gain": 1.2}, {"speed_gain": 1.2}),
+        ({"speed_gain": 0.3}, {"speed_gain": 0.3}),
+        ({"time_constant": 0.5}, {"time_constant": 0.5}),
+        ({"time_constant": 1.0}, {"time_constant": 1.0}),
     ],
     ids=",".join,
 )
@@ -119,6 +122,7 @@ def test_a_winch_weaker_or_other_than_believed_is_known_after_20_seconds(design,
     """Belief: 2 m/s, 1.5 m/s^2, gain 1, 0.15 s, 0.2 s. Of a limit 3 % are kept in hand; what is not wrong stays."""
     belief = WinchControllerParameters().winch
     better = identified(design, WinchParameters(**winch)).improved_winch(belief)
+    assert better is not None
     for name in ("time_constant", "command_delay", "speed_gain", "speed_limit", "acceleration_limit"):
         wanted = found.get(name)
         if wanted is None:

@@ -19,6 +19,8 @@ from winch_controller_node.identification.encoder_scale import (
     is_contrary,
     is_off,
     is_right_way,
+    is_sudden,
+    is_true,
     winch_gain,
 )
 from winch_controller_node.supervision.watch.winch_watch import WinchWatch
@@ -34,6 +36,15 @@ LOOKS = 2
 
 A drum that lags behind turns back late.
 """
+
+KNOWN_TIME, KNOWN = 10.0, 0.8
+"""Time constant [s] of the share of looks in which the encoder reads what the winch was sent, and the share from which
+on the winch is known: what the encoder then reads otherwise is the encoder's.
+"""
+
+CONTRARY_WORDS = "goes the other way than the winch {}"
+SUDDEN_WORDS = "reads far more or less than the winch {}"
+"""What an encoder does that is set aside, now or before."""
 
 
 class EncoderLearning:
@@ -58,23 +69,24 @@ class EncoderLearning:
         self._aside_time = self._moving_time = 0.0
         self._last = -1
         self._was_right, self._looks = False, 0
+        self._true_share = 0.0
+        self._words = CONTRARY_WORDS
         self.is_contrary = False
         self.has_found = False
 
     @property
     def doubts_encoder(self) -> bool:
         """Tell whether what the encoder reads says nothing now, of the winch or of other sensors."""
-        return self._judge.doubts or self._estimation.observer.doubted == "encoder"
+        observer = self._estimation.observer
+        return self._judge.doubts or observer.doubted == "encoder" or observer.gates["encoder"].is_lost
 
     @property
     def inhibition(self) -> str:
         """Why compensation must be off until an operator asks for it; empty: it need not."""
         if not self.is_contrary:
             return ""
-        return (
-            "the encoder goes the other way than the winch is sent, and which of them is wrong is not known: look at "
-            "the sign of both"
-        )
+        what, at = self._words.format("is sent"), "the sign" if self._words == CONTRARY_WORDS else "sign and scale"
+        return f"the encoder {what}, and which of them is wrong is not known: look at {at} of both"
 
     def trust_encoder(self) -> None:
         """Try an encoder again that was set aside: an operator asks for it."""
@@ -123,11 +135,14 @@ class EncoderLearning:
         self.is_contrary |= self._aside_time > LONGEST_ASIDE
         if tick % max(1, round(CONTRARY_PERIOD / self._dt)) != 0 or observer.doubted not in ("", "encoder"):
             return []
-        sent = self._winch.sent(CONTRARY_TIME)
+        sent = self._sent(CONTRARY_TIME)
         if sent is None:
             return []
         self._was_right |= is_right_way(sent)
-        is_now = is_contrary(sent, was=was)
+        self._true_share += CONTRARY_PERIOD / KNOWN_TIME * (is_true(sent) - self._true_share)
+        knows_winch = was or self._true_share > KNOWN
+        goes_back = is_contrary(sent, was=was)
+        is_now = goes_back or (knows_winch and is_sudden(sent, was=was))
         self._looks = self._looks + 1 if is_now else 0
         if is_now == was or (is_now and self._was_right and self._looks < LOOKS):
             return []
@@ -137,4 +152,5 @@ class EncoderLearning:
         self._estimation.set_encoder_aside(sent.payout, tick - 1)
         self.is_contrary = self._moving_time < BEGINNING and not self._was_right
         self.has_found = True
-        return ["encoder suspect: it goes the other way than the winch was sent: set aside while they are compared"]
+        self._words = CONTRARY_WORDS if goes_back else SUDDEN_WORDS
+        return [f"encoder suspect: it {self._words.format('was sent')}: set aside while they are compared"]

@@ -17,7 +17,7 @@ from winch_controller_node.estimation.loop_estimation import LoopEstimation
 from winch_controller_node.estimation.reading_record import RECORD
 from winch_controller_node.identification.likeliest_sea import likeliest_sea
 from winch_controller_node.identification.suspicions import Verdict, continued, suspect
-from winch_controller_node.identification.winch import is_weaker
+from winch_controller_node.identification.winch import is_weaker, lags_otherwise
 from winch_controller_node.model.lqr import DesignError
 from winch_controller_node.node_parameters import WinchControllerParameters
 from winch_controller_node.parameters.model import SeaModelParameters
@@ -85,7 +85,8 @@ class Learning:
         self._news = WinchNews(in_force.parameters.winch, tick_period=self._dt)
         self._patience = FIRST_PATIENCE / LONGER
         self._suspected = -math.inf
-        self._looked_early = self._is_doubted = False
+        self._looked_early: set[str] = set()
+        self._is_doubted = False
         self._seas_compared, self._seas_patience = -math.inf, FIRST_SEAS_PATIENCE
         self._refused = ""
         self.corrected: set[str] = set()
@@ -179,7 +180,7 @@ class Learning:
         if found is None:
             return
         self._in_force.take_limits(found)
-        if is_weaker(found, before):
+        if is_weaker(found, before) or lags_otherwise(found, before):
             self.corrected.add("winch")
         if (found.time_constant, found.command_delay) != (before.time_constant, before.command_delay):
             self._design_for(tick, replace(self._in_force.parameters, winch=found))
@@ -240,9 +241,11 @@ class Learning:
         if is_doubted:
             return False
         is_gross = GROSS_TIME <= surprise.time < SURPRISED_TIME and surprise.worst[1] >= GROSSLY
-        was_early, is_early = self._looked_early, is_gross or not is_trusted
-        self._looked_early = is_early or (was_early and surprise.time > 0.0)
-        return is_early and not was_early
+        # each of them is a reason to look, once: what was not clear at the first may be at the second
+        reasons = {reason for reason, holds in (("gross", is_gross), ("not trusted", not is_trusted)) if holds}
+        looked = self._looked_early
+        self._looked_early = reasons | looked if surprise.time > 0.0 else reasons
+        return not reasons <= looked
 
     def _take_verdict(self, tick: int, prepared: PreparedDesign, verdict: Verdict) -> list[str]:
         """Believe what was found of a sensor, and say which it is."""
@@ -255,9 +258,11 @@ class Learning:
         if not suspicion.culprit and not was_doubted:
             if estimation.surprise.time < SURPRISED_TIME:
                 return []
-            name, mean = estimation.surprise.worst
+            name, _ = estimation.surprise.worst
+            sensors = (one.sensor for one in self._in_force.design.measurements if one.name == name)
+            words = estimation.surprise.unexplained(next(sensors, name))
             estimation.surprise.excuse()
-            return [f"{name} is {math.sqrt(mean):.1f} times as far off as foreseen; no sensor or cable explains it"]
+            return [words]
         matrix = self._in_force.take_sensors(prepared)
         followed = continued(verdict, estimation.record)
         estimation.adopt(self._in_force.design, matrix, followed, tick - 1, suspicion.doubted)

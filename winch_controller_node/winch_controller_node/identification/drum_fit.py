@@ -46,8 +46,12 @@ RESOLUTION = 3e-4
 GRID = (1.0, 0.85, 0.7, 0.55, 0.42, 0.32)
 """Lower limits that are tried, over the believed ones; those of speed over the highest speed asked for, if lower."""
 
-LAG_FACTORS, DELAY_CHANGES = (0.4, 0.7, 1.0, 1.5, 2.0), (-0.16, -0.12, -0.08, -0.04, 0.0, 0.04, 0.08, 0.12, 0.16, 0.24)
+LAG_FACTORS = (0.4, 0.7, 1.0, 1.5, 2.0, 3.0, 6.0, 12.0)
+DELAY_CHANGES = (-0.16, -0.12, -0.08, -0.04, 0.0, 0.04, 0.08, 0.12, 0.16, 0.24)
 """Lags over the believed one and delays less the believed one [s] that a descent may begin with."""
+
+MANY_TIMES = 5.0
+"""A servo that is so many times slower than believed is another one."""
 
 TRIED = 3
 """Starts of the grid from which the descent begins."""
@@ -145,6 +149,14 @@ class DrumBelief:
     def lowered(self, drum: Array) -> list[int]:
         """Return the indices of the limits of a `drum` that are lower than the nominal ones."""
         return [i for i in LIMITS if drum[i] < self.nominal[i]]
+
+    def near(self, drum: Array) -> DrumBelief:
+        """Return the belief for a `drum` whose servo is many times slower: no lag so far off is less likely."""
+        if drum[LAG] < MANY_TIMES * self.nominal[LAG]:
+            return self
+        nominal = self.nominal.copy()
+        nominal[LAG] = drum[LAG]
+        return replace(self, nominal=nominal)
 
 
 def proved_belief(record: DrumRecord, belief: DrumBelief) -> DrumBelief:

@@ -41,6 +41,14 @@ CONTRARY, NOT_CONTRARY = -0.2, 0.5
 STRAIGHT = 0.15
 """And where no more is left of its readings: a drum that is weak lags behind, and goes the other way for a moment."""
 
+SUDDEN, NOT_SUDDEN = (0.6, 1.6), (0.75, 1.3)
+"""One that has read what the winch was sent, and all at once reads less or more than so many times as much, makes the
+loop harmful within seconds; it does no more where it reads as much as the second says.
+"""
+
+TRUE = 0.1
+"""It reads what the winch was sent where it is off by no more: so does no winch that is weaker or slower than known."""
+
 LEAST_SHARE = 1e-9
 """No share is taken for less where something is divided by it."""
 
@@ -160,3 +168,14 @@ def is_right_way(sent: Sent) -> bool:
 def is_contrary(sent: Sent, *, was: bool) -> bool:
     """Tell whether an encoder goes the other way than the winch was `sent`, and if it `was` so, still does."""
     return sent.share < NOT_CONTRARY if was else sent.share < CONTRARY and sent.left < STRAIGHT
+
+
+def is_true(sent: Sent) -> bool:
+    """Tell whether the encoder reads what the winch was `sent`."""
+    return abs(sent.share - 1.0) < TRUE and sent.left < STRAIGHT
+
+
+def is_sudden(sent: Sent, *, was: bool) -> bool:
+    """Tell whether an encoder reads far less or more than the winch was `sent`, and if it `was` so, still does."""
+    least, most = NOT_SUDDEN if was else SUDDEN
+    return not least < sent.share < most and (was or sent.left < STRAIGHT)

@@ -15,6 +15,9 @@ LATE_WINDOW = 2.0
 SHARE_WINDOW, LARGEST_SHARE = 60.0, 0.1
 """Share of the commands of so many seconds that may be late; half of it ends the alarm."""
 
+CUT_TIME = 0.5
+"""Where no new command has been taken for so long the link is cut, and it is not known how late any command is [s]."""
+
 
 class LateCommands:
     """Notices that the winch takes commands later than modelled, by the sequence numbers that it acknowledges.
@@ -31,6 +34,7 @@ class LateCommands:
     known, late : commands of which it is known how late they were, and those that were late, since the start
     largest : time by which one was later than modelled [s]
     has_begun : with the last one they have just become late
+    is_cut : no new command has been taken for CUT_TIME
     """
 
     def __init__(self, tick_period: float) -> None:
@@ -40,9 +44,10 @@ class LateCommands:
         self._window = max(1, round(LATE_WINDOW / tick_period))
         self._late_in_minute = 0
         self._is_slow = self._is_ragged = False
+        self._newest, self._ticks_without_new = 0, 0
         self.known = self.late = 0
         self.largest = 0.0
-        self.has_begun = False
+        self.has_begun = self.is_cut = False
 
     @property
     def overdue(self) -> float:
@@ -70,7 +75,11 @@ class LateCommands:
         is_late = taken > 0 and late_ticks > 0
         self._in_a_row = self._in_a_row + 1 if is_late else 0
         self.has_begun = self._in_a_row == LATE_TICKS
-        self._note(late_ticks * self._dt if is_late else 0.0)
+        self._ticks_without_new = self._ticks_without_new + 1 if is_late and taken == self._newest else 0
+        self._newest = taken
+        self.is_cut = self._ticks_without_new * self._dt > CUT_TIME - 0.5 * self._dt
+        if not self.is_cut:
+            self._note(late_ticks * self._dt if is_late else 0.0)
         return self._judge()
 
     def _note(self, overdue: float) -> None:

@@ -55,10 +55,10 @@ SHORTEST_RECORD = 4.0
 SIGMAS = Drum(0.05, 0.1, 0.2, 0.02, math.inf, math.inf, math.inf, math.inf, 0.005, hauling=0.2, creep=0.05)
 """How far a drum may well be from the nominal one, 1 sigma; of limits nothing is known."""
 
-SMALLEST_LAG = 0.005
-"""Least time constant of a servo [s]."""
+SMALLEST_LAG, LARGEST_LAG = 0.005, 2.0
+"""Least time constant of a servo, and the most that it is above the nominal one [s]."""
 
-GAINS, LARGEST_DEADBAND, LARGEST_BACKLASH, LOWEST_LIMIT = (0.5, 2.0), 0.2, 0.2, 0.1
+GAINS, LARGEST_DEADBAND, LARGEST_BACKLASH, LOWEST_LIMIT = (0.25, 4.0), 0.2, 0.2, 0.1
 """What a drum can be at all: gain [-], dead zone [m/s], play [m], limits over the nominal ones [-]."""
 
 LARGEST_UNEVENNESS, LARGEST_CREEP = 2.0, 0.2
@@ -121,6 +121,12 @@ SENT_LEAST = 0.004
 
 SENT_SEEN = 0.8
 """And so many of the readings have come."""
+
+UNSTABLE = 0.15
+"""Error of lag and delay together that makes a loop harmful [s]: the delay margins of cables are 0.1 to 0.34 s."""
+
+SETTLED = 3.0
+"""Time constants after which a servo has forgotten how it began."""
 
 
 @dataclass(frozen=True)
@@ -268,19 +274,28 @@ class WinchIdentifier:
         """Return what the encoder reads of what the winch was sent, did that do as it was told; None: unknown.
 
         Gain and limits are those that it was believed to have at first: what was learnt of them is learnt of the
-        encoder. They are compared over a `time` [s].
+        encoder; dead zone and play are as found, for they are made up for in what is sent. All that is compared over a
+        `time` [s].
         """
         count = round(time / self._dt)
         readings = self._readings.last(count + 1)
         seen = np.isfinite(readings)
         if len(readings) <= count or not seen[0] or np.count_nonzero(seen) < SENT_SEEN * count:
             return None
-        needed = count + 1 + self._ahead
         drum = self._belief.nominal.copy()
-        drum[[LAG, DELAY]] = self._found[[LAG, DELAY]]
-        start = np.array([[readings[0], self._rate_before(count)]])
+        as_found = [LAG, DELAY, DEADBAND, BACKLASH]
+        drum[as_found] = self._found[as_found]
+        # a slow servo still goes as it was sent long before: that is known from there on only
+        before = min(math.ceil(SETTLED * drum[LAG] / self._dt), len(self._readings) - count - 1)
+        begin = self._readings.last(count + 1 + before)[0]
+        begin = begin if math.isfinite(begin) else readings[0]
+        needed = before + count + 1 + self._ahead
         payouts, rates = self._payouts.last(needed), self._rates.last(needed)
-        sent = drum_records(payouts, rates, drum[np.newaxis], start, self._nominal.position_gain, count, self._dt)[0]
+        start = np.array([[begin, self._rate_before(before + count)]])
+        path = drum_records(
+            payouts, rates, drum[np.newaxis], start, self._nominal.position_gain, before + count, self._dt
+        )[0]
+        sent, travel = path[before:], path[-1] - (path[before - 1] if before > 0 else begin)
         asked, read = sent[seen[1:]], readings[1:][seen[1:]]
         asked, read = asked - asked.mean(), read - read.mean()
         asked_squares, read_squares = float(asked @ asked), float(read @ read)
@@ -288,7 +303,7 @@ class WinchIdentifier:
             return None
         share = float(asked @ read) / asked_squares
         left = max(read_squares - share**2 * asked_squares, 0.0)
-        return Sent(share, math.sqrt(left / read_squares), float(sent[-1]))
+        return Sent(share, math.sqrt(left / read_squares), float(readings[0] + travel))
 
     def _rate_before(self, count: int) -> float:
         """Return the speed that the winch was sent `count` ticks ago and has reached by now [m/s]."""
@@ -460,7 +475,7 @@ class WinchIdentifier:
         misfit = TOLD_MISFIT if record.told else MISFIT
         # limits that were learnt stay where they explain the record: what is not reached tells nothing
         for other in [start, *best_lags(record, belief, start)] if fit.residual > misfit else []:
-            again = fit_drum(record, belief, other, [*free, *learnt])
+            again = fit_drum(record, belief.near(other), other, [*free, *learnt])
             again = without_needless(record, belief, again, free, start, learnt)
             fit = again if IMPROVEMENT * again.squares < fit.squares else fit
         believed = start.copy()
@@ -562,6 +577,11 @@ def is_weaker(one: WinchModelParameters, other: WinchModelParameters) -> bool:
     return one.speed_limit < other.speed_limit or one.acceleration_limit < other.acceleration_limit
 
 
+def lags_otherwise(one: WinchModelParameters, other: WinchModelParameters) -> bool:
+    """Tell whether lag and delay of `one` differ so much from those of `other` that no loop bears it."""
+    return abs(one.time_constant + one.command_delay - other.time_constant - other.command_delay) > UNSTABLE
+
+
 def _belief(winch: WinchModelParameters, largest: float) -> DrumBelief:
     """Return what is believed of a drum at first; lag and delay change by `largest` [s] at most."""
     nominal = drum_of(winch)
@@ -575,7 +595,7 @@ def _belief(winch: WinchModelParameters, largest: float) -> DrumBelief:
         **limits,
     )
     highest = nominal._replace(
-        lag=nominal.lag + largest,
+        lag=nominal.lag + LARGEST_LAG,
         delay=nominal.delay + largest,
         gain=GAINS[1],
         deadband=LARGEST_DEADBAND,

@@ -1,0 +1,51 @@
+"""A winch that is several times slower, or goes farther or less far, than the controller believes."""
+
+import re
+
+import numpy as np
+import pytest
+from heave_bringup.closed_loop import ClosedLoop, loop_parameters
+from heave_bringup.scenarios import load_scenario
+
+BELIEF = {"time_constant": 0.15, "speed_gain": 1.0}
+"""Of the shipped scenarios [s], [-]."""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("scenario", "law", "name", "value", "seed"),
+    [
+        ("b3_deep_900", "mpc", "time_constant", 1.0, 3),
+        ("b3_deep_900", "mpc", "time_constant", 0.4, 3),
+        ("b2_calm_300", "lqg", "time_constant", 0.6, 4),
+        ("b3_deep_900", "mpc", "speed_gain", 0.4, 5),
+        ("b3_deep_900", "mpc", "speed_gain", 2.5, 5),
+    ],
+)
+def test_a_winch_that_is_several_times_off_is_known_within_half_a_minute_and_holds_the_unit(
+    scenario, law, name, value, seed
+):
+    """It was told with limits that no winch had, and left half of the motion, or all of it."""
+    settings = [f"virtual_winch.{name}={value}", f"winch_controller.law={law}", f"all.seed={seed}", "all.duration=150"]
+    record = ClosedLoop(loop_parameters(load_scenario(scenario, settings=settings))).run()
+    begins = next(time for time, words in record.alarms if words.startswith("mode compensating"))
+    time = record.column("time")
+    after = time > begins + 45.0
+    unit, off = (record.column(motion)[after] for motion in ("unit", "uncompensated"))
+    assert np.std(unit) < 0.1 * np.std(off)
+    ((told, words),) = [alarm for alarm in record.alarms if "updated" in alarm[1] or "suspect" in alarm[1]]
+    assert told < begins + 30.0
+    wanted = rf"winch model updated: {name.replace('_', ' ').removeprefix('speed ')} ([\d.]+)( s)? \(was ([\d.]+)\)"
+    learnt, _, was = re.fullmatch(wanted, words).groups()
+    assert float(learnt) == pytest.approx(value, rel=0.03)
+    assert float(was) == BELIEF[name]
+
+
+@pytest.mark.slow
+def test_a_winch_that_is_known_to_be_slow_blames_no_encoder():
+    """Of 1 s, as published winches have: it still goes the one way while it is already sent the other."""
+    settings = ["system.winch.time_constant=1.0", "all.seed=3", "all.duration=130"]
+    record = ClosedLoop(loop_parameters(load_scenario("b3_deep_900", settings=settings))).run()
+    assert [words for _, words in record.alarms] == ["mode compensating: estimate settled"]
+    after = record.column("time") > 60.0
+    assert np.std(record.column("unit")[after]) < 0.05 * np.std(record.column("uncompensated")[after])
