@@ -1,7 +1,9 @@
 """A hiccup between controller and winch: compensation goes on by itself, unless it comes again and again."""
 
+from heave_bringup.closed_loop import ClosedLoop, loop_parameters
+from heave_bringup.scenarios import load_scenario
 from heave_node.interface.codes import WinchFault
-from winch_controller_node.identification.late_commands import LATE_WINDOW, LateCommands
+from winch_controller_node.identification.late_commands import CUT_TIME, LATE_WINDOW, LateCommands
 from winch_controller_node.supervision.command_timeouts import MOST, WAIT, Advice, CommandTimeouts
 
 DT = 0.05
@@ -18,6 +20,32 @@ def test_a_transport_that_stays_slow_is_told_by_its_median():
         late.update(tick, tick - 11, 0.2)
     # of a command that is due after 0.2 s, 4 ticks, at most tick - 4 is taken; 7 ticks more are 0.35 s
     assert abs(late.overdue - 0.35) < 1e-9 + DT
+
+
+def test_a_link_that_is_cut_for_seconds_is_not_a_slow_one():
+    """Nothing is taken for 3 s, and from then on each command in time: how late one was is known of none."""
+    late, told, cut = LateCommands(DT), [], []
+    for tick in range(100, 1300):
+        is_gap = 500 <= tick < 560
+        told.append(late.update(tick, 499 - 4 if is_gap else tick - 4, 0.2))
+        cut += [tick] if late.is_cut else []
+        assert late.overdue == 0.0
+    assert set(told) == {""}
+    assert cut == list(range(499 + round(CUT_TIME / DT), 560))
+
+
+def test_of_a_link_that_is_cut_for_seconds_it_is_told_once_that_the_winch_takes_no_command():
+    """It is in order again after 8 s, and compensation goes on from then on, not while the link is cut."""
+    fault = {"kind": "gap", "start": 30.0, "duration": 8.0, "magnitude": 0.0}
+    settings = [f"virtual_winch.faults.{name}=[{value}]" for name, value in fault.items()]
+    scenario = load_scenario("b4_limit_900_tp8", settings=["all.seed=57", "all.duration=45", *settings])
+    told = [(time, words) for time, words in ClosedLoop(loop_parameters(scenario)).run().alarms if time > 30.0]
+    (_, stopped), (resumed, resumes) = told[:2]
+    assert stopped.endswith("commands were given in time, but the winch has taken none for 0.50 s")
+    assert resumes == Advice.RESUME.value
+    assert resumed > 30.0 + 8.0 + WAIT
+    assert not any("later than modelled" in words for _, words in told)
+    assert told[-1][1].startswith("mode compensating")
 
 
 def late_in_bursts(burst: int, every: int, ticks: int) -> tuple[LateCommands, list[str]]:

@@ -52,6 +52,26 @@ def loop_parameters(*, height=1.5, period=10.0, duration=90.0, seed=1, sea=None,
     )
 
 
+def test_no_move_of_the_programme_begins_while_the_mru_is_lost_and_one_under_way_ends_and_is_told_once():
+    """The winch compensates by the depth sensor alone: a unit that was lowered on met the bottom at 0.7 m/s."""
+    programme = {"move_times": [30.0, 45.0], "move_payouts": [6.0, 6.0], "move_speeds": [0.2, 0.12]}
+    controller = {f"programme.{key}": value for key, value in programme.items()}
+    sea = mru_fault("gap", 40.0, 20.0)
+    record = ClosedLoop(loop_parameters(duration=75.0, sea=sea, **controller)).run()
+    words = [alarm for _, alarm in record.alarms]
+    set_point, time = record.column("depth_set_point"), record.column("time")
+    faded = next(begun for begun, alarm in record.alarms if alarm.startswith("mode fade_out"))
+    assert 40.0 < faded < 43.0
+    lowered = set_point[time > faded][0]
+    assert lowered < 3.0
+    # 0.2 m/s come to rest in 5 s
+    assert np.ptp(set_point[time > faded + 8.0]) < 0.02
+    assert set_point[-1] - lowered < 0.8
+    assert record.modes[-1] == "compensating"
+    assert sum("the move to a payout of 6.0 m ends near" in alarm for alarm in words) == 1
+    assert sum("programme at 45 s: no move to a payout of 6.0 m" in alarm for alarm in words) == 1
+
+
 def mru_fault(kind, start, duration):
     columns = {"kind": kind, "start": start, "duration": duration, "magnitude": 0.0}
     return {f"mru.faults.{name}": [value] for name, value in columns.items()}
@@ -503,8 +523,8 @@ def test_the_mean_moves_and_a_stopped_winch_stays_under_a_position_loop():
     # the line gives 1 % more than is paid out, at most
     assert np.mean(moved[-100:, 2]) - moved[0, 2] == pytest.approx(-2.0, abs=0.05)
     loop.controller.set_mode("stopped")
-    # compensation is faded out over 10 s first
-    stopped = np.array([loop.step()[1] for _ in range(300)])
+    # compensation is faded out over 10 s first, and the unit is let go within 30 s more
+    stopped = np.array([loop.step()[1] for _ in range(900)])
     # 1.5 m/s^2 are the winch's limit
     assert np.max(np.abs(np.diff(stopped[:, 5]))) <= 1.5 * DT + 1e-9
     assert np.all(stopped[-50:, 5] == 0.0)
@@ -628,6 +648,23 @@ def test_constant_tension_refuses_a_hanging_unit_and_says_what_to_do():
     assert loop.step()[0].report.mode == "compensating"
 
 
+@pytest.mark.parametrize(("height", "period"), [(1.5, 10.0), (3.0, 10.0), (3.0, 14.0)])
+def test_constant_tension_refuses_a_hanging_unit_at_whatever_instant_of_a_wave_under_a_brake(height, period):
+    """The cable carries the weight on average, and from nothing to twice of it within a wave."""
+    loop = ClosedLoop(loop_parameters(height=height, period=period, duration=150.0, law="lqg"))
+    controller = loop.controller
+    controller.set_mode("stopped")
+    tension = []
+    for tick in range(3000):
+        tension.append(loop.step()[1][7])
+        if tick > 600 and tick % 4 == 0:
+            with pytest.raises(ModeError, match="the unit is suspended: "):
+                controller.set_mode("constant_tension", 50e3)
+    share = 1.0 + (np.array(tension[600:]) - controller.design.cable.static_tension) / controller.design.unit_weight
+    assert np.min(share) < 0.5
+    assert np.max(share) > 1.5
+
+
 def test_a_hanging_unit_at_constant_tension_travels_no_further_than_its_bound_and_that_is_an_alarm():
     """A set-point below its weight lets a hanging unit go for ever."""
     bound = {"tension.hanging": True, "tension.travel": 1.0}
@@ -641,7 +678,8 @@ def test_a_hanging_unit_at_constant_tension_travels_no_further_than_its_bound_an
     # the change of tension needs a tenth of the stretch; the average over 5 s is late at the largest speed of 0.3 m/s
     allowed = 1.0 + 0.1 * cable.static_tension / cable.stiffness + 5.0 * 0.3
     assert np.max(np.abs(payout - payout[0])) < allowed + 0.2
-    assert any("constant tension has travelled 1 m" in words for tick in outputs for words in tick.alarms)
+    alarms = [words for tick in outputs for words in tick.alarms if "constant tension has travelled" in words]
+    assert [words.split(" m")[0].split()[-1] for words in alarms] == ["0.5", "1"]
 
 
 def test_a_landed_unit_under_a_brake_is_lifted_off_at_constant_tension():

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 from winch_controller_node.design.design import design_controller
-from winch_controller_node.estimation.tension_filter import FILTER_SHARE, TensionFilter
+from winch_controller_node.estimation.tension import FILTER_SHARE, MEMORY, MeanTension, TensionFilter
 from winch_controller_node.laws.constant_tension import ConstantTension, TensionSetPoint, Travel
 from winch_controller_node.laws.parts.loop_state import LoopState, Reference
 from winch_controller_node.node_parameters import WinchControllerParameters
@@ -81,3 +81,38 @@ def test_travel_ends_at_its_bound_and_the_way_back_stays_open():
     # at 0.1 m/s the average over 5 s is 0.5 m behind
     assert 1.0 <= outlet - 5.0 <= 1.5 + 0.1 * DT
     assert travel.bounded(-0.1, outlet) == -0.1
+
+
+def test_half_of_the_travel_counts_beyond_what_the_change_of_tension_requires():
+    travel = Travel(tick_period=DT)
+    travel.begin(1.0, 2.0)
+    travel.bounded(0.0, 0.0)
+    for outlet, is_half in ((2.4, False), (2.6, True)):
+        for _ in range(2000):
+            travel.bounded(0.0, outlet)
+        assert travel.is_half_used is is_half
+
+
+@pytest.mark.parametrize("phase", np.linspace(0.0, 2.0 * math.pi, 8, endpoint=False))
+def test_the_mean_tension_is_that_of_the_waves_at_whatever_instant_it_is_read(phase):
+    """Of a wave A sin(w t) a plain mean leaves 2 A/(w t) at most, a low-pass of time constant T A/(w T)."""
+    mean, omega, amplitude = MeanTension(tick_period=DT), 2.0 * math.pi / 9.0, 15e3
+    for tick in range(4000):
+        mean.add(48e3 + amplitude * math.sin(omega * tick * DT + phase), 0.0, unit_stands=True)
+        time = (tick + 1) * DT
+        assert mean.mean.time == pytest.approx(time)
+        if time > 10.0:
+            left = 2.0 / (omega * min(time, MEMORY))
+            assert abs(mean.mean.value - 48e3) < amplitude * left * 1.1
+
+
+@pytest.mark.parametrize("place", [(0.5, True), (0.0, False)], ids=["payout moved", "unit lifted"])
+def test_the_mean_tension_begins_anew_where_the_situation_changes(place):
+    mean = MeanTension(tick_period=DT)
+    for _ in range(400):
+        mean.add(48e3, 0.0, unit_stands=True)
+    payout, stands = place
+    for _ in range(20):
+        mean.add(10e3, payout, unit_stands=stands)
+    assert mean.mean.value == 10e3
+    assert mean.mean.time == pytest.approx(1.0)

@@ -4,6 +4,8 @@ import math
 
 import numpy as np
 import pytest
+from heave_bringup.closed_loop import ClosedLoop, loop_parameters
+from heave_bringup.scenarios import load_scenario
 from winch_controller_node.estimation.loop_tick import Motion
 from winch_controller_node.laws.parts.winch_limits import WinchLimits
 from winch_controller_node.parameters.laws import GuardParameters
@@ -105,6 +107,43 @@ def test_a_sea_that_grows_is_as_high_as_its_last_waves_and_a_steady_one_is_not_t
     last = 2.0 * math.sqrt(0.5) * 2.0 * 51.0 / 60.0 / limits.speed
     assert growing.coming(limits) == pytest.approx(min(last, 1.0), rel=0.1)
     assert growing.significant(limits) < growing.coming(limits)
+
+
+@pytest.mark.parametrize(("acceleration", "is_held_against"), [(0.05, False), (0.0, True)])
+def test_a_drum_that_lets_the_unit_gain_speed_with_the_mean_payout_is_not_held_against_the_loop(
+    acceleration, is_held_against
+):
+    """On a cable with a of 23 s^2 that takes 1.15 m of payout, beside a sea of 0.3 m/s."""
+    limits = WinchLimits(2.0, 1.5, -50.0, 50.0)
+    guard = HarmGuard(GuardParameters(window=20.0), GuardedLoop(limits, inertia=23.0), tick_period=DT)
+    feed_guard(guard, 0.01, 0.1, 60.0)
+    assert not guard.inhibits
+    for time in DT * np.arange(round(4.0 / DT)):
+        drum = 0.9 * math.sin(0.25 * math.pi * time)
+        guard.update(
+            GuardedMotions(Motion(0.01, 0.0), Motion(0.1, 0.0), Motion(0.0, 0.0), drum, mean_acceleration=acceleration),
+            1.0,
+        )
+    assert guard.inhibits is is_held_against
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("axial_stiffness", "seed", "begin"), [(3.0e6, 84, 150.0), (1.5e6, 1, 80.0)])
+def test_a_move_that_begins_on_a_soft_cable_is_not_taken_for_harm(axial_stiffness, seed, begin):
+    """The drum pays out 1.2 to 2.3 m more at first, and hauls them in again, to take the unit along."""
+    settings = [
+        f"all.seed={seed}",
+        f"system.cable.axial_stiffness={axial_stiffness}",
+        f"winch_controller.programme.move_times=[{begin}]",
+        "winch_controller.programme.move_payouts=[4.0]",
+        "winch_controller.programme.move_speeds=[0.2]",
+        "winch_controller.programme.mode_times=[]",
+        "winch_controller.programme.modes=[]",
+        f"all.duration={begin + 35.0}",
+    ]
+    record = ClosedLoop(loop_parameters(load_scenario("b7_landing", settings=settings))).run()
+    assert set(record.modes[round(60.0 / DT) :]) == {"compensating"}
+    assert record.column("depth_set_point")[-1] > 3.5
 
 
 def test_a_swing_above_the_sea_is_noticed_within_seconds_and_one_below_never():

@@ -24,7 +24,7 @@ COMPENSATING = ModeOutput(Mode.COMPENSATING, "", 1.0, brake=False)
 HOLDING = ModeOutput(Mode.CONSTANT_TENSION, "", 0.0, brake=False)
 
 
-def sensed(*, tension, depths=(), innovation=None, has_depth=True, filtered=None):
+def sensed(*, tension, depths=(), innovation=None, has_depth=True, filtered=None, lost=()):
     return Sensed(
         payout=0.0,
         mru_rate=0.0,
@@ -36,7 +36,7 @@ def sensed(*, tension, depths=(), innovation=None, has_depth=True, filtered=None
         has_depth=has_depth,
         has_encoder=True,
         innovations={},
-        lost={},
+        lost=dict.fromkeys(lost, "frozen"),
         faults=(),
     )
 
@@ -158,9 +158,64 @@ def test_a_landing_is_suspected_before_it_is_known_and_a_suspicion_does_not_last
 
 
 def test_without_a_depth_sensor_the_tension_alone_tells():
+    """The cable is slack after 2.5 s; the mean over 10 s is then (11.25 - t)/10 of 50 kN: 0.6 of it at 5.25 s."""
     lowering = Lowering(stiffness=100e3, speed=0.2, contact=20.0)
-    # 40 % of 50 kN are off after 1 s
-    assert lowering.run(30.0, has_depth=False) == pytest.approx(21.0, abs=0.2)
+    assert lowering.run(40.0, has_depth=False) == pytest.approx(25.25, abs=0.2)
+
+
+@pytest.mark.parametrize(("amplitude", "omega"), [(3.0, 0.7), (4.0, 1.2), (15.0, 0.63)])
+def test_without_a_depth_sensor_a_unit_never_lands_whose_cable_goes_slack_in_each_wave(amplitude, omega):
+    """Relieved of up to 1.1 of the weight at the lowest point of each wave."""
+    for seed in range(3):
+        hanging = Lowering(stiffness=27e3, speed=0.2, contact=math.inf, seed=seed, swing=(amplitude, omega))
+        assert hanging.run(90.0, has_depth=False) is None
+
+
+def test_what_a_lost_load_cell_has_read_last_is_no_sign_of_a_landing():
+    """It froze at the lowest tension of a wave, and is good again after 20 s."""
+    load = HangingLoad(static_tension=60e3, weight=50e3, stiffness=27e3)
+    landing = Landing(TensionLawParameters(), load)
+    for tick in range(1, 1200):
+        time = tick * DT
+        is_lost = 20.0 < time < 40.0
+        tension = 15e3 if is_lost else 60e3 + 45e3 * math.cos(2.0 * math.pi * time / 10.0)
+        # the gate needs some readings to find it frozen
+        lost = ("load_cell",) if 21.0 < time < 40.0 else ()
+        now = sensed(tension=tension, has_depth=False, lost=lost)
+        landing.observe(time, now, 0.2 * time, HangingUnit(0.2 * time, 0.0))
+        assert landing.update(time, now, COMPENSATING) is None
+
+
+FROZEN = tuple(
+    f"cable_sim.sensors.depth.faults.{fault}" for fault in ("kind=[freeze]", "duration=[0.0]", "magnitude=[0.0]")
+)
+"""A depth sensor that freezes for good."""
+
+
+@pytest.mark.slow
+def test_a_landing_while_the_depth_sensor_is_frozen_is_told_and_known_before_the_cable_is_slack():
+    """Lowered by 0.12 m/s, the wire needs 16 s to unload; it is told once that tension alone will tell."""
+    settings = [
+        *FROZEN,
+        "cable_sim.sensors.depth.faults.start=[50.0]",
+        "cable_sim.seabed.depth=575.0",
+        "winch_controller.programme.move_times=[40.0]",
+        "winch_controller.programme.move_payouts=[14.0]",
+        "winch_controller.programme.move_speeds=[0.12]",
+        "winch_controller.programme.mode_times=[]",
+        "winch_controller.programme.modes=[]",
+        "wave_vessel.ramp=20.0",
+        "all.duration=120.0",
+    ]
+    record = ClosedLoop(loop_parameters(load_scenario("b7_landing", settings=settings))).run()
+    words = [alarm for _, alarm in record.alarms]
+    force, time = record.column("touchdown_force"), record.column("time")
+    contact = time[np.argmax(force > 0.0)]
+    touchdown = next(known for known, alarm in record.alarms if alarm == "touchdown")
+    assert contact < touchdown < contact + 16.0
+    assert record.modes[-1] == "constant_tension"
+    assert np.max(record.column("slack_segments")) == 0.0
+    assert sum("landing is known by tension alone" in alarm for alarm in words) == 1
 
 
 def test_a_unit_lands_once_and_hangs_again_only_when_it_is_lifted():
@@ -196,10 +251,12 @@ def test_a_winch_that_begins_to_lower_relieves_the_cable_by_the_inertia_of_the_u
         assert landing.update(time, now, COMPENSATING) is None
 
 
+@pytest.mark.parametrize("faults", [(), (*FROZEN, "cable_sim.sensors.depth.faults.start=[80.0]")], ids=["", "frozen"])
 @pytest.mark.parametrize(("law", "height", "seed"), [("mpc", 3.0, 1), ("lqg", 4.0, 2)])
-def test_an_operator_who_lifts_and_lowers_at_full_speed_in_a_high_sea_has_not_landed(law, height, seed):
+def test_an_operator_who_lifts_and_lowers_at_full_speed_in_a_high_sea_has_not_landed(law, height, seed, faults):
     """A unit that stayed behind the drum, or swung, was taken to stand: constant tension let it drop by metres."""
-    settings = [f"winch_controller.law={law}", f"system.sea.significant_wave_height={height}", f"all.seed={seed}"]
+    sea = [f"system.sea.significant_wave_height={height}", f"all.seed={seed}"]
+    settings = [f"winch_controller.law={law}", *sea, *faults]
     loop = ClosedLoop(loop_parameters(load_scenario("b3_deep_900", settings=[*settings, "all.duration=230"])))
 
     def operate(tick, outputs):

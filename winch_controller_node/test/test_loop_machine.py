@@ -68,9 +68,10 @@ VISITED = {"standby", "compensating", "fade_out", "stopping", "stopped", "consta
 """Modes in which every run of the machine has been: all but off, which needs a controller without a law."""
 
 
-def loop_in(height, seed, tension_ratio=0.0):
+def loop_in(height, seed, tension_ratio=0.0, law="mpc"):
     """Return the loop on the two-state plant in a sea of significant wave `height` [m]."""
     belief = {
+        "law": law,
         "length": 900.0,
         "cable_model.inertia": INERTIA,
         "cable_model.damping": DAMPING,
@@ -205,9 +206,10 @@ class AnyOperatorAnyTrouble(RuleBasedStateMachine):
         height=st.sampled_from([0.01, 1.5, 3.0, 3.0]),
         seed=st.integers(1, 1000),
         tension_ratio=st.sampled_from([0.0, TENSION_RATIO]),
+        law=st.sampled_from(["mpc", "lqg"]),
     )
-    def begin(self, height, seed, tension_ratio):
-        self.loop = loop_in(height, seed, tension_ratio)
+    def begin(self, height, seed, tension_ratio, law="mpc"):
+        self.loop = loop_in(height, seed, tension_ratio, law)
         # above a highest tension the winch leaves its path, to give way to a unit that swings
         self.is_calm = height < 0.1 and tension_ratio == 0.0
         self.gap, self.fault, self.trouble_left = (), WinchFault.NONE, 0

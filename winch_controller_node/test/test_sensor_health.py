@@ -121,6 +121,22 @@ def test_an_mru_that_says_it_is_settling_is_not_used():
     assert gate.reason == "status settling"
 
 
+@pytest.mark.parametrize("lasting", [1.0, 15.0])
+def test_an_mru_that_was_frozen_is_read_again_once_it_moves(lasting):
+    """A swell of 1 m and 9 s; what its rate makes of the heave meanwhile is no step: the heave stood."""
+    gate, steps = SensorGate("mru", SensorTiming(DT), HealthParameters()), MruSteps()
+    phases = 2.0 * np.pi / 9.0 * DT * np.arange(1200)
+    frozen, last = 600, 600 + round(lasting / DT)
+    taken = []
+    for k, phase in enumerate(phases):
+        held = phases[frozen] if frozen <= k < last else phase
+        reading = MruReading(k * DT, np.sin(held), 2.0 * np.pi / 9.0 * np.cos(held))
+        taken.append(judge_mru(gate, k * DT, reading, steps, 0.01))
+    assert all(taken[:frozen])
+    assert not any(taken[frozen + 10 : last])
+    assert all(taken[last:])
+
+
 def encoder_after(steps, rate=0.5):
     """Feed an encoder that moves at `rate`, with extra `steps` by tick; return payouts taken and the gate."""
     gate = EncoderGate(SensorTiming(DT, DT), HealthParameters(), tick_period=DT)
@@ -444,6 +460,13 @@ def test_a_spike_of_the_depth_however_large_leaves_nothing_to_prove():
     for k, time in enumerate(times):
         jumps.take_off(time, -heave(time) if k == 50 else heave(time))
         assert not jumps.is_unproved
+
+
+@pytest.mark.parametrize(("noise", "is_left_out"), [(0.0, True), (0.02, True), (0.2, False)])
+def test_a_step_of_the_depth_that_its_noise_makes_is_no_jump(noise, is_left_out):
+    jumps = DepthJumps()
+    read = [jumps.take_off(0.1 * k, 900.0 + (1.0 if k == 5 else 0.0), noise) for k in range(10)]
+    assert (read[5] is None) is is_left_out
 
 
 def test_a_spike_of_the_depth_is_left_out_and_nothing_else():

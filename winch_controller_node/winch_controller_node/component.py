@@ -47,6 +47,12 @@ DYNAMIC_LIMITS = int(~WinchLimit.PAYOUT)
 OPERATED = (Mode.COMPENSATING, Mode.MANUAL)
 """Modes in which an operator may ask for a speed."""
 
+COMING_TO_REST = (Mode.FADE_OUT, Mode.STOPPING)
+"""Modes in which no move begins."""
+
+LEAST_MEAN_TIME = 10.0
+"""Time over which a tension is averaged at least before it is held as the mean [s]: about a wave."""
+
 LIFTING_SURPLUS = 0.06
 """Tension above the static one that lifts a unit off, in weights of the unit: more than the load cell may err."""
 
@@ -81,7 +87,7 @@ class WinchController:
         self._command = LoopCommand(design, law)
         self._winch = WinchWatch(design, designer)
         self._load = LoadWatch(parameters.alarms, tick_period=tick_period)
-        self._travel_end = Episode(tick_period)
+        self._travel_half, self._travel_end = Episode(tick_period), Episode(tick_period)
         self._programme = Programme(parameters.programme)
         self._operator = OperatorSpeed(parameters.operator, tick_period=tick_period)
         self._kpi = KpiWindow(parameters.kpi_window, parameters.winch, tick_period=tick_period)
@@ -163,8 +169,9 @@ class WinchController:
             if not math.isfinite(tension) or tension < 0.0:
                 raise ModeError(f"a tension must be a number of at least 0; got {tension} N")
             was = self.mode
+            held = tension if tension > 0.0 else self._present_tension()
             self.modes.request(name)
-            self._hold_tension(tension if tension > 0.0 else measured, was=was)
+            self._hold_tension(held, was=was)
             return self.mode.value
         if name == Mode.COMPENSATING.value and self._supervisor.landing.unit_stands:
             self._lift_off()
@@ -279,10 +286,33 @@ class WinchController:
         try:
             if due.mode:
                 self.set_mode(due.mode)
+            elif self.mode in COMING_TO_REST:
+                # the mean payout has just been stopped: a sensor is lost, or compensation does harm
+                raise ModeError(
+                    f"no move to a payout of {due.payout:.1f} m, for the mode is {self.mode.value}: ask for it again "
+                    "once the winch compensates"
+                )
             else:
                 self.move_to_payout(due.payout, due.speed)
         except (ModeError, ValueError) as error:
             self._alarms.append(f"programme at {due.time:g} s: {error}")
+
+    def _present_tension(self) -> float:
+        """Return the present mean tension [N].
+
+        At constant tension the winch follows the waves, and what is read is free of them. Raises ModeError where the
+        mean is not known yet.
+        """
+        if self.mode is Mode.CONSTANT_TENSION:
+            return self._estimation.filtered_tension
+        mean = self._estimation.mean_tension.mean
+        wait = LEAST_MEAN_TIME - mean.time
+        if wait > 0.0:
+            raise ModeError(
+                f"the mean tension is not known before {wait:.0f} s more have been averaged with unit and mean payout "
+                "where they are: ask again then, or give the tension to hold"
+            )
+        return mean.value
 
     def _hold_tension(self, tension: float, *, was: Mode) -> None:
         """Go to a tension [N] from the measured one, or from that held if the mode `was` constant tension already."""
@@ -350,6 +380,7 @@ class WinchController:
                 fault_cause=self._winch.fault_cause(measurements.lateness),
                 speed=self._command.speed(loop),
                 mean_payout=self.mean.point.payout,
+                mean_acceleration=self.mean.point.acceleration,
                 settled_swing=self._command.settled_swing,
                 share=self._winch.share if identifies_winch(self.parameters) else 1.0,
                 inhibition=transport.inhibition or self._learning.inhibition,
@@ -375,6 +406,11 @@ class WinchController:
         is_at_limit = winch is not None and bool(winch.limits_hit & DYNAMIC_LIMITS)
         static_tension = self.design.cable.static_tension
         self._alarms += self._load.update(loop.sensed.tension, static_tension, is_at_limit=is_at_limit)
+        if self._travel_half.begins(self.mode is Mode.CONSTANT_TENSION and self._command.is_half_travelled):
+            self._alarms.append(
+                f"constant tension has travelled {0.5 * self.parameters.tension.travel:g} m, half of tension.travel: "
+                "look whether the load yields or hangs, or ask for stopped"
+            )
         if self._travel_end.begins(TRAVEL in command.asked.active):
             self._alarms.append(
                 f"constant tension has travelled {self.parameters.tension.travel:g} m: the load has yielded or is lost"
@@ -397,6 +433,14 @@ class WinchController:
         before = mode.before
         if before is None:
             return
+        if Mode.CONSTANT_TENSION in (before, mode.mode):
+            # the winch made the tension until now, or does so from now on
+            self._estimation.mean_tension.restart()
+        if self.mean.has_target and mode.mode not in OPERATED:
+            self._alarms.append(
+                f"the move to a payout of {self.mean.target:.1f} m ends near {self.mean.point.payout:.1f} m: ask for "
+                "it again once the winch compensates"
+            )
         if mode.mode in BRAKED:
             self._estimation.motion.stand()
         elif mode.mode is not Mode.COMPENSATING:

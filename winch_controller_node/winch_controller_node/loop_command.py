@@ -111,8 +111,13 @@ class LoopCommand:
 
     def hold_tension(self, tension: float) -> None:
         """Go to another tension [N] from the one that is held."""
-        self._travel.begin(self._travel_bound + abs(tension - self._tension.value) / self._stiffness)
+        self._travel.begin(self._travel_bound, abs(tension - self._tension.value) / self._stiffness)
         self._tension.hold(tension)
+
+    @property
+    def is_half_travelled(self) -> bool:
+        """Tell whether constant tension has used half of the travel that it may."""
+        return self._travel.is_half_used
 
     def speed(self, tick: LoopTick) -> float:
         """Return the speed of the winch as last commanded at `tick` [m/s], absolute."""

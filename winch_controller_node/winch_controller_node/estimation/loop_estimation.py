@@ -28,7 +28,7 @@ from winch_controller_node.estimation.sea_adaptation import (
     SeaTracker,
     possible_seas,
 )
-from winch_controller_node.estimation.tension_filter import TensionFilter
+from winch_controller_node.estimation.tension import MeanTension, TensionFilter
 from winch_controller_node.interface.readings import Measurements
 from winch_controller_node.interface.sensors import DEPTH_BIAS, MRU_SCALE, KnownSensors
 from winch_controller_node.model.estimator import KalmanEstimator, Measurement, RecordedTick
@@ -68,6 +68,7 @@ class LoopEstimation:
     estimator, observer : the filter and the gates in front of it
     motion : mean payout and what it brings about
     record, surprise : what the estimator was told in the last minute, and how far that was from what it foresaw
+    mean_tension : over the waves
     depth_witness : of what the encoder reads
     knows_tip : the boom tip is measured by a sensor that is believed
     sea_record : what it was told by motion reference unit and encoder, which tell the sea, in the last two minutes
@@ -82,6 +83,7 @@ class LoopEstimation:
         self._taut_shadow = SimulatedUnit(design.cable, dt)
         self._hanging_unit = SimulatedUnit(design.cable, dt)
         self._tension = TensionFilter(parameters.tension.time_constant, tick_period=dt)
+        self.mean_tension = MeanTension(tick_period=dt)
         self._sea = SeaTracker(design)
         self._believed_sea = parameters.sea
         self._tip_lost, self._tip_back, self.knows_tip = 0.0, TIP_BACK, True
@@ -237,6 +239,8 @@ class LoopEstimation:
         self._follow_sea(tip)
         if measurements.of("load_cell") and math.isfinite(self.observer.tension):
             self._tension.add(self.observer.tension)
+        if math.isfinite(self.observer.tension) and not self._is_load_cell_lost:
+            self.mean_tension.add(self.observer.tension, self.motion.set_point, unit_stands=unit_stands)
         uncompensated = self._shadow.step(tip)
         self._taut_shadow.step(tip)
         self._taut_shadow.go_over_to(uncompensated, TAUT_TIME)
@@ -265,6 +269,7 @@ class LoopEstimation:
             is_sea_refuted=self._sea.is_refuted,
             doubt=self.surprise.words,
             knows_tip=self.knows_tip,
+            mean_tension=self.mean_tension.mean,
         )
 
     def _sensed(self, readings: list[Measurement]) -> Sensed:
@@ -279,12 +284,17 @@ class LoopEstimation:
             depths=tuple(observer.depths),
             depth_heave=next((r.value for r in reversed(readings) if r.name == "unit_heave"), None),
             depth_innovation=depth.value / depth.sigma if depth is not None and is_compared else None,
-            has_depth="unit_heave" in self.estimator.measurements and observer.gates["depth"].reason != "stale",
+            has_depth="unit_heave" in self.estimator.measurements and not observer.gates["depth"].is_lost,
             innovations=self.estimator.innovations,
             has_encoder=observer.gates["encoder"].state(0.0).accepted > 0,
             lost=observer.lost(),
             faults=tuple(observer.new_faults()),
         )
+
+    @property
+    def _is_load_cell_lost(self) -> bool:
+        gate = self.observer.gates.get("load_cell")
+        return gate is not None and gate.is_lost
 
     @property
     def _is_slack(self) -> bool:

@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 from heave_node.numerics.arrays import Array
 
+from winch_controller_node.estimation.tension import NO_MEAN, TensionMean
 from winch_controller_node.model.estimator import Innovation
 from winch_controller_node.model.loop_rows import LoopRows
 
@@ -31,7 +32,7 @@ class Sensed(NamedTuple):
     depths : depth readings of the tick: stamp [s] and depth, positive down [m]
     depth_heave : the newest of them as heave about the mean payout's share [m]; None: none came
     depth_innovation : its innovation over the standard deviation of that [-]; None: there is none
-    has_depth : there is a depth sensor, and its readings come
+    has_depth : there is a depth sensor, and it is not lost
     has_encoder : a reading of the encoder has been accepted since the start
     innovations : what each reading said against its prediction, by measurement
     lost : why each lost sensor counts as lost, by name
@@ -89,6 +90,7 @@ class LoopTick:
     is_sea_refuted : the sea of the design predicts badly what the motion reference unit reads
     doubt : why what is read cannot be believed yet; empty where it can
     knows_tip : the boom tip is measured; what is known of it otherwise is not to be acted upon
+    mean_tension : at the top, over the waves since the unit and the mean payout are where they are
     """
 
     number: int
@@ -106,6 +108,7 @@ class LoopTick:
     is_sea_refuted: bool = False
     doubt: str = ""
     knows_tip: bool = True
+    mean_tension: TensionMean = NO_MEAN
 
     @cached_property
     def total_state(self) -> Array:

@@ -288,6 +288,13 @@ class Observer:
         """Standard deviation of the MRU's heave [m]."""
         return self._noise["mru_heave"].sigma
 
+    @property
+    def _depth_noise(self) -> float:
+        """Standard deviation of the depth sensor [m]; 0 where the estimator does not take it."""
+        return max(
+            (self._noise[row.name].sigma for row in self._rows_of["depth"] if row.name in self._noise), default=0.0
+        )
+
     def _mru(self, reading: MruReading) -> list[Measurement]:
         tick, offset = self._tick_of(reading.time)
         attitude, self._attitude = self._attitude, (reading.time, reading.roll, reading.pitch)
@@ -327,7 +334,9 @@ class Observer:
         for reading in readings:
             if not judge_scalar(self.gates[name], now, reading):
                 continue
-            read = reading.value if name != "depth" else self._depth_jumps.take_off(reading.time, reading.value)
+            read: float | None = reading.value
+            if name == "depth":
+                read = self._depth_jumps.take_off(reading.time, reading.value, self._depth_noise)
             if name == "depth" and self._depth_jumps.is_unproved:
                 self._doubt_first("depth")
             if read is None:

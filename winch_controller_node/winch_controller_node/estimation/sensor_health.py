@@ -15,7 +15,7 @@ import numpy as np
 from heave_node.interface.codes import MruStatus, SensorLevel
 from heave_node.interface.sensors import MruReading
 
-from winch_controller_node.estimation.mru_steps import MruSteps
+from winch_controller_node.estimation.mru_steps import SIGMAS, MruSteps
 from winch_controller_node.interface.readings import ScalarReading, SensorState
 from winch_controller_node.parameters.laws import HealthParameters
 
@@ -31,7 +31,9 @@ meanwhile, as far as that is known, so long [s].
 """
 
 LARGEST_STEP, LARGEST_SPEED = 0.2, 4.0
-"""A unit makes no step beyond the first [m] plus the second [m/s] times the time since the last reading."""
+"""A unit makes no step beyond the first [m], or SIGMAS of the sensor's noise, plus the second [m/s] times the time
+since the last reading.
+"""
 
 LIKE_SCALE = 0.1
 """A jump of the depth by more than this share of it may be another scale, and one that makes a loop harmful."""
@@ -219,10 +221,16 @@ class DepthJumps:
         self._has_jumped = False
         self._last: tuple[float, float] | None = None
 
-    def take_off(self, time: float, depth: float) -> float | None:
-        """Return a `depth` read at a `time` [s] without jumps [m], or None where it has just jumped."""
+    def take_off(self, time: float, depth: float, noise: float = 0.0) -> float | None:
+        """Return the depth without jumps [m], or None where it has just jumped.
+
+        Parameters
+        ----------
+        time, depth : of the reading [s], [m]
+        noise : standard deviation of the sensor's, as far as it is known [m]
+        """
         last_time, last = (time, depth) if self._last is None else self._last
-        allowed = LARGEST_STEP + LARGEST_SPEED * (time - last_time)
+        allowed = max(LARGEST_STEP, SIGMAS * noise) + LARGEST_SPEED * (time - last_time)
         for offset in (self.offset, 0.0):
             if abs(depth - offset - last) <= allowed:
                 self.is_unproved = self._has_jumped and self.is_like_scale and offset != 0.0
@@ -261,7 +269,10 @@ def judge_mru(gate: SensorGate, now: float, reading: MruReading, steps: MruSteps
     elif steps.is_off(reading, noise):
         status = "jump"
     values = (reading.heave, reading.heave_rate, reading.roll, reading.pitch)
-    return gate.judge(now, reading.time, values, status)
+    passes = gate.judge(now, reading.time, values, status)
+    if gate.reason == "frozen":
+        steps.restart()  # where the ship has gone meanwhile its rate does not tell
+    return passes
 
 
 def judge_scalar(gate: SensorGate, now: float, reading: ScalarReading) -> bool:

@@ -77,18 +77,24 @@ class Travel:
         self._weight = tick_period / TRAVEL_TIME
         self._origin = math.nan
         self._travel = 0.0
-        self._bound = math.inf
+        self._bound, self._required = math.inf, 0.0
 
-    def begin(self, bound: float) -> None:
-        """Count from the next tick on; no more than `bound` either way [m]."""
-        self._origin, self._travel, self._bound = math.nan, 0.0, bound
+    def begin(self, bound: float, required: float = 0.0) -> None:
+        """Count from the next tick on; no more than `bound` either way beyond what is `required` [m]."""
+        self._origin, self._travel = math.nan, 0.0
+        self._bound, self._required = bound, required
+
+    @property
+    def is_half_used(self) -> bool:
+        """Tell whether half of the bound has been used."""
+        return abs(self._travel) >= self._required + 0.5 * self._bound
 
     def bounded(self, correction: float, outlet: float) -> float:
         """Return what of a `correction` [m/s] keeps the bound; `outlet`: cable out beyond the boom tip [m]."""
         if not math.isfinite(self._origin):
             self._origin = outlet
         self._travel += self._weight * (outlet - self._origin - self._travel)
-        if abs(self._travel) >= self._bound and correction * self._travel > 0.0:
+        if abs(self._travel) >= self._required + self._bound and correction * self._travel > 0.0:
             return 0.0
         return correction
 

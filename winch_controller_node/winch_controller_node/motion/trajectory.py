@@ -79,6 +79,11 @@ class MeanPayout:
         return abs(self.target - self.point.payout) > ARRIVED_DISTANCE or abs(self.point.rate) > ARRIVED_SPEED
 
     @property
+    def has_target(self) -> bool:
+        """Return whether a move is under way to a target."""
+        return self.is_moving and not self._is_stopping and self._driven is None
+
+    @property
     def _rests_at_target(self) -> bool:
         """Return whether nothing moves, or is to."""
         is_free = self._driven is None and not self._is_stopping and self._deceleration == 0.0
@@ -90,7 +95,7 @@ class MeanPayout:
 
         The move is played ahead once, and the ticks that it takes are counted down.
         """
-        if not self.is_moving or self._is_stopping or self._driven is not None:
+        if not self.has_target:
             return 0.0
         if self._ticks_to_go == 0:
             self._ticks_to_go = self._play_ahead()

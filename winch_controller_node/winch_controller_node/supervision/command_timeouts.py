@@ -12,7 +12,7 @@ from enum import Enum
 from heave_node.interface.codes import WinchFault
 
 WAIT = 3.0
-"""Time that the winch stands with all sensors well before compensation is tried again [s]."""
+"""Time that the winch stands with all sensors and its link well before compensation is tried again [s]."""
 MOST, PERIOD = 3, 600.0
 """Compensation is tried again after so many timeouts within so long [s], and no more."""
 
@@ -54,7 +54,8 @@ class CommandTimeouts:
         fault : of the winch, as it told last
         wants_compensation : the winch compensated up to now, or was to begin or to go on by itself
         is_stopped : the mode is stopped
-        is_well : all sensors are well, and have been for long enough where the winch was stopped for them
+        is_well : the link to the winch and all sensors are well, these for long enough where the winch was stopped for
+            them
         """
         self._time += self._dt
         is_new = fault == WinchFault.COMMAND_TIMEOUT and self._fault_before != fault

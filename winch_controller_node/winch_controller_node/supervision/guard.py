@@ -113,6 +113,7 @@ class GuardedMotions(NamedTuple):
     boom_tip : estimated motion of the boom tip
     payout_rate : estimated speed of the drum, without that of the mean payout [m/s]
     measured_heave : heave of the unit as the depth sensor reads it [m]; None: no reading came
+    mean_acceleration : of the mean payout [m/s^2]
     """
 
     unit: Motion
@@ -120,6 +121,7 @@ class GuardedMotions(NamedTuple):
     boom_tip: Motion
     payout_rate: float = 0.0
     measured_heave: float | None = None
+    mean_acceleration: float = 0.0
 
 
 class HarmGuard:
@@ -173,7 +175,7 @@ class HarmGuard:
         )
         self._measured = DetrendedHeave(self._dt)
         self._mismatch = DetrendedHeave(self._dt)
-        self._exchanged_swing = self._reachable = 0.0
+        self._exchanged_swing = self._reachable = self._to_gain_speed = 0.0
         self._catch_up = 0.0
         self._left_over = 0.0
         self._is_corrected = self._is_out_of_reach = False
@@ -361,12 +363,24 @@ class HarmGuard:
         self._exchanged_swing = free_swing if is_moving else self._exchanged_swing * (1.0 - self._dt / SWING_TIME)
         to_stop = SWING_WORK**2 * (swing + self._exchanged_swing) + free_swing
         work = to_stop / loop.inertia if loop.inertia > 0.0 else 0.0
+        self._follow_mean(motions.mean_acceleration)
         out_of_reach = intended - self._follow_within_limits(intended)
         self._is_out_of_reach = abs(out_of_reach) > BEYOND * loop.limits.speed
-        self._rate_check.add(error**2, allowed**2 + work + (OUT_OF_REACH * out_of_reach) ** 2)
+        self._rate_check.add(error**2, allowed**2 + work + self._to_gain_speed**2 + (OUT_OF_REACH * out_of_reach) ** 2)
         self._catch_up = max(self._catch_up - self._dt, 0.0)
         if self._catch_up > 0.0:
             self._rate_check.restart()
+
+    def _follow_mean(self, acceleration: float) -> None:
+        """Notice what speed of the drum an `acceleration` of the mean payout asks for [m/s^2].
+
+        The unit gains speed with it once its cable is longer by a times the acceleration, on a soft cable by metres.
+        The law pays that out within the memory of the check, and hauls it in while the unit comes along.
+        """
+        inertia = self._loop.inertia
+        fading = self._dt / max(math.sqrt(inertia), self._dt)
+        asked = inertia * abs(acceleration) / RATE_ERROR.time
+        self._to_gain_speed = max(asked, (1.0 - fading) * self._to_gain_speed)
 
     def _follow_within_limits(self, intended: float) -> float:
         """Return the speed of a drum that follows an `intended` one within the winch's limits [m/s]."""

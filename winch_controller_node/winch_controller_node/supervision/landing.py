@@ -5,6 +5,9 @@ still and its cable of stiffness k loses k v of tension each second, until it is
 mean payout tell, each by its trend over a window in which the winch lowers by some centimetres. Soft and long cables
 are known to have landed long before they are unloaded.
 
+Without depth readings the tension alone tells, and later: whatever a hanging unit does in waves, on average over a
+whole swing its cable carries the weight.
+
 What else does both at once is ruled out. While lowering gains speed, the inertia of a hanging unit keeps it behind for
 seconds: lowering must have been steady for as long as such a unit needs to follow. At the lowest point of a swing a
 unit stands too and the tension falls, but from above the weight, which the cable of a landed unit no longer carries.
@@ -140,12 +143,14 @@ class HangingLoad:
     weight : of the unit in water [N]
     stiffness : of the cable [N/m]
     following_time : that the hanging unit needs to follow the winch, a quarter of its free swing [s]
+    swing_time : of a free swing or a wave, whichever is longer [s]
     """
 
     static_tension: float
     weight: float
     stiffness: float
     following_time: float = 0.0
+    swing_time: float = 10.0
 
     def weight_share(self, tension: float) -> float:
         """Return the share of the unit's weight that the cable carries under a `tension` at the top [N]."""
@@ -186,8 +191,8 @@ class Landing:
         self.is_suspected = False
         self._is_lifting = False
         self._depth, self._hanging, self._tension, self._payout, self._innovation = (Trend() for _ in range(5))
+        self._hanging_share = Trend()
         self._suspected_time = -math.inf
-        self._hanging_share = 1.0
 
     def take_load(self, load: HangingLoad) -> None:
         """Judge another load, or another length of its cable, from now on."""
@@ -205,12 +210,16 @@ class Landing:
         """
         for stamp, depth in sensed.depths:
             self._depth.add(stamp, depth)
-        if math.isfinite(sensed.tension):
+        if "load_cell" in sensed.lost:
+            # what it read last, again and again, is no tension
+            self._tension = Trend()
+        elif math.isfinite(sensed.tension):
             self._tension.add(time, sensed.tension)
         self._payout.add(time, mean_payout)
         self._hanging.add(time, hanging.depth)
         load = self._load
-        self._hanging_share = min(1.0, load.weight_share(load.static_tension + load.stiffness * hanging.stretch))
+        share = load.weight_share(load.static_tension + load.stiffness * hanging.stretch)
+        self._hanging_share.add(time, min(1.0, share))
         if sensed.depth_innovation is not None:
             self._innovation.add(time, sensed.depth_innovation)
 
@@ -238,20 +247,21 @@ class Landing:
 
     def _touches_down(self, time: float, sensed: Sensed, share: float, mode: ModeOutput) -> bool:
         is_compensating = mode.mode is Mode.COMPENSATING and mode.authority > 0.5
-        rate = self._lowering_rate() if is_compensating else 0.0
+        rate = self.lowering_rate if is_compensating else 0.0
         if rate < LEAST_RATE:
             self.is_suspected = False
             return False
         if not sensed.has_depth:
-            return share < self._parameters.touchdown_ratio * self._hanging_share
+            return self._is_relieved_throughout(rate)
         if not sensed.depths:
             return False
         window = min(max(LOWERED / rate, SHORTEST), LONGEST)
         self._suspect(time, window, rate)
         return any(self._shows_landing(factor * window, rate, share) for factor in WINDOWS)
 
-    def _lowering_rate(self) -> float:
-        """Return the speed at which the winch lowers [m/s]; 0 before that is known."""
+    @property
+    def lowering_rate(self) -> float:
+        """Speed at which the winch lowers [m/s]; 0 before that is known."""
         slope = None if self._payout.has_stood(SHORTEST) else self._payout.slope(SHORTEST)
         return 0.0 if slope is None else slope.value
 
@@ -276,6 +286,18 @@ class Landing:
         is_relieved = tension is not None and -tension.value > max(relief, CERTAIN * tension.error)
         relieved_share = 1.0 - relief * window / self._load.weight
         return (is_relieved and share < relieved_share) or share < self._parameters.touchdown_ratio
+
+    def _is_relieved_throughout(self, rate: float) -> bool:
+        """Tell whether a cable that is lowered at a `rate` [m/s] has lost the weight on average over a whole swing.
+
+        Within a swing, and while lowering gains speed, that of a hanging unit may lose all of it.
+        """
+        time = self._load.swing_time
+        payout, tension = self._payout.slope(time), self._tension.slope(time)
+        if payout is None or tension is None or payout.value < max(LEAST_RATE, STEADY_SHARE * rate):
+            return False
+        share = self._load.weight_share(self._tension.mean(time))
+        return share < self._parameters.touchdown_ratio * self._hanging_share.mean(time)
 
     def _suspect(self, time: float, window: float, rate: float) -> None:
         """Notice within half a window that the unit may have landed."""

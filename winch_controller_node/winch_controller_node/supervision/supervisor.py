@@ -8,14 +8,16 @@ from typing import NamedTuple
 from winch_controller_node.design.design import ControllerDesign
 from winch_controller_node.estimation.loop_tick import LoopTick
 from winch_controller_node.estimation.sensor_health import remedy
+from winch_controller_node.estimation.tension import TensionMean
 from winch_controller_node.laws.law import ControlLaw
 from winch_controller_node.supervision.command_timeouts import Advice, CommandTimeouts
 from winch_controller_node.supervision.entry_gates import PEAK_OVER_SIGNIFICANT, EntryGates
 from winch_controller_node.supervision.guard import GuardedLoop, GuardedMotions, HarmGuard
-from winch_controller_node.supervision.landing import HangingLoad, HangingUnit, Landing, LandingEvent
+from winch_controller_node.supervision.landing import LEAST_RATE, HangingLoad, HangingUnit, Landing, LandingEvent
 from winch_controller_node.supervision.mode_machine import ModeMachine
 from winch_controller_node.supervision.modes import Mode, ModeOutput, Situation
 from winch_controller_node.supervision.watch.highest_tension import HighestTension
+from winch_controller_node.supervision.watch.load_watch import Episode
 from winch_controller_node.supervision.watch.share_news import ShareNews
 
 REQUIRED_SENSORS = {
@@ -25,7 +27,15 @@ REQUIRED_SENSORS = {
 """Sensors without which a mode cannot go on; all others need MRU and encoder."""
 
 HANGING_SHARES = (0.7, 1.3)
-"""A unit hangs whose cable carries a share of its weight between these, and that has not landed."""
+"""A unit hangs whose cable carries on average a share of its weight between these, and that has not landed."""
+
+STANDING_TIME = 30.0
+"""Time over which the tension must have been averaged before it tells that a unit stands which no landing told of [s]:
+it holds a wave and a half of the longest swell, of 20 s."""
+
+MEAN_ERROR = 0.3
+"""What the mean over that time may be off, over the standard deviation of the tension: a swell of 20 s leaves
+sqrt(2)/(w t) = 0.15 of its own, and a group of waves, or a cable that goes slack and snaps, twice that."""
 
 ASK_AGAIN = "then ask for compensation again"
 """Ends the reason of an inhibition that only an operator can end."""
@@ -56,6 +66,7 @@ class WinchSituation(NamedTuple):
     inhibition : why compensation must be off; empty: it need not
     fault_cause : why the winch has its fault, in words; empty: unknown
     is_contrary : drum or encoder go the other way than it is sent: it is brought to rest until an operator asks for it
+    mean_acceleration : with which the winch goes there [m/s^2]
     """
 
     fault: int
@@ -66,6 +77,7 @@ class WinchSituation(NamedTuple):
     inhibition: str = ""
     fault_cause: str = ""
     is_contrary: bool = False
+    mean_acceleration: float = 0.0
 
 
 class Decision(NamedTuple):
@@ -132,6 +144,8 @@ class Supervisor:
         self._fades_by_law = False
         self._share_news = ShareNews(dt)
         self._blind_time = 0.0
+        self._blind_lowering = Episode(dt)
+        self._touchdown_ratio = parameters.tension.touchdown_ratio
         self._longest_wait = LONGEST_WAIT * parameters.modes.settling_time
         self._refer_to(design, law)
 
@@ -155,7 +169,7 @@ class Supervisor:
         self.landing.observe(time, tick.sensed, float(tick.rows.payout @ tick.mean_state), hanging)
         if winch.inhibition:
             self.guard.inhibit(winch.inhibition, TRANSPORT_HOLD)
-        alarms = self._judge(tick) + self._resume_after_timeout(tick, winch.fault)
+        alarms = self._judge(tick, winch.mean_acceleration) + self._resume_after_timeout(tick, winch)
         self._gates.observe(tick)
         alarms += self._watch_highest_tension(tick)
         lost = self._lost(tick)
@@ -166,7 +180,11 @@ class Supervisor:
             self.guard.authority_limit(keeps_limits=self._keeps_limits),
         )
         is_damped_blind = self._watch_blind_damping(tick, winch.settled_swing)
-        is_damped = not winch.is_contrary and (is_damped_blind or self._may_damp(tick, lost))
+        # a unit that stands is at rest, and one that swings as below a locked winch may go beyond a highest tension
+        can_settle = not self.landing.unit_stands and math.isinf(self._limits.maximum_tension)
+        settles = self._fades_by_law and can_settle
+        has_faded = settles and self.modes.authority == 0.0
+        is_damped = not winch.is_contrary and (is_damped_blind or has_faded or self._may_damp(tick, lost))
         mode = self.modes.step(
             Situation(
                 lost=lost,
@@ -178,7 +196,7 @@ class Supervisor:
                 awaits_operator=winch.is_contrary,
                 speed=winch.speed,
                 authority_limit=authority_limit,
-                is_settled=not is_damped or self._is_settled(tick, winch.settled_swing),
+                is_settled=not (is_damped or settles) or self._is_settled(tick, winch.settled_swing),
                 is_damped_blind=is_damped_blind,
                 closed_gates=self._closed_gates(tick, winch.mean_payout),
                 tension_refusal=self._why_no_tension(tick, winch.mean_payout),
@@ -193,6 +211,7 @@ class Supervisor:
             self._fades_by_law = False
         elif mode.before is Mode.COMPENSATING:
             self._fades_by_law = not self.modes.wants_compensation
+        alarms += self._tell_blind_lowering(tick, mode)
         landing = self._watch_landing(time, tick, mode)
         return Decision(
             mode=mode,
@@ -206,20 +225,25 @@ class Supervisor:
             alarms=alarms,
         )
 
-    def _resume_after_timeout(self, tick: LoopTick, fault: int) -> tuple[str, ...]:
+    def _resume_after_timeout(self, tick: LoopTick, winch: WinchSituation) -> tuple[str, ...]:
         """Ask for compensation again where only late commands ended it; return what is to be told."""
         wants_compensation = self.modes.wants_compensation
         is_stopped = self.modes.mode is Mode.STOPPED
         is_well = is_stopped and not self._lost(tick) and (self.modes.may_resume or not wants_compensation)
+        # also the link must be: what is told is that commands reach the winch again
+        is_well = is_well and not winch.inhibition
         advice = self.timeouts.update(
-            fault, wants_compensation=wants_compensation, is_stopped=is_stopped, is_well=is_well
+            winch.fault, wants_compensation=wants_compensation, is_stopped=is_stopped, is_well=is_well
         )
         if advice is Advice.RESUME:
             self.modes.request(Mode.COMPENSATING.value)
         return (advice.value,) if advice else ()
 
-    def _judge(self, tick: LoopTick) -> tuple[str, ...]:
-        """Have the guard judge the tick; return its reason when the brake is on and no change of mode would tell it."""
+    def _judge(self, tick: LoopTick, mean_acceleration: float) -> tuple[str, ...]:
+        """Have the guard judge the tick, with the `mean_acceleration` of the payout [m/s^2].
+
+        Return its reason when the brake is on and no change of mode would tell it.
+        """
         # the estimate is that of a hanging unit
         hangs = not (self.landing.unit_stands or self.landing.is_suspected)
         is_judged = hangs and tick.knows_tip and self.modes.mode is not Mode.CONSTANT_TENSION
@@ -229,6 +253,7 @@ class Supervisor:
             boom_tip=tick.boom_tip,
             payout_rate=tick.payout_rate,
             measured_heave=tick.measured_unit_heave if hangs else None,
+            mean_acceleration=mean_acceleration,
         )
         self.guard.update(motions, self.modes.authority if is_judged else 0.0, self.modes.target)
         reason, before = self.guard.reason, self._reason_before
@@ -243,7 +268,7 @@ class Supervisor:
             min(known_share, winch.share),
             "the sea is not the one that is believed" if is_of_sea else "the winch does not do what it is sent",
             authority=self.modes.authority,
-            target=self.modes.target,
+            factor=self.modes.factor,
             compensates=self.modes.mode is Mode.COMPENSATING,
         )
         return (words,) if words else ()
@@ -302,16 +327,28 @@ class Supervisor:
         if "load_cell" in tick.sensed.lost:
             reason = tick.sensed.lost["load_cell"]
             return f"the load cell is {reason}: {remedy(reason)}"
-        share = self._load.weight_share(tick.sensed.filtered_tension)
+        if self.modes.mode is Mode.CONSTANT_TENSION:
+            return ""  # the winch follows already
+        if not self._holds_hanging and not self.landing.unit_stands and (hangs := self._may_hang(tick.mean_tension)):
+            return hangs
+        return self._gates.for_tension(payout, self._limits, self.guard.demand)
+
+    def _may_hang(self, tension: TensionMean) -> str:
+        """Return why a unit of which no landing has told counts as hanging, by the mean `tension`; empty: it stands."""
+        share, error = self._load.weight_share(tension.value), MEAN_ERROR * tension.sigma / self._load.weight
         least, most = HANGING_SHARES
-        if not self._holds_hanging and not self.landing.unit_stands and least < share < most:
+        if least - error < share < most + error:
             return (
                 f"the unit is suspended: the cable carries {100.0 * share:.0f} % of its weight, and constant tension "
                 "would let it drop; land it first, or set tension.hanging"
             )
-        if self.modes.mode is Mode.CONSTANT_TENSION:
-            return ""  # the winch follows already
-        return self._gates.for_tension(payout, self._limits, self.guard.demand)
+        wait = STANDING_TIME - tension.time
+        if wait > 0.0:
+            return (
+                f"whether the unit is suspended is not known before the tension has been averaged for {wait:.0f} s "
+                "more: ask again then, or set tension.hanging"
+            )
+        return ""
 
     def _may_damp(self, tick: LoopTick, lost: str) -> bool:
         """Tell whether the unit is to be damped in a fade-out: after harm, or without the encoder (`lost`).
@@ -336,6 +373,20 @@ class Supervisor:
         self._blind_time = self._blind_time + self._dt if is_blind else 0.0
         return is_blind and self._blind_time < BLIND_LIMIT
 
+    def _tell_blind_lowering(self, tick: LoopTick, mode: ModeOutput) -> tuple[str, ...]:
+        """Return that the winch lowers without depth readings, and how touchdown is known then, where that is new."""
+        is_blind = mode.mode is Mode.COMPENSATING and not tick.sensed.has_depth and not self.landing.unit_stands
+        if not self._blind_lowering.begins(is_blind and self.landing.lowering_rate >= LEAST_RATE):
+            return ()
+        is_weighed = math.isfinite(tick.sensed.filtered_tension) and "load_cell" not in tick.sensed.lost
+        known = (
+            f"by tension alone, once the cable has carried less than {100.0 * self._touchdown_ratio:.0f} % of the "
+            f"weight on average over {self._load.swing_time:.0f} s"
+            if is_weighed
+            else "by nothing, for the load cell is missing too"
+        )
+        return (f"the winch lowers without depth readings: landing is known {known}; lower slowly, or stop",)
+
     def _watch_landing(self, time: float, tick: LoopTick, mode: ModeOutput) -> LandingEvent | None:
         """Notice touchdown while lowering, and that the unit hangs again after lift-off."""
         if not math.isfinite(tick.sensed.filtered_tension):
@@ -351,8 +402,13 @@ def _known_share(tick: LoopTick) -> float:
 def hanging_load(design: ControllerDesign) -> HangingLoad:
     """Return what landing must know of the load of a design."""
     cable = design.cable
+    free_swing = 2.0 * math.pi * math.sqrt(cable.a)
     return HangingLoad(
-        cable.static_tension, design.unit_weight, cable.stiffness, following_time=0.5 * math.pi * math.sqrt(cable.a)
+        cable.static_tension,
+        design.unit_weight,
+        cable.stiffness,
+        following_time=0.25 * free_swing,
+        swing_time=max(free_swing, design.parameters.sea.peak_period),
     )
 
 

@@ -6,8 +6,8 @@ import math
 
 from winch_controller_node.parameters.laws import AlarmParameters
 
-QUIET_TIME = 10.0
-"""An alarm is given again only after its cause was away for so long [s]."""
+QUIET_TIME = 60.0
+"""An alarm is given again only after its cause was away for so long [s]: the groups of a swell are one cause."""
 
 PUSH = -0.1
 """Share of the static tension below which no cable is slack: it cannot push."""
@@ -71,7 +71,8 @@ class LoadWatch:
         if self._saturated.begins(self._share_at_limit > parameters.saturation_share):
             words.append(
                 f"winch saturated: at its limits for {100.0 * self._share_at_limit:.0f} % of the last "
-                f"{parameters.saturation_time:g} s"
+                f"{parameters.saturation_time:g} s: the unit moves more than it would below a stronger winch; wait for "
+                "a lower sea, or compensate a smaller factor"
             )
         return tuple(words)
 
@@ -80,4 +81,7 @@ class LoadWatch:
         """Return what a `tension` [N] so far below the static one, a `share` of it, means."""
         if share < PUSH:
             return f"load_cell suspect: it reads {tension / 1e3:.1f} kN, and no cable pushes: look at its sign and zero"
-        return f"cable slack: tension {tension / 1e3:.1f} kN, {100.0 * share:.0f} % of the static one"
+        return (
+            f"cable slack: tension {tension / 1e3:.1f} kN, {100.0 * share:.0f} % of the static one: a snap may follow; "
+            "wait for a lower sea, or lower more slowly"
+        )

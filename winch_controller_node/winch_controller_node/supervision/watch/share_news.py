@@ -21,14 +21,14 @@ class ShareNews:
         self._held_time = self._free_time = 0.0
         self._is_told = False
 
-    def update(self, share: float, cause: str, *, authority: float, target: float, compensates: bool) -> str:
+    def update(self, share: float, cause: str, *, authority: float, factor: float, compensates: bool) -> str:
         """Return what is to be told in this tick; empty: nothing.
 
         Parameters
         ----------
         share : largest share of the sea that may be compensated, 0 to 1
         cause : why it is no larger, in words
-        authority, target : share that is compensated, and that it goes to
+        authority, factor : share that is compensated, and the largest that is asked for: that is all
         compensates : the mode is that of compensation
         """
         is_held = share < 1.0 and compensates
@@ -39,7 +39,7 @@ class ShareNews:
         # whatever ends compensation is told by its mode
         self._is_told = self._is_told and compensates
         self._free_time = self._free_time + self._dt if self._is_told and not is_held else 0.0
-        if self._free_time < HELD_TIME or authority < target:
+        if self._free_time < HELD_TIME or authority < factor:
             return ""
         self._is_told = False
         return f"{100.0 * authority:.0f} % of the sea is compensated again: what held it back is over"

@@ -12,7 +12,7 @@ from winch_controller_node.design.design import ControllerDesign
 from winch_controller_node.design.schedule import is_scheduled
 from winch_controller_node.design.work import DesignWork
 from winch_controller_node.identification.encoder_scale import Sent
-from winch_controller_node.identification.late_commands import LateCommands
+from winch_controller_node.identification.late_commands import CUT_TIME, LateCommands
 from winch_controller_node.identification.winch import Answer, WinchIdentifier
 from winch_controller_node.interface.readings import Lateness, WinchOrder, WinchReading
 from winch_controller_node.node_parameters import WinchControllerParameters
@@ -220,6 +220,8 @@ class WinchWatch:
         alarm = self.late_commands.update(given, taken, max(winch.command_delay, self._stated_delay))
         if self.late_commands.has_begun:
             self._identifier.restart()
+        if self.late_commands.is_cut:
+            return TransportReport(alarm, f"no command reached the winch for {CUT_TIME:g} s")
         lag = winch.command_delay + winch.time_constant
         tolerated = parameters.lag.largest if identifies_winch(parameters) else TOLERATED_SHARE * lag
         overdue = self.late_commands.overdue
