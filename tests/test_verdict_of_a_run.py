@@ -21,3 +21,18 @@ def test_a_required_figure_that_is_missed_sets_the_exit_status(tmp_path):
     met = {entry["kpi"]: entry["met"] for entry in verdict["criteria"]}
     assert met["missed_deadlines"]
     assert not met["unit_sigma_m"]
+
+
+@pytest.mark.slow
+def test_what_a_reader_must_be_warned_of_is_told_by_a_quiet_run_and_by_the_figures_of_its_bag(tmp_path):
+    """Worse than off is one such warning; that compensation never began is one that a few seconds have."""
+    options = ["--duration", "5", "--set", "all.transient=1.0", "--no-report", "--json", str(tmp_path / "kpi.json")]
+    result = heave("run", "b2_calm_300", "--bag", str(tmp_path / "run"), *options, "--quiet")
+    assert result.returncode == 0, result.stderr
+    (warning,) = json.loads((tmp_path / "kpi.json").read_text())["warnings"]
+    assert warning.startswith("compensation never began")
+    assert f"heave: warning: {warning}\n" in result.stderr
+    assert result.stdout == ""
+    bag = str(tmp_path / "run" / "bag")
+    assert heave("kpi", bag).stdout.endswith(f": {warning}\n")
+    assert json.loads(heave("kpi", bag, "--json", "-").stdout)["warnings"] == [warning]

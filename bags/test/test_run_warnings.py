@@ -48,6 +48,7 @@ def test_a_unit_that_moves_more_than_uncompensated_is_told_with_times_and_ratio(
         assert 40.0 < one.start < one.at < 200.0 < one.end
         (text,) = warned(record)
         assert text.startswith("worse than off: the unit moved more than with the winch locked")
+        assert "also the half minute after that and after a fault" in text, "the promise leaves it out"
         when = f"{one.start:.0f} s to {one.end:.0f} s, most from {one.at:.0f} s on in mode compensating"
         assert f"{when}: {one.ratio:.2f} times as much" in text
         assert text in report.render([record])

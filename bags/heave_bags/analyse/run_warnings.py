@@ -22,6 +22,8 @@ LEAST_OF_WAITS = 0.05
 """A reason that held for a smaller share of the time without compensation is not told."""
 ERROR = 2
 """Level of an alarm that is an error."""
+COUNTED = "counted from when compensation first began, also the half minute after that and after a fault"
+"""What `worse_times` looks at, in words: more than the promise, which leaves that half minute out."""
 OF_CONTROLLER = f"{topics.CONTROLLER_STATE.publisher}: "
 """Begins the alarms of the controller."""
 
@@ -113,7 +115,7 @@ def worse_than_off(record: RunRecord) -> list[str]:
     more = f"; {len(found) - MOST_LISTED} more times" if len(found) > MOST_LISTED else ""
     return [
         f"worse than off: the unit moved more than with the winch locked all along, by standard deviations over "
-        f"{kpi.WORSE_WINDOW:g} s: {'; '.join(map(str, found[:MOST_LISTED]))}{more}"
+        f"{kpi.WORSE_WINDOW:g} s, {COUNTED}: {'; '.join(map(str, found[:MOST_LISTED]))}{more}"
     ]
 
 

@@ -22,7 +22,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def execute(options: argparse.Namespace) -> None:
     """Print the figures of one bag, or of several side by side, and of windows over time, as `options` say."""
-    from heave_bags.analyse import analysis
+    from heave_bags.analyse import analysis, run_warnings
 
     from heave_bringup.bag_paths import bag_folders
     from heave_bringup.output import check_output, write_result
@@ -37,8 +37,13 @@ def execute(options: argparse.Namespace) -> None:
         transient=options.transient,
         has_baseline=options.baseline,
     )
-    results = [analysis.to_json(record, options.window) for record in records]
-    text = analysis.table(records)
+    warnings = [run_warnings.warnings(record, record.kpis()) for record in records]
+    results = [
+        {**analysis.to_json(record, options.window), "warnings": own}
+        for record, own in zip(records, warnings, strict=True)
+    ]
+    told = [f"{record.name}: {line}" for record, own in zip(records, warnings, strict=True) for line in own]
+    text = "\n".join([analysis.table(records), *told])
     if options.window is not None:
         text = "\n\n".join([text, *(analysis.window_table(record, options.window) for record in records)])
     if options.table is not None:

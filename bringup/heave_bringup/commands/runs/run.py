@@ -88,7 +88,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--quiet",
         action="store_true",
-        help="print only alarms and errors; --json and the exit status give the result",
+        help="print only alarms, warnings and errors; --json and the exit status give the result",
     )
     parser.add_argument("--no-report", action="store_true", help="do not write the HTML report")
     add_baseline(parser)
@@ -156,6 +156,8 @@ def execute(options: argparse.Namespace) -> None:
         *_told("warnings:", result.warnings),
     ]
     text = "\n".join([result.table, "", *told, *places, "", *result.verdict.lines()])
+    if options.quiet:
+        sys.stderr.write("".join(f"heave: warning: {line}\n" for line in result.warnings))
     write_result(
         options,
         [] if options.quiet else text,
