@@ -114,7 +114,7 @@ class LagParameters:
         description="Smallest change of time constant or delay that triggers a redesign.",
     )
     largest: float = parameter(
-        0.3, unit="s", minimum=0.0, maximum=5.0, description="Largest change of either from its configured value."
+        0.3, unit="s", minimum=0.0, maximum=5.0, description="Largest change of the delay from its configured value."
     )
 
 
