@@ -9,6 +9,7 @@ import pytest
 from heave_bringup.closed_loop import ClosedLoop, loop_parameters
 from heave_bringup.run.kappa import bounds_of
 from heave_bringup.scenarios import load_scenario
+from heave_node import kpi
 
 TIMES = (0.0, 1.0, 2.0, 4.0, 8.0)
 AFTER = 100.0
@@ -17,7 +18,7 @@ NOISE = 0.05
 
 
 def kappa(scenario_name: str, preview_time: float) -> float:
-    """Return the unit's standard deviation over its bound, in a run of 260 s on ten segments."""
+    """Return kappa of a run of 260 s on ten segments."""
     changes = (
         "cable_sim.segments=10",
         f"wave_vessel.preview.time={preview_time}",
@@ -28,7 +29,7 @@ def kappa(scenario_name: str, preview_time: float) -> float:
     parameters = replace(loop_parameters(scenario), duration=260.0)
     record = ClosedLoop(parameters).run()
     bounds = bounds_of(scenario, record.column("boom_tip", after=AFTER), parameters.tick_period)
-    return record.unit_sigma(AFTER) / max(bounds)
+    return kpi.kappa(record.unit_sigma(AFTER), *bounds)
 
 
 def cost(preview_time: float) -> tuple[float, float]:

@@ -152,6 +152,16 @@ def test_a_winch_that_cannot_move_leaves_the_uncompensated_motion():
     assert free < 1e-3 * still
 
 
+def test_all_of_a_record_counts_in_the_bound_of_the_actuator_its_ends_too():
+    quiet, loud = 0.001 * tip(), tip()
+    limits = WinchLimits(10.0, 0.1)
+    for group in (slice(0, 40), slice(len(quiet) - 40, None)):
+        record = quiet.copy()
+        record[group] = loud[group]
+        assert actuator_bound(CableModel(7.0, 0.05), limits, record, 0.2) > 1e-3
+    assert actuator_bound(CableModel(7.0, 0.05), limits, quiet, 0.2) < 1e-4
+
+
 def test_sensor_rates_without_a_common_pattern_are_refused():
     odd = design(
         sensors__use=("mru", "depth", "encoder", "velocity"),

@@ -35,8 +35,6 @@ from winch_controller_node.parameters.model import (
 
 BOUND_STEP = 0.2
 """Step of the clairvoyant's plan [s]: a fortieth of the shortest peak period of the benchmarks."""
-EDGE = 60.0
-"""Most that is left out of a plan at either end [s]."""
 HIGHEST_FREQUENCY = 4.0
 """End of the spectrum of a record that counts [rad/s]; no vessel moves above it."""
 FILTER_STATES = 8
@@ -79,7 +77,7 @@ def boom_tip_realisation(
 def actuator_bound(cable: CableModel, limits: WinchLimits, boom_tip_heave: Array, step: float) -> float:
     """Return s_act [m]: the least unit sigma within the winch's limits for one who knows the boom tip beforehand.
 
-    See `clairvoyant`. The first and last tenth, at most `EDGE`, are left out: there the plan has no past or no future.
+    See `clairvoyant`. All of the record counts, its ends too, where the plan is free to begin and end as suits it.
 
     Parameters
     ----------
@@ -91,9 +89,7 @@ def actuator_bound(cable: CableModel, limits: WinchLimits, boom_tip_heave: Array
     Raises DesignError where the plan is not found.
     """
     bounds = limits.payout, limits.speed, limits.acceleration
-    heave = clairvoyant_heave(cable, bounds, np.ascontiguousarray(boom_tip_heave, dtype=float), step)
-    edge = min(len(heave) // 10, round(EDGE / step))
-    return float(np.std(heave[edge : len(heave) - edge]))
+    return float(np.std(clairvoyant_heave(cable, bounds, np.ascontiguousarray(boom_tip_heave, dtype=float), step)))
 
 
 def recorded_spectrum(heave: Array, step: float) -> TabulatedSpectrum:
