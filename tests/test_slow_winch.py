@@ -7,6 +7,8 @@ import pytest
 from heave_bringup.closed_loop import ClosedLoop, loop_parameters
 from heave_bringup.scenarios import load_scenario
 
+from tests.campaigns.promise import worst_window
+
 BELIEF = {"time_constant": 0.15, "speed_gain": 1.0}
 """Of the shipped scenarios [s], [-]."""
 
@@ -49,3 +51,18 @@ def test_a_winch_that_is_known_to_be_slow_blames_no_encoder():
     assert [words for _, words in record.alarms] == ["mode compensating: estimate settled"]
     after = record.column("time") > 60.0
     assert np.std(record.column("unit")[after]) < 0.05 * np.std(record.column("uncompensated")[after])
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("settings", [["system.winch.time_constant=1.5"], ["virtual_winch.time_constant=1.5"]])
+def test_a_slow_winch_in_a_high_sea_is_sent_no_more_than_it_takes_and_holds_the_unit(settings):
+    """At the limits of a servo of 1.5 s the set-point is far ahead of the speed, and ends at the speed limit: plans
+    that did not know left the unit worse than off (2.7, where the winch was told as where it was not).
+    """
+    changes = [*settings, "all.duration=220"]
+    record = ClosedLoop(loop_parameters(load_scenario("b4_limit_900_tp10", settings=changes))).run()
+    unit, off = record.column("unit") + record.column("depth_set_point"), record.column("uncompensated")
+    worst, at = worst_window(record.column("time"), unit, off, 60.0)
+    assert np.isfinite(at)
+    assert worst < 0.3
+    assert set(record.modes[1200:]) == {"compensating"}

@@ -82,15 +82,16 @@ def test_the_gain_spares_the_command_once_a_limit_shapes_the_plan_and_slides_bac
 
 
 def plan_by_rollout(design, law, state):
-    """Roll the model forward under the law's plan, tick by tick; return rates and commands."""
+    """Roll the model forward under the law's plan, tick by tick; return rates, payouts and commands."""
     model, x = design.model, state.x.copy()
-    rates, commands = [], []
+    rates, payouts, commands = [], [], []
     for k in range(len(law._basis)):
         command = float(law._basis[k] @ law._plan) - float(law.gain @ x)
         commands.append(command)
         rates.append(float(model.row("payout_rate") @ x))
+        payouts.append(float(model.row("payout") @ x))
         x = model.A @ x + model.B[:, 0] * command
-    return np.array(rates), np.array(commands)
+    return np.array(rates), np.array(payouts), np.array(commands)
 
 
 @pytest.mark.parametrize("seed", range(4))
@@ -101,10 +102,28 @@ def test_the_plan_keeps_speed_and_acceleration_of_the_winch(design, seed):
     command = law.command(state)
     assert command.status == "solved"
     assert set(command.active) & {"speed", "acceleration"}
-    rates, _ = plan_by_rollout(design, law, state)
+    rates, _, _ = plan_by_rollout(design, law, state)
     soon = rates[len(design.delay_states) : 40]
     assert np.max(np.abs(soon)) <= 2.0 * 1.001
     assert np.max(np.abs(np.diff(soon))) <= 1.5 * DT * 1.001
+
+
+@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("position_gain", [0.0, 0.2])
+def test_the_plan_asks_a_slow_servo_for_no_more_than_it_takes(seed, position_gain):
+    """Of 1 s at 1 m/s^2 it needs a set-point 1 m/s ahead of its speed; a winch takes none beyond its speed limit."""
+    winch = WinchModelParameters(time_constant=1.0, position_gain=position_gain)
+    sea = SeaModelParameters(significant_wave_height=3.0, peak_period=8.0)
+    slow = design_controller(WinchControllerParameters(sea=sea, winch=winch), tick_period=DT)
+    law = make_law(slow)
+    state = sea_state(slow, 1.5, seed)
+    command = law.command(state)
+    assert command.status == "solved"
+    assert "speed" in command.active
+    _, payouts, commands = plan_by_rollout(slow, law, state)
+    delay = len(slow.delay_states)
+    asked = commands[: 40 - delay] - position_gain * payouts[delay:40]
+    assert np.max(np.abs(asked)) <= 2.0 * 1.001
 
 
 def test_the_plan_is_the_optimum_that_osqp_finds_for_the_same_problem(design):

@@ -209,8 +209,9 @@ class ConstrainedLaw(ControlLaw):
         self._releasing = math.exp(-model.dt * parameters.solve_ticks / max(parameters.release_time, 1e-9))
         self._lag, self._dt = winch.time_constant, model.dt
         self._position_gain = winch.position_gain
-        payout, rate = drum_ahead(model, winch)
-        self._standing = rate + winch.position_gain * payout
+        self._payout_ahead, rate = drum_ahead(model, winch)
+        self._standing = rate + winch.position_gain * self._payout_ahead
+        self._set_point_reach = winch.set_point_reach
         self.take_limits(design.limits)
         self._parameters = parameters
         horizon_ticks = round(parameters.horizon / model.dt)
@@ -257,11 +258,12 @@ class ConstrainedLaw(ControlLaw):
         blocks = [
             _output_rows(model, self._constrained, "payout_rate", dense, responses),
             self._acceleration_rows(winch, commanded, responses),
+            self._set_point_rows(winch, commanded, responses),
             _output_rows(model, self._constrained, "payout", sparse, responses),
             _output_rows(model, self._constrained, "tension", sparse, responses),
         ]
         self._rows, start = [], 0
-        for name, ticks in ((SPEED, dense), (ACCELERATION, dense), (PAYOUT, sparse), (TENSION, sparse)):
+        for name, ticks in ((SPEED, dense), (ACCELERATION, dense), (SPEED, dense), (PAYOUT, sparse), (TENSION, sparse)):
             self._rows.append(_Rows(name, slice(start, start + len(ticks)), np.array(ticks) * model.dt))
             start += len(ticks)
         self._free, self._forced, self._previewed = (np.vstack(rows) for rows in zip(*blocks, strict=True))
@@ -276,6 +278,17 @@ class ConstrainedLaw(ControlLaw):
             np.array([feedback @ responses.free[k] for k in ticks]),
             np.array([feedback @ responses.forced[k] + through[k] for k in ticks]),
             np.array([feedback @ responses.previewed[k] + responses.fed[k] / winch.time_constant for k in ticks]),
+        )
+
+    def _set_point_rows(
+        self, winch: WinchModelParameters, ticks: list[int], responses: _Responses
+    ) -> tuple[Array, Array, Array]:
+        """Return rows of the speed that the servo is asked for, which a slow one needs beyond that which it makes."""
+        feedback = -(self._constrained + winch.position_gain * self._payout_ahead)
+        return (
+            np.array([feedback @ responses.free[k] for k in ticks]),
+            np.array([feedback @ responses.forced[k] + self._basis[k] for k in ticks]),
+            np.array([feedback @ responses.previewed[k] + responses.fed[k] for k in ticks]),
         )
 
     def _setup_cost(self, dt: float) -> None:
@@ -377,7 +390,7 @@ class ConstrainedLaw(ControlLaw):
     def _bounds(self, state: LoopState) -> tuple[Array, Array]:
         """Return lower and upper bounds of the constrained outputs, with the mean payout's share subtracted."""
         limits, reference = self.limits, state.reference
-        speeds, accelerations, payouts, tensions = self._rows
+        speeds, accelerations, set_points, payouts, tensions = self._rows
         speed = limits.speed
         if math.isfinite(limits.power):
             swing = float((self._free[tensions.rows] @ state.x).max())
@@ -388,6 +401,9 @@ class ConstrainedLaw(ControlLaw):
         lower[speeds.rows], upper[speeds.rows] = -speed - reference.rate, speed - reference.rate
         taken = self._acceleration_taken(reference)
         lower[accelerations.rows], upper[accelerations.rows] = -self._acceleration - taken, self._acceleration - taken
+        reach = self._set_point_reach * speed
+        asked = reference.command - self._position_gain * reference.payout
+        lower[set_points.rows], upper[set_points.rows] = -reach - asked, reach - asked
         lower[payouts.rows], upper[payouts.rows] = limits.payout_minimum - mean, limits.payout_maximum - mean
         lower[tensions.rows] = least - state.static_tension if least > 0.0 else -UNBOUNDED
         upper[tensions.rows] = most - state.static_tension if math.isfinite(most) else UNBOUNDED
