@@ -43,3 +43,34 @@ def test_a_requested_stop_lets_the_unit_go_as_it_would_swing_with_the_winch_lock
     assert worst < LET_GO
     stopped = [when for when, mode in zip(record.column("time"), record.modes, strict=True) if mode == rest]
     assert time < next(when for when in stopped if when > time) < time + LONGEST
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("mode", ["standby", "emergency_stop"])
+@pytest.mark.parametrize(
+    ("scenario", "law", "seed"),
+    [
+        ("b2_calm_300", "mpc", 3),  # 3.7 cm where the unit was swung up to what noise says of the uncompensated one
+        ("b2_calm_300", "lqg", 2),  # 3.1 cm
+        ("b3_deep_900", "mpc", 3),  # 3.2 cm where the drum came to rest wherever it was
+        ("b3_deep_900", "lqg", 4),
+    ],
+)
+def test_no_stop_moves_a_unit_that_is_held_by_more_than_two_centimetres_in_calm_water(scenario, law, seed, mode):
+    """Hs is 5 mm: the waves alone move the uncompensated unit by 2 to 5 mm."""
+    time = 60.0 + 3.1 * seed
+    changes = [f"winch_controller.law={law}", f"all.seed={seed}", f"all.duration={time + WINDOW + TROUBLE}"]
+    changes.append("wave_vessel.significant_wave_height=0.005")
+    loop = ClosedLoop(loop_parameters(load_scenario(scenario, settings=changes)))
+    held = []
+
+    def stop(tick, outputs):
+        if tick == round(time / TICK):
+            held.append(outputs.report.mode)
+            loop.controller.set_mode(mode)
+
+    record = loop.run(stop)
+    unit = (record.column("unit") + record.column("depth_set_point"))[round(time / TICK) :]
+    assert held == ["compensating"]
+    assert record.modes[-1] == mode
+    assert np.max(np.abs(unit - unit[0])) < 0.02

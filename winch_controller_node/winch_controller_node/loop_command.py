@@ -27,6 +27,10 @@ IDLE = LawCommand(0.0)
 GIVING_TIME = 1.0
 """A winch gives way to a tension above the highest one within this time [s], and no quicker than twice its lag."""
 
+LARGEST_UNSEEN, UNSEEN_ERROR = 0.02, 0.5
+"""Largest swing for which compensation corrects a unit that no depth sensor sees [m], and swing of which it corrects
+what is above it: up to there all of it may be error."""
+
 BY_LAW = (Mode.COMPENSATING, Mode.FADE_OUT)
 """Modes in which a winch that gives way to more than compensation can keep would be too late for the next wave."""
 
@@ -98,6 +102,8 @@ class LoopCommand:
         self._stiffness, self._travel_bound = design.cable.stiffness, parameters.tension.travel
         self._giving_time = max(GIVING_TIME, 2.0 * (parameters.winch.command_delay + parameters.winch.time_constant))
         self._shift = AuthorityShift(model, design.sea_states)
+        self._inertia = design.cable.a
+        self._unit_states = [model.state("unit_heave"), model.state("unit_heave_rate")]
         self._payout_state, self._unit_state = model.state("payout"), model.state("unit_heave")
 
     @property
@@ -194,8 +200,10 @@ class LoopCommand:
             return tick.estimate
         if tick.knows_tip:
             is_held = mode.mode is Mode.COMPENSATING
-            uncompensated = tick.taut_uncompensated if is_held else tick.uncompensated
+            uncompensated = tick.taut_uncompensated if is_held else tick.released_motion
             x = self._shift.shift(tick.estimate, uncompensated, mode.authority)
+            if is_held and not tick.sensed.has_depth:
+                self._bound_unseen(x)
         else:  # the unit is to come to rest
             x = self._shift.shift(tick.estimate, np.zeros(2), 0.0)
         rows, mean_state = self._rows, tick.mean_state
@@ -205,6 +213,17 @@ class LoopCommand:
             x[self._payout_state] -= tick.left_over
             x[self._unit_state] += tick.left_over
         return x
+
+    def _bound_unseen(self, x: Array) -> None:
+        """Bound, in place, how far off a unit is taken to be that no depth sensor sees.
+
+        Its estimate is then no better than what MRU, load cell and cable are believed to be: fed back in full it sends
+        the drum after the errors of all three. What is more than those may be is there, and is to be damped.
+        """
+        heave, rate = x[self._unit_states].tolist()
+        swing = math.hypot(heave, math.sqrt(self._inertia) * rate)
+        if swing > LARGEST_UNSEEN:
+            x[self._unit_states] *= (LARGEST_UNSEEN + max(swing - UNSEEN_ERROR, 0.0)) / swing
 
     def _give_way(self, asked: LawCommand, tick: LoopTick, mode: ModeOutput) -> LawCommand:
         """Pay out more than is asked for where the tension is above the highest one."""

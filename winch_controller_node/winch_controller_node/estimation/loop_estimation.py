@@ -39,6 +39,12 @@ from winch_controller_node.motion.mean_motion import MeanMotion
 CLEAR = 4.0
 """Heave rate of a sea over the error of its estimate from which on its period is judged: noise is short waves."""
 
+TIP_MEMORY = 30.0
+"""Time over which the motion of the boom tip is averaged [s]: a few waves."""
+
+NOISE_SWING = 4.0
+"""Motion of the boom tip that may be noise, for a unit that swings freely, over the error of its estimate."""
+
 TIP_BACK = 1.0
 """Time after which an MRU that was lost tells the boom tip again [s]: compensation goes on then."""
 
@@ -84,6 +90,7 @@ class LoopEstimation:
         self._hanging_unit = SimulatedUnit(design.cable, dt)
         self._tension = TensionFilter(parameters.tension.time_constant, tick_period=dt)
         self.mean_tension = MeanTension(tick_period=dt)
+        self._tip_power = 0.0
         self._sea = SeaTracker(design)
         self._believed_sea = parameters.sea
         self._tip_lost, self._tip_back, self.knows_tip = 0.0, TIP_BACK, True
@@ -241,6 +248,7 @@ class LoopEstimation:
             self._tension.add(self.observer.tension)
         if math.isfinite(self.observer.tension) and not self._is_load_cell_lost:
             self.mean_tension.add(self.observer.tension, self.motion.set_point, unit_stands=unit_stands)
+        self._tip_power += (float(tip[0]) ** 2 - self._tip_power) * self._design.tick_period / TIP_MEMORY
         uncompensated = self._shadow.step(tip)
         self._taut_shadow.step(tip)
         self._taut_shadow.go_over_to(uncompensated, TAUT_TIME)
@@ -264,6 +272,7 @@ class LoopEstimation:
             left_over=self.motion.left_over.point.payout,
             uncompensated=uncompensated,
             taut_uncompensated=self._taut_shadow.state,
+            wave_share=self._wave_share(),
             hanging_heave=float(self.motion.state[rows.unit_states[0]] + self._hanging_unit.state[0]),
             knows_sea=self.knows_sea,
             is_sea_refuted=self._sea.is_refuted,
@@ -348,6 +357,12 @@ class LoopEstimation:
         """Return the standard deviation of the estimated heave rate of the boom tip about the true one [m/s]."""
         row = self._rows.tip[1]
         return math.sqrt(float(row @ self.estimator.covariance @ row))
+
+    def _wave_share(self) -> float:
+        """Return the share of the boom tip's estimated motion that is not noise."""
+        row = self._rows.tip[0]
+        noise = NOISE_SWING**2 * float(row @ self.estimator.covariance @ row)
+        return 1.0 - min(noise / max(self._tip_power, noise), 1.0)
 
     def advance_mean(self, command: float, *, is_braked: bool) -> None:
         """Advance the mean payout by a tick with `command` as its share; a brake (`is_braked`) holds it."""

@@ -85,6 +85,7 @@ class LoopTick:
     uncompensated : heave [m] and rate [m/s] of the unit with the winch locked, shape (2,)
     taut_uncompensated : the same since compensation began, had the cable been taut for the last seconds, as it is
         once the unit is held
+    wave_share : share of the estimated motion of the boom tip that is not noise [-]
     hanging_heave : of a unit that only hangs on its cable, whatever the depth sensor has read of it [m]
     knows_sea : some waves have been seen
     is_sea_refuted : the sea of the design predicts badly what the motion reference unit reads
@@ -103,6 +104,7 @@ class LoopTick:
     left_over: float
     uncompensated: Array
     taut_uncompensated: Array
+    wave_share: float = 1.0
     hanging_heave: float = 0.0
     knows_sea: bool = True
     is_sea_refuted: bool = False
@@ -168,11 +170,20 @@ class LoopTick:
         return None if heave is None else heave + float(self.mean_swing[0])
 
     @property
+    def released_motion(self) -> Array:
+        """Heave and rate that the unit is let go to, shape (2,): the uncompensated ones, as far as waves make them.
+
+        What noise of the motion reference unit makes of a lightly damped unit grows to centimetres while the winch
+        keeps its uncompensated motion from being measured: in calm water a unit would be swung up to it.
+        """
+        return self.wave_share * self.uncompensated
+
+    @property
     def unit_offset(self) -> Array:
-        """Heave and rate of the unit about its uncompensated motion, payout that is out taken off, shape (2,).
+        """Heave and rate of the unit about its released motion, payout that is out taken off, shape (2,).
 
         Where the boom tip is not known it is that about rest.
         """
         rows = self.rows
         offset = self.mean_swing + self.estimate[rows.unit_states] + rows.winch @ self.estimate
-        return offset - self.uncompensated if self.knows_tip else offset
+        return offset - self.released_motion if self.knows_tip else offset

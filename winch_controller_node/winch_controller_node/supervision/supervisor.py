@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
+from heave_node.numerics.arrays import Array
+
 from winch_controller_node.design.design import ControllerDesign
 from winch_controller_node.estimation.loop_tick import LoopTick
 from winch_controller_node.estimation.sensor_health import remedy
@@ -45,6 +47,9 @@ TRANSPORT_HOLD = 5.0
 
 UNKNOWN_SEA_SHARE = 0.3
 """Share of a sea that is compensated while it is predicted badly."""
+
+SETTLED_AT_REST = 0.01
+"""Swing of the unit at which a fade-out may end in calm water [m]; a sea adds its own, up to what a law can settle."""
 
 BLIND_LIMIT = 900.0
 """Longest time for which the unit is damped by the depth sensor alone, until the brake goes on [s]."""
@@ -359,9 +364,20 @@ class Supervisor:
         return self.guard.trusts_estimate and (self.guard.inhibits if not lost else is_known)
 
     def _is_settled(self, tick: LoopTick, settled_swing: float) -> bool:
-        """Tell whether the unit swings no more about its uncompensated motion: the winch may stop."""
-        heave, rate = tick.unit_offset
-        return math.hypot(heave, math.sqrt(self._inertia) * rate) < settled_swing
+        """Tell whether the unit swings no more about its uncompensated motion: the winch may stop.
+
+        In calm water it is hardly to move at all, and rests below where the drum stands when it stops.
+        """
+        if math.isinf(settled_swing):
+            return True
+        if tick.knows_tip:
+            settled_swing = min(settled_swing, SETTLED_AT_REST + self._swing(tick.released_motion))
+        return self._swing(tick.unit_offset) < settled_swing
+
+    def _swing(self, motion: Array) -> float:
+        """Return the amplitude [m] of the free swing that a unit of this `motion`, heave and rate, makes."""
+        heave, rate = motion.tolist()
+        return math.hypot(heave, math.sqrt(self._inertia) * rate)
 
     def _watch_blind_damping(self, tick: LoopTick, settled_swing: float) -> bool:
         """Count for how long a fade-out has damped the unit by the depth sensor alone; return whether it does and may.
