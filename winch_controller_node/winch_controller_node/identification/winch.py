@@ -125,7 +125,7 @@ SENT_SEEN = 0.8
 UNSTABLE = 0.15
 """Error of lag and delay together that makes a loop harmful [s]: the delay margins of cables are 0.1 to 0.34 s."""
 
-SETTLED = 3.0
+SETTLED = 5.0
 """Time constants after which a servo has forgotten how it began."""
 
 
