@@ -67,7 +67,12 @@ def test_whatever_a_reading_is_refused_for_has_a_remedy(stamp, value, status):
 
 
 def test_a_sensor_that_calls_itself_wrong_is_to_be_looked_at():
-    assert remedy("status invalid") == remedy("status 7") == UNKNOWN_STATUS
+    assert remedy("mru", "status invalid") == remedy("mru", "status 7") == UNKNOWN_STATUS
+
+
+def test_an_encoder_that_stands_still_may_be_right_and_the_drum_is_to_be_looked_at_first():
+    assert "look whether the drum does" in remedy("encoder", "frozen")
+    assert remedy("mru", "frozen") == REMEDIES["frozen"] != remedy("encoder", "frozen")
 
 
 def test_one_bad_reading_makes_a_sensor_suspect_and_good_ones_make_it_well_again():

@@ -160,7 +160,9 @@ class WinchControllerNode(ParticipantNode):
         parts.append(self._diagnose_commands())
         for sensor in report.sensors:
             values = {"accepted": str(sensor.accepted), "rejected": str(sensor.refused)}
-            text = f"{sensor.reason}: {remedy(sensor.reason)}" if sensor.level is SensorLevel.LOST else sensor.reason
+            text = sensor.reason
+            if sensor.level is SensorLevel.LOST:
+                text = f"{text}: {remedy(sensor.sensor, sensor.reason)}"
             parts.append(Health(f"sensor {sensor.sensor}", LEVELS[sensor.level], text or "ok", values))
         preview = self.controller.preview
         if preview.has_come:

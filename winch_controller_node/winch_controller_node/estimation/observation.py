@@ -258,7 +258,7 @@ class Observer:
         if gate.reason == "jump" and name in jumps:
             return f"jump of {jumps[name]:+.3f} m subtracted"
         if gate.is_lost:
-            return f"{gate.reason}: {remedy(gate.reason)}"
+            return f"{gate.reason}: {remedy(name, gate.reason)}"
         return f"{gate.reason}: that reading is left out"
 
     def states(self, tick: int) -> tuple[SensorState, ...]:

@@ -50,18 +50,22 @@ REMEDIES = {
     "late": "its readings come out of order, or twice: look at its driver and the network",
     "stale": "no reading comes any more, or each too late: look at its power, cable, driver and clock",
     "frozen": "its readings do not change: start it or its driver again",
+    "encoder frozen": "its readings do not change though the winch is sent to turn: look whether the drum does (brake, "
+    "dead zone of the drive), then start the encoder or its driver again",
     "spike": "its readings are far from what all others foresee: look at its mounting, sign and unit",
     "jump": "its readings jump again and again: look at its mounting, scale and sign, and its driver",
     "status settling": "it settles by itself: wait",
 }
-"""What to do about a lost sensor, by the reason for which its readings are refused; a status of its own has others."""
+"""What to do about a lost sensor, by the reason for which its readings are refused, or sensor and reason where it is
+another for that one; a status of its own has others.
+"""
 
 UNKNOWN_STATUS = "it calls its own readings wrong: look at what it shows, and start it again"
 
 
-def remedy(reason: str) -> str:
-    """Return what to do, in words, about a sensor that is lost for a `reason`."""
-    return REMEDIES.get(reason, UNKNOWN_STATUS)
+def remedy(sensor: str, reason: str) -> str:
+    """Return what to do, in words, about a `sensor` that is lost for a `reason`."""
+    return REMEDIES.get(f"{sensor} {reason}", REMEDIES.get(reason, UNKNOWN_STATUS))
 
 
 @dataclass(frozen=True)

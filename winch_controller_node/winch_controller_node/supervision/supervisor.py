@@ -331,7 +331,7 @@ class Supervisor:
         """Return why constant tension may not be asked for; empty when it may."""
         if "load_cell" in tick.sensed.lost:
             reason = tick.sensed.lost["load_cell"]
-            return f"the load cell is {reason}: {remedy(reason)}"
+            return f"the load cell is {reason}: {remedy('load_cell', reason)}"
         if self.modes.mode is Mode.CONSTANT_TENSION:
             return ""  # the winch follows already
         if not self._holds_hanging and not self.landing.unit_stands and (hangs := self._may_hang(tick.mean_tension)):
