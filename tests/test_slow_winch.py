@@ -73,3 +73,27 @@ def test_a_slow_winch_in_a_high_sea_is_sent_no_more_than_it_takes_and_holds_the_
     assert np.isfinite(at)
     assert worst < 0.3
     assert set(record.modes[1200:]) == {"compensating"}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [3, 7])
+def test_a_winch_that_is_slow_and_weak_is_known_as_it_is_in_a_high_sea(seed):
+    """Both at once, servo ten times slower and half of the limits, were told as a quarter of the limits and half of the
+    gain, the fade-out after it moved the drum by 2 m, and the brake left a swing 2.3 times that without compensation.
+    """
+    true = {"time_constant": 1.5, "speed_limit": 1.0, "acceleration_limit": 0.75, "stop_deceleration": 0.7}
+    settings = [f"virtual_winch.{name}={value}" for name, value in true.items()]
+    settings += [f"all.seed={seed}", "all.duration=220"]
+    record = ClosedLoop(loop_parameters(load_scenario("b4_limit_900_tp10", settings=settings))).run()
+    unit, off = record.column("unit") + record.column("depth_set_point"), record.column("uncompensated")
+    worst, at = worst_window(record.column("time"), unit, off, 55.0)
+    assert np.isfinite(at)
+    assert worst < 0.6
+    told = next(words for _, words in record.alarms if "updated" in words)
+    lag, speed, acceleration = re.search(
+        r"time constant ([\d.]+) s.*speed limit ([\d.]+) m/s.*acceleration limit ([\d.]+)", told
+    ).groups()
+    assert float(lag) == pytest.approx(1.5, rel=0.02)
+    # 97 % of what was found is used
+    assert float(speed) == pytest.approx(0.97, rel=0.05)
+    assert float(acceleration) == pytest.approx(0.73, rel=0.05)

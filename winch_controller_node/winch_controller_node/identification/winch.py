@@ -474,15 +474,17 @@ class WinchIdentifier:
         fit = fit_drum(record, belief, start, free)
         misfit = TOLD_MISFIT if record.told else MISFIT
         # limits that were learnt stay where they explain the record: what is not reached tells nothing
-        for other in [start, *best_lags(record, belief, start)] if fit.residual > misfit else []:
+        likely = [] if fit.residual <= misfit else best_lags(record, belief, start)
+        for other in [start, *likely] if likely else []:
             again = fit_drum(record, belief.near(other), other, [*free, *learnt])
             again = without_needless(record, belief, again, free, start, learnt)
             fit = again if IMPROVEMENT * again.squares < fit.squares else fit
         believed = start.copy()
         believed[list(self._free)] = belief.nominal[list(self._free)]
-        for begin in (start, believed):  # lag and delay that explained a limit badly lead nowhere
+        # lag and delay that explained a limit badly lead nowhere, and those of a far slower winch may have reached one
+        for begin in (start, believed, *likely):
             if fit.residual > misfit:
-                limited = search_limits(record, belief, begin, free, learnt)
+                limited = search_limits(record, belief.near(begin), begin, free, learnt)
                 fit = limited if limited.squares < fit.squares else fit
         if fit.residual > misfit and not set(self._rare) <= set(free):
             fit = self._with_rare(record, belief, fit, start, learnt)
