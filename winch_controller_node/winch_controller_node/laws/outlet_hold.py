@@ -18,7 +18,7 @@ HOLD_TIME, HOLD_LAGS = 2.0, 4.0
 """The payout follows the boom tip within this time [s], and no faster than this many time constants of the winch."""
 
 DAMPED_LAGS, SLOW_UNIT = 1.5, 2.0
-"""A unit whose free swing takes more than the second for a radian [s], and so many lags, is damped by a slow winch too."""
+"""A slow winch, too, damps a unit whose free swing takes more than the second for a radian [s], and so many lags."""
 
 SETTLING_DAMPING = 0.5
 """Damping ratio that the unit is given on its way back to the uncompensated motion."""
