@@ -54,6 +54,15 @@ def test_a_unit_that_moves_more_than_uncompensated_is_told_with_times_and_ratio(
         assert text in report.render([record])
 
 
+def test_a_unit_that_hardly_moves_is_not_worse_than_one_that_does_not_move_at_all(record):
+    """In calm water noise moves a unit that is held by millimetres: 1.9 cm of standard deviation, but not 2.1 cm."""
+    off = record.signals.uncompensated_heave
+    record.signals.uncompensated_heave = Signal(off.time, 0.001 * off.value)
+    for sigma, is_told in ((0.019, False), (0.021, True)):
+        record.signals.unit_heave = Signal(off.time, math.sqrt(2.0) * sigma * off.value)
+        assert bool(run_warnings.worse_times(record)) is is_told
+
+
 def test_what_the_unit_does_before_compensation_first_begins_is_not_held_against_it(record):
     time, unit = record.signals.unit_heave.time, record.signals.unit_heave.value
     record.signals.unit_heave = Signal(time, where(time < 20.0, 30.0, 1.0) * unit)
@@ -88,6 +97,21 @@ def test_why_compensation_was_seldom_in_force_is_told_and_a_rest_that_was_asked_
         "compensation was in force for 17.2 % of the time from 10 s to 300 s; why, in the controller's words: standby"
     )
     record.modes[-1] = record.waits[-1] = Interval(60.0, 300.0, "standby", reason="standby requested")
+    assert warned(record) == []
+
+
+def test_a_run_that_an_operator_stopped_early_is_not_told_why_it_was_not_in_force(record):
+    """Of the 40 s before the stop it was in standby for 30 s; nothing says that it would not have gone on."""
+    record.start, record.end = 0.0, 45.0
+    record.is_past_transient = False
+    time = record.signals.unit_heave.time
+    record.signals.compensating = Signal(time, where((time >= 30.0) & (time < 40.0), 1.0, 0.0))
+    record.modes = [Interval(0.0, 30.0, "standby"), Interval(30.0, 40.0, "compensating")]
+    record.waits = [Interval(0.0, 30.0, "standby", reason="depth nan")]
+    record.modes.append(Interval(40.0, 45.0, "standby", reason="depth nan"))
+    (text,) = warned(record)
+    assert text.startswith("compensation was in force for")
+    record.modes[-1] = Interval(40.0, 45.0, "standby", reason="standby requested")
     assert warned(record) == []
 
 

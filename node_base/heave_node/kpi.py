@@ -32,6 +32,8 @@ WORSE_WINDOW = 60.0
 """Time over which the unit's motion is held against that of the uncompensated unit [s]."""
 WORSE_RATIO = 1.05
 """A unit is worse than off where its standard deviation is larger than so many times that of the uncompensated one."""
+WORSE_FLOOR = 0.02
+"""And no less than this [m]: in calm water noise alone moves a unit by millimetres, and a still one by none."""
 
 
 def sigma(values: ArrayLike) -> float:
@@ -78,7 +80,9 @@ def worse(unit_sigmas: ArrayLike, uncompensated_sigmas: ArrayLike) -> float:
     return float(ratios.max()) if ratios.size else math.nan
 
 
-def window_ratios(time: ArrayLike, unit: ArrayLike, uncompensated: ArrayLike, begin: float) -> tuple[Array, Array]:
+def window_ratios(
+    time: ArrayLike, unit: ArrayLike, uncompensated: ArrayLike, begin: float, *, floor: float = 0.0
+) -> tuple[Array, Array]:
     """Return when windows of WORSE_WINDOW begin, one each second, and `s(z) / s(z_off)` over each of them.
 
     Parameters
@@ -86,6 +90,7 @@ def window_ratios(time: ArrayLike, unit: ArrayLike, uncompensated: ArrayLike, be
     time : of the samples, shape (n,) [s]
     unit, uncompensated : z and z_off, shape (n,) [m]
     begin : of the first window [s]
+    floor : of a unit that moves less, 1 sigma [m], the ratio is 0
     """
     times = np.asarray(time, dtype=float)
     period = float(np.median(np.diff(times))) if times.size > 1 else math.nan
@@ -98,7 +103,7 @@ def window_ratios(time: ArrayLike, unit: ArrayLike, uncompensated: ArrayLike, be
         for values in (np.asarray(unit, dtype=float), np.asarray(uncompensated, dtype=float))
     ]
     with np.errstate(divide="ignore", invalid="ignore"):
-        return times[starts], np.asarray(deviations[0] / deviations[1])
+        return times[starts], np.where(deviations[0] < floor, 0.0, deviations[0] / deviations[1])
 
 
 def max_abs(values: ArrayLike) -> float:

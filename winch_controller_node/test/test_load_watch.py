@@ -39,7 +39,8 @@ def test_too_much_tension_is_told_with_what_is_allowed_and_what_to_do():
         (
             5.0,
             "tension too high: 320.0 kN, 1.60 times the static one; at most 1.5 is allowed: look whether the unit is "
-            "held fast, wait for a lower sea, or raise alarms.tension_ratio where cable and winch bear more",
+            "held fast; one that swings below a braked winch is damped by compensation; else wait for a lower sea, or "
+            "raise alarms.tension_ratio where cable and winch bear more",
         )
     ]
     assert watched((5.0, 9.0, False), tension_ratio=0.0) == []

@@ -43,6 +43,8 @@ MODE_PART = f"{topics.CONTROLLER_STATE.publisher}: {MODE}"
 """Part of /diagnostics in which the controller tells its mode and why."""
 ALARMS_PART = f"{topics.CONTROLLER_STATE.publisher}: {ALARMS}"
 """Part in which the controller tells what it has learnt, and what is not as it should be."""
+SENSOR_PARTS = f"{topics.CONTROLLER_STATE.publisher}: sensor "
+"""Begins the names of the parts in which it tells how it sees each sensor; what is wrong is among its alarms, too."""
 OPERATOR_PART = f"{topics.CONTROLLER_STATE.publisher}: {OPERATOR}"
 """Part in which the controller tells what an operator has asked for."""
 

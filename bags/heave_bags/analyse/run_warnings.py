@@ -22,7 +22,10 @@ LEAST_OF_WAITS = 0.05
 """A reason that held for a smaller share of the time without compensation is not told."""
 ERROR = 2
 """Level of an alarm that is an error."""
-COUNTED = "counted from when compensation first began, also the half minute after that and after a fault"
+COUNTED = (
+    "counted from when compensation first began, also the half minute after that and after a fault, where it moved by "
+    f"more than {100.0 * kpi.WORSE_FLOOR:g} cm"
+)
 """What `worse_times` looks at, in words: more than the promise, which leaves that half minute out."""
 OF_CONTROLLER = f"{topics.CONTROLLER_STATE.publisher}: "
 """Begins the alarms of the controller."""
@@ -89,7 +92,7 @@ def worse_times(record: RunRecord) -> list[Worse]:
     began = next((mode.start for mode in record.modes if mode.name in events.COMPENSATES), math.nan)
     if not (unit.size and off.size and math.isfinite(began)):
         return []
-    starts, ratios = kpi.window_ratios(unit.time, unit.value, off.at(unit), began)
+    starts, ratios = kpi.window_ratios(unit.time, unit.value, off.at(unit), began, floor=kpi.WORSE_FLOOR)
     is_worse = ratios > kpi.WORSE_RATIO
     found: list[Worse] = []
     for start, ratio in zip(starts[is_worse].tolist(), ratios[is_worse].tolist(), strict=True):
@@ -128,7 +131,8 @@ def why_not_in_force(record: RunRecord, values: Mapping[str, float]) -> list[str
     values : its figures of merit
     """
     waits = [wait for wait in record.waits if wait.reason not in RESTS_REQUESTED and time_within(record, wait) > 0.0]
-    is_over = bool(record.modes) and record.modes[-1].name not in events.COMPENSATES
+    last = record.modes[-1] if record.modes else None
+    is_over = last is not None and last.name not in events.COMPENSATES and last.reason not in RESTS_REQUESTED
     is_seldom = share_in_force(record, values) < LEAST_SHARE and (record.is_past_transient or is_over)
     if not waits or not is_seldom:
         return []

@@ -8,7 +8,7 @@ from typing import Any
 import rclpy
 from builtin_interfaces.msg import Time
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
-from heave_bags.analyse.events import ALARMS_PART, MODE_PART
+from heave_bags.analyse.events import ALARMS_PART, MODE_PART, SENSOR_PARTS
 from heave_msgs.msg import CableState, CompensationKpi, PointMotion, TickStatus
 from heave_node.interface import topics
 from heave_node.interface.codes import without_figures
@@ -160,7 +160,8 @@ class Monitor:
                 if part.name.endswith(f": {STRANGERS}"):
                     self.strangers |= dict.fromkeys(part.message.split("; "))
                 self.alarms.append(f"t = {seconds_of(message.header.stamp):.2f} s: {part.name}: {part.message}")
-                self._news.append(self.alarms[-1])
+                if not part.name.startswith(SENSOR_PARTS):  # the controller's own alarms tell it, when it was
+                    self._news.append(self.alarms[-1])
 
     def take_news(self) -> list[str]:
         """Return the alarms and losses of compensation that came since the last call."""

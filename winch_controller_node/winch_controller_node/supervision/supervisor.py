@@ -42,6 +42,8 @@ sqrt(2)/(w t) = 0.15 of its own, and a group of waves, or a cable that goes slac
 ASK_AGAIN = "then ask for compensation again"
 """Ends the reason of an inhibition that only an operator can end."""
 
+NOT_AS_SENT = "the winch does not do what it is sent: wait until it is known what it does, or look at its drive"
+
 TRANSPORT_HOLD = 5.0
 """Time for which compensation stays off after commands were late for long [s]: the transport is not the loop's harm."""
 
@@ -277,7 +279,7 @@ class Supervisor:
         is_of_sea = known_share <= winch.share
         words = self._share_news.update(
             min(known_share, winch.share),
-            "the sea is not the one that is believed" if is_of_sea else "the winch does not do what it is sent",
+            "the sea is not the one that is believed" if is_of_sea else NOT_AS_SENT,
             authority=self.modes.authority,
             factor=self.modes.factor,
             compensates=self.modes.mode is Mode.COMPENSATING,

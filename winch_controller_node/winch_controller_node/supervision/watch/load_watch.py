@@ -65,8 +65,9 @@ class LoadWatch:
         if self._over.begins(0.0 < parameters.tension_ratio < share):
             words.append(
                 f"tension too high: {tension / 1e3:.1f} kN, {share:.2f} times the static one; "
-                f"at most {parameters.tension_ratio:g} is allowed: look whether the unit is held fast, wait for a "
-                "lower sea, or raise alarms.tension_ratio where cable and winch bear more"
+                f"at most {parameters.tension_ratio:g} is allowed: look whether the unit is held fast; one that swings "
+                "below a braked winch is damped by compensation; else wait for a lower sea, or raise "
+                "alarms.tension_ratio where cable and winch bear more"
             )
         if self._saturated.begins(self._share_at_limit > parameters.saturation_share):
             words.append(
