@@ -380,7 +380,7 @@ class Supervisor:
             self._largest_swing = math.inf
             return True
         swing = self._swing(tick.unit_offset)
-        if math.isinf(self._largest_swing):
+        if self._largest_swing == math.inf:
             self._largest_swing = WORSE_SWING * swing + LEAST_WORSE
         elif swing > self._largest_swing:
             self._largest_swing = -math.inf  # until the next fade-out
