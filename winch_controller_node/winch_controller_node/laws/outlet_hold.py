@@ -17,9 +17,6 @@ from winch_controller_node.parameters.model import WinchModelParameters
 HOLD_TIME, HOLD_LAGS = 2.0, 4.0
 """The payout follows the boom tip within this time [s], and no faster than this many time constants of the winch."""
 
-DAMPED_LAGS, SLOW_UNIT = 1.5, 2.0
-"""A slow winch, too, damps a unit whose free swing takes more than the second for a radian [s], and so many lags."""
-
 SETTLING_DAMPING = 0.5
 """Damping ratio that the unit is given on its way back to the uncompensated motion."""
 
@@ -56,7 +53,7 @@ class OutletHold:
         assert model.dt is not None
         lag = winch.command_delay + winch.time_constant
         ahead = np.linalg.matrix_power(model.A, round(lag / model.dt))
-        is_slow = math.sqrt(inertia) > min(HOLD_LAGS * lag, max(DAMPED_LAGS * lag, SLOW_UNIT))
+        is_slow = math.sqrt(inertia) > HOLD_LAGS * lag
         self.settled_swing = SETTLED_SWING if is_slow else math.inf
         damping = 2.0 * SETTLING_DAMPING * math.sqrt(inertia) if is_slow else 0.0
         outlet = model.row("boom_tip_heave") - model.row("payout") + damping * model.row("unit_heave_rate")

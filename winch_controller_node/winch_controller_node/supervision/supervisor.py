@@ -50,9 +50,6 @@ TRANSPORT_HOLD = 5.0
 UNKNOWN_SEA_SHARE = 0.3
 """Share of a sea that is compensated while it is predicted badly."""
 
-WORSE_SWING, LEAST_WORSE = 1.5, 0.1
-"""A fade-out does harm in which the unit swings by so many times as much as at its beginning, and so much more [m]."""
-
 SETTLED_AT_REST = 0.01
 """Swing of the unit at which a fade-out may end in calm water [m]; a sea adds its own, up to what a law can settle."""
 
@@ -154,7 +151,6 @@ class Supervisor:
         self._fades_by_law = False
         self._share_news = ShareNews(dt)
         self._blind_time = 0.0
-        self._largest_swing = math.inf
         self._blind_lowering = Episode(dt)
         self._touchdown_ratio = parameters.tension.touchdown_ratio
         self._longest_wait = LONGEST_WAIT * parameters.modes.settling_time
@@ -193,11 +189,9 @@ class Supervisor:
         is_damped_blind = self._watch_blind_damping(tick, winch.settled_swing)
         # a unit that stands is at rest, and one that swings as below a locked winch may go beyond a highest tension
         can_settle = not self.landing.unit_stands and math.isinf(self._limits.maximum_tension)
-        helps = self._damping_helps(tick)
-        settles = self._fades_by_law and can_settle and helps
+        settles = self._fades_by_law and can_settle
         has_faded = settles and self.modes.authority == 0.0
-        may_damp = helps and not winch.is_contrary
-        is_damped = may_damp and (is_damped_blind or has_faded or self._may_damp(tick, lost))
+        is_damped = not winch.is_contrary and (is_damped_blind or has_faded or self._may_damp(tick, lost))
         mode = self.modes.step(
             Situation(
                 lost=lost,
@@ -370,21 +364,6 @@ class Supervisor:
         """
         is_known = tick.sensed.has_depth and "depth" not in tick.sensed.lost and "mru" not in lost
         return self.guard.trusts_estimate and (self.guard.inhibits if not lost else is_known)
-
-    def _damping_helps(self, tick: LoopTick) -> bool:
-        """Tell whether the unit has not been made to swing more in this fade-out than at its beginning.
-
-        It is by a winch that is not what it was found to be; the brake is better then.
-        """
-        if self.modes.mode is not Mode.FADE_OUT:
-            self._largest_swing = math.inf
-            return True
-        swing = self._swing(tick.unit_offset)
-        if self._largest_swing == math.inf:
-            self._largest_swing = WORSE_SWING * swing + LEAST_WORSE
-        elif swing > self._largest_swing:
-            self._largest_swing = -math.inf  # until the next fade-out
-        return self._largest_swing > 0.0
 
     def _is_settled(self, tick: LoopTick, settled_swing: float) -> bool:
         """Tell whether the unit swings no more about its uncompensated motion: the winch may stop.
