@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import pytest
 from builtin_interfaces.msg import Time
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
-from heave_bags.analyse.events import MODE_PART
+from heave_bags.analyse.events import ALARMS_PART, MODE_PART
 from heave_bringup.run.live_figures import LiveFigures
 from heave_bringup.run.monitor import Monitor
 from std_msgs.msg import Header
@@ -105,6 +105,18 @@ def test_a_stop_for_another_reason_than_the_loss_is_told_as_well():
         monitor, diagnosed("emergency_stop: emergency stop requested", 63.05, stop, DiagnosticStatus.ERROR)
     )
     assert monitor.alarms == ["t = 63.05 s: winch_controller: mode: emergency_stop: emergency stop requested"]
+
+
+def test_a_lost_sensor_is_told_once_by_the_controllers_alarms():
+    """The part of the sensor says the same, up to a second later."""
+    lost, monitor = "frozen: its readings do not change: start it or its driver again", listener()
+    sensor = DiagnosticStatus(level=DiagnosticStatus.ERROR, name="winch_controller: sensor mru", message=lost)
+    told = KeyValue(key="t = 9.80 s", value=f"mru lost: {lost}")
+    alarms = DiagnosticStatus(level=DiagnosticStatus.WARN, name=ALARMS_PART, message="1", values=[told])
+    header = Header(stamp=Time(sec=10))
+    Monitor._on_diagnostics(monitor, DiagnosticArray(header=header, status=[sensor, alarms]))
+    assert monitor._news == [f"t = 9.80 s: mru lost: {lost}"]
+    assert monitor.alarms == [f"t = 10.00 s: winch_controller: sensor mru: {lost}"], "an error of the run it is"
 
 
 def test_a_loss_is_told_once_and_a_request_is_none():

@@ -13,7 +13,17 @@ from typing import Any
 from geometry_msgs.msg import TwistStamped
 from heave_msgs.srv import Redesign, SetMode
 from heave_node.interface import topics
-from heave_node.interface.codes import ALARMS, COMMANDS, LATE, MODE, OPERATOR, RESTS_REQUESTED, SensorLevel, told_at
+from heave_node.interface.codes import (
+    ALARMS,
+    COMMANDS,
+    LATE,
+    MODE,
+    OPERATOR,
+    RESTS_REQUESTED,
+    SENSOR,
+    SensorLevel,
+    told_at,
+)
 from heave_node.interface.sensors import SENSORS, Water
 from heave_node.interface.topic import Topic
 from heave_node.numerics.linear_model import ModelError
@@ -163,7 +173,7 @@ class WinchControllerNode(ParticipantNode):
             text = sensor.reason
             if sensor.level is SensorLevel.LOST:
                 text = f"{text}: {remedy(sensor.sensor, sensor.reason)}"
-            parts.append(Health(f"sensor {sensor.sensor}", LEVELS[sensor.level], text or "ok", values))
+            parts.append(Health(f"{SENSOR} {sensor.sensor}", LEVELS[sensor.level], text or "ok", values))
         preview = self.controller.preview
         if preview.has_come:
             parts.append(Health("preview", Level.WARN if preview.fault else Level.OK, preview.words))

@@ -15,6 +15,7 @@ from heave_node.interface.codes import (
     MODE,
     OPERATOR,
     REQUESTED,
+    SENSOR,
     WINCH_LEARNT,
     SensorLevel,
     WinchFault,
@@ -43,7 +44,7 @@ MODE_PART = f"{topics.CONTROLLER_STATE.publisher}: {MODE}"
 """Part of /diagnostics in which the controller tells its mode and why."""
 ALARMS_PART = f"{topics.CONTROLLER_STATE.publisher}: {ALARMS}"
 """Part in which the controller tells what it has learnt, and what is not as it should be."""
-SENSOR_PARTS = f"{topics.CONTROLLER_STATE.publisher}: sensor "
+SENSOR_PARTS = f"{topics.CONTROLLER_STATE.publisher}: {SENSOR} "
 """Begins the names of the parts in which it tells how it sees each sensor; what is wrong is among its alarms, too."""
 OPERATOR_PART = f"{topics.CONTROLLER_STATE.publisher}: {OPERATOR}"
 """Part in which the controller tells what an operator has asked for."""

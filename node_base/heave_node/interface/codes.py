@@ -74,6 +74,9 @@ MODE = "mode"
 """Part of the controller's diagnostics with its mode and why, and each change since the last ones by time, as values.
 """
 
+SENSOR = "sensor"
+"""Begins the names of the parts of the controller's diagnostics with how it sees each sensor; the sensor follows."""
+
 OPERATOR = "operator"
 """Part of the controller's diagnostics with what an operator has asked for since the last ones, by time, as values and
 in its message.
