@@ -11,7 +11,7 @@ from heave_node.interface.preview import HeavePreview
 from heave_node.numerics.arrays import Array
 
 from winch_controller_node.design.design import ControllerDesign
-from winch_controller_node.estimation.loop_tick import CommandShares, LoopTick
+from winch_controller_node.estimation.loop_tick import CommandShares, LoopTick, free_swing
 from winch_controller_node.interface.readings import WinchOrder
 from winch_controller_node.laws.constant_tension import ConstantTension, TensionSetPoint, Travel
 from winch_controller_node.laws.law import ControlLaw, LawCommand
@@ -103,7 +103,6 @@ class LoopCommand:
         self._giving_time = max(GIVING_TIME, 2.0 * (parameters.winch.command_delay + parameters.winch.time_constant))
         self._shift = AuthorityShift(model, design.sea_states)
         self._inertia = design.cable.a
-        self._unit_states = [model.state("unit_heave"), model.state("unit_heave_rate")]
         self._payout_state, self._unit_state = model.state("payout"), model.state("unit_heave")
 
     @property
@@ -220,10 +219,10 @@ class LoopCommand:
         Its estimate is then no better than what MRU, load cell and cable are believed to be: fed back in full it sends
         the drum after the errors of all three. What is more than those may be is there, and is to be damped.
         """
-        heave, rate = x[self._unit_states].tolist()
-        swing = math.hypot(heave, math.sqrt(self._inertia) * rate)
+        unit = self._rows.unit_states
+        swing = free_swing(x[unit], self._inertia)
         if swing > LARGEST_UNSEEN:
-            x[self._unit_states] *= (LARGEST_UNSEEN + max(swing - UNSEEN_ERROR, 0.0)) / swing
+            x[unit] *= (LARGEST_UNSEEN + max(swing - UNSEEN_ERROR, 0.0)) / swing
 
     def _give_way(self, asked: LawCommand, tick: LoopTick, mode: ModeOutput) -> LawCommand:
         """Pay out more than is asked for where the tension is above the highest one."""

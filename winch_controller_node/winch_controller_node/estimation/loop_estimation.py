@@ -355,14 +355,16 @@ class LoopEstimation:
 
     def _rate_sigma(self) -> float:
         """Return the standard deviation of the estimated heave rate of the boom tip about the true one [m/s]."""
-        row = self._rows.tip[1]
-        return math.sqrt(float(row @ self.estimator.covariance @ row))
+        return math.sqrt(self._error_variance(self._rows.tip[1]))
+
+    def _error_variance(self, row: Array) -> float:
+        """Return the variance of the estimate of what a `row` of the model gives, about the true one."""
+        return float(row @ self.estimator.covariance @ row)
 
     def _wave_share(self) -> float:
         """Return the share of the boom tip's estimated motion that is not noise."""
-        row = self._rows.tip[0]
-        noise = NOISE_SWING**2 * float(row @ self.estimator.covariance @ row)
-        return 1.0 - min(noise / max(self._tip_power, noise), 1.0)
+        noise = NOISE_SWING**2 * self._error_variance(self._rows.tip[0])
+        return 1.0 - noise / self._tip_power if self._tip_power > noise else 0.0
 
     def advance_mean(self, command: float, *, is_braked: bool) -> None:
         """Advance the mean payout by a tick with `command` as its share; a brake (`is_braked`) holds it."""

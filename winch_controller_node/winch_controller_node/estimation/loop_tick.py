@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -19,6 +20,18 @@ class Motion(NamedTuple):
 
     heave: float
     rate: float
+
+
+def free_swing(motion: Array, inertia: float) -> float:
+    """Return the amplitude [m] of the free swing that a unit makes on its cable.
+
+    Parameters
+    ----------
+    motion : its heave [m] and rate [m/s], shape (2,)
+    inertia : a of the two-state cable [s^2]
+    """
+    heave, rate = motion.tolist()
+    return math.hypot(heave, math.sqrt(inertia) * rate)
 
 
 class Sensed(NamedTuple):

@@ -34,6 +34,7 @@ from winch_controller_node.laws.parts.governor import (
     TENSION,
     SpeedServo,
     drum_ahead,
+    standing_command,
 )
 from winch_controller_node.laws.parts.loop_state import LoopState, Reference
 from winch_controller_node.laws.parts.preview import STEP, PreviewReader, feedforward
@@ -209,8 +210,7 @@ class ConstrainedLaw(ControlLaw):
         self._releasing = math.exp(-model.dt * parameters.solve_ticks / max(parameters.release_time, 1e-9))
         self._lag, self._dt = winch.time_constant, model.dt
         self._position_gain = winch.position_gain
-        self._payout_ahead, rate = drum_ahead(model, winch)
-        self._standing = rate + winch.position_gain * self._payout_ahead
+        self._standing = drum_ahead(model, winch)[1] + standing_command(model, winch)
         self._set_point_reach = winch.set_point_reach
         self.take_limits(design.limits)
         self._parameters = parameters
@@ -257,8 +257,10 @@ class ConstrainedLaw(ControlLaw):
         commanded = [tick - delay for tick in dense]
         blocks = [
             _output_rows(model, self._constrained, "payout_rate", dense, responses),
-            self._acceleration_rows(winch, commanded, responses),
-            self._set_point_rows(winch, commanded, responses),
+            # acceleration at the moment each command takes effect, which may be within a tick
+            self._servo_rows(self._standing, winch.time_constant, commanded, responses),
+            # the speed that the servo is asked for: a slow one needs more than it makes
+            self._servo_rows(standing_command(model, winch), 1.0, commanded, responses),
             _output_rows(model, self._constrained, "payout", sparse, responses),
             _output_rows(model, self._constrained, "tension", sparse, responses),
         ]
@@ -268,27 +270,15 @@ class ConstrainedLaw(ControlLaw):
             start += len(ticks)
         self._free, self._forced, self._previewed = (np.vstack(rows) for rows in zip(*blocks, strict=True))
 
-    def _acceleration_rows(
-        self, winch: WinchModelParameters, ticks: list[int], responses: _Responses
+    def _servo_rows(
+        self, taken: Array, divisor: float, ticks: list[int], responses: _Responses
     ) -> tuple[Array, Array, Array]:
-        """Return rows of the acceleration at the moment each command takes effect, which may be within a tick."""
-        feedback = -(self._constrained + self._standing) / winch.time_constant
-        through = self._basis / winch.time_constant
+        """Return rows of the commands of `ticks`, less the row that is `taken` off them, over a `divisor`."""
+        feedback, through = -(self._constrained + taken) / divisor, self._basis / divisor
         return (
             np.array([feedback @ responses.free[k] for k in ticks]),
             np.array([feedback @ responses.forced[k] + through[k] for k in ticks]),
-            np.array([feedback @ responses.previewed[k] + responses.fed[k] / winch.time_constant for k in ticks]),
-        )
-
-    def _set_point_rows(
-        self, winch: WinchModelParameters, ticks: list[int], responses: _Responses
-    ) -> tuple[Array, Array, Array]:
-        """Return rows of the speed that the servo is asked for, which a slow one needs beyond that which it makes."""
-        feedback = -(self._constrained + winch.position_gain * self._payout_ahead)
-        return (
-            np.array([feedback @ responses.free[k] for k in ticks]),
-            np.array([feedback @ responses.forced[k] + self._basis[k] for k in ticks]),
-            np.array([feedback @ responses.previewed[k] + responses.fed[k] for k in ticks]),
+            np.array([feedback @ responses.previewed[k] + responses.fed[k] / divisor for k in ticks]),
         )
 
     def _setup_cost(self, dt: float) -> None:

@@ -5,10 +5,8 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from heave_node.numerics.arrays import Array
-
 from winch_controller_node.design.design import ControllerDesign
-from winch_controller_node.estimation.loop_tick import LoopTick
+from winch_controller_node.estimation.loop_tick import LoopTick, free_swing
 from winch_controller_node.estimation.sensor_health import remedy
 from winch_controller_node.estimation.tension import TensionMean
 from winch_controller_node.laws.law import ControlLaw
@@ -43,6 +41,7 @@ ASK_AGAIN = "then ask for compensation again"
 """Ends the reason of an inhibition that only an operator can end."""
 
 NOT_AS_SENT = "the winch does not do what it is sent: wait until it is known what it does, or look at its drive"
+"""Why only a part of the sea is compensated, and what to do."""
 
 TRANSPORT_HOLD = 5.0
 """Time for which compensation stays off after commands were late for long [s]: the transport is not the loop's harm."""
@@ -373,13 +372,8 @@ class Supervisor:
         if math.isinf(settled_swing):
             return True
         if tick.knows_tip:
-            settled_swing = min(settled_swing, SETTLED_AT_REST + self._swing(tick.released_motion))
-        return self._swing(tick.unit_offset) < settled_swing
-
-    def _swing(self, motion: Array) -> float:
-        """Return the amplitude [m] of the free swing that a unit of this `motion`, heave and rate, makes."""
-        heave, rate = motion.tolist()
-        return math.hypot(heave, math.sqrt(self._inertia) * rate)
+            settled_swing = min(settled_swing, SETTLED_AT_REST + free_swing(tick.released_motion, self._inertia))
+        return free_swing(tick.unit_offset, self._inertia) < settled_swing
 
     def _watch_blind_damping(self, tick: LoopTick, settled_swing: float) -> bool:
         """Count for how long a fade-out has damped the unit by the depth sensor alone; return whether it does and may.
