@@ -40,6 +40,25 @@ def test_the_guard_tolerates_a_small_residual_and_stops_a_harmful_one():
     assert "is harmful" in guard.reason
 
 
+@pytest.mark.parametrize("noise", [0.02, 0.3])
+def test_noise_of_the_depth_sensor_that_is_known_is_no_motion_and_a_contrary_sensor_is_found_through_it(noise):
+    """The sensor reads every other tick; a still unit in a sea of 0.5 m, then one that it reads the wrong way."""
+    guard, random = make_guard(), np.random.default_rng(1)
+
+    def feed(unit, reads, seconds):
+        for k in range(round(seconds / DT)):
+            wave = math.sin(0.7 * k * DT)
+            read = reads * wave + noise * random.standard_normal() if k % 2 == 0 else None
+            tip = Motion(0.0, 0.3 * wave)
+            motions = GuardedMotions(Motion(unit * wave, 0.0), Motion(0.5 * wave, 0.0), tip, tip.rate, read, noise)
+            guard.update(motions, 1.0)
+
+    feed(0.0, 0.0, 120.0)
+    assert not guard.inhibits
+    feed(0.4, -0.4, 60.0)
+    assert "depth sensor and motion reference unit disagree" in guard.reason
+
+
 def test_the_guard_lets_compensation_be_tried_again_and_waits_longer_each_time():
     guard = make_guard()
     feed_guard(guard, 0.8, 0.5, 40.0)

@@ -32,6 +32,7 @@ def sensed(*, tension, depths=(), innovation=None, has_depth=True, filtered=None
         filtered_tension=tension if filtered is None else filtered,
         depths=tuple(depths),
         depth_heave=None,
+        depth_noise=0.0,
         depth_innovation=innovation,
         has_depth=has_depth,
         has_encoder=True,

@@ -109,6 +109,15 @@ def test_noise_of_the_depth_that_has_become_known_is_not_told_as_jumps():
     assert sum(words.startswith("noise of unit_heave is") for _, words in record.alarms) == 1
 
 
+def test_a_depth_sensor_of_fifteen_times_the_believed_noise_is_no_reason_to_give_compensation_up():
+    """Its steps were thrown out as jumps and its noise counted as motion: compensation was off for most of the run."""
+    record = run_b3(200.0, "cable_sim.sensors.depth.noise=0.3")
+    late = record.column("time") > 120.0
+    assert {mode for mode, is_late in zip(record.modes, late, strict=True) if is_late} == {"compensating"}
+    unit = record.column("unit") + record.column("depth_set_point")
+    assert np.std(unit[late]) < 0.2 * np.std(record.column("uncompensated")[late])
+
+
 def test_a_reading_that_comes_back_into_its_band_within_the_minute_is_not_told():
     surprise = Surprise(DT)
     quiet, usual = ({"mru_heave": Innovation(0.0, 1.0, nis, accepted=True)} for nis in (0.0, 1.0))

@@ -292,6 +292,7 @@ class LoopEstimation:
             filtered_tension=self._tension.value,
             depths=tuple(observer.depths),
             depth_heave=next((r.value for r in reversed(readings) if r.name == "unit_heave"), None),
+            depth_noise=observer.depth_noise,
             depth_innovation=depth.value / depth.sigma if depth is not None and is_compared else None,
             has_depth="unit_heave" in self.estimator.measurements and not observer.gates["depth"].is_lost,
             innovations=self.estimator.innovations,

@@ -44,6 +44,7 @@ class Sensed(NamedTuple):
     tension, filtered_tension : newest top tension, and that low-passed [N]; NaN before the first
     depths : depth readings of the tick: stamp [s] and depth, positive down [m]
     depth_heave : the newest of them as heave about the mean payout's share [m]; None: none came
+    depth_noise : standard deviation of the depth sensor's noise, as far as it is known [m]
     depth_innovation : its innovation over the standard deviation of that [-]; None: there is none
     has_depth : there is a depth sensor, and it is not lost
     has_encoder : a reading of the encoder has been accepted since the start
@@ -58,6 +59,7 @@ class Sensed(NamedTuple):
     filtered_tension: float
     depths: tuple[tuple[float, float], ...]
     depth_heave: float | None
+    depth_noise: float
     depth_innovation: float | None
     has_depth: bool
     has_encoder: bool

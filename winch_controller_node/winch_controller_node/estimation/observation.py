@@ -289,7 +289,7 @@ class Observer:
         return self._noise["mru_heave"].sigma
 
     @property
-    def _depth_noise(self) -> float:
+    def depth_noise(self) -> float:
         """Standard deviation of the depth sensor [m]; 0 where the estimator does not take it."""
         return max(
             (self._noise[row.name].sigma for row in self._rows_of["depth"] if row.name in self._noise), default=0.0
@@ -336,7 +336,7 @@ class Observer:
                 continue
             read: float | None = reading.value
             if name == "depth":
-                read = self._depth_jumps.take_off(reading.time, reading.value, self._depth_noise)
+                read = self._depth_jumps.take_off(reading.time, reading.value, self.depth_noise)
             if name == "depth" and self._depth_jumps.is_unproved:
                 self._doubt_first("depth")
             if read is None:

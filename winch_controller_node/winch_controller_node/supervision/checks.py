@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from winch_controller_node.estimation.mru_steps import SIGMAS
 from winch_controller_node.estimation.sensor_health import LARGEST_SPEED, LARGEST_STEP
 
 SLOW_MEAN_FACTOR = 3.0
@@ -58,14 +59,20 @@ class DetrendedHeave:
         self._ticks = 0
         self.value = 0.0
 
-    def add(self, reading: float | None) -> None:
-        """Take in the reading of a tick [m]; None: none came."""
+    def add(self, reading: float | None, noise: float = 0.0) -> None:
+        """Take in a tick.
+
+        Parameters
+        ----------
+        reading : of the sensor [m]; None: none came
+        noise : standard deviation of the sensor's, as far as it is known [m]
+        """
         self._ticks += 1
         self.value *= 1.0 - self._dt / DETREND_TIME
         if reading is None:
             return
         step = 0.0 if self._last is None else reading - self._last
-        if abs(step) <= LARGEST_STEP + LARGEST_SPEED * self._ticks * self._dt:
+        if abs(step) <= max(LARGEST_STEP, SIGMAS * noise) + LARGEST_SPEED * self._ticks * self._dt:
             self.value += step
         self._last, self._ticks = reading, 0
 
@@ -79,13 +86,11 @@ class AmplitudeLimit:
     time : memory of the amplitude [s]
     ratio : largest amplitude over that of the reference
     floor : amplitude that is never too large
-    noise : standard deviation of the sensor's noise, which is taken off
     """
 
     time: float
     ratio: float
     floor: float
-    noise: float = 0.0
 
 
 class AmplitudeCheck:
@@ -107,7 +112,7 @@ class AmplitudeCheck:
         self._count = 0
         self._ticks_needed = round(0.5 * window / tick_period)
         self._mean_square = self._reference_now = self._reference_waves = 0.0
-        self._left_over = 0.0
+        self._left_over = self._noise = 0.0
 
     def add(self, square: float, reference_square: float) -> None:
         """Take in the `square` of the motion and the `reference_square` at a tick."""
@@ -127,6 +132,10 @@ class AmplitudeCheck:
         """Allow the motion an amplitude beside the reference, `left_over` from before it came to be judged."""
         self._left_over = left_over
 
+    def take_off(self, noise: float) -> None:
+        """Take the standard deviation of the sensor's `noise` off the amplitude from now on."""
+        self._noise = noise
+
     @property
     def reference(self) -> float:
         """Mean square of the reference."""
@@ -135,7 +144,7 @@ class AmplitudeCheck:
     @property
     def amplitude(self) -> float:
         """Root mean square of the motion, noise taken off."""
-        return math.sqrt(max(self._mean_square - self._limit.noise**2, 0.0))
+        return math.sqrt(max(self._mean_square - self._noise**2, 0.0))
 
     @property
     def is_exceeded(self) -> bool:

@@ -113,6 +113,7 @@ class GuardedMotions(NamedTuple):
     boom_tip : estimated motion of the boom tip
     payout_rate : estimated speed of the drum, without that of the mean payout [m/s]
     measured_heave : heave of the unit as the depth sensor reads it [m]; None: no reading came
+    depth_noise : standard deviation of that sensor's noise, as far as it is known [m]
     mean_acceleration : of the mean payout [m/s^2]
     """
 
@@ -121,6 +122,7 @@ class GuardedMotions(NamedTuple):
     boom_tip: Motion
     payout_rate: float = 0.0
     measured_heave: float | None = None
+    depth_noise: float = 0.0
     mean_acceleration: float = 0.0
 
 
@@ -132,7 +134,6 @@ class HarmGuard:
     parameters : window, ratio, hold times
     loop : that it watches
     tick_period : [s]
-    depth_noise : standard deviation of the depth sensor's noise [m]
 
     Attributes
     ----------
@@ -141,9 +142,7 @@ class HarmGuard:
     reason : why it inhibits, in words; empty when it does not
     """
 
-    def __init__(
-        self, parameters: GuardParameters, loop: GuardedLoop, *, tick_period: float, depth_noise: float = 0.0
-    ) -> None:
+    def __init__(self, parameters: GuardParameters, loop: GuardedLoop, *, tick_period: float) -> None:
         self._parameters = parameters
         self._loop = loop
         self._dt = tick_period
@@ -158,21 +157,19 @@ class HarmGuard:
         self._authority_before = 0.0
         self._demand = WinchDemand(parameters.window, tick_period=tick_period)
         self._make_comparison()
-        self._make_checks(depth_noise)
+        self._make_checks()
 
     def _make_comparison(self) -> None:
         """Begin the comparison over waves anew."""
         self._unit = RunningSigma(self._parameters.window, self._dt)
         self._free_unit = RunningSigma(self._parameters.window, self._dt)
 
-    def _make_checks(self, noise: float) -> None:
+    def _make_checks(self) -> None:
         window, floor = self._parameters.window, FLOOR_FACTOR * self._parameters.floor
         self._rate_check = AmplitudeCheck(RATE_ERROR, window, self._dt)
         self._swing_check = AmplitudeCheck(AmplitudeLimit(SWING_TIME, SWING_RATIO, floor), window, self._dt)
-        self._depth_check = AmplitudeCheck(AmplitudeLimit(DEPTH_TIME, DEPTH_RATIO, floor, noise), window, self._dt)
-        self._mismatch_check = AmplitudeCheck(
-            AmplitudeLimit(MISMATCH_TIME, MISMATCH_RATIO, floor, noise), window, self._dt
-        )
+        self._depth_check = AmplitudeCheck(AmplitudeLimit(DEPTH_TIME, DEPTH_RATIO, floor), window, self._dt)
+        self._mismatch_check = AmplitudeCheck(AmplitudeLimit(MISMATCH_TIME, MISMATCH_RATIO, floor), window, self._dt)
         self._measured = DetrendedHeave(self._dt)
         self._mismatch = DetrendedHeave(self._dt)
         self._exchanged_swing = self._reachable = self._to_gain_speed = 0.0
@@ -308,10 +305,12 @@ class HarmGuard:
         self._update_left_over(motions, authority)
         # the mean square of a heave is half that of its swing
         free_heave = 0.5 * free_swing
-        heave = motions.measured_heave
-        self._measured.add(heave)
+        heave, noise = motions.measured_heave, motions.depth_noise
+        self._depth_check.take_off(noise)
+        self._mismatch_check.take_off(noise)
+        self._measured.add(heave, noise)
         self._depth_check.add(self._measured.value**2, free_heave)
-        self._mismatch.add(None if heave is None else heave - motions.unit.heave)
+        self._mismatch.add(None if heave is None else heave - motions.unit.heave, noise)
         self._mismatch_check.add(self._mismatch.value**2, free_heave)
         if authority <= 0.0:
             self._rate_check.restart()

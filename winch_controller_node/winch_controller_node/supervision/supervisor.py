@@ -134,12 +134,7 @@ class Supervisor:
         self.modes = ModeMachine(
             parameters.modes, moves_winch=law.moves_winch, factor=parameters.factor, tick_period=dt
         )
-        self.guard = HarmGuard(
-            parameters.guard,
-            guarded_loop(design, law),
-            tick_period=dt,
-            depth_noise=parameters.sensors.depth.noise,
-        )
+        self.guard = HarmGuard(parameters.guard, guarded_loop(design, law), tick_period=dt)
         self.landing = Landing(parameters.tension, hanging_load(design))
         self._gates = EntryGates(parameters.entry, window=parameters.guard.window, tick_period=dt)
         self.highest_tension = HighestTension(parameters.guard.window, tick_period=dt)
@@ -259,6 +254,7 @@ class Supervisor:
             boom_tip=tick.boom_tip,
             payout_rate=tick.payout_rate,
             measured_heave=tick.measured_unit_heave if hangs else None,
+            depth_noise=tick.sensed.depth_noise,
             mean_acceleration=mean_acceleration,
         )
         self.guard.update(motions, self.modes.authority if is_judged else 0.0, self.modes.target)
