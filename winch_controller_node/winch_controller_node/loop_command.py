@@ -205,9 +205,8 @@ class LoopCommand:
                 self._bound_unseen(x)
         else:  # the unit is to come to rest
             x = self._shift.shift(tick.estimate, np.zeros(2), 0.0)
-        rows, mean_state = self._rows, tick.mean_state
         # the unit shall follow the mean payout stiffly, not swing after it as it would by itself
-        x[rows.unit_states] += mean_state[rows.unit_states] + rows.winch @ mean_state
+        x[self._rows.unit_states] += tick.mean_swing
         if tick.left_over != 0.0:
             x[self._payout_state] -= tick.left_over
             x[self._unit_state] += tick.left_over

@@ -136,7 +136,7 @@ class LoopTick:
     def mean_swing(self) -> Array:
         """Heave and rate of the unit about the mean payout that this itself brings about, shape (2,)."""
         rows = self.rows
-        return rows.winch @ self.mean_state + self.mean_state[rows.unit_states]
+        return rows.drum(self.mean_state, self.command.mean) + self.mean_state[rows.unit_states]
 
     @cached_property
     def unit(self) -> Motion:
@@ -200,5 +200,6 @@ class LoopTick:
         Where the boom tip is not known it is that about rest.
         """
         rows = self.rows
-        offset = self.mean_swing + self.estimate[rows.unit_states] + rows.winch @ self.estimate
+        drum = rows.drum(self.estimate, self.command.compensating)
+        offset = self.mean_swing + self.estimate[rows.unit_states] + drum
         return offset - self.released_motion if self.knows_tip else offset
