@@ -348,7 +348,7 @@ class WinchController:
         command = self._command.command(loop, decision, self._watch_preview(loop, measurements.preview))
         self._estimation.advance_mean(command.shares.mean, is_braked=self.modes.brake)
         self._watch_load(loop, measurements.winch, command)
-        order = self._command.order(command, decision.mode, self._estimation.motion.set_point)
+        order = self._command.order(command, decision.mode, self._estimation.set_point)
         self._winch.give(order)
         self._note_kpi(loop)
         told = ControllerTick(
@@ -361,7 +361,7 @@ class WinchController:
             law=self.parameters.law,
             gain=self._in_force.law.gain,
             covariance=self.estimator.covariance,
-            depth_set_point=self._estimation.motion.set_point,
+            depth_set_point=self._estimation.set_point,
             sensors=self.observer.states(tick),
         )
         requests, self._requests = tuple(self._requests), []

@@ -18,6 +18,7 @@ from winch_controller_node.estimation.handover import (
     hand_over_scaled,
     hand_over_seen,
     hand_over_standing,
+    hung_on,
 )
 from winch_controller_node.estimation.loop_tick import CommandShares, LoopTick, Sensed
 from winch_controller_node.estimation.observation import Observer
@@ -58,6 +59,9 @@ TAUT_TIME = 20.0
 """Time in which a unit that had a taut cable goes over to one that had not [s]: near the resonance of the cable it
 would swing by far more than any unit does, and what the law refers to with it."""
 
+NEAR = 0.1
+"""A drum that stands so near to a payout of 0 at first [m] returns to it, as it does after a stop."""
+
 SEA_SENSORS = ("mru", "encoder")
 """They tell the sea; what others read tells as much of the cable."""
 
@@ -91,6 +95,7 @@ class LoopEstimation:
         self._tension = TensionFilter(parameters.tension.time_constant, tick_period=dt)
         self.mean_tension = MeanTension(tick_period=dt)
         self._tip_power = 0.0
+        self._has_begun, self._first_payout = False, math.nan
         self._sea = SeaTracker(design)
         self._believed_sea = parameters.sea
         self._tip_lost, self._tip_back, self.knows_tip = 0.0, TIP_BACK, True
@@ -231,6 +236,10 @@ class LoopEstimation:
         command : of the last tick
         unit_stands : the unit stands on the seabed: what rides on it says nothing of a hanging one
         """
+        if not self._has_begun and measurements.winch is not None:
+            self._begin(measurements.winch.encoder_payout)
+            if not self._has_begun:
+                measurements = replace(measurements, winch=None)
         mean_state, estimator = self.motion.state, self.estimator
         self.observer.remember_share(number, mean_state)
         rows = self._rows
@@ -280,6 +289,22 @@ class LoopEstimation:
             knows_tip=self.knows_tip,
             mean_tension=self.mean_tension.mean,
         )
+
+    def _begin(self, payout: float) -> None:
+        """Take the `payout` [m] at which the drum stands when the encoder is first read for the mean one.
+
+        Drum and unit may hang anywhere: cable has been paid out by hand, or a controller is started anew. A payout
+        that is not near 0 must be read twice.
+        """
+        before, self._first_payout = self._first_payout, payout
+        is_near = abs(payout) <= NEAR
+        self._has_begun = is_near or abs(payout - before) <= NEAR
+        if is_near or not self._has_begun:
+            return
+        self.motion.mean.jump_to(payout)
+        command = self.motion.reference_command(self._design.parameters.winch)
+        self.motion.state = hung_on(self._design.model, payout, command)
+        self.observer.begin_at(payout)
 
     def _sensed(self, readings: list[Measurement]) -> Sensed:
         observer = self.observer
@@ -392,7 +417,8 @@ class LoopEstimation:
         """
         rows, estimate = tick.rows, tick.estimate
         self.motion.return_from(float(rows.payout @ estimate))
-        self._continue_shadow(tick.mean_swing + estimate[rows.unit_states] + rows.winch @ estimate)
+        drum = rows.drum(estimate, tick.command.compensating)
+        self._continue_shadow(tick.mean_swing + estimate[rows.unit_states] + drum)
         self._hanging_unit.continue_at(estimate[rows.unit_states])
 
     def hand_over(self, tick: LoopTick, *, unit_stood: bool) -> None:
@@ -432,6 +458,12 @@ class LoopEstimation:
         return (1.0 + scale) / (1.0 + min(max(scale, -LIKELY * sigma), LIKELY * sigma))
 
     # depth
+
+    @property
+    def set_point(self) -> float:
+        """Payout about which the winch works [m]; before that is known the one that was read."""
+        is_known = self._has_begun or math.isnan(self._first_payout)
+        return self.motion.set_point if is_known else self._first_payout
 
     @property
     def filtered_tension(self) -> float:

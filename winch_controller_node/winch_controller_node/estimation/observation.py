@@ -92,6 +92,7 @@ class Observer:
             if sensor.zero is not Zero.STATIC_TENSION
         }
         self._zeros: dict[str, float] = {}
+        self._first_heave = 0.0
         self.payout: float | None = None
         self.tension = math.nan
         self.mru_rate = 0.0
@@ -115,6 +116,13 @@ class Observer:
     def depth_zero(self) -> float | None:
         """Depth that counts as heave zero [m]; None before the first reading."""
         return self._zeros.get("depth")
+
+    def begin_at(self, payout: float) -> None:
+        """Take the unit to have hung on a `payout` [m] that is not 0 when its depth was first read."""
+        self.forget_shares()
+        self._first_heave = -payout * (1.0 + self.stretch_per_payout)
+        for name, zero in self._zeros.items():
+            self._zeros[name] = self._zero_from(zero, self._watched[name])
 
     def remember_share(self, tick: int, mean_state: Array) -> None:
         """Note the state of the mean payout's own motion at `tick`, `mean_state`, shape (n,)."""
@@ -363,8 +371,12 @@ class Observer:
     def _zero(self, name: str, sensor: SensorModelParameters, value: float) -> float:
         """Return what a reading of `value` counts from."""
         if sensor.zero is Zero.FIRST_READING:
-            return self._zeros.setdefault(name, value)
+            return self._zeros.setdefault(name, self._zero_from(value, sensor))
         return self._static_tension if sensor.zero is Zero.STATIC_TENSION else 0.0
+
+    def _zero_from(self, first: float, sensor: SensorModelParameters) -> float:
+        """Return what the readings of a `sensor` count from, of which this is the `first`."""
+        return first - sensor.sign * self._first_heave
 
     def _without_share(self, reading: Measurement, estimator: KalmanEstimator) -> Measurement:
         """Take the mean payout's share at the time of the reading off it."""
