@@ -37,6 +37,18 @@ def test_efficiencies_of_sines_are_one_minus_the_amplitude_ratio():
     assert values["significant_residual_m"] == pytest.approx(4.0 * 0.1 / math.sqrt(2.0))
 
 
+def test_the_worst_minute_is_that_of_the_largest_ratio_and_calm_water_counts_as_two_centimetres():
+    """Windows of 60 s hold six whole waves: from 70 s to 130 s the unit moves 1.5 times as far as uncompensated."""
+    unit = np.where((TIME >= 70.0) & (TIME <= 130.0), sine(0.3), sine(0.02))
+    assert kpi_set.evaluate(run(unit_heave=unit, uncompensated_heave=sine(0.2)))["worst_minute"] == pytest.approx(
+        1.5, rel=0.01
+    )
+    calm = kpi_set.evaluate(run(unit_heave=sine(0.01), uncompensated_heave=sine(0.001)))
+    assert calm["worst_minute"] == pytest.approx(0.01 / math.sqrt(2.0) / 0.02, rel=0.01)
+    short = kpi_set.evaluate(run(unit_heave=unit, uncompensated_heave=unit), start=0.0, end=59.0)
+    assert math.isnan(short["worst_minute"])
+
+
 def test_a_compensator_that_doubles_the_motion_has_efficiency_minus_one():
     assert kpi.efficiency(2.0, 1.0) == -1.0
 

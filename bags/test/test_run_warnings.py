@@ -55,10 +55,10 @@ def test_a_unit_that_moves_more_than_uncompensated_is_told_with_times_and_ratio(
 
 
 def test_a_unit_that_hardly_moves_is_not_worse_than_one_that_does_not_move_at_all(record):
-    """In calm water noise moves a unit that is held by millimetres: 1.9 cm of standard deviation, but not 2.1 cm."""
+    """In calm water noise moves a unit that is held by millimetres: not 1.05 times 2 cm of standard deviation."""
     off = record.signals.uncompensated_heave
     record.signals.uncompensated_heave = Signal(off.time, 0.001 * off.value)
-    for sigma, is_told in ((0.019, False), (0.021, True)):
+    for sigma, is_told in ((0.0209, False), (0.0211, True)):
         record.signals.unit_heave = Signal(off.time, math.sqrt(2.0) * sigma * off.value)
         assert bool(run_warnings.worse_times(record)) is is_told
 

@@ -33,7 +33,9 @@ WORSE_WINDOW = 60.0
 WORSE_RATIO = 1.05
 """A unit is worse than off where its standard deviation is larger than so many times that of the uncompensated one."""
 WORSE_FLOOR = 0.02
-"""And no less than this [m]: in calm water noise alone moves a unit by millimetres, and a still one by none."""
+"""An uncompensated unit that moves less [m] counts as one that moves so: in calm water noise alone moves a unit that is
+held by millimetres, and a still one by none.
+"""
 
 
 def sigma(values: ArrayLike) -> float:
@@ -90,7 +92,7 @@ def window_ratios(
     time : of the samples, shape (n,) [s]
     unit, uncompensated : z and z_off, shape (n,) [m]
     begin : of the first window [s]
-    floor : of a unit that moves less, 1 sigma [m], the ratio is 0
+    floor : least s(z_off) that is counted with [m]
     """
     times = np.asarray(time, dtype=float)
     period = float(np.median(np.diff(times))) if times.size > 1 else math.nan
@@ -103,7 +105,7 @@ def window_ratios(
         for values in (np.asarray(unit, dtype=float), np.asarray(uncompensated, dtype=float))
     ]
     with np.errstate(divide="ignore", invalid="ignore"):
-        return times[starts], np.where(deviations[0] < floor, 0.0, deviations[0] / deviations[1])
+        return times[starts], deviations[0] / np.maximum(deviations[1], floor)
 
 
 def max_abs(values: ArrayLike) -> float:

@@ -89,6 +89,16 @@ class Window:
         return NOT_KNOWN if baseline is None else Window(baseline, self.start, self.end).unit_efficiency
 
     @cached_property
+    def worst_minute(self) -> float:
+        """Largest `s(z) / s(z_off)` of any minute."""
+        heave = self.of(self.run.unit_heave)
+        off = self.run.uncompensated_heave
+        if not (heave.size and off.size):
+            return NOT_KNOWN
+        _, ratios = kpi.window_ratios(heave.time, heave.value, off.at(heave), self.start, floor=kpi.WORSE_FLOOR)
+        return float(ratios.max()) if ratios.size else NOT_KNOWN
+
+    @cached_property
     def outlet_efficiency(self) -> float:
         """Efficiency at the top of the cable, while the unit hangs."""
         if not self.run.payout.size:
@@ -339,6 +349,15 @@ KPI_DEFINITIONS: tuple[KpiDefinition, ...] = (
         100.0,
         2,
         heading="unit eff.",
+    ),
+    KpiDefinition(
+        "worst_minute",
+        f"worst {kpi.WORSE_WINDOW:g} s, s(z)/s(z_off)",
+        "",
+        UNIT,
+        lambda w: w.worst_minute,
+        1.0,
+        3,
     ),
     KpiDefinition(
         "baseline_efficiency",

@@ -23,8 +23,8 @@ LEAST_OF_WAITS = 0.05
 ERROR = 2
 """Level of an alarm that is an error."""
 COUNTED = (
-    "counted from when compensation first began, also the half minute after that and after a fault, where it moved by "
-    f"more than {100.0 * kpi.WORSE_FLOOR:g} cm"
+    "counted from when compensation first began, also the half minute after that and after a fault, and without "
+    f"compensation as {100.0 * kpi.WORSE_FLOOR:g} cm at least"
 )
 """What `worse_times` looks at, in words: more than the promise, which leaves that half minute out."""
 OF_CONTROLLER = f"{topics.CONTROLLER_STATE.publisher}: "
