@@ -62,9 +62,13 @@ def hand_over(model: LinearModel, estimate: Array, covariance: Array, mean_state
 
 
 def hung_on(model: LinearModel, payout: float, command: float) -> Array:
-    """Return the state of a loop whose drum stands at a `payout` [m], the unit at rest below it, shape (n,).
+    """Return the state of a loop whose drum stands, the unit at rest below it, shape (n,).
 
-    `command` is the one by which it stays there.
+    Parameters
+    ----------
+    model : of the loop
+    payout : at which it stands [m]
+    command : by which it stays there
     """
     state = np.zeros(model.order)
     state[model.state("payout")], state[model.state("unit_heave")] = payout, -payout
