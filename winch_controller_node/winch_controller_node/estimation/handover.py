@@ -61,22 +61,6 @@ def hand_over(model: LinearModel, estimate: Array, covariance: Array, mean_state
     return Handover(estimate, covariance, mean_state, lowered)
 
 
-def hung_on(model: LinearModel, payout: float, command: float) -> Array:
-    """Return the state of a loop whose drum stands, the unit at rest below it, shape (n,).
-
-    Parameters
-    ----------
-    model : of the loop
-    payout : at which it stands [m]
-    command : by which it stays there
-    """
-    state = np.zeros(model.order)
-    state[model.state("payout")], state[model.state("unit_heave")] = payout, -payout
-    past_commands = f"{model.input_names[0]}_"
-    state[[name.startswith(past_commands) for name in model.state_names]] = command
-    return state
-
-
 def hand_over_standing(
     model: LinearModel, estimate: Array, covariance: Array, mean_state: Array, *, pull: float, heave: float
 ) -> Handover:

@@ -18,7 +18,6 @@ from winch_controller_node.estimation.handover import (
     hand_over_scaled,
     hand_over_seen,
     hand_over_standing,
-    hung_on,
 )
 from winch_controller_node.estimation.loop_tick import CommandShares, LoopTick, Sensed
 from winch_controller_node.estimation.observation import Observer
@@ -301,9 +300,7 @@ class LoopEstimation:
         self._has_begun = is_near or abs(payout - before) <= NEAR
         if is_near or not self._has_begun:
             return
-        self.motion.mean.jump_to(payout)
-        command = self.motion.reference_command(self._design.parameters.winch)
-        self.motion.state = hung_on(self._design.model, payout, command)
+        self.motion.begin_at(payout, self._design.model, self._design.parameters.winch)
         self.observer.begin_at(payout)
 
     def _sensed(self, readings: list[Measurement]) -> Sensed:

@@ -54,6 +54,15 @@ class MeanMotion:
         """Count the state in the terms of another model: `matrix` times the present one, shape (n_new, n)."""
         self.state = matrix @ self.state
 
+    def begin_at(self, payout: float, model: LinearModel, winch: WinchModelParameters) -> None:
+        """Begin with drum and unit at rest at a `payout` [m], by the `model` of the design and its `winch`."""
+        self.mean.jump_to(payout)
+        command = self.reference_command(winch)
+        self.state = np.zeros(model.order)
+        self.state[model.state("payout")], self.state[model.state("unit_heave")] = payout, -payout
+        past_commands = f"{model.input_names[0]}_"
+        self.state[[name.startswith(past_commands) for name in model.state_names]] = command
+
     def continue_at(self, state: Array, lowered: float) -> None:
         """Go on from `state`, shape (n,), about a mean that is `lowered` [m] below the present one, at rest there."""
         self.mean.jump_to(self.mean.point.payout + lowered)
