@@ -68,6 +68,9 @@ def test_the_winch_stops_inside_its_payout_range_under_a_command_that_never_lets
     assert max(state.payout for state in states) <= 49.0
     assert states[-1].payout > 47.0
     assert abs(states[-1].payout_rate) < 0.05
+    # and slows down all the way: it went to and fro at the end, a tick each, and beyond it by half a millimetre
+    rates = np.array([state.payout_rate for state in states])
+    assert np.all(np.diff(rates[np.argmax(rates) + 40 :]) < 1e-3)
 
 
 def test_the_power_limit_bounds_the_speed_under_tension():

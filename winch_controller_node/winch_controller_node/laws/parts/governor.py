@@ -17,6 +17,7 @@ from heave_node.numerics.linear_sampling import discretise
 
 from winch_controller_node.laws.parts.winch_limits import WinchLimits
 from winch_controller_node.model.blocks import winch_block
+from winch_controller_node.motion.trajectory import approach_speed
 from winch_controller_node.parameters.model import WinchModelParameters
 
 SPEED, ACCELERATION, PAYOUT, POWER, TENSION = "speed", "acceleration", "payout", "power", "tension"
@@ -153,7 +154,7 @@ class CommandGovernor:
         # the servo needs its lag before it brakes; half the acceleration leaves the other half for errors
         down = limits.payout_maximum - payout - max(rate, 0.0) * 2.0 * lag
         up = payout - limits.payout_minimum - max(-rate, 0.0) * 2.0 * lag
-        lower, upper = (math.copysign(math.sqrt(limits.acceleration * abs(room)), room) for room in (up, down))
+        lower, upper = (math.copysign(approach_speed(abs(room), limits.acceleration, lag), room) for room in (up, down))
         return -lower, upper
 
     def _govern_payout(self, wanted: float, payout: float, tension: float) -> GovernedCommand:
