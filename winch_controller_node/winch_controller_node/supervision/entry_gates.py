@@ -102,9 +102,11 @@ class EntryGates:
         peak, most = PEAK_OVER_SIGNIFICANT * demand, self._parameters.peak_use
         if peak <= most:
             return ""
+        is_beyond = share * peak > 1.0
         return (
             f"peaks of the boom tip take {100 * peak:.0f} % of the winch's limits, above {100 * most:.0f} %: "
             f"compensation begins with {100 * share:.0f} % of the sea"
+            + ("; what of it is beyond the limits stays in the motion of the unit" if is_beyond else "")
         )
 
     def _innovations(self) -> str:
