@@ -319,9 +319,12 @@ class AnyOperatorAnyTrouble(RuleBasedStateMachine):
             assert abs(effective.payout_rate - before.payout_rate) <= LARGEST_STEP
 
     def check_winch(self):
-        """Check that the payout keeps its margin to the ends of the range, without help of the winch."""
-        winch = self.loop.winch.state
-        assert WINCH.payout_minimum + MARGIN <= winch.payout <= WINCH.payout_maximum - MARGIN
+        """Check that the payout keeps its margin to the ends of the range, without help of the winch.
+
+        It is known by the encoder, to a step of it.
+        """
+        winch, known = self.loop.winch.state, WINCH.encoder.resolution
+        assert WINCH.payout_minimum + MARGIN - known <= winch.payout <= WINCH.payout_maximum - MARGIN + known
         assert not winch.limits_hit & WinchLimit.PAYOUT
 
     def check_tension(self, outputs, row):

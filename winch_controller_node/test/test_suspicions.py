@@ -27,10 +27,10 @@ def design_for(wanted, factors=(1.0, 1.0)):
     return design_controller(wanted, tick_period=DT, cable=cable)
 
 
-def record_of(truth, *, turned_over=(), scale=1.0):
+def record_of(truth, *, turned_over=(), scale=1.0, mean=0.0):
     """Return a minute of readings of the model `truth`, winch locked.
 
-    What is `turned_over` has the wrong sign; what the MRU reads is `scale` times the truth.
+    What is `turned_over` has the wrong sign; what the MRU reads is `scale` times the truth, and its heave has a `mean`.
     """
     design, random = design_for(truth), np.random.default_rng(3)
     model = design.model
@@ -49,6 +49,7 @@ def record_of(truth, *, turned_over=(), scale=1.0):
                     * (scale if known.sensor == "mru" else 1.0)
                     * known.row
                     @ x
+                    + (mean if known.name == "mru_heave" else 0.0)
                     + known.sigma * random.standard_normal()
                 ),
                 tick,
@@ -87,6 +88,15 @@ def test_a_scale_of_the_mru_is_found_and_told(scale):
     error = verdict.estimator.estimate[verdict.estimator.model.state("mru_scale")]
     assert f" {1.0 + error:.2f} times " in verdict.suspicion.words
     assert error == pytest.approx(scale - 1.0, rel=0.3)
+
+
+@pytest.mark.parametrize("learns_swell", [False, True])
+def test_a_mean_of_the_heave_is_found_and_told_also_where_it_was_taken_for_a_swell(learns_swell):
+    belief = parameters()
+    seen = parameters(**{"sea.peak_period": 30.0}) if learns_swell else belief
+    verdict = suspect(seen, record_of(belief, mean=-0.4), design_for, DT, first_sea=belief.sea)
+    assert verdict.suspicion.findings == {"mru": "its heave has a mean of -0.40 m, which is taken off"}
+    assert verdict.suspicion.parameters.sea == belief.sea
 
 
 @pytest.mark.parametrize(

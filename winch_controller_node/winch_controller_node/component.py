@@ -514,6 +514,8 @@ class WinchController:
         )
         if self.design is not before:
             self._take_law()
+        if self._learning.has_moved_tip:
+            self._supervisor.forget_sea()
         for belief in self._learning.corrected:
             self._supervisor.guard.allow_correction(belief)
 

@@ -18,6 +18,7 @@ from winch_controller_node.estimation.reading_record import RECORD
 from winch_controller_node.identification.likeliest_sea import likeliest_sea
 from winch_controller_node.identification.suspicions import Verdict, continued, suspect
 from winch_controller_node.identification.winch import is_weaker, lags_otherwise
+from winch_controller_node.interface.sensors import MRU_BIAS
 from winch_controller_node.model.lqr import DesignError
 from winch_controller_node.node_parameters import WinchControllerParameters
 from winch_controller_node.parameters.model import SeaModelParameters
@@ -71,6 +72,7 @@ class Learning:
     Attributes
     ----------
     corrected : what was believed, until this tick, in a way under which the loop could not work: winch, cable, a sensor
+    has_moved_tip : the boom tip was not, until this tick, where it was taken to be: what was seen of the sea is void
     """
 
     def __init__(
@@ -87,9 +89,11 @@ class Learning:
         self._suspected = -math.inf
         self._looked_early: set[str] = set()
         self._is_doubted = False
+        self._first_sea = in_force.parameters.sea
         self._seas_compared, self._seas_patience = -math.inf, FIRST_SEAS_PATIENCE
         self._refused = ""
         self.corrected: set[str] = set()
+        self.has_moved_tip = False
 
     @property
     def inhibition(self) -> str:
@@ -116,6 +120,7 @@ class Learning:
         is_trusted : the guard trusts the estimate; where it does not, sensors are suspected at once
         """
         self.corrected.clear()
+        self.has_moved_tip = False
         words = self._take(tick)
         parameters = self._in_force.parameters
         is_learning = compensates and identifies_winch(parameters)
@@ -219,10 +224,11 @@ class Learning:
         if not is_long or not self._is_time_to_suspect(tick * self._dt, is_trusted=is_trusted):
             return
         in_force, record = self._in_force, estimation.record.ticks()
-        doubted, scale = estimation.observer.doubted, estimation.mru_scale
+        doubted, scale, first_sea = estimation.observer.doubted, estimation.mru_scale, self._first_sea
 
         def judged() -> Learnt:
-            verdict = suspect(in_force.parameters, record, in_force.design_for, self._dt, doubted=doubted, scale=scale)
+            believed, design_for = in_force.parameters, in_force.design_for
+            verdict = suspect(believed, record, design_for, self._dt, doubted=doubted, scale=scale, first_sea=first_sea)
             suspicion = verdict.suspicion
             return Learnt(in_force.prepared_for(suspicion.parameters, suspicion.cable), verdict)
 
@@ -271,6 +277,10 @@ class Learning:
             return [f"{was_doubted} agrees with all others again"]
         doubts = [f"{culprit} suspect: {words}" for culprit, words in suspicion.findings.items()]
         self.corrected.update(suspicion.findings)
+        if suspicion.state == MRU_BIAS:
+            self.has_moved_tip = True
+            self._seas_compared, self._seas_patience = -math.inf, FIRST_SEAS_PATIENCE
+            estimation.forget_sea()
         if suspicion.culprit != "mru":
             estimation.surprise.excuse()
         return doubts

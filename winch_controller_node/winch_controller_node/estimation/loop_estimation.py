@@ -208,6 +208,11 @@ class LoopEstimation:
         self._continue_shadow(self._shadow.state + unit - self._hanging_unit.state)
         self._hanging_unit.continue_at(unit)
 
+    def forget_sea(self) -> None:
+        """Look at the sea anew: the boom tip was not where it was taken to be."""
+        self._sea = SeaTracker(self._design)
+        self._tip_power = 0.0
+
     def begin_share(self) -> None:
         """Let the uncompensated unit of a cable that stays taut go on from where it is: the cable is, from now on."""
         self._taut_shadow.continue_at(self._shadow.state)

@@ -17,9 +17,10 @@ from scipy.signal import detrend
 
 from winch_controller_node.design.design import ControllerDesign
 from winch_controller_node.estimation.reading_record import ENCODER_ROW, ReadingRecord
-from winch_controller_node.interface.sensors import MRU_SCALE, KnownSensors
+from winch_controller_node.interface.sensors import MRU_BIAS, MRU_SCALE, KnownSensors
 from winch_controller_node.model.estimator import KalmanEstimator, Measurement, RecordedTick
 from winch_controller_node.node_parameters import WinchControllerParameters
+from winch_controller_node.parameters.model import SeaModelParameters
 
 CABLE = "cable"
 """Culprit that is no sensor."""
@@ -42,8 +43,11 @@ DAMPING_POWER = 6
 SCALE_SIGMA = 0.2
 """Error of scale between MRU and drum that is tried, 1 sigma: the estimate finds how large it is."""
 
-SCALES = (-0.7, 1.5)
-"""And the errors that are one: a sensor with the wrong sign, or none, has another fault."""
+BIAS_SIGMA = 1.0
+"""Mean of the MRU's heave that is tried, 1 sigma [m]: the estimate finds how large it is."""
+
+LIKELY_ERRORS = {MRU_SCALE: (-0.7, 1.5), MRU_BIAS: (-math.inf, math.inf)}
+"""And the errors that are one, by state: a sensor with the wrong sign, or none, has another fault than its scale."""
 
 LARGEST_NIS = 50.0
 """What one normalised innovation counts at most."""
@@ -81,7 +85,7 @@ class Suspicion:
     parameters : what is to be believed then
     doubted : sensor whose readings count as noise; empty: none
     cable : inertia and damping of the cable over those believed
-    scale : the scale of this sensor is estimated, and told in the words once it is known; empty: of none
+    state : error of a sensor that is estimated, and told in the words once it is known; empty: none
     """
 
     culprit: str
@@ -89,12 +93,12 @@ class Suspicion:
     parameters: WinchControllerParameters
     doubted: str = ""
     cable: tuple[float, float] = (1.0, 1.0)
-    scale: str = ""
+    state: str = ""
 
     @property
     def is_high_pass(self) -> bool:
         """Tell whether it is one of the MRU."""
-        return self.culprit == "mru" and not self.doubted
+        return self.culprit == "mru" and not (self.doubted or self.state)
 
     @property
     def findings(self) -> dict[str, str]:
@@ -132,6 +136,7 @@ def suspect(
     *,
     doubted: str = "",
     scale: float | None = None,
+    first_sea: SeaModelParameters | None = None,
 ) -> Verdict:
     """Return the likeliest suspicion of a `record`: that all is as believed, where no other is clearly likelier.
 
@@ -143,6 +148,7 @@ def suspect(
     tick_period : [s]
     doubted : sensor that is until it clearly agrees with all others; of a unit that is held at rest none tells its sign
     scale : error of the MRU's scale that has been found; None: it is not followed
+    first_sea : that was believed before any was seen: a mean of the heave is taken for a swell; None: the same
     """
     first_judged = record[0].number + round(SETTLING / tick_period)
 
@@ -161,7 +167,7 @@ def suspect(
         return best
 
     nothing = tried(Suspicion("", "", parameters), scale)
-    trials = [tried(suspicion) for suspicion in _suspicions(parameters)]
+    trials = [tried(suspicion) for suspicion in _suspicions(parameters, first_sea or parameters.sea)]
     best = refined(trials, REFINEMENTS)
     found = best if _explains(best, nothing, parameters) and best.likelihood > nothing.likelihood + CLEARLY else nothing
     if found is nothing and doubted:
@@ -258,8 +264,15 @@ def _scale(parameters: WinchControllerParameters) -> Suspicion:
     sensors = parameters.sensors
     mru = replace(sensors.mru, scale_sigma=SCALE_SIGMA)
     # a drum whose rope is wound on another radius than believed leaves as much of the motion
-    words = "the heave that the one reads is {:.2f} times what payout and depth make of it"
-    return Suspicion("mru or drum", words, replace(parameters, sensors=replace(sensors, mru=mru)), scale=MRU_SCALE)
+    words = "the heave that the one reads is {times:.2f} times what payout and depth make of it"
+    return Suspicion("mru or drum", words, replace(parameters, sensors=replace(sensors, mru=mru)), state=MRU_SCALE)
+
+
+def _bias(parameters: WinchControllerParameters) -> Suspicion:
+    sensors = parameters.sensors
+    mru = replace(sensors.mru, bias_sigma=BIAS_SIGMA)
+    words = "its heave has a mean of {error:+.2f} m, which is taken off"
+    return Suspicion("mru", words, replace(parameters, sensors=replace(sensors, mru=mru)), state=MRU_BIAS)
 
 
 def _cable(parameters: WinchControllerParameters, inertia: float, damping: float) -> Suspicion:
@@ -270,13 +283,17 @@ def _cable_words(inertia: float, damping: float) -> str:
     return f"it answers with {inertia:.2f} times the inertia and {damping:.2g} times the damping that are believed"
 
 
-def _suspicions(parameters: WinchControllerParameters) -> list[Suspicion]:
-    """Return what may be wrong with the sensors in use, and with the cable."""
+def _suspicions(parameters: WinchControllerParameters, first_sea: SeaModelParameters) -> list[Suspicion]:
+    """Return what may be wrong with the sensors in use, and with the cable; the sea that is seen may be none."""
     sensors = parameters.sensors
     found = [_cut_off(parameters, corner) for corner in CORNERS] if "mru" in sensors.use else []
     # one that is followed already may have changed since, and is found slowly
     if "mru" in sensors.use and sensors.mru.scale_sigma <= SCALE_SIGMA:
         found.append(_scale(parameters))
+    if "mru" in sensors.use and sensors.mru.bias_sigma == 0.0:
+        found.append(_bias(parameters))
+        if parameters.sea != first_sea:
+            found.append(_bias(replace(parameters, sea=first_sea)))
     found += [_cable(parameters, inertia, 1.0) for inertia in INERTIAS]
     found += [_cable(parameters, 1.0, damping) for damping in DAMPINGS]
     found += [
@@ -289,7 +306,7 @@ def _suspicions(parameters: WinchControllerParameters) -> list[Suspicion]:
 
 def _near(parameters: WinchControllerParameters, suspicion: Suspicion, factor: float) -> list[Suspicion]:
     """Return the neighbours of a suspicion that has a size, by a factor above and below it."""
-    if suspicion.doubted or suspicion.scale:
+    if suspicion.doubted or suspicion.state:
         return []
     inertia, damping = suspicion.cable
     if suspicion.culprit == CABLE:
@@ -355,10 +372,11 @@ def _tried(
                 squares.setdefault(name, []).append(nis)
     # the winch is identified by the encoder, which is right where the model of the winch is not
     misfits = {name: float(np.mean(values)) for name, values in squares.items() if name != ENCODER_ROW}
-    if suspicion.scale:
-        error = float(estimator.estimate[design.model.state(suspicion.scale)])
-        suspicion = replace(suspicion, words=suspicion.words.format(1.0 + error))
-        likelihood = likelihood if SCALES[0] < error < SCALES[1] else -math.inf
+    if suspicion.state:
+        error = float(estimator.estimate[design.model.state(suspicion.state)])
+        suspicion = replace(suspicion, words=suspicion.words.format(error=error, times=1.0 + error))
+        least, most = LIKELY_ERRORS[suspicion.state]
+        likelihood = likelihood if least < error < most else -math.inf
     motions = {name: _least_motion(values) for name, values in foreseen.items()}
     return _Trial(likelihood, misfits, motions, Verdict(suspicion, design, estimator, record[-1].number))
 

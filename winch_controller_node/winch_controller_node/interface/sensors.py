@@ -18,12 +18,16 @@ from heave_node.interface.sensors import MRU, SENSORS
 from heave_node.parameters import group, parameter
 
 MRU_SCALE = "mru_scale"
+MRU_BIAS = "mru_bias"
 LEVER_ARM_X, LEVER_ARM_Y = "lever_arm_x", "lever_arm_y"
 DEPTH_BIAS = "depth_bias"
 LOAD_CELL_BIAS = "load_cell_bias"
 
 SCALE_DRIFT = 1e-5
 """Random walk of the MRU's scale [1/sqrt(s)]: 0.1 % in three hours; keeps the filter awake."""
+
+MRU_BIAS_DRIFT = 1e-4
+"""Random walk of the mean of the MRU's heave [m/sqrt(s)]: 1 cm in three hours."""
 
 LEVER_ARM_DRIFT = 1e-5
 """Random walk of the lever arm [m/sqrt(s)]."""
@@ -160,6 +164,13 @@ class MruModelParameters(SampledSensorParameters):
     scale_sigma: float = parameter(
         0.0, unit="", minimum=0.0, maximum=0.5, description="Possible scale error, 1 sigma; 0 does not estimate it."
     )
+    bias_sigma: float = parameter(
+        0.0,
+        unit="m",
+        minimum=0.0,
+        maximum=100.0,
+        description="Possible mean of its heave, as by trim or another reference, 1 sigma; 0 does not estimate it.",
+    )
     lever_arm_sigma: float = parameter(
         0.0,
         unit="m",
@@ -171,15 +182,17 @@ class MruModelParameters(SampledSensorParameters):
     def rows(self) -> tuple[MeasurementRow, ...]:
         """Tell heave and heave rate; the high-pass is in the model."""
         return (
-            MeasurementRow("mru_heave", "mru_heave", self.noise, scale_state=MRU_SCALE),
+            MeasurementRow("mru_heave", "mru_heave", self.noise, state=MRU_BIAS, scale_state=MRU_SCALE),
             MeasurementRow("mru_heave_rate", "mru_heave_rate", self.rate_noise, scale_state=MRU_SCALE),
         )
 
     def slow_states(self) -> tuple[SlowState, ...]:
-        """Follow scale and lever arm, where they are in doubt."""
+        """Follow scale, mean and lever arm, where they are in doubt."""
         states: list[SlowState] = []
         if self.scale_sigma > 0.0:
             states.append(SlowState(MRU_SCALE, SCALE_DRIFT, self.scale_sigma))
+        if self.bias_sigma > 0.0:
+            states.append(SlowState(MRU_BIAS, MRU_BIAS_DRIFT, self.bias_sigma))
         if self.lever_arm_sigma > 0.0:
             states += [SlowState(name, LEVER_ARM_DRIFT, self.lever_arm_sigma) for name in (LEVER_ARM_X, LEVER_ARM_Y)]
         return tuple(states)

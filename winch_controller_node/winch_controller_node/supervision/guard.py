@@ -155,7 +155,11 @@ class HarmGuard:
         self._off_time = 0.0
         self._judged_time = 0.0
         self._authority_before = 0.0
-        self._demand = WinchDemand(parameters.window, tick_period=tick_period)
+        self.forget_sea()
+
+    def forget_sea(self) -> None:
+        """Begin to compare anew: what was seen until now was another sea."""
+        self._demand = WinchDemand(self._parameters.window, tick_period=self._dt)
         self._make_comparison()
         self._make_checks()
 

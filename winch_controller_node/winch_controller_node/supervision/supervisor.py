@@ -136,8 +136,8 @@ class Supervisor:
         )
         self.guard = HarmGuard(parameters.guard, guarded_loop(design, law), tick_period=dt)
         self.landing = Landing(parameters.tension, hanging_load(design))
-        self._gates = EntryGates(parameters.entry, window=parameters.guard.window, tick_period=dt)
-        self.highest_tension = HighestTension(parameters.guard.window, tick_period=dt)
+        self._dt, self._entry, self._window = dt, parameters.entry, parameters.guard.window
+        self._watch_sea()
         self._holds_hanging = parameters.tension.hanging
         self._largest_demand = parameters.guard.demand_ratio
         self.timeouts = CommandTimeouts(dt, resumes=parameters.modes.resume)
@@ -155,6 +155,16 @@ class Supervisor:
         self.guard.take_loop(guarded_loop(design, law))
         self.landing.take_load(hanging_load(design))
         self._refer_to(design, law)
+
+    def forget_sea(self) -> None:
+        """Look at the sea anew: what was seen until now was another one."""
+        self.guard.forget_sea()
+        self._watch_sea()
+
+    def _watch_sea(self) -> None:
+        """Begin to watch it."""
+        self._gates = EntryGates(self._entry, window=self._window, tick_period=self._dt)
+        self.highest_tension = HighestTension(self._window, tick_period=self._dt)
 
     def _refer_to(self, design: ControllerDesign, law: ControlLaw) -> None:
         self._dt = design.tick_period
