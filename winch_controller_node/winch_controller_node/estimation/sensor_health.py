@@ -48,7 +48,8 @@ REMEDIES = {
     "nan": "it reads no numbers: start it or its driver again",
     "wrong stamp": "its stamps are ahead of the run's clock, or none: set its clock",
     "late": "its readings come out of order, or twice: look at its driver and the network",
-    "stale": "no reading comes any more, or each too late: look at its power, cable, driver and clock",
+    "stale": "no reading comes any more, or each later or more seldom than believed: look at its power, cable, driver "
+    "and clock, or state its `rate` and `latency`",
     "frozen": "its readings do not change: start it or its driver again",
     "encoder frozen": "its readings do not change though the winch is sent to turn: look whether the drum does (brake, "
     "dead zone of the drive), then start the encoder or its driver again",
