@@ -167,7 +167,7 @@ def design_controller(
 
     Raises
     ------
-    DesignError : for a wrong sensor set, a delay too long for any prediction, singular weights, a model that is not
+    DesignError : for a wrong sensor set, a unit that floats, a delay too long for any prediction, singular weights, a model that is not
         stabilisable or not detectable; the message says which.
     """
     length = parameters.length if length is None else length
@@ -261,6 +261,12 @@ def _check_inputs(parameters: WinchControllerParameters, tick_period: float) -> 
     of_motion = sensors_that_see("boom_tip", "unit")
     if not set(of_motion) & set(use):
         raise DesignError(f"sensors.use must include one of {', '.join(of_motion)}: nothing else measures the motion")
+    unit = parameters.unit
+    if not unit.weight_in_fluid(parameters.water_density, parameters.gravity) > 0.0:
+        raise DesignError(
+            f"a unit that floats hangs on no cable: unit.mass of {unit.mass:g} kg is less than the water that "
+            f"unit.volume of {unit.volume:g} m^3 displaces; state both as they are"
+        )
 
 
 def believed_plant(parameters: WinchControllerParameters) -> PlantBelief:
