@@ -167,8 +167,8 @@ def design_controller(
 
     Raises
     ------
-    DesignError : for a wrong sensor set, a unit that floats, a delay too long for any prediction, singular weights, a model that is not
-        stabilisable or not detectable; the message says which.
+    DesignError : for a wrong sensor set, a unit that floats, a delay too long for any prediction, singular weights, a
+        model that is not stabilisable or not detectable; the message says which.
     """
     length = parameters.length if length is None else length
     _check_inputs(parameters, tick_period)
