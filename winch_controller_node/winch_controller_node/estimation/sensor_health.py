@@ -207,6 +207,11 @@ class SensorGate:
             self.level, self.reason = SensorLevel.OK, ""
 
 
+def largest_step(noise: float, elapsed: float) -> float:
+    """Return how far two depths may be apart [m] with an `elapsed` time between them [s] and `noise` of 1 sigma [m]."""
+    return max(LARGEST_STEP, SIGMAS * noise) + LARGEST_SPEED * elapsed
+
+
 class DepthJumps:
     """Takes jumps off the readings of a depth sensor that no unit can have made.
 
@@ -235,7 +240,7 @@ class DepthJumps:
         noise : standard deviation of the sensor's, as far as it is known [m]
         """
         last_time, last = (time, depth) if self._last is None else self._last
-        allowed = max(LARGEST_STEP, SIGMAS * noise) + LARGEST_SPEED * (time - last_time)
+        allowed = largest_step(noise, time - last_time)
         for offset in (self.offset, 0.0):
             if abs(depth - offset - last) <= allowed:
                 self.is_unproved = self._has_jumped and self.is_like_scale and offset != 0.0

@@ -252,27 +252,27 @@ def _witnesses(record: Sequence[RecordedTick]) -> list[str]:
 
 
 def _cut_off(parameters: WinchControllerParameters, period: float) -> Suspicion:
-    sensors = parameters.sensors
-    before = sensors.mru.high_pass_period
+    before = parameters.sensors.mru.high_pass_period
     was = f"{before:g} s" if before > 0.0 else "none"
-    mru = replace(sensors.mru, high_pass_period=period)
     words = f"its heave has a high-pass with a cut-off period of {period:.0f} s (believed: {was})"
-    return Suspicion("mru", words, replace(parameters, sensors=replace(sensors, mru=mru)))
+    return Suspicion("mru", words, _with_mru(parameters, high_pass_period=period))
+
+
+def _with_mru(parameters: WinchControllerParameters, **believed: float) -> WinchControllerParameters:
+    """Return `parameters` in which something else is `believed` of the MRU, by name."""
+    sensors = parameters.sensors
+    return replace(parameters, sensors=replace(sensors, mru=replace(sensors.mru, **believed)))
 
 
 def _scale(parameters: WinchControllerParameters) -> Suspicion:
-    sensors = parameters.sensors
-    mru = replace(sensors.mru, scale_sigma=SCALE_SIGMA)
     # a drum whose rope is wound on another radius than believed leaves as much of the motion
     words = "the heave that the one reads is {times:.2f} times what payout and depth make of it"
-    return Suspicion("mru or drum", words, replace(parameters, sensors=replace(sensors, mru=mru)), state=MRU_SCALE)
+    return Suspicion("mru or drum", words, _with_mru(parameters, scale_sigma=SCALE_SIGMA), state=MRU_SCALE)
 
 
 def _bias(parameters: WinchControllerParameters) -> Suspicion:
-    sensors = parameters.sensors
-    mru = replace(sensors.mru, bias_sigma=BIAS_SIGMA)
     words = "its heave has a mean of {error:+.2f} m, which is taken off"
-    return Suspicion("mru", words, replace(parameters, sensors=replace(sensors, mru=mru)), state=MRU_BIAS)
+    return Suspicion("mru", words, _with_mru(parameters, bias_sigma=BIAS_SIGMA), state=MRU_BIAS)
 
 
 def _cable(parameters: WinchControllerParameters, inertia: float, damping: float) -> Suspicion:

@@ -5,8 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from winch_controller_node.estimation.mru_steps import SIGMAS
-from winch_controller_node.estimation.sensor_health import LARGEST_SPEED, LARGEST_STEP
+from winch_controller_node.estimation.sensor_health import largest_step
 
 SLOW_MEAN_FACTOR = 3.0
 """The mean about which motion is judged is followed this many times more slowly than the variance."""
@@ -72,7 +71,7 @@ class DetrendedHeave:
         if reading is None:
             return
         step = 0.0 if self._last is None else reading - self._last
-        if abs(step) <= max(LARGEST_STEP, SIGMAS * noise) + LARGEST_SPEED * self._ticks * self._dt:
+        if abs(step) <= largest_step(noise, self._ticks * self._dt):
             self.value += step
         self._last, self._ticks = reading, 0
 

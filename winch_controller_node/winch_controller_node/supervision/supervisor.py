@@ -136,8 +136,7 @@ class Supervisor:
         )
         self.guard = HarmGuard(parameters.guard, guarded_loop(design, law), tick_period=dt)
         self.landing = Landing(parameters.tension, hanging_load(design))
-        self._dt, self._entry, self._window = dt, parameters.entry, parameters.guard.window
-        self._watch_sea()
+        self._entry, self._window = parameters.entry, parameters.guard.window
         self._holds_hanging = parameters.tension.hanging
         self._largest_demand = parameters.guard.demand_ratio
         self.timeouts = CommandTimeouts(dt, resumes=parameters.modes.resume)
@@ -149,6 +148,7 @@ class Supervisor:
         self._touchdown_ratio = parameters.tension.touchdown_ratio
         self._longest_wait = LONGEST_WAIT * parameters.modes.settling_time
         self._refer_to(design, law)
+        self._watch_sea()
 
     def take_design(self, design: ControllerDesign, law: ControlLaw) -> None:
         """Supervise another design and its law from now on."""
