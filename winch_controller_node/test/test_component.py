@@ -572,6 +572,16 @@ def test_an_encoder_that_counts_from_elsewhere_is_none_at_fault(zero):
     assert record.unit_sigma(45.0) < 0.005
 
 
+def test_an_encoder_that_reads_no_numbers_from_the_start_is_told_as_such():
+    parameters = loop_parameters(duration=5.0)
+    none = FaultParameters(kind=("nan",), start=(0.0,), duration=(0.0,), magnitude=(0.0,))
+    encoder = dataclasses.replace(parameters.winch.encoder, faults=none)
+    record = ClosedLoop(
+        dataclasses.replace(parameters, winch=dataclasses.replace(parameters.winch, encoder=encoder))
+    ).run()
+    assert any(words.startswith("encoder lost: nan") for _, words in record.alarms)
+
+
 def test_one_reading_of_the_encoder_alone_does_not_say_where_the_drum_stands():
     loop = ClosedLoop(loop_parameters(duration=70.0))
     step, is_first = loop.controller.step, iter([True])

@@ -240,8 +240,9 @@ class LoopEstimation:
         command : of the last tick
         unit_stands : the unit stands on the seabed: what rides on it says nothing of a hanging one
         """
-        if not self._has_begun and measurements.winch is not None:
-            self._begin(measurements.winch.encoder_payout)
+        winch = measurements.winch
+        if not self._has_begun and winch is not None and math.isfinite(winch.encoder_payout):
+            self._begin(winch.encoder_payout)
             if not self._has_begun:
                 measurements = replace(measurements, winch=None)
         mean_state, estimator = self.motion.state, self.estimator
@@ -265,8 +266,7 @@ class LoopEstimation:
         uncompensated = self._shadow.step(tip)
         self._taut_shadow.step(tip)
         self._taut_shadow.go_over_to(uncompensated, TAUT_TIME)
-        drum_rate = float(rows.payout_rate @ estimate) + rows.payout_rate_through * command.compensating
-        self._hanging_unit.step(tip - [float(rows.payout @ estimate), drum_rate])
+        self._hanging_unit.step(tip - rows.drum(estimate, command.compensating))
         depths = () if unit_stands else tuple(self.observer.depths)
         self.depth_witness.add(number, self.observer.payout, self._likely_share * tip, depths, is_slack=self._is_slack)
         before, self.knows_tip = self.knows_tip, not self._is_tip_unseen()
