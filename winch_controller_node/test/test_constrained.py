@@ -6,10 +6,18 @@ import pytest
 import scipy.sparse as sp
 from heave_bringup.scenarios import load_scenario
 from heave_node.parameters import build_parameters
+from hypothesis import given
+from hypothesis import strategies as st
 from winch_controller_node.design.design import design_controller
 from winch_controller_node.design.prediction import error_covariances, predict_loop
 from winch_controller_node.laws.law import LawDesign
-from winch_controller_node.laws.mpc import ConstrainedLaw, MpcParameters, constrained_gain, free_gain
+from winch_controller_node.laws.mpc import (
+    ConstrainedLaw,
+    MpcParameters,
+    constrained_gain,
+    correction_knots,
+    free_gain,
+)
 from winch_controller_node.laws.parts.governor import CommandGovernor, SpeedServo
 from winch_controller_node.laws.parts.loop_state import AuthorityShift, LoopState, Reference
 from winch_controller_node.model.lqr import DesignError
@@ -140,6 +148,15 @@ def test_the_plan_is_the_optimum_that_osqp_finds_for_the_same_problem(design):
     peer.setup(sp.csc_matrix(hessian), np.zeros(len(hessian)), rows, lower - free, upper - free, **settings)
     best = peer.solve(raise_error=True).x
     assert law._plan @ hessian @ law._plan == pytest.approx(best @ hessian @ best, rel=1e-3)
+
+
+@given(horizon=st.floats(1.0, 60.0), dt=st.floats(0.005, 0.2))
+def test_every_correction_has_a_tick_before_the_end_of_the_horizon(horizon, dt):
+    """One that has none made the plan's cost singular, and its commands no numbers: 10.25 s at 20 Hz."""
+    knots = correction_knots(horizon, dt)
+    assert (knots[0], knots[-1]) == (0, round(horizon / dt))
+    assert np.all(np.diff(knots) > 0)
+    assert knots[-1] - knots[-2] > 1  # a hat reaches from the knot before to the one after, and is 0 at both
 
 
 def test_an_unsolved_problem_follows_the_last_good_plan_and_says_so(design):

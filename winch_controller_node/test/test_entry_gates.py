@@ -38,6 +38,19 @@ def test_readings_far_off_close_the_gate_for_as_long_as_it_says():
     assert waited * 4 * DT == pytest.approx(6.6, abs=0.3)
 
 
+def test_readings_that_come_no_more_keep_no_gate_closed():
+    """Of a sensor that is doubted nothing is foreseen: one turned over from the start closed the gate for good."""
+    gates = EntryGates(EntryParameters(innovation=4.0), window=60.0, tick_period=DT)
+    observe(gates, 200.0, 200)
+    # readings 0.2 s apart: 1 s is five of them, 4 s are twenty
+    for seconds, is_closed in ((1.0, True), (3.0, False)):
+        for _ in range(round(seconds / DT)):
+            gates.observe(SimpleNamespace(boom_tip=Motion(0.0, 0.0), sensed=SimpleNamespace(innovations={})))
+        assert bool(gates.for_compensation(0.0, LIMITS, 0.1, 2.0)) == is_closed
+    observe(gates, 200.0, 200)
+    assert "innovations of unit_heave" in gates.for_compensation(0.0, LIMITS, 0.1, 2.0)
+
+
 def gates_over(sigma, **thresholds):
     """Return gates that have watched a boom tip of a standard deviation `sigma` [m] for five minutes."""
     gates = EntryGates(EntryParameters(**thresholds), window=60.0, tick_period=DT)
@@ -87,9 +100,9 @@ def test_peaks_above_four_fifths_of_the_limits_are_told_with_the_share_that_comp
     )
 
 
-@pytest.mark.parametrize(("law", "share"), [("mpc", 100), ("lqg", 78)])
+@pytest.mark.parametrize(("law", "share"), [("mpc", 100), ("lqg", 100), ("industrial", 78)])
 def test_compensation_that_begins_in_a_sea_beyond_the_winch_says_by_how_much_and_with_what_share(law, share):
-    """Benchmark B4 with its period of 10 s: the law that plans takes all of the sea, the other 85 over 109 of it."""
+    """Benchmark B4 with its period of 10 s: laws that plan take all of the sea, one that does not 85 over 109 of it."""
     settings = ["all.duration=30", "wave_vessel.ramp=5", f"winch_controller.law={law}"]
     record = ClosedLoop(loop_parameters(load_scenario("b4_limit_900_tp10", settings=settings))).run()
     words = [words for _, words in record.alarms]

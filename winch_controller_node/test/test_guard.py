@@ -20,13 +20,16 @@ def make_guard():
     return HarmGuard(GuardParameters(window=20.0, hold_time=30.0, floor=0.02), GuardedLoop(limits), tick_period=DT)
 
 
-def feed_guard(guard, residual, uncompensated, seconds, authority=1.0, rate=0.3):
+def feed_guard(guard, residual, uncompensated, seconds, authority=1.0, rate=0.3, target=1.0):
     for k in range(round(seconds / DT)):
         wave = np.sin(0.7 * k * DT)
         motions = GuardedMotions(
-            Motion(residual * wave, 0.0), Motion(uncompensated * wave, 0.0), Motion(0.0, rate * wave), rate * wave
+            Motion(residual * wave, 0.0),
+            Motion(uncompensated * wave, 0.0),
+            Motion(0.0, rate * wave),
+            authority * rate * wave,
         )
-        guard.update(motions, authority)
+        guard.update(motions, authority, target)
 
 
 def test_the_guard_tolerates_a_small_residual_and_stops_a_harmful_one():
@@ -57,6 +60,15 @@ def test_noise_of_the_depth_sensor_that_is_known_is_no_motion_and_a_contrary_sen
     assert not guard.inhibits
     feed(0.4, -0.4, 60.0)
     assert "depth sensor and motion reference unit disagree" in guard.reason
+
+
+@pytest.mark.parametrize(("residual", "is_harm"), [(0.92, False), (0.985, False), (0.995, True)])
+def test_of_a_small_share_of_the_sea_no_more_is_asked_than_it_has_to_gain(residual, is_harm):
+    """A tenth of the sea has a tenth to gain, of which a tenth is asked for, as of the whole: 1 %."""
+    guard = make_guard()
+    feed_guard(guard, residual, 1.0, 100.0, authority=0.1, target=0.1)
+    assert guard.inhibits == is_harm
+    assert not is_harm or guard.reason.startswith("compensation gains less than 1 %")
 
 
 def test_the_guard_lets_compensation_be_tried_again_and_waits_longer_each_time():

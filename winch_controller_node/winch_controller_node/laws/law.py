@@ -90,7 +90,7 @@ class ControlLaw(ABC):
     required_sensors: ClassVar[tuple[str, ...]] = ()
     moves_winch: ClassVar[bool] = True
     feeds_back_unit: ClassVar[bool] = True
-    keeps_limits: ClassVar[bool] = False
+    keeps_limits: bool = False
 
     def __init__(self, design: LawDesign, parameters: Any) -> None:
         del design, parameters

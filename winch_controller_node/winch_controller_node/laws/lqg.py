@@ -48,7 +48,8 @@ class FullStateFeedback(StateFeedback):
     def __init__(self, design: LawDesign, parameters: LqgParameters) -> None:
         super().__init__(design, design.gain, parameters.unit_share * design.limits.speed)
         self._limits: NearLimits | None = None
-        if design.winch.law == "speed_servo":  # a first-order winch has no acceleration to be limited
+        self.keeps_limits = design.winch.law == "speed_servo"  # a first-order winch has no acceleration to be limited
+        if self.keeps_limits:
             self._limits = NearLimits(design.model, design.limits)
             horizon = MpcParameters.horizon + design.winch.command_delay
             self._constrained = ConstrainedLaw(design, MpcParameters(horizon=horizon))

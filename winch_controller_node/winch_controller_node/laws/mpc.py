@@ -152,6 +152,8 @@ def correction_knots(horizon: float, dt: float) -> list[int]:
         tick = round(min(time, horizon) / dt)
         if tick > knots[-1]:
             knots.append(tick)
+    if len(knots) > 2 and knots[-1] - knots[-2] == 1:
+        del knots[-2]  # else nothing before the end of the horizon would belong to the last one
     return knots
 
 
@@ -197,7 +199,7 @@ class ConstrainedLaw(ControlLaw):
     name: ClassVar[str] = "mpc"
     summary: ClassVar[str] = "feedback of all states with the limits as constraints"
     parameters_type: ClassVar[type | None] = MpcParameters
-    keeps_limits: ClassVar[bool] = True
+    keeps_limits = True
 
     def __init__(self, design: LawDesign, parameters: MpcParameters) -> None:
         super().__init__(design, parameters)

@@ -21,6 +21,10 @@ INNOVATION_WEIGHT = 0.02
 LEAST_EXCESS = 0.1
 """What a mean square of innovations that is back where it belongs may still be above 1."""
 
+UNREAD = 10.0
+"""Of what is not read for so many times its usual interval nothing is held against the estimate: its sensor is lost, or
+has become a witness only."""
+
 ENCODER_ROW = "payout"
 """Readings of the encoder are never far off for long: the winch is identified by them."""
 
@@ -40,6 +44,7 @@ class EntryGates:
         self._heave = RunningSigma(window, tick_period)
         self._mean_squares: dict[str, float] = {}
         self._readings: dict[str, int] = {}
+        self._newest: dict[str, float] = {}
         self._time = 0.0
         self._dt = tick_period
 
@@ -52,6 +57,17 @@ class EntryGates:
                 before = self._mean_squares.get(name, 1.0)
                 self._mean_squares[name] = before + INNOVATION_WEIGHT * (innovation.nis - before)
                 self._readings[name] = self._readings.get(name, 0) + 1
+                self._newest[name] = self._time
+        self._forget_unread()
+
+    def _forget_unread(self) -> None:
+        for name, newest in self._newest.items():
+            if self._time - newest > UNREAD * self._interval(name):
+                self._mean_squares[name] = 1.0
+
+    def _interval(self, name: str) -> float:
+        """Return the usual time between two innovations of a measurement [s]."""
+        return self._newest[name] / self._readings[name]
 
     def for_compensation(self, payout: float, limits: WinchLimits, demand: float, largest_demand: float) -> str:
         """Return why compensation may not begin, in words; empty when it may.
@@ -123,7 +139,7 @@ class EntryGates:
         """Return after how long the innovations of a measurement are small enough, if they are as foreseen [s]."""
         excess, allowed = self._mean_squares[name] - 1.0, self._parameters.innovation**2 - 1.0
         readings = math.log(max(excess / max(allowed, LEAST_EXCESS), 1.0)) / INNOVATION_WEIGHT
-        return readings * self._time / self._readings[name]
+        return readings * self._interval(name)
 
     def _range(self, payout: float, limits: WinchLimits) -> str:
         """Return how the range of payout does not hold the waves."""

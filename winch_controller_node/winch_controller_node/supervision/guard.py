@@ -288,7 +288,7 @@ class HarmGuard:
             self._judge_checks()
             may_compare = self._excused == 0.0 and authority >= FULL_SHARE * target
             if not self.inhibits and may_compare:
-                self._compare(motions)
+                self._compare(motions, authority)
 
     def _disagree(self, reason: str) -> None:
         """Keep compensation off for a disagreement, which is the `reason` until it is known who is wrong."""
@@ -414,8 +414,11 @@ class HarmGuard:
 
     # over waves
 
-    def _compare(self, motions: GuardedMotions) -> None:
-        """Compare the standard deviations of the compensated and the uncompensated unit."""
+    def _compare(self, motions: GuardedMotions, authority: float) -> None:
+        """Compare the standard deviations of the compensated and the uncompensated unit.
+
+        Of a share of the sea, `authority`, no more can be asked than that share of what the whole has to gain.
+        """
         self._unit.add(motions.unit.heave)
         self._free_unit.add(motions.free_unit.heave)
         self._judged_time += self._dt
@@ -423,9 +426,9 @@ class HarmGuard:
         if self._judged_time < 0.5 * parameters.window:
             return
         sigma, free_sigma = self._unit.sigma, self._free_unit.sigma
-        if sigma > parameters.floor and sigma > parameters.harm_ratio * free_sigma:
-            least = 100.0 * (1.0 - parameters.harm_ratio)
-            verdict = "is harmful" if sigma > free_sigma else f"gains less than {least:.0f} %"
+        least = authority * (1.0 - parameters.harm_ratio)
+        if sigma > parameters.floor and sigma > (1.0 - least) * free_sigma:
+            verdict = "is harmful" if sigma > free_sigma else f"gains less than {100.0 * least:.0f} %"
             self._begin_inhibiting(
                 f"compensation {verdict}: heave of the unit {sigma:.3f} m, {free_sigma:.3f} m without compensation "
                 "(standard deviations)"
