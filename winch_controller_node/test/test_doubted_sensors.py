@@ -12,6 +12,7 @@ import pytest
 from heave_bringup.closed_loop import ClosedLoop, loop_parameters
 from heave_bringup.scenarios import load_scenario
 from heave_node.interface.codes import SensorLevel
+from heave_node.kpi import window_ratios
 
 TICK = 0.05
 TURNS, WELL_AGAIN, END = 70.0, 140.0, 290.0
@@ -85,6 +86,34 @@ def test_a_mean_of_the_heave_as_by_trim_is_found_and_the_unit_held_as_without_it
     late = time > 100.0
     # benchmarks B2 and B3: 1 cm of 25 to 40
     assert np.std(unit[late]) < 0.04 * np.std(off[late])
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("scenario", "law", "amplitude", "period"),
+    [("b3_deep_900", "mpc", 0.4, 90.0), ("b10_real_mru_swell", "mpc", 0.5, 120.0), ("b2_calm_300", "lqg", 0.3, 60.0)],
+)
+def test_a_heave_and_its_rate_that_wander_as_in_a_turn_are_told_and_taken_off(scenario, law, amplitude, period):
+    """Up to 4.5 times the uncompensated motion was left (b10), and the depth sensor blamed."""
+    settings = ["all.duration=260", f"winch_controller.law={law}"]
+    loop = ClosedLoop(loop_parameters(load_scenario(scenario, settings=settings)))
+    step, frequency, begin = loop.controller.step, 2.0 * np.pi / period, 60.0
+
+    def wandering(reading):
+        phase = frequency * max(reading.time - begin, 0.0)
+        rate = frequency * amplitude * np.cos(phase) if reading.time > begin else 0.0
+        return reading._replace(heave=reading.heave + amplitude * np.sin(phase), heave_rate=reading.heave_rate + rate)
+
+    loop.controller.step = lambda tick, measured: step(
+        tick, dataclasses.replace(measured, mru=tuple(map(wandering, measured.mru)))
+    )
+    record = loop.run()
+    (found,) = told(record, "mru suspect: its heave wanders, as in a turn, and is ")
+    assert found < begin + 30.0
+    assert not told(record, "depth suspect")
+    unit = record.column("unit") + record.column("depth_set_point")
+    _, ratios = window_ratios(record.column("time"), unit, record.column("uncompensated"), 50.0)
+    assert max(ratios) < 0.9
 
 
 @pytest.mark.parametrize("fault", FAULTS)

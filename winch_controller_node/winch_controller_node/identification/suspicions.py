@@ -46,6 +46,9 @@ SCALE_SIGMA = 0.2
 BIAS_SIGMA = 1.0
 """Mean of the MRU's heave that is tried, 1 sigma [m]: the estimate finds how large it is."""
 
+WANDERS = (0.005, 0.015)
+"""Random walks of one that wanders within minutes that are tried [m/sqrt(s)]."""
+
 LIKELY_ERRORS = {MRU_SCALE: (-0.7, 1.5), MRU_BIAS: (-math.inf, math.inf)}
 """And the errors that are one, by state: a sensor with the wrong sign, or none, has another fault than its scale."""
 
@@ -170,6 +173,11 @@ def suspect(
     trials = [tried(suspicion) for suspicion in _suspicions(parameters, first_sea or parameters.sea)]
     best = refined(trials, REFINEMENTS)
     found = best if _explains(best, nothing, parameters) and best.likelihood > nothing.likelihood + CLEARLY else nothing
+    if found is nothing or found.verdict.suspicion.doubted:
+        # what wanders explains a little of everything: it is asked last, and has to explain all
+        wandering = map(tried, _wandering_biases(parameters, first_sea or parameters.sea))
+        last = _likeliest([found, *(trial for trial in wandering if _is_enough(trial, parameters))])
+        found = last if last.likelihood > found.likelihood + CLEARLY else found
     if found is nothing and doubted:
         left_out = next(trial for trial in trials if trial.verdict.suspicion.doubted == doubted)
         found = nothing if _agrees(doubted, nothing, left_out) else left_out
@@ -275,6 +283,16 @@ def _bias(parameters: WinchControllerParameters) -> Suspicion:
     return Suspicion("mru", words, _with_mru(parameters, bias_sigma=BIAS_SIGMA), state=MRU_BIAS)
 
 
+def _wandering_biases(parameters: WinchControllerParameters, first_sea: SeaModelParameters) -> list[Suspicion]:
+    words = "its heave wanders, as in a turn, and is {error:+.2f} m off now, which is taken off"
+    sensors, before_waves = parameters.sensors, replace(parameters, sea=first_sea)
+    return [
+        Suspicion("mru", words, _with_mru(before_waves, bias_sigma=BIAS_SIGMA, bias_drift=drift), state=MRU_BIAS)
+        for drift in WANDERS
+        if "mru" in sensors.use and drift > sensors.mru.bias_drift
+    ]
+
+
 def _cable(parameters: WinchControllerParameters, inertia: float, damping: float) -> Suspicion:
     return Suspicion(CABLE, _cable_words(inertia, damping), parameters, cable=(inertia, damping))
 
@@ -286,7 +304,9 @@ def _cable_words(inertia: float, damping: float) -> str:
 def _suspicions(parameters: WinchControllerParameters, first_sea: SeaModelParameters) -> list[Suspicion]:
     """Return what may be wrong with the sensors in use, and with the cable; the sea that is seen may be none."""
     sensors = parameters.sensors
-    found = [_cut_off(parameters, corner) for corner in CORNERS] if "mru" in sensors.use else []
+    # of a heave that wanders nothing tells a high-pass
+    has_mean = "mru" in sensors.use and sensors.mru.bias_drift < min(WANDERS)
+    found = [_cut_off(parameters, corner) for corner in CORNERS] if has_mean else []
     # one that is followed already may have changed since, and is found slowly
     if "mru" in sensors.use and sensors.mru.scale_sigma <= SCALE_SIGMA:
         found.append(_scale(parameters))

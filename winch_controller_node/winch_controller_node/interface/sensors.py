@@ -26,9 +26,6 @@ LOAD_CELL_BIAS = "load_cell_bias"
 SCALE_DRIFT = 1e-5
 """Random walk of the MRU's scale [1/sqrt(s)]: 0.1 % in three hours; keeps the filter awake."""
 
-MRU_BIAS_DRIFT = 1e-4
-"""Random walk of the mean of the MRU's heave [m/sqrt(s)]: 1 cm in three hours."""
-
 LEVER_ARM_DRIFT = 1e-5
 """Random walk of the lever arm [m/sqrt(s)]."""
 
@@ -171,6 +168,13 @@ class MruModelParameters(SampledSensorParameters):
         maximum=100.0,
         description="Possible mean of its heave, as by trim or another reference, 1 sigma; 0 does not estimate it.",
     )
+    bias_drift: float = parameter(
+        1e-4,
+        unit="m/sqrt(s)",
+        minimum=0.0,
+        maximum=1.0,
+        description="Random walk of that mean: 1 cm in three hours; 0.005 for one that wanders in turns.",
+    )
     lever_arm_sigma: float = parameter(
         0.0,
         unit="m",
@@ -192,7 +196,7 @@ class MruModelParameters(SampledSensorParameters):
         if self.scale_sigma > 0.0:
             states.append(SlowState(MRU_SCALE, SCALE_DRIFT, self.scale_sigma))
         if self.bias_sigma > 0.0:
-            states.append(SlowState(MRU_BIAS, MRU_BIAS_DRIFT, self.bias_sigma))
+            states.append(SlowState(MRU_BIAS, self.bias_drift, self.bias_sigma))
         if self.lever_arm_sigma > 0.0:
             states += [SlowState(name, LEVER_ARM_DRIFT, self.lever_arm_sigma) for name in (LEVER_ARM_X, LEVER_ARM_Y)]
         return tuple(states)
