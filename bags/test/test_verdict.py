@@ -1,12 +1,13 @@
 """The verdict on a run: its criteria, the values reached, and whether compensation was in force at all."""
 
+import math
 from dataclasses import replace
 
 import numpy as np
 import pytest
 from heave_bags.analyse.events import Interval
 from heave_bags.analyse.run_record import RunRecord
-from heave_bags.analyse.verdict import judge
+from heave_bags.analyse.verdict import Judged, judge
 from heave_bags.signals import RunSignals, Signal
 from heave_node.criteria import Criterion
 
@@ -86,3 +87,8 @@ def test_a_run_that_ended_within_its_transient_is_not_judged_but_held_to_what_is
     assert "ended within its transient" in verdict.lines()[0]
     required = judge(short, required=[Criterion("unit_sigma_m", "<", 0.001)], moves_winch=True)
     assert required.missed_requirements == ["MISSED: unit_sigma_m < 0.001, got 0.01"]
+
+
+def test_a_figure_that_a_short_run_cannot_have_says_what_it_needs():
+    judged = Judged(Criterion("worst_minute", "<=", 1.05), math.nan)
+    assert str(judged) == "MISSED: worst_minute <= 1.05, got unknown: it needs 60 s after the transient"

@@ -203,7 +203,7 @@ class WinchControllerNode(ParticipantNode):
                 designer=None if self.run.is_lockstep else self._designer,
             )
         except (DesignError, ModelError) as error:
-            raise NodeError(f"{self.name}: {error}") from error
+            raise NodeError(str(error)) from error
 
     def _take_parameters(self, changes: Sequence[Parameter[Any]]) -> SetParametersResult:
         """Take what may be changed while the controller runs, the factor; ROS refuses all others itself."""

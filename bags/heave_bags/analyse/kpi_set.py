@@ -281,6 +281,7 @@ class KpiDefinition:
     is_count : a whole number
     heading : its name in a table of windows; "" keeps it out of there
     is_seldom : people see it only where it is not 0
+    needs : what a run must have for it to be known, in words; "": nothing that people could miss
     """
 
     key: str
@@ -293,6 +294,7 @@ class KpiDefinition:
     is_count: bool = False
     heading: str = ""
     is_seldom: bool = False
+    needs: str = ""
 
     def text(self, value: float) -> str:
         """Return the value as a table shows it; a dash for one that could not be computed."""
@@ -358,6 +360,7 @@ KPI_DEFINITIONS: tuple[KpiDefinition, ...] = (
         lambda w: w.worst_minute,
         1.0,
         3,
+        needs=f"{kpi.WORSE_WINDOW:g} s after the transient",
     ),
     KpiDefinition(
         "baseline_efficiency",

@@ -11,6 +11,7 @@ from heave_node.interface.codes import RESTS_REQUESTED
 from heave_node.numerics.constants import LARGEST_STRAIN
 
 from heave_bags.analyse.events import Interval
+from heave_bags.analyse.kpi_set import DEFINITION_OF
 from heave_bags.analyse.run_record import RunRecord
 
 LEAST_SHARE = 0.9
@@ -35,8 +36,14 @@ class Judged:
         return {"kpi": criterion.kpi, "wanted": criterion.text, "got": self.value, "met": self.is_met}
 
     def __str__(self) -> str:
-        got = f"{self.value:.4g}" if math.isfinite(self.value) else "unknown"
+        got = f"{self.value:.4g}" if math.isfinite(self.value) else self._unknown
         return f"{'met' if self.is_met else 'MISSED'}: {self.criterion.kpi} {self.criterion.text}, got {got}"
+
+    @property
+    def _unknown(self) -> str:
+        """Return that the value is not known, and why that may be."""
+        definition = DEFINITION_OF.get(self.criterion.kpi)
+        return f"unknown: it needs {definition.needs}" if definition and definition.needs else "unknown"
 
 
 @dataclass(frozen=True)

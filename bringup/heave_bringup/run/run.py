@@ -319,8 +319,9 @@ def _cause(failed: Sequence[NodeProcess], monitor: Monitor) -> str:
     status = monitor.status
     missed = [f"{MASTER}: {status.reason}"] if status and status.state == TickStatus.FAILED and status.reason else []
     cause = next(iter([*killed, *own, *missed, *endings.values()]))
-    when = f" at t = {monitor.status.simulated_time:.2f} s" if monitor.status and " t = " not in cause else ""
-    return cause + when
+    # before the first tick there is no time to tell
+    time = monitor.status.simulated_time if monitor.status else 0.0
+    return cause if time == 0.0 or " t = " in cause else f"{cause} at t = {time:.2f} s"
 
 
 def _show_progress(scenario: Scenario, monitor: Monitor, progress: ProgressLine) -> None:
