@@ -120,9 +120,9 @@ def test_the_law_of_this_suite_leaves_at_most_a_third_of_the_published_figures_w
 @pytest.mark.long
 @pytest.mark.timeout(3600)
 def test_lqg_stays_below_off_in_the_rough_published_sea() -> None:
-    """Its waves ask for more than the winch's speed, which is in no equation of that law."""
+    """Its waves ask for more than the winch's speed: near it the commands are those of `mpc`."""
     figures = run(case_named("z_rough_noisy"), Named("suite:lqg").load())
-    assert figures["unit_sigma_m"] < 0.5 * figures["uncompensated_sigma_m"]
+    assert figures["unit_sigma_m"] < 0.02 * figures["uncompensated_sigma_m"]
 
 
 @needs_records
