@@ -60,7 +60,10 @@ class GuardParameters:
         unit="",
         minimum=0.05,
         maximum=10.0,
-        description="Fade out when residual over uncompensated motion exceeds this.",
+        description=(
+            "Fade out when residual over uncompensated motion exceeds this; where a share of the sea is compensated, "
+            "only that share of the gain is asked for."
+        ),
     )
     floor: float = parameter(
         0.02,
