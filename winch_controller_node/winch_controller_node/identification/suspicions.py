@@ -49,6 +49,9 @@ BIAS_SIGMA = 1.0
 WANDERS = (0.005, 0.015)
 """Random walks of one that wanders within minutes that are tried [m/sqrt(s)]."""
 
+WANDERED = 0.1
+"""Error of one that wanders from which on it is told [m]: what something else has left looks like a smaller one."""
+
 LIKELY_ERRORS = {MRU_SCALE: (-0.7, 1.5), MRU_BIAS: (-math.inf, math.inf)}
 """And the errors that are one, by state: a sensor with the wrong sign, or none, has another fault than its scale."""
 
@@ -176,7 +179,8 @@ def suspect(
     if found is nothing or found.verdict.suspicion.doubted:
         # what wanders explains a little of everything: it is asked last, and has to explain all
         wandering = map(tried, _wandering_biases(parameters, first_sea or parameters.sea))
-        last = _likeliest([found, *(trial for trial in wandering if _is_enough(trial, parameters))])
+        held = [trial for trial in wandering if _is_enough(trial, parameters) and abs(trial.error) > WANDERED]
+        last = _likeliest([found, *held])
         found = last if last.likelihood > found.likelihood + CLEARLY else found
     if found is nothing and doubted:
         left_out = next(trial for trial in trials if trial.verdict.suspicion.doubted == doubted)
@@ -352,12 +356,14 @@ class _Trial:
     misfits : mean of the normalised innovations squared of each measurement
     motions : standard deviation of what each measurement is foreseen to read, where that moves least
     verdict : if it holds
+    error : of a sensor, as estimated at the end; 0 where none is
     """
 
     likelihood: float
     misfits: Mapping[str, float]
     motions: Mapping[str, float]
     verdict: Verdict
+    error: float = 0.0
 
     def worst(self, parameters: WinchControllerParameters, *, are_used: bool) -> float:
         """Return the largest misfit of the sensors that `parameters` use, or of those that only witness."""
@@ -392,13 +398,14 @@ def _tried(
                 squares.setdefault(name, []).append(nis)
     # the winch is identified by the encoder, which is right where the model of the winch is not
     misfits = {name: float(np.mean(values)) for name, values in squares.items() if name != ENCODER_ROW}
+    error = 0.0
     if suspicion.state:
         error = float(estimator.estimate[design.model.state(suspicion.state)])
         suspicion = replace(suspicion, words=suspicion.words.format(error=error, times=1.0 + error))
         least, most = LIKELY_ERRORS[suspicion.state]
         likelihood = likelihood if least < error < most else -math.inf
     motions = {name: _least_motion(values) for name, values in foreseen.items()}
-    return _Trial(likelihood, misfits, motions, Verdict(suspicion, design, estimator, record[-1].number))
+    return _Trial(likelihood, misfits, motions, Verdict(suspicion, design, estimator, record[-1].number), error)
 
 
 def _least_motion(values: Sequence[float]) -> float:
