@@ -13,8 +13,10 @@ from winch_controller_node.estimation import sea_adaptation
 from winch_controller_node.estimation.loop_estimation import SEA_SENSORS
 from winch_controller_node.estimation.sea_adaptation import SeaSeen, possible_seas
 from winch_controller_node.identification.likeliest_sea import likeliest_sea
+from winch_controller_node.learning import _changes
 from winch_controller_node.model.estimator import Measurement, RecordedTick
 from winch_controller_node.node_parameters import WinchControllerParameters
+from winch_controller_node.parameters.model import SeaModelParameters
 
 DT = 0.05
 DEEP = {"length": 900.0, "cable_model.inertia": 7.34, "cable_model.damping": 0.19}
@@ -186,3 +188,9 @@ def test_a_sea_that_may_still_grow_is_not_believed_to_be_lower():
     assert grown.significant_wave_height == pytest.approx(1.5)
     settled = dataclasses.replace(seas, seen=dataclasses.replace(low, is_settled=True))
     assert sea_adaptation.no_lower_while_it_grows(seas.in_force, settled).significant_wave_height < 0.2
+
+
+def test_a_sea_that_is_the_same_to_a_decimal_is_no_news():
+    sea = SeaModelParameters(significant_wave_height=1.8, peak_period=9.0)
+    assert _changes(sea, dataclasses.replace(sea, peak_period=9.04)) == ""
+    assert _changes(sea, dataclasses.replace(sea, peak_period=9.5)) == "peak period 9.5 s (was 9.0)"

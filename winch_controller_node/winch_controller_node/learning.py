@@ -160,7 +160,8 @@ class Learning:
         if after.sea == before.sea:
             return []
         self._seas_patience = FIRST_SEAS_PATIENCE
-        return [f"sea model updated: {_changes(before.sea, after.sea)}"]
+        changes = _changes(before.sea, after.sea)
+        return [f"sea model updated: {changes}"] if changes else []
 
     # scales of encoder and motion reference unit
 
@@ -287,7 +288,10 @@ class Learning:
 
 
 def _changes(before: SeaModelParameters, after: SeaModelParameters) -> str:
-    """Return what has changed of a sea, in words; its height is not known yet where it stays as it was."""
+    """Return what has changed of a sea, in words; empty where it is the same to a decimal.
+
+    Its height is not known yet where it stays as it was.
+    """
     words = []
     for name, unit, old, new in (
         ("significant wave height", "m", before.significant_wave_height, after.significant_wave_height),
@@ -303,4 +307,4 @@ def _changes(before: SeaModelParameters, after: SeaModelParameters) -> str:
         is_told = after.spectrum == "ochi_hubble" or not name.startswith("swell")
         if is_told and f"{old:.1f}" != f"{new:.1f}":
             words.append(f"{name} {new:.1f} {unit} (was {old:.1f})")
-    return ", ".join(words) or "the same to a decimal"
+    return ", ".join(words)
