@@ -100,7 +100,7 @@ def test_a_winch_that_is_slow_and_weak_is_known_as_it_is_in_a_high_sea():
 @pytest.mark.slow
 @pytest.mark.parametrize(("seed", "time_constant"), [(2, 0.6), (5, 0.15), (1, 0.6)])
 def test_law_lqg_is_no_worse_than_off_on_a_winch_with_a_sixth_of_the_power_that_the_sea_asks_for(seed, time_constant):
-    """Seed 2 left 1.118 times the uncompensated motion over a minute, and one of the commands was no number in seed 1.
+    """Seed 2 left 1.118 times the uncompensated motion over a minute.
 
     25 kW are 0.2 m/s; benchmark B4 at 10 s asks for 1.2 m/s. Law mpc leaves 0.91 of it at most.
     """

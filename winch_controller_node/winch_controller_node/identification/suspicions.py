@@ -92,6 +92,7 @@ class Suspicion:
     doubted : sensor whose readings count as noise; empty: none
     cable : inertia and damping of the cable over those believed
     state : error of a sensor that is estimated, and told in the words once it is known; empty: none
+    least_error : smallest one with which it holds
     """
 
     culprit: str
@@ -100,6 +101,7 @@ class Suspicion:
     doubted: str = ""
     cable: tuple[float, float] = (1.0, 1.0)
     state: str = ""
+    least_error: float = 0.0
 
     @property
     def is_high_pass(self) -> bool:
@@ -179,8 +181,7 @@ def suspect(
     if found is nothing or found.verdict.suspicion.doubted:
         # what wanders explains a little of everything: it is asked last, and has to explain all
         wandering = map(tried, _wandering_biases(parameters, first_sea or parameters.sea))
-        held = [trial for trial in wandering if _is_enough(trial, parameters) and abs(trial.error) > WANDERED]
-        last = _likeliest([found, *held])
+        last = _likeliest([found, *(trial for trial in wandering if _is_enough(trial, parameters))])
         found = last if last.likelihood > found.likelihood + CLEARLY else found
     if found is nothing and doubted:
         left_out = next(trial for trial in trials if trial.verdict.suspicion.doubted == doubted)
@@ -291,7 +292,13 @@ def _wandering_biases(parameters: WinchControllerParameters, first_sea: SeaModel
     words = "its heave wanders, as in a turn, and is {error:+.2f} m off now, which is taken off"
     sensors, before_waves = parameters.sensors, replace(parameters, sea=first_sea)
     return [
-        Suspicion("mru", words, _with_mru(before_waves, bias_sigma=BIAS_SIGMA, bias_drift=drift), state=MRU_BIAS)
+        Suspicion(
+            "mru",
+            words,
+            _with_mru(before_waves, bias_sigma=BIAS_SIGMA, bias_drift=drift),
+            state=MRU_BIAS,
+            least_error=WANDERED,
+        )
         for drift in WANDERS
         if "mru" in sensors.use and drift > sensors.mru.bias_drift
     ]
@@ -356,14 +363,12 @@ class _Trial:
     misfits : mean of the normalised innovations squared of each measurement
     motions : standard deviation of what each measurement is foreseen to read, where that moves least
     verdict : if it holds
-    error : of a sensor, as estimated at the end; 0 where none is
     """
 
     likelihood: float
     misfits: Mapping[str, float]
     motions: Mapping[str, float]
     verdict: Verdict
-    error: float = 0.0
 
     def worst(self, parameters: WinchControllerParameters, *, are_used: bool) -> float:
         """Return the largest misfit of the sensors that `parameters` use, or of those that only witness."""
@@ -398,14 +403,14 @@ def _tried(
                 squares.setdefault(name, []).append(nis)
     # the winch is identified by the encoder, which is right where the model of the winch is not
     misfits = {name: float(np.mean(values)) for name, values in squares.items() if name != ENCODER_ROW}
-    error = 0.0
     if suspicion.state:
         error = float(estimator.estimate[design.model.state(suspicion.state)])
         suspicion = replace(suspicion, words=suspicion.words.format(error=error, times=1.0 + error))
         least, most = LIKELY_ERRORS[suspicion.state]
-        likelihood = likelihood if least < error < most else -math.inf
+        is_likely = least < error < most and abs(error) >= suspicion.least_error
+        likelihood = likelihood if is_likely else -math.inf
     motions = {name: _least_motion(values) for name, values in foreseen.items()}
-    return _Trial(likelihood, misfits, motions, Verdict(suspicion, design, estimator, record[-1].number), error)
+    return _Trial(likelihood, misfits, motions, Verdict(suspicion, design, estimator, record[-1].number))
 
 
 def _least_motion(values: Sequence[float]) -> float:
