@@ -111,3 +111,21 @@ def test_law_lqg_is_no_worse_than_off_on_a_winch_with_a_sixth_of_the_power_that_
     ratio, _ = worst_window(record.column("time"), unit, record.column("uncompensated"), 60.0)
     assert ratio < 0.95
     assert not any("fade_out" in words for _, words in record.alarms)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "winch",
+    [
+        ["winch_controller.law=mpc", "system.winch.speed_limit=0.2"],
+        ["winch_controller.law=lqg", "virtual_winch.hauling_speed_share=0.1", "virtual_winch.time_constant=0.8"],
+    ],
+)
+def test_a_winch_with_a_seventh_of_the_speed_is_no_worse_than_off_where_the_cable_goes_slack(winch):
+    """They left 1.16 and 1.18: the unit was held to what a unit of another natural period does without compensation."""
+    settings = ["all.seed=341", "all.duration=270", *winch]
+    record = ClosedLoop(loop_parameters(load_scenario("b4_limit_900_tp10", settings=settings))).run()
+    unit = record.column("unit") + record.column("depth_set_point")
+    ratio, at = worst_window(record.column("time"), unit, record.column("uncompensated"), 60.0)
+    assert np.isfinite(at)
+    assert ratio < 1.05

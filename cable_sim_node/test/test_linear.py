@@ -7,6 +7,7 @@ from cable_sim_node.vertical.axial_line import AxialClump, AxialLine, AxialSecti
 from cable_sim_node.vertical.linear import (
     TwoStateModel,
     drag_at_unit,
+    first_mode,
     fit_two_state,
     heave_transfer_function,
     mode_shape,
@@ -55,6 +56,28 @@ def test_natural_frequencies_of_sections_and_clumps_are_those_of_a_fine_chain():
     matrix -= np.diag(stiffness, 1) + np.diag(stiffness, -1)
     squares = eigh(matrix[:-1, :-1], np.diag(lumps[:-1]), eigvals_only=True, subset_by_index=[0, 3])
     assert natural_frequencies(line, length, 4) == pytest.approx(np.sqrt(squares), rel=1e-5)
+
+
+@settings(max_examples=40, deadline=None)
+@given(st.floats(1e-2, 1e3), st.floats(10.0, 5000.0))
+def test_the_first_mode_takes_its_share_of_a_motion_of_the_top(mass_ratio, length):
+    # the residue of 1/(cos x - (M/m L) x sin x), the closed form of unit over top, at its first root
+    line = AxialLine((AxialSection(math.inf, STIFFNESS, MASS, 1.0),), AxialUnit(MASS * length * mass_ratio, 1.0))
+    mode = first_mode(line, length)
+    root = length * math.sqrt(MASS / (STIFFNESS * mode.a))
+    slope = -math.sin(root) - mass_ratio * (math.sin(root) + root * math.cos(root))
+    assert mode.a == pytest.approx(natural_frequencies(line, length, 1)[0] ** -2)
+    assert mode.participation == pytest.approx(-2.0 / (root * slope), rel=1e-6)
+    assert 1.0 < mode.participation <= 4.0 / math.pi + 1e-6  # of a unit without mass, 4/pi
+
+
+@pytest.mark.parametrize("omega", [0.05, 0.3, 0.45, 0.63, 0.9, 1.3])
+def test_the_first_mode_is_the_unit_in_all_waves(omega):
+    """From swell over the resonance, at 0.37 rad/s, to a period of 5 s; the modes above it are not quite static."""
+    mode = first_mode(LINE, 900.0)
+    by_mode = 1.0 - mode.participation + mode.participation / (1.0 - mode.a * omega**2)
+    exact = heave_transfer_function(LINE, 900.0, [omega]).unit_heave[0].real
+    assert by_mode == pytest.approx(exact, rel=2e-3, abs=1e-3)
 
 
 def test_a_mode_shape_bends_nowhere_between_held_top_and_unit():

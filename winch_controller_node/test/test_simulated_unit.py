@@ -108,13 +108,23 @@ def test_what_drag_is_in_doubt_of_makes_the_estimate_of_a_fast_unit_less_sure():
 
 
 @pytest.mark.slow
-def test_the_uncompensated_unit_in_a_swell_near_the_resonance_is_that_of_the_lumped_mass_model():
-    """Benchmark B10: it swings by up to 4 m, its cable goes slack; two linear states were off by up to 2.3 m (rms)."""
-    loop = ClosedLoop(loop_parameters(load_scenario("b10_real_mru_swell", settings=["all.duration=150"])))
+@pytest.mark.parametrize(
+    ("scenario", "seed"),
+    [
+        # near the resonance it swings by up to 4 m, its cable goes slack; two linear states were off by 2.3 m (rms)
+        ("b10_real_mru_swell", 1),
+        # an inertia that fits the waves, 1.4 % less than that of a free swing, was off by 15 % and 36 %
+        ("b3_deep_900", 311),
+        ("b4_limit_900_tp10", 341),
+    ],
+)
+def test_the_uncompensated_unit_is_that_of_the_lumped_mass_model(scenario, seed):
+    settings = ["all.duration=270", f"all.seed={seed}"]
+    loop = ClosedLoop(loop_parameters(load_scenario(scenario, settings=settings)))
     foreseen = []
     record = loop.run(lambda _, outputs: foreseen.append(outputs.report.predicted_uncompensated_heave))
     true = record.column("uncompensated")
-    swells = record.column("time") > 60.0
-    assert np.ptp(true[swells]) > 7.0
-    error = (np.array(foreseen) - true)[swells]
-    assert np.std(error) < 0.1 * np.std(true[swells])
+    later = record.column("time") > 60.0
+    assert np.std(true[later]) > 0.3
+    error = (np.array(foreseen) - true)[later]
+    assert np.std(error) < 0.1 * np.std(true[later])

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 from heave_node.numerics.arrays import Array, ComplexArray
@@ -23,6 +24,9 @@ DRAG_PIECES = 12
 """Pieces along the cable in each of which the drag's linearisation amplitude is constant."""
 
 DRAG_ITERATIONS = 60
+
+NEAR_ROOT = 1e-4
+"""Relative distance from a natural frequency at which the slope there is taken."""
 
 
 @dataclass(frozen=True)
@@ -57,6 +61,21 @@ class ResonanceMap:
     omegas: Array
     unit_heave: Array
     top_tension: Array
+
+
+class FirstMode(NamedTuple):
+    """Unit heave over boom-tip heave by the first mode, what is above it static: 1 - P + P/(1 - a w^2).
+
+    Modal superposition of a base excitation (Clough and Penzien, Dynamics of Structures, section 12-7).
+
+    Attributes
+    ----------
+    a : one over the square of the natural frequency [s^2]
+    participation : P, the mode's share of the unit in a motion of the boom tip [-]
+    """
+
+    a: float
+    participation: float
 
 
 @dataclass(frozen=True)
@@ -220,6 +239,16 @@ def natural_frequencies(line: AxialLine, length: float, count: int) -> Array:
 
 def _undamped(pieces: list[AxialPiece]) -> list[AxialPiece]:
     return [replace(piece, damping_time=0.0) for piece in pieces]
+
+
+def first_mode(line: AxialLine, length: float) -> FirstMode:
+    """Return how a unit below a boom tip moves by its first mode; `line` is out by `length` [m]."""
+    omega = float(natural_frequencies(line, length, 1)[0])
+    pieces = _undamped(line.pieces(length))
+    near = omega * np.array([1.0 - NEAR_ROOT, 1.0 + NEAR_ROOT])
+    below, above = _march(line, pieces, near, np.zeros((len(pieces) + 1, 2))).heave[-1].real
+    # near its root the motion of the top that the unit takes goes as (1 - w^2/w_1^2) over the participation
+    return FirstMode(1.0 / omega**2, float(4.0 * NEAR_ROOT / (below - above)))
 
 
 def mode_shape(line: AxialLine, length: float, omega: float, points: int = 50) -> tuple[Array, Array]:

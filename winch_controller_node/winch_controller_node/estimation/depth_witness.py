@@ -81,8 +81,9 @@ class DepthWitness:
         """Go on with another `cable`."""
         model = shadow_model(cable, self._dt)
         self._A, self._B = np.ascontiguousarray(model.A), np.ascontiguousarray(model.B)
+        self._participation = cable.participation
         still = np.zeros((self._count + 1, 2))
-        self._free = [driven_unit(self._A, self._B, still, state) for state in np.eye(2)]
+        self._free = [self._unit(still, state) for state in np.eye(2)]
 
     def restart(self) -> None:
         """Begin a new record."""
@@ -131,7 +132,7 @@ class DepthWitness:
         read = np.array([pair for pair in self._depths if pair[0] >= first * self._dt]).reshape(-1, 2)
         places = read[:, 0] / self._dt - first
         # about a unit from rest: how it swung, and what is not linear with the winch locked, is not in it
-        by_boom_tip = driven_unit(self._A, self._B, np.array(self._boom_tip), np.zeros(2))
+        by_boom_tip = self._unit(np.array(self._boom_tip), np.zeros(2))
         unit = -read[:, 1] - np.interp(places, grid, by_boom_tip[:, 0])
         states = np.stack([self._by_drum(), *(free[: count + 1] for free in self._free)], axis=2)
         terms = np.column_stack([*(np.interp(places, grid, states[:, 0, i]) for i in range(3)), np.ones(len(places))])
@@ -142,11 +143,19 @@ class DepthWitness:
             for late in [places >= count - ticks]
         ]
 
+    def _unit(self, motion: Array, start: Array) -> Array:
+        """Return heave [m] and rate [m/s] of a unit below a boom tip in `motion`, shape (ticks, 2).
+
+        Its first mode begins at `start`, see `driven_unit`.
+        """
+        mode = driven_unit(self._A, self._B, motion, start)
+        return np.asarray(self._participation * mode + (1.0 - self._participation) * motion)
+
     def _by_drum(self) -> Array:
         """Return heave [m] and rate [m/s] of a unit from rest that only the drum moves, shape (ticks, 2)."""
         payouts = self._payouts.last()
         boom_tip = -np.column_stack([payouts - payouts[0], np.gradient(payouts, self._dt)])
-        return np.asarray(driven_unit(self._A, self._B, boom_tip, np.zeros(2)))
+        return self._unit(boom_tip, np.zeros(2))
 
     def _fitted(self, terms: Array, unit: Array, now: Array, by_boom_tip: Array) -> Seen | None:
         """Return what is seen over a window; None: there are too few readings.
@@ -182,11 +191,11 @@ def _least_squares(terms: Array, values: Array) -> tuple[Array, float, float]:
 
 @kernel
 def driven_unit(A: Array, B: Array, motion: Array, start: Array) -> Array:
-    """Return heave and rate of the unit at each tick, shape (count, 2) [m], [m/s].
+    """Return heave and rate of the first mode of the unit at each tick, shape (count, 2) [m], [m/s].
 
     Parameters
     ----------
-    A, B : of the unit's model, shape (2, 2)
+    A, B : of `shadow_model`, shape (2, 2)
     motion : heave and rate of the boom tip at each tick, shape (count, 2) [m], [m/s]
     start : heave and rate at the first, shape (2,)
     """

@@ -29,6 +29,8 @@ class CableModel:
     stiffness : top tension per metre of boom tip over outlet and unit [N/m]
     static_tension : mean tension at the top [N]; unit_weight : of the unit in water, which is that at the lower end [N]
     drag : quadratic drag: at a speed v of the unit the damping is drag |v|, where that is more than b [s^2/m]
+    natural_ratio : a by which the unit swings over a, which fits the waves: the cable has mass of its own [-]
+    participation : of that swing in a motion of the outlet, see `first_mode` [-]
     """
 
     a: float
@@ -37,10 +39,17 @@ class CableModel:
     static_tension: float = 0.0
     unit_weight: float = math.inf
     drag: float = 0.0
+    natural_ratio: float = 1.0
+    participation: float = 1.0
 
     def __post_init__(self) -> None:
         if not (self.a > 0.0 and self.b >= 0.0):
             raise ModelError(f"a cable model needs a > 0 and b >= 0; got a = {self.a:g} s^2, b = {self.b:g} s")
+
+    @property
+    def natural_a(self) -> float:
+        """A by which the unit swings [s^2]: one over the square of its natural frequency."""
+        return self.natural_ratio * self.a
 
 
 def cable_block(cable: CableModel, disturbance: float = 0.0) -> LinearModel:

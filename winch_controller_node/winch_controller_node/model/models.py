@@ -14,7 +14,7 @@ from functools import lru_cache
 import numpy as np
 from cable_sim_node.parameters import CableParameters, CableSimParameters, UnitParameters
 from cable_sim_node.vertical.axial_line import AxialLine, axial_line
-from cable_sim_node.vertical.linear import drag_at_unit, fit_two_state, heave_transfer_function
+from cable_sim_node.vertical.linear import drag_at_unit, first_mode, fit_two_state, heave_transfer_function
 from heave_node.numerics.arrays import Array
 from heave_node.numerics.constants import SEAWATER_DENSITY, STANDARD_GRAVITY
 from heave_node.numerics.linear_model import LinearModel, ModelError, interconnect, linear_model
@@ -94,7 +94,8 @@ def cable_model(
         fit = fit_two_state(omegas, transfer.unit_heave, weights=weights / (1.0 + np.abs(transfer.unit_heave) ** 2))
         a = a or fit.a
         b = b or max(fit.b, 2.0 * SMALLEST_DAMPING_RATIO * math.sqrt(max(fit.a, 0.0)))
-    return CableModel(a * parameters.inertia_factor, b * parameters.damping_factor, **_exact(line, parameters, length))
+    a, b = a * parameters.inertia_factor, b * parameters.damping_factor
+    return CableModel(a, b, **_exact(line, parameters, length, a))
 
 
 def cable_between(
@@ -104,18 +105,25 @@ def cable_between(
 
     `parameters` are those that `cable_model` was given.
     """
-    return CableModel(a, b, **_exact(plant.line(length), parameters, length))
+    return CableModel(a, b, **_exact(plant.line(length), parameters, length, a))
 
 
-def _exact(line: AxialLine, parameters: CableModelParameters, length: float) -> dict[str, float]:
-    """Return what no fit is needed for."""
+def _exact(line: AxialLine, parameters: CableModelParameters, length: float, a: float) -> dict[str, float]:
+    """Return what no fit is needed for; an inertia that is given in place of `a` is that of any motion."""
     stretch = sum(piece.length / piece.axial_stiffness for piece in line.pieces(length))
     drag = 0.0 if parameters.damping > 0.0 else parameters.damping_factor * stretch * drag_at_unit(line, length)
-    return {
+    exact = {
         "stiffness": 1.0 / stretch,
         "static_tension": line.static_top_tension(length),
         "unit_weight": line.unit.weight,
         "drag": drag,
+    }
+    if parameters.inertia > 0.0:
+        return exact
+    mode = first_mode(line, length)
+    return exact | {
+        "natural_ratio": parameters.inertia_factor * mode.a / a,
+        "participation": mode.participation,
     }
 
 
@@ -237,8 +245,9 @@ def sea_noise_covariance(inputs: ModelInputs, tick_period: float, order: int) ->
 def shadow_model(cable: CableModel, tick_period: float) -> LinearModel:
     """Return the uncompensated unit on a `cable`, sampled at `tick_period` [s].
 
-    boom_tip_heave and its rate in, the unit's heave and rate out. The boom tip moves straight within a tick. It makes
-    the guard's and the display's "what the unit would do".
+    boom_tip_heave and its rate in, the unit's heave and rate out; the states are those of the first mode, in which the
+    unit swings (see `first_mode`). The boom tip moves straight within a tick. It makes the guard's and the display's
+    "what the unit would do".
     """
     ramp = linear_model(
         [[0.0, 1.0], [0.0, 0.0]],
@@ -246,13 +255,16 @@ def shadow_model(cable: CableModel, tick_period: float) -> LinearModel:
         inputs={"boom_tip_heave": [0.0, 0.0], "boom_tip_heave_rate": [0.0, 0.0]},
         outputs={"tip": [1.0, 0.0]},
     )
-    unit = cable_block(cable)
-    joined = interconnect([replace(unit, input_names=("tip", "payout")), ramp])
+    mode = cable_block(replace(cable, a=cable.natural_a))
+    joined = interconnect([replace(mode, input_names=("tip", "payout")), ramp])
     sampled = discretise(joined, tick_period)
+    share = cable.participation
+    heave, rate = "unit_uncompensated_heave", "unit_uncompensated_heave_rate"
     return linear_model(
         sampled.A[:2, :2],
-        states=("unit_uncompensated_heave", "unit_uncompensated_heave_rate"),
+        states=("mode_heave", "mode_heave_rate"),
         inputs={"boom_tip_heave": sampled.A[:2, 2], "boom_tip_heave_rate": sampled.A[:2, 3]},
-        outputs={"unit_uncompensated_heave": [1.0, 0.0], "unit_uncompensated_heave_rate": [0.0, 1.0]},
+        outputs={heave: [share, 0.0], rate: [0.0, share]},
+        feedthrough={(heave, "boom_tip_heave"): 1.0 - share, (rate, "boom_tip_heave_rate"): 1.0 - share},
         dt=tick_period,
     )
