@@ -110,6 +110,11 @@ class EncoderLearning:
         self._gain *= 1.0 if gain is None else gain.value
         return words if found is None else [self._rescale_encoder(found, tick)]
 
+    def _is_as_found(self) -> bool:
+        """Tell whether the encoder does no more than a winch with the gain and limits that were found before."""
+        sent = self._winch.sent(CONTRARY_TIME, as_found=True)
+        return sent is not None and not is_contrary(sent, was=False) and not is_sudden(sent, was=False)
+
     def _sent(self, time: float) -> Sent | None:
         """Return what the encoder reads of what the winch was sent over a `time` [s], and does; None: unknown."""
         sent = self._winch.sent(time)
@@ -143,6 +148,8 @@ class EncoderLearning:
         knows_winch = was or self._true_share > KNOWN
         goes_back = is_contrary(sent, was=was)
         is_now = goes_back or (knows_winch and is_sudden(sent, was=was))
+        if is_now and not was:
+            is_now = not self._is_as_found()
         self._looks = self._looks + 1 if is_now else 0
         if is_now == was or (is_now and self._was_right and self._looks < LOOKS):
             return []

@@ -58,7 +58,7 @@ SIGMAS = Drum(0.05, 0.1, 0.2, 0.02, math.inf, math.inf, math.inf, math.inf, 0.00
 SMALLEST_LAG, LARGEST_LAG = 0.005, 2.0
 """Least time constant of a servo, and the most that it is above the nominal one [s]."""
 
-GAINS, LARGEST_DEADBAND, LARGEST_BACKLASH, LOWEST_LIMIT = (0.25, 4.0), 0.2, 0.2, 0.1
+GAINS, LARGEST_DEADBAND, LARGEST_BACKLASH, LOWEST_LIMIT = (0.25, 4.0), 0.2, 0.2, 0.02
 """What a drum can be at all: gain [-], dead zone [m/s], play [m], limits over the nominal ones [-]."""
 
 LARGEST_UNEVENNESS, LARGEST_CREEP = 2.0, 0.2
@@ -270,21 +270,21 @@ class WinchIdentifier:
             )
         )
 
-    def sent(self, time: float) -> Sent | None:
+    def sent(self, time: float, *, as_found: bool = False) -> Sent | None:
         """Return what the encoder reads of what the winch was sent, did that do as it was told; None: unknown.
 
         Gain and limits are those that it was believed to have at first: what was learnt of them is learnt of the
         encoder; dead zone and play are as found, for they are made up for in what is sent. All that is compared over a
-        `time` [s].
+        `time` [s]. Otherwise all of the winch is `as_found` by now.
         """
         count = round(time / self._dt)
         readings = self._readings.last(count + 1)
         seen = np.isfinite(readings)
         if len(readings) <= count or not seen[0] or np.count_nonzero(seen) < SENT_SEEN * count:
             return None
-        drum = self._belief.nominal.copy()
-        as_found = [LAG, DELAY, DEADBAND, BACKLASH]
-        drum[as_found] = self._found[as_found]
+        kept = [LAG, DELAY, DEADBAND, BACKLASH]
+        drum = (self._found if as_found else self._belief.nominal).copy()
+        drum[kept] = self._found[kept]
         # a slow servo still goes as it was sent long before: that is known from there on only
         before = min(math.ceil(SETTLED * drum[LAG] / self._dt), len(self._readings) - count - 1)
         begin = self._readings.last(count + 1 + before)[0]

@@ -104,9 +104,12 @@ class WinchWatch:
         """Note the order of a tick."""
         self._given = order
 
-    def sent(self, time: float) -> Sent | None:
-        """Return what the encoder reads of what the winch was sent over a `time` [s]; None: unknown."""
-        return self._identifier.sent(time)
+    def sent(self, time: float, *, as_found: bool = False) -> Sent | None:
+        """Return what the encoder reads of what the winch was sent over a `time` [s]; None: unknown.
+
+        The winch is as it was believed to be at first, or `as_found` by now.
+        """
+        return self._identifier.sent(time, as_found=as_found)
 
     def forget(self) -> None:
         """Forget what was learnt of the winch: the encoder was wrong."""
