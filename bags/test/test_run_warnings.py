@@ -3,7 +3,7 @@
 import math
 
 import pytest
-from heave_bags.analyse import analysis, report, run_warnings
+from heave_bags.analyse import analysis, report, run_warnings, run_words
 from heave_bags.analyse.events import Interval
 from heave_bags.signals import Signal
 from numpy import arange, sin, where
@@ -52,6 +52,9 @@ def test_a_unit_that_moves_more_than_uncompensated_is_told_with_times_and_ratio(
         when = f"{one.start:.0f} s to {one.end:.0f} s, most from {one.at:.0f} s on in mode compensating"
         assert f"{when}: {one.ratio:.2f} times as much" in text
         assert text in report.render([record])
+        (told,) = [one for one in run_words.happenings(record) if one.text.startswith("worse than off")]
+        assert (told.start, told.end, told.level) == (one.start, one.end, 2)
+        assert told.text.endswith(f"in mode compensating: {one.ratio:.2f} times as much")
 
 
 def test_a_unit_that_hardly_moves_is_not_worse_than_one_that_does_not_move_at_all(record):

@@ -87,6 +87,8 @@ def test_a_run_that_ended_within_its_transient_is_not_judged_but_held_to_what_is
     assert "ended within its transient" in verdict.lines()[0]
     required = judge(short, required=[Criterion("unit_sigma_m", "<", 0.001)], moves_winch=True)
     assert required.missed_requirements == ["MISSED: unit_sigma_m < 0.001, got 0.01"]
+    met = judge(short, required=[Criterion("unit_sigma_m", "<", 0.1)], moves_winch=True)
+    assert met.lines()[0].startswith("verdict: on what --require asks alone, the run ended within its transient")
 
 
 def test_a_figure_that_a_short_run_cannot_have_says_what_it_needs():

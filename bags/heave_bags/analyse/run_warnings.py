@@ -78,9 +78,13 @@ class Worse:
     at: float
     mode: str = ""
 
+    @property
+    def most(self) -> str:
+        """The worst window in words."""
+        return f"most from {self.at:.0f} s on in mode {self.mode}: {self.ratio:.2f} times as much"
+
     def __str__(self) -> str:
-        most = f"most from {self.at:.0f} s on in mode {self.mode}"
-        return f"{self.start:.0f} s to {self.end:.0f} s, {most}: {self.ratio:.2f} times as much"
+        return f"{self.start:.0f} s to {self.end:.0f} s, {self.most}"
 
 
 def worse_times(record: RunRecord) -> list[Worse]:

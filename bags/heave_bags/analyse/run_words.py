@@ -16,6 +16,7 @@ from heave_bags.analyse import events
 from heave_bags.analyse.events import Interval
 from heave_bags.analyse.kpi_set import Window
 from heave_bags.analyse.run_record import RunRecord
+from heave_bags.analyse.run_warnings import worse_times
 
 MOST_DIFFERENCES = 3
 """Runs that differ in more are called by the names of their bags."""
@@ -207,8 +208,9 @@ class Happening:
 
 
 def happenings(record: RunRecord) -> list[Happening]:
-    """Return what happened in the run `record`, in order: modes, requests, landings, limits and alarms."""
+    """Return what happened in the run `record`, in order: modes, harm, requests, landings, limits and alarms."""
     found = [*_modes(record.modes), *_landings(record), *_limits(record.limits)]
+    found += [Happening(one.start, one.end, f"worse than off: {one.most}", 2) for one in worse_times(record)]
     found += [Happening(one.start, one.end, f"operator: {one.name}") for one in record.requests]
     found += [Happening(alarm.start, alarm.end, alarm.name, alarm.level) for alarm in record.alarms]
     return sorted(found, key=lambda one: one.start)

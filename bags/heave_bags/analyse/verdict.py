@@ -107,7 +107,10 @@ class Verdict:
         if self.failures:
             head = "verdict: FAILED"
         elif not self.is_judged:
-            head = "verdict: none, the run ended within its transient: a longer --duration, or --set all.transient=60"
+            what = "on what --require asks alone" if self.criteria else "none"
+            head = (
+                f"verdict: {what}, the run ended within its transient: a longer --duration, or --set all.transient=60"
+            )
         elif self.criteria:
             head = "verdict: passed"
         else:
