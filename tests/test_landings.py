@@ -2,8 +2,10 @@
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 from heave_bringup.closed_loop import ClosedLoop, loop_parameters
+from heave_bringup.scenarios import load_scenario
 
 from tests.campaigns.landings import Draw, draw, figures, scenario
 
@@ -25,3 +27,15 @@ def test_a_landing_on_a_soft_wire_is_known_and_held_at_constant_tension(one):
     assert found.rebound < 0.02
     # b7: `tension.landing_ratio` of the weight
     assert found.tension_share == pytest.approx(0.2, abs=0.06)
+
+
+@pytest.mark.slow
+def test_a_landing_is_known_by_tension_where_the_depth_sensor_is_doubted():
+    """The drum pays out 4 % less than it reads: the depth sensor is set aside, and 5 m went out onto a landed unit."""
+    settings = ["all.seed=1741", "virtual_winch.drum_radius_error=0.04", "all.duration=320"]
+    record = ClosedLoop(loop_parameters(load_scenario("b7_landing", settings=settings))).run()
+    assert any("depth suspect" in words for _, words in record.alarms)
+    time, force = record.column("time"), record.column("touchdown_force")
+    (told,) = (when for when, words in record.alarms if words == "touchdown")
+    assert told - time[np.argmax(force > 0.0)] < 15.0
+    assert record.modes[-1] == "constant_tension"

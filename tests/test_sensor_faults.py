@@ -214,6 +214,21 @@ def test_an_encoder_that_reads_another_scale_all_at_once_does_not_set_the_unit_s
     assert blamed[-1][0] < start + 10.0
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("law", ["mpc", "lqg"])
+def test_a_unit_that_a_turned_mru_has_swung_up_is_damped_before_the_brake_goes_on(law):
+    """Off is 25 cm; the brake went on above a unit that swung by 1.6 m, and 86 cm were left after four minutes."""
+    changes = [f"winch_controller.law={law}", "all.seed=2705", "all.duration=200"]
+    for name, value in {"kind": "scale", "start": 0.0, "duration": 0.0, "magnitude": -1.0}.items():
+        changes.append(f"wave_vessel.mru.faults.{name}=[{value}]")
+    record = ClosedLoop(loop_parameters(load_scenario("b4_limit_900_tp8", settings=changes))).run()
+    unit = record.column("unit") + record.column("depth_set_point")
+    worst, at = worst_window(record.column("time"), unit, record.column("uncompensated"), 65.0)
+    assert np.isfinite(at)
+    assert worst < LARGEST
+    assert {culprit for _, words in record.alarms for culprit in culprits(words)} == {"mru"}
+
+
 def test_a_draw_is_the_same_each_time_and_a_fault_that_its_sensor_can_have():
     found = [draw(number) for number in range(256)]
     assert found == [draw(number) for number in range(256)]

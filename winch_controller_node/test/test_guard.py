@@ -261,6 +261,19 @@ def test_a_belief_that_is_corrected_again_and_again_is_no_excuse():
     assert guard.inhibits
 
 
+def test_a_disagreement_is_told_with_its_culprit_once_that_is_known():
+    """The depth sensor reads the uncompensated heave, the estimate of the unit none of it."""
+    guard = make_guard()
+    for time in DT * np.arange(round(40.0 / DT)):
+        wave = 0.5 * math.cos(0.7 * time)
+        guard.update(
+            GuardedMotions(Motion(0.0, 0.0), Motion(wave, 0.0), Motion(wave, 0.0), 0.0, measured_heave=wave), 1.0
+        )
+    assert "which of them is wrong is not known" in guard.reason
+    guard.allow_correction("mru")
+    assert guard.reason == "depth sensor and motion reference unit disagree: mru was wrong"
+
+
 @pytest.mark.parametrize(("belief", "is_allowed"), [("mru", True), ("winch", False)])
 def test_another_belief_may_be_corrected_after_one_that_was_corrected_before(belief, is_allowed):
     """The winch is corrected at 31.8 s; the unit has 0.6 m at the crest at 71.8 s, twice what the sea has."""

@@ -17,7 +17,7 @@ from winch_controller_node.estimation.loop_estimation import LoopEstimation
 from winch_controller_node.estimation.reading_record import RECORD
 from winch_controller_node.identification.likeliest_sea import likeliest_sea
 from winch_controller_node.identification.suspicions import Verdict, continued, suspect
-from winch_controller_node.identification.winch import is_weaker, lags_otherwise
+from winch_controller_node.identification.winch import gains_otherwise, is_weaker, lags_otherwise
 from winch_controller_node.interface.sensors import MRU_BIAS
 from winch_controller_node.model.lqr import DesignError
 from winch_controller_node.node_parameters import WinchControllerParameters
@@ -40,8 +40,8 @@ GROSSLY, GROSS_TIME = 6.0, 10.0
 FIRST_PATIENCE, LONGER = 30.0, 2.0
 """Time from one suspicion to the next [s], and the factor by which it grows each time that none holds."""
 
-DOUBTED_PATIENCE = 60.0
-"""The same while a sensor is doubted [s]."""
+DOUBTED_PATIENCE, UNTRUSTED_PATIENCE = 60.0, 5.0
+"""The same while a sensor is doubted, and while the guard does not trust the estimate but no culprit is known [s]."""
 
 FIRST_SEAS_PATIENCE, LONGEST_SEAS_PATIENCE = 5.0, 120.0
 """Time from one comparison of seas to the next [s]; it grows by the same factor while no other sea is found."""
@@ -87,7 +87,7 @@ class Learning:
         self._news = WinchNews(in_force.parameters.winch, tick_period=self._dt)
         self._patience = FIRST_PATIENCE / LONGER
         self._suspected = -math.inf
-        self._looked_early: set[str] = set()
+        self._was_gross = False
         self._is_doubted = False
         self._first_sea = in_force.parameters.sea
         self._seas_compared, self._seas_patience = -math.inf, FIRST_SEAS_PATIENCE
@@ -186,7 +186,7 @@ class Learning:
         if found is None:
             return
         self._in_force.take_limits(found)
-        if is_weaker(found, before) or lags_otherwise(found, before):
+        if any(differs(found, before) for differs in (is_weaker, lags_otherwise, gains_otherwise)):
             self.corrected.add("winch")
         if (found.time_constant, found.command_delay) != (before.time_constant, before.command_delay):
             self._design_for(tick, replace(self._in_force.parameters, winch=found))
@@ -247,12 +247,13 @@ class Learning:
             return True
         if is_doubted:
             return False
+        if not is_trusted and now - self._suspected >= UNTRUSTED_PATIENCE:
+            self._suspected = now
+            return True
         is_gross = GROSS_TIME <= surprise.time < SURPRISED_TIME and surprise.worst[1] >= GROSSLY
-        # each of them is a reason to look, once: what was not clear at the first may be at the second
-        reasons = {reason for reason, holds in (("gross", is_gross), ("not trusted", not is_trusted)) if holds}
-        looked = self._looked_early
-        self._looked_early = reasons | looked if surprise.time > 0.0 else reasons
-        return not reasons <= looked
+        # once: what was not clear then may be in its turn
+        was_gross, self._was_gross = self._was_gross, is_gross or (self._was_gross and surprise.time > 0.0)
+        return is_gross and not was_gross
 
     def _take_verdict(self, tick: int, prepared: PreparedDesign, verdict: Verdict) -> list[str]:
         """Believe what was found of a sensor, and say which it is."""

@@ -234,8 +234,13 @@ class Observer:
         return (
             f"{name} is quieter than believed: {math.sqrt(mean):.2f} times as far off as foreseen for a minute. "
             f"Compensation goes on; state the noise of sensor {sensor} to have more of it "
-            f"(believed: {noise.believed:.2g}{seen})"
+            f"(believed: {noise.believed:.2g}{seen}), or look at its scale if it should read more"
         )
+
+    @property
+    def believes_depth(self) -> bool:
+        """Tell whether the depth sensor reads, and does not contradict all others."""
+        return not self.gates["depth"].is_lost and self.doubted != "depth"
 
     def lost(self) -> dict[str, str]:
         """Return why each lost sensor counts as lost, by name; a doubted MRU does: nothing else tells the boom tip."""

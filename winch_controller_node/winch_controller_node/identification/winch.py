@@ -125,6 +125,9 @@ SENT_SEEN = 0.8
 UNSTABLE = 0.15
 """Error of lag and delay together that makes a loop harmful [s]: the delay margins of cables are 0.1 to 0.34 s."""
 
+BORNE_GAIN = 1.25
+"""Factor on the gain that a loop bears."""
+
 SETTLED = 5.0
 """Time constants after which a servo has forgotten how it began."""
 
@@ -582,6 +585,11 @@ def is_weaker(one: WinchModelParameters, other: WinchModelParameters) -> bool:
 def lags_otherwise(one: WinchModelParameters, other: WinchModelParameters) -> bool:
     """Tell whether lag and delay of `one` differ so much from those of `other` that no loop bears it."""
     return abs(one.time_constant + one.command_delay - other.time_constant - other.command_delay) > UNSTABLE
+
+
+def gains_otherwise(one: WinchModelParameters, other: WinchModelParameters) -> bool:
+    """Tell whether the gain of `one` differs so much from that of `other` that no loop bears it."""
+    return abs(math.log(one.speed_gain / other.speed_gain)) > math.log(BORNE_GAIN)
 
 
 def _belief(winch: WinchModelParameters, largest: float) -> DrumBelief:

@@ -70,6 +70,9 @@ DEPTH_TIME, DEPTH_RATIO = 6.0, 1.3
 MISMATCH_TIME, MISMATCH_RATIO = 8.0, 0.8
 """Depth sensor less estimate, against the uncompensated heave: memory [s] and ratio."""
 
+DISAGREED = "depth sensor and motion reference unit disagree"
+"""Why the estimate is not trusted, in words."""
+
 LEAST_AUTHORITY = 0.5
 """The drum is checked against this share of the boom tip's speed at least."""
 
@@ -238,6 +241,8 @@ class HarmGuard:
         """
         if self.inhibits and self._hold is None and self._time - self._began < CAUSE_TIME:
             self._hold = KNOWN_HOLD
+        if self.inhibits and self._is_unexplained:
+            self.reason, self._is_unexplained = f"{DISAGREED}: {belief} was wrong", False
         since = self._time - self._corrected_first.get(belief, -math.inf)
         if since > CORRECTIONS_REST:
             self._corrected_first[belief] = self._time
@@ -276,8 +281,8 @@ class HarmGuard:
         if self._mismatch_check.is_exceeded:
             self.trusts_estimate = False
             self._disagree(
-                f"depth sensor and motion reference unit disagree by {self._mismatch_check.amplitude:.3f} m, and which "
-                "of them is wrong is not known: no compensation until they agree; look at sign and scale of both"
+                f"{DISAGREED} by {self._mismatch_check.amplitude:.3f} m, and which of them is wrong is not known: no "
+                "compensation until they agree; look at sign and scale of both"
             )
         if self.inhibits:
             self._wait(authority)

@@ -40,6 +40,10 @@ sqrt(2)/(w t) = 0.15 of its own, and a group of waves, or a cable that goes slac
 ASK_AGAIN = "then ask for compensation again"
 """Ends the reason of an inhibition that only an operator can end."""
 
+NOT_AS_FORESEEN = (
+    "the boom tip moves otherwise than in the sea that is believed: wait until that is known, or look at the motion "
+    "reference unit"
+)
 NOT_AS_SENT = "the winch does not do what it is sent: wait until it is known what it does, or look at its drive"
 """Why only a part of the sea is compensated, and what to do."""
 
@@ -278,7 +282,7 @@ class Supervisor:
         is_of_sea = known_share <= winch.share
         words = self._share_news.update(
             min(known_share, winch.share),
-            "the sea is not the one that is believed" if is_of_sea else NOT_AS_SENT,
+            NOT_AS_FORESEEN if is_of_sea else NOT_AS_SENT,
             authority=self.modes.authority,
             factor=self.modes.factor,
             compensates=self.modes.mode is Mode.COMPENSATING,
