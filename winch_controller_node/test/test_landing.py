@@ -35,6 +35,7 @@ def sensed(*, tension, depths=(), innovation=None, has_depth=True, filtered=None
         depth_noise=0.0,
         depth_innovation=innovation,
         has_depth=has_depth,
+        sees_landing=has_depth,
         has_encoder=True,
         innovations={},
         lost=dict.fromkeys(lost, "frozen"),

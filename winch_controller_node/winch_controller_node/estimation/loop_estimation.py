@@ -312,6 +312,7 @@ class LoopEstimation:
         observer = self.observer
         depth = self.estimator.innovations.get("unit_heave")
         is_compared = depth is not None and math.isfinite(depth.nis)
+        has_depth = "unit_heave" in self.estimator.measurements and not observer.gates["depth"].is_lost
         return Sensed(
             payout=observer.payout,
             mru_rate=observer.mru_rate,
@@ -321,7 +322,8 @@ class LoopEstimation:
             depth_heave=next((r.value for r in reversed(readings) if r.name == "unit_heave"), None),
             depth_noise=observer.depth_noise,
             depth_innovation=depth.value / depth.sigma if depth is not None and is_compared else None,
-            has_depth="unit_heave" in self.estimator.measurements and observer.believes_depth,
+            has_depth=has_depth,
+            sees_landing=has_depth and observer.doubted != "depth",
             innovations=self.estimator.innovations,
             has_encoder=observer.gates["encoder"].state(0.0).accepted > 0,
             lost=observer.lost(),

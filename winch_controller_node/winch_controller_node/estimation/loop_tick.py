@@ -46,7 +46,8 @@ class Sensed(NamedTuple):
     depth_heave : the newest of them as heave about the mean payout's share [m]; None: none came
     depth_noise : standard deviation of the depth sensor's noise, as far as it is known [m]
     depth_innovation : its innovation over the standard deviation of that [-]; None: there is none
-    has_depth : there is a depth sensor, and it is neither lost nor doubted
+    has_depth : there is a depth sensor, and it is not lost
+    sees_landing : and it does not contradict all others
     has_encoder : a reading of the encoder has been accepted since the start
     innovations : what each reading said against its prediction, by measurement
     lost : why each lost sensor counts as lost, by name
@@ -62,6 +63,7 @@ class Sensed(NamedTuple):
     depth_noise: float
     depth_innovation: float | None
     has_depth: bool
+    sees_landing: bool
     has_encoder: bool
     innovations: Mapping[str, Innovation]
     lost: Mapping[str, str]

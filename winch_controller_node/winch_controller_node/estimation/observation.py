@@ -237,11 +237,6 @@ class Observer:
             f"(believed: {noise.believed:.2g}{seen}), or look at its scale if it should read more"
         )
 
-    @property
-    def believes_depth(self) -> bool:
-        """Tell whether the depth sensor reads, and does not contradict all others."""
-        return not self.gates["depth"].is_lost and self.doubted != "depth"
-
     def lost(self) -> dict[str, str]:
         """Return why each lost sensor counts as lost, by name; a doubted MRU does: nothing else tells the boom tip."""
         lost = {name: gate.reason for name, gate in self.gates.items() if gate.level is SensorLevel.LOST}

@@ -251,7 +251,7 @@ class Landing:
         if rate < LEAST_RATE:
             self.is_suspected = False
             return False
-        if not sensed.has_depth:
+        if not sensed.sees_landing:
             return self._is_relieved_throughout(rate)
         if not sensed.depths:
             return False

@@ -397,7 +397,7 @@ class Supervisor:
 
     def _tell_blind_lowering(self, tick: LoopTick, mode: ModeOutput) -> tuple[str, ...]:
         """Return that the winch lowers without depth readings, and how touchdown is known then, where that is new."""
-        is_blind = mode.mode is Mode.COMPENSATING and not tick.sensed.has_depth and not self.landing.unit_stands
+        is_blind = mode.mode is Mode.COMPENSATING and not tick.sensed.sees_landing and not self.landing.unit_stands
         if not self._blind_lowering.begins(is_blind and self.landing.lowering_rate >= LEAST_RATE):
             return ()
         is_weighed = math.isfinite(tick.sensed.filtered_tension) and "load_cell" not in tick.sensed.lost
