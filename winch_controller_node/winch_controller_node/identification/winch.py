@@ -58,7 +58,7 @@ SIGMAS = Drum(0.05, 0.1, 0.2, 0.02, math.inf, math.inf, math.inf, math.inf, 0.00
 SMALLEST_LAG, LARGEST_LAG = 0.005, 2.0
 """Least time constant of a servo, and the most that it is above the nominal one [s]."""
 
-GAINS, LARGEST_DEADBAND, LARGEST_BACKLASH, LOWEST_LIMIT = (0.25, 4.0), 0.2, 0.2, 0.02
+GAINS, LARGEST_DEADBAND, LARGEST_BACKLASH, LOWEST_LIMIT = (0.25, 4.0), 0.2, 0.2, 0.1
 """What a drum can be at all: gain [-], dead zone [m/s], play [m], limits over the nominal ones [-]."""
 
 LARGEST_UNEVENNESS, LARGEST_CREEP = 2.0, 0.2
