@@ -423,17 +423,19 @@ def test_a_drum_that_gathers_speed_is_not_at_the_end_of_its_power(design):
     ("left", "limit", "lags", "expected"),
     [
         (0.0005, 0.8, (0.093, 0.256), (0.093, 0.256)),
-        (0.0015, 1.5, (0.093, 0.256), (0.093, 0.256)),
+        (0.0005, 1.5, (0.093, 0.256), (0.093, 0.256)),
+        (0.0012, 1.5, (0.081, 0.204), (0.15, 0.135)),
+        (0.0012, 1.5, (0.6, 0.18), (0.6, 0.18)),
         (0.0015, 0.8, (0.093, 0.256), (0.15, 0.2)),
         (0.0015, 0.8, (0.05, 0.18), (0.15, 0.08)),
         (0.0015, 0.8, (0.05, 0.06), (0.11, 0.0)),
     ],
-    ids=["explained", "no limit", "exchanged", "sooner", "no delay"],
+    ids=["explained", "no limit", "play", "slow servo", "exchanged", "sooner", "no delay"],
 )
-def test_a_drum_at_its_limits_of_which_much_is_left_tells_the_sum_of_servo_and_delay(
+def test_a_drum_of_which_much_is_left_tells_the_sum_of_servo_and_delay(
     design, left, limit, lags, expected
 ):
-    """0.15 s and 0.2 s are believed; a limit that was just reached leaves what an exchange of both explains."""
+    """0.15 s and 0.2 s are believed; a limit just reached, or play, leaves what an exchange of both explains."""
     belief = WinchControllerParameters().winch
     identifier = WinchIdentifier(WinchControllerParameters().lag, design)
     believed = np.array([*drum_of(belief), 0.0, 0.0])

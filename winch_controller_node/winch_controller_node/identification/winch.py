@@ -64,10 +64,13 @@ GAINS, LARGEST_DEADBAND, LARGEST_BACKLASH, LOWEST_LIMIT = (0.25, 4.0), 0.2, 0.2,
 LARGEST_UNEVENNESS, LARGEST_CREEP = 2.0, 0.2
 """Largest factor between the gains of paying out and hauling in [-], and creep beyond the nominal one [m/s]."""
 
-TELLS_APART = 0.001
-"""Servo and delay are told apart by a drum at its limits only where no more than this is left of its record [m]: to
-take 50 ms from the one and give them to the other moves a drum in a sea by 2 mm, which a limit that has just been
-reached, or lies a little beside the one that was found, leaves as well."""
+TELLS_APART = 2.0 * RESOLUTION
+"""Servo and delay are told apart by a record that is left with no more than the encoder's resolution [m]."""
+
+EXCHANGED = 100.0
+"""By one of which more is left only where the servo differs by so much for each metre of it [s/m]: play in the encoder's
+gear that is not known yet leaves 1 mm, and asks for an exchange of 70 ms. A limit that has just been reached, or lies a
+little beside the one that was found, asks for any exchange."""
 
 SIGNIFICANT = 4.0
 """A change of lag or delay is taken when it is so many standard deviations off."""
@@ -420,7 +423,9 @@ class WinchIdentifier:
     def _lags_told(self, winch: WinchModelParameters, found: WinchLags) -> tuple[float, float]:
         """Return time constant and delay [s]: as found, or their sum alone, with the time constant of the `winch`."""
         has_reached_a_limit = bool(self._belief.lowered(np.array(found.drum)))
-        if found.residual <= TELLS_APART or not has_reached_a_limit:
+        change = abs(found.time_constant - winch.time_constant)
+        is_told_apart = not has_reached_a_limit and change > EXCHANGED * found.residual
+        if found.residual <= TELLS_APART or is_told_apart:
             return found.time_constant, found.delay
         together = found.time_constant + found.delay
         delay = max(together - winch.time_constant, float(self._belief.lowest[DELAY]))
@@ -465,6 +470,7 @@ class WinchIdentifier:
         belief = told_belief(record, proved_belief(record, self._belief), found)
         start = self._start(record.readings, np.maximum(found, belief.lowest))
         learnt: list[int] = []
+        taken: list[int] = []
         for pair in (SPEEDS, ACCELERATIONS):
             weaker = min(start[i] for i in pair)
             if weaker < belief.nominal[pair[0]]:
@@ -472,6 +478,7 @@ class WinchIdentifier:
                 unreached = [i for i in pair if start[i] >= belief.nominal[i]]
                 start[unreached] = np.maximum(weaker, belief.lowest[unreached])
                 learnt += pair
+                taken += unreached
         known = [i for i in (*self._rare, *self._uneven) if start[i] != belief.nominal[i]]
         free = [*self._free, *known]
         fit = fit_drum(record, belief, start, free)
@@ -494,6 +501,9 @@ class WinchIdentifier:
         # a limit that goes with the load looks like other gains out and in
         if fit.residual > misfit and not record.is_load_limited and not set(self._uneven) <= set(free):
             fit = self._with_uneven(record, belief, fit)
+        # what was only taken from the other direction is not known: it goes with that again the next time
+        unproved = [i for i in taken if fit.drum[i] == start[i]]
+        fit.drum[unproved] = belief.nominal[unproved]
         return fit if np.all(np.isfinite(fit.drum)) else None
 
     def _with_rare(
