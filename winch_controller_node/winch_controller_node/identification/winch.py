@@ -68,9 +68,9 @@ TELLS_APART = 2.0 * RESOLUTION
 """Servo and delay are told apart by a record that is left with no more than the encoder's resolution [m]."""
 
 EXCHANGED = 100.0
-"""By one of which more is left only where the servo differs by so much for each metre of it [s/m]: play in the gear of the
-encoder that is not known yet leaves 1 mm and asks for an exchange of 70 ms. A limit that has just been reached, or lies a
-little beside the one that was found, asks for any exchange."""
+"""By one of which more is left only where the servo differs by so much for each metre of it [s/m]: play in the gear of
+the encoder that is not known yet leaves 1 mm and asks for an exchange of 70 ms. A limit that has just been reached, or
+lies a little beside the one that was found, asks for any exchange."""
 
 SIGNIFICANT = 4.0
 """A change of lag or delay is taken when it is so many standard deviations off."""
