@@ -432,9 +432,7 @@ def test_a_drum_that_gathers_speed_is_not_at_the_end_of_its_power(design):
     ],
     ids=["explained", "no limit", "play", "slow servo", "exchanged", "sooner", "no delay"],
 )
-def test_a_drum_of_which_much_is_left_tells_the_sum_of_servo_and_delay(
-    design, left, limit, lags, expected
-):
+def test_a_drum_of_which_much_is_left_tells_the_sum_of_servo_and_delay(design, left, limit, lags, expected):
     """0.15 s and 0.2 s are believed; a limit just reached, or play, leaves what an exchange of both explains."""
     belief = WinchControllerParameters().winch
     identifier = WinchIdentifier(WinchControllerParameters().lag, design)
