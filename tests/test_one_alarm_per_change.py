@@ -37,8 +37,8 @@ def alarms_of(**changes):
 @pytest.mark.parametrize(
     ("changes", "learnt", "value"),
     [
-        ({"speed_gain": 0.85}, "gain", 0.85),
-        ({"speed_gain": 1.15}, "gain", 1.15),
+        ({"speed_gain": 0.85}, "gain by the encoder", 0.85),
+        ({"speed_gain": 1.15}, "gain by the encoder", 1.15),
         ({"command_delay": 0.3}, "command delay", 0.3),
     ],
     ids=["lower gain", "higher gain", "delay"],

@@ -42,9 +42,9 @@ def test_the_worst_window_is_found_where_it_is():
 
 GAIN, LAG = "virtual_winch.speed_gain", "virtual_winch.time_constant"
 LIMIT, RADIUS_ERROR = "virtual_winch.acceleration_limit", "virtual_winch.drum_radius_error"
-TOLD_GAIN = "winch model updated: gain {} (was 1.000)"
+TOLD_GAIN = "winch model updated: gain by the encoder {} (was 1.000)"
 TOLD_LIMIT = "winch model updated: acceleration limit {} m/s^2 (was 1.500), reached hauling in"
-TOLD_TWO = "9 s: winch model updated: time constant 0.115 s (was 0.150), gain 1.080 (was 1.000)"
+TOLD_TWO = "9 s: winch model updated: time constant 0.115 s (was 0.150), gain by the encoder 1.080 (was 1.000)"
 
 
 def test_what_matters_among_the_draws_is_ranked():
@@ -78,7 +78,7 @@ def has_power_limit(one: Draw) -> bool:
         ("winch model updated: acceleration limit 0.776 m/s^2 (was 1.500)", PLAIN["acceleration 0.8"], False),
         ("winch model updated: acceleration limit 0.776 m/s^2 (was 1.500)", {}, True),
         ("winch model updated: speed limit 0.9 m/s (was 2.000), by its power limit", PLAIN["power 100 kW"], False),
-        ("winch model updated: gain 0.950 (was 1.000)", PLAIN["speed 1.0"], True),
+        ("winch model updated: gain by the encoder 0.950 (was 1.000)", PLAIN["speed 1.0"], True),
         ("mru suspect: its heave has a high-pass", PLAIN["high-pass 30 s"], False),
         ("depth suspect: its readings contradict all others", PLAIN["high-pass 30 s"], True),
         ("cable suspect: it answers with 1.25 times the inertia", {promise.INERTIA: 0.8}, False),
@@ -125,7 +125,7 @@ KEPT = Kept(sigma=0.01, off=0.1, worst=0.5, at=60.0, fades=0, share=1.0, wrong=(
         (replace(KEPT, worst=1.1), 1),
         (replace(KEPT, at=math.nan), 1),
         (replace(KEPT, share=0.0), 1),
-        (replace(KEPT, wrong=("9 s: winch model updated: gain 1.1 (was 1.000)",)), 1),
+        (replace(KEPT, wrong=("9 s: winch model updated: gain by the encoder 1.1 (was 1.000)",)), 1),
     ],
     ids=["kept", "as told", "worse than told", "worse than off", "never judged", "never compensates", "wrong finding"],
 )

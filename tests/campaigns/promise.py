@@ -347,12 +347,15 @@ def named_things(settings: Settings) -> dict[str, Named]:
     return {
         "acceleration limit": named_by(ACCELERATION, min(acceleration, ACCELERATION), min(acceleration, ACCELERATION)),
         "speed limit": named_by(SPEED, min(slowest, SPEED), min(speed, SPEED)),
-        "gain": named_by(1.0, gain * (1.0 - truth.get("speed_deadband", 0.0) / USUAL_SPEED), gain),
+        "gain by the encoder": named_by(1.0, gain * (1.0 - truth.get("speed_deadband", 0.0) / USUAL_SPEED), gain),
         "gain of hauling in over that": named_by(1.0, 1.0, 1.0),
         "creep": Named(0.0, 0.0, 0.0, noticeable=0.0, far=0.0),
         # a drum shows their sum: what one has too little the other has too much
         "time constant": Named(SERVO, servo, servo + play, noticeable=0.01, far=0.05),
         "command delay": Named(DELAY, delay, delay + play, noticeable=0.01, far=0.05),
+        "time constant and command delay together": Named(
+            SERVO + DELAY, servo + delay, servo + delay + play, noticeable=0.01, far=0.05
+        ),
         "mru or drum": named_by(1.0, scale, scale),
     }
 

@@ -179,9 +179,11 @@ def kept(one: Draw, record: LoopRecord) -> Kept:
 
 
 def culprits(words: str) -> list[str]:
-    """Return whom an alarm blames; an error of scale between MRU and drum may be the encoder's."""
+    """Return whom an alarm blames; an error of scale between MRU and drum, and a gain by the encoder, may be its."""
     found = re.findall(r"(?:^|s: |; )((?:mru|depth|encoder|load_cell|cable)(?: or drum)?) (?:suspect|lost)", words)
-    found += ["winch"] if "winch model updated" in words else []
+    if "winch model updated: " in words:
+        changes = re.findall(r"([a-z][a-z ]*?) -?[\d.]+[^,(]*\(was", words.split("winch model updated: ")[1])
+        found.append("winch or encoder" if changes == ["gain by the encoder"] else "winch")
     return [culprit.replace("mru or drum", "mru or encoder") for culprit in found]
 
 

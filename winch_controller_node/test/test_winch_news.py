@@ -53,7 +53,7 @@ def test_a_winch_that_changes_after_it_was_known_is_told_once_the_record_holds_i
     """A gain of 0.85, fitted to a record of 20 s that still holds the gain of 1, rests elsewhere for a while."""
     mixed, alone = (replace(WINCH, speed_gain=gain) for gain in (1.023, 0.85))
     ((when, words),) = told([*[WINCH] * 7, mixed, *[alone] * 8], seconds=15.0)
-    assert words == "winch model updated: gain 0.850 (was 1.000)"
+    assert words == "winch model updated: gain by the encoder 0.850 (was 1.000)"
     assert when == pytest.approx(8 * 15.0 + SETTLED, abs=2.0 * DT)
 
 

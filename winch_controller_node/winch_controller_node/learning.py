@@ -40,11 +40,16 @@ GROSSLY, GROSS_TIME = 6.0, 10.0
 FIRST_PATIENCE, LONGER = 30.0, 2.0
 """Time from one suspicion to the next [s], and the factor by which it grows each time that none holds."""
 
-DOUBTED_PATIENCE, UNTRUSTED_PATIENCE = 60.0, 5.0
-"""The same while a sensor is doubted, and while the guard does not trust the estimate but no culprit is known [s]."""
+DOUBTED_PATIENCE, EARLY_PATIENCE, UNTRUSTED_PATIENCE = 60.0, 10.0, 5.0
+"""The same while a sensor is doubted, in the first minute of that, and while the guard does not trust the estimate but
+no culprit is known [s]."""
 
 FIRST_SEAS_PATIENCE, LONGEST_SEAS_PATIENCE = 5.0, 120.0
 """Time from one comparison of seas to the next [s]; it grows by the same factor while no other sea is found."""
+
+
+FROZEN_TIME = 1.0
+"""An encoder that stands still for so long, while the drum should turn, is frozen [s]."""
 
 
 @dataclass(frozen=True)
@@ -89,6 +94,8 @@ class Learning:
         self._suspected = -math.inf
         self._was_gross = False
         self._is_doubted = False
+        self._onset = 0
+        self._frozen_ticks = 0
         self._first_sea = in_force.parameters.sea
         self._seas_compared, self._seas_patience = -math.inf, FIRST_SEAS_PATIENCE
         self._refused = ""
@@ -121,10 +128,14 @@ class Learning:
         """
         self.corrected.clear()
         self.has_moved_tip = False
+        if self._estimation.surprise.time == 0.0 and not self._estimation.observer.doubted:
+            self._onset = tick
         words = self._take(tick)
         parameters = self._in_force.parameters
         is_learning = compensates and identifies_winch(parameters)
         has_schedule = is_scheduled(parameters)
+        if identifies_winch(parameters):
+            self._watch_encoder(tick)
         if moves and identifies_winch(parameters):
             words += self._compare_encoder(tick)
         if is_learning:
@@ -133,7 +144,8 @@ class Learning:
             self._in_force.parameters.winch,
             directions=lambda: self._winch.lone_directions,
             is_power_limited=self._winch.is_power_limited,
-            is_learning=is_learning,
+            is_learning=is_learning or self._encoder.doubts_encoder,
+            is_rescaled=self._estimation.observer.encoder.scale != 1.0,
         )
         if not has_schedule and not self._work.is_under_way:
             self._follow_sea(tick)
@@ -172,6 +184,25 @@ class Learning:
             self._work.drop()  # it was begun with what was wrong
             self.corrected.add("encoder")
         return words
+
+    def _watch_encoder(self, tick: int) -> None:
+        """Take back what was learnt of the winch, and not told yet, once the encoder is frozen: that taught it.
+
+        It takes some seconds to tell a frozen encoder from a drum that turns slowly. One with play is still for a
+        moment where the drum turns back.
+        """
+        gate = self._estimation.observer.gates["encoder"]
+        is_frozen = gate.is_lost and gate.reason == "frozen"
+        self._frozen_ticks = self._frozen_ticks + 1 if is_frozen else 0
+        if self._frozen_ticks != round(FROZEN_TIME / self._dt):
+            return
+        told, parameters = self._news.told, self._in_force.parameters
+        self._winch.take_back(told)
+        self._in_force.take_limits(told)
+        winch = parameters.winch
+        if (told.time_constant, told.command_delay) != (winch.time_constant, winch.command_delay):
+            self._work.drop()
+            self._design_for(tick, replace(parameters, winch=told))
 
     def trust_encoder(self) -> None:
         """Try an encoder again that was set aside: an operator asks for it."""
@@ -224,29 +255,51 @@ class Learning:
         is_long = estimation.record.covers(RECORD if is_trusted else SHORT_RECORD)
         if not is_long or not self._is_time_to_suspect(tick * self._dt, is_trusted=is_trusted):
             return
-        in_force, record = self._in_force, estimation.record.ticks()
-        doubted, scale, first_sea = estimation.observer.doubted, estimation.mru_scale, self._first_sea
+        in_force, doubted = self._in_force, estimation.observer.doubted
+        scale, first_sea = estimation.mru_scale, self._first_sea
+        whole, since = estimation.record.ticks(), estimation.record.ticks(self._onset - 1)
+        is_early = bool(doubted) and len(since) < len(whole)
+        # what has changed on the way is explained from there on, or from where the loop has come to rest again
+        shortest = round(SHORT_RECORD / self._dt)
+        records = [since] if is_early else [whole]
+        records += [since[-shortest:]] if shortest <= len(since) < len(whole) else []
 
-        def judged() -> Learnt:
+        def judged() -> Learnt | None:
             believed, design_for = in_force.parameters, in_force.design_for
-            verdict = suspect(believed, record, design_for, self._dt, doubted=doubted, scale=scale, first_sea=first_sea)
-            suspicion = verdict.suspicion
-            return Learnt(in_force.prepared_for(suspicion.parameters, suspicion.cable), verdict)
+            verdicts: list[Verdict] = []
+            for record in records:
+                verdicts.append(
+                    suspect(believed, record, design_for, self._dt, doubted=doubted, scale=scale, first_sea=first_sea)
+                )
+                if verdicts[-1].suspicion.is_explanation:
+                    return self._learnt_of(in_force, verdicts[-1])
+            return None if is_early else self._learnt_of(in_force, verdicts[0])
 
         self._work.begin(tick, judged)
 
+    @staticmethod
+    def _learnt_of(in_force: DesignInForce, verdict: Verdict) -> Learnt:
+        """Return the design for a `verdict`."""
+        return Learnt(in_force.prepared_for(verdict.suspicion.parameters, verdict.suspicion.cable), verdict)
+
     def _is_time_to_suspect(self, now: float, *, is_trusted: bool) -> bool:
-        """Tell whether to look at `now` [s]; a sensor that is doubted is judged anew every minute."""
+        """Tell whether to look at `now` [s]; a sensor that is doubted is judged anew every minute.
+
+        In the first minute of the trouble it is more often: it may be explained from when it began.
+        """
         surprise, was_doubted = self._estimation.surprise, self._is_doubted
         is_doubted = self._is_doubted = bool(self._estimation.observer.doubted)
-        if is_doubted and not was_doubted:
-            self._suspected, self._patience = now, DOUBTED_PATIENCE
-        if (is_doubted or surprise.time >= SURPRISED_TIME) and now - self._suspected >= self._patience:
-            self._suspected = now
-            self._patience *= 1.0 if is_doubted else LONGER
-            return True
         if is_doubted:
-            return False
+            self._suspected = self._suspected if was_doubted else now
+            lasted = now - self._onset * self._dt
+            patience = EARLY_PATIENCE if lasted < RECORD + EARLY_PATIENCE else DOUBTED_PATIENCE
+            is_time = lasted >= SHORT_RECORD and now - self._suspected >= patience
+            self._suspected = now if is_time else self._suspected
+            return is_time
+        if surprise.time >= SURPRISED_TIME and now - self._suspected >= self._patience:
+            self._suspected = now
+            self._patience *= LONGER
+            return True
         if not is_trusted and now - self._suspected >= UNTRUSTED_PATIENCE:
             self._suspected = now
             return True

@@ -109,6 +109,11 @@ class Suspicion:
         return self.culprit == "mru" and not (self.doubted or self.state)
 
     @property
+    def is_explanation(self) -> bool:
+        """Tell whether it says what is wrong, and not only where."""
+        return bool(self.culprit) and not self.doubted
+
+    @property
     def findings(self) -> dict[str, str]:
         """Return what is wrong with each that is at fault, by culprit."""
         found = {self.culprit: self.words} if self.culprit else {}
@@ -235,9 +240,7 @@ def _agrees(sensor: str, nothing: _Trial, left_out: _Trial) -> bool:
 
 def _is_enough(found: _Trial, parameters: WinchControllerParameters) -> bool:
     """Tell whether what was `found` says what is wrong, so that the sensors in use (`parameters`) are foreseen."""
-    suspicion = found.verdict.suspicion
-    is_named = bool(suspicion.culprit) and not suspicion.doubted
-    return is_named and found.worst(parameters, are_used=True) < EXPLAINED
+    return found.verdict.suspicion.is_explanation and found.worst(parameters, are_used=True) < EXPLAINED
 
 
 def likelihood(design: ControllerDesign, record: Sequence[RecordedTick], tick_period: float) -> float:

@@ -322,6 +322,14 @@ class WinchIdentifier:
         self._learnt_age = self._patience = 0.0
         self.restart()
 
+    def take_back(self, winch: WinchModelParameters) -> None:
+        """Forget what the model `winch` does not hold, and begin a new record: the encoder has been wrong lately."""
+        known = np.array(drum_of(winch))
+        known[list(LIMITS)] /= USED
+        known[[DEADBAND, BACKLASH]] = self._found[[DEADBAND, BACKLASH]]
+        self._found = np.minimum(known, np.where(np.isin(range(known.size), LIMITS), self._belief.nominal, math.inf))
+        self.restart()
+
     def find(self) -> WinchLags | None:
         """Return the drum that fits the record best, or None where it does not tell."""
         record = self._record()
@@ -428,8 +436,8 @@ class WinchIdentifier:
         if found.residual <= TELLS_APART or is_told_apart:
             return found.time_constant, found.delay
         together = found.time_constant + found.delay
-        delay = max(together - winch.time_constant, float(self._belief.lowest[DELAY]))
-        return together - delay, delay
+        delay, shortest = together - winch.time_constant, float(self._belief.lowest[DELAY])
+        return (winch.time_constant, delay) if delay >= shortest else (together - shortest, shortest)
 
     @staticmethod
     def _is_worth_it(

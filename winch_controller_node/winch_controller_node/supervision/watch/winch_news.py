@@ -23,6 +23,9 @@ NOTABLE_LAG, EXCHANGED_LAG = 0.02, 0.05
 a drum shows well.
 """
 
+BY_ANOTHER_SCALE = 0.05
+"""Least change of the gain that is, where the encoder's scale was found to be another: that is known no better."""
+
 NOTABLE_OTHERS = {"speed_gain": 0.02, "hauling_gain": 0.05, "creep": 0.02}
 """Least change of the gains, and of the creep [m/s], that is: two directions are told apart by half the record each."""
 
@@ -32,7 +35,7 @@ LET_UP = 1.5
 NAMED = (
     ("time constant", "time_constant", "s"),
     ("command delay", "command_delay", "s"),
-    ("gain", "speed_gain", ""),
+    ("gain by the encoder", "speed_gain", ""),
     ("gain of hauling in over that", "hauling_gain", ""),
     ("creep", "creep", "m/s"),
     ("speed limit", "speed_limit", "m/s"),
@@ -49,11 +52,15 @@ class WinchNews:
     ----------
     winch : that the operator knows of
     tick_period : [s]
+
+    Attributes
+    ----------
+    told : the winch that has been told of until now
     """
 
     def __init__(self, winch: WinchModelParameters, *, tick_period: float) -> None:
         self._dt = tick_period
-        self._told = self._last = winch
+        self.told = self._last = winch
         self._rested = self._withheld = self._known = self._mixed = 0.0
 
     def update(
@@ -63,6 +70,7 @@ class WinchNews:
         directions: Callable[[], Mapping[str, str]] = dict,
         is_power_limited: bool,
         is_learning: bool,
+        is_rescaled: bool = False,
     ) -> list[str]:
         """Return what is to be told in this tick; empty: nothing.
 
@@ -72,6 +80,7 @@ class WinchNews:
         directions : returns in which alone a limit was found, by its name
         is_power_limited : the winch has said that its power ends
         is_learning : more may come; otherwise what there is, is told at once
+        is_rescaled : the encoder was found to have another scale
         """
         self._known += self._dt if is_learning else 0.0
         is_same = winch is self._last or winch == self._last
@@ -80,20 +89,29 @@ class WinchNews:
             return []
         self._last = winch
         self._forget_let_up(winch)
-        changed = [(label, name, unit) for label, name, unit in NAMED if self._is_notable(name, winch)]
+        changed = [row for row in NAMED if self._is_notable(row[1], winch, is_rescaled=is_rescaled)]
         if self._withheld == 0.0:
             self._mixed = MIXED if self._known > LONGEST else 0.0
         self._withheld = self._withheld + self._dt if changed else 0.0
         if not changed or (is_learning and not self._has_settled):
             return []
-        words, lone = [], directions()
+        lone = directions()
+        words = []
         for label, name, unit in changed:
             reached = f", reached {lone[name]}" if name in lone else ""
             by_power = ", by its power limit" if name == "speed_limit" and is_power_limited else ""
-            value = f"{label} {getattr(winch, name):.3f} {unit}".rstrip()
-            words.append(f"{value} (was {getattr(self._told, name):.3f}){reached}{by_power}")
-        self._told = replace(self._told, **{name: getattr(winch, name) for _, name, _ in changed})
+            words.append(f"{self._change(label, name, unit, winch)}{reached}{by_power}")
+        self.told = replace(self.told, **{name: getattr(winch, name) for _, name, _ in changed})
         return [f"{WINCH_LEARNT}{', '.join(words)}"]
+
+    def _change(self, label: str, name: str, unit: str, winch: WinchModelParameters) -> str:
+        """Return in words how a value differs from what was told."""
+        old, new = getattr(self.told, name), getattr(winch, name)
+        if name == "command_delay" and winch.time_constant == self.told.time_constant:
+            # a servo that is as it was to the last digit was not told apart
+            label, old, new = f"time constant and {label} together", _total_lag(self.told), _total_lag(winch)
+        value = f"{label} {new:.3f} {unit}".rstrip()
+        return f"{value} (was {old:.3f})"
 
     @property
     def _has_settled(self) -> bool:
@@ -101,18 +119,24 @@ class WinchNews:
         since = self._withheld - self._mixed
         return since >= LONGEST or (since >= 0.0 and self._rested >= SETTLED)
 
-    def _is_notable(self, name: str, winch: WinchModelParameters) -> bool:
+    def _is_notable(self, name: str, winch: WinchModelParameters, *, is_rescaled: bool) -> bool:
         """Tell whether a value differs from what was told; limits that are only let up again do not count."""
-        old, new = getattr(self._told, name), getattr(winch, name)
+        old, new = getattr(self.told, name), getattr(winch, name)
         if name in LIMITS:
             return bool(new < (1.0 - NOTABLE) * old)
         if name in LAGS:
-            change = sum(getattr(winch, lag) - getattr(self._told, lag) for lag in LAGS)
+            change = _total_lag(winch) - _total_lag(self.told)
             is_exchanged = abs(change) <= NOTABLE_LAG and abs(new - old) <= EXCHANGED_LAG
             return not is_exchanged and bool(abs(new - old) > max(NOTABLE_LAG, NOTABLE * old))
-        return bool(abs(new - old) > NOTABLE_OTHERS[name])
+        is_scale = name == "speed_gain" and is_rescaled
+        return bool(abs(new - old) > (BY_ANOTHER_SCALE if is_scale else NOTABLE_OTHERS[name]))
 
     def _forget_let_up(self, winch: WinchModelParameters) -> None:
         for name in LIMITS:
-            if getattr(winch, name) > LET_UP * getattr(self._told, name):
-                self._told = replace(self._told, **{name: getattr(winch, name)})
+            if getattr(winch, name) > LET_UP * getattr(self.told, name):
+                self.told = replace(self.told, **{name: getattr(winch, name)})
+
+
+def _total_lag(winch: WinchModelParameters) -> float:
+    """Return servo and delay of a `winch` together [s]."""
+    return winch.time_constant + winch.command_delay

@@ -117,6 +117,11 @@ class WinchWatch:
         self._identifier.forget()
         self._cautious = 0.0
 
+    def take_back(self, winch: WinchModelParameters) -> None:
+        """Forget what the model `winch` does not hold: the encoder has been wrong lately."""
+        self._work.drop()
+        self._identifier.take_back(winch)
+
     def improved_winch(
         self, tick: int, winch: WinchModelParameters, *, doubts_encoder: bool = False
     ) -> WinchModelParameters | None:
