@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from heave_bringup.closed_loop import ClosedLoop, loop_parameters
 from heave_bringup.scenarios import load_scenario
+from winch_controller_node.parameters.model import WinchModelParameters
 
 from tests.campaigns import sensor_faults
 from tests.campaigns.promise import LARGEST, TROUBLE, WINDOW, worst_window
@@ -112,6 +113,34 @@ def test_a_sensor_of_a_wrong_scale_leaves_the_unit_no_worse_than_off(one, found_
     assert one.start <= told[0] < one.start + found_within
     assert record.modes[-1] == "compensating"
     assert record.unit_sigma(one.start + 100.0) < 0.15 * record.uncompensated_sigma(one.start + 100.0)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("law", "seed"), [("mpc", 4), ("mpc", 14), ("lqg", 11)])
+def test_a_scale_that_changes_on_the_way_is_explained_from_there_on(law, seed):
+    """The minute before, half of it with the scale that was right, blamed the MRU without a reason that goes on.
+
+    Compensation was given up for a minute, and the unit swung 1.18, 1.31 and 1.0 times as far as without it.
+    """
+    one = replace(fault("mru", "scale", 100.0, magnitude=2.0, scenario="b2_calm_300"), law=law, number=seed - 1)
+    record = loop_with(one, 230.0).run()
+    assert worst_from(record, one.start + TROUBLE) < 0.95
+    (told,) = [time for time, words in record.alarms if words.startswith("mru or drum suspect: the heave")]
+    assert told < one.start + 45.0
+    assert set(record.modes[round((told + 20.0) / TICK) :]) == {"compensating"}
+
+
+@pytest.mark.slow
+def test_nothing_stays_learnt_of_a_frozen_encoder():
+    """Frozen from the start: until that was known it was taken for a gain of 0.25 and another servo, and told so."""
+    one = replace(fault("encoder", "freeze", 0.0, scenario="b2_calm_300"), law="lqg", number=158)
+    loop = loop_with(one, 60.0)
+    record = loop.run()
+    assert any(words.startswith("encoder lost: frozen") for _, words in record.alarms)
+    assert not [words for _, words in record.alarms if "winch model updated" in words]
+    believed, winch = WinchModelParameters(), loop.controller.design.parameters.winch
+    assert (winch.speed_gain, winch.speed_limit) == (believed.speed_gain, believed.speed_limit)
+    assert (winch.time_constant, winch.command_delay) == (believed.time_constant, believed.command_delay)
 
 
 @pytest.mark.slow

@@ -484,6 +484,35 @@ def test_what_was_learnt_of_the_gain_is_held_against_the_encoder_until_it_is_kno
     assert identifier.sent(8.0).share == pytest.approx(0.8, rel=0.03)
 
 
+def test_what_was_learnt_lately_is_taken_back_to_the_winch_that_was_told(design):
+    """A frozen encoder is known after some seconds; until then it looks like a winch of a quarter of the gain."""
+    told = replace(WinchControllerParameters().winch, acceleration_limit=0.97 * 0.8)
+    identifier = WinchIdentifier(WinchControllerParameters().lag, design)
+    for rate in commands_of(20.0, size=0.03):
+        identifier.add(0.0, rate, 0.0)
+    assert identifier.improved_winch(told).speed_gain < 0.5
+    identifier.take_back(told)
+    assert identifier.improved_winch(told) is None
+    assert identifier._in_force(told) == pytest.approx([0.15, 0.2, 1, 0, 2, 2, 0.8, 0.8, 0, 1, 1, 0])
+
+
+@pytest.mark.parametrize("learnt", [1.0, 1.3, 1.7])
+def test_a_limit_of_the_other_direction_goes_with_the_one_that_is_known(design, learnt):
+    """1.5 m/s hauling in were first taken for less or more, and those of paying out, never reached, for no more.
+
+    What was taken for it stayed where it was when the one that it was taken from was found to be higher.
+    """
+    identifier, random = WinchIdentifier(WinchControllerParameters().lag, design), np.random.default_rng(1)
+    winch, time = VirtualWinch(WinchParameters(hauling_speed_share=0.75), tick_period=DT), DT * np.arange(800)
+    wave = -0.6 + 1.2 * np.sin(0.7 * time) + 0.03 * random.standard_normal(time.size)
+    for rate, encoder in record_of(winch, wave):
+        identifier.add(0.0, rate, encoder)
+    identifier._found[list(SPEEDS)] = 2.0, learnt
+    better = identifier.improved_winch(WinchControllerParameters().winch)
+    assert better.speed_limit == pytest.approx(0.97 * 1.5, rel=0.01)
+    assert identifier.lone_directions == {"speed_limit": "hauling in"}
+
+
 def test_what_was_learnt_of_a_wrong_encoder_is_forgotten(design):
     """It reads 0.8 of the payout for 20 s, and then all of it."""
     belief, half = WinchControllerParameters(), 400

@@ -83,6 +83,21 @@ def test_lags_that_exchange_a_little_with_each_other_are_no_news_and_much_of_it_
     assert len(told([found, replace(WINCH, time_constant=0.121, command_delay=0.190)])) == 2
 
 
+def test_a_servo_that_was_not_told_apart_from_the_delay_is_told_with_it():
+    """0.326 s together was taken for a delay of 0.176 s, and told so, where the servo was at 0.107 s."""
+    ((_, words),) = told([replace(WINCH, command_delay=0.176)])
+    assert words == "winch model updated: time constant and command delay together 0.326 s (was 0.350)"
+    ((_, words),) = told([replace(WINCH, time_constant=0.151, command_delay=0.3)])
+    assert words == "winch model updated: command delay 0.300 s (was 0.200)"
+
+
+@pytest.mark.parametrize(("gain", "is_news"), [(1.04, False), (0.96, False), (1.08, True)])
+def test_a_gain_by_an_encoder_whose_scale_was_found_is_known_no_better_than_that(gain, is_news):
+    news = WinchNews(WINCH, tick_period=DT)
+    other = replace(WINCH, speed_gain=gain)
+    assert bool(news.update(other, is_power_limited=False, is_learning=False, is_rescaled=True)) is is_news
+
+
 def test_directions_that_differ_by_what_half_a_record_tells_are_no_news():
     assert not told([replace(WINCH, hauling_gain=0.966)])
     ((_, words),) = told([replace(WINCH, hauling_gain=0.9)])

@@ -326,7 +326,6 @@ class WinchIdentifier:
         """Forget what the model `winch` does not hold, and begin a new record: the encoder has been wrong lately."""
         known = np.array(drum_of(winch))
         known[list(LIMITS)] /= USED
-        known[[DEADBAND, BACKLASH]] = self._found[[DEADBAND, BACKLASH]]
         self._found = np.minimum(known, np.where(np.isin(range(known.size), LIMITS), self._belief.nominal, math.inf))
         self.restart()
 
