@@ -78,10 +78,10 @@ def run_with_rogue(loop, **parameters: object) -> tuple[int, str, str, str]:
 
 
 def test_in_lockstep_a_stranger_shifts_nothing_and_is_named(loop):
-    # 20 simulated seconds take about one, and each node looks at the publishers at its beginning and twice in it
-    status, out, err, heard = run_with_rogue(loop, duration=20.0)
+    # 60 simulated seconds take about three; each node looks at the publishers at its beginning and twice a second
+    status, out, err, heard = run_with_rogue(loop, duration=60.0)
     assert status == 0, err
-    assert f"ended=True ticks=401 epoch=1 sum={sum(range(1, 401))}" in out
+    assert f"ended=True ticks=1201 epoch=1 sum={sum(range(1, 1201))}" in out
     errors = dict(line.split(" | ", 1) for line in heard.splitlines())
     # a publisher may be known before the name of its node is
     assert re.search(r"(/rogue|without a ROS node name) \(process \d", errors["cable_sim: strangers"])
