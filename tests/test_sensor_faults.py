@@ -131,6 +131,15 @@ def test_a_scale_that_changes_on_the_way_is_explained_from_there_on(law, seed):
 
 
 @pytest.mark.slow
+def test_an_encoder_that_changes_on_the_way_is_no_limit_of_the_winch():
+    """It reads 1.09 times the payout for 47 s; a speed limit of 0.62 m/s was told besides."""
+    one = draw(13)
+    assert (one.sensor, one.kind, one.start, one.magnitude) == ("encoder", "scale", 125.65, 1.094)
+    record = loop_with(one, one.start + 60.0).run()
+    assert culprits("; ".join(words for _, words in record.alarms if "updated" in words)) == ["winch or encoder"]
+
+
+@pytest.mark.slow
 def test_nothing_stays_learnt_of_a_frozen_encoder():
     """Frozen from the start: until that was known it was taken for a gain of 0.25 and another servo, and told so."""
     one = replace(fault("encoder", "freeze", 0.0, scenario="b2_calm_300"), law="lqg", number=158)
