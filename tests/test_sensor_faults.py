@@ -140,6 +140,23 @@ def test_an_encoder_that_changes_on_the_way_is_no_limit_of_the_winch():
 
 
 @pytest.mark.slow
+def test_an_encoder_that_is_back_blames_no_depth_sensor():
+    """Frozen for 71 s: the drum was 0.1 m from where it was taken to be, and the mean of the depth made up for that."""
+    one = draw(127)
+    assert (one.scenario, one.sensor, one.kind, one.start, one.duration) == (
+        "b3_deep_900",
+        "encoder",
+        "freeze",
+        0.0,
+        70.52,
+    )
+    record = loop_with(one, 170.0).run()
+    found = kept(one, record)
+    assert not found.wrong
+    assert found.worst < 0.1
+
+
+@pytest.mark.slow
 def test_nothing_stays_learnt_of_a_frozen_encoder():
     """Frozen from the start: until that was known it was taken for a gain of 0.25 and another servo, and told so."""
     one = replace(fault("encoder", "freeze", 0.0, scenario="b2_calm_300"), law="lqg", number=158)

@@ -48,8 +48,8 @@ FIRST_SEAS_PATIENCE, LONGEST_SEAS_PATIENCE = 5.0, 120.0
 """Time from one comparison of seas to the next [s]; it grows by the same factor while no other sea is found."""
 
 
-FROZEN_TIME = 1.0
-"""An encoder that stands still for so long, while the drum should turn, is frozen [s]."""
+LOST_TIME = 1.0
+"""An encoder that is lost for so long is lost indeed [s]; one with play is still for a moment when the drum turns."""
 
 
 @dataclass(frozen=True)
@@ -95,7 +95,7 @@ class Learning:
         self._was_gross = False
         self._is_doubted = False
         self._onset = 0
-        self._frozen_ticks = 0
+        self._lost_ticks = 0
         self._first_sea = in_force.parameters.sea
         self._seas_compared, self._seas_patience = -math.inf, FIRST_SEAS_PATIENCE
         self._refused = ""
@@ -188,13 +188,14 @@ class Learning:
     def _watch_encoder(self, tick: int) -> None:
         """Take back what was learnt of the winch, and not told yet, once the encoder is frozen: that taught it.
 
-        It takes some seconds to tell a frozen encoder from a drum that turns slowly. One with play is still for a
-        moment where the drum turns back.
+        It takes some seconds to tell a frozen encoder from a drum that turns slowly. Once an encoder is back after it
+        was lost, the drum is where that has it.
         """
-        gate = self._estimation.observer.gates["encoder"]
-        is_frozen = gate.is_lost and gate.reason == "frozen"
-        self._frozen_ticks = self._frozen_ticks + 1 if is_frozen else 0
-        if self._frozen_ticks != round(FROZEN_TIME / self._dt):
+        gate, lasting = self._estimation.observer.gates["encoder"], round(LOST_TIME / self._dt)
+        before, self._lost_ticks = self._lost_ticks, self._lost_ticks + 1 if gate.is_lost else 0
+        if before >= lasting and not gate.is_lost:
+            self._estimation.find_drum(tick - 1)
+        if self._lost_ticks != lasting or gate.reason != "frozen":
             return
         told, parameters = self._news.told, self._in_force.parameters
         self._winch.take_back(told)

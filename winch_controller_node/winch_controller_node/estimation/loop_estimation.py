@@ -172,6 +172,21 @@ class LoopEstimation:
         unit = self.estimator.estimate[self._rows.unit_states]
         self._go_on(tick, payout=moved, unit=unit)
 
+    def find_drum(self, tick: int) -> None:
+        """Go on after `tick` with an encoder that has been lost: the drum may be elsewhere than it was taken to be.
+
+        The depth sensor's mean was compared with that; how far it is off is not known any more.
+        """
+        model, estimator, streams = self._design.model, self.estimator, self.estimator.streams
+        if model.has_state(DEPTH_BIAS):
+            bias, covariance = model.state(DEPTH_BIAS), estimator.covariance.copy()
+            covariance[bias, :] = covariance[:, bias] = 0.0
+            covariance[bias, bias] = self._design.parameters.sensors.depth.bias_sigma**2
+            estimator.reset(estimator.estimate.copy(), covariance, streams)
+            estimator.step(tick, 0.0, [])
+        self.depth_witness.restart()
+        self.forget_readings()
+
     def rescale_encoder(self, factor: float, seen: Seen, tick: int) -> None:
         """Go on after `tick` with an encoder that reads `factor` times what it was taken to.
 
