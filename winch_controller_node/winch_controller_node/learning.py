@@ -94,7 +94,7 @@ class Learning:
         self._suspected = -math.inf
         self._was_gross = False
         self._is_doubted = False
-        self._onset = 0
+        self._onset = 0  # tick since which readings have been foreseen badly, or a sensor is doubted
         self._lost_ticks = 0
         self._first_sea = in_force.parameters.sea
         self._seas_compared, self._seas_patience = -math.inf, FIRST_SEAS_PATIENCE
@@ -260,10 +260,11 @@ class Learning:
         scale, first_sea = estimation.mru_scale, self._first_sea
         whole, since = estimation.record.ticks(), estimation.record.ticks(self._onset - 1)
         is_early = bool(doubted) and len(since) < len(whole)
+        first = since if is_early else whole
         # what has changed on the way is explained from there on, or from where the loop has come to rest again
         shortest = round(SHORT_RECORD / self._dt)
-        records = [since] if is_early else [whole]
-        records += [since[-shortest:]] if shortest <= len(since) < len(whole) else []
+        has_changed = shortest <= len(since) < len(whole) and shortest < len(first)
+        records = [first, since[-shortest:]] if has_changed else [first]
 
         def judged() -> Learnt | None:
             believed, design_for = in_force.parameters, in_force.design_for
