@@ -131,15 +131,6 @@ def test_a_scale_that_changes_on_the_way_is_explained_from_there_on(law, seed):
 
 
 @pytest.mark.slow
-def test_an_encoder_that_changes_on_the_way_is_no_limit_of_the_winch():
-    """It reads 1.09 times the payout for 47 s; a speed limit of 0.62 m/s was told besides."""
-    one = draw(13)
-    assert (one.sensor, one.kind, one.start, one.magnitude) == ("encoder", "scale", 125.65, 1.094)
-    record = loop_with(one, one.start + 60.0).run()
-    assert culprits("; ".join(words for _, words in record.alarms if "updated" in words)) == ["winch or encoder"]
-
-
-@pytest.mark.slow
 def test_an_encoder_that_is_back_blames_no_depth_sensor():
     """Frozen for 71 s: the drum was 0.1 m from where it was taken to be, and the mean of the depth made up for that."""
     one = draw(127)

@@ -37,7 +37,8 @@ def test_a_winch_that_is_several_times_off_is_known_within_half_a_minute_and_hol
     assert np.std(unit) < 0.1 * np.std(off)
     ((told, words),) = [alarm for alarm in record.alarms if "updated" in alarm[1] or "suspect" in alarm[1]]
     assert told < begins + 30.0
-    wanted = rf"winch model updated: {name.replace('_', ' ').removeprefix('speed ')} ([\d.]+)( s)? \(was ([\d.]+)\)"
+    label = {"speed_gain": "gain by the encoder", "time_constant": "time constant"}[name]
+    wanted = rf"winch model updated: {label} ([\d.]+)( s)? \(was ([\d.]+)\)"
     learnt, _, was = re.fullmatch(wanted, words).groups()
     assert float(learnt) == pytest.approx(value, rel=0.03)
     assert float(was) == BELIEF[name]

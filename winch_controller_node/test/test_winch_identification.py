@@ -484,22 +484,6 @@ def test_what_was_learnt_of_the_gain_is_held_against_the_encoder_until_it_is_kno
     assert identifier.sent(8.0).share == pytest.approx(0.8, rel=0.03)
 
 
-@pytest.mark.parametrize(("left", "afterwards"), [(0.0049, 2.0), (0.0003, 0.97 * 0.64)], ids=["mixed", "proved"])
-def test_a_limit_by_a_record_that_was_not_explained_is_forgotten_by_one_that_is_and_does_not_reach_it(
-    design, left, afterwards
-):
-    """An encoder whose scale changes within the record looks like a limit; 10 s later the record is explained."""
-    believed = WinchControllerParameters().winch
-    identifier = WinchIdentifier(WinchControllerParameters().lag, design)
-    present, drum = np.array([*drum_of(believed), 0.0, 0.0]), np.array([*drum_of(believed), 0.0, 0.0])
-    drum[SPEEDS[1]] = 0.64
-    fits = [DrumFit(drum, 400 * residual**2, 400, 1e-6 * np.eye(2)) for residual in (left, 0.0003)]
-    weaker = identifier.take(Answer(DrumFit(present, 400 * 0.03**2, 400, np.eye(2)), fits[0]), believed)
-    assert weaker.speed_limit == pytest.approx(0.97 * 0.64)
-    after = identifier.take(Answer(fits[1], fits[1]), weaker) or weaker
-    assert after.speed_limit == pytest.approx(afterwards)
-
-
 def test_what_was_learnt_lately_is_taken_back_to_the_winch_that_was_told(design):
     """A frozen encoder is known after some seconds; until then it looks like a winch of a quarter of the gain."""
     told = replace(WinchControllerParameters().winch, acceleration_limit=0.97 * 0.8)

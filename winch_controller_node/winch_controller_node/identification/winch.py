@@ -196,7 +196,6 @@ class WinchIdentifier:
         self._found = self._belief.nominal.copy()
         self._ahead = math.ceil((self._nominal.command_delay + parameters.largest) / self._dt) + 2
         self._learnt_age, self._patience = 0.0, 0.0
-        self._left = np.zeros(START_PAYOUT)  # of the record by which each limit was found last [m]
         window = max(2, round(parameters.window / self._dt))
         self._payouts, self._rates = Newest(window + self._ahead), Newest(window + self._ahead)
         self._readings = Newest(window)
@@ -389,10 +388,8 @@ class WinchIdentifier:
         found = None if answer.found is None else self._lags(answer.found)
         better = None if found is None else self._believed(winch, found, answer.present)
         if found is None or better is None or not self._is_worth_it(winch, better, answer.present, found):
-            is_unmoved = self._found == before
             self._found[list(LIMITS)] = before[list(LIMITS)]
-            return self._let_up(winch, doubtful=[] if found is None else self._doubtful(is_unmoved, found))
-        self._left[self._found != before] = found.residual
+            return self._let_up(winch)
         if is_weaker(better, winch):
             self._patience = FIRST_PATIENCE if self._patience == 0.0 else LONGER * self._patience
             self._learnt_age = 0.0
@@ -453,27 +450,15 @@ class WinchIdentifier:
             found.residual**2 * present.count + floor
         )
 
-    def _doubtful(self, is_unmoved: NDArray[np.bool_], found: WinchLags) -> list[int]:
-        """Return the limits that a record does not reach which is explained, and that were found by one that was not.
-
-        A winch, or an encoder, that changes within a record looks as if it had reached a limit.
-        """
-        is_explained = found.residual <= TELLS_APART
-        return [i for i in LIMITS if is_explained and is_unmoved[i] and self._left[i] > TELLS_APART]
-
-    def _let_up(self, winch: WinchModelParameters, doubtful: Sequence[int]) -> WinchModelParameters | None:
-        """Trust the winch with a little more when limits that were learnt have stood for long: false ones heal so.
-
-        Those that are `doubtful` are forgotten at once.
-        """
-        nominal, limits = self._belief.nominal, list(LIMITS)
-        has_stood = self._learnt_age >= self._patience
-        if all(self._found[limits] >= nominal[limits]) or not (has_stood or doubtful):
+    def _let_up(self, winch: WinchModelParameters) -> WinchModelParameters | None:
+        """Trust the winch with a little more when limits that were learnt have stood for long: false ones heal so."""
+        learnt = Drum(*self._found.tolist())
+        nominal = Drum(*self._belief.nominal.tolist())
+        if self._learnt_age < self._patience or all(self._found[list(LIMITS)] >= self._belief.nominal[list(LIMITS)]):
             return None
-        if has_stood:
-            self._learnt_age = 0.0
-            self._found[limits] = np.minimum(LET_UP * self._found[limits], nominal[limits])
-        self._found[doubtful] = nominal[doubtful]
+        self._learnt_age = 0.0
+        raised = {name: min(LET_UP * getattr(learnt, name), getattr(nominal, name)) for name in LIMIT_NAMES}
+        self._found = np.array(learnt._replace(**raised))
         drum = Drum(*self._found.tolist())
         return replace(
             winch,
