@@ -153,7 +153,7 @@ def test_harm_by_a_gain_is_no_reason_to_wait_once_the_gain_is_known():
     """The gain is 2.7: it was learnt too late for the second try, and the third had to wait for minutes."""
     settings = ["all.seed=1633", "all.duration=240", "virtual_winch.speed_gain=2.7", "virtual_winch.command_delay=0.3"]
     record = ClosedLoop(loop_parameters(load_scenario("b3_deep_900", settings=settings))).run()
-    assert any("gain 2.69" in words for _, words in record.alarms)
+    assert any("gain by the encoder 2.69" in words for _, words in record.alarms)
     late = record.column("time") > 140.0
     assert all(mode == "compensating" for mode, is_late in zip(record.modes, late, strict=True) if is_late)
     assert np.std(record.column("unit")[late]) < 0.1 * np.std(record.column("uncompensated")[late])
