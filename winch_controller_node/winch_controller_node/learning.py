@@ -93,7 +93,8 @@ class Learning:
         self._patience = FIRST_PATIENCE / LONGER
         self._suspected = -math.inf
         self._was_gross = False
-        self._is_doubted = False
+        self._is_doubted = self._is_early = False
+        self._judged = -math.inf
         self._onset = 0  # tick since which readings have been foreseen badly, or a sensor is doubted
         self._lost_ticks = 0
         self._first_sea = in_force.parameters.sea
@@ -259,7 +260,7 @@ class Learning:
         in_force, doubted = self._in_force, estimation.observer.doubted
         scale, first_sea = estimation.mru_scale, self._first_sea
         whole, since = estimation.record.ticks(), estimation.record.ticks(self._onset - 1)
-        is_early = bool(doubted) and len(since) < len(whole)
+        is_early = self._is_early
         first = since if is_early else whole
         # what has changed on the way is explained from there on, or from where the loop has come to rest again
         shortest = round(SHORT_RECORD / self._dt)
@@ -292,12 +293,17 @@ class Learning:
         surprise, was_doubted = self._estimation.surprise, self._is_doubted
         is_doubted = self._is_doubted = bool(self._estimation.observer.doubted)
         if is_doubted:
-            self._suspected = self._suspected if was_doubted else now
+            if not was_doubted:
+                self._suspected = self._judged = now
+            self._is_early = now - self._judged < DOUBTED_PATIENCE
+            if not self._is_early:
+                self._suspected = self._judged = now
+                return True
             lasted = now - self._onset * self._dt
-            patience = EARLY_PATIENCE if lasted < RECORD + EARLY_PATIENCE else DOUBTED_PATIENCE
-            is_time = lasted >= SHORT_RECORD and now - self._suspected >= patience
+            is_time = SHORT_RECORD <= lasted < RECORD + EARLY_PATIENCE and now - self._suspected >= EARLY_PATIENCE
             self._suspected = now if is_time else self._suspected
             return is_time
+        self._is_early = False
         if surprise.time >= SURPRISED_TIME and now - self._suspected >= self._patience:
             self._suspected = now
             self._patience *= LONGER
