@@ -23,7 +23,7 @@ from heave_bringup.closed_loop import ClosedLoop, LoopRecord, loop_parameters
 from heave_bringup.scenarios import load_scenario
 
 from tests.campaigns.commit import commit_line
-from tests.campaigns.promise import LARGEST, TROUBLE, worst_window
+from tests.campaigns.promise import LARGEST, TROUBLE, named_values, worst_window
 
 SCENARIOS = ("b2_calm_300", "b3_deep_900", "b4_limit_900_tp10", "b10_real_mru_swell")
 LAWS = ("mpc", "lqg")
@@ -182,7 +182,7 @@ def culprits(words: str) -> list[str]:
     """Return whom an alarm blames; an error of scale between MRU and drum, and a gain by the encoder, may be its."""
     found = re.findall(r"(?:^|s: |; )((?:mru|depth|encoder|load_cell|cable)(?: or drum)?) (?:suspect|lost)", words)
     if "winch model updated: " in words:
-        changes = re.findall(r"([a-z][a-z ]*?) -?[\d.]+[^,(]*\(was", words.split("winch model updated: ")[1])
+        changes = [name for name, _ in named_values(words)]
         found.append("winch or encoder" if changes == ["gain by the encoder"] else "winch")
     return [culprit.replace("mru or drum", "mru or encoder") for culprit in found]
 

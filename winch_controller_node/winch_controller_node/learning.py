@@ -47,7 +47,6 @@ no culprit is known [s]."""
 FIRST_SEAS_PATIENCE, LONGEST_SEAS_PATIENCE = 5.0, 120.0
 """Time from one comparison of seas to the next [s]; it grows by the same factor while no other sea is found."""
 
-
 LOST_TIME = 1.0
 """An encoder that is lost for so long is lost indeed [s]; one with play is still for a moment when the drum turns."""
 

@@ -324,9 +324,8 @@ class WinchIdentifier:
 
     def take_back(self, winch: WinchModelParameters) -> None:
         """Forget what the model `winch` does not hold, and begin a new record: the encoder has been wrong lately."""
-        known = np.array(drum_of(winch))
-        known[list(LIMITS)] /= USED
-        self._found = np.minimum(known, np.where(np.isin(range(known.size), LIMITS), self._belief.nominal, math.inf))
+        limits, self._found = list(LIMITS), np.array(drum_of(winch))
+        self._found[limits] = np.minimum(self._found[limits] / USED, self._belief.nominal[limits])
         self.restart()
 
     def find(self) -> WinchLags | None:
