@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from winch_controller_node.estimation.mru_steps import MruSteps
 from winch_controller_node.estimation.reading_record import Surprise
 from winch_controller_node.estimation.sensor_health import (
-    PLAY,
+    LARGEST_PLAY,
     REMEDIES,
     UNKNOWN_STATUS,
     DepthJumps,
@@ -190,6 +190,33 @@ def test_an_encoder_with_play_in_its_gear_is_not_frozen_where_the_drum_turns_rou
         believed = 1.25 * 0.42 * math.cos(0.7 * (time + 0.1))
         gate.judge(time, ScalarReading(time, 1e-3 * round(1e3 * reading)), believed)
         assert gate.gate.level == OK
+
+
+@pytest.mark.parametrize("play", [0.04, 0.06, 0.08])
+def test_more_play_is_taken_for_a_frozen_encoder_once_and_then_known(play):
+    """Three waves; the drum has gone on while it was taken up, and the encoder has not jumped."""
+    gate, reading, lost = encoder_gate(), 0.0, []
+    for k, payout in enumerate(payouts(range(1, round(27.0 / DT))), start=1):
+        reading = min(max(reading, payout - 0.5 * play), payout + 0.5 * play)
+        gate.judge(k * DT, ScalarReading(k * DT, reading), 0.42 * math.cos(0.7 * (k - 1) * DT))
+        lost.append(gate.gate.is_lost)
+    onsets = np.flatnonzero(np.diff(np.array(lost).astype(int)) == 1)
+    assert len(onsets) == 1
+    assert gate.play == pytest.approx(play, abs=0.02)
+    assert gate.offset == 0.0
+
+
+def test_a_gear_with_play_hides_no_frozen_encoder():
+    """After the play is known it freezes in the middle of a turn: PLAY proves it there, 3 cm at 0.42 m/s."""
+    gate, reading, play = encoder_gate(), 0.0, 0.03
+    drum = payouts(range(1, round(27.5 / DT)))
+    for k, payout in enumerate(drum, start=1):
+        reading = min(max(reading, payout - play), payout + play)
+        gate.judge(k * DT, ScalarReading(k * DT, reading), 0.42 * math.cos(0.7 * (k - 1) * DT))
+    assert gate.play > 0.0
+    assert gate.gate.level == OK
+    _, levels = followed(gate, [reading] * 10, start=len(drum) + 1)
+    assert levels.index(LOST) * DT <= 0.15
 
 
 def test_a_braked_drum_is_not_a_frozen_encoder():
@@ -373,8 +400,8 @@ def test_an_encoder_that_freezes_and_counts_on_has_missed_at_most_a_fifth_of_the
     missed = drum[frozen + ticks - 1] - drum[frozen - 1]
     taken, levels = followed(gate, [payout - missed for payout in drum[frozen + ticks :]], start=frozen + ticks + 1)
     path = float(np.sum(np.abs(np.diff(payouts(range(frozen, frozen + ticks + 2))))))
-    # whether it froze or not: less than PLAY, gone unseen, proves nothing, as in a gear
-    allowed = HealthParameters().encoder_step + max(0.2 * path, PLAY + 0.42 * DT) + 0.1 * path
+    # whether it froze or not: what a gear takes up where the drum turns round, gone unseen, proves nothing
+    allowed = HealthParameters().encoder_step + max(0.2 * path, LARGEST_PLAY + 0.42 * DT) + 0.1 * path
     errors = [abs(one - true) for one, true in zip(taken, drum[frozen + ticks :], strict=True) if one is not None]
     assert len(errors) >= 58
     assert max(errors) < allowed

@@ -46,6 +46,9 @@ CONTRARY_WORDS = "goes the other way than the winch {}"
 SUDDEN_WORDS = "reads far more or less than the winch {}"
 """What an encoder does that is set aside, now or before."""
 
+MORE_PLAY = 1.5
+"""Play over what was told before that is told anew."""
+
 
 class EncoderLearning:
     """Compares what the winch was sent with what encoder and depth sensor read of it.
@@ -71,6 +74,7 @@ class EncoderLearning:
         self._was_right, self._looks = False, 0
         self._true_share = 0.0
         self._words = CONTRARY_WORDS
+        self._told_play = 0.0
         self.is_contrary = False
         self.has_found = False
 
@@ -99,7 +103,7 @@ class EncoderLearning:
         self.has_found = False
         self._moving_time = self._moving_time + self._dt if tick == self._last + 1 else 0.0
         self._last = tick
-        words = self._watch_direction(tick)
+        words = self._tell_play() + self._watch_direction(tick)
         is_known = self._estimation.knows_tip and self._estimation.observer.doubted != "depth"
         if not is_known or tick % max(1, round(JUDGED_PERIOD / self._dt)) != 0:
             return words
@@ -131,6 +135,17 @@ class EncoderLearning:
             f"encoder suspect: it reads {scale:.2f} times what the winch was sent and the depth sensor sees, and is "
             "taken so from now on: look at its scale and sign, and at the radius of the drum"
         )
+
+    def _tell_play(self) -> list[str]:
+        """Say once that what seemed a frozen encoder is the play of its gear."""
+        play = self._estimation.observer.encoder.play
+        if play <= MORE_PLAY * self._told_play:
+            return []
+        self._told_play = play
+        return [
+            f"encoder suspect: its gear has {play:.2f} m of play or more, for which it seemed frozen where the drum turned "
+            "round: it is waited for from now on: look at its coupling"
+        ]
 
     def _watch_direction(self, tick: int) -> list[str]:
         """Set an encoder aside that goes the other way than the winch was sent, until it is known which is wrong."""

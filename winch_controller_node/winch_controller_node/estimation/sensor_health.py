@@ -41,6 +41,10 @@ LIKE_SCALE = 0.1
 MOVING_SPEED, PLAY = 0.05, 0.03
 """A drum commanded faster than this [m/s] must show in the encoder, once that has taken up play and lag [m]."""
 
+LARGEST_PLAY, BEYOND_PLAY = 0.1, 1.25
+"""Play that a gear may be found to have [m], and the way of a drum that has turned round, over the play, which proves
+the encoder frozen all the same."""
+
 KNOWN_UNSEEN = 0.2
 """Share of the way that a drum has gone unseen by which it may be elsewhere than it was sent."""
 
@@ -303,6 +307,7 @@ class EncoderGate:
     scale : a reading over this, less the offset, is the payout; 1 until it is known to be another
     offset : sum of the jumps found so far [m]
     jump : the last one [m]
+    play : that its gear has shown [m]; 0: none that is worth telling
     """
 
     def __init__(self, timing: SensorTiming, parameters: HealthParameters, *, tick_period: float) -> None:
@@ -310,11 +315,13 @@ class EncoderGate:
         self.scale = 1.0
         self.offset = 0.0
         self.jump = 0.0
+        self.play = 0.0
         self._parameters = parameters
         self._dt = tick_period
         self._last: tuple[float, float] | None = None
         self._speed = 0.0
         self._still, self._unseen, self._path, self._is_frozen = 0, 0.0, 0.0, False
+        self._turned = 0.0  # the last step of the encoder [m]
         self._travel: deque[tuple[float, float]] = deque(maxlen=max(2, round(TRAVEL_KNOWN / tick_period)))
 
     def rescale(self, factor: float, payout: float) -> None:
@@ -365,7 +372,7 @@ class EncoderGate:
         elapsed = max(reading.time - last[0], self._dt)
         step = reading.value - last[1]
         ticks = elapsed / self._dt
-        is_thawing = self._is_frozen and step != 0.0
+        is_thawing = self._is_frozen and step != 0.0 and not self._takes_up_play(step, expected_rate * elapsed)
         if is_thawing:
             expected = self._unseen + expected_rate * elapsed
             tolerance = self._parameters.encoder_step + KNOWN_UNSEEN * self._path
@@ -394,14 +401,37 @@ class EncoderGate:
         is_driven : the winch follows its commands
         """
         if step != 0.0 or not (is_driven or self._is_frozen):
+            self._turned = step or self._turned
             self._thaw()
             return False
         self._unseen += expected
         self._path += abs(expected)
         self._still += 1 if abs(expected) > MOVING_SPEED * self._dt else 0
         # a drum that turns back, and is slow for a moment, takes no proof away
-        self._is_frozen |= self._still >= self._parameters.frozen_samples and abs(self._unseen) > PLAY
+        has_turned_round = self._unseen * self._turned < 0.0
+        allowed = max(PLAY, BEYOND_PLAY * self.play) if has_turned_round else PLAY
+        self._is_frozen |= self._still >= self._parameters.frozen_samples and abs(self._unseen) > allowed
         return self._is_frozen
+
+    def _takes_up_play(self, step: float, expected: float) -> bool:
+        """Tell whether an encoder that seemed frozen has only taken up the play of its gear.
+
+        It stood still since the drum turned round, for no longer than a gear takes, and counts on the way that the drum
+        goes now. One that froze just there, and counts on from where it stood, looks the same: so much it may be off.
+
+        Parameters
+        ----------
+        step : in which it counts on [m]
+        expected : how far the drum should have turned meanwhile [m]
+        """
+        is_like_play = (
+            self._unseen * self._turned < 0.0 < self._unseen * step
+            and abs(self._unseen) <= LARGEST_PLAY
+            and abs(step - expected) <= self._parameters.encoder_step
+        )
+        if is_like_play:
+            self.play = max(self.play, abs(self._unseen))
+        return is_like_play
 
     def _thaw(self) -> None:
         self._still, self._unseen, self._path, self._is_frozen = 0, 0.0, 0.0, False
