@@ -484,6 +484,53 @@ def test_what_was_learnt_of_the_gain_is_held_against_the_encoder_until_it_is_kno
     assert identifier.sent(8.0).share == pytest.approx(0.8, rel=0.03)
 
 
+def believed_as_the_encoder_changes(design, winch, size, factors=(1.0, 1.14, 1.0), seconds=25.0):
+    """Return the winch that is believed each second where the encoder reads so many `factors` times the drum's way."""
+    identifier, believed, told, read = (
+        WinchIdentifier(WinchControllerParameters().lag, design),
+        winch_believed(),
+        [],
+        0.0,
+    )
+    record = record_of(VirtualWinch(winch, tick_period=DT), waves(seconds * len(factors), size))
+    before = 0.0
+    for k, (rate, encoder) in enumerate(record):
+        read += factors[int(k * DT // seconds)] * (encoder - before)
+        before = encoder
+        identifier.add(0.0, rate, 1e-3 * round(1e3 * read))
+        if k % round(1.0 / DT) == 0:
+            believed = identifier.improved_winch(believed) or believed
+            told.append(believed)
+    return told
+
+
+def waves(seconds, size):
+    """Return set-points of two waves and a little noise, at most some 1.5 times `size` [m/s]."""
+    time, rng = DT * np.arange(round(seconds / DT)), np.random.default_rng(1)
+    return size * (np.sin(0.7 * time) + 0.5 * np.sin(1.1 * time)) + rng.normal(0.0, 0.01, len(time))
+
+
+def winch_believed():
+    return WinchControllerParameters().winch
+
+
+@pytest.mark.parametrize("size", [0.3, 0.45])
+@pytest.mark.parametrize("factor", [0.87, 1.09, 1.14])
+def test_an_encoder_that_changes_within_the_record_leaves_no_limit_behind(design, size, factor):
+    """From 25 to 50 s it reads `factor` times as much. A speed limit of 0.64 m/s stayed in a loop, of a winch of 2."""
+    told = believed_as_the_encoder_changes(design, WinchParameters(), size, factors=(1.0, factor, 1.0))
+    for at, gain in ((48, factor), (73, 1.0)):
+        assert told[at].speed_gain == pytest.approx(gain, rel=0.01)
+        assert (told[at].speed_limit, told[at].acceleration_limit) == (2.0, 1.5)
+
+
+def test_a_limit_that_the_winch_has_stays_though_the_encoder_changes(design):
+    """0.4 m/s, and an encoder that reads 1.14 times as much from 25 to 50 s: by that the limit is 0.456 m/s."""
+    told = believed_as_the_encoder_changes(design, WinchParameters(speed_limit=0.4), 0.45)
+    for at, limit in ((24, 0.4), (48, 0.456), (73, 0.4)):
+        assert told[at].speed_limit == pytest.approx(0.97 * limit, rel=0.06)
+
+
 def test_what_was_learnt_lately_is_taken_back_to_the_winch_that_was_told(design):
     """A frozen encoder is known after some seconds; until then it looks like a winch of a quarter of the gain."""
     told = replace(WinchControllerParameters().winch, acceleration_limit=0.97 * 0.8)

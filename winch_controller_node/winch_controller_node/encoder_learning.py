@@ -143,8 +143,8 @@ class EncoderLearning:
             return []
         self._told_play = play
         return [
-            f"encoder suspect: its gear has {play:.2f} m of play or more, for which it seemed frozen where the drum turned "
-            "round: it is waited for from now on: look at its coupling"
+            f"encoder suspect: its gear has {play:.2f} m of play or more, for which it seemed frozen where the drum "
+            "turned round: it is waited for from now on: look at its coupling"
         ]
 
     def _watch_direction(self, tick: int) -> list[str]:

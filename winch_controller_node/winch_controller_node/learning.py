@@ -16,7 +16,7 @@ from winch_controller_node.encoder_learning import EncoderLearning
 from winch_controller_node.estimation.loop_estimation import LoopEstimation
 from winch_controller_node.estimation.reading_record import RECORD
 from winch_controller_node.identification.likeliest_sea import likeliest_sea
-from winch_controller_node.identification.suspicions import Verdict, continued, suspect
+from winch_controller_node.identification.suspicions import CABLE, Suspicion, Verdict, continued, suspect
 from winch_controller_node.identification.winch import gains_otherwise, is_weaker, lags_otherwise
 from winch_controller_node.interface.sensors import MRU_BIAS
 from winch_controller_node.model.lqr import DesignError
@@ -273,7 +273,9 @@ class Learning:
                 verdicts.append(
                     suspect(believed, record, design_for, self._dt, doubted=doubted, scale=scale, first_sea=first_sea)
                 )
-                if verdicts[-1].suspicion.is_explanation:
+                found = verdicts[-1].suspicion
+                # what has just made a sensor contradict all others is no cable, which was known before
+                if found.is_explanation and not (is_early and found.culprit == CABLE):
                     return self._learnt_of(in_force, verdicts[-1])
             return None if is_early else self._learnt_of(in_force, verdicts[0])
 
@@ -303,7 +305,9 @@ class Learning:
             self._suspected = now if is_time else self._suspected
             return is_time
         self._is_early = False
-        if surprise.time >= SURPRISED_TIME and now - self._suspected >= self._patience:
+        # what a winch may explain that is not known yet is no sensor's
+        surprised_time = SURPRISED_TIME if self._winch.is_as_believed else RECORD
+        if surprise.time >= surprised_time and now - self._suspected >= self._patience:
             self._suspected = now
             self._patience *= LONGER
             return True
@@ -315,13 +319,20 @@ class Learning:
         was_gross, self._was_gross = self._was_gross, is_gross or (self._was_gross and surprise.time > 0.0)
         return is_gross and not was_gross
 
+    def _says_nothing(self, suspicion: Suspicion) -> bool:
+        """Tell whether a `suspicion` is no news, or acquits a sensor that is lost: what it reads is not on record."""
+        observer = self._estimation.observer
+        if suspicion.doubted:
+            return suspicion.doubted == observer.doubted
+        return not suspicion.culprit and bool(observer.doubted) and observer.gates[observer.doubted].is_lost
+
     def _take_verdict(self, tick: int, prepared: PreparedDesign, verdict: Verdict) -> list[str]:
         """Believe what was found of a sensor, and say which it is."""
         suspicion, estimation = verdict.suspicion, self._estimation
         was_doubted = estimation.observer.doubted
         if not estimation.record.reaches_to(verdict.last):
             return []  # the state has jumped since
-        if suspicion.doubted and suspicion.doubted == was_doubted:
+        if self._says_nothing(suspicion):
             return []
         if not suspicion.culprit and not was_doubted:
             if estimation.surprise.time < SURPRISED_TIME:

@@ -380,8 +380,9 @@ class LoopEstimation:
 
     @property
     def _tells_sea(self) -> bool:
-        """Tell whether the sea is followed: the boom tip tells it, as long as its sensor is not doubted."""
-        return self._design.parameters.estimator.sea_adaptation and self.observer.doubted != "mru"
+        """Tell whether the sea is followed: the boom tip tells it, as long as its sensor is there and not doubted."""
+        is_seen = self.knows_tip and self.observer.doubted != "mru"
+        return self._design.parameters.estimator.sea_adaptation and is_seen
 
     @property
     def knows_sea(self) -> bool:

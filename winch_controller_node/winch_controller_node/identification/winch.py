@@ -196,6 +196,9 @@ class WinchIdentifier:
         self._found = self._belief.nominal.copy()
         self._ahead = math.ceil((self._nominal.command_delay + parameters.largest) / self._dt) + 2
         self._learnt_age, self._patience = 0.0, 0.0
+        # limits that did not explain the record that showed them, and those of them since which another gain was found
+        self._unproved: set[int] = set()
+        self._doubtful: set[int] = set()
         window = max(2, round(parameters.window / self._dt))
         self._payouts, self._rates = Newest(window + self._ahead), Newest(window + self._ahead)
         self._readings = Newest(window)
@@ -320,18 +323,20 @@ class WinchIdentifier:
         """Forget what was learnt, and begin a new record: the encoder was wrong."""
         self._found = self._belief.nominal.copy()
         self._learnt_age = self._patience = 0.0
+        self._note_proved(set(LIMITS))
         self.restart()
 
     def take_back(self, winch: WinchModelParameters) -> None:
         """Forget what the model `winch` does not hold, and begin a new record: the encoder has been wrong lately."""
         limits, self._found = list(LIMITS), np.array(drum_of(winch))
         self._found[limits] = np.minimum(self._found[limits] / USED, self._belief.nominal[limits])
+        self._note_proved(set(LIMITS))
         self.restart()
 
     def find(self) -> WinchLags | None:
         """Return the drum that fits the record best, or None where it does not tell."""
         record = self._record()
-        fit = None if record is None else self._fit(record, self._found)
+        fit = None if record is None else self._fit(record, self._found, self._doubtful)
         return None if fit is None else self._lags(fit)
 
     def _lags(self, fit: DrumFit) -> WinchLags:
@@ -378,21 +383,47 @@ class WinchIdentifier:
         record = self._record()
         if record is None:
             return None
-        in_force, found = self._start(record.readings, self._in_force(winch)), self._found.copy()
-        return lambda: Answer(fit_drum(record, self._belief, in_force, []), self._fit(record, found))
+        in_force = self._start(record.readings, self._in_force(winch))
+        found, doubtful = self._found.copy(), self._doubtful.copy()
+        return lambda: Answer(fit_drum(record, self._belief, in_force, []), self._fit(record, found, doubtful))
 
     def take(self, answer: Answer, winch: WinchModelParameters) -> WinchModelParameters | None:
         """Return the winch that an `answer` has found, or None where the model `winch` in force does."""
         before = self._found
         found = None if answer.found is None else self._lags(answer.found)
         better = None if found is None else self._believed(winch, found, answer.present)
-        if found is None or better is None or not self._is_worth_it(winch, better, answer.present, found):
+        is_refuted = any(self._found[i] > before[i] for i in self._doubtful)
+        if found is not None and found.residual <= TELLS_APART:
+            self._note_proved({i for i in self._doubtful if self._found[i] == before[i]})
+        if (
+            found is None
+            or better is None
+            or not (is_refuted or self._is_worth_it(winch, better, answer.present, found))
+        ):
             self._found[list(LIMITS)] = before[list(LIMITS)]
             return self._let_up(winch)
+        if found.residual > EXPLAINED:
+            self._found[list(LIMITS)] = before[list(LIMITS)]
+        self._note_unproved(before, found.residual, has_other_gain=better.speed_gain != winch.speed_gain)
         if is_weaker(better, winch):
             self._patience = FIRST_PATIENCE if self._patience == 0.0 else LONGER * self._patience
             self._learnt_age = 0.0
         return better
+
+    def _note_unproved(self, before: Array, residual: float, *, has_other_gain: bool) -> None:
+        """Note which limits, other than `before`, do not explain a record of which a `residual` [m] is left."""
+        moved = {i for i in LIMITS if self._found[i] != before[i]}
+        self._note_proved(moved)
+        if residual > TELLS_APART:
+            self._unproved |= {i for i in moved if self._found[i] < self._belief.nominal[i]}
+        if has_other_gain:
+            # what changes within a record, winch or encoder, looks as if the winch had reached a limit
+            self._doubtful = self._unproved.copy()
+
+    def _note_proved(self, limits: set[int]) -> None:
+        """Note that nothing speaks against these `limits` any more."""
+        self._unproved -= limits
+        self._doubtful -= limits
 
     def _believed(self, winch: WinchModelParameters, found: WinchLags, present: DrumFit) -> WinchModelParameters | None:
         """Return the model `winch` with what is believed of what was found; None: nothing is."""
@@ -472,7 +503,7 @@ class WinchIdentifier:
         limit = nominal if weaker >= nominal else USED * weaker
         return in_force if abs(limit / in_force - 1.0) < LIMIT_STEP else limit
 
-    def _fit(self, record: DrumRecord, found: Array) -> DrumFit | None:
+    def _fit(self, record: DrumRecord, found: Array, doubtful: set[int]) -> DrumFit | None:
         belief = told_belief(record, proved_belief(record, self._belief), found)
         start = self._start(record.readings, np.maximum(found, belief.lowest))
         learnt: list[int] = []
@@ -507,10 +538,24 @@ class WinchIdentifier:
         # a limit that goes with the load looks like other gains out and in
         if fit.residual > misfit and not record.is_load_limited and not set(self._uneven) <= set(free):
             fit = self._with_uneven(record, belief, fit)
+        if fit.residual <= misfit:
+            fit = self._without_refuted(record, belief, fit, doubtful - set(record.told), free)
         # what was only taken from the other direction is not known: it goes with that again the next time
         unproved = [i for i in taken if fit.drum[i] == start[i]]
         fit.drum[unproved] = belief.nominal[unproved]
         return fit if np.all(np.isfinite(fit.drum)) else None
+
+    @staticmethod
+    def _without_refuted(
+        record: DrumRecord, belief: DrumBelief, fit: DrumFit, doubtful: set[int], free: Sequence[int]
+    ) -> DrumFit:
+        """Return the fit of an explained record without those of the `doubtful` limits that it does not need."""
+        for index in sorted(doubtful):
+            start = fit.drum.copy()
+            start[index] = belief.nominal[index]
+            other = fit_drum(record, belief, start, free)
+            fit = other if other.squares < IMPROVEMENT * fit.squares else fit
+        return fit
 
     def _with_rare(
         self, record: DrumRecord, belief: DrumBelief, fit: DrumFit, otherwise: Array, known: Sequence[int]

@@ -32,7 +32,7 @@ CAUTIOUS_SHARE = 0.3
 """Share of the sea that is compensated with a winch that does what nobody understands."""
 
 CAUTIOUS_TIME = 3.0
-"""Time that the share stays cut after the drum was last off [s]."""
+"""Time that the share stays cut, and the winch is not as believed, after the drum was last off [s]."""
 
 ANSWER_TIME = 0.2
 """What is identified takes effect so long after it was begun [s], also where it is found at once."""
@@ -88,13 +88,18 @@ class WinchWatch:
         self._last_state, self._commands_behind, self._ticks_since_state = -math.inf, 0, 0
         self._since_found = 0.0
         self._is_suspicious = False
-        self._cautious = 0.0
+        self._suspicious = self._cautious = 0.0
         self._power_limited = False
 
     @property
     def share(self) -> float:
         """Largest share of the sea that may be compensated with what is known of the winch."""
         return CAUTIOUS_SHARE if self._cautious > 0.0 else 1.0
+
+    @property
+    def is_as_believed(self) -> bool:
+        """Tell whether the drum has done for a while what the model in force predicts."""
+        return self._suspicious == 0.0
 
     def fault_cause(self, lateness: Lateness) -> str:
         """Return why the winch has the fault it has, in words, with the `lateness` of the ticks; empty: unknown."""
@@ -219,6 +224,7 @@ class WinchWatch:
         """Compare the drum with its prediction over the last second."""
         error = abs(self._identifier.error(winch))
         self._is_suspicious = error > SUSPICIOUS
+        self._suspicious = CAUTIOUS_TIME if self._is_suspicious else max(self._suspicious - self._dt, 0.0)
         self._cautious = CAUTIOUS_TIME if error > ALARMING else max(self._cautious - self._dt, 0.0)
 
     def _watch_transport(self, given: int, taken: int, parameters: WinchControllerParameters) -> TransportReport:
