@@ -131,6 +131,48 @@ def test_a_scale_that_changes_on_the_way_is_explained_from_there_on(law, seed):
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize(
+    "one",
+    [
+        draw(13),
+        replace(fault("encoder", "scale", 133.1, lasting=50.0, magnitude=1.14), law="mpc", number=5004),
+    ],
+    ids=["1.09", "1.14"],
+)
+def test_an_encoder_that_changes_on_the_way_and_back_is_no_limit_of_the_winch_and_no_other_sensor(one):
+    """Speed limits of 0.62 and 0.64 m/s were told besides, of a winch of 2 m/s that reached none.
+
+    Of the second, a high-pass of the MRU and another cable were told as well, by a minute that held both changes.
+    """
+    assert (one.scenario, one.sensor, one.kind) == ("b3_deep_900", "encoder", "scale")
+    record = loop_with(one, one.start + one.duration + 90.0).run()
+    assert culprits("; ".join(words for _, words in record.alarms if "updated" in words)) == ["winch or encoder"]
+    assert kept(one, record).wrong == ()
+    assert worst_from(record, one.start + TROUBLE) < 0.5
+
+
+@pytest.mark.slow
+def test_an_mru_of_a_wrong_scale_blames_no_cable_and_no_sea_is_learnt_while_it_is_lost():
+    """It reads 1.6 times for a minute and is right again. The cable was blamed, compensation went on: 1.10 times off.
+
+    Once it was right its heave had stepped and was left out for a minute; a sea of 11 m was learnt then, and the MRU,
+    of which nothing was read, said to agree with all others.
+    """
+    one = replace(
+        fault("mru", "scale", 128.4, lasting=60.0, magnitude=1.6, scenario="b4_limit_900_tp10"), law="lqg", number=5007
+    )
+    record = loop_with(one, 330.0).run()
+    assert worst_from(record, one.start + TROUBLE) < 0.6
+    told = "; ".join(words for _, words in record.alarms)
+    assert "mru suspect: its readings contradict all others" in told
+    assert "cable suspect" not in told
+    assert "sea model updated" not in told
+    (agrees,) = [time for time, words in record.alarms if words == "mru agrees with all others again"]
+    assert agrees > 188.4 + 60.0
+    assert record.modes[-1] == "compensating"
+
+
+@pytest.mark.slow
 def test_an_encoder_that_is_back_blames_no_depth_sensor():
     """Frozen for 71 s: the drum was 0.1 m from where it was taken to be, and the mean of the depth made up for that."""
     one = draw(127)
