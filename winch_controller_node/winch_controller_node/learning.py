@@ -277,7 +277,10 @@ class Learning:
                 # what has just made a sensor contradict all others is no cable, which was known before
                 if found.is_explanation and not (is_early and found.culprit == CABLE):
                     return self._learnt_of(in_force, verdicts[-1])
-            return None if is_early else self._learnt_of(in_force, verdicts[0])
+            is_mixed = len(since) < min(shortest, len(whole))
+            if is_early or (is_mixed and verdicts[0].suspicion.doubted == "depth"):
+                return None
+            return self._learnt_of(in_force, verdicts[0])
 
         self._work.begin(tick, judged)
 
