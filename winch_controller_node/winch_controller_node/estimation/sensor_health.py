@@ -59,6 +59,8 @@ REMEDIES = {
     "dead zone of the drive), then start the encoder or its driver again",
     "spike": "its readings are far from what all others foresee: look at its mounting, sign and unit",
     "jump": "its readings jump again and again: look at its mounting, scale and sign, and its driver",
+    "mru jump": "its heave has gone elsewhere than its heave rate says, and is read again once its mean is as it was: "
+    "look at its mounting, scale and sign, and its driver",
     "status settling": "it settles by itself: wait",
 }
 """What to do about a lost sensor, by the reason for which its readings are refused, or sensor and reason where it is
