@@ -6,6 +6,7 @@ Limits and gain of the winch are used at once. All else needs another design, wh
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 
@@ -15,10 +16,12 @@ from winch_controller_node.design_in_force import DesignInForce, PreparedDesign
 from winch_controller_node.encoder_learning import EncoderLearning
 from winch_controller_node.estimation.loop_estimation import LoopEstimation
 from winch_controller_node.estimation.reading_record import RECORD
+from winch_controller_node.estimation.suspicion_times import SHORT_RECORD, SURPRISED_TIME, SuspicionTimes
 from winch_controller_node.identification.likeliest_sea import likeliest_sea
 from winch_controller_node.identification.suspicions import CABLE, Suspicion, Verdict, continued, suspect
 from winch_controller_node.identification.winch import gains_otherwise, is_weaker, lags_otherwise
 from winch_controller_node.interface.sensors import MRU_BIAS
+from winch_controller_node.model.estimator import RecordedTick
 from winch_controller_node.model.lqr import DesignError
 from winch_controller_node.node_parameters import WinchControllerParameters
 from winch_controller_node.parameters.model import SeaModelParameters
@@ -28,24 +31,8 @@ from winch_controller_node.supervision.watch.winch_watch import WinchWatch, iden
 DESIGN_TIME = 1.0
 """A design that the loop asks for takes effect so long after it was begun [s], also where it is made at once."""
 
-SURPRISED_TIME = 30.0
-"""Sensors are suspected when readings have been foreseen badly for so long [s]."""
-
-SHORT_RECORD = 30.0
-"""Record that is enough where the guard does not trust the estimate [s]: the first minute has no longer one."""
-
-GROSSLY, GROSS_TIME = 6.0, 10.0
-"""And once before, after so long [s], where the mean of their normalised innovations squared is so large."""
-
-FIRST_PATIENCE, LONGER = 30.0, 2.0
-"""Time from one suspicion to the next [s], and the factor by which it grows each time that none holds."""
-
-DOUBTED_PATIENCE, EARLY_PATIENCE, UNTRUSTED_PATIENCE = 60.0, 10.0, 5.0
-"""The same while a sensor is doubted, in the first minute of that, and while the guard does not trust the estimate but
-no culprit is known [s]."""
-
 FIRST_SEAS_PATIENCE, LONGEST_SEAS_PATIENCE = 5.0, 120.0
-"""Time from one comparison of seas to the next [s]; it grows by the same factor while no other sea is found."""
+"""Time from one comparison of seas to the next [s]; it grows twofold while no other sea is found."""
 
 LOST_TIME = 1.0
 """An encoder that is lost for so long is lost indeed [s]; one with play is still for a moment when the drum turns."""
@@ -89,12 +76,7 @@ class Learning:
         self._work: DesignWork[Learnt | None] = DesignWork(max(1, round(DESIGN_TIME / self._dt)), designer)
         self._encoder = EncoderLearning(in_force, estimation, winch)
         self._news = WinchNews(in_force.parameters.winch, tick_period=self._dt)
-        self._patience = FIRST_PATIENCE / LONGER
-        self._suspected = -math.inf
-        self._was_gross = False
-        self._is_doubted = self._is_early = False
-        self._judged = -math.inf
-        self._onset = 0  # tick since which readings have been foreseen badly, or a sensor is doubted
+        self._times = SuspicionTimes(self._dt)
         self._lost_ticks = 0
         self._first_sea = in_force.parameters.sea
         self._seas_compared, self._seas_patience = -math.inf, FIRST_SEAS_PATIENCE
@@ -128,8 +110,7 @@ class Learning:
         """
         self.corrected.clear()
         self.has_moved_tip = False
-        if self._estimation.surprise.time == 0.0 and not self._estimation.observer.doubted:
-            self._onset = tick
+        self._times.pass_tick(tick, self._estimation.surprise, is_doubted=bool(self._estimation.observer.doubted))
         words = self._take(tick)
         parameters = self._in_force.parameters
         is_learning = compensates and identifies_winch(parameters)
@@ -232,7 +213,7 @@ class Learning:
         if seas is None or now - self._seas_compared < self._seas_patience:
             return
         self._seas_compared = now
-        self._seas_patience = min(LONGER * self._seas_patience, LONGEST_SEAS_PATIENCE)
+        self._seas_patience = min(2.0 * self._seas_patience, LONGEST_SEAS_PATIENCE)
         in_force, record = self._in_force, self._estimation.sea_record.ticks()
         parameters = in_force.parameters
 
@@ -252,19 +233,19 @@ class Learning:
 
     def _suspect_sensors(self, tick: int, *, is_trusted: bool) -> None:
         """Begin to look for the sensor at fault where the estimate is not trusted, or has foreseen badly for long."""
-        estimation = self._estimation
-        is_long = estimation.record.covers(RECORD if is_trusted else SHORT_RECORD)
-        if not is_long or not self._is_time_to_suspect(tick * self._dt, is_trusted=is_trusted):
-            return
+        estimation, times = self._estimation, self._times
         in_force, doubted = self._in_force, estimation.observer.doubted
-        scale, first_sea = estimation.mru_scale, self._first_sea
-        whole, since = estimation.record.ticks(), estimation.record.ticks(self._onset - 1)
-        is_early = self._is_early
-        first = since if is_early else whole
-        # what has changed on the way is explained from there on, or from where the loop has come to rest again
-        shortest = round(SHORT_RECORD / self._dt)
-        has_changed = shortest <= len(since) < len(whole) and shortest < len(first)
-        records = [first, since[-shortest:]] if has_changed else [first]
+        is_due = estimation.record.covers(RECORD if is_trusted else SHORT_RECORD) and times.is_due(
+            tick,
+            estimation.surprise,
+            is_doubted=bool(doubted),
+            is_trusted=is_trusted,
+            knows_winch=self._winch.is_as_believed,
+        )
+        if not is_due:
+            return
+        records, is_mixed = self._records()
+        is_early, scale, first_sea = times.is_early, estimation.mru_scale, self._first_sea
 
         def judged() -> Learnt | None:
             believed, design_for = in_force.parameters, in_force.design_for
@@ -277,50 +258,27 @@ class Learning:
                 # what has just made a sensor contradict all others is no cable, which was known before
                 if found.is_explanation and not (is_early and found.culprit == CABLE):
                     return self._learnt_of(in_force, verdicts[-1])
-            is_mixed = len(since) < min(shortest, len(whole))
             if is_early or (is_mixed and verdicts[0].suspicion.doubted == "depth"):
                 return None
             return self._learnt_of(in_force, verdicts[0])
 
         self._work.begin(tick, judged)
 
+    def _records(self) -> tuple[list[Sequence[RecordedTick]], bool]:
+        """Return the records to judge, and whether the first is too old for the trouble to be known by it.
+
+        What has changed on the way is explained from there on, or from where the loop has come to rest again.
+        """
+        record, shortest = self._estimation.record, round(SHORT_RECORD / self._dt)
+        whole, since = record.ticks(), record.ticks(self._times.onset - 1)
+        first = since if self._times.is_early else whole
+        has_changed = shortest <= len(since) < len(whole) and shortest < len(first)
+        return [first, since[-shortest:]] if has_changed else [first], len(since) < min(shortest, len(whole))
+
     @staticmethod
     def _learnt_of(in_force: DesignInForce, verdict: Verdict) -> Learnt:
         """Return the design for a `verdict`."""
         return Learnt(in_force.prepared_for(verdict.suspicion.parameters, verdict.suspicion.cable), verdict)
-
-    def _is_time_to_suspect(self, now: float, *, is_trusted: bool) -> bool:
-        """Tell whether to look at `now` [s]; a sensor that is doubted is judged anew every minute.
-
-        In the first minute of the trouble it is more often: it may be explained from when it began.
-        """
-        surprise, was_doubted = self._estimation.surprise, self._is_doubted
-        is_doubted = self._is_doubted = bool(self._estimation.observer.doubted)
-        if is_doubted:
-            if not was_doubted:
-                self._suspected = self._judged = now
-            self._is_early = now - self._judged < DOUBTED_PATIENCE
-            if not self._is_early:
-                self._suspected = self._judged = now
-                return True
-            lasted = now - self._onset * self._dt
-            is_time = SHORT_RECORD <= lasted < RECORD + EARLY_PATIENCE and now - self._suspected >= EARLY_PATIENCE
-            self._suspected = now if is_time else self._suspected
-            return is_time
-        self._is_early = False
-        # what a winch may explain that is not known yet is no sensor's
-        surprised_time = SURPRISED_TIME if self._winch.is_as_believed else RECORD
-        if surprise.time >= surprised_time and now - self._suspected >= self._patience:
-            self._suspected = now
-            self._patience *= LONGER
-            return True
-        if not is_trusted and now - self._suspected >= UNTRUSTED_PATIENCE:
-            self._suspected = now
-            return True
-        is_gross = GROSS_TIME <= surprise.time < SURPRISED_TIME and surprise.worst[1] >= GROSSLY
-        # once: what was not clear then may be in its turn
-        was_gross, self._was_gross = self._was_gross, is_gross or (self._was_gross and surprise.time > 0.0)
-        return is_gross and not was_gross
 
     def _says_nothing(self, suspicion: Suspicion) -> bool:
         """Tell whether a `suspicion` is no news, or acquits a sensor that is lost: what it reads is not on record."""
@@ -348,7 +306,7 @@ class Learning:
         matrix = self._in_force.take_sensors(prepared)
         followed = continued(verdict, estimation.record)
         estimation.adopt(self._in_force.design, matrix, followed, tick - 1, suspicion.doubted)
-        self._suspected, self._patience = tick * self._dt, FIRST_PATIENCE
+        self._times.note_found(tick)
         if not suspicion.culprit:
             return [f"{was_doubted} agrees with all others again"]
         doubts = [f"{culprit} suspect: {words}" for culprit, words in suspicion.findings.items()]
