@@ -31,6 +31,9 @@ SETTLING = 15.0
 CORNERS = (100.0, 60.0, 40.0, 30.0, 22.0, 16.0)
 """Cut-off periods of an MRU's high-pass that are tried [s]."""
 
+OTHER_CORNER = 1.1
+"""One that differs by less than this factor from the believed one is not worth telling."""
+
 REFINEMENTS = (1.12, 1.05, 1.02)
 """Factors, up and down, by which the best of them is then refined."""
 
@@ -274,6 +277,16 @@ def _cut_off(parameters: WinchControllerParameters, period: float) -> Suspicion:
     return Suspicion("mru", words, _with_mru(parameters, high_pass_period=period))
 
 
+def _cut_offs(parameters: WinchControllerParameters, periods: Sequence[float]) -> list[Suspicion]:
+    """Return the suspicions of those `periods` [s] that differ from the believed one."""
+    before = parameters.sensors.mru.high_pass_period
+    return [
+        _cut_off(parameters, period)
+        for period in periods
+        if before == 0.0 or abs(math.log(period / before)) > math.log(OTHER_CORNER)
+    ]
+
+
 def _with_mru(parameters: WinchControllerParameters, **believed: float) -> WinchControllerParameters:
     """Return `parameters` in which something else is `believed` of the MRU, by name."""
     sensors = parameters.sensors
@@ -320,7 +333,7 @@ def _suspicions(parameters: WinchControllerParameters, first_sea: SeaModelParame
     sensors = parameters.sensors
     # of a heave that wanders nothing tells a high-pass
     has_mean = "mru" in sensors.use and sensors.mru.bias_drift < min(WANDERS)
-    found = [_cut_off(parameters, corner) for corner in CORNERS] if has_mean else []
+    found = _cut_offs(parameters, CORNERS) if has_mean else []
     # one that is followed already may have changed since, and is found slowly
     if "mru" in sensors.use and sensors.mru.scale_sigma <= SCALE_SIGMA:
         found.append(_scale(parameters))
@@ -349,7 +362,7 @@ def _near(parameters: WinchControllerParameters, suspicion: Suspicion, factor: f
         return [_cable(parameters, inertia * mass, damping * drag) for mass, drag in changes]
     corner = suspicion.parameters.sensors.mru.high_pass_period
     near = [
-        replace(_cut_off(parameters, period), cable=suspicion.cable) for period in (corner * factor, corner / factor)
+        replace(other, cable=suspicion.cable) for other in _cut_offs(parameters, (corner * factor, corner / factor))
     ]
     if CABLE not in suspicion.findings:
         return near
