@@ -173,6 +173,25 @@ def test_an_mru_of_a_wrong_scale_blames_no_cable_and_no_sea_is_learnt_while_it_i
 
 
 @pytest.mark.slow
+def test_an_mru_of_a_wrong_scale_for_half_a_minute_blames_no_depth_sensor():
+    """It reads 1.35 times, and the unit is off by a third of the sea, which the depth sensor alone tells.
+
+    That was blamed by the last minute, of which 20 s were so. Then a high-pass of 60 s was told, and 60 s believed.
+    """
+    one = replace(
+        fault("mru", "scale", 152.0, lasting=30.0, magnitude=1.35, scenario="b10_real_mru_swell"),
+        law="lqg",
+        number=5026,
+    )
+    record = loop_with(one, 270.0).run()
+    told = [words for _, words in record.alarms if "suspect" in words]
+    assert told
+    assert all(words.startswith("mru") for words in told)
+    assert not any("high-pass" in words for words in told)
+    assert worst_from(record, one.start + TROUBLE) < 0.2
+
+
+@pytest.mark.slow
 def test_an_encoder_that_is_back_blames_no_depth_sensor():
     """Frozen for 71 s: the drum was 0.1 m from where it was taken to be, and the mean of the depth made up for that."""
     one = draw(127)
