@@ -14,6 +14,7 @@ from heave_node.numerics.arrays import Array
 from heave_node.numerics.linear_model import LinearModel
 
 from winch_controller_node.interface.sensors import DEPTH_BIAS, MRU_SCALE
+from winch_controller_node.model.estimator import begin_anew
 from winch_controller_node.model.regulator import is_sea_state
 
 PULL_SIGMA = 0.1
@@ -83,8 +84,7 @@ def hand_over_standing(
         estimate[bias] = heave - estimate[unit]
         loose.append((bias, PULL_SIGMA))
     for index, sigma in loose:
-        covariance[index, :] = covariance[:, index] = 0.0
-        covariance[index, index] = sigma**2
+        begin_anew(covariance, index, sigma)
     if model.has_state(DEPTH_BIAS):
         # the depth sensor knows their sum
         covariance[unit, bias] = covariance[bias, unit] = -(1.0 - 1e-3) * PULL_SIGMA**2
@@ -108,8 +108,7 @@ def hand_over_seen(
         if model.has_state(name):
             index = model.state(name)
             estimate[index] = known.get(name, estimate[index])
-            covariance[index, :] = covariance[:, index] = 0.0
-            covariance[index, index] = SEEN_SIGMA**2
+            begin_anew(covariance, index, SEEN_SIGMA)
     return estimate, covariance
 
 
@@ -131,6 +130,5 @@ def hand_over_scaled(
     estimate, covariance = size * estimate, covariance * np.outer(size, size)
     scale = model.state(MRU_SCALE)
     estimate[scale] = (1.0 + estimate[scale]) / share - 1.0
-    covariance[scale, :] = covariance[:, scale] = 0.0
-    covariance[scale, scale] = sigma**2
+    begin_anew(covariance, scale, sigma)
     return estimate, covariance

@@ -31,7 +31,7 @@ from winch_controller_node.estimation.sea_adaptation import (
 from winch_controller_node.estimation.tension import MeanTension, TensionFilter
 from winch_controller_node.interface.readings import Measurements
 from winch_controller_node.interface.sensors import DEPTH_BIAS, MRU_SCALE, KnownSensors
-from winch_controller_node.model.estimator import KalmanEstimator, Measurement, RecordedTick
+from winch_controller_node.model.estimator import KalmanEstimator, Measurement, RecordedTick, begin_anew
 from winch_controller_node.model.loop_rows import loop_rows
 from winch_controller_node.model.simulated_unit import SimulatedUnit
 from winch_controller_node.motion.mean_motion import MeanMotion
@@ -180,8 +180,7 @@ class LoopEstimation:
         model, estimator, streams = self._design.model, self.estimator, self.estimator.streams
         if model.has_state(DEPTH_BIAS):
             bias, covariance = model.state(DEPTH_BIAS), estimator.covariance.copy()
-            covariance[bias, :] = covariance[:, bias] = 0.0
-            covariance[bias, bias] = self._design.parameters.sensors.depth.bias_sigma**2
+            begin_anew(covariance, bias, self._design.parameters.sensors.depth.bias_sigma)
             estimator.reset(estimator.estimate.copy(), covariance, streams)
             estimator.step(tick, 0.0, [])
         self.depth_witness.restart()

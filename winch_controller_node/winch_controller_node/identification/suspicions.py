@@ -18,7 +18,7 @@ from scipy.signal import detrend
 from winch_controller_node.design.design import ControllerDesign
 from winch_controller_node.estimation.reading_record import ENCODER_ROW, ReadingRecord
 from winch_controller_node.interface.sensors import MRU_BIAS, MRU_SCALE, KnownSensors
-from winch_controller_node.model.estimator import KalmanEstimator, Measurement, RecordedTick
+from winch_controller_node.model.estimator import KalmanEstimator, Measurement, RecordedTick, begin_anew
 from winch_controller_node.node_parameters import WinchControllerParameters
 from winch_controller_node.parameters.model import SeaModelParameters
 
@@ -439,7 +439,7 @@ def _know_scale(estimator: KalmanEstimator, state: int, scale: float) -> None:
     """Let an `estimator` begin with a `scale` of the MRU, which is a `state` of it, as known."""
     estimate, covariance = estimator.estimate.copy(), estimator.covariance.copy()
     estimate[state] = scale
-    covariance[state, :] = covariance[:, state] = 0.0
+    begin_anew(covariance, state, 0.0)
     estimator.reset(estimate, covariance)
 
 

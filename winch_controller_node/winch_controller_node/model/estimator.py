@@ -103,6 +103,12 @@ class RecordedTick(NamedTuple):
     readings: Sequence[Measurement]
 
 
+def begin_anew(covariance: Array, state: int, sigma: float) -> None:
+    """Let a `state` be off by `sigma` (standard deviation), and by nothing that any other is off by; in place."""
+    covariance[state, :] = covariance[:, state] = 0.0
+    covariance[state, state] = sigma**2
+
+
 class KalmanEstimator:
     """Estimates the state of a sampled model at every tick.
 
