@@ -138,8 +138,9 @@ class EncoderLearning:
 
     def _tell_play(self) -> list[str]:
         """Say once that what seemed a frozen encoder is the play of its gear."""
-        play = self._estimation.observer.encoder.play
-        if play <= MORE_PLAY * self._told_play:
+        encoder = self._estimation.observer.encoder
+        play = encoder.play
+        if not encoder.shows_play or play <= MORE_PLAY * self._told_play:
             return []
         self._told_play = play
         return [

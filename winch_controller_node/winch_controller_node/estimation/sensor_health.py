@@ -309,7 +309,8 @@ class EncoderGate:
     scale : a reading over this, less the offset, is the payout; 1 until it is known to be another
     offset : sum of the jumps found so far [m]
     jump : the last one [m]
-    play : that its gear has shown [m]; 0: none that is worth telling
+    play : that its gear seems to have [m]
+    shows_play : it has taken that up again and again: once may have been a drum that turned late
     """
 
     def __init__(self, timing: SensorTiming, parameters: HealthParameters, *, tick_period: float) -> None:
@@ -317,7 +318,7 @@ class EncoderGate:
         self.scale = 1.0
         self.offset = 0.0
         self.jump = 0.0
-        self.play = 0.0
+        self.play, self._times_taken_up = 0.0, 0
         self._parameters = parameters
         self._dt = tick_period
         self._last: tuple[float, float] | None = None
@@ -325,6 +326,10 @@ class EncoderGate:
         self._still, self._unseen, self._path, self._is_frozen = 0, 0.0, 0.0, False
         self._turned = 0.0  # the last step of the encoder [m]
         self._travel: deque[tuple[float, float]] = deque(maxlen=max(2, round(TRAVEL_KNOWN / tick_period)))
+
+    @property
+    def shows_play(self) -> bool:  # noqa: D102
+        return self._times_taken_up > 1
 
     def rescale(self, factor: float, payout: float) -> None:
         """Take the encoder to read `factor` times as much as it was taken to until now, and the last to be `payout`."""
@@ -374,7 +379,8 @@ class EncoderGate:
         elapsed = max(reading.time - last[0], self._dt)
         step = reading.value - last[1]
         ticks = elapsed / self._dt
-        is_thawing = self._is_frozen and step != 0.0 and not self._takes_up_play(step, expected_rate * elapsed)
+        takes_up_play = self._takes_up_play(step, expected_rate * elapsed)
+        is_thawing = self._is_frozen and step != 0.0 and not takes_up_play
         if is_thawing:
             expected = self._unseen + expected_rate * elapsed
             tolerance = self._parameters.encoder_step + KNOWN_UNSEEN * self._path
@@ -416,7 +422,7 @@ class EncoderGate:
         return self._is_frozen
 
     def _takes_up_play(self, step: float, expected: float) -> bool:
-        """Tell whether an encoder that seemed frozen has only taken up the play of its gear.
+        """Tell whether an encoder that seemed frozen, or would have, has only taken up the play of its gear.
 
         It stood still since the drum turned round, for no longer than a gear takes, and counts on the way that the drum
         goes now. One that froze just there, and counts on from where it stood, looks the same: so much it may be off.
@@ -428,11 +434,12 @@ class EncoderGate:
         """
         is_like_play = (
             self._unseen * self._turned < 0.0 < self._unseen * step
-            and abs(self._unseen) <= LARGEST_PLAY
+            and PLAY < abs(self._unseen) <= LARGEST_PLAY
             and abs(step - expected) <= self._parameters.encoder_step
         )
         if is_like_play:
             self.play = max(self.play, abs(self._unseen))
+            self._times_taken_up += 1
         return is_like_play
 
     def _thaw(self) -> None:
