@@ -72,6 +72,16 @@ def test_no_move_of_the_programme_begins_while_the_mru_is_lost_and_one_under_way
     assert sum("programme at 45 s: no move to a payout of 6.0 m" in alarm for alarm in words) == 1
 
 
+def test_a_move_of_the_programme_that_is_due_before_the_winch_compensates_is_told_to_wait_and_made_then():
+    programme = {"programme.move_times": [2.0], "programme.move_payouts": [3.0], "programme.move_speeds": [0.2]}
+    record = ClosedLoop(loop_parameters(duration=60.0, **programme)).run()
+    words = [alarm for time, alarm in record.alarms if time < 3.0]
+    assert words == [
+        "programme at 2 s: the move to a payout of 3.0 m waits until the winch compensates; the mode is standby"
+    ]
+    assert record.column("depth_set_point")[-1] == pytest.approx(3.0, abs=0.05)
+
+
 def mru_fault(kind, start, duration):
     columns = {"kind": kind, "start": start, "duration": duration, "magnitude": 0.0}
     return {f"mru.faults.{name}": [value] for name, value in columns.items()}
