@@ -2,7 +2,7 @@
 
 import pytest
 from winch_controller_node.estimation.reading_record import Surprise
-from winch_controller_node.estimation.suspicion_times import SuspicionTimes
+from winch_controller_node.identification.suspicion_times import SuspicionTimes
 from winch_controller_node.model.estimator import Innovation
 
 DT = 0.05

@@ -296,8 +296,8 @@ class WinchController:
                 self.move_to_payout(due.payout, due.speed)
                 if self.mode in BRAKED:
                     self._alarms.append(
-                        f"programme at {due.time:g} s: the move to a payout of {due.payout:.1f} m waits until the winch "
-                        f"compensates; the mode is {self.mode.value}"
+                        f"programme at {due.time:g} s: the move to a payout of {due.payout:.1f} m waits until the "
+                        f"winch compensates; the mode is {self.mode.value}"
                     )
         except (ModeError, ValueError) as error:
             self._alarms.append(f"programme at {due.time:g} s: {error}")

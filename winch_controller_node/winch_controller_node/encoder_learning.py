@@ -46,6 +46,9 @@ CONTRARY_WORDS = "goes the other way than the winch {}"
 SUDDEN_WORDS = "reads far more or less than the winch {}"
 """What an encoder does that is set aside, now or before."""
 
+RIGHT_AGAIN = 0.02
+"""Error of its scale below which an encoder is right again."""
+
 MORE_PLAY = 1.5
 """Play over what was told before that is told anew."""
 
@@ -131,6 +134,8 @@ class EncoderLearning:
         self._in_force.take_limits(self._told_winch)
         self.has_found = True
         scale = self._estimation.observer.encoder.scale
+        if abs(scale - 1.0) < RIGHT_AGAIN:
+            return "encoder as believed again: it reads what the winch was sent and the depth sensor sees"
         return (
             f"encoder suspect: it reads {scale:.2f} times what the winch was sent and the depth sensor sees, and is "
             "taken so from now on: look at its scale and sign, and at the radius of the drum"

@@ -16,8 +16,8 @@ from winch_controller_node.design_in_force import DesignInForce, PreparedDesign
 from winch_controller_node.encoder_learning import EncoderLearning
 from winch_controller_node.estimation.loop_estimation import LoopEstimation
 from winch_controller_node.estimation.reading_record import RECORD
-from winch_controller_node.estimation.suspicion_times import SHORT_RECORD, SURPRISED_TIME, SuspicionTimes
 from winch_controller_node.identification.likeliest_sea import likeliest_sea
+from winch_controller_node.identification.suspicion_times import SHORT_RECORD, SURPRISED_TIME, SuspicionTimes
 from winch_controller_node.identification.suspicions import CABLE, Suspicion, Verdict, continued, suspect
 from winch_controller_node.identification.winch import gains_otherwise, is_weaker, lags_otherwise
 from winch_controller_node.interface.sensors import MRU_BIAS
@@ -309,7 +309,8 @@ class Learning:
         self._times.note_found(tick)
         if not suspicion.culprit:
             return [f"{was_doubted} agrees with all others again"]
-        doubts = [f"{culprit} suspect: {words}" for culprit, words in suspicion.findings.items()]
+        verb = "as believed again" if suspicion.is_acquittal else "suspect"
+        doubts = [f"{culprit} {verb}: {words}" for culprit, words in suspicion.findings.items()]
         self.corrected.update(suspicion.findings)
         if suspicion.state == MRU_BIAS:
             self.has_moved_tip = True

@@ -46,6 +46,9 @@ DAMPING_POWER = 6
 SCALE_SIGMA = 0.2
 """Error of scale between MRU and drum that is tried, 1 sigma: the estimate finds how large it is."""
 
+RIGHT_SCALE = 0.02
+"""Error of scale below which a sensor is as believed."""
+
 BIAS_SIGMA = 1.0
 """Mean of the MRU's heave that is tried, 1 sigma [m]: the estimate finds how large it is."""
 
@@ -96,6 +99,7 @@ class Suspicion:
     cable : inertia and damping of the cable over those believed
     state : error of a sensor that is estimated, and told in the words once it is known; empty: none
     least_error : smallest one with which it holds
+    is_acquittal : that error is none: a sensor that was wrong is as believed again
     """
 
     culprit: str
@@ -105,6 +109,7 @@ class Suspicion:
     cable: tuple[float, float] = (1.0, 1.0)
     state: str = ""
     least_error: float = 0.0
+    is_acquittal: bool = False
 
     @property
     def is_high_pass(self) -> bool:
@@ -421,7 +426,9 @@ def _tried(
     misfits = {name: float(np.mean(values)) for name, values in squares.items() if name != ENCODER_ROW}
     if suspicion.state:
         error = float(estimator.estimate[design.model.state(suspicion.state)])
-        suspicion = replace(suspicion, words=suspicion.words.format(error=error, times=1.0 + error))
+        words = suspicion.words.format(error=error, times=1.0 + error)
+        is_right = suspicion.state == MRU_SCALE and abs(error) < RIGHT_SCALE
+        suspicion = replace(suspicion, words=words, is_acquittal=is_right)
         least, most = LIKELY_ERRORS[suspicion.state]
         is_likely = least < error < most and abs(error) >= suspicion.least_error
         likelihood = likelihood if is_likely else -math.inf
