@@ -310,7 +310,6 @@ class EncoderGate:
     offset : sum of the jumps found so far [m]
     jump : the last one [m]
     play : that its gear seems to have [m]
-    shows_play : it has taken that up again and again: once may have been a drum that turned late
     """
 
     def __init__(self, timing: SensorTiming, parameters: HealthParameters, *, tick_period: float) -> None:
@@ -328,7 +327,8 @@ class EncoderGate:
         self._travel: deque[tuple[float, float]] = deque(maxlen=max(2, round(TRAVEL_KNOWN / tick_period)))
 
     @property
-    def shows_play(self) -> bool:  # noqa: D102
+    def shows_play(self) -> bool:
+        """Tell whether it has taken up play again and again: once may have been a drum that turned late."""
         return self._times_taken_up > 1
 
     def rescale(self, factor: float, payout: float) -> None:

@@ -45,7 +45,7 @@ class SuspicionTimes:
         self._was_doubted = self._was_gross = False
 
     def pass_tick(self, tick: int, surprise: Surprise, *, is_doubted: bool) -> None:
-        """Note at a `tick` whether readings surprise, or a sensor is doubted."""
+        """Note at a `tick` whether there is a `surprise` by readings, or a sensor that `is_doubted`."""
         if surprise.time == 0.0 and not is_doubted:
             self.onset = tick
 

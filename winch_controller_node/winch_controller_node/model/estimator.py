@@ -104,7 +104,7 @@ class RecordedTick(NamedTuple):
 
 
 def begin_anew(covariance: Array, state: int, sigma: float) -> None:
-    """Let a `state` be off by `sigma` (standard deviation), and by nothing that any other is off by; in place."""
+    """Let a `state` be off by `sigma`, 1 standard deviation, in a `covariance`, shape (n, n), and go with no other."""
     covariance[state, :] = covariance[:, state] = 0.0
     covariance[state, state] = sigma**2
 
