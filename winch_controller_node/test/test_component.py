@@ -73,13 +73,18 @@ def test_no_move_of_the_programme_begins_while_the_mru_is_lost_and_one_under_way
 
 
 def test_a_move_of_the_programme_that_is_due_before_the_winch_compensates_is_told_to_wait_and_made_then():
-    programme = {"programme.move_times": [2.0], "programme.move_payouts": [3.0], "programme.move_speeds": [0.2]}
-    record = ClosedLoop(loop_parameters(duration=60.0, **programme)).run()
-    words = [alarm for time, alarm in record.alarms if time < 3.0]
+    """The next one takes its place, as in a run that goes on."""
+    programme = {"move_times": [2.0, 4.0], "move_payouts": [3.0, 5.0], "move_speeds": [0.2, 0.2]}
+    record = ClosedLoop(
+        loop_parameters(duration=70.0, **{f"programme.{key}": value for key, value in programme.items()})
+    ).run()
+    words = [alarm for time, alarm in record.alarms if time < 5.0]
+    waits = "waits until the winch compensates"
     assert words == [
-        "programme at 2 s: the move to a payout of 3.0 m waits until the winch compensates; the mode is standby"
+        f"programme at 2 s: the move to a payout of 3.0 m {waits}; the mode is standby",
+        f"programme at 4 s: the move to a payout of 5.0 m {waits}, in place of that to 3.0 m; the mode is standby",
     ]
-    assert record.column("depth_set_point")[-1] == pytest.approx(3.0, abs=0.05)
+    assert record.column("depth_set_point")[-1] == pytest.approx(5.0, abs=0.05)
 
 
 def mru_fault(kind, start, duration):

@@ -293,11 +293,12 @@ class WinchController:
                     "once the winch compensates"
                 )
             else:
+                before = f", in place of that to {self.mean.target:.1f} m" if self.mean.has_target else ""
                 self.move_to_payout(due.payout, due.speed)
                 if self.mode in BRAKED:
                     self._alarms.append(
                         f"programme at {due.time:g} s: the move to a payout of {due.payout:.1f} m waits until the "
-                        f"winch compensates; the mode is {self.mode.value}"
+                        f"winch compensates{before}; the mode is {self.mode.value}"
                     )
         except (ModeError, ValueError) as error:
             self._alarms.append(f"programme at {due.time:g} s: {error}")

@@ -302,7 +302,11 @@ class ProgrammeParameters:
     """Moves and modes at given times: what an operator would ask for, for scenarios."""
 
     move_times: tuple[float, ...] = parameter(
-        (), unit="s", minimum=0.0, description="Simulated times at which moves start, ascending."
+        (),
+        unit="s",
+        minimum=0.0,
+        description="Simulated times at which moves start, ascending; one that is due while the brake is on waits for "
+        "compensation, or for the next one to take its place.",
     )
     move_payouts: tuple[float, ...] = parameter(
         (), unit="m", description="Target mean payout of each move; one per move_times."
