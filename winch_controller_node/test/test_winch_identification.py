@@ -486,14 +486,10 @@ def test_what_was_learnt_of_the_gain_is_held_against_the_encoder_until_it_is_kno
 
 def believed_as_the_encoder_changes(design, winch, size, factors=(1.0, 1.14, 1.0), seconds=25.0):
     """Return the winch that is believed each second where the encoder reads so many `factors` times the drum's way."""
-    identifier, believed, told, read = (
-        WinchIdentifier(WinchControllerParameters().lag, design),
-        winch_believed(),
-        [],
-        0.0,
-    )
+    parameters = WinchControllerParameters()
+    identifier, believed, told = WinchIdentifier(parameters.lag, design), parameters.winch, []
     record = record_of(VirtualWinch(winch, tick_period=DT), waves(seconds * len(factors), size))
-    before = 0.0
+    before = read = 0.0
     for k, (rate, encoder) in enumerate(record):
         read += factors[int(k * DT // seconds)] * (encoder - before)
         before = encoder
@@ -508,10 +504,6 @@ def waves(seconds, size):
     """Return set-points of two waves and a little noise, at most some 1.5 times `size` [m/s]."""
     time, rng = DT * np.arange(round(seconds / DT)), np.random.default_rng(1)
     return size * (np.sin(0.7 * time) + 0.5 * np.sin(1.1 * time)) + rng.normal(0.0, 0.01, len(time))
-
-
-def winch_believed():
-    return WinchControllerParameters().winch
 
 
 @pytest.mark.parametrize("size", [0.3, 0.45])

@@ -23,6 +23,7 @@ from winch_controller_node.identification.encoder_scale import (
     is_true,
     winch_gain,
 )
+from winch_controller_node.identification.suspicions import RIGHT_SCALE
 from winch_controller_node.supervision.watch.winch_watch import WinchWatch
 
 LONGEST_ASIDE = 20.0
@@ -45,9 +46,6 @@ on the winch is known: what the encoder then reads otherwise is the encoder's.
 CONTRARY_WORDS = "goes the other way than the winch {}"
 SUDDEN_WORDS = "reads far more or less than the winch {}"
 """What an encoder does that is set aside, now or before."""
-
-RIGHT_AGAIN = 0.02
-"""Error of its scale below which an encoder is right again."""
 
 MORE_PLAY = 1.5
 """Play over what was told before that is told anew."""
@@ -134,7 +132,7 @@ class EncoderLearning:
         self._in_force.take_limits(self._told_winch)
         self.has_found = True
         scale = self._estimation.observer.encoder.scale
-        if abs(scale - 1.0) < RIGHT_AGAIN:
+        if abs(scale - 1.0) < RIGHT_SCALE:
             return "encoder as believed again: it reads what the winch was sent and the depth sensor sees"
         return (
             f"encoder suspect: it reads {scale:.2f} times what the winch was sent and the depth sensor sees, and is "

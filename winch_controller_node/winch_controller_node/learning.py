@@ -17,7 +17,7 @@ from winch_controller_node.encoder_learning import EncoderLearning
 from winch_controller_node.estimation.loop_estimation import LoopEstimation
 from winch_controller_node.estimation.reading_record import RECORD
 from winch_controller_node.identification.likeliest_sea import likeliest_sea
-from winch_controller_node.identification.suspicion_times import SHORT_RECORD, SURPRISED_TIME, SuspicionTimes
+from winch_controller_node.identification.suspicion_times import LONGER, SHORT_RECORD, SURPRISED_TIME, SuspicionTimes
 from winch_controller_node.identification.suspicions import CABLE, Suspicion, Verdict, continued, suspect
 from winch_controller_node.identification.winch import gains_otherwise, is_weaker, lags_otherwise
 from winch_controller_node.interface.sensors import MRU_BIAS
@@ -32,7 +32,7 @@ DESIGN_TIME = 1.0
 """A design that the loop asks for takes effect so long after it was begun [s], also where it is made at once."""
 
 FIRST_SEAS_PATIENCE, LONGEST_SEAS_PATIENCE = 5.0, 120.0
-"""Time from one comparison of seas to the next [s]; it grows twofold while no other sea is found."""
+"""Time from one comparison of seas to the next [s]; it grows by LONGER while no other sea is found."""
 
 LOST_TIME = 1.0
 """An encoder that is lost for so long is lost indeed [s]; one with play is still for a moment when the drum turns."""
@@ -213,7 +213,7 @@ class Learning:
         if seas is None or now - self._seas_compared < self._seas_patience:
             return
         self._seas_compared = now
-        self._seas_patience = min(2.0 * self._seas_patience, LONGEST_SEAS_PATIENCE)
+        self._seas_patience = min(LONGER * self._seas_patience, LONGEST_SEAS_PATIENCE)
         in_force, record = self._in_force, self._estimation.sea_record.ticks()
         parameters = in_force.parameters
 

@@ -275,18 +275,13 @@ def _witnesses(record: Sequence[RecordedTick]) -> list[str]:
     return [name for name, sensor in sensors.items() if any(row.name in read for row in sensor.rows())]
 
 
-def _cut_off(parameters: WinchControllerParameters, period: float) -> Suspicion:
-    before = parameters.sensors.mru.high_pass_period
-    was = f"{before:g} s" if before > 0.0 else "none"
-    words = f"its heave has a high-pass with a cut-off period of {period:.0f} s (believed: {was})"
-    return Suspicion("mru", words, _with_mru(parameters, high_pass_period=period))
-
-
 def _cut_offs(parameters: WinchControllerParameters, periods: Sequence[float]) -> list[Suspicion]:
     """Return the suspicions of those `periods` [s] that differ from the believed one."""
     before = parameters.sensors.mru.high_pass_period
+    was = f"{before:g} s" if before > 0.0 else "none"
+    words = "its heave has a high-pass with a cut-off period of {:.0f} s (believed: {})"
     return [
-        _cut_off(parameters, period)
+        Suspicion("mru", words.format(period, was), _with_mru(parameters, high_pass_period=period))
         for period in periods
         if before == 0.0 or abs(math.log(period / before)) > math.log(OTHER_CORNER)
     ]

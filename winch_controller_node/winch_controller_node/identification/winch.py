@@ -403,6 +403,7 @@ class WinchIdentifier:
             self._found[list(LIMITS)] = before[list(LIMITS)]
             return self._let_up(winch)
         if found.residual > EXPLAINED:
+            # gains and creep alone are believed
             self._found[list(LIMITS)] = before[list(LIMITS)]
         self._note_unproved(before, found.residual, has_other_gain=better.speed_gain != winch.speed_gain)
         if is_weaker(better, winch):

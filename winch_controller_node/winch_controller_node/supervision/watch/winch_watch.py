@@ -87,7 +87,6 @@ class WinchWatch:
         self._given: WinchOrder | None = None
         self._last_state, self._commands_behind, self._ticks_since_state = -math.inf, 0, 0
         self._since_found = 0.0
-        self._is_suspicious = False
         self._suspicious = self._cautious = 0.0
         self._power_limited = False
 
@@ -153,7 +152,8 @@ class WinchWatch:
     def _begin(self, tick: int, winch: WinchModelParameters) -> None:
         """Begin to identify the winch beside the ticks, if it is time."""
         period = CHECKING_PERIOD if self._identifier.is_full else LEARNING_PERIOD
-        is_urgent = self._is_suspicious and self._since_found > URGENT_PERIOD
+        is_off = self._suspicious == CAUTIOUS_TIME
+        is_urgent = is_off and self._since_found > URGENT_PERIOD
         if tick % max(1, round(period / self._dt)) != 0 and not is_urgent:
             return
         question = self._identifier.question(winch)
@@ -223,8 +223,7 @@ class WinchWatch:
     def _check_drum(self, winch: WinchModelParameters) -> None:
         """Compare the drum with its prediction over the last second."""
         error = abs(self._identifier.error(winch))
-        self._is_suspicious = error > SUSPICIOUS
-        self._suspicious = CAUTIOUS_TIME if self._is_suspicious else max(self._suspicious - self._dt, 0.0)
+        self._suspicious = CAUTIOUS_TIME if error > SUSPICIOUS else max(self._suspicious - self._dt, 0.0)
         self._cautious = CAUTIOUS_TIME if error > ALARMING else max(self._cautious - self._dt, 0.0)
 
     def _watch_transport(self, given: int, taken: int, parameters: WinchControllerParameters) -> TransportReport:
