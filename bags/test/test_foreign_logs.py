@@ -8,6 +8,8 @@ import pytest
 from heave_bags.errors import BagError
 from heave_bags.play.sea_import import import_sea
 from heave_bags.play.sea_mapping import Channel, SeaMapping, read_mapping
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
 
 BEGUN = datetime(2025, 3, 1, 12, tzinfo=timezone.utc)
 TIME = np.round(np.arange(0.0, 900.0, 0.1), 1)
@@ -322,3 +324,50 @@ def test_a_file_of_another_kind_is_refused_in_one_line(tmp_path, content, says):
         import_sea(tmp_path / "mru.csv", mapping())
     assert str(tmp_path / "mru.csv") in str(refused.value)
     assert "\n" not in str(refused.value)
+
+
+LOG = "utc,heave,roll,status\n" + "".join(
+    f"{moment(t):%Y-%m-%dT%H:%M:%S}.{round(10 * t) % 10},{z:.3f},{0.02 * z:.4f},1\n"
+    for t, z in zip(TIME[:1500], HEAVE[:1500], strict=True)
+)
+
+
+@st.composite
+def mistreated(draw):
+    """Return the log as another tool would have saved it: units, columns, lines or encoding are not what they were."""
+    rows = [line.split(",") for line in LOG.splitlines()]
+    header, rows = rows[0], rows[1:]
+    factor = draw(st.sampled_from([1.0, 1.0, 0.01, 3.2808, 57.2958, 100.0, 1e3, -1.0]))
+    rows = [[row[0], f"{factor * float(row[1]):g}", *row[2:]] for row in rows]
+    if draw(st.booleans()):  # a fill value, or a sensor that stands still
+        fill = draw(st.sampled_from(["-9999", "99.99", "", "nan", "32767", rows[700][1]]))
+        for row in rows[draw(st.integers(0, 700)) : draw(st.integers(701, 1400))]:
+            row[1] = fill
+    if draw(st.booleans()):
+        order = draw(st.permutations(range(4)))
+        rows = [[row[i] for i in order] for row in rows]
+        header = [header[i] for i in order] if draw(st.booleans()) else header
+    lines = [",".join(row) for row in (header, *rows)]
+    for _ in range(draw(st.integers(0, 3))):
+        at = draw(st.integers(0, len(lines) - 1))
+        lines[at] = lines[at][: draw(st.integers(0, len(lines[at])))]
+    text = "\n".join(lines) + "\n"
+    if draw(st.booleans()):
+        text = text.replace(",", draw(st.sampled_from([";", "\t", "  "])))
+        text = text.replace(".", ",") if draw(st.booleans()) else text
+    return text.encode(draw(st.sampled_from(["utf-8", "utf-8-sig", "utf-16", "latin-1"])))
+
+
+@given(content=mistreated(), column=st.sampled_from(["heave", "roll", "utc"]))
+@settings(max_examples=100, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+def test_a_mistreated_log_is_refused_in_one_line_or_gives_a_sea_that_can_be(tmp_path, content, column):
+    path = tmp_path / "mru.csv"
+    path.write_bytes(content)
+    try:
+        sea = import_sea(path, mapping(column))
+    except BagError as error:
+        assert "mru.csv" in str(error)
+        assert "\n" not in str(error)
+        return
+    assert np.isfinite(sea.position).all()
+    assert 4.0 * sea.position[:, 2].std() <= 25.0

@@ -73,7 +73,7 @@ def test_samples_that_are_not_numbers_or_out_of_order_are_left_out_by_name(tmp_p
     recording = read_recording(write_csv(tmp_path / "m.csv", rows))
     assert len(recording.time) == 198
     assert [warning.split(": ")[1] for warning in recording.warnings] == [
-        "1 non-numeric samples skipped",
+        "1 non-numeric or invalid samples skipped",
         "1 samples not later than their predecessor skipped",
     ]
 

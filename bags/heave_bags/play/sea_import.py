@@ -20,7 +20,7 @@ from scipy.interpolate import CubicSpline
 
 from heave_bags.errors import BagError
 from heave_bags.mcap.reader import TIME, Bag
-from heave_bags.play.sample_checks import Findings, without_fill, without_standstill
+from heave_bags.play.sample_checks import Findings, is_valid, without_fill, without_standstill
 from heave_bags.play.sea_mapping import Channel, SeaMapping, mapping_for_topic
 from heave_bags.play.ship_log import ShipLog, is_text
 from heave_bags.play.stretches import longest_stretch
@@ -159,8 +159,7 @@ def _bag_signals(source: Path, mapping: SeaMapping, findings: Findings) -> dict[
         value = euler_part(channel.part, *values) if channel.part else values[0]
         if valid:
             status = np.asarray(topic[valid]).astype(np.int64)
-            good = (status & channel.invalid_bits) == 0 if channel.invalid_bits else status != 0
-            value = findings.without_invalid(name, value, np.asarray(good), valid)
+            value = findings.without_invalid(name, value, is_valid(status, channel.invalid_bits), valid)
         signals[name] = Signal(topic[TIME], value)
     return signals
 

@@ -11,6 +11,7 @@ import numpy as np
 from heave_node.columns import ColumnsError, read_columns
 from heave_node.numerics.arrays import Array
 from heave_node.text_files import TextFileError, read_text
+from numpy.typing import NDArray
 
 from heave_bags.errors import BagError
 from heave_bags.play.ship_time import TimeError, gps_time, is_gps, spread, time_of_numbers, time_of_texts
@@ -72,7 +73,7 @@ class ShipLog:
         """
         return np.array([self._columns.number(text) for text in self._cells(column, role)])
 
-    def validity(self, column: str, bad_bits: int) -> Array:
+    def validity(self, column: str, bad_bits: int) -> NDArray[np.bool_]:
         """Return which samples a column calls valid, shape (n,) of bool.
 
         Parameters
