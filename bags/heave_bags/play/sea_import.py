@@ -151,10 +151,12 @@ def _bag_signals(source: Path, mapping: SeaMapping, findings: Findings) -> dict[
     for name, channel in mapping.channels.items():
         topic = columns[channel.topic]
         names = [f"{channel.field}.{axis}" for axis in "xyzw"] if channel.part else [channel.field]
-        valid = next((column for column in _validity_names(channel) if column in topic), "")
-        missing = [column for column in (*names, *([channel.valid] * bool(channel.valid))) if column not in topic]
+        valid = next((column for column in _validity_names(channel) if _is_status(topic.get(column))), "")
+        missing = [column for column in names if column not in topic]
         if missing:
             raise BagError(f"{source}: {name}: {channel.topic} has no field {missing[0]}")
+        if channel.valid and not valid:
+            raise BagError(f"{source}: {name}: {channel.topic} has no field {channel.valid} that is a number or a flag")
         values = [np.asarray(topic[column], dtype=float) for column in names]
         value = euler_part(channel.part, *values) if channel.part else values[0]
         if valid:
@@ -162,6 +164,11 @@ def _bag_signals(source: Path, mapping: SeaMapping, findings: Findings) -> dict[
             value = findings.without_invalid(name, value, is_valid(status, channel.invalid_bits), valid)
         signals[name] = Signal(topic[TIME], value)
     return signals
+
+
+def _is_status(values: object) -> bool:
+    """Return whether a column of a bag holds whole numbers or flags, one for each message."""
+    return isinstance(values, np.ndarray) and values.ndim == 1 and values.dtype.kind in "biu"
 
 
 def _validity_names(channel: Channel) -> tuple[str, ...]:
