@@ -230,7 +230,7 @@ def _bag_signals(source: Path, mapping: SeaMapping, notes: list[str]) -> dict[st
     for channel in mapping.channels.values():
         wanted.setdefault(channel.topic, set()).add(channel.field)
     columns = bag.columns(wanted)
-    notes += [str(loss) for loss in bag.losses]
+    notes += [*bag.notes, *(str(loss) for loss in bag.losses)]
     signals = {}
     for name, channel in mapping.channels.items():
         topic = columns[channel.topic]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import os
+import shlex
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -102,11 +103,11 @@ def _how_to_run(
         _write_scenario(options, source, estimate, duration)
         return [
             f"{options.scenario}: {options.like} in this sea, which the controller believes",
-            f"run it: heave run {options.scenario}",
+            f"run it: heave run {shlex.quote(str(options.scenario))}",
         ]
     return [
-        "run it: heave run SCENARIO --set wave_vessel.boom_tip_source=file "
-        f"--set wave_vessel.recording_file={options.output.resolve()}",
+        "run it: heave run SCENARIO --set wave_vessel.boom_tip_source=file --set "
+        + shlex.quote(f"wave_vessel.recording_file={options.output.resolve()}"),
         "the controller still assumes the scenario's sea: --scenario FILE writes one that believes this one",
     ]
 
