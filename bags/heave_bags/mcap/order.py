@@ -173,7 +173,7 @@ class Merge:
         """Yield the messages."""
         while self._waiting or self._held:
             earliest = self._held[0][0] if self._held else None
-            while self._waiting and (earliest is None or self._waiting[0] < earliest):
+            while self._waiting and (earliest is None or self._waiting[0] <= earliest):
                 key = heappop(self._waiting)
                 if self._earliest.get(key.span) == key:
                     del self._earliest[key.span]
