@@ -228,6 +228,19 @@ def test_a_copy_beside_a_file_is_not_read_twice(tmp_path):
     assert "bag_0 (copy).mcap is a copy" in bag.notes[0]
 
 
+def test_a_piece_that_is_there_twice_is_told(tmp_path):
+    path = write_mcap(tmp_path / "a.mcap", samples(1000), chunk_size=20_000)
+    data = path.read_bytes()
+    with path.open("rb") as stream:
+        second = make_reader(stream).get_summary().chunk_indexes[1]
+    end = second.chunk_start_offset + second.chunk_length
+    path.write_bytes(data[:end] + data[second.chunk_start_offset : end] + data[end:])
+    bag = Bag(path)
+    more = len(list(bag.messages())) - 1000
+    assert more > 0
+    assert any(f"{more} messages more than the file says" in str(loss) for loss in bag.losses)
+
+
 # Compression, definitions, names -------------------------------------------------------------------------------------
 
 
