@@ -133,7 +133,7 @@ class ClosedLoop:
         self._parameters = parameters
         self.sea = WaveVessel(parameters.sea, seed=seed, tick_period=dt)
         self.plant = CableSim(parameters.plant, seed=seed, tick_period=dt)
-        self.winch = VirtualWinch(parameters.winch, tick_period=dt)
+        self.winch = VirtualWinch(parameters.winch, tick_period=dt, seed=seed)
         self.controller = WinchController(parameters.controller, tick_period=dt, seed=seed)
         self._believed_water = Water(parameters.controller.water_density, parameters.controller.gravity)
         self._tick_nanoseconds = round(dt * 1e9)

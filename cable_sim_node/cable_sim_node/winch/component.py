@@ -14,7 +14,8 @@ State: payout u [m] (positive lets out) and its rate v [m/s], both 0 at the star
 - `electric`, `pump_controlled`, `valve_controlled`: drives with inertia, torque or pressure, friction, power and a
   speed loop of their own, on which the cable's tension acts back (`cable_sim_node.winch.drives`).
 
-The command of tick k takes effect exactly at t_k + tau, tau = command_delay, also where that falls inside a tick.
+The command of tick k takes effect exactly at t_k + tau, tau = command_delay, also where that falls inside a tick; with
+command_jitter each has a tau of its own, uniform about it, but none takes effect before the one sent before it.
 
 What a drive may do otherwise than its controller believes: limits towards hauling in that are lower than those towards
 paying out, a gain other than 1 from set-point to speed, a dead zone of the set-point, play in the encoder's gear, and
@@ -44,6 +45,8 @@ from typing import NamedTuple
 import numpy as np
 from heave_node.interface.codes import WinchFault, WinchLimit, WinchRelease
 from heave_node.interface.faults import FaultSchedule, FaultyValues
+from heave_node.numerics.quantisation import quantised
+from heave_node.numerics.randomness import random_stream
 
 from cable_sim_node.winch.choice import make_drive
 from cable_sim_node.winch.drives.interface import Drive, DriveCommand
@@ -136,7 +139,7 @@ class Encoder:
         """Return the reading [m] of the true `payout` [m] at `time` [s]; NaN under a nan fault."""
         self._position = min(max(self._position, payout - self._play), payout + self._play)
         value = float(self._faulty_values.apply(time, np.array([self._position]))[0])
-        return value if self._resolution == 0.0 else self._resolution * float(np.rint(value / self._resolution))
+        return value if self._resolution == 0.0 else float(quantised(np.array(value), self._resolution))
 
 
 class VirtualWinch:
@@ -146,6 +149,7 @@ class VirtualWinch:
     ----------
     parameters : the winch
     tick_period : [s]
+    seed : of the jitter
 
     Attributes
     ----------
@@ -153,8 +157,9 @@ class VirtualWinch:
     refused_commands : commands that were neither fresh nor the newest one again, so far
     """
 
-    def __init__(self, parameters: WinchParameters, *, tick_period: float) -> None:
+    def __init__(self, parameters: WinchParameters, *, tick_period: float, seed: int = 0) -> None:
         self._parameters = parameters
+        self._random = random_stream(seed, "virtual_winch/jitter")
         self._drive: Drive | None = make_drive(parameters, 0.0) if parameters.drive == "speed_servo" else None
         self._tick_period = tick_period
         self._cable_per_drum = 1.0 + parameters.drum_radius_error
@@ -212,7 +217,12 @@ class VirtualWinch:
             return
         self._newest_sent = command
         delay = self._parameters.command_delay + self.faults.total("delay", time)
-        self._line.append((_round_to_tick(tick + delay / self._tick_period), command))
+        effect = tick + delay / self._tick_period
+        if self._parameters.command_jitter > 0.0:
+            jitter = self._parameters.command_jitter * self._random.uniform(-1.0, 1.0)
+            before = self._line[-1][0] if self._line else 0.0
+            effect = max(effect + jitter / self._tick_period, float(tick), before)
+        self._line.append((_round_to_tick(effect), command))
         self._line.sort(key=lambda entry: entry[0])
 
     def _advance_to(self, end: float, tension: float) -> tuple[WinchLimit, float]:
