@@ -23,7 +23,6 @@ from wave_vessel_node.sources.scene import Scene, build_scene
 from wave_vessel_node.vessel.fit import VesselFit
 from wave_vessel_node.vessel.motion import VesselMotion, lever_arm_matrix, point_motion
 
-
 OTHER_WAVES = 1_000_003
 """The waves of a later sea are those of a seed so much higher."""
 
@@ -164,9 +163,7 @@ def _with_change_course_drift_and_ramp(source: MotionSource, scene: Scene) -> Mo
     parameters = scene.parameters
     later = parameters.later_sea
     if later.duration > 0.0:
-        sea = replace(
-            parameters, significant_wave_height=later.significant_wave_height, peak_period=later.peak_period
-        )
+        sea = replace(parameters, significant_wave_height=later.significant_wave_height, peak_period=later.peak_period)
         then = SOURCES[parameters.boom_tip_source].load()(build_scene(sea, scene.seed + OTHER_WAVES, scene.tick_period))
         source = ChangingSource(source, then, later.start, later.duration, scene.tick_period)
     if scene.spectrum is not None:

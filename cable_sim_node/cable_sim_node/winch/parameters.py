@@ -37,17 +37,16 @@ class EncoderParameters:
 
 @dataclass(frozen=True)
 class WinchDriftParameters:
-    """What changes slowly while the winch works: a supply that runs down, oil that grows warm. Each value goes from that
-    of the start to a factor of it, in a straight line over `duration`, and stays there.
+    """What changes slowly while the winch works: a supply that runs down, oil that grows warm.
+
+    Each value goes in a straight line over `duration` from that of the start to a factor of it, and stays there.
     """
 
     start: float = parameter(0.0, unit="s", minimum=0.0, description="When the drift begins, simulated time.")
     duration: float = parameter(
         0.0, unit="s", minimum=0.0, maximum=1e5, description="How long it takes; 0 means no drift."
     )
-    speed_gain: float = parameter(
-        1.0, unit="", minimum=0.1, maximum=3.0, description="Factor reached on speed_gain."
-    )
+    speed_gain: float = parameter(1.0, unit="", minimum=0.1, maximum=3.0, description="Factor reached on speed_gain.")
     speed_limit: float = parameter(
         1.0, unit="", minimum=0.05, maximum=2.0, description="Factor reached on speed_limit."
     )

@@ -34,6 +34,7 @@ from heave_bags.record.provenance import git_commit
 from tests.campaigns.draws.cases import KINDS, draw
 from tests.campaigns.draws.figures import Drawn, as_values, broken, figures_of, line, table, worst_first
 from tests.campaigns.draws.journal import ROOT, Heading, Journal, JournalError, sources_digest
+from tests.campaigns.draws.run import TRUE_LATENCY
 from tests.campaigns.draws.workers import Task, run_tasks
 
 FOLDER = Path("runs") / "draws"
@@ -54,7 +55,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     out = sys.stderr if options.json else sys.stdout
     heading = journal.heading
     out.write(f"commit {heading.commit or 'unknown'}, sources {heading.sources}, seed {heading.day}")
-    out.write(", latency as it is\n" if heading.latency is None else f", latency {heading.latency:g} s\n")
+    out.write(f", latency {heading.latency or 'as it is'}\n")
     wanted = options.only or (sorted(journal.outcomes) if options.print else range(options.draws))
     status = 0
     try:
@@ -67,11 +68,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
         out.write("a worker has ended without an answer: run the same command again to go on\n")
         status = 2
     drawn = [
-        (draw(heading.kind, heading.day, index), journal.outcomes[index]) for index in wanted if index in journal.outcomes
+        (draw(heading.kind, heading.day, index), journal.outcomes[index])
+        for index in wanted
+        if index in journal.outcomes
     ]
     if not drawn:
         return status or 2
-    return _tell(heading, drawn, is_json=options.json, is_loud=options.alarms) if not status else status
+    return status or _tell(heading, drawn, is_json=options.json, is_loud=options.alarms)
 
 
 def _tell(heading: Heading, drawn: Sequence[Drawn], *, is_json: bool, is_loud: bool) -> int:
@@ -97,9 +100,7 @@ def _journal(options: argparse.Namespace) -> Journal:
     """Return the journal that the `options` ask for."""
     if options.print:
         return Journal(options.print)
-    heading = Heading(
-        git_commit(ROOT), sources_digest(), options.kind, options.seed, options.latency, options.told
-    )
+    heading = Heading(git_commit(ROOT), sources_digest(), options.kind, options.seed, options.latency, options.told)
     path = options.journal or FOLDER / heading.file_name
     if options.fresh:
         path.unlink(missing_ok=True)
@@ -110,17 +111,21 @@ def _run(wanted: Sequence[int], workers: int, journal: Journal) -> Iterator[int]
     """Run those of the `wanted` draws that the `journal` has not, and return their numbers as they are done."""
     heading = journal.heading
     tasks = [
-        Task(draw(heading.kind, heading.day, index), heading.is_told, heading.latency)
+        Task(draw(heading.kind, heading.day, index), heading.is_told)
         for index in wanted
         if index not in journal.outcomes
     ]
-    for case, found in run_tasks(tasks, workers):
+    for case, found in run_tasks(tasks, workers, heading.latency):
         journal.add(case.index, found)
         yield case.index
 
 
 def _numbers(text: str) -> list[int]:
     return [int(number) for number in text.split(",")]
+
+
+def _latency(text: str) -> str:
+    return text if text == TRUE_LATENCY else f"{float(text):g}"
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -130,11 +135,19 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--draws", type=int, default=512, metavar="N", help="so many, from 0 on (default 512)")
     parser.add_argument("--seed", type=int, default=today, metavar="DAY", help="of the draws (default: of today)")
     parser.add_argument("--only", type=_numbers, metavar="I,J", help="these draws")
-    parser.add_argument("--workers", type=int, default=2, metavar="N", help="processes (default 2); 0: this one")
-    parser.add_argument("--latency", type=float, metavar="S", help="time until what is found takes effect [s]")
+    parser.add_argument("--workers", type=int, default=2, metavar="N", help="processes (default 2)")
+    parser.add_argument(
+        "--latency",
+        type=_latency,
+        default="",
+        metavar="S",
+        help=f"time until what is found takes effect [s]; {TRUE_LATENCY}: what it takes the processor",
+    )
     parser.add_argument("--told", action="store_true", help="also run those that can be with a controller that is told")
     parser.add_argument("--alarms", action="store_true", help="print all draws and all alarms at the end")
-    parser.add_argument("--journal", type=Path, metavar="FILE", help=f"journal (default: one in {FOLDER} for this code)")
+    parser.add_argument(
+        "--journal", type=Path, metavar="FILE", help=f"journal (default: one in {FOLDER} for this code)"
+    )
     parser.add_argument("--fresh", action="store_true", help="begin the journal anew")
     parser.add_argument("--print", type=Path, metavar="FILE", help="run nothing: print the figures of this journal")
     parser.add_argument("--json", action="store_true", help="figures as JSON on standard output, progress on the other")

@@ -1,4 +1,4 @@
-"""Cases: what is drawn for a kind, a seed of the day and an index; the same on every machine, whatever the controller."""
+"""Cases: what is drawn for a kind, a seed of the day and an index; the same on every machine."""
 
 from __future__ import annotations
 

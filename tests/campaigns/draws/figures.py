@@ -169,10 +169,11 @@ def line(case: Case, found: Outcome) -> str:
             f" given up {found.given_up}" if found.given_up else "",
         ]
     )
+    median, high, largest = found.ticks
     lines = [
         case.words,
-        f"    {verdict}, efficiency {100 * found.efficiency:.1f} %{told}, ticks {found.ticks[0]:.2f}/{found.ticks[1]:.1f}/"
-        f"{found.ticks[2]:.0f} ms, right {len(found.right)}{marks}",
+        f"    {verdict}, efficiency {100 * found.efficiency:.1f} %{told}, "
+        f"ticks {median:.2f}/{high:.1f}/{largest:.0f} ms, right {len(found.right)}{marks}",
         *(f"    wrong: {words}" for words in found.wrong),
         *(f"    refused: {words}" for words in found.refused),
     ]
@@ -186,5 +187,7 @@ def worst_first(drawn: Sequence[Drawn]) -> list[Drawn]:
 
 def as_values(kind: str, figures: Figures) -> dict[str, object]:
     """Return the figures and what of the promise they break, for a program."""
-    values = {key: None if isinstance(value, float) and math.isnan(value) else value for key, value in asdict(figures).items()}
+    values = {
+        key: None if isinstance(value, float) and math.isnan(value) else value for key, value in asdict(figures).items()
+    }
     return {"kind": kind, **values, "broken": broken(kind, figures)}

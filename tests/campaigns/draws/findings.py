@@ -36,16 +36,15 @@ class Finding:
 
 def findings_of(alarms: Sequence[Alarm]) -> list[Finding]:
     """Return what the `alarms` of a run blame."""
-    found = []
+    found: list[Finding] = []
     for time, words in alarms:
-        for blamed in _BLAMED.findall(words):
-            found.append(Finding(time, ("mru", DRUM, ENCODER) if blamed == "mru or drum" else (blamed,), words))
+        blamed: list[tuple[str, ...]] = []
+        blamed += [("mru", DRUM, ENCODER) if part == "mru or drum" else (part,) for part in _BLAMED.findall(words)]
         if "winch model updated: " in words:
             changes = re.findall(r"([a-z][a-z ]*?) -?[\d.]+[^,(]*\(was", words.split("winch model updated: ")[1])
-            is_gain = changes == ["gain by the encoder"]
-            found.append(Finding(time, (WINCH, ENCODER) if is_gain else (WINCH,), words))
-        for name in re.findall(r"noise of (\w+) is", words):
-            found.append(Finding(time, (_NOISE.get(name, name),), words))
+            blamed.append((WINCH, ENCODER) if changes == ["gain by the encoder"] else (WINCH,))
+        blamed += [(_NOISE.get(name, name),) for name in re.findall(r"noise of (\w+) is", words)]
+        found += [Finding(time, parts, words) for parts in blamed]
     return found
 
 

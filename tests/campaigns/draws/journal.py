@@ -12,7 +12,14 @@ from typing import Any
 from tests.campaigns.draws.run import Outcome
 
 ROOT = Path(__file__).parents[3]
-PACKAGES = ("node_base", "wave_vessel_node", "cable_sim_node", "winch_controller_node", "bringup/heave_bringup", "tests/campaigns")
+PACKAGES = (
+    "node_base",
+    "wave_vessel_node",
+    "cable_sim_node",
+    "winch_controller_node",
+    "bringup/heave_bringup",
+    "tests/campaigns",
+)
 """Where the code is that a draw depends on."""
 
 
@@ -38,7 +45,7 @@ class Heading:
     ----------
     commit, sources : of the code
     kind, day : of the draws
-    latency : of what the controller finds [s]; None: its own
+    latency : of what the controller finds [s], or "true"; empty: its own
     is_told : those draws that can be are run with a controller that is told as well
     """
 
@@ -46,13 +53,13 @@ class Heading:
     sources: str
     kind: str
     day: int
-    latency: float | None
+    latency: str
     is_told: bool
 
     @property
     def file_name(self) -> str:
         """Return the name of its file."""
-        late = "" if self.latency is None else f"-{self.latency:g}s"
+        late = f"-late-{self.latency}" if self.latency else ""
         return f"{self.kind}-{self.day}-{self.sources}{late}{'-told' if self.is_told else ''}.jsonl"
 
 

@@ -1,4 +1,4 @@
-"""Operations under way: moves, an operator's speed, other shares of compensation, a stop and a restart, a changing sea."""
+"""Operations under way: moves, an operator's speed, changes of the factor, a stop and a restart, a changing sea."""
 
 from __future__ import annotations
 
@@ -103,7 +103,7 @@ class Operator:
         self._speed = 0.0
         self.refused: list[str] = []
 
-    def act(self, tick: int, _: object) -> None:
+    def act(self, tick: int) -> None:
         """Do what is due after a `tick`; a speed is asked for again in every tick, as a joystick does."""
         controller = self._loop.controller
         try:

@@ -10,18 +10,29 @@ from typing import Any
 
 import numpy as np
 from heave_bringup.closed_loop import ClosedLoop, LoopRecord, loop_parameters
-from heave_node.kpi import WORSE_FLOOR, WORSE_RATIO, WORSE_WINDOW, efficiency, sigma, window_ratios
+from heave_node.kpi import WORSE_FLOOR, WORSE_WINDOW, efficiency, sigma, window_ratios
 from heave_node.numerics.arrays import Array
-from winch_controller_node import learning
+from winch_controller_node.design.work import DesignWork
+from winch_controller_node.interface.readings import Outputs
 from winch_controller_node.supervision.watch import winch_watch
 
 from tests.campaigns.draws.cases import DURATION, Case
 from tests.campaigns.draws.findings import findings_of, warnings_of
 from tests.campaigns.draws.operations import Operator
 from tests.campaigns.promise import TROUBLE
+from winch_controller_node import learning
 
 ALARMED = 1.5
 """Ratio to off that is not reached without an alarm."""
+
+TICK = 0.05
+"""Of all scenarios [s]."""
+
+TRUE_LATENCY = "true"
+"""What is found takes effect when the processor would have it ready."""
+
+LOOK = 20
+"""Ticks from one look to the next at why there is no compensation."""
 
 LOST_TIME = 60.0
 """Compensation is lost that is not in force for so long at the end [s]."""
@@ -77,9 +88,22 @@ class Outcome:
         return math.isfinite(self.worst)
 
 
-def set_latency(seconds: float) -> None:
-    """Let what the controller finds take effect so many `seconds` after it was looked for, in loops made from now on."""
-    learning.DESIGN_TIME = winch_watch.ANSWER_TIME = seconds
+def set_latency(latency: str) -> None:
+    """Let what the controller finds take effect so many seconds after it was looked for, in loops made from now on.
+
+    `TRUE_LATENCY` : after the processor time that it took, as beside a loop in real time, but not before its own time
+    """
+    if latency != TRUE_LATENCY:
+        learning.DESIGN_TIME = winch_watch.ANSWER_TIME = float(latency)
+        return
+    begin = DesignWork.begin
+
+    def begin_in_true_time(work: Any, tick: int, make: Callable[[], Any]) -> None:
+        before = clock.thread_time()
+        begin(work, tick, make)
+        work._due = max(work._due, tick + math.ceil((clock.thread_time() - before) / TICK))
+
+    DesignWork.begin = begin_in_true_time  # type: ignore[method-assign]
 
 
 def run_case(case: Case, *, is_told: bool = False, duration: float = DURATION) -> Outcome:
@@ -98,10 +122,17 @@ def _run(case: Case, duration: float) -> Outcome:
         loop = ClosedLoop(loop_parameters(scenario))
         operator = Operator(loop, case.actions, scenario.run.tick_period)
         ticks = _measured(loop.controller)
-        record = loop.run(operator.act)
+        obstacles: list[str] = []
+
+        def on_tick(tick: int, outputs: Outputs) -> None:
+            operator.act(tick)
+            if outputs.mode != "compensating" and tick % LOOK == 0:
+                obstacles.append(why_waiting(loop.controller))
+
+        record = loop.run(on_tick)
     except Exception as error:  # one case that cannot be run must not end the others; it stands in the table
         return Outcome(failure=f"{type(error).__name__}: {' '.join(str(error).split())}")
-    found = judged(case, record, why_waiting(loop.controller))
+    found = judged(case, record, next((words for words in reversed(obstacles) if words), ""))
     milliseconds = 1e3 * np.percentile(ticks, [50.0, 99.9, 100.0])
     return replace(found, ticks=tuple(milliseconds.tolist()), refused=tuple(operator.refused))
 
@@ -127,7 +158,7 @@ def why_waiting(controller: Any) -> str:
 
 
 def judged(case: Case, record: LoopRecord, obstacle: str = "") -> Outcome:
-    """Return what the `record` of a case came to, with the `obstacle` that stood against compensation at its end."""
+    """Return what the `record` of a case came to, with the `obstacle` that stood against compensation last."""
     time, unit, off = record.column("time"), _unit_of(record), record.column("uncompensated")
     compensates = np.array([mode == "compensating" for mode in record.modes])
     begin = float(time[np.argmax(compensates)]) if np.any(compensates) else math.nan
@@ -174,9 +205,7 @@ def counted(starts: Array, excused: Sequence[tuple[float, float]]) -> Array:
     return counts
 
 
-def _is_alarmed(
-    starts: Array, ratios: Array, begin: float, alarms: Sequence[tuple[float, str]]
-) -> bool | None:
+def _is_alarmed(starts: Array, ratios: Array, begin: float, alarms: Sequence[tuple[float, str]]) -> bool | None:
     """Tell whether there was an alarm in compensation before a minute with the ratio `ALARMED` was over."""
     reached = np.flatnonzero(ratios >= ALARMED)
     if not reached.size:
@@ -203,6 +232,3 @@ def _is_lost(case: Case, time: Array, compensates: Array) -> bool:
     end = float(time[-1])
     has_nothing_to_read = any(sensor in ("mru", "encoder") and to > end - LOST_TIME for sensor, _, to in case.lost)
     return not has_nothing_to_read and not np.any(compensates[time > end - LOST_TIME])
-
-
-__all__ = ["WORSE_RATIO", "Outcome", "counted", "judged", "run_case", "set_latency"]

@@ -330,7 +330,9 @@ DEVIATIONS = (
     Row("power limit", ("winch",), _power),
     Row("limits that fall", ("winch",), _drift("speed_limit", "acceleration_limit", low=0.4, high=0.9), slot="drift"),
     Row("lag", ("winch",), of_winch("time_constant", lambda c, n: {"time_constant": n.lag * c.spread(0.5, 2.5)})),
-    Row("delay", ("winch",), of_winch("command_delay", lambda c, n: {"command_delay": n.delay + c.between(-0.15, 0.2)})),
+    Row(
+        "delay", ("winch",), of_winch("command_delay", lambda c, n: {"command_delay": n.delay + c.between(-0.15, 0.2)})
+    ),
     Row("delay jitter", ("winch",), with_nothing_to_tell(lambda c: {f"{WINCH}.command_jitter": c.spread(1e-3, 0.06)})),
     Row("gain", ("winch",), of_winch("speed_gain", lambda c, _: {"speed_gain": c.beside(0.75, 1.25, 0.03)})),
     Row("gain that drifts", ("winch",), _drift("speed_gain", low=0.75, high=1.25), slot="drift"),
@@ -338,14 +340,26 @@ DEVIATIONS = (
     Row("creep", ("winch",), of_winch("creep", lambda c, _: {"creep": c.sign() * c.spread(0.005, 0.05)})),
     Row("play", _GEAR, of_winch("", lambda c, _: {"encoder.backlash": c.spread(0.002, 0.03)})),
     Row(
-        "encoder resolution", _GEAR, with_nothing_to_tell(lambda c: {f"{WINCH}.encoder.resolution": c.spread(0.002, 0.03)})
+        "encoder resolution",
+        _GEAR,
+        with_nothing_to_tell(lambda c: {f"{WINCH}.encoder.resolution": c.spread(0.002, 0.03)}),
     ),
     Row("encoder scale", _GEAR, _encoder_scale),
     Row("drum radius", _DRUM, of_winch("", lambda c, _: {"drum_radius_error": c.beside(-0.06, 0.06, 0.01, 0.0)})),
-    Row("cable stiffness", ("cable",), _shared(lambda c, n: {"cable.axial_stiffness": n.stiffness * c.spread(0.5, 1.8)})),
-    Row("cable damping", ("cable",), _shared(lambda c, n: {"cable.internal_damping": n.stiffness * c.spread(1e-3, 3e-2)})),
+    Row(
+        "cable stiffness", ("cable",), _shared(lambda c, n: {"cable.axial_stiffness": n.stiffness * c.spread(0.5, 1.8)})
+    ),
+    Row(
+        "cable damping",
+        ("cable",),
+        _shared(lambda c, n: {"cable.internal_damping": n.stiffness * c.spread(1e-3, 3e-2)}),
+    ),
     Row("unit size", ("cable",), _shared(_unit_size)),
-    Row("added mass", ("cable",), _shared(lambda c, n: {"unit.added_mass": 3 * [n.added_mass * c.beside(0.5, 2.0, 0.15)]})),
+    Row(
+        "added mass",
+        ("cable",),
+        _shared(lambda c, n: {"unit.added_mass": 3 * [n.added_mass * c.beside(0.5, 2.0, 0.15)]}),
+    ),
     Row("drag", ("cable",), _shared(lambda c, n: {"unit.drag_coefficient": 3 * [n.drag * c.spread(0.5, 4.0)]})),
     Row("MRU scale", ("mru",), _mru_scale),
     Row("MRU high-pass", ("mru",), _high_pass),
@@ -353,18 +367,30 @@ DEVIATIONS = (
     Row(
         "MRU noise that is not white",
         ("mru",),
-        that_cannot_be_told(lambda c: {f"{MRU}.wander": c.spread(0.01, 0.06), f"{MRU}.wander_time": c.spread(0.3, 6.0)}),
+        that_cannot_be_told(
+            lambda c: {f"{MRU}.wander": c.spread(0.01, 0.06), f"{MRU}.wander_time": c.spread(0.3, 6.0)}
+        ),
         slot="wander",
     ),
     Row(
         "MRU wander",
         ("mru",),
-        that_cannot_be_told(lambda c: {f"{MRU}.wander": c.spread(0.05, 0.6), f"{MRU}.wander_time": c.spread(30.0, 200.0)}),
+        that_cannot_be_told(
+            lambda c: {f"{MRU}.wander": c.spread(0.05, 0.6), f"{MRU}.wander_time": c.spread(30.0, 200.0)}
+        ),
         slot="wander",
     ),
     Row("MRU quantisation", ("mru",), with_nothing_to_tell(_mru_steps)),
-    Row("MRU time offset", ("mru",), that_cannot_be_told(lambda c: {f"{MRU}.stamp_error": c.beside(-0.2, 0.3, 0.02, 0.0)})),
-    Row("depth scale", ("depth",), that_cannot_be_told(lambda c: {f"{DEPTH}.scale_error": c.beside(-0.1, 0.1, 0.01, 0.0)})),
+    Row(
+        "MRU time offset",
+        ("mru",),
+        that_cannot_be_told(lambda c: {f"{MRU}.stamp_error": c.beside(-0.2, 0.3, 0.02, 0.0)}),
+    ),
+    Row(
+        "depth scale",
+        ("depth",),
+        that_cannot_be_told(lambda c: {f"{DEPTH}.scale_error": c.beside(-0.1, 0.1, 0.01, 0.0)}),
+    ),
     Row("depth noise", ("depth",), _depth_noise),
     Row(
         "depth quantisation",

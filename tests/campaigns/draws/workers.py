@@ -26,38 +26,41 @@ class Task:
     ----------
     case : of the campaign
     is_told : it is run with a controller that is told as well
-    latency : of what the controller finds [s]; None: its own
     """
 
     case: Case
     is_told: bool = False
-    latency: float | None = None
 
 
-def run_tasks(tasks: Sequence[Task], workers: int) -> Iterator[tuple[Case, Outcome]]:
-    """Run all `tasks` in so many processes and yield what they came to, as it comes; 0: in this process.
+def run_tasks(tasks: Sequence[Task], workers: int, latency: str = "") -> Iterator[tuple[Case, Outcome]]:
+    """Run all `tasks` in so many processes and yield what they came to, as it comes.
+
+    Parameters
+    ----------
+    tasks : to be run
+    workers : number of processes
+    latency : of what the controller finds, see `set_latency`; empty: its own
 
     Processes end with the iterator, also where that is left early.
     """
-    if not workers:
-        yield from map(_run, tasks)
-        return
     if not tasks:
         return
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # the matrices are small, and a worker has one processor
     context = multiprocessing.get_context("spawn")
-    with context.Pool(min(workers, len(tasks)), initializer=_begin) as pool:
+    with context.Pool(min(workers, len(tasks)), initializer=_begin, initargs=(latency,)) as pool:
         results = pool.imap_unordered(_run, tasks)
         for _ in tasks:
             yield results.next(timeout=2.0 * LIMIT)
 
 
-def _begin() -> None:
+def _begin(latency: str) -> None:
     """Leave Ctrl-C to the campaign, which ends its workers; bound each case; compile what a run needs."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGALRM, _end)
     kind, day, duration = WARM_UP
     run_case(draw(kind, day, 0), duration=duration)
+    if latency:
+        set_latency(latency)
 
 
 def _end(*_: object) -> None:
@@ -65,13 +68,8 @@ def _end(*_: object) -> None:
 
 
 def _run(task: Task) -> tuple[Case, Outcome]:
-    if task.latency is not None:
-        set_latency(task.latency)
-    is_bounded = signal.getsignal(signal.SIGALRM) is _end
-    if is_bounded:
-        signal.alarm(LIMIT)
+    signal.alarm(LIMIT)
     try:
         return task.case, run_case(task.case, is_told=task.is_told)
     finally:
-        if is_bounded:
-            signal.alarm(0)
+        signal.alarm(0)
