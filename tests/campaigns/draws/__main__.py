@@ -100,7 +100,9 @@ def _journal(options: argparse.Namespace) -> Journal:
     """Return the journal that the `options` ask for."""
     if options.print:
         return Journal(options.print)
-    heading = Heading(git_commit(ROOT), sources_digest(), options.kind, options.seed, options.latency, options.told)
+    heading = Heading(
+        git_commit(ROOT), sources_digest(), options.kind, options.seed, options.latency or "", options.told
+    )
     path = options.journal or FOLDER / heading.file_name
     if options.fresh:
         path.unlink(missing_ok=True)
@@ -139,7 +141,6 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument(
         "--latency",
         type=_latency,
-        default="",
         metavar="S",
         help=f"time until what is found takes effect [s]; {TRUE_LATENCY}: what it takes the processor",
     )

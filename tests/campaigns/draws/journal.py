@@ -12,15 +12,9 @@ from typing import Any
 from tests.campaigns.draws.run import Outcome
 
 ROOT = Path(__file__).parents[3]
-PACKAGES = (
-    "node_base",
-    "wave_vessel_node",
-    "cable_sim_node",
-    "winch_controller_node",
-    "bringup/heave_bringup",
-    "tests/campaigns",
-)
-"""Where the code is that a draw depends on."""
+PACKAGES = ("node_base", "wave_vessel_node", "cable_sim_node", "winch_controller_node", "bringup/heave_bringup")
+DRAWING = ("chance", "table", "operations", "lifts", "cases", "findings", "run")
+"""Where the code is that an outcome depends on: packages, and files beside this one."""
 
 
 class JournalError(ValueError):
@@ -30,10 +24,10 @@ class JournalError(ValueError):
 def sources_digest() -> str:
     """Return a digest of the code, by which two commits with changes are told apart."""
     digest = hashlib.sha256()
-    for package in PACKAGES:
-        for path in sorted((ROOT / package).rglob("*.py")):
-            if "test" not in path.relative_to(ROOT / package).parts:
-                digest.update(path.read_bytes())
+    paths = [path for package in PACKAGES for path in sorted((ROOT / package).rglob("*.py"))]
+    for path in [*paths, *(Path(__file__).with_name(f"{name}.py") for name in DRAWING)]:
+        if "test" not in path.parts:
+            digest.update(path.read_bytes())
     return digest.hexdigest()[:12]
 
 
@@ -94,17 +88,21 @@ class Journal:
         if heading is not None and _without_commit(heading) != _without_commit(self.heading):
             raise JournalError(f"{path}: is of {self.heading}, not of {heading}; name another with --journal")
         for line in lines:
+            if not line:
+                continue
             try:
                 values = json.loads(line)
             except ValueError:  # it was being written when the campaign was ended
                 continue
-            self.outcomes[values.pop("index")] = _outcome(values)
+            index = int(values.pop("index"))
+            self.outcomes[index] = _outcome(values)
 
     def add(self, index: int, outcome: Outcome) -> None:
         """Write down what draw `index` came to."""
         self.outcomes[index] = outcome
         with self._path.open("a", encoding="utf-8") as file:
-            file.write(json.dumps({"index": index, **asdict(outcome)}) + "\n")
+            # a line of its own, also after one that was not finished
+            file.write("\n" + json.dumps({"index": index, **asdict(outcome)}) + "\n")
 
 
 def _without_commit(heading: Heading) -> dict[str, object]:
