@@ -511,7 +511,7 @@ def test_creep_moves_the_drum_at_a_set_point_of_zero_but_not_under_the_brake() -
 
 
 def test_gain_and_limits_drift_in_a_straight_line_and_stay() -> None:
-    drift = WinchDriftParameters(start=10.0, duration=20.0, speed_gain=0.8, speed_limit=0.5, acceleration_limit=0.25)
+    drift = WinchDriftParameters(start=10.0, duration=20.0, gain=0.8, speed=0.5, acceleration=0.25)
     parameters = dataclasses.replace(IDEAL, speed_limit=2.0, acceleration_limit=1.0, stop_deceleration=1.0, drift=drift)
     winch = VirtualWinch(parameters, tick_period=TICK)
     rates = np.array([state.payout_rate for state in run(winch, 1000, rate=0.5)])

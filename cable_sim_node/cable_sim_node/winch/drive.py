@@ -159,9 +159,9 @@ def drifted(settings: DriveSettings, drift: WinchDriftParameters, time: float) -
     """Return what `settings` have become by `time` [s] through a `drift`."""
     share = drift.share(time)
     return settings._replace(
-        speed_gain=settings.speed_gain * (1.0 + share * (drift.speed_gain - 1.0)),
-        speed_limit=settings.speed_limit * (1.0 + share * (drift.speed_limit - 1.0)),
-        acceleration_limit=settings.acceleration_limit * (1.0 + share * (drift.acceleration_limit - 1.0)),
+        speed_gain=settings.speed_gain * (1.0 + share * (drift.gain - 1.0)),
+        speed_limit=settings.speed_limit * (1.0 + share * (drift.speed - 1.0)),
+        acceleration_limit=settings.acceleration_limit * (1.0 + share * (drift.acceleration - 1.0)),
     )
 
 

@@ -46,11 +46,9 @@ class WinchDriftParameters:
     duration: float = parameter(
         0.0, unit="s", minimum=0.0, maximum=1e5, description="How long it takes; 0 means no drift."
     )
-    speed_gain: float = parameter(1.0, unit="", minimum=0.1, maximum=3.0, description="Factor reached on speed_gain.")
-    speed_limit: float = parameter(
-        1.0, unit="", minimum=0.05, maximum=2.0, description="Factor reached on speed_limit."
-    )
-    acceleration_limit: float = parameter(
+    gain: float = parameter(1.0, unit="", minimum=0.1, maximum=3.0, description="Factor reached on speed_gain.")
+    speed: float = parameter(1.0, unit="", minimum=0.05, maximum=2.0, description="Factor reached on speed_limit.")
+    acceleration: float = parameter(
         1.0, unit="", minimum=0.05, maximum=2.0, description="Factor reached on acceleration_limit."
     )
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from functools import cache
 
 from heave_bringup.scenarios import load_scenario
 from heave_node.numerics.constants import STANDARD_GRAVITY
@@ -60,6 +61,7 @@ class Nominal:
     has_swell: bool
 
 
+@cache
 def nominal(scenario: str) -> Nominal:
     """Return what the shipped `scenario` has."""
     belief = load_scenario(scenario).parameters[BELIEF]
@@ -328,14 +330,14 @@ DEVIATIONS = (
     Row("speed limits", ("winch",), _limits("speed", 0.4, (0.6, 1.0))),
     Row("acceleration limits", ("winch",), _limits("acceleration", 0.4, (0.5, 1.0))),
     Row("power limit", ("winch",), _power),
-    Row("limits that fall", ("winch",), _drift("speed_limit", "acceleration_limit", low=0.4, high=0.9), slot="drift"),
+    Row("limits that fall", ("winch",), _drift("speed", "acceleration", low=0.4, high=0.9), slot="drift"),
     Row("lag", ("winch",), of_winch("time_constant", lambda c, n: {"time_constant": n.lag * c.spread(0.5, 2.5)})),
     Row(
         "delay", ("winch",), of_winch("command_delay", lambda c, n: {"command_delay": n.delay + c.between(-0.15, 0.2)})
     ),
     Row("delay jitter", ("winch",), with_nothing_to_tell(lambda c: {f"{WINCH}.command_jitter": c.spread(1e-3, 0.06)})),
     Row("gain", ("winch",), of_winch("speed_gain", lambda c, _: {"speed_gain": c.beside(0.75, 1.25, 0.03)})),
-    Row("gain that drifts", ("winch",), _drift("speed_gain", low=0.75, high=1.25), slot="drift"),
+    Row("gain that drifts", ("winch",), _drift("gain", low=0.75, high=1.25), slot="drift"),
     Row("dead zone", ("winch",), of_winch("", lambda c, _: {"speed_deadband": c.spread(0.005, 0.06)})),
     Row("creep", ("winch",), of_winch("creep", lambda c, _: {"creep": c.sign() * c.spread(0.005, 0.05)})),
     Row("play", _GEAR, of_winch("", lambda c, _: {"encoder.backlash": c.spread(0.002, 0.03)})),
