@@ -15,7 +15,8 @@ import numpy as np
 from cable_sim_node.component import CableSim
 from cable_sim_node.node_parameters import CableSimNodeParameters
 from cable_sim_node.sensors.suite import SensorReadings
-from cable_sim_node.winch.component import VirtualWinch, WinchCommand
+from cable_sim_node.winch.command_line import WinchCommand
+from cable_sim_node.winch.component import VirtualWinch
 from cable_sim_node.winch.parameters import WinchParameters
 from heave_node.interface.sensors import MRU, STANDARD_WATER, Water, all_to_wire
 from heave_node.numerics.arrays import Array

@@ -8,7 +8,8 @@ import math
 
 import numpy as np
 import pytest
-from cable_sim_node.winch.component import VirtualWinch, WinchCommand, WinchState
+from cable_sim_node.winch.command_line import WinchCommand
+from cable_sim_node.winch.component import VirtualWinch, WinchState
 from cable_sim_node.winch.drive_parameters.electric import ElectricParameters
 from cable_sim_node.winch.drive_parameters.spool import SpoolParameters
 from cable_sim_node.winch.parameters import EncoderParameters, WinchDriftParameters, WinchParameters
