@@ -12,7 +12,8 @@ from heave_node.numerics import hydrostatics
 from heave_node.numerics.constants import SEAWATER_DENSITY, STANDARD_GRAVITY
 
 from tests.campaigns.draws.chance import Chance
-from tests.campaigns.draws.table import Settings, sea_of
+from tests.campaigns.draws.deviation import Settings
+from tests.campaigns.draws.seas import sea_of
 
 MODEL = "b3_deep_900"
 """Scenario that `heave new` begins with."""

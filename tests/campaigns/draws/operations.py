@@ -6,7 +6,8 @@ from heave_bringup.closed_loop import ClosedLoop
 from winch_controller_node.supervision.modes import ModeError
 
 from tests.campaigns.draws.chance import Chance
-from tests.campaigns.draws.table import BELIEF, Deviation, Nominal, Row, highest
+from tests.campaigns.draws.deviation import BELIEF, Deviation, Nominal, Row
+from tests.campaigns.draws.seas import highest
 from tests.campaigns.promise import TROUBLE
 
 FACTOR, SPEED = "factor", "speed"

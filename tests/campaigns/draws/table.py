@@ -6,145 +6,16 @@ it has a parameter for that, stands beside them.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
-from functools import cache
-
-from heave_bringup.scenarios import load_scenario
-from heave_node.numerics.constants import STANDARD_GRAVITY
 
 from tests.campaigns.draws.chance import Chance
+from tests.campaigns.draws.deviation import BELIEF, Deviation, Drawing, Fault, Nominal, Row, Settings
+from tests.campaigns.draws.seas import SEAS
 from tests.campaigns.promise import NOISES, TROUBLE
 from tests.campaigns.sensor_faults import GROUPS, drawn_fault
 
-Settings = Mapping[str, object]
-
-WINCH, BELIEF = "virtual_winch", "winch_controller"
+WINCH = "virtual_winch"
 MRU, DEPTH = "wave_vessel.mru", "cable_sim.sensors.depth"
-
-STEEPEST, FLATTEST = (8.0, 1.0 / 15.0), (15.0, 1.0 / 25.0)
-"""Peak period [s] up to which, and from which on, a sea is at most so steep, 2 pi Hs / (g Tp^2): DNV-RP-C205, 3.5.5."""
-
-HIGHEST, LOWEST = 4.5, 0.3
-"""Significant wave heights in which one lifts, and below which nothing moves [m]."""
-
-
-@dataclass(frozen=True)
-class Nominal:
-    """What the scenario of a draw has.
-
-    Attributes
-    ----------
-    name : of the scenario
-    speed, acceleration, lag, delay : of the winch [m/s], [m/s^2], [s], [s]
-    tension : at rest, at the boom tip [N]
-    stiffness : EA of the cable [N]
-    mass, volume, added_mass, drag : of the unit [kg], [m^3], [kg], coefficient
-    height, period : of the sea [m], [s]
-    has_swell : the sea has two parts
-    """
-
-    name: str
-    speed: float
-    acceleration: float
-    lag: float
-    delay: float
-    tension: float
-    stiffness: float
-    mass: float
-    volume: float
-    added_mass: float
-    drag: float
-    height: float
-    period: float
-    has_swell: bool
-
-
-@cache
-def nominal(scenario: str) -> Nominal:
-    """Return what the shipped `scenario` has."""
-    belief = load_scenario(scenario).parameters[BELIEF]
-    winch, unit, cable, sea = belief.winch, belief.unit, belief.cable, belief.sea
-    density = belief.water_density
-    return Nominal(
-        name=scenario,
-        speed=winch.speed_limit,
-        acceleration=winch.acceleration_limit,
-        lag=winch.time_constant,
-        delay=winch.command_delay,
-        tension=unit.weight_in_fluid(density) + belief.length * cable.weight_in_fluid(density),
-        stiffness=cable.axial_stiffness,
-        mass=unit.mass,
-        volume=unit.volume,
-        added_mass=unit.added_mass[2],
-        drag=unit.drag_coefficient[2],
-        height=sea.significant_wave_height,
-        period=sea.peak_period,
-        has_swell=sea.spectrum == "ochi_hubble",
-    )
-
-
-@dataclass(frozen=True)
-class Fault:
-    """A scheduled fault of a device.
-
-    Attributes
-    ----------
-    group : parameters in which it stands
-    kind, start, duration, magnitude : see `heave_node.interface.faults`
-    """
-
-    group: str
-    kind: str
-    start: float
-    duration: float
-    magnitude: float
-
-
-@dataclass(frozen=True)
-class Deviation:
-    """One thing that differs.
-
-    Attributes
-    ----------
-    name : of the row
-    settings : of the simulated ship
-    told : what the controller would be told of it; empty: nothing helps; None: it has no parameter for that
-    faults : scheduled besides
-    excused : times, from and to, that are not judged [s]: the trouble has just begun or ended, or a stop is requested
-    actions : of an operator: time [s], what, value
-    """
-
-    name: str
-    settings: Settings = field(default_factory=dict)
-    told: Settings | None = None
-    faults: tuple[Fault, ...] = ()
-    excused: tuple[tuple[float, float], ...] = ()
-    actions: tuple[tuple[float, str, float], ...] = ()
-
-
-Drawing = Callable[[Chance, Nominal], Deviation]
-
-
-@dataclass(frozen=True)
-class Row:
-    """A row of the table.
-
-    Attributes
-    ----------
-    name : what differs
-    parts : what a finding may blame for it
-    draw : draws it
-    slot : of rows with the same slot a draw has one at most; empty: the row has one to itself
-    weight : how often it is drawn, over the others
-    """
-
-    name: str
-    parts: tuple[str, ...]
-    draw: Drawing
-    slot: str = ""
-    weight: float = 1.0
 
 
 def of_winch(told: str, value: Callable[[Chance, Nominal], Mapping[str, float]]) -> Drawing:
@@ -264,64 +135,6 @@ def _fault(chance: Chance, _: Nominal) -> Deviation:
         excused=tuple((event, event + TROUBLE) for event in events),
     )
 
-
-def highest(period: float) -> float:
-    """Return the significant height [m] of the steepest sea of a peak `period` [s]."""
-    (short, steep), (long, flat) = STEEPEST, FLATTEST
-    share = min(max((period - short) / (long - short), 0.0), 1.0)
-    return (steep + share * (flat - steep)) * STANDARD_GRAVITY * period**2 / (2.0 * math.pi)
-
-
-def sea_of(chance: Chance) -> tuple[float, float]:
-    """Return significant height [m] and peak period [s] of a sea that there is and in which one lifts."""
-    period = chance.between(4.0, 16.0)
-    return chance.spread(LOWEST, min(highest(period), HIGHEST)), period
-
-
-def _other_sea(chance: Chance, _: Nominal) -> Deviation:
-    height, period = sea_of(chance)
-    values = {"significant_wave_height": height, "peak_period": period}
-    return Deviation(
-        "",
-        {f"wave_vessel.{name}": value for name, value in values.items()},
-        {f"{BELIEF}.sea.{name}": value for name, value in values.items()},
-    )
-
-
-def _swell(chance: Chance, nominal: Nominal) -> Deviation:
-    """Draw a swell beside the wind sea of the scenario."""
-    values = {
-        "spectrum": "ochi_hubble",
-        "significant_wave_height": nominal.height,
-        "peak_period": nominal.period,
-        "swell.significant_wave_height": chance.between(0.5, 2.0),
-        "swell.peak_period": chance.between(max(11.0, 1.3 * nominal.period), 19.0),
-    }
-    told = {f"{BELIEF}.sea.{name}": value for name, value in values.items()}
-    return Deviation(
-        "",
-        {f"wave_vessel.{name}": value for name, value in values.items()},
-        {**told, f"{BELIEF}.sea.filter_states": 10},
-    )
-
-
-def _peaked(chance: Chance, nominal: Nominal) -> Deviation:
-    if nominal.has_swell:
-        return _swell(chance, nominal)
-    values = {"spectrum": "jonswap", "peak_enhancement": chance.between(2.0, 7.0)}
-    return Deviation(
-        "",
-        {f"wave_vessel.{name}": value for name, value in values.items()},
-        {f"{BELIEF}.sea.{name}": value for name, value in values.items()},
-    )
-
-
-SEAS = (
-    Row("sea", (), _other_sea, slot="sea", weight=3.0),
-    Row("swell beside", (), _swell, slot="sea"),
-    Row("peaked sea", (), _peaked, slot="sea", weight=0.5),
-)
-"""Seas other than nominal; none is a reason to blame anything."""
 
 _GEAR = ("encoder", "winch")
 _DRUM = ("drum", "encoder", "winch")
