@@ -229,7 +229,8 @@ HEADING = Heading("abc", "0123", "few", DAY, "", False)
 def test_a_journal_goes_on_and_refuses_another_campaign(tmp_path):
     path = tmp_path / "few.jsonl"
     outcome = Outcome(worst=0.5, at=60.0, wrong=("9 s: x",), alarms=((9.0, "x"),), ticks=(1.0, 2.0, 3.0), told=0.1)
-    Journal(path, HEADING).add(3, replace(outcome, seconds=1.0, worst_of_all=0.6, begin=20.0))
+    Journal(path, HEADING).add(draw("few", DAY, 3), replace(outcome, seconds=1.0, worst_of_all=0.6, begin=20.0))
+    Journal(path, HEADING).add(replace(draw("few", DAY, 5), seed=0), outcome)  # as another table has drawn it
     path.write_text(path.read_text() + '{"index": 4, "worst"')  # it was ended while it wrote
     again = Journal(path, replace(HEADING, commit="def"))
     assert again.outcomes == {3: replace(outcome, seconds=1.0, worst_of_all=0.6, begin=20.0)}
@@ -243,13 +244,27 @@ def test_figures_are_printed_again_from_a_journal_and_the_status_is_that_of_the_
     path = tmp_path / "few.jsonl"
     journal = Journal(path, HEADING)
     for index, (_, outcome) in enumerate(drawn([0.1, 0.2])):
-        journal.add(index, outcome)
+        journal.add(draw("few", DAY, index), outcome)
     assert campaign.main(["--print", str(path), "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["largest"] == pytest.approx(0.2)
-    journal.add(2, drawn([3.0])[0][1])
+    journal.add(draw("few", DAY, 2), drawn([3.0])[0][1])
     assert campaign.main(["--print", str(path)]) == 1
     assert "BROKEN: 66.7 % within 1.05" in capsys.readouterr().out
     assert campaign.main(["--print", str(tmp_path / "none.jsonl")]) == 2
+
+
+def test_two_versions_are_compared_draw_by_draw(tmp_path, capsys):
+    before, now, other = (tmp_path / name for name in ("before", "now", "other"))
+    for path, ratios in ((before, [0.1, 0.9, 0.5]), (now, [0.15, 0.2, 2.0])):
+        journal = Journal(path, HEADING)
+        for index, (_, outcome) in enumerate(drawn(ratios)):
+            journal.add(draw("few", DAY, index), outcome)
+    campaign.main(["--print", str(now), "--against", str(before)])
+    said = capsys.readouterr().out
+    assert "the same 3 draws before: 1 are better now, 1 worse" in said
+    assert said.index("0.500 became 2.000") < said.index("0.900 became 0.200") < said.index("0.100 became 0.150")
+    Journal(other, replace(HEADING, day=DAY + 1))
+    assert campaign.main(["--print", str(now), "--against", str(other)]) == 2
 
 
 def test_draws_that_are_in_the_journal_are_not_run_again(tmp_path, monkeypatch):

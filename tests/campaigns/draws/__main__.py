@@ -2,7 +2,7 @@
 
     python -m tests.campaigns.draws --kind few --draws 512
     python -m tests.campaigns.draws --kind stacked --draws 40 --seed 20261126 --workers 1
-    python -m tests.campaigns.draws --print runs/draws/few-20261126-0123456789ab.jsonl
+    python -m tests.campaigns.draws --print runs/draws/few-20261126-0123456789ab.jsonl --against BEFORE.jsonl
 
 few: one or two things differ from the nominal. stacked: three to five. seas: another sea alone. lifts: another lift, of
 which the controller knows all. In a third of the draws of few and stacked an operation is under way as well: a move, an
@@ -11,8 +11,9 @@ operator's speed, changes of the factor, a stop and a restart, a sea that grows 
 that of the day where none is named.
 
 Each case is 390 s of the loop in one process. What was run stands in a journal: the same command goes on where it was
-ended. The worst minute over off begins 30 s after compensation did; 30 s after a fault begins or ends, and a requested
-stop, are not judged.
+ended, --print prints its figures again, --against compares it draw by draw with that of another version. The worst
+minute over off begins 30 s after compensation did; 30 s after a fault begins or ends, and a requested stop, are not
+judged.
 
 Ends with status 1 where the promise is broken. few, seas, lifts: at most 1.05 in 97 %, at most 1.2 in 99.5 %, none
 lost, healthy parts blamed and never begun without a true reason in 1 % each. stacked: at most 1.05 in 85 %, 1.5 in
@@ -32,7 +33,7 @@ from pathlib import Path
 from heave_bags.record.provenance import git_commit
 
 from tests.campaigns.draws.cases import KINDS, draw
-from tests.campaigns.draws.figures import Drawn, as_values, broken, figures_of, line, table, worst_first
+from tests.campaigns.draws.figures import Drawn, as_values, broken, comparison, figures_of, line, table, worst_first
 from tests.campaigns.draws.journal import ROOT, Heading, Journal, JournalError, sources_digest
 from tests.campaigns.draws.run import TRUE_LATENCY
 from tests.campaigns.draws.workers import Task, run_tasks
@@ -49,6 +50,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options = _parser().parse_args(arguments)
     try:
         journal = _journal(options)
+        before = Journal(options.against) if options.against else None
+        if before is not None and before.heading.draws != journal.heading.draws:
+            raise JournalError(f"--against {options.against}: is of other draws: {before.heading}")
     except JournalError as error:
         sys.stderr.write(f"{error}\n")
         return 2
@@ -74,7 +78,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
     ]
     if not drawn:
         return status or 2
-    return status or _tell(heading, drawn, is_json=options.json, is_loud=options.alarms)
+    if status:
+        return status
+    if before is not None and not options.json:
+        out.write("\n" + comparison(drawn, before.outcomes) + "\n")
+    return _tell(heading, drawn, is_json=options.json, is_loud=options.alarms)
 
 
 def _tell(heading: Heading, drawn: Sequence[Drawn], *, is_json: bool, is_loud: bool) -> int:
@@ -118,7 +126,7 @@ def _run(wanted: Sequence[int], workers: int, journal: Journal) -> Iterator[int]
         if index not in journal.outcomes
     ]
     for case, found in run_tasks(tasks, workers, heading.latency):
-        journal.add(case.index, found)
+        journal.add(case, found)
         yield case.index
 
 
@@ -151,6 +159,7 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("--fresh", action="store_true", help="begin the journal anew")
     parser.add_argument("--print", type=Path, metavar="FILE", help="run nothing: print the figures of this journal")
+    parser.add_argument("--against", type=Path, metavar="FILE", help="compare with this journal, draw by draw")
     parser.add_argument("--json", action="store_true", help="figures as JSON on standard output, progress on the other")
     return parser
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 
 import numpy as np
@@ -183,6 +183,32 @@ def line(case: Case, found: Outcome) -> str:
 def worst_first(drawn: Sequence[Drawn]) -> list[Drawn]:
     """Return the draws that were judged, the worst of them first."""
     return sorted((one for one in drawn if one[1].is_judged), key=lambda one: -one[1].worst)
+
+
+CHANGED = 0.1
+"""Difference of a worst minute over off from which on a draw counts as changed."""
+
+
+def comparison(drawn: Sequence[Drawn], before: Mapping[int, Outcome]) -> str:
+    """Return how many draws differ from what the same ones came to `before`, by index, and those that changed most.
+
+    A draw that was not judged left the unit as it was: it counts as 1.
+    """
+
+    def ratio(found: Outcome) -> float:
+        return found.worst if found.is_judged else 1.0
+
+    pairs = [(case, ratio(before[case.index]), ratio(found)) for case, found in drawn if case.index in before]
+    pairs.sort(key=lambda pair: -abs(pair[2] - pair[1]))
+    better = sum(new < old - CHANGED for _, old, new in pairs)
+    worse = sum(new > old + CHANGED for _, old, new in pairs)
+    lines = [f"the same {len(pairs)} draws before: {better} are better now, {worse} worse, by more than {CHANGED:g}"]
+    lines += [f"  {old:.3f} became {new:.3f}: {case.words}" for case, old, new in pairs[:MOST_CHANGED]]
+    return "\n".join(lines)
+
+
+MOST_CHANGED = 8
+"""So many of those that changed most are printed."""
 
 
 def as_values(kind: str, figures: Figures) -> dict[str, object]:

@@ -9,6 +9,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
+from tests.campaigns.draws.cases import Case, draw
 from tests.campaigns.draws.run import Outcome
 
 ROOT = Path(__file__).parents[3]
@@ -51,6 +52,11 @@ class Heading:
     is_told: bool
 
     @property
+    def draws(self) -> tuple[str, int]:
+        """Return what its draws are fixed by, but for their index."""
+        return self.kind, self.day
+
+    @property
     def file_name(self) -> str:
         """Return the name of its file."""
         late = f"-late-{self.latency}" if self.latency else ""
@@ -68,7 +74,7 @@ class Journal:
     Attributes
     ----------
     heading : of the file
-    outcomes : by the index of the draw
+    outcomes : by the index of the draw, of those that the table draws as it did
 
     Raises JournalError.
     """
@@ -94,15 +100,17 @@ class Journal:
                 values = json.loads(line)
             except ValueError:  # it was being written when the campaign was ended
                 continue
-            index = int(values.pop("index"))
-            self.outcomes[index] = _outcome(values)
+            index, words = int(values.pop("index")), values.pop("words", "")
+            # by another table another case is drawn
+            if words == draw(*self.heading.draws, index).words:
+                self.outcomes[index] = _outcome(values)
 
-    def add(self, index: int, outcome: Outcome) -> None:
-        """Write down what draw `index` came to."""
-        self.outcomes[index] = outcome
+    def add(self, case: Case, outcome: Outcome) -> None:
+        """Write down what a `case` came to."""
+        self.outcomes[case.index] = outcome
         with self._path.open("a", encoding="utf-8") as file:
             # a line of its own, also after one that was not finished
-            file.write("\n" + json.dumps({"index": index, **asdict(outcome)}) + "\n")
+            file.write("\n" + json.dumps({"index": case.index, "words": case.words, **asdict(outcome)}) + "\n")
 
 
 def _without_commit(heading: Heading) -> dict[str, object]:
