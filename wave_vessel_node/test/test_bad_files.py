@@ -1,5 +1,6 @@
 """Whatever happens to a file, it is either read into numbers that make sense or refused with one line that names it."""
 
+import os
 from pathlib import Path
 
 import numpy as np
@@ -9,7 +10,7 @@ from hypothesis import strategies as st
 from wave_vessel_node.sea.spectrum_files import SpectrumFileError, read_spectra
 from wave_vessel_node.sources.recording import RecordingError, read_recording
 from wave_vessel_node.vessel.rao import RaoError
-from wave_vessel_node.vessel.rao_files import COLUMNS, read_rao_csv
+from wave_vessel_node.vessel.rao_files import COLUMNS, read_rao, read_rao_csv
 
 DATA = Path(__file__).parent / "data"
 FRAGMENTS = st.sampled_from(
@@ -81,3 +82,12 @@ def test_damaged_recordings(data, tmp_path):
     if recording is not None:
         assert np.isfinite(recording.position).all()
         assert (np.diff(recording.time) > 0.0).all()
+
+
+@pytest.mark.parametrize(
+    ("read", "name"), [(read_rao, "own.csv"), (read_recording, "own.csv"), (read_spectra, "own.txt")]
+)
+def test_a_pipe_is_no_file(tmp_path, read, name):
+    os.mkfifo(tmp_path / name)  # to read it would wait for ever
+    with pytest.raises(ValueError, match=r"no such file|not a file"):
+        read(tmp_path / name)

@@ -9,6 +9,7 @@ from datetime import datetime, timezone
 from pathlib import Path
 
 import numpy as np
+from heave_node.given_files import read_given
 from heave_node.numerics.arrays import Array
 
 from heave_bags.errors import BagError
@@ -35,8 +36,8 @@ class ShipLog:
     def __init__(self, source: Path) -> None:
         self.source = source
         try:
-            lines = source.read_text(encoding="utf-8-sig").splitlines()
-        except (OSError, UnicodeDecodeError) as error:
+            lines = read_given(source, encoding="utf-8-sig").splitlines()
+        except (OSError, ValueError) as error:
             raise BagError(f"{source}: cannot be read: {error}") from error
         lines = [line for line in lines if line.strip() and not line.startswith("#")]
         if not lines:

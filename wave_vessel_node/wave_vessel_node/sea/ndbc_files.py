@@ -6,7 +6,6 @@ left out or repaired; each kind of repair is a warning. What cannot be repaired 
 
 from __future__ import annotations
 
-import gzip
 import math
 import re
 from collections.abc import Iterable, Sequence
@@ -15,6 +14,7 @@ from datetime import datetime, timedelta, timezone
 from pathlib import Path
 
 import numpy as np
+from heave_node.given_files import read_given
 from heave_node.numerics.arrays import Array
 
 from wave_vessel_node.sea.spectra import SpectrumError, TabulatedSpectrum
@@ -81,15 +81,11 @@ class _Findings:
 
 def _read_lines(path: Path) -> list[str]:
     try:
-        if path.suffix == ".gz":
-            with gzip.open(path, "rt", encoding="ascii") as file:
-                lines = file.read().splitlines()
-        else:
-            lines = path.read_text(encoding="ascii").splitlines()
-    except (EOFError, OSError, gzip.BadGzipFile) as error:
+        lines = read_given(path, encoding="ascii").splitlines()
+    except OSError as error:
         raise SpectrumFileError(f"{path}: cannot be read to its end: {error}") from error
-    except UnicodeDecodeError as error:
-        raise SpectrumFileError(f"{path}: is not a text file: byte {error.start} is not ASCII") from error
+    except ValueError as error:
+        raise SpectrumFileError(f"{path}: {error}") from error
     lines = [line for line in lines if line.strip()]
     if len(lines) < 2:
         raise SpectrumFileError(f"{path}: has {len(lines)} lines: expected a header and at least one record")

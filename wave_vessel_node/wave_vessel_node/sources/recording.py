@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from heave_node.given_files import read_given
 from heave_node.numerics.arrays import Array
 from mcap.exceptions import McapError
 from mcap.reader import make_reader
@@ -92,9 +93,9 @@ def _checked(path: Path, samples: Array) -> Recording:
 
 def _csv_samples(path: Path) -> Iterator[tuple[float, float, float, float]]:
     try:
-        lines = path.read_text(encoding="utf-8").splitlines()
-    except UnicodeDecodeError as error:
-        raise RecordingError(f"{path}: is not a text file") from error
+        lines = read_given(path).splitlines()
+    except ValueError as error:
+        raise RecordingError(f"{path}: {error}") from error
     numbered = [(n, line) for n, line in enumerate(lines, 1) if line.strip() and not line.startswith("#")]
     if not numbered:
         raise RecordingError(f"{path}: is empty")

@@ -17,6 +17,7 @@ from typing import Any
 
 import numpy as np
 from heave_node.extras import how_to_install
+from heave_node.given_files import read_given
 from heave_node.numerics.arrays import Array, ComplexArray
 from scipy.interpolate import CubicSpline
 
@@ -65,9 +66,9 @@ def read_rao_csv(path: str | Path) -> ResponseTable:
     """Read the CSV table at `path`; see the module for its columns. Raises RaoError, with the line."""
     path = Path(path)
     try:
-        text = path.read_text(encoding="utf-8")
-    except UnicodeDecodeError as error:
-        raise RaoError(f"{path}: is not a text file") from error
+        text = read_given(path)
+    except ValueError as error:
+        raise RaoError(f"{path}: {error}") from error
     numbered = [(n, line) for n, line in enumerate(text.splitlines(), 1) if line.strip() and not line.startswith("#")]
     if len(numbered) < 2:
         raise RaoError(f"{path}: expected a header and rows, found {len(numbered)} lines")
