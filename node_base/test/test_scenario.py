@@ -9,7 +9,6 @@ from heave_node.scenario import (
     flatten_names,
     holds_for,
     nest_names,
-    parse_yaml,
     read_sections,
     sections_of_node,
     values_of_node,
@@ -174,18 +173,3 @@ def test_a_file_of_another_form_is_refused_in_one_line(path, text, words):
 def test_a_missing_file_is_named(tmp_path):
     with pytest.raises(ParameterError, match=r"nowhere\.yaml: cannot be read: No such file"):
         read_sections(tmp_path / "nowhere.yaml")
-
-
-@pytest.mark.parametrize(("text", "value"), [("1e-5", 1e-5), ("-2E3", -2e3), ("1.5e+2", 150.0), ("1e", "1e"), ("7", 7)])
-def test_numbers_with_an_exponent_are_numbers_as_for_ros(text: str, value: object) -> None:
-    assert parse_yaml(text) == value
-    assert type(parse_yaml(text)) is type(value)
-
-
-def test_a_key_is_a_string_as_for_ros() -> None:
-    assert parse_yaml("{on: 1, 2: 3}") == {"on": 1, "2": 3}
-
-
-def test_a_time_is_a_text_as_for_ros() -> None:
-    assert parse_yaml("1996-06-14") == "1996-06-14"
-    assert parse_yaml("1996-06-14T18:00:00") == "1996-06-14T18:00:00"

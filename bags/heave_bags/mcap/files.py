@@ -8,9 +8,9 @@ from pathlib import Path
 from typing import Any
 
 import yaml
+from heave_node.bounded_yaml import LARGEST_YAML, parse_yaml
 from mcap.records import Metadata
 
-from heave_bags.mcap.bounds import LARGEST_YAML, load_yaml
 from heave_bags.mcap.ros.qos import OfferedQos
 
 METADATA_NAME = "metadata.yaml"
@@ -129,7 +129,7 @@ def parse_information(text: str) -> dict[str, Any]:
     Empty where it says nothing sensible. Files of earlier versions of this project have METADATA_ROOT inside, too.
     """
     try:
-        content = load_yaml(text)
+        content = parse_yaml(text)
     except ValueError:
         return {}
     information = content.get(METADATA_ROOT, content) if isinstance(content, dict) else None

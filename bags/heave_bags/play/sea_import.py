@@ -14,11 +14,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from heave_node.bounded_yaml import parse_yaml
 from heave_node.numerics.arrays import Array
 from scipy.interpolate import CubicSpline
 
 from heave_bags.errors import BagError
-from heave_bags.mcap.bounds import load_yaml
 from heave_bags.mcap.reader import TIME, Bag
 from heave_bags.play.ship_log import ShipLog
 from heave_bags.play.stretches import longest_stretch
@@ -100,7 +100,7 @@ class ImportedSea:
 def read_mapping(path: Path) -> SeaMapping:
     """Read the mapping file `path` (YAML). Raises BagError with the file and the entry that is wrong."""
     try:
-        content = load_yaml(path.read_text(encoding="utf-8"))
+        content = parse_yaml(path.read_bytes())
     except (OSError, ValueError) as error:
         raise BagError(f"{path}: cannot be read as a mapping: {' '.join(str(error).split())}") from error
     if not isinstance(content, dict):
