@@ -128,14 +128,18 @@ def flatten_names(section: Mapping[str, Any], where: str, prefix: str = "") -> d
 
 
 def nest_names(values: Mapping[str, object]) -> dict[str, Any]:
-    """Turn the dotted names of `values` into nested mappings; the inverse of `flatten_names`."""
+    """Turn the dotted names of `values` into nested mappings; the inverse of `flatten_names`.
+
+    Below a name that has a value itself (`cable: wire`, `cable.normal_drag: 1.6`) names stay dotted.
+    """
     nested: dict[str, Any] = {}
     for name, value in values.items():
-        *groups, last = name.split(".")
+        parts = name.split(".")
+        depth = next((n for n in range(1, len(parts)) if ".".join(parts[:n]) in values), len(parts)) - 1
         place = nested
-        for group in groups:
+        for group in parts[:depth]:
             place = place.setdefault(group, {})
-        place[last] = list(value) if isinstance(value, tuple) else value
+        place[".".join(parts[depth:])] = list(value) if isinstance(value, tuple) else value
     return nested
 
 

@@ -51,6 +51,13 @@ def test_every_value_survives_writing_and_reading(tmp_path_factory, values):
     assert [type(value) for value in read.values()] == [type(value) for value in values.values()]
 
 
+@pytest.mark.parametrize("names", [("a", "a.b", "a.b.c", "d.e"), ("d.e", "a.b.c", "a.b", "a")])
+def test_a_name_may_have_a_value_and_names_below_it(path, names):
+    values = {f"system.{name}": number for number, name in enumerate(names)}
+    write_sections({"/**": values}, path)
+    assert read_sections(path) == {"/**": values}
+
+
 def test_an_empty_list_is_left_out_since_ros_cannot_read_one(path):
     write_sections({"/**": {"seed": 1, "external": (), "start": []}}, path)
     assert read_sections(path) == {"/**": {"seed": 1}}
