@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -208,8 +209,23 @@ def write_metadata(bag: Path, summary: BagSummary) -> None:
 def replace_metadata(bag: Path, text: bytes) -> None:
     """Make `text` the `metadata.yaml` of a bag, in one step."""
     temporary = bag / (METADATA_NAME + ".new")
-    temporary.write_bytes(text)
-    temporary.replace(bag / METADATA_NAME)
+    try:
+        temporary.write_bytes(text)
+        temporary.replace(bag / METADATA_NAME)
+    except OSError:
+        with suppress(OSError):
+            temporary.unlink()
+        raise
+
+
+def force_metadata(bag: Path, text: bytes) -> None:
+    """Make `text` the `metadata.yaml` of a bag; on a full disk in the place of the old one, which has its blocks."""
+    try:
+        replace_metadata(bag, text)
+    except OSError:
+        with (bag / METADATA_NAME).open("r+b") as stream:
+            stream.write(text)
+            stream.truncate()
 
 
 def is_first_file(path: Path) -> bool:

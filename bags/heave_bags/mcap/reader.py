@@ -36,6 +36,7 @@ from heave_bags.mcap.files import (
     sorted_files,
 )
 from heave_bags.mcap.loss import Loss
+from heave_bags.mcap.recorded_loss import recorded_loss
 from heave_bags.mcap.records import UNPARSEABLE, RecordFile, parse
 from heave_bags.mcap.ros.qos import from_yaml
 from heave_bags.mcap.scan import FileContents, McapScan, attachment_problem
@@ -81,7 +82,8 @@ class Bag:
     ----------
     path : the folder or file
     files, file_summaries : its MCAP files, in order, and what is in them (after the first look at `topics`)
-    losses : what could not be read in the last pass; empty for a sound bag
+    losses : what could not be read in the last pass, and what the recorder says it could not write; empty for a sound
+        bag
 
     Raises BagError if there is no bag at `path`.
     """
@@ -93,6 +95,8 @@ class Bag:
         folder = self.path if self.path.is_dir() else self.path.parent
         self._described = read_information(folder)
         self._stated_counts = file_counts(self._described)
+        stated = recorded_loss(self._described)
+        self._not_recorded = [] if stated is None else [stated.to_loss(self.path)]
         self._contents: list[FileContents] | None = None
         self.file_summaries: list[FileSummary] = []
         self._topics: dict[str, BagTopic] | None = None
@@ -219,7 +223,7 @@ class Bag:
                 known = topics.setdefault(channel.topic, _topic(channel, survey.contents.schemas))
                 known.message_count += survey.counts.get(channel_id, 0)
         self._topics = dict(sorted(topics.items()))
-        self.losses = [loss for contents in self._contents for loss in contents.losses]
+        self.losses = [*(loss for contents in self._contents for loss in contents.losses), *self._not_recorded]
 
     # Messages ------------------------------------------------------------------------------------------------------
 
@@ -262,6 +266,7 @@ class Bag:
                 yield RawMessage(topic, message.log_time, message.publish_time, message.data)
             self.losses += scan.contents.losses
             before += size
+        self.losses += self._not_recorded
         progress(1.0)
 
     def decoded(self, topics: Collection[str] | None = None, **selection: Any) -> Iterator[tuple[RawMessage, Any]]:
