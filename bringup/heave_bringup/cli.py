@@ -39,8 +39,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         options.execute(options)
     except (ParameterError, NoRunError) as error:
         return _exit_with(error, EXIT_USAGE)
-    except (CommandError, BagError) as error:
-        return _exit_with(error, EXIT_FAILED)
+    except (CommandError, BagError, MemoryError) as error:
+        return _exit_with(str(error) or "out of memory", EXIT_FAILED)
     except KeyboardInterrupt:
         return _exit_with("interrupted", EXIT_INTERRUPTED)
     except OSError as error:

@@ -21,6 +21,7 @@ from heave_node.ros.diagnostics import Health, Level, diagnostic_array
 from heave_node.ros.node import steady_clock
 from heave_node.ros.node_parameters import read_parameters
 from heave_node.ros.spin import spin
+from heave_node.ros.start_watchdog import watched_start
 from heave_node.ros.transport.environment import prepare_environment
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
@@ -150,8 +151,9 @@ def record(args: list[str] | None = None) -> int:
     Raises BagError or ParameterError for what cannot be recorded as asked.
     """
     prepare_environment()
-    rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
-    recorder = LiveRecorder()
+    with watched_start():
+        rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
+        recorder = LiveRecorder()
 
     def on_signal(_number: int, _frame: FrameType | None) -> None:
         if not recorder.finished.done():
