@@ -17,7 +17,11 @@ export PIP_DISABLE_PIP_VERSION_CHECK ?= 1
 # Trust the certificates that the machine trusts, as pip and git do.
 export UV_NATIVE_TLS ?= 1
 
-.PHONY: help run test validate lint docs gallery coverage install clean
+# The versions that were tested with the Python of .venv, where there is a file of them; LATEST=1 takes the newest instead.
+PINS = $(if $(LATEST),,$(wildcard constraints/$(shell $(BIN)/python -c 'import sys; print("python%d.%d" % sys.version_info[:2])').txt))
+PINNED = $(if $(PINS),UV_CONSTRAINT=$(CURDIR)/$(PINS) UV_BUILD_CONSTRAINT=$(CURDIR)/$(PINS) PIP_CONSTRAINT=$(CURDIR)/$(PINS))
+
+.PHONY: help run test validate lint docs gallery coverage install constraints clean
 .DELETE_ON_ERROR:
 
 help:  ## what can be made
@@ -46,13 +50,13 @@ lint: $(VENV)/.test-installed  ## set up, then ruff and mypy
 	$(BIN)/mypy
 
 coverage: $(VENV)/.test-installed  ## the tests with the lines they reach
-	@VIRTUAL_ENV=$(CURDIR)/$(VENV) $(BIN)/uv pip install --quiet --requirement pyproject.toml --extra coverage
+	@$(PINNED) VIRTUAL_ENV=$(CURDIR)/$(VENV) $(BIN)/uv pip install --quiet --requirement pyproject.toml --extra coverage
 	$(BIN)/coverage run -m pytest $(PYTEST)
 	$(BIN)/coverage combine --quiet || true
 	$(BIN)/coverage report
 
 docs: $(VENV)/.installed  ## the documentation site, into docs/site: open docs/site/index.html; needs no network once its tools are there
-	@$(BIN)/python -c "import material" 2>/dev/null || VIRTUAL_ENV=$(CURDIR)/$(VENV) $(BIN)/uv pip install --quiet --requirement pyproject.toml --extra docs
+	@$(BIN)/python -c "import material" 2>/dev/null || $(PINNED) VIRTUAL_ENV=$(CURDIR)/$(VENV) $(BIN)/uv pip install --quiet --requirement pyproject.toml --extra docs
 	NO_MKDOCS_2_WARNING=1 $(BIN)/python -m mkdocs --quiet build --strict --config-file docs/mkdocs.yml
 	@echo "docs/site/index.html"
 
@@ -61,6 +65,11 @@ gallery: $(VENV)/.test-installed  ## every figure of the validation, in ten minu
 
 install: $(VENV)/.installed  ## set up only: .venv/bin/heave
 
+constraints: $(VENV)/.test-installed  ## write the versions of this environment to constraints/, which run and test then take
+	@sh tools/constraints.sh $(VENV) > constraints/.new
+	@mv constraints/.new constraints/$$($(BIN)/python -c 'import sys; print("python%d.%d" % sys.version_info[:2])').txt
+	@ls constraints
+
 # uv installs in a third of pip's time; where it cannot (a mirror that only pip is told of) pip does.
 $(VENV)/bin/uv:
 	@python=$$(sh tools/find_python.sh $(PYTHON)) && echo "setup: $$python" && "$$python" -m venv --clear $(VENV)
@@ -68,16 +77,17 @@ $(VENV)/bin/uv:
 
 $(VENV)/.installed: $(VENV)/bin/uv $(BUILD_INPUTS)
 	@echo "setup: ROS 2 from wheels, then the messages are compiled: two to four minutes"
-	@VIRTUAL_ENV=$(CURDIR)/$(VENV) $(BIN)/uv pip install --quiet --reinstall-package heave --editable . || \
-		$(BIN)/python -m pip install --quiet --editable .
+	@echo "setup: $(if $(PINS),the versions of $(PINS); the newest: make LATEST=1,the newest versions)"
+	@$(PINNED) VIRTUAL_ENV=$(CURDIR)/$(VENV) $(BIN)/uv pip install --quiet --reinstall-package heave --editable . || \
+		$(PINNED) $(BIN)/python -m pip install --quiet --editable .
 	@echo "setup: compiling the models, once"
 	@rm -rf $(VENV)/first-run && $(BIN)/heave run b2_calm_300 --duration 1 --no-report --bag $(VENV)/first-run > $(VENV)/first-run.log 2>&1 || \
 		echo "setup: left to the first run, which will start slowly; $(VENV)/first-run.log says why"
 	@touch $@
 
 $(VENV)/.test-installed: $(VENV)/.installed
-	@VIRTUAL_ENV=$(CURDIR)/$(VENV) $(BIN)/uv pip install --quiet --requirement pyproject.toml --extra test || \
-		$(BIN)/python -m pip install --quiet --editable '.[test]'
+	@$(PINNED) VIRTUAL_ENV=$(CURDIR)/$(VENV) $(BIN)/uv pip install --quiet --requirement pyproject.toml --extra test || \
+		$(PINNED) $(BIN)/python -m pip install --quiet --editable '.[test]'
 	@touch $@
 
 clean:  ## remove the environment and what was built; runs/ stays

@@ -5,7 +5,9 @@ import math
 import pytest
 from heave_bags.analyse import analysis, report, run_warnings, run_words
 from heave_bags.analyse.events import Interval
+from heave_bags.analyse.run_record import read_run
 from heave_bags.signals import Signal
+from made_up_run import MadeUpRun
 from numpy import arange, sin, where
 
 TOLD = "the encoder goes the other way than the winch is sent; in {} s at best"
@@ -140,4 +142,4 @@ def test_a_run_of_no_length_has_nothing_to_be_warned_of(made_up_bag):
     """One sample: the evaluation window is empty, and no share of it means anything."""
     record = read_run(made_up_bag(run=MadeUpRun(duration=0.05)))
     assert record.end == record.start
-    assert [line for line in warnings(record, record.kpis()) if "in force" in line] == []
+    assert [line for line in run_warnings.warnings(record, record.kpis()) if "in force" in line] == []

@@ -69,7 +69,7 @@ def commands_of(kind: str, file: Path, out: Path) -> dict[str, list[str]]:
     name = f"{file}:1" if kind == "table" else str(file)
     commands = {
         "new": ["new", str(out / "own.yaml"), "--like", name, "--json", "-"],
-        "static": ["static", name, "--json", "-"],
+        "static": ["static", name, "--picture", str(out / "static.svg"), "--json", "-"],
     }
     return commands | ({"extremes": ["extremes", str(file), "--json", "-"]} if kind == "table" else {})
 
