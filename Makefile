@@ -33,7 +33,7 @@ run: $(VENV)/.installed  ## set up, then the calm-sea scenario for ten simulated
 test: lint  ## set up, then every check: ruff, mypy, pytest on two cores
 	$(BIN)/python -m pytest --numprocesses 2 --dist loadfile --no-loadscope-reorder $(PYTEST)
 
-validate: $(VENV)/.test-installed  ## the longest tests, and campaigns of an hour or two: 100 landings, 256 wrong beliefs of the winch and sensors and 256 of the plant too, 256 faults of sensors, 100 foreign seas, 1,000 damaged bags, 100 killed runs, 1,000 storms
+validate: $(VENV)/.test-installed  ## the longest tests, and campaigns of an hour or two: 100 landings, 256 wrong beliefs of the winch and sensors and 256 of the plant too, 256 faults of sensors, 100 foreign seas, 1,000 damaged bags, 1,000 hostile files, 100 killed runs, 200 interrupted studies, 1,000 storms
 	$(BIN)/python -m pytest -m long
 	$(BIN)/python -m tests.campaigns.landings
 	$(BIN)/python -m tests.campaigns.promise --draws 256
@@ -41,7 +41,9 @@ validate: $(VENV)/.test-installed  ## the longest tests, and campaigns of an hou
 	$(BIN)/python -m tests.campaigns.sensor_faults
 	$(BIN)/python -m tests.campaigns.seas
 	$(BIN)/python -m tests.campaigns.damaged_bags
+	$(BIN)/python -m tests.campaigns.hostile_files
 	$(BIN)/python -m tests.campaigns.killed_processes
+	$(BIN)/python -m tests.campaigns.interrupted_studies
 	$(BIN)/python -m tests.campaigns.storms
 
 lint: $(VENV)/.test-installed  ## set up, then ruff and mypy
