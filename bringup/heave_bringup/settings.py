@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
 
-from heave_node.bounded_yaml import YamlError, parse_yaml
+from heave_node.files.bounded_yaml import YamlError, parse_yaml
 from heave_node.parameters import ParameterError, describe
 from heave_node.run_parameters import RunParameters
 from heave_node.scenario import WILDCARD

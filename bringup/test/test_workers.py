@@ -12,13 +12,13 @@ from pathlib import Path
 
 import pytest
 from heave_bringup.cli import EXIT_INTERRUPTED
-from heave_bringup.workers import worker_pool
+from heave_bringup.workers.pool import worker_pool
 
 PARENT = """
 import os, sys
 sys.path.insert(0, {folder!r})
 from busy import busy
-from heave_bringup.workers import worker_pool
+from heave_bringup.workers.pool import worker_pool
 
 if __name__ == "__main__":
     with worker_pool(2) as pool:

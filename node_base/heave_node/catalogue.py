@@ -14,7 +14,7 @@ from functools import cache
 from importlib import resources
 from typing import Any
 
-from heave_node.bounded_yaml import parse_yaml
+from heave_node.files.bounded_yaml import parse_yaml
 from heave_node.parameters import Given, ParameterError
 
 KINDS = ("cable", "unit", "winch")

@@ -15,8 +15,8 @@ from typing import Any
 import yaml
 
 from heave_node.bare_words import read_bare
-from heave_node.bounded_yaml import EXPONENT, YamlError, parse_yaml
 from heave_node.catalogue import with_entries
+from heave_node.files.bounded_yaml import EXPONENT, YamlError, parse_yaml
 from heave_node.parameters import Given, ParameterError
 from heave_node.system_parameters import SYSTEM, own_name
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 import pytest
-from heave_node.bounded_yaml import DEEPEST_YAML, LARGEST_YAML, MOST_VALUES, YamlError, parse_yaml
+from heave_node.files.bounded_yaml import DEEPEST_YAML, LARGEST_YAML, MOST_VALUES, YamlError, parse_yaml
 from heave_node.parameters import ParameterError
 from heave_node.scenario import parse_sections
 

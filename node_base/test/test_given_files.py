@@ -7,8 +7,8 @@ import os
 from pathlib import Path
 
 import pytest
-from heave_node import given_files
-from heave_node.given_files import read_given
+from heave_node.files import given_files
+from heave_node.files.given_files import read_given
 
 
 def test_a_text_is_read_and_one_that_is_packed_is_unpacked(tmp_path):

@@ -6,11 +6,11 @@ import signal
 import subprocess
 import sys
 
-from heave_node.ros.start_watchdog import watched_start
+from heave_node.ros.transport.start_watchdog import watched_start
 
 STUCK = """
 import ctypes
-from heave_node.ros.start_watchdog import watched_start
+from heave_node.ros.transport.start_watchdog import watched_start
 with watched_start(1.0):
     ctypes.PyDLL(None).sleep(600)  # holds the interpreter, as the middleware does: no handler has a turn
 """

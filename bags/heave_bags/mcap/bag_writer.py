@@ -70,6 +70,26 @@ class _Topic:
     """Id in the present file; 0: not yet registered there."""
 
 
+@dataclass
+class _Lack:
+    """What is known of messages that a bag should hold and does not.
+
+    Attributes
+    ----------
+    refusal : of the disk; from then on nothing is written
+    loss : what is missing
+    saved : what the bag holds, once it was closed without being complete
+    """
+
+    refusal: StorageError | None = None
+    loss: RecordedLoss | None = None
+    saved: BagSummary | None = None
+
+    def to_custom_data(self) -> dict[str, str]:
+        """Return the loss as the bag states it; nothing where there is none."""
+        return self.loss.to_custom_data() if self.loss else {}
+
+
 class BagWriter:
     """Writes one bag. Not thread-safe.
 
@@ -112,9 +132,7 @@ class BagWriter:
         self._closed_files: list[FileSummary] = []
         self._ros_distro = ros_distro
         self._last_time = 0
-        self._refusal: StorageError | None = None
-        self._lost: RecordedLoss | None = None
-        self._salvaged: BagSummary | None = None
+        self._lack = _Lack()
         self._describe_at = 0.0
         self._has_new_topics = False
         self.closed = False
@@ -204,23 +222,23 @@ class BagWriter:
             data = known.canonical(data)
         published = log_time if publish_time is None else publish_time
         sequence = known.summary.message_count & 0xFFFFFFFF
-        if self._refusal is not None:
-            raise self._refusal
+        if self._lack.refusal is not None:
+            raise self._lack.refusal
         try:
             self._writer.write(known.channel, log_time, data, publish_time=published, sequence=sequence)
         except StorageError as error:
-            self._refusal = error
+            self._lack.refusal = error
             raise
 
     @contextmanager
     def _remembering_refusal(self) -> Iterator[None]:
         """Remember that the disk has refused something: from then on the bag is not what was written."""
-        if self._refusal is not None:
-            raise self._refusal
+        if self._lack.refusal is not None:
+            raise self._lack.refusal
         try:
             yield
         except StorageError as error:
-            self._refusal = error
+            self._lack.refusal = error
             raise
 
     def _must_split(self, log_time: int) -> bool:
@@ -271,7 +289,7 @@ class BagWriter:
         files = [*self._closed_files, self._file_summary()] if self._is_open else list(self._closed_files)
         topics = [self._topics[name].summary for name in sorted(self._topics)]
         mark = RECORDING_MARK if self._is_open else {}
-        lost = self._lost.to_custom_data() if self._lost else {}
+        lost = self._lack.to_custom_data()
         return BagSummary(files, topics, {**self._run, **mark, **lost}, self._ros_distro)
 
     def note_loss(self, reason: str, messages: int, start: int, end: int | None = None) -> None:
@@ -283,9 +301,9 @@ class BagWriter:
         messages : how many
         start, end : log times between which they lie [ns]; None: one time
         """
-        self._lost = RecordedLoss(reason, messages, start, start if end is None else end).joined(self._lost)
-        if self._salvaged is not None:
-            self._force_metadata(self._salvaged)
+        self._lack.loss = RecordedLoss(reason, messages, start, start if end is None else end).joined(self._lack.loss)
+        if self._lack.saved is not None:
+            self._force_metadata(self._lack.saved)
 
     def close(self, outcome: Mapping[str, str] | None = None) -> None:
         """Complete the bag; `outcome` goes into a metadata record of the last file. Closing twice does nothing.
@@ -321,22 +339,22 @@ class BagWriter:
         written = sum(topic.summary.message_count for topic in self._topics.values())
         try:
             saved = Bag(self.folder)
-            self._salvaged = summary_of(saved)
+            self._lack.saved = summary_of(saved)
             lost, first = written - saved.message_count, saved.end_time
         except BagError:
             return f"its {written} messages were lost with the folder"
         if not lost:
-            self._force_metadata(self._salvaged)
+            self._force_metadata(self._lack.saved)
             return "no message was lost"
         self.note_loss(self._reason(), lost, first, self._last_time)
         return f"{lost} messages from {first * 1e-9:.3f} s to {self._last_time * 1e-9:.3f} s were lost"
 
     def _reason(self) -> str:
-        words = str(self._refusal) if self._refusal else "the bag could not be completed"
+        words = str(self._lack.refusal) if self._lack.refusal else "the bag could not be completed"
         return words.replace(f"{self.folder}/", "").replace(f"{self.folder}: ", "")
 
     def _force_metadata(self, saved: BagSummary) -> None:
         """Describe the bag as it was `saved`, and what it lacks."""
-        lost = self._lost.to_custom_data() if self._lost else {}
+        lost = self._lack.to_custom_data()
         with suppress(OSError):
             force_metadata(self.folder, replace(saved, custom_data={**saved.custom_data, **lost}).to_yaml().encode())

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import yaml
-from heave_node.bounded_yaml import LARGEST_YAML, parse_yaml
+from heave_node.files.bounded_yaml import LARGEST_YAML, parse_yaml
 from mcap.records import Metadata
 
 from heave_bags.mcap.ros.qos import OfferedQos

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from heave_node.bounded_yaml import parse_yaml
+from heave_node.files.bounded_yaml import parse_yaml
 from heave_node.numerics.arrays import Array
 from scipy.interpolate import CubicSpline
 

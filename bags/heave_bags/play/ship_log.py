@@ -9,7 +9,7 @@ from datetime import datetime, timezone
 from pathlib import Path
 
 import numpy as np
-from heave_node.given_files import read_given
+from heave_node.files.given_files import read_given
 from heave_node.numerics.arrays import Array
 
 from heave_bags.errors import BagError

@@ -21,8 +21,8 @@ from heave_node.ros.diagnostics import Health, Level, diagnostic_array
 from heave_node.ros.node import steady_clock
 from heave_node.ros.node_parameters import read_parameters
 from heave_node.ros.spin import spin
-from heave_node.ros.start_watchdog import watched_start
 from heave_node.ros.transport.environment import prepare_environment
+from heave_node.ros.transport.start_watchdog import watched_start
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 import os
-from collections.abc import Iterator, Sequence
+from collections.abc import Generator, Sequence
 from concurrent.futures import as_completed
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass, field
@@ -19,7 +19,7 @@ from heave_bringup.benchmark.outcome import figures_of
 from heave_bringup.benchmark.published_cases import published_cases
 from heave_bringup.benchmark.suite_cases import suite_cases
 from heave_bringup.errors import CommandError
-from heave_bringup.workers import worker_pool
+from heave_bringup.workers.pool import worker_pool
 
 
 @functools.cache
@@ -84,7 +84,7 @@ def check(tasks: Sequence[Task]) -> None:
         case.make(task.seed, case.duration)
 
 
-def run_all(tasks: Sequence[Task], processes: int | None) -> Iterator[Result]:
+def run_all(tasks: Sequence[Task], processes: int | None) -> Generator[Result, None, None]:
     """Run `tasks` in this many `processes` (None: one per processor) and yield the results as they come.
 
     Raises CommandError where a process is killed.

@@ -30,7 +30,7 @@ from importlib import resources
 from pathlib import Path
 from typing import Any
 
-from heave_node.bounded_yaml import YamlError, parse_yaml
+from heave_node.files.bounded_yaml import YamlError, parse_yaml
 from heave_node.parameters import ParameterError
 
 from heave_bringup.campaign.plan import Campaign, Link

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Sequence
+from collections.abc import Generator, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, wait
 from concurrent.futures.process import BrokenProcessPool
 from typing import Any
@@ -13,7 +13,7 @@ from heave_node.parameters import ParameterError
 
 from heave_bringup.campaign.runs import CaseResult, Task, run_task
 from heave_bringup.errors import CommandError
-from heave_bringup.workers import worker_pool
+from heave_bringup.workers.pool import worker_pool
 
 DIED = "its process ended without a result, twice: it was killed, or out of memory"
 """What is said of a case that takes its process with it."""
@@ -22,7 +22,9 @@ IN_HAND = 2
 """Cases that a worker process has in hand: one runs, one waits."""
 
 
-def run_tasks(tasks: Sequence[Task], processes: int | None = None, dask: str | None = None) -> Iterator[CaseResult]:
+def run_tasks(
+    tasks: Sequence[Task], processes: int | None = None, dask: str | None = None
+) -> Generator[CaseResult, None, None]:
     """Run every case and yield the results as they come.
 
     Parameters

@@ -13,9 +13,9 @@ from heave_node.interface import topics
 from heave_node.interface.messages import message_type
 from heave_node.ros.process import in_namespace
 from heave_node.ros.spin import Spinner
-from heave_node.ros.start_watchdog import watched_start
 from heave_node.ros.transport.environment import prepare_environment
 from heave_node.ros.transport.qos import qos_of, reader_qos_of
+from heave_node.ros.transport.start_watchdog import watched_start
 from heave_node.tick.clock_rule import ClockRule
 from heave_node.tick.tick import seconds_of, stamp_of_seconds
 from rclpy.node import Node

@@ -17,9 +17,9 @@ from heave_msgs.msg import CompensationKpi, ControllerState, LoadCell, TickStatu
 from heave_node.interface import topics
 from heave_node.ros.process import in_namespace
 from heave_node.ros.spin import Spinner
-from heave_node.ros.start_watchdog import watched_start
 from heave_node.ros.transport.environment import prepare_environment
 from heave_node.ros.transport.qos import qos_of
+from heave_node.ros.transport.start_watchdog import watched_start
 from heave_node.tick.tick import seconds_of
 from rclpy.action import ActionClient
 from rclpy.client import Client

@@ -14,8 +14,8 @@ from heave_node.interface import topics
 from heave_node.interface.codes import without_figures
 from heave_node.ros.process import in_namespace
 from heave_node.ros.spin import Spinner
-from heave_node.ros.start_watchdog import watched_start
 from heave_node.ros.transport.qos import qos_of
+from heave_node.ros.transport.start_watchdog import watched_start
 from heave_node.ros.transport.strangers import PART as STRANGERS
 from heave_node.tick.tick import seconds_of
 from nav_msgs.msg import Odometry

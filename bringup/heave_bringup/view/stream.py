@@ -20,8 +20,8 @@ from heave_node.interface import topics
 from heave_node.interface.messages import message_type
 from heave_node.ros.process import in_namespace
 from heave_node.ros.spin import Spinner
-from heave_node.ros.start_watchdog import watched_start
 from heave_node.ros.transport.environment import prepare_environment
+from heave_node.ros.transport.start_watchdog import watched_start
 from nav_msgs.msg import Odometry
 from rclpy.node import Node
 from rclpy.parameter import Parameter

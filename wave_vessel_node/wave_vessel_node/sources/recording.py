@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from heave_node.given_files import read_given
+from heave_node.files.given_files import read_given
 from heave_node.numerics.arrays import Array
 from mcap.exceptions import McapError
 from mcap.reader import make_reader

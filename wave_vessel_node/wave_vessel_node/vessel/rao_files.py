@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 from heave_node.extras import how_to_install
-from heave_node.given_files import read_given
+from heave_node.files.given_files import read_given
 from heave_node.numerics.arrays import Array, ComplexArray
 from scipy.interpolate import CubicSpline
 

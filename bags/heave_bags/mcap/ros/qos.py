@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import yaml
-from heave_node.bounded_yaml import parse_yaml
+from heave_node.files.bounded_yaml import parse_yaml
 
 INFINITE = 9_223_372_036_854_775_807
 """A duration that never ends [ns]."""

@@ -137,7 +137,7 @@ def _settings(options: argparse.Namespace) -> dict[str, object]:
 
 def yaml_value(text: str, source: str) -> object:
     """Return the YAML value that a `text` is; raise ParameterError, naming its `source`, where it is none."""
-    from heave_node.bounded_yaml import YamlError, parse_yaml
+    from heave_node.files.bounded_yaml import YamlError, parse_yaml
 
     try:
         return parse_yaml(text, only_true_and_false=True)
