@@ -22,6 +22,8 @@ from heave_node.system_parameters import SYSTEM, own_name
 
 WILDCARD = "/**"
 PARAMETERS_KEY = "ros__parameters"
+MOST_SECTIONS = 500
+"""Sections of a file: each is matched with every node; a run has one for each of its nodes, and ten of them."""
 
 Sections = dict[str, dict[str, object]]
 """Parameter values by section and dotted parameter name, in the order of the file."""
@@ -78,6 +80,8 @@ def parse_sections(content: bytes, where: str) -> Sections:
         raise ParameterError(f"{where}: must be a mapping of node names to {PARAMETERS_KEY}")
     sections: Sections = {}
     _collect(nodes, "", where, sections)
+    if len(sections) > MOST_SECTIONS:
+        raise ParameterError(f"{where}: has {len(sections)} sections, {MOST_SECTIONS} are allowed")
     if not sections:
         raise ParameterError(f"{where}: has no parameters")
     return sections

@@ -166,6 +166,7 @@ def test_ros_finds_the_same_sections_and_lets_the_later_one_win(path, monkeypatc
         ("a: {ros__parameters: {b: 1, b: 2}}", "b appears twice, again on line 1"),
         ("a: {ros__parameters: {b: 1}}\n/a: {ros__parameters: {b: 2}}", "b appears twice, in two sections"),
         ("\xff\xfe", "is not valid YAML"),
+        ("\n".join(f"n{n}: {{ros__parameters: {{a: 1}}}}" for n in range(501)), "has 501 sections, 500 are allowed"),
     ],
 )
 def test_a_file_of_another_form_is_refused_in_one_line(path, text, words):
