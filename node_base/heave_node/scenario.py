@@ -22,6 +22,8 @@ from heave_node.system_parameters import SYSTEM, own_name
 
 WILDCARD = "/**"
 PARAMETERS_KEY = "ros__parameters"
+MOST_VALUES = 20_000
+"""Names and values of a file: all parameters of all nodes are two thousand."""
 MOST_SECTIONS = 500
 """Sections of a file: each is matched with every node; a run has one for each of its nodes, and ten of them."""
 
@@ -73,7 +75,7 @@ def parse_sections(content: bytes, where: str) -> Sections:
     Raises ParameterError as `read_sections` does.
     """
     try:
-        nodes = parse_yaml(content)
+        nodes = parse_yaml(content, most_values=MOST_VALUES)
     except YamlError as error:
         raise ParameterError(f"{where}: {error}") from error
     if not isinstance(nodes, Mapping):

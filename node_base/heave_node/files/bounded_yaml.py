@@ -121,13 +121,14 @@ def _set_up() -> None:
 _set_up()
 
 
-def parse_yaml(text: str | bytes, *, only_true_and_false: bool = False) -> Any:
+def parse_yaml(text: str | bytes, *, only_true_and_false: bool = False, most_values: int = MOST_VALUES) -> Any:
     """Return the value of a YAML text, numbers as ROS 2 reads them.
 
     Parameters
     ----------
     text : a document; bytes are UTF-8
     only_true_and_false : `off` is a word, not a truth value as ROS 2 and YAML 1.1 have it
+    most_values : names and values that it may have
 
     Raises YamlError, in one line, if it is none, exceeds a bound, or uses aliases, or tags but those of plain values.
     """
@@ -135,7 +136,7 @@ def parse_yaml(text: str | bytes, *, only_true_and_false: bool = False) -> Any:
         raise YamlError(f"it has {len(text)} characters, {LARGEST_YAML} are allowed")
     try:
         words = text if isinstance(text, str) else text.decode()
-        _check_events(words)
+        _check_events(words, most_values)
         return yaml.load(words, Loader=_WordsLoader if only_true_and_false else _RosLoader)
     except YamlError:
         raise
@@ -144,12 +145,12 @@ def parse_yaml(text: str | bytes, *, only_true_and_false: bool = False) -> Any:
         raise YamlError(f"it is not valid YAML: {complaint[:500]}") from error
 
 
-def _check_events(text: str) -> None:
+def _check_events(text: str, most_values: int) -> None:
     """Hold a text to the bounds before anything is made of it."""
     depth = 0
     for number, event in enumerate(yaml.parse(text, Loader=_RosLoader)):
-        if number > MOST_VALUES:
-            raise YamlError(f"it has more than {MOST_VALUES} values")
+        if number > most_values:
+            raise YamlError(f"it has more than {most_values} values")
         if isinstance(event, yaml.AliasEvent):
             raise YamlError("it uses aliases")
         if isinstance(event, yaml.NodeEvent) and getattr(event, "tag", None) not in (None, *_PLAIN):
