@@ -8,9 +8,9 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
-from heave_node.columns import ColumnsError, read_columns
+from heave_node.files.columns import ColumnsError, read_columns
+from heave_node.files.text_files import TextFileError, read_text
 from heave_node.numerics.arrays import Array
-from heave_node.text_files import TextFileError, read_text
 from numpy.typing import NDArray
 
 from heave_bags.errors import BagError
@@ -34,7 +34,7 @@ _UNIT = re.compile(r"\s*[\[(].*?[\])]\s*")
 
 
 class ShipLog:
-    """A text file of columns; see `heave_node.columns` for its form.
+    """A text file of columns; see `heave_node.files.columns` for its form.
 
     Parameters
     ----------
@@ -174,7 +174,9 @@ class ShipLog:
 
 def is_text(source: Path) -> bool:
     """Return whether a `source` is read as a log: a file that neither by its ending nor by its first bytes is a bag."""
-    if source.is_dir() or source.suffix.lower() in (".mcap", ".db3", ".bag", ".zstd", ".zst"):
+    if source.exists() and not source.is_file():
+        return not source.is_dir()  # a pipe is not opened: it may never end
+    if source.suffix.lower() in (".mcap", ".db3", ".bag", ".zstd", ".zst"):
         return False
     try:
         with source.open("rb") as file:
