@@ -1,4 +1,4 @@
-"""Text files that a user, or a file of somebody else, names: read as far as memory allows, and only where they end."""
+"""Files that a user, or a file of somebody else, names: read as far as memory allows, and only where they end."""
 
 from __future__ import annotations
 
@@ -6,31 +6,26 @@ import gzip
 import zlib
 from pathlib import Path
 
-LARGEST_TEXT = 128 << 20
-"""Bytes of a text file, unpacked: a day of motion at 20 Hz is half of it."""
+LARGEST_FILE = 128 << 20
+"""Bytes of a file, unpacked: a day of motion at 20 Hz is half of it."""
+_GZIP = b"\x1f\x8b"
 
 
-def read_given(path: Path, *, encoding: str = "utf-8") -> str:
-    """Return the text of the file at a `path`; of one that ends on .gz, unpacked.
+def read_given(path: Path) -> bytes:
+    """Return the content of the file at a `path`; of one that gzip has compressed, whatever its name, unpacked.
 
-    Parameters
-    ----------
-    path : of the file
-    encoding : of the text; another one is refused
-
-    Raises OSError where it cannot be read, and ValueError where it is no file (a pipe or a device may never end), or
-    larger than LARGEST_TEXT, or not text.
+    Raises OSError where it cannot be read, and ValueError where it is no file (a pipe or a device may never end),
+    larger than LARGEST_FILE, or damaged.
     """
     if path.exists() and not path.is_file():
         raise ValueError("is not a file")
-    try:
-        with gzip.open(path) if path.suffix == ".gz" else path.open("rb") as stream:
-            content = stream.read(LARGEST_TEXT + 1)
-    except (EOFError, zlib.error) as error:
-        raise ValueError(f"cannot be read to its end: {error}") from error
-    if len(content) > LARGEST_TEXT:
-        raise ValueError(f"is larger than {LARGEST_TEXT >> 20} MB")
-    try:
-        return content.decode(encoding)
-    except UnicodeDecodeError as error:
-        raise ValueError(f"is not a text file: byte {error.start} is not {encoding.upper()}") from error
+    with path.open("rb") as stream:
+        is_packed = stream.read(len(_GZIP)) == _GZIP
+        stream.seek(0)
+        try:
+            content = (gzip.GzipFile(fileobj=stream) if is_packed else stream).read(LARGEST_FILE + 1)
+        except (EOFError, zlib.error, gzip.BadGzipFile) as error:
+            raise ValueError(f"cannot be read to its end: {error}") from error
+    if len(content) > LARGEST_FILE:
+        raise ValueError(f"is larger than {LARGEST_FILE >> 20} MB")
+    return content
