@@ -1,0 +1,1 @@
+"""What core and adviser exchange: observations one way, beliefs the other. Both are frozen values."""

@@ -1,0 +1,135 @@
+"""What is believed of winch, sensors, cable and sea: the one home of belief, the adviser's answer to the core.
+
+The nominal is what the parameters say (an operator's redesign is another nominal); a `Beliefs` names what is believed
+otherwise, with the evidence, and brings the design for it. What it does not name is nominal.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from types import MappingProxyType
+from typing import NamedTuple
+
+from heave_node.numerics.arrays import Array
+
+from winch_controller_node.beliefs.quantities import (
+    ACCELERATION_IN,
+    ACCELERATION_OUT,
+    QUANTITIES,
+    SPEED_IN,
+    SPEED_OUT,
+    with_value,
+)
+from winch_controller_node.design.design import ControllerDesign
+from winch_controller_node.node_parameters import WinchControllerParameters
+
+LATENCY = 1.0
+"""What is asked at a tick is in force so long after it [s], in lockstep, in campaigns and in real time."""
+
+USED = 0.97
+"""Share that is used of a limit that was identified."""
+
+
+class Belief(NamedTuple):
+    """A quantity that is believed to be other than nominal.
+
+    Attributes
+    ----------
+    quantity : name in `QUANTITIES`
+    value, sigma : in its unit, with its standard deviation (NaN: not known)
+    nats : by how much likelier the record is than with the nominal value, price taken off
+    since : tick since which it is so
+    """
+
+    quantity: str
+    value: float
+    sigma: float = math.nan
+    nats: float = math.nan
+    since: int = 0
+
+
+class Finding(NamedTuple):
+    """Something to be reported to a person; `report` turns it into a sentence.
+
+    Attributes
+    ----------
+    code : of the kind of finding, a row of its table
+    quantity : that it is about, or the owner alone ("depth", "cable")
+    value, unit, nominal : what was found, in its unit, beside what the parameters say; NaN where there is no number
+    nats : evidence
+    since : tick
+    """
+
+    code: str
+    quantity: str
+    value: float = math.nan
+    unit: str = ""
+    nominal: float = math.nan
+    nats: float = math.nan
+    since: int = 0
+
+
+class Adopted(NamedTuple):
+    """State of the loop as the adviser's filter has it under these beliefs; the core goes on from there.
+
+    Attributes
+    ----------
+    tick : to which it belongs
+    estimate, covariance : of the states of the design, shapes (n,) and (n, n)
+    """
+
+    tick: int
+    estimate: Array
+    covariance: Array
+
+
+@dataclass(frozen=True)
+class Beliefs:
+    """An answer of the adviser.
+
+    Attributes
+    ----------
+    asked : last tick of the observations that it answers; in force from LATENCY later on
+    number : grows with each answer that differs from the one before
+    values : what is believed other than nominal, by quantity
+    excluded : sensor that is in use and contradicts all others: its readings are a cross-check only; empty: none
+    authority : largest share of the sea that may be compensated with what is known [-]
+    findings : new in this answer
+    design : for these beliefs; None: that in force stays (limits and gains of the winch need none)
+    adopted : None: the core carries its own estimate over
+    """
+
+    asked: int
+    number: int = 0
+    values: MappingProxyType[str, Belief] = field(default_factory=lambda: MappingProxyType({}))
+    excluded: str = ""
+    authority: float = 1.0
+    findings: tuple[Finding, ...] = ()
+    design: ControllerDesign | None = None
+    adopted: Adopted | None = None
+
+    def value(self, quantity: str, nominal: WinchControllerParameters) -> float:
+        """Return what is believed of a `quantity` where the parameters say `nominal`."""
+        belief = self.values.get(quantity)
+        return QUANTITIES[quantity].nominal_in(nominal) if belief is None else belief.value
+
+
+def parameters_under(beliefs: Beliefs, nominal: WinchControllerParameters) -> WinchControllerParameters:
+    """Return the parameters under `beliefs`: the `nominal` ones, with what is believed otherwise in its place.
+
+    Of a limit that was identified a little less is used, and the weaker direction counts.
+    """
+    parameters = nominal
+    for name in beliefs.values:
+        path = QUANTITIES[name].path
+        if path and name not in LIMITS:
+            parameters = with_value(parameters, path, beliefs.values[name].value)
+    for pair in ((SPEED_OUT, SPEED_IN), (ACCELERATION_OUT, ACCELERATION_IN)):
+        identified = [beliefs.values[name].value for name in pair if name in beliefs.values]
+        if identified:
+            parameters = with_value(parameters, QUANTITIES[pair[0]].path, USED * min(identified))
+    return parameters
+
+
+LIMITS = (SPEED_OUT, SPEED_IN, ACCELERATION_OUT, ACCELERATION_IN)

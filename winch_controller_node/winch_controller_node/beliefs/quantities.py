@@ -1,0 +1,95 @@
+"""What can be believed: one table of quantities, each with its unit and its place in the parameters.
+
+A quantity that no belief names has its nominal value, which is what the parameters say.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+from winch_controller_node.node_parameters import WinchControllerParameters
+
+SPEED_OUT, SPEED_IN = "winch.speed_out", "winch.speed_in"
+ACCELERATION_OUT, ACCELERATION_IN = "winch.acceleration_out", "winch.acceleration_in"
+DEADBAND, BACKLASH = "winch.deadband", "winch.backlash"
+ENCODER_SCALE, DEPTH_SCALE, MRU_SCALE = "encoder.scale", "depth.scale", "mru.scale"
+MRU_OFFSET, MRU_DELAY = "mru.offset", "mru.delay"
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """A quantity.
+
+    Attributes
+    ----------
+    name : by which messages, findings and reports know it: its owner (winch, encoder, mru, depth, cable, sea), a dot,
+        and what it is
+    unit : SI; empty for a ratio
+    path : of the parameter that holds it; empty: none does, and `nominal` is its nominal value
+    nominal : without a parameter
+    """
+
+    name: str
+    unit: str
+    path: str = ""
+    nominal: float = 0.0
+
+    @property
+    def owner(self) -> str:
+        """Part of the system that it belongs to."""
+        return self.name.partition(".")[0]
+
+    def nominal_in(self, parameters: WinchControllerParameters) -> float:
+        """Return its nominal value in `parameters`."""
+        return float(_value(parameters, self.path)) if self.path else self.nominal
+
+
+QUANTITIES = {
+    quantity.name: quantity
+    for quantity in (
+        Quantity("winch.time_constant", "s", "winch.time_constant"),
+        Quantity("winch.command_delay", "s", "winch.command_delay"),
+        Quantity("winch.speed_gain", "", "winch.speed_gain"),
+        Quantity("winch.hauling_gain", "", "winch.hauling_gain"),
+        Quantity("winch.creep", "m/s", "winch.creep"),
+        Quantity(SPEED_OUT, "m/s", "winch.speed_limit"),
+        Quantity(SPEED_IN, "m/s", "winch.speed_limit"),
+        Quantity(ACCELERATION_OUT, "m/s^2", "winch.acceleration_limit"),
+        Quantity(ACCELERATION_IN, "m/s^2", "winch.acceleration_limit"),
+        Quantity(DEADBAND, "m/s"),
+        Quantity(BACKLASH, "m"),
+        Quantity(ENCODER_SCALE, "", nominal=1.0),
+        Quantity(DEPTH_SCALE, "", nominal=1.0),
+        Quantity(MRU_SCALE, "", nominal=1.0),
+        Quantity(MRU_OFFSET, "m"),
+        Quantity(MRU_DELAY, "s"),
+        Quantity("mru.high_pass_period", "s", "sensors.mru.high_pass_period"),
+        Quantity("mru.bias_drift", "m/sqrt(s)", "sensors.mru.bias_drift"),
+        Quantity("mru.bias_sigma", "m", "sensors.mru.bias_sigma"),
+        Quantity("cable.inertia_factor", "", "cable_model.inertia_factor"),
+        Quantity("cable.damping_factor", "", "cable_model.damping_factor"),
+        Quantity("sea.significant_wave_height", "m", "sea.significant_wave_height"),
+        Quantity("sea.peak_period", "s", "sea.peak_period"),
+        Quantity("sea.swell.significant_wave_height", "m", "sea.swell.significant_wave_height"),
+        Quantity("sea.swell.peak_period", "s", "sea.swell.peak_period"),
+    )
+}
+"""All of them, by name."""
+
+
+def with_value(parameters: WinchControllerParameters, path: str, value: float) -> WinchControllerParameters:
+    """Return `parameters` with another `value` of the one at a dotted `path`."""
+    replaced: WinchControllerParameters = _replaced(parameters, path.split("."), value)
+    return replaced
+
+
+def _value(holder: Any, path: str) -> Any:
+    for name in path.split("."):
+        holder = getattr(holder, name)
+    return holder
+
+
+def _replaced(holder: Any, path: list[str], value: float) -> Any:
+    first, *rest = path
+    return replace(holder, **{first: _replaced(getattr(holder, first), rest, value) if rest else value})
