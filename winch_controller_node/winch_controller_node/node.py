@@ -39,6 +39,7 @@ from rclpy.lifecycle import LifecycleState, TransitionCallbackReturn
 from rclpy.parameter import Parameter
 from rclpy.task import Future
 
+from winch_controller_node.adviser.component import Adviser
 from winch_controller_node.component import WinchController
 from winch_controller_node.design.design import ControllerDesign
 from winch_controller_node.design_in_force import PreparedDesign
@@ -81,6 +82,7 @@ class WinchControllerNode(ParticipantNode):
         for tick in range(1, 4):
             warm_up.step(tick, Measurements())
         self.controller = self._make_controller()
+        self.adviser = Adviser(self.parameters, tick_period=self.run.tick_period)
         self.outputs_of_tick: Outputs | None = None
         self._told: dict[str, list[str]] = {}
         self._changes: dict[str, str] = {}
@@ -135,6 +137,8 @@ class WinchControllerNode(ParticipantNode):
         lateness = Lateness(self.punctuality.of_clock, self.punctuality.of_node)
         measurements = conversions.measurements(delivered, winch, water, preview, lateness)
         outputs = self.controller.step(tick.number, measurements)
+        if outputs.observations is not None:
+            self.controller.take(self.adviser.advise(outputs.observations))
         self.outputs_of_tick = outputs
         stamp = tick.start_nanoseconds
         self.command.publish(conversions.command_message(outputs.order, stamp))
@@ -200,7 +204,6 @@ class WinchControllerNode(ParticipantNode):
                 self.parameters,
                 tick_period=self.run.tick_period,
                 seed=self.run.seed,
-                designer=None if self.run.is_lockstep else self._designer,
             )
         except (DesignError, ModelError) as error:
             raise NodeError(str(error)) from error
@@ -238,7 +241,7 @@ class WinchControllerNode(ParticipantNode):
         if not self.is_active:
             response.message = INACTIVE
             return response
-        old = self.controller.parameters
+        old = self.controller.nominal
         asked = (request.significant_wave_height, request.peak_period, request.length)
         if not all(math.isfinite(value) and value >= 0.0 for value in asked):
             response.message = "significant_wave_height, peak_period and length must be at least 0"
@@ -271,6 +274,7 @@ class WinchControllerNode(ParticipantNode):
             raise ModeError("another redesign is in progress")
         controller = self.controller
         in_force: Future[None] = Future()
+        self._restated = parameters
         self._redesign_wanted = (self._designer.submit(controller.prepare_redesign, parameters), in_force)
         await in_force
         return self.controller.design
@@ -281,7 +285,7 @@ class WinchControllerNode(ParticipantNode):
             return
         (prepared, in_force), self._redesign_wanted = self._redesign_wanted, None
         try:
-            self.controller.take_redesign(prepared.result())
+            self.controller.take_redesign(prepared.result(), self._restated)
             in_force.set_result(None)
         except ValueError as error:
             in_force.set_exception(error)

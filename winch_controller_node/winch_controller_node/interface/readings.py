@@ -10,6 +10,8 @@ from heave_node.interface.codes import SensorLevel
 from heave_node.interface.preview import HeavePreview
 from heave_node.interface.sensors import MruReading
 
+from winch_controller_node.beliefs.observations import Observations
+
 
 class ScalarReading(NamedTuple):
     """One scalar: time of measurement [s] and value in the sensor's unit."""
@@ -182,6 +184,7 @@ class Outputs(NamedTuple):
     kpi : once a second; None else
     alarms : one line each
     requests : what an operator has asked for since the last tick, one line each; modes are told by themselves
+    observations : for the adviser, once a second; None else
     """
 
     order: WinchOrder
@@ -192,6 +195,7 @@ class Outputs(NamedTuple):
     kpi: RollingKpi | None = None
     alarms: tuple[str, ...] = ()
     requests: tuple[str, ...] = ()
+    observations: Observations | None = None
 
     @property
     def report(self) -> Report:
