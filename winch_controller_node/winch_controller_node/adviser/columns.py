@@ -91,6 +91,7 @@ def in_columns(
         variances=sigmas**2,
         values=values,
         unit_speed=np.abs(excerpt.tick_column("unit_rate")),
+        missing_push=excerpt.tick_column("missing_push"),
     )
     return Columns(data, index, firsts)
 

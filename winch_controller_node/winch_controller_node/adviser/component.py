@@ -26,7 +26,7 @@ from winch_controller_node.adviser.sea import likeliest_sea
 from winch_controller_node.adviser.winch import WinchAnswer, WinchIdentifier, identifies_winch
 from winch_controller_node.beliefs.beliefs import Adopted, Belief, Beliefs, EncoderScale, parameters_under, without_sea
 from winch_controller_node.beliefs.corrections import Correction, corrections
-from winch_controller_node.beliefs.observations import Observations
+from winch_controller_node.beliefs.observations import TICK_COLUMNS, Observations
 from winch_controller_node.beliefs.quantities import ENCODER_SCALE, QUANTITIES, with_value
 from winch_controller_node.design.design import ControllerDesign, design_controller
 from winch_controller_node.design.schedule import is_scheduled
@@ -325,7 +325,7 @@ class Adviser:
         readings = observations.readings[observations.readings[:, 2] == row]
         for nis in readings[np.isfinite(readings[:, -1]), -1].tolist():
             self._sea.note_surprise(nis, self._nominal.sensors.mru.rate_noise)
-        for heave, rate in ticks[:, -3:-1].tolist():
+        for heave, rate in ticks[:, [TICK_COLUMNS.index("tip_heave"), TICK_COLUMNS.index("tip_rate")]].tolist():
             self._sea.update(heave, rate)
 
     # what is believed

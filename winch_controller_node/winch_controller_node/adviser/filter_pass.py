@@ -16,6 +16,7 @@ from heave_node.numerics.compiled import kernel
 from numpy.typing import NDArray
 
 from winch_controller_node.model.drag_kernel import DOUBT, DOUBT_TIME, Drag
+from winch_controller_node.model.slack_kernel import Slack
 
 SETTLING = 15.0
 """Time at the start of a record over which innovations are not judged [s]: the state is not known yet."""
@@ -30,7 +31,7 @@ class PassModel:
     F, B, Q : transition (n, n), input (n,), covariance of the process noise of a tick (n, n)
     start : covariance of the state at the start (n, n)
     rows : of each measurement on the state of its tick, and its first and second differences over ticks (3, k, n)
-    drag : of the unit, which goes by the speed that it was seen to have
+    drag, slack : of unit and cable, which go by the speed and the slack that were seen
     state_names : of the n states
     """
 
@@ -40,6 +41,7 @@ class PassModel:
     start: Array
     rows: Array
     drag: Drag
+    slack: Slack
     state_names: tuple[str, ...]
 
 
@@ -56,6 +58,7 @@ class PassInput:
     variances : of its noise (m,)
     values : (m, c)
     unit_speed : absolute speed of the unit at each tick, by which its drag goes (t,) [m/s]
+    missing_push : by how much a linear cable would push the unit more than it did, slack, at each tick (t,) [m]
     """
 
     commands: Array
@@ -65,6 +68,7 @@ class PassInput:
     variances: Array
     values: Array
     unit_speed: Array
+    missing_push: Array
 
     def among(self, columns: NDArray[np.int64]) -> PassInput:
         """Return it with some of its `columns` only."""
@@ -110,7 +114,10 @@ def run_pass(model: PassModel, record: PassInput, used: NDArray[np.bool_]) -> Pa
     drag = model.drag
     excess = np.maximum(drag.quadratic * record.unit_speed - drag.damping, 0.0) / drag.inertia
     kept = np.exp(-0.5 * excess * drag.tick_period)
-    unknown = (DOUBT * excess * record.unit_speed) ** 2 * DOUBT_TIME * drag.tick_period
+    slack, missing = model.slack, record.missing_push
+    gives = np.where(missing > 0.0, missing / (missing + slack.largest), 0.0) * slack.tick_period / slack.inertia
+    unknown = (DOUBT * excess * record.unit_speed) ** 2 + (DOUBT * missing / slack.inertia) ** 2
+    unknown *= DOUBT_TIME * drag.tick_period
     _follow(
         np.ascontiguousarray(model.F),
         np.concatenate(filled),
@@ -121,6 +128,8 @@ def run_pass(model: PassModel, record: PassInput, used: NDArray[np.bool_]) -> Pa
         covariance,
         drag.rate,
         kept,
+        gives,
+        np.ascontiguousarray(slack.pull),
         unknown,
         record.commands,
         record.ends,
@@ -145,6 +154,8 @@ def _follow(
     P: Array,
     rate: int,
     kept: Array,
+    gives: Array,
+    pull: Array,
     unknown: Array,
     commands: Array,
     ends: NDArray[np.int64],
@@ -157,7 +168,8 @@ def _follow(
 ) -> None:
     """Kalman filter of one model, readings one after the other; x (n, c) and P (n, n) are changed in place.
 
-    The unit's rate, state `rate`, keeps a share `kept` of itself in each half tick, with an `unknown` variance.
+    The unit's rate, state `rate`, keeps a share `kept` of itself in each half tick, with an `unknown` variance, and is
+    not pushed by what a slack cable `gives` of its `pull`.
     `filled` has the columns of F that are not zero, of row i from begins[i] on: a chain of commands is nearly empty.
     """
     n, c = x.shape
@@ -182,6 +194,14 @@ def _follow(
             if B[i] != 0.0:
                 for m in range(c):
                     moved[i, m] += B[i] * commands[k, m]
+        if gives[k] > 0.0:
+            # a slack cable does not push: the row of the unit's rate loses a share of the pull
+            for j in range(n):
+                if pull[j] != 0.0:
+                    for m in range(c):
+                        moved[rate, m] -= gives[k] * pull[j] * x[j, m]
+                    for m in range(n):
+                        half[rate, m] -= gives[k] * pull[j] * P[j, m]
         x[:, :] = moved
         for i in range(n):
             for m in range(i + 1):
@@ -190,6 +210,16 @@ def _follow(
                     total += half[i, filled[place]] * F[m, filled[place]]
                 P[i, m] = total
                 P[m, i] = total
+        if gives[k] > 0.0:
+            for i in range(n):
+                less = 0.0
+                for j in range(n):
+                    less += half[i, j] * pull[j]
+                across[i] = gives[k] * less
+            for i in range(n):
+                P[i, rate] -= across[i]
+                if i != rate:
+                    P[rate, i] = P[i, rate]
         x[rate] *= kept[k]
         P[rate] *= kept[k]
         P[:, rate] *= kept[k]

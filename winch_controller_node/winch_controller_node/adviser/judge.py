@@ -32,7 +32,7 @@ from winch_controller_node.beliefs.quantities import (
 from winch_controller_node.design.design import ControllerDesign, measurement_models, model_inputs
 from winch_controller_node.model.blocks import CableModel
 from winch_controller_node.model.models import augmented_model
-from winch_controller_node.model.simulated_unit import unit_drag
+from winch_controller_node.model.simulated_unit import cable_slack, unit_drag
 from winch_controller_node.node_parameters import WinchControllerParameters
 
 HIGH_PASS, DRIFT, DRIFT_SIGMA = "mru.high_pass_period", "mru.bias_drift", "mru.bias_sigma"
@@ -434,15 +434,17 @@ def pass_model(
     The state at the start is as uncertain as in the `design` in force, or as START says.
     """
     model = augmented_model(model_inputs(parameters, cable), design.tick_period)
-    rows = np.array([known.row for known in measurement_models(parameters, model, cable)])
+    measurements = measurement_models(parameters, model, cable)
+    rows = np.array([known.row for known in measurements])
     change = rows @ model.A - rows
     start = np.diag([START.get(name, OTHER) ** 2 for name in model.state_names])
     known = [name for name in model.state_names if design.model.has_state(name) and name not in START]
     new, old = [model.state(name) for name in known], [design.model.state(name) for name in known]
     start[np.ix_(new, new)] = design.initial_covariance[np.ix_(old, old)]
     tables = np.array([rows, change, change @ model.A - change])
-    drag = unit_drag(model, cable)
-    return PassModel(model.A, model.B[:, 0], model.noise_covariance, start, tables, drag, model.state_names), model
+    drag, slack = unit_drag(model, cable), cable_slack(model, cable, measurements)
+    noise = model.noise_covariance
+    return PassModel(model.A, model.B[:, 0], noise, start, tables, drag, slack, model.state_names), model
 
 
 def accepted(

@@ -23,6 +23,7 @@ TICK_COLUMNS = (
     "tip_heave",  # estimated heave of the boom tip [m]
     "tip_rate",  # and its rate [m/s]
     "unit_rate",  # estimated heave rate of the unit, without the mean payout's share [m/s]
+    "missing_push",  # by how much more a linear cable would push the unit down than a slack one does [m]
 )
 """Columns of the table of ticks."""
 

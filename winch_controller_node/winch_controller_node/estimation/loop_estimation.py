@@ -25,6 +25,7 @@ from winch_controller_node.model.estimator import Measurement, RecordedTick, beg
 from winch_controller_node.model.loop_rows import loop_rows
 from winch_controller_node.model.seas import FIRST_WAVES, SeaTracker
 from winch_controller_node.model.simulated_unit import SimulatedUnit
+from winch_controller_node.model.slack_kernel import missing_push
 from winch_controller_node.motion.mean_motion import MeanMotion
 
 TIP_MEMORY = 30.0
@@ -83,6 +84,7 @@ class LoopEstimation:
         """Refer to a design from now on, whose model the estimator has already."""
         self._design = design
         self.observer.take_design(design)
+        self._slack = design.slack
         self._rows = loop_rows(design.model)
         self._shadow.take_cable(design.cable, design.tick_period)
         self._taut_shadow.take_cable(replace(design.cable, unit_weight=math.inf), design.tick_period)
@@ -273,6 +275,7 @@ class LoopEstimation:
             doubt=self.surprise.words,
             knows_tip=self.knows_tip,
             mean_tension=self.mean_tension.mean,
+            missing_push=missing_push(self._slack, estimate),
         )
 
     def _begin(self, payout: float) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from heave_node.interface.codes import WinchFault
 
 from winch_controller_node.beliefs.observations import BATCH, READING_COLUMNS, TICK_COLUMNS, Observations
 from winch_controller_node.estimation.loop_tick import LoopTick
@@ -66,12 +67,15 @@ class ObservationLog:
         if not self._ticks:
             self._first = loop.number
         sequence, payout, rate, brake = WinchOrder(0, 0.0, 0.0, True) if order is None else order
+        brake = brake or (winch is not None and (winch.brake or winch.fault != WinchFault.NONE))
         encoder = math.nan if observer.payout is None else observer.encoder.as_read
         taken, limits = (math.nan, 0) if winch is None else (winch.command_sequence, winch.limits_hit)
         tip, tip_rate = loop.boom_tip
         self._ticks.append(
-            (loop.command.compensating, payout, rate, sequence, brake, encoder, taken, limits)
-            + (authority, compensates, tip, tip_rate, float(loop.estimate[loop.rows.unit_states[1]]))
+            (
+                *(loop.command.compensating, payout, rate, sequence, brake, encoder, taken, limits),
+                *(authority, compensates, tip, tip_rate, loop.estimate[loop.rows.unit_states[1]], loop.missing_push),
+            )
         )
         innovations = loop.sensed.innovations
         for reading, value, share, is_used in observer.observed:
