@@ -58,7 +58,7 @@ CAUTIOUS = 0.3
 CLEAR = 4.0
 """Heave rate of a sea over the noise of the MRU from which on its period is judged."""
 
-SEA_PATIENCE, LONGER, LONGEST_SEA_PATIENCE = 5.0, 2.0, 120.0
+SEA_PATIENCE, LONGER, LONGEST_SEA_PATIENCE = 5.0, 1.3, 120.0
 """Time from one comparison of seas to the next [s], and by what it grows, to the last, while no other is found."""
 
 

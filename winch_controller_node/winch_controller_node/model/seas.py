@@ -163,6 +163,7 @@ class SeaTracker:
         else None.
         """
         self._seen += self._dt
+        self._since_judged += self._dt
         # a plain mean at first, then one that forgets
         share = self._dt / min(self._seen, MEMORY)
         self._variance += share * (heave**2 - self._variance)
@@ -180,7 +181,6 @@ class SeaTracker:
         waves = self.waves
         if waves == 0.0:
             return None
-        self._since_judged += self._dt
         is_due = waves >= JUDGED_AGAIN * self._waves_judged or self._since_judged >= MEMORY
         if not is_due and not (self.is_refuted and self._since_judged >= REFUTED_PERIOD):
             return None
