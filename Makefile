@@ -29,13 +29,17 @@ run: $(VENV)/.installed  ## set up, then the calm-sea scenario for ten simulated
 test: lint  ## set up, then every check: ruff, mypy, pytest on two cores
 	$(BIN)/python -m pytest --numprocesses 2 --dist loadfile --no-loadscope-reorder $(PYTEST)
 
-validate: $(VENV)/.test-installed  ## the longest tests, and campaigns of an hour or two: 100 landings, 256 wrong beliefs of the winch and sensors and 256 of the plant too, 256 faults of sensors, 100 foreign seas, 1,000 damaged bags, 100 killed runs, 1,000 storms
+validate: $(VENV)/.test-installed  ## the longest tests, and campaigns of two hours or three: 100 landings, 256 wrong beliefs of the winch and sensors and 256 of the plant too, 256 faults of sensors, 100 foreign seas, 192 draws of the day, 1,000 damaged bags, 100 killed runs, 1,000 storms
 	$(BIN)/python -m pytest -m long
 	$(BIN)/python -m tests.campaigns.landings
 	$(BIN)/python -m tests.campaigns.promise --draws 256
 	$(BIN)/python -m tests.campaigns.promise --draws 256 --plant
 	$(BIN)/python -m tests.campaigns.sensor_faults
 	$(BIN)/python -m tests.campaigns.seas
+	$(BIN)/python -m tests.campaigns.draws --kind few --draws 64 --told
+	$(BIN)/python -m tests.campaigns.draws --kind stacked --draws 64
+	$(BIN)/python -m tests.campaigns.draws --kind seas --draws 32
+	$(BIN)/python -m tests.campaigns.draws --kind lifts --draws 32
 	$(BIN)/python -m tests.campaigns.damaged_bags
 	$(BIN)/python -m tests.campaigns.killed_processes
 	$(BIN)/python -m tests.campaigns.storms

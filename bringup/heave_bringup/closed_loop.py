@@ -15,7 +15,8 @@ import numpy as np
 from cable_sim_node.component import CableSim
 from cable_sim_node.node_parameters import CableSimNodeParameters
 from cable_sim_node.sensors.suite import SensorReadings
-from cable_sim_node.winch.component import VirtualWinch, WinchCommand
+from cable_sim_node.winch.command_line import WinchCommand
+from cable_sim_node.winch.component import VirtualWinch
 from cable_sim_node.winch.parameters import WinchParameters
 from heave_node.interface.sensors import MRU, STANDARD_WATER, Water, all_to_wire
 from heave_node.numerics.arrays import Array
@@ -134,7 +135,7 @@ class ClosedLoop:
         self._parameters = parameters
         self.sea = WaveVessel(parameters.sea, seed=seed, tick_period=dt)
         self.plant = CableSim(parameters.plant, seed=seed, tick_period=dt)
-        self.winch = VirtualWinch(parameters.winch, tick_period=dt)
+        self.winch = VirtualWinch(parameters.winch, tick_period=dt, seed=seed)
         self.controller = WinchController(parameters.controller, tick_period=dt, seed=seed)
         self.adviser = Adviser(parameters.controller, tick_period=dt)
         self._believed_water = Water(parameters.controller.water_density, parameters.controller.gravity)

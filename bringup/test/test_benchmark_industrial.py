@@ -6,7 +6,8 @@ import math
 
 import numpy as np
 import pytest
-from cable_sim_node.winch.component import VirtualWinch, WinchCommand
+from cable_sim_node.winch.command_line import WinchCommand
+from cable_sim_node.winch.component import VirtualWinch
 from cable_sim_node.winch.parameters import EncoderParameters, WinchParameters
 from heave_bringup.benchmark.entrants.industrial import BoomTip, Industrial, Landing, WinchModel
 from heave_bringup.benchmark.interface import (

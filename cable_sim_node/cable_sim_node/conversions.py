@@ -15,7 +15,8 @@ from heave_node.interface import topics
 from heave_node.interface.sensors import WireReading
 from heave_node.numerics.kinematics import PointMotion
 
-from cable_sim_node.winch.component import WinchCommand, WinchState
+from cable_sim_node.winch.command_line import WinchCommand
+from cable_sim_node.winch.component import WinchState
 
 if TYPE_CHECKING:  # the winch converts without the plant and its solver
     from cable_sim_node.component import PlantState

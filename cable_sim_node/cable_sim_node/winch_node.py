@@ -104,7 +104,7 @@ class VirtualWinchNode(ParticipantNode):
         return [Health("drive", Level.ERROR, f"stopped by itself: {reason}; {waits}", values)]
 
     def _make_winch(self) -> VirtualWinch:
-        return VirtualWinch(self.parameters, tick_period=self.run.tick_period)
+        return VirtualWinch(self.parameters, tick_period=self.run.tick_period, seed=self.run.seed)
 
 
 def main() -> None:

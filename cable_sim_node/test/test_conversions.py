@@ -13,7 +13,8 @@ from builtin_interfaces.msg import Time
 from cable_sim_node.component import PlantState
 from cable_sim_node.parameters import SeabedParameters, SeabedProfileParameters
 from cable_sim_node.physics.seabed import Seabed
-from cable_sim_node.winch.component import VirtualWinch, WinchCommand
+from cable_sim_node.winch.command_line import WinchCommand
+from cable_sim_node.winch.component import VirtualWinch
 from cable_sim_node.winch.parameters import WinchParameters
 from heave_msgs.msg import CableState
 from heave_msgs.msg import WinchCommand as WinchCommandMessage

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from cable_sim_node.winch.component import VirtualWinch, WinchCommand
+from cable_sim_node.winch.command_line import WinchCommand
+from cable_sim_node.winch.component import VirtualWinch
 from cable_sim_node.winch.drives.interface import DriveCommand
 from cable_sim_node.winch.drives.speed_servo import SpeedServo
 from cable_sim_node.winch.parameters import WinchParameters

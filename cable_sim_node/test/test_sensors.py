@@ -300,3 +300,18 @@ def test_whatever_the_faults_readings_are_of_the_past_and_of_distinct_times(
         assert reading.time + latency <= tick * TICK + 1e-8
         stamps.append(reading.time)
     assert len(stamps) == len(set(stamps))
+
+
+def test_depth_is_read_in_whole_steps_of_the_resolution() -> None:
+    exact, coarse = (
+        Sensor(DepthSensorParameters(resolution=step), name="depth", width=1, seed=1, tick_period=TICK)
+        for step in (0.0, 0.05)
+    )
+    pairs = [
+        (one, other)
+        for tick in range(1, 400)
+        for one, other in zip(exact.step(tick, TRUTH), coarse.step(tick, TRUTH), strict=True)
+    ]
+    assert len(pairs) > 100
+    for one, other in pairs:
+        assert other.value[0] == pytest.approx(0.05 * round(one.value[0] / 0.05))

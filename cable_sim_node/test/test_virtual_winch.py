@@ -8,10 +8,11 @@ import math
 
 import numpy as np
 import pytest
-from cable_sim_node.winch.component import VirtualWinch, WinchCommand, WinchState
+from cable_sim_node.winch.command_line import WinchCommand
+from cable_sim_node.winch.component import VirtualWinch, WinchState
 from cable_sim_node.winch.drive_parameters.electric import ElectricParameters
 from cable_sim_node.winch.drive_parameters.spool import SpoolParameters
-from cable_sim_node.winch.parameters import EncoderParameters, WinchParameters
+from cable_sim_node.winch.parameters import EncoderParameters, WinchDriftParameters, WinchParameters
 from heave_node.interface.codes import WinchFault, WinchLimit, WinchRelease
 from heave_node.interface.faults import FaultParameters
 from heave_node.winch.position_loop import highest_position_gain
@@ -490,3 +491,40 @@ def test_no_command_sequence_makes_the_winch_exceed_its_limits(
     for tick in range(len(commands), len(commands) + int(4.0 / tick_period)):
         state = winch.step(tick, None)
     assert state.brake, "without commands it always ends at rest with the brake on"
+
+
+def test_jitter_moves_each_command_within_its_bounds_and_lets_none_overtake() -> None:
+    jittering = dataclasses.replace(IDEAL, command_delay=0.5, command_jitter=0.2)
+    winch, again = (VirtualWinch(jittering, tick_period=TICK, seed=3) for _ in range(2))
+    steady = VirtualWinch(dataclasses.replace(IDEAL, command_delay=0.5), tick_period=TICK)
+    usual, taken = (np.array([state.command_sequence for state in run(one, 2000)]) for one in (steady, winch))
+    behind = usual - taken
+    assert winch.refused_commands == 0
+    assert -0.2 / TICK <= behind.min() < 0 < behind.max() <= 0.2 / TICK
+    assert [state.command_sequence for state in run(again, 2000)] == taken.tolist()
+
+
+def test_creep_moves_the_drum_at_a_set_point_of_zero_but_not_under_the_brake() -> None:
+    winch = VirtualWinch(dataclasses.replace(IDEAL, creep=0.02), tick_period=TICK)
+    assert run(winch, 100)[-1].payout_rate == pytest.approx(0.02)
+    assert run(winch, 100, rate=0.5)[-1].payout_rate == pytest.approx(0.52)
+    assert run(winch, 100, brake=True)[-1].payout_rate == 0.0
+
+
+def test_gain_and_limits_drift_in_a_straight_line_and_stay() -> None:
+    drift = WinchDriftParameters(start=10.0, duration=20.0, gain=0.8, speed=0.5, acceleration=0.25)
+    parameters = dataclasses.replace(IDEAL, speed_limit=2.0, acceleration_limit=1.0, stop_deceleration=1.0, drift=drift)
+    winch = VirtualWinch(parameters, tick_period=TICK)
+    rates = np.array([state.payout_rate for state in run(winch, 1000, rate=0.5)])
+    # a lag of 0.15 s behind a gain that falls by 0.2 in 20 s: 0.5 * 0.01 * 0.15 is less than a millimetre a second
+    assert rates[199] == pytest.approx(0.5, abs=1e-3)
+    assert rates[399] == pytest.approx(0.5 * 0.9, abs=1e-3)
+    assert rates[-1] == pytest.approx(0.5 * 0.8, abs=1e-6)
+    fast = [state.payout_rate for state in run(winch, 100, rate=5.0)]
+    assert max(np.diff(fast)) / TICK == pytest.approx(0.25)
+    assert fast[-1] == pytest.approx(1.0)
+
+
+def test_only_the_servo_drifts() -> None:
+    with pytest.raises(ValueError, match="is one of drive = speed_servo"):
+        WinchParameters(drive="pump_controlled", drift=WinchDriftParameters(duration=5.0))

@@ -104,6 +104,21 @@ class Draw:
 def draw(number: int) -> Draw:
     """Return draw `number`."""
     random = np.random.default_rng([17, 256, number])
+    sensor, kind, magnitude = drawn_fault(random)
+    return Draw(
+        number=number,
+        scenario=str(random.choice(SCENARIOS)),
+        law=str(random.choice(LAWS)),
+        sensor=sensor,
+        kind=kind,
+        start=0.0 if random.random() < 0.3 else round(float(random.uniform(40.0, 150.0)), 2),
+        duration=0.0 if random.random() < 0.5 else round(float(random.uniform(2.0, 80.0)), 2),
+        magnitude=magnitude,
+    )
+
+
+def drawn_fault(random: np.random.Generator) -> tuple[str, str, float]:
+    """Return which sensor is at fault, how, and the magnitude of that."""
     sensor = str(random.choice(list(GROUPS)))
     kind = str(random.choice([kind for kind in KINDS if kind not in NOT_OF.get(sensor, ())]))
     sign = -1.0 if random.random() < 0.3 else 1.0
@@ -113,16 +128,7 @@ def draw(number: int) -> Draw:
         "spike": sign * random.uniform(0.05, 30.0) * (1e4 if sensor == "load_cell" else 1.0),
         "delay": random.uniform(0.05, 3.0),
     }.get(kind, 0.0)
-    return Draw(
-        number=number,
-        scenario=str(random.choice(SCENARIOS)),
-        law=str(random.choice(LAWS)),
-        sensor=sensor,
-        kind=kind,
-        start=0.0 if random.random() < 0.3 else round(float(random.uniform(40.0, 150.0)), 2),
-        duration=0.0 if random.random() < 0.5 else round(float(random.uniform(2.0, 80.0)), 2),
-        magnitude=round(float(magnitude), 3),
-    )
+    return sensor, kind, round(float(magnitude), 3)
 
 
 @dataclass(frozen=True)

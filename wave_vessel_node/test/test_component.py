@@ -1,3 +1,4 @@
+import dataclasses
 import math
 
 import numpy as np
@@ -5,7 +6,13 @@ import pytest
 from heave_node.numerics.linear_model import output_sigma, output_spectrum
 from heave_node.parameters import ParameterError, build_parameters, describe
 from wave_vessel_node.component import WaveVessel
-from wave_vessel_node.parameters import CourseParameters, DriftParameters, VesselParameters, WaveVesselParameters
+from wave_vessel_node.parameters import (
+    CourseParameters,
+    DriftParameters,
+    LaterSeaParameters,
+    VesselParameters,
+    WaveVesselParameters,
+)
 from wave_vessel_node.sea.shaping_filter import shaping_filter
 from wave_vessel_node.sea.spectra import Bretschneider
 from wave_vessel_node.sources.filtered import FilterSource
@@ -32,6 +39,10 @@ KINDS = {
     "rao": WaveVesselParameters(vessel=RAO, ramp=5.0, direction=2.0),
     "fitted": WaveVesselParameters(vessel=VesselParameters(model="fitted"), ramp=5.0, direction=2.0),
     "drift": WaveVesselParameters(drift=DriftParameters(standard_deviation=(2.0, 1.0)), ramp=5.0),
+    "later sea": WaveVesselParameters(
+        ramp=5.0,
+        later_sea=LaterSeaParameters(significant_wave_height=2.0, peak_period=6.0, start=5.0, duration=10.0),
+    ),
     "turn": WaveVesselParameters(
         vessel=RAO,
         ramp=5.0,
@@ -175,3 +186,30 @@ def test_parameters_that_cannot_work_are_refused_in_one_line(values, says):
         build_parameters(WaveVesselParameters, values, where="my.yaml: wave_vessel")
     assert "\n" not in str(error.value)
     assert str(error.value).startswith("my.yaml: wave_vessel")
+
+
+def test_a_later_sea_is_none_before_it_begins_and_all_there_is_once_it_has_come():
+    first = WaveVesselParameters(ramp=0.0, significant_wave_height=1.0, peak_period=6.0)
+    later = LaterSeaParameters(significant_wave_height=3.0, peak_period=12.0, start=100.0, duration=50.0)
+    alone, changing = (
+        record(parameters, 40_000)[0, :, 2] for parameters in (first, dataclasses.replace(first, later_sea=later))
+    )
+    assert np.array_equal(changing[: round(100.0 / DT) - 2], alone[: round(100.0 / DT) - 2])
+    # 1,850 s of a sea of 12 s are some 300 independent values of its height: 5 sigma are 5 / sqrt(2 * 300)
+    vessel = WaveVessel(
+        dataclasses.replace(first, significant_wave_height=3.0, peak_period=12.0), seed=1, tick_period=DT
+    )
+    promised = math.sqrt(float(np.trapezoid(*_heave_spectrum(vessel))))
+    assert np.std(changing[round(150.0 / DT) :]) == pytest.approx(promised, rel=5 / math.sqrt(600))
+
+
+def _heave_spectrum(vessel):
+    """Return the spectrum of the boom tip's heave and its frequencies, from those of the sea and the vessel."""
+    omega = np.linspace(0.1, 5.0, 4000)
+    scene = vessel._scene
+    return scene.spectrum.density(omega) * scene.power_response(omega), omega
+
+
+def test_a_later_sea_needs_a_sea():
+    with pytest.raises(ValueError, match="later_sea needs a sea"):
+        WaveVesselParameters(boom_tip_source="regular", later_sea=LaterSeaParameters(duration=10.0))

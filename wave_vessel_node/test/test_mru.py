@@ -240,3 +240,38 @@ def test_a_rate_changes_no_other_number():
 def test_faults_that_the_unit_cannot_have_are_refused(kind, magnitude):
     with pytest.raises(ValueError, match=r"mru.faults: (a fault of kind drive|the magnitude of kind delay)"):
         MruParameters(faults=fault(kind, 1.0, 1.0, magnitude))
+
+
+def test_a_stamp_that_is_early_makes_readings_newer_than_they_say():
+    """The reading of a tick is delivered in it, with a stamp 0.13 s before: any time, not whole ticks."""
+    heave = sine(0.7)
+    reading = run(MruParameters(stamp_error=-0.13, **SILENT), 20, heave)[-1]
+    assert reading.time == pytest.approx(20 * DT - 0.13)
+    assert reading.heave == pytest.approx(heave(20 * DT)[0])
+
+
+def test_a_delay_of_parts_of_a_tick_comes_with_the_next_tick():
+    heave = sine(0.7)
+    reading = run(MruParameters(stamp_error=0.12, **SILENT), 20, heave)[-1]
+    assert reading.time == pytest.approx(17 * DT + 0.12)
+    assert reading.heave == pytest.approx(heave(17 * DT)[0])
+
+
+def test_readings_come_in_whole_steps_of_the_resolution():
+    exact = run(MruParameters(), 200, sine(0.7))
+    coarse = run(MruParameters(resolution=0.01, rate_resolution=0.02), 200, sine(0.7))
+    for one, other in zip(coarse, exact, strict=True):
+        assert one.heave == pytest.approx(0.01 * round(other.heave / 0.01))
+        assert one.heave_rate == pytest.approx(0.02 * round(other.heave_rate / 0.02))
+        assert one.heave_acceleration == other.heave_acceleration
+
+
+def test_noise_that_wanders_has_its_deviation_and_time_and_disturbs_no_other_number():
+    time = 1.0
+    plain, wandering = run(MruParameters(), 60_000), run(MruParameters(wander=0.05, wander_time=time), 60_000)
+    error = np.array([one.heave - other.heave for one, other in zip(wandering, plain, strict=True)])
+    # 3,000 s hold 1,500 independent samples of a Gauss-Markov process of 1 s: 5 sigma are 5 / sqrt(2 * 1500)
+    assert error.std() == pytest.approx(0.05, rel=5 / math.sqrt(3000))
+    late = round(time / DT)
+    assert np.corrcoef(error[:-late], error[late:])[0, 1] == pytest.approx(math.exp(-1.0), abs=5 / math.sqrt(1500))
+    assert [one.heave_rate for one in wandering] == [one.heave_rate for one in plain]

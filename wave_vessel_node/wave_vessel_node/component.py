@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from heave_node.interface.preview import HeavePreview
@@ -16,12 +16,15 @@ from wave_vessel_node.mru.sea_state_estimate import SeaStateEstimate, SeaStateEs
 from wave_vessel_node.parameters import WaveVesselParameters
 from wave_vessel_node.sea.sea import SeaState, describe_sea
 from wave_vessel_node.source_registry import SOURCES
-from wave_vessel_node.sources.layers import CourseSource, DriftingSource, RampedSource
+from wave_vessel_node.sources.layers import ChangingSource, CourseSource, DriftingSource, RampedSource
 from wave_vessel_node.sources.motion_source import MotionSource
 from wave_vessel_node.sources.preview import PreviewSource
 from wave_vessel_node.sources.scene import Scene, build_scene
 from wave_vessel_node.vessel.fit import VesselFit
 from wave_vessel_node.vessel.motion import VesselMotion, lever_arm_matrix, point_motion
+
+OTHER_WAVES = 1_000_003
+"""The waves of a later sea are those of a seed so much higher."""
 
 
 @dataclass(frozen=True)
@@ -69,7 +72,7 @@ class WaveVessel:
         self._scene = build_scene(parameters, seed, tick_period)
         self.warnings = self._scene.warnings
         waves: MotionSource = SOURCES[parameters.boom_tip_source].load()(self._scene)
-        self._source = _with_course_drift_and_ramp(waves, self._scene)
+        self._source = _with_change_course_drift_and_ramp(waves, self._scene)
         self._lever = lever_arm_matrix(self._scene.boom_tip_arm)
         self._sea_state = describe_sea(parameters, self._scene.spectrum, waves.nominal_sea(), seed)
         self.mru = MotionReferenceUnit(parameters.mru, seed=seed, tick_period=tick_period)
@@ -126,7 +129,7 @@ class WaveVessel:
     def _build_preview(self) -> PreviewSource:
         """Let the same sea run once more, ahead of this one; sources are asked in the order of their ticks."""
         scene = build_scene(self.parameters, self._scene.seed, self._scene.tick_period)
-        ahead = _with_course_drift_and_ramp(SOURCES[self.parameters.boom_tip_source].load()(scene), scene)
+        ahead = _with_change_course_drift_and_ramp(SOURCES[self.parameters.boom_tip_source].load()(scene), scene)
         ahead.motion(1)
 
         def heave_at(tick: int) -> float:
@@ -155,9 +158,14 @@ class WaveVessel:
         )
 
 
-def _with_course_drift_and_ramp(source: MotionSource, scene: Scene) -> MotionSource:
-    """Return the motion of a source on its course, with slow drift, from rest."""
+def _with_change_course_drift_and_ramp(source: MotionSource, scene: Scene) -> MotionSource:
+    """Return the motion of a source that goes over into a later sea, on its course, with slow drift, from rest."""
     parameters = scene.parameters
+    later = parameters.later_sea
+    if later.duration > 0.0:
+        sea = replace(parameters, significant_wave_height=later.significant_wave_height, peak_period=later.peak_period)
+        then = SOURCES[parameters.boom_tip_source].load()(build_scene(sea, scene.seed + OTHER_WAVES, scene.tick_period))
+        source = ChangingSource(source, then, later.start, later.duration, scene.tick_period)
     if scene.spectrum is not None:
         source = CourseSource(source, scene.course)
     if any(parameters.drift.standard_deviation):

@@ -62,6 +62,22 @@ class SeaParameters:
 
 
 @dataclass(frozen=True)
+class LaterSeaParameters:
+    """Another sea of the same spectrum and direction, into which the first one goes over."""
+
+    significant_wave_height: float = parameter(
+        1.0, unit="m", minimum=0.0, maximum=25.0, description="Significant wave height of the later sea."
+    )
+    peak_period: float = parameter(
+        8.0, unit="s", minimum=1.0, maximum=40.0, description="Peak period of the later sea."
+    )
+    start: float = parameter(0.0, unit="s", minimum=0.0, description="Time at which the change begins.")
+    duration: float = parameter(
+        0.0, unit="s", minimum=0.0, maximum=1e5, description="How long the change takes; 0: there is no later sea."
+    )
+
+
+@dataclass(frozen=True)
 class SpreadingParameters:
     """Directional spreading of the wave energy."""
 
@@ -198,6 +214,26 @@ class MruParameters:
         maximum=1.0,
         description="White noise of heave rate: standard deviation of each reading.",
     )
+    wander: float = parameter(
+        0.0,
+        unit="m",
+        minimum=0.0,
+        maximum=10.0,
+        description="Error of heave that is not white, a first-order Gauss-Markov process: standard deviation.",
+    )
+    wander_time: float = parameter(
+        60.0,
+        unit="s",
+        minimum=0.01,
+        maximum=1e4,
+        description="Time constant of wander: a second colours the noise, a minute lets the zero drift.",
+    )
+    resolution: float = parameter(
+        0.0, unit="m", minimum=0.0, maximum=1.0, description="Step of the readings of heave; 0 means none."
+    )
+    rate_resolution: float = parameter(
+        0.0, unit="m/s", minimum=0.0, maximum=1.0, description="Step of the readings of heave rate; 0 means none."
+    )
     high_pass_period: float = parameter(
         0.0,
         unit="s",
@@ -223,7 +259,12 @@ class MruParameters:
         0.0, unit="s", minimum=0.0, maximum=5.0, description="Delay of a reading, which its stamp accounts for."
     )
     stamp_error: float = parameter(
-        0.0, unit="s", minimum=0.0, maximum=5.0, description="Additional delay, which the stamp does not account for."
+        0.0,
+        unit="s",
+        minimum=-5.0,
+        maximum=5.0,
+        description="Time by which the stamp is late: above 0 an additional delay that it does not account for, below "
+        "0 readings are newer than their stamp.",
     )
     settling_periods: float = parameter(
         10.0,
@@ -342,6 +383,7 @@ class WaveVesselParameters(SeaParameters):
         maximum=6.3,
         description="Direction the waves travel to, from world x, anticlockwise; pi is a head sea for heading 0.",
     )
+    later_sea: LaterSeaParameters = group(LaterSeaParameters)
     spreading: SpreadingParameters = group(SpreadingParameters)
     components: int = parameter(
         800, unit="", minimum=1, maximum=20000, description="Number of components of the source spectrum."
@@ -389,6 +431,10 @@ class WaveVesselParameters(SeaParameters):
             raise ValueError(
                 "a turn or change of speed needs a sea; it cannot be combined with boom_tip_source = "
                 f"{self.boom_tip_source}"
+            )
+        if not source.has_sea and self.later_sea.duration > 0.0:
+            raise ValueError(
+                f"later_sea needs a sea; it cannot be combined with boom_tip_source = {self.boom_tip_source}"
             )
         if not source.has_sea and self.vessel.model == "fitted":
             raise ValueError(

@@ -48,6 +48,7 @@ class View(NamedTuple):
     bias : constant error of each value, or of all
     extra_latency : of a sample taken now, beyond the sensor's own [s]
     is_available : False: the sensor cannot measure now
+    resolution : to which readings are rounded; 0: they are not
     """
 
     value: Array
@@ -55,6 +56,7 @@ class View(NamedTuple):
     bias: Array | float = 0.0
     extra_latency: float = 0.0
     is_available: bool = True
+    resolution: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -93,10 +95,13 @@ class DepthSensorParameters(SensorParameters):
         0.02, unit="m", minimum=0.0, maximum=100.0, description="Standard deviation of white noise, in depth."
     )
     bias: float = parameter(0.0, unit="m", minimum=-1000.0, maximum=1000.0, description="Constant error, in depth.")
+    resolution: float = parameter(
+        0.0, unit="m", minimum=0.0, maximum=10.0, description="Step of its readings, in depth; 0 means none."
+    )
 
     def view(self, truth: SensorTruth) -> View:
         """See the depth, positive down from still water [m]."""
-        return View(-truth.position[2:], self.noise, self.bias)
+        return View(-truth.position[2:], self.noise, self.bias, resolution=self.resolution)
 
 
 @dataclass(frozen=True)

@@ -14,6 +14,7 @@ import numpy as np
 from heave_node.interface.faults import TIME_TOLERANCE, FaultSchedule, FaultyValues
 from heave_node.interface.sensors import Reading
 from heave_node.numerics.arrays import Array
+from heave_node.numerics.quantisation import quantised
 from heave_node.numerics.randomness import random_stream
 
 from cable_sim_node.sensors.instruments import SensorParameters, SensorTruth, View
@@ -72,7 +73,8 @@ class Sensor:
         """Put what the sensor says at `time` on its way."""
         sigma = view.sigma * self._ones
         right = view.value * (1.0 + self._parameters.scale_error) + view.bias + sigma * noise
-        reading = Reading(time, self._faulty_values.apply(time, right), sigma)
+        read = self._faulty_values.apply(time, right)
+        reading = Reading(time, quantised(read, view.resolution) if view.resolution > 0.0 else read, sigma)
         delay = self._parameters.latency + view.extra_latency + self.faults.total("delay", time)
         self._under_way.append((time + delay, reading))
 

@@ -14,7 +14,8 @@ State: payout u [m] (positive lets out) and its rate v [m/s], both 0 at the star
 - `electric`, `pump_controlled`, `valve_controlled`: drives with inertia, torque or pressure, friction, power and a
   speed loop of their own, on which the cable's tension acts back (`cable_sim_node.winch.drives`).
 
-The command of tick k takes effect exactly at t_k + tau, tau = command_delay, also where that falls inside a tick.
+The command of tick k takes effect exactly at t_k + tau, tau = command_delay, also where that falls inside a tick; with
+command_jitter each has a tau of its own, uniform about it, but none takes effect before the one sent before it.
 
 What a drive may do otherwise than its controller believes: limits towards hauling in that are lower than those towards
 paying out, a gain other than 1 from set-point to speed, a dead zone of the set-point, play in the encoder's gear, and
@@ -44,13 +45,12 @@ from typing import NamedTuple
 import numpy as np
 from heave_node.interface.codes import WinchFault, WinchLimit, WinchRelease
 from heave_node.interface.faults import FaultSchedule, FaultyValues
+from heave_node.numerics.quantisation import quantised
 
 from cable_sim_node.winch.choice import make_drive
+from cable_sim_node.winch.command_line import CommandLine, WinchCommand, round_to_tick
 from cable_sim_node.winch.drives.interface import Drive, DriveCommand
 from cable_sim_node.winch.parameters import EncoderParameters, WinchParameters
-
-_TICK_ROUNDING = 1e-6
-"""An event this near to a tick [ticks] is at the tick: delay/tick_period is a rounded quotient."""
 
 
 class _Mode(enum.Enum):
@@ -62,26 +62,6 @@ class _Mode(enum.Enum):
     """Come to rest at a constant deceleration."""
     HOLD = enum.auto()
     """At rest, brake engaged."""
-
-
-class WinchCommand(NamedTuple):
-    """What the winch shall do from the start of its tick on, until the next command.
-
-    Attributes
-    ----------
-    sequence : counts commands from 1
-    payout, payout_rate : set-points [m], [m/s]
-    brake : stop within the limits, then hold with the brake
-    """
-
-    sequence: int
-    payout: float = 0.0
-    payout_rate: float = 0.0
-    brake: bool = False
-
-    def is_finite(self) -> bool:
-        """Return whether both set-points are finite numbers."""
-        return math.isfinite(self.payout) and math.isfinite(self.payout_rate)
 
 
 class WinchState(NamedTuple):
@@ -136,7 +116,7 @@ class Encoder:
         """Return the reading [m] of the true `payout` [m] at `time` [s]; NaN under a nan fault."""
         self._position = min(max(self._position, payout - self._play), payout + self._play)
         value = float(self._faulty_values.apply(time, np.array([self._position]))[0])
-        return value if self._resolution == 0.0 else self._resolution * float(np.rint(value / self._resolution))
+        return value if self._resolution == 0.0 else float(quantised(np.array(value), self._resolution))
 
 
 class VirtualWinch:
@@ -146,6 +126,7 @@ class VirtualWinch:
     ----------
     parameters : the winch
     tick_period : [s]
+    seed : of the jitter
 
     Attributes
     ----------
@@ -153,7 +134,7 @@ class VirtualWinch:
     refused_commands : commands that were neither fresh nor the newest one again, so far
     """
 
-    def __init__(self, parameters: WinchParameters, *, tick_period: float) -> None:
+    def __init__(self, parameters: WinchParameters, *, tick_period: float, seed: int = 0) -> None:
         self._parameters = parameters
         self._drive: Drive | None = make_drive(parameters, 0.0) if parameters.drive == "speed_servo" else None
         self._tick_period = tick_period
@@ -168,8 +149,7 @@ class VirtualWinch:
         self._mode = _Mode.HOLD
         self._fault = WinchFault.NONE
         self._is_acknowledged = False
-        self._line: list[tuple[float, WinchCommand]] = []
-        self._newest_sent: WinchCommand | None = None
+        self._line = CommandLine(parameters, self.faults, tick_period=tick_period, seed=seed)
         self._command = WinchCommand(0)
         self._command_since = 0.0
         self._reading = self.encoder.read(0.0, self._payout)
@@ -196,7 +176,7 @@ class VirtualWinch:
         """
         if tick < self.tick:
             raise ValueError(f"virtual winch: tick {tick} is over; the next one is {self.tick}")
-        self._send(tick, command)
+        self._line.send(tick, command)
         previous_reading = self._reading
         ticks = tick + 1 - self.tick
         limits, acceleration = self._advance_to(float(tick + 1), tension)
@@ -204,16 +184,6 @@ class VirtualWinch:
         reading_rate = (self._reading - previous_reading) / (ticks * self._tick_period)
         self.state = self._make_state(acceleration, limits, tension, reading_rate)
         return self.state
-
-    def _send(self, tick: int, command: WinchCommand | None) -> None:
-        """Put a command on its way to the drive."""
-        time = tick * self._tick_period
-        if command is None or command == self._newest_sent or self.faults.is_active("gap", time):
-            return
-        self._newest_sent = command
-        delay = self._parameters.command_delay + self.faults.total("delay", time)
-        self._line.append((_round_to_tick(tick + delay / self._tick_period), command))
-        self._line.sort(key=lambda entry: entry[0])
 
     def _advance_to(self, end: float, tension: float) -> tuple[WinchLimit, float]:
         """Move the drum to `end` [ticks], event by event; return the limits that acted and the last acceleration."""
@@ -230,8 +200,8 @@ class VirtualWinch:
     def _handle_events(self) -> None:
         """Do what is due now: commands first, so that one at the very deadline is in time; then watchdog and faults."""
         time = self._now * self._tick_period
-        while self._line and self._line[0][0] <= self._now:
-            self._take(self._line.pop(0)[1])
+        while (command := self._line.take(self._now)) is not None:
+            self._take(command)
         if self._mode is _Mode.FOLLOW and self._now >= self._deadline():
             self._trip(WinchFault.COMMAND_TIMEOUT)
         if self.faults.is_active("drive", time):
@@ -242,15 +212,15 @@ class VirtualWinch:
     def _next_event(self) -> float:
         """Return the time of the next event after now [ticks]."""
         start = self.faults.next_start(("drive", "emergency_stop"), self._now * self._tick_period)
-        events = [_round_to_tick(start / self._tick_period) if math.isfinite(start) else math.inf]
-        events += [effect for effect, _ in self._line[:1]]
+        events = [round_to_tick(start / self._tick_period) if math.isfinite(start) else math.inf]
+        events.append(self._line.next_effect)
         if self._mode is _Mode.FOLLOW:
             events.append(self._deadline())
         return min((event for event in events if event > self._now), default=math.inf)
 
     def _deadline(self) -> float:
         """Return when the watchdog trips [ticks]."""
-        return _round_to_tick(self._command_since + self._parameters.command_timeout / self._tick_period)
+        return round_to_tick(self._command_since + self._parameters.command_timeout / self._tick_period)
 
     def _take(self, command: WinchCommand) -> None:
         """Let a command take effect."""
@@ -329,9 +299,3 @@ class VirtualWinch:
         if not self._is_acknowledged:
             return WinchRelease.BRAKE_REQUEST
         return WinchRelease.COMMAND if self._mode is _Mode.HOLD else WinchRelease.STANDSTILL
-
-
-def _round_to_tick(time: float) -> float:
-    """Return `time` [ticks], or the tick it is at but for rounding."""
-    nearest = float(round(time))
-    return nearest if abs(time - nearest) < _TICK_ROUNDING else time

@@ -8,7 +8,7 @@ from typing import NamedTuple
 from heave_node.interface.codes import WinchLimit
 from numba import njit
 
-from cable_sim_node.winch.parameters import WinchParameters
+from cable_sim_node.winch.parameters import WinchDriftParameters, WinchParameters
 
 FOLLOW_SPEED = 0
 """Speed servo: v' = (v_set - v)/T with v_set = rate_setpoint + k_p (payout_setpoint - u)."""
@@ -117,6 +117,7 @@ class DriveSettings(NamedTuple):
     u_min, u_max : payout range [m]
     speed_gain, deadband : of the servo: what it makes of a set-point [-], and below which one it does nothing [m/s]
     hauling_speed_share, hauling_acceleration_share : limits towards hauling in over those towards paying out [-]
+    creep : speed at a set-point of 0 [m/s]
     """
 
     speed_limit: float
@@ -131,6 +132,7 @@ class DriveSettings(NamedTuple):
     deadband: float
     hauling_speed_share: float
     hauling_acceleration_share: float
+    creep: float
 
 
 def settings_of(parameters: WinchParameters) -> DriveSettings:
@@ -149,6 +151,17 @@ def settings_of(parameters: WinchParameters) -> DriveSettings:
         deadband=p.speed_deadband,
         hauling_speed_share=p.hauling_speed_share,
         hauling_acceleration_share=p.hauling_acceleration_share,
+        creep=p.creep,
+    )
+
+
+def drifted(settings: DriveSettings, drift: WinchDriftParameters, time: float) -> DriveSettings:
+    """Return what `settings` have become by `time` [s] through a `drift`."""
+    share = drift.share(time)
+    return settings._replace(
+        speed_gain=settings.speed_gain * (1.0 + share * (drift.gain - 1.0)),
+        speed_limit=settings.speed_limit * (1.0 + share * (drift.speed - 1.0)),
+        acceleration_limit=settings.acceleration_limit * (1.0 + share * (drift.acceleration - 1.0)),
     )
 
 
@@ -191,7 +204,7 @@ def advance_drum(
             next_u, next_v = _stop_substep(u, v, settings.stop_deceleration, h)
         elif mode == FOLLOW_SPEED:
             demand = rate_set + settings.position_gain * (payout_set - u - 0.5 * v * h)
-            demand = settings.speed_gain * _beyond_deadband(demand, settings.deadband)
+            demand = settings.speed_gain * _beyond_deadband(demand, settings.deadband) + settings.creep
             v_set = _limited(demand, largest_speed, largest_hauling)
             if v_set != demand:
                 reached = settings.speed_limit if demand > 0.0 else settings.hauling_speed_share * settings.speed_limit

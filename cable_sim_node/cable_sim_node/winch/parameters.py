@@ -36,6 +36,31 @@ class EncoderParameters:
 
 
 @dataclass(frozen=True)
+class WinchDriftParameters:
+    """What changes slowly while the winch works: a supply that runs down, oil that grows warm.
+
+    Each value goes in a straight line over `duration` from that of the start to a factor of it, and stays there.
+    """
+
+    start: float = parameter(0.0, unit="s", minimum=0.0, description="When the drift begins, simulated time.")
+    duration: float = parameter(
+        0.0, unit="s", minimum=0.0, maximum=1e5, description="How long it takes; 0 means no drift."
+    )
+    gain: float = parameter(1.0, unit="", minimum=0.1, maximum=3.0, description="Factor reached on speed_gain.")
+    speed: float = parameter(1.0, unit="", minimum=0.05, maximum=2.0, description="Factor reached on speed_limit.")
+    acceleration: float = parameter(
+        1.0, unit="", minimum=0.05, maximum=2.0, description="Factor reached on acceleration_limit."
+    )
+
+    def __post_init__(self) -> None:
+        check_ranges(self)
+
+    def share(self, time: float) -> float:
+        """Return how much of the drift has come about at `time` [s], 0 to 1."""
+        return min(max((time - self.start) / self.duration, 0.0), 1.0) if self.duration > 0.0 else 0.0
+
+
+@dataclass(frozen=True)
 class WinchParameters:
     """The winch: how it answers a command, what it cannot exceed, and when it stops by itself.
 
@@ -71,6 +96,14 @@ class WinchParameters:
     )
     command_delay: float = parameter(
         0.2, unit="s", minimum=0.0, maximum=60.0, description="Time from the start of a command's tick to its effect."
+    )
+    command_jitter: float = parameter(
+        0.0,
+        unit="s",
+        minimum=0.0,
+        maximum=10.0,
+        description="Largest deviation of each command's delay from command_delay, either way, uniform; none overtakes "
+        "another.",
     )
     speed_limit: float = parameter(2.0, unit="m/s", minimum=1e-3, maximum=100.0, description="Largest payout speed.")
     acceleration_limit: float = parameter(
@@ -112,6 +145,13 @@ class WinchParameters:
         maximum=1.0,
         description="Speed servo: dead zone; only the part of a set-point beyond it takes effect.",
     )
+    creep: float = parameter(
+        0.0,
+        unit="m/s",
+        minimum=-1.0,
+        maximum=1.0,
+        description="Speed servo: speed at a set-point of 0, added at every other; the brake holds all the same.",
+    )
     drum_radius_error: float = parameter(
         0.0,
         unit="",
@@ -144,6 +184,8 @@ class WinchParameters:
     pump_controlled: PumpControlledParameters = group(PumpControlledParameters)
     valve_controlled: ValveControlledParameters = group(ValveControlledParameters)
     encoder: EncoderParameters = group(EncoderParameters)
+    drift: WinchDriftParameters = group(WinchDriftParameters)
+    """Speed servo only."""
     faults: FaultParameters = group(FaultParameters)
     """Faults of the command line (`gap`, `delay`), of the drive (`drive`), and the `emergency_stop`."""
 
@@ -167,6 +209,8 @@ class WinchParameters:
         self._check_position_loop()
         if self.drive != "speed_servo" and self.law != "speed_servo":
             raise ValueError(f"law = {self.law} is one of drive = speed_servo; drive = {self.drive} follows a speed")
+        if self.drift.duration > 0.0 and self.drive != "speed_servo":
+            raise ValueError(f"drift.duration = {self.drift.duration:g} s is one of drive = speed_servo")
         if self.drive == "electric":
             self.electric.spool.check_rope(self.payout_maximum)
         self.faults.check("faults", "winch")

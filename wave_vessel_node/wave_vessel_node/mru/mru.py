@@ -1,7 +1,8 @@
 """The motion reference unit (MRU) at the boom tip: what it says of heave, and when it says nothing or worse.
 
 The reading is the true heave plus the lever-arm error (pitch and roll let in), times 1 + scale error, through a
-second-order high-pass s^2 / (s^2 + 2 zeta omega_c s + omega_c^2), with white noise. The high-pass is kept as what it
+second-order high-pass s^2 / (s^2 + 2 zeta omega_c s + omega_c^2), with white noise, noise that wanders, and in whole
+steps where the unit has a resolution. The high-pass is kept as what it
 takes away: reading = truth - e with e'' + 2 zeta omega_c e' + omega_c^2 e = 2 zeta omega_c x' + omega_c^2 x - d, solved
 exactly for x a cubic between ticks; d is an error of the vertical acceleration (a tilt of the vertical in a turn, a
 bias after a restart).
@@ -17,6 +18,7 @@ from heave_node.interface.codes import MruStatus
 from heave_node.interface.faults import LARGEST_DELAY, FaultSchedule, FaultyValues
 from heave_node.interface.sensors import MruReading
 from heave_node.numerics.arrays import Array
+from heave_node.numerics.quantisation import quantised
 from heave_node.numerics.randomness import random_stream
 from numpy.typing import NDArray
 
@@ -24,6 +26,8 @@ from wave_vessel_node.mru.oscillator import DrivenOscillator
 from wave_vessel_node.parameters import MruParameters
 from wave_vessel_node.vessel.motion import PITCH, ROLL, VesselMotion
 
+_TICK_ROUNDING = 1e-6
+"""A delay so little above whole ticks is one of whole ticks [ticks]."""
 _TURNING = 1e-4  # rad/s: above this rate of turn the unit is disturbed
 _IN_HEAVE = np.array([1.0, 0.0, 0.0, 0.0, 0.0])
 """A spike or jump is an error of heave, not of rate, acceleration, roll or pitch."""
@@ -65,6 +69,29 @@ class HighPass:
         return self._taken.step(value, rate, -acceleration_error)
 
 
+class Wander:
+    """A first-order Gauss-Markov process, stationary from the start, sampled exactly.
+
+    Parameters
+    ----------
+    sigma, time : its standard deviation [m] and time constant [s]
+    seed, tick_period : of the run; tick_period in [s]
+    """
+
+    def __init__(self, sigma: float, time: float, *, seed: int, tick_period: float) -> None:
+        self._sigma, self._decay = sigma, math.exp(-tick_period / time)
+        self._random = random_stream(seed, "wave_vessel/mru/wander")
+        self._value = sigma * float(self._random.standard_normal())
+
+    def step(self) -> float:
+        """Return the error of the next tick [m]."""
+        if self._sigma == 0.0:
+            return 0.0
+        fresh = self._sigma * math.sqrt(1.0 - self._decay**2)
+        self._value = self._decay * self._value + fresh * float(self._random.standard_normal())
+        return self._value
+
+
 def high_pass_response(omega: Array, cut_off: float, damping: float) -> NDArray[np.complex128]:
     """Return -omega^2 / (cut_off^2 - omega^2 + 2 i damping cut_off omega), the formula the unit obeys."""
     omega = np.asarray(omega, dtype=float)
@@ -100,8 +127,11 @@ class MotionReferenceUnit:
         )
         self._faulty_values = FaultyValues(self.faults, _IN_HEAVE, _OF_HEAVE)
         self._noise_sigma = np.array([parameters.noise, parameters.rate_noise, parameters.rate_noise, 0.0, 0.0])
-        self._stamp_error_ticks = round(parameters.stamp_error / tick_period)
-        self._late_ticks = self._stamp_error_ticks + round(parameters.latency / tick_period)
+        # what a stamp does not account for is late by a whole tick, as all that arrives is
+        unaccounted = math.ceil(max(parameters.stamp_error, 0.0) / tick_period - _TICK_ROUNDING)
+        self._late_ticks = unaccounted + round(parameters.latency / tick_period)
+        self._steps = np.array([parameters.resolution, parameters.rate_resolution, 0.0, 0.0, 0.0])
+        self._wander = Wander(parameters.wander, parameters.wander_time, seed=seed, tick_period=tick_period)
         self._history: deque[tuple[float, Array]] = deque(
             maxlen=1 + self._late_ticks + math.ceil(LARGEST_DELAY["mru"] / tick_period)
         )
@@ -134,7 +164,7 @@ class MotionReferenceUnit:
         of_value, of_rate, of_acceleration = self._filter.step(value, rate, self._acceleration_error(now, motion))
         attitude = (motion.displacement[ROLL], motion.displacement[PITCH])
         passed = (value - of_value, rate - of_rate, acceleration - of_acceleration)
-        self._history.append((now, np.array([*passed, *attitude])))
+        self._history.append((now, np.array([*passed, *attitude]) + self._wander.step() * _IN_HEAVE))
         # in every tick, whatever becomes of it: a fault changes no other reading
         noise = np.array([*self._generator.standard_normal(3).tolist(), 0.0, 0.0])
         faulty_rate = self.faults.newest("rate", now)
@@ -157,10 +187,10 @@ class MotionReferenceUnit:
         if measured_at <= self._last_delivered:
             return None
         self._last_delivered = measured_at
-        said = self._faulty_values.apply(now, seen + noise * self._noise_sigma).tolist()
-        heave, heave_rate, heave_acceleration, roll, pitch = said
+        said = self._faulty_values.apply(now, seen + noise * self._noise_sigma)
+        heave, heave_rate, heave_acceleration, roll, pitch = quantised(said, self._steps).tolist()
         return MruReading(
-            time=measured_at + self._stamp_error_ticks * self._period,
+            time=measured_at + self._parameters.stamp_error,
             heave=heave,
             heave_rate=heave_rate,
             roll=roll,

@@ -1,14 +1,15 @@
-"""What lies over any source of motion: the course, slow drift, the smooth start."""
+"""What lies over any source of motion: a later sea, the course, slow drift, the smooth start."""
 
 from __future__ import annotations
 
 import math
 
 import numpy as np
+from heave_node.numerics.arrays import Array
 from heave_node.numerics.randomness import random_stream
 
 from wave_vessel_node.parameters import DriftParameters
-from wave_vessel_node.ramp import apply_ramp
+from wave_vessel_node.ramp import apply_ramp, smooth_ramp
 from wave_vessel_node.sea.realisation import HarmonicSum, draw_components
 from wave_vessel_node.sea.spectra import TabulatedSpectrum
 from wave_vessel_node.sources.motion_source import MotionSource
@@ -42,6 +43,46 @@ class RampedSource(MotionSource):
             motion.displacement, motion.velocity, motion.acceleration = apply_ramp(six, since_start, self._ramp)
             motion.elevation *= float(apply_ramp(np.array([1.0, 0.0, 0.0]), since_start, self._ramp)[0])
         return motion
+
+
+class ChangingSource(MotionSource):
+    """One source that goes over into another: cos(p) times the one and sin(p) times the other, p from 0 to pi/2.
+
+    The squares of both factors add to 1: the variance goes from that of the one to that of the other.
+
+    Parameters
+    ----------
+    first, then : the sources
+    start, duration : of the change [s]
+    tick_period : [s]
+    """
+
+    def __init__(
+        self, first: MotionSource, then: MotionSource, start: float, duration: float, tick_period: float
+    ) -> None:
+        self._first, self._then = first, then
+        self._start, self._duration = start, duration
+        self._tick_period = tick_period
+
+    def motion(self, tick: int) -> VesselMotion:
+        """See MotionSource."""
+        motion, later = self._first.motion(tick), self._then.motion(tick)
+        ramp = smooth_ramp(tick * self._tick_period - self._start, self._duration)
+        angle, rate, acceleration = (0.5 * math.pi * value for value in ramp)
+        cosine, sine = math.cos(angle), math.sin(angle)
+        of_first = (cosine, -sine * rate, -cosine * rate**2 - sine * acceleration)
+        of_then = (sine, cosine * rate, -sine * rate**2 + cosine * acceleration)
+        parts = [_weighted(one, weights) for one, weights in ((motion, of_first), (later, of_then))]
+        motion.displacement, motion.velocity, motion.acceleration = parts[0] + parts[1]
+        motion.elevation = cosine * motion.elevation + sine * later.elevation
+        return motion
+
+
+def _weighted(motion: VesselMotion, weight: tuple[float, float, float]) -> Array:
+    """Return w q, (w q)', (w q)'', shape (3, 6), of a motion q and a `weight` w with its first two derivatives."""
+    w, w1, w2 = weight
+    q, q1, q2 = motion.displacement, motion.velocity, motion.acceleration
+    return np.stack((w * q, w * q1 + w1 * q, w * q2 + 2.0 * w1 * q1 + w2 * q))
 
 
 class CourseSource(MotionSource):

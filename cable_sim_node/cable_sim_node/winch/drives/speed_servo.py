@@ -27,6 +27,7 @@ class SpeedServo:
     def __init__(self, parameters: WinchParameters) -> None:
         self._p = parameters
         self._settings = drive.settings_of(parameters)
+        self._time = 0.0
         self._from_load = 0.0
         self.state = DriveState(0.0, 0.0, 0.0, 0.0, 0.0, WinchLimit.NONE, False)
 
@@ -43,6 +44,8 @@ class SpeedServo:
         """See `Drive.step`."""
         check_step(duration, tension)
         p, before = self._p, self.state
+        settings = self._settings if p.drift.duration == 0.0 else drive.drifted(self._settings, p.drift, self._time)
+        self._time += duration
         mode = drive.FOLLOW_SPEED if p.law == "speed_servo" else drive.FOLLOW_POSITION
         if command.brake:
             mode = drive.HOLD if before.payout_rate == 0.0 else drive.STOP
@@ -55,7 +58,7 @@ class SpeedServo:
             command.payout,
             command.payout_rate,
             power_speed,
-            self._settings,
+            settings,
         )
         moved = payout - before.payout
         self._from_load += tension * moved

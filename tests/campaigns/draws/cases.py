@@ -1,0 +1,200 @@
+"""Cases: what is drawn for a kind, a seed of the day and an index; the same on every machine."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+
+from heave_bringup.scenarios import Scenario, load_scenario
+
+from tests.campaigns.draws.chance import Chance
+from tests.campaigns.draws.deviation import BELIEF, Deviation, Fault, Nominal, Row, Settings, nominal
+from tests.campaigns.draws.lifts import MODEL, lift
+from tests.campaigns.draws.operations import CHANGING_SEAS, OPERATIONS
+from tests.campaigns.draws.seas import SEAS
+from tests.campaigns.draws.table import DEVIATIONS
+from tests.campaigns.sensor_faults import LOST_KINDS
+
+SCENARIOS = (
+    "b2_calm_300",
+    "b3_deep_900",
+    "b4_limit_900_tp8",
+    "b4_limit_900_tp10",
+    "b4_limit_900_tp12",
+    "b10_real_mru_swell",
+    "unit_1500",
+)
+LAWS = ("lqg", "mpc")
+
+DURATION = 390.0
+"""Of a run [s]."""
+
+OPERATED = 0.35
+"""Share of the draws with deviations in which an operation is under way besides."""
+
+
+@dataclass(frozen=True)
+class Case:
+    """What is run.
+
+    Attributes
+    ----------
+    kind, day, index : of the draw
+    scenario, law, seed : of the run
+    deviations : names of what differs, and of the operation under way; a lift in words
+    settings : of the run, but for law, seed and length
+    told : what the controller would be told of it; None: there is something that it cannot be told
+    parts : what a finding may blame
+    lost : sensors of which a fault leaves nothing to read, each with the times from and to [s]
+    excused, actions : see `Deviation`
+    """
+
+    kind: str
+    day: int
+    index: int
+    scenario: str
+    law: str
+    seed: int
+    deviations: tuple[str, ...] = ()
+    settings: Settings = field(default_factory=dict)
+    told: Settings | None = field(default_factory=dict)
+    parts: tuple[str, ...] = ()
+    lost: tuple[tuple[str, float, float], ...] = ()
+    excused: tuple[tuple[float, float], ...] = ()
+    actions: tuple[tuple[float, str, float], ...] = ()
+
+    @property
+    def words(self) -> str:
+        """Return what was drawn, in a line."""
+        values = ", ".join(f"{name.split('.', 1)[1]} {_shown(value)}" for name, value in self.settings.items())
+        acts = "".join(f", {what} {value:g} at {time:.0f} s" for time, what, value in self.actions)
+        shown = "" if self.kind == "lifts" else f": {values}{acts}"
+        return f"{self.index:3d} {self.scenario} {self.law} seed {self.seed}: {'; '.join(self.deviations)}{shown}"
+
+    def as_told(self) -> Case:
+        """Return the same case with a controller that is told; raises ValueError where it cannot be."""
+        if self.told is None:
+            raise ValueError(f"draw {self.index} cannot be told")
+        return replace(self, settings={**self.settings, **self.told}, told={})
+
+    def load(self, duration: float = DURATION) -> Scenario:
+        """Return the scenario of a run of a `duration` [s]."""
+        run = {"all.duration": duration, "all.transient": 0.0, "all.seed": self.seed, f"{BELIEF}.law": self.law}
+        return load_scenario(
+            self.scenario, settings=[f"{name}={_text(value)}" for name, value in {**self.settings, **run}.items()]
+        )
+
+
+def draw(kind: str, day: int, index: int) -> Case:
+    """Return draw `index` of a `kind` on a `day`, which is the seed."""
+    chance = Chance("draws", kind, day, index)
+    return KINDS[kind](chance, Case(kind, day, index, "", "", chance.number(1, 1_000_000), settings={}))
+
+
+def _few(chance: Chance, case: Case) -> Case:
+    return _with_deviations(chance, case, chance.number(1, 2))
+
+
+def _stacked(chance: Chance, case: Case) -> Case:
+    return _with_deviations(chance, case, chance.number(3, 5))
+
+
+def _with_deviations(chance: Chance, case: Case, count: int) -> Case:
+    """Return a case with so many deviations, and sometimes an operation."""
+    case = _placed(chance, case)
+    rows = _chosen(chance, DEVIATIONS, count)
+    if chance.happens(OPERATED):
+        taken = {row.slot for row in rows}
+        rows += _chosen(chance, [row for row in OPERATIONS if not row.slot or row.slot not in taken], 1)
+    return _with(case, rows, chance)
+
+
+def _seas(chance: Chance, case: Case) -> Case:
+    case = _placed(chance, case)
+    return _with(case, _chosen(chance, [*SEAS, *CHANGING_SEAS], 1), chance)
+
+
+def _lifts(chance: Chance, case: Case) -> Case:
+    words, settings = lift(chance)
+    return replace(case, scenario=MODEL, law=chance.one_of(LAWS), deviations=(words,), settings=settings)
+
+
+KINDS: dict[str, Callable[[Chance, Case], Case]] = {"few": _few, "stacked": _stacked, "seas": _seas, "lifts": _lifts}
+"""Kinds of draws: one or two deviations, three to five, another sea alone, another lift."""
+
+
+def _placed(chance: Chance, case: Case) -> Case:
+    return replace(case, scenario=chance.one_of(SCENARIOS), law=chance.one_of(LAWS))
+
+
+def _chosen(chance: Chance, rows: Sequence[Row], count: int) -> list[Row]:
+    """Return so many different `rows`, no two of one slot."""
+    left, chosen = list(rows), []
+    for _ in range(count):
+        row = chance.one_of(left, [one.weight for one in left])
+        chosen.append(row)
+        left = [one for one in left if one is not row and not (one.slot and one.slot == row.slot)]
+    return chosen
+
+
+def _with(case: Case, rows: Sequence[Row], chance: Chance) -> Case:
+    """Return the `case` with what the `rows` draw."""
+    base: Nominal = nominal(case.scenario)
+    drawn = [(row, row.draw(chance, base)) for row in rows]
+    settings: dict[str, object] = {}
+    told: dict[str, object] | None = {}
+    for _, one in drawn:
+        settings |= one.settings
+        told = None if told is None or one.told is None else told | dict(one.told)
+    faults = [fault for _, one in drawn for fault in one.faults]
+    return replace(
+        case,
+        deviations=tuple(one.name or row.name for row, one in drawn),
+        settings=settings | _fault_lists(faults),
+        told=told,
+        parts=tuple(dict.fromkeys(part for row, one in drawn for part in _parts(row, one))),
+        lost=tuple(lost for fault in faults for lost in _lost(fault)),
+        excused=tuple(span for _, one in drawn for span in one.excused),
+        actions=tuple(sorted(action for _, one in drawn for action in one.actions)),
+    )
+
+
+def _parts(row: Row, deviation: Deviation) -> tuple[str, ...]:
+    """Return what may be blamed: of a fault in mid-run the sensor that has it."""
+    return row.parts or tuple(_sensor(fault) for fault in deviation.faults)
+
+
+def _sensor(fault: Fault) -> str:
+    return fault.group.rsplit(".", 1)[-1]
+
+
+def _lost(fault: Fault) -> list[tuple[str, float, float]]:
+    """Return the sensor and the time without anything to read of it; empty: there is none."""
+    if fault.kind not in LOST_KINDS:
+        return []
+    return [(_sensor(fault), fault.start, fault.start + fault.duration if fault.duration > 0.0 else DURATION)]
+
+
+def _fault_lists(faults: Sequence[Fault]) -> dict[str, object]:
+    """Return the `faults` as the lists of parameters that they stand in."""
+    lists: dict[str, object] = {}
+    for group in dict.fromkeys(fault.group for fault in faults):
+        its = [fault for fault in faults if fault.group == group]
+        lists[f"{group}.faults.kind"] = [fault.kind for fault in its]
+        for name in ("start", "duration", "magnitude"):
+            lists[f"{group}.faults.{name}"] = [getattr(fault, name) for fault in its]
+    return lists
+
+
+def _text(value: object) -> str:
+    """Return a value as an option of the command line has it."""
+    if isinstance(value, list):
+        return "[" + ", ".join(map(_text, value)) + "]"
+    return repr(value) if isinstance(value, float) else str(value)
+
+
+def _shown(value: object) -> str:
+    """Return a value for a reader."""
+    if isinstance(value, list):
+        return "[" + ", ".join(map(_shown, value)) + "]"
+    return f"{value:.4g}" if isinstance(value, float) else str(value)

@@ -1,0 +1,234 @@
+"""A case is run, without ROS, and judged."""
+
+from __future__ import annotations
+
+import math
+import time as clock
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+from heave_bringup.closed_loop import ClosedLoop, LoopRecord, loop_parameters
+from heave_node.kpi import WORSE_FLOOR, WORSE_WINDOW, efficiency, sigma, window_ratios
+from heave_node.numerics.arrays import Array
+from winch_controller_node.design.work import DesignWork
+from winch_controller_node.interface.readings import Outputs
+from winch_controller_node.supervision.watch import winch_watch
+
+from tests.campaigns.draws.cases import DURATION, Case
+from tests.campaigns.draws.findings import findings_of, warnings_of
+from tests.campaigns.draws.operations import Operator
+from tests.campaigns.promise import TROUBLE
+from winch_controller_node import learning
+
+ALARMED = 1.5
+"""Ratio to off that is not reached without an alarm."""
+
+TICK = 0.05
+"""Of all scenarios [s]."""
+
+TRUE_LATENCY = "true"
+"""What is found takes effect when the processor would have it ready."""
+
+LOOK = 20
+"""Ticks from one look to the next at why there is no compensation."""
+
+LOST_TIME = 60.0
+"""Compensation is lost that is not in force for so long at the end [s]."""
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What a case came to.
+
+    Attributes
+    ----------
+    worst, at : largest ratio of the unit to the uncompensated one over a minute, and where that begins [s]; NaN: no
+        minute could be judged
+    worst_of_all : the same with the times that are excused
+    begin : when compensation began [s]; NaN: never
+    reason : why it never began, or too late to be judged; empty: it was judged
+    has_true_reason : a sensor that the reason names gave nothing to read
+    given_up : how often compensation was faded out that nobody had asked to end
+    is_lost : compensation was not in force at the end, though nobody had asked for that and all could be read
+    right, wrong : findings that blame what differs, and what does not
+    is_alarmed : there was an alarm before the ratio reached `ALARMED`; None: it never did
+    ticks : time that the controller's ticks took: median, 99.9 % and largest [ms]
+    efficiency : of the unit, from 30 s after the beginning on; 0: it never began
+    told : the same where the controller was told; NaN: not run
+    refused : what an operator asked for in vain
+    failure : why the case could not be run; empty: it could
+    seconds : that it took
+    alarms : all of them, with their times [s]
+    """
+
+    worst: float = math.nan
+    at: float = math.nan
+    worst_of_all: float = math.nan
+    begin: float = math.nan
+    reason: str = ""
+    has_true_reason: bool = False
+    given_up: int = 0
+    is_lost: bool = False
+    right: tuple[str, ...] = ()
+    wrong: tuple[str, ...] = ()
+    is_alarmed: bool | None = None
+    ticks: tuple[float, float, float] = (math.nan, math.nan, math.nan)
+    efficiency: float = 0.0
+    told: float = math.nan
+    refused: tuple[str, ...] = ()
+    failure: str = ""
+    seconds: float = math.nan
+    alarms: tuple[tuple[float, str], ...] = field(default=())
+
+    @property
+    def is_judged(self) -> bool:
+        """Tell whether a minute at least was judged."""
+        return math.isfinite(self.worst)
+
+
+def set_latency(latency: str) -> None:
+    """Let what the controller finds take effect so many seconds after it was looked for, in loops made from now on.
+
+    `TRUE_LATENCY` : after the processor time that it took, as beside a loop in real time, but not before its own time
+    """
+    if latency != TRUE_LATENCY:
+        learning.DESIGN_TIME = winch_watch.ANSWER_TIME = float(latency)
+        return
+    begin = DesignWork.begin
+
+    def begin_in_true_time(work: Any, tick: int, make: Callable[[], Any]) -> None:
+        before = clock.thread_time()
+        begin(work, tick, make)
+        work._due = max(work._due, tick + math.ceil((clock.thread_time() - before) / TICK))
+
+    DesignWork.begin = begin_in_true_time  # type: ignore[method-assign]
+
+
+def run_case(case: Case, *, is_told: bool = False, duration: float = DURATION) -> Outcome:
+    """Run a case for a `duration` [s]; where `is_told`, once more with a controller that is told, if it can be."""
+    began = clock.monotonic()
+    found = _run(case, duration)
+    if is_told and case.told is not None and not found.failure:
+        told = _run(case.as_told(), duration) if case.told else found
+        found = replace(found, told=told.efficiency)
+    return replace(found, seconds=clock.monotonic() - began)
+
+
+def _run(case: Case, duration: float) -> Outcome:
+    try:
+        scenario = case.load(duration)
+        loop = ClosedLoop(loop_parameters(scenario))
+        operator = Operator(loop, case.actions, scenario.run.tick_period)
+        ticks = _measured(loop.controller)
+        obstacles: list[str] = []
+
+        def on_tick(tick: int, outputs: Outputs) -> None:
+            operator.act(tick)
+            if outputs.mode != "compensating" and tick % LOOK == 0:
+                obstacles.append(why_waiting(loop.controller))
+
+        record = loop.run(on_tick)
+    except Exception as error:  # one case that cannot be run must not end the others; it stands in the table
+        return Outcome(failure=f"{type(error).__name__}: {' '.join(str(error).split())}")
+    found = judged(case, record, next((words for words in reversed(obstacles) if words), ""))
+    milliseconds = 1e3 * np.percentile(ticks, [50.0, 99.9, 100.0])
+    return replace(found, ticks=tuple(milliseconds.tolist()), refused=tuple(operator.refused))
+
+
+def _measured(controller: Any) -> list[float]:
+    """Let the `controller` note the processor time of this thread that each of its ticks takes [s]."""
+    step: Callable[..., Any] = controller.step
+    taken: list[float] = []
+
+    def measured_step(*arguments: Any) -> Any:
+        before = clock.thread_time()
+        outputs = step(*arguments)
+        taken.append(clock.thread_time() - before)
+        return outputs
+
+    controller.step = measured_step
+    return taken
+
+
+def why_waiting(controller: Any) -> str:
+    """Return in words why the `controller` does not compensate; empty: nothing stands against it."""
+    return str(controller.modes.obstacle)
+
+
+def judged(case: Case, record: LoopRecord, obstacle: str = "") -> Outcome:
+    """Return what the `record` of a case came to, with the `obstacle` that stood against compensation last."""
+    time, unit, off = record.column("time"), _unit_of(record), record.column("uncompensated")
+    compensates = np.array([mode == "compensating" for mode in record.modes])
+    begin = float(time[np.argmax(compensates)]) if np.any(compensates) else math.nan
+    starts, ratios = window_ratios(time, unit, off, begin + TROUBLE, floor=WORSE_FLOOR)
+    counts = counted(starts, case.excused)
+    alarms = tuple((float(at), " ".join(words.split())) for at, words in record.alarms)
+    found = findings_of(alarms)
+    right = [f"{one.time:.0f} s: {one.words}" for one in found if set(one.parts) & set(case.parts)]
+    wrong = [f"{one.time:.0f} s: {one.words}" for one in found if not set(one.parts) & set(case.parts)]
+    outcome = Outcome(
+        begin=begin,
+        given_up=_given_up(case, time, record.modes),
+        is_lost=_is_lost(case, time, compensates),
+        right=tuple(dict.fromkeys(right)),
+        wrong=tuple(dict.fromkeys(wrong)),
+        alarms=alarms,
+    )
+    if not np.any(counts):
+        reason = f"{'never began' if math.isnan(begin) else f'began at {begin:.0f} s'}: {obstacle or 'unknown'}"
+        is_true = any(sensor in reason for sensor, *_ in case.lost)
+        return replace(outcome, reason=reason, has_true_reason=is_true)
+    after = time >= begin + TROUBLE
+    worst = int(np.argmax(np.where(counts, ratios, -1.0)))
+    return replace(
+        outcome,
+        worst=float(ratios[worst]),
+        at=float(starts[worst]),
+        worst_of_all=float(np.max(ratios)),
+        is_alarmed=_is_alarmed(starts[counts], ratios[counts], begin, alarms),
+        efficiency=efficiency(sigma(unit[after]), sigma(off[after])),
+    )
+
+
+def _unit_of(record: LoopRecord) -> Array:
+    """Return the heave of the unit about the depth at which it should be [m]."""
+    return record.column("unit") + record.column("depth_set_point")
+
+
+def counted(starts: Array, excused: Sequence[tuple[float, float]]) -> Array:
+    """Return which minutes count that begin at `starts` [s]: none that reaches into a time, from and to, `excused`."""
+    counts = np.ones(starts.size, dtype=bool)
+    for first, last in excused:
+        counts &= (starts + WORSE_WINDOW <= first) | (starts >= last)
+    return counts
+
+
+def _is_alarmed(starts: Array, ratios: Array, begin: float, alarms: Sequence[tuple[float, str]]) -> bool | None:
+    """Tell whether there was an alarm in compensation before a minute with the ratio `ALARMED` was over."""
+    reached = np.flatnonzero(ratios >= ALARMED)
+    if not reached.size:
+        return None
+    end = float(starts[reached[0]]) + WORSE_WINDOW
+    return any(begin <= at <= end for at in warnings_of(alarms))
+
+
+def _given_up(case: Case, time: Array, modes: Sequence[str]) -> int:
+    """Return how often compensation was faded out, but for what was requested."""
+    fades = np.array([mode == "fade_out" for mode in modes])
+    entered = time[1:][fades[1:] & ~fades[:-1]]
+    return int(np.count_nonzero([not any(a <= at <= b for a, b in _requested(case)) for at in entered]))
+
+
+def _requested(case: Case) -> list[tuple[float, float]]:
+    """Return the times, from and to [s], in which an operator has the loop stopped."""
+    return list(case.excused) if "stop and restart" in case.deviations else []
+
+
+def _is_lost(case: Case, time: Array, compensates: Array) -> bool:
+    if not np.any(compensates):
+        return False
+    end = float(time[-1])
+    has_nothing_to_read = any(sensor in ("mru", "encoder") and to > end - LOST_TIME for sensor, _, to in case.lost)
+    return not has_nothing_to_read and not np.any(compensates[time > end - LOST_TIME])

@@ -1,0 +1,310 @@
+"""The campaign `tests.campaigns.draws`: what it draws, how it judges and counts; no long run."""
+
+import json
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from heave_bringup.closed_loop import COLUMNS, LoopRecord
+
+from tests.campaigns.draws import __main__ as campaign
+from tests.campaigns.draws import cases, figures, run
+from tests.campaigns.draws.cases import KINDS, SCENARIOS, Case, draw
+from tests.campaigns.draws.chance import Chance
+from tests.campaigns.draws.deviation import nominal
+from tests.campaigns.draws.figures import broken, figures_of, table
+from tests.campaigns.draws.findings import findings_of, warnings_of
+from tests.campaigns.draws.journal import Heading, Journal, JournalError
+from tests.campaigns.draws.lifts import SAFETY, STRAINS
+from tests.campaigns.draws.operations import OPERATIONS
+from tests.campaigns.draws.run import Outcome, counted, judged, run_case
+from tests.campaigns.draws.seas import highest, sea_of
+from tests.campaigns.draws.table import DEVIATIONS
+
+DAY = 20300101
+TICK = 0.05
+
+
+@pytest.mark.parametrize("kind", list(KINDS))
+def test_a_draw_is_fixed_by_kind_day_and_index(kind):
+    assert [draw(kind, DAY, index) for index in range(8)] == [draw(kind, DAY, index) for index in range(8)]
+    assert len({draw(kind, DAY, index).words for index in range(8)} | {draw(kind, DAY + 1, 0).words}) == 9
+
+
+@pytest.mark.parametrize(("kind", "least", "most"), [("few", 1, 2), ("stacked", 3, 5), ("seas", 1, 1)])
+def test_so_many_things_differ_as_the_kind_says_and_sometimes_an_operation_is_under_way(kind, least, most):
+    operations = {row.name for row in OPERATIONS}
+    drawn = [draw(kind, DAY, index) for index in range(100)]
+    counts = [sum(name not in operations or kind == "seas" for name in one.deviations) for one in drawn]
+    assert {least, most} <= set(counts) <= set(range(least, most + 1))
+    under_way = [one for one in drawn if operations & set(one.deviations)]
+    if kind != "seas":
+        # a share of 0.35 of 100, within 4 sigma
+        assert 0.35 - 4 * math.sqrt(0.35 * 0.65 / 100) < len(under_way) / 100 < 0.35 + 4 * math.sqrt(0.35 * 0.65 / 100)
+    assert {one.scenario for one in drawn} == set(SCENARIOS)
+
+
+@pytest.mark.parametrize("row", [*DEVIATIONS, *OPERATIONS], ids=lambda row: row.name)
+def test_each_row_draws_what_a_scenario_takes_told_and_untold(row):
+    """Limits of the parameters are checked where the scenario is read: an extreme of each range is among 30 draws."""
+    for number in range(30):
+        scenario = SCENARIOS[number % len(SCENARIOS)]
+        case = cases._with(Case("few", DAY, number, scenario, "mpc", 1), [row], Chance(row.name, number))
+        if number < 7:
+            case.load(10.0)
+            if case.told:
+                case.as_told().load(10.0)
+
+
+def test_seas_are_no_steeper_than_there_are():
+    """DNV-RP-C205, 3.5.5: 1/15 up to 8 s, 1/25 from 15 s on, a line between; so 6.66 m at 8 s, 14.05 m at 15 s."""
+    assert highest(8.0) == pytest.approx(9.80665 * 64.0 / (2.0 * math.pi) / 15.0)
+    assert highest(15.0) == pytest.approx(9.80665 * 225.0 / (2.0 * math.pi) / 25.0)
+    for number in range(200):
+        height, period = sea_of(Chance("sea", number))
+        assert 0.3 <= height <= min(highest(period), 4.5) * (1.0 + 1e-5)
+        assert 4.0 <= period <= 16.0
+
+
+def test_ropes_of_drawn_lifts_are_strong_and_stiff_enough():
+    for index in range(5):
+        scenario = draw("lifts", DAY, index).load(10.0)
+        belief = scenario.parameters["winch_controller"]
+        top = belief.unit.weight_in_fluid(belief.water_density)
+        top += belief.length * belief.cable.weight_in_fluid(belief.water_density)
+        assert STRAINS[0] * 0.99 < max(top, 0.0) / belief.cable.axial_stiffness < STRAINS[1]
+        assert scenario.parameters["cable_sim"].unit == belief.unit
+        assert SAFETY > 1.0
+
+
+def test_what_is_nominal_is_what_the_scenario_has():
+    base = nominal("b4_limit_900_tp10")
+    assert (base.speed, base.acceleration, base.lag, base.delay) == (2.0, 1.5, 0.15, 0.2)
+    # 65,000 - 1,025 * 58.4404 kg of the unit and 900 m of (7.2 - 1,025 * pi/4 * 0.045868^2) kg/m
+    assert base.tension == pytest.approx(
+        9.80665 * (65_000 - 1025 * 58.4404 + 900 * (7.2 - 1025 * math.pi / 4 * 0.045868**2)), rel=1e-3
+    )
+
+
+CASE = Case("few", DAY, 0, "b3_deep_900", "mpc", 1, deviations=("MRU scale",), parts=("mru",))
+
+
+def record_of(unit, mode=lambda time: "compensating" if time > 20.0 else "standby", alarms=()):
+    """Return 390 s of a sea of 10 s in which the unit moves `unit(time)` times as much as the uncompensated one."""
+    time = TICK * np.arange(round(390.0 / TICK))
+    off = np.sin(2.0 * math.pi * time / 10.0)
+    rows = np.zeros((time.size, len(COLUMNS)))
+    values = {"time": time, "uncompensated": off, "unit": off * np.array([unit(one) for one in time])}
+    for name, column in values.items():
+        rows[:, COLUMNS.index(name)] = column
+    return LoopRecord(rows, [mode(one) for one in time], list(alarms))
+
+
+def test_the_worst_minute_and_the_efficiency_are_counted_from_half_a_minute_after_the_beginning():
+    found = judged(CASE, record_of(lambda time: 2.0 if time < 50.0 else 0.2))
+    assert found.worst == pytest.approx(0.2)
+    assert found.efficiency == pytest.approx(0.8, abs=1e-3)
+    assert found.is_alarmed is None
+    assert not (found.is_lost or found.given_up)
+
+
+def test_times_that_are_excused_are_not_judged_but_counted_apart():
+    fault = replace(CASE, excused=((100.0, 130.0),))
+    found = judged(fault, record_of(lambda time: 2.0 if 100.0 <= time < 130.0 else 0.2))
+    assert found.worst == pytest.approx(0.2)
+    # half of a minute at 2, half at 0.2
+    assert found.worst_of_all == pytest.approx(math.sqrt((4.0 + 0.04) / 2.0), rel=1e-3)
+    assert counted(np.array([30.0, 40.0, 41.0, 129.0, 130.0]), fault.excused).tolist() == [
+        True,
+        True,
+        False,
+        False,
+        True,
+    ]
+
+
+@pytest.mark.parametrize(("when", "is_alarmed"), [(140.0, True), (10.0, False), (380.0, False)])
+def test_an_alarm_comes_before_a_minute_at_one_and_a_half_is_over(when, is_alarmed):
+    alarms = [(when, "compensation is harmful"), (120.0, "sea model updated: peak period 9.0 s (was 8.0)")]
+    found = judged(CASE, record_of(lambda time: 3.0 if time > 130.0 else 0.2, alarms=alarms))
+    assert found.worst == pytest.approx(3.0)
+    assert found.is_alarmed is is_alarmed
+
+
+def test_a_loop_that_never_begins_says_why_and_whether_it_has_a_reason():
+    never = record_of(lambda _: 1.0, mode=lambda _: "standby")
+    found = judged(CASE, never, "mru frozen")
+    assert (found.reason, found.has_true_reason, found.is_judged) == ("never began: mru frozen", False, False)
+    silent = replace(CASE, lost=(("mru", 0.0, 390.0),))
+    assert judged(silent, never, "mru frozen").has_true_reason
+
+
+def test_giving_up_is_counted_and_losing_is_told_apart_from_a_stop_that_is_requested():
+    def mode(time):
+        return "fade_out" if 150.0 < time < 160.0 else "compensating" if time < 150.0 else "standby"
+
+    assert (
+        judged(CASE, record_of(lambda _: 0.2, mode)).given_up,
+        judged(CASE, record_of(lambda _: 0.2, mode)).is_lost,
+    ) == (
+        1,
+        True,
+    )
+    stopped = replace(CASE, deviations=("stop and restart",), excused=((145.0, 300.0),))
+    assert judged(stopped, record_of(lambda _: 0.2, mode)).given_up == 0
+    silent = replace(CASE, lost=(("encoder", 140.0, 390.0),))
+    assert not judged(silent, record_of(lambda _: 0.2, mode)).is_lost
+
+
+@pytest.mark.parametrize(
+    ("words", "parts"),
+    [
+        ("mru suspect: its heave has a high-pass", {("mru",)}),
+        ("depth lost: frozen: its readings do not change", {("depth",)}),
+        ("mru or drum suspect: the heave that the one reads is 0.85 times what", {("mru", "drum", "encoder")}),
+        ("winch model updated: gain by the encoder 1.117 (was 1.000)", {("winch", "encoder")}),
+        ("winch model updated: time constant 0.115 s (was 0.150), gain by the encoder 1.1 (was 1.0)", {("winch",)}),
+        ("noise of unit_heave is 0.1, 5.0 times what is believed", {("depth",)}),
+        ("encoder as believed again: it reads what the winch was sent", set()),
+        ("sea model updated: peak period 9.0 s (was 8.0)", set()),
+    ],
+)
+def test_findings_are_read_from_words(words, parts):
+    assert {one.parts for one in findings_of([(100.0, words)])} == parts
+    is_news = words.startswith(("sea", "encoder as"))
+    assert warnings_of([(100.0, words)]) == ([] if is_news else [100.0])
+
+
+def test_a_finding_is_wrong_where_it_blames_what_does_not_differ():
+    alarms = [(90.0, "mru suspect: it is late"), (95.0, "depth suspect: its readings contradict all others")]
+    found = judged(CASE, record_of(lambda _: 0.2, alarms=alarms))
+    assert (found.right, found.wrong) == ((f"90 s: {alarms[0][1]}",), (f"95 s: {alarms[1][1]}",))
+
+
+def drawn(ratios, **values):
+    """Return draws with these worst minutes over off."""
+    return [
+        (CASE, Outcome(worst=ratio, at=60.0, efficiency=1.0 - ratio, ticks=(1.0, 2.0, 10.0 * ratio), **values))
+        for ratio in ratios
+    ]
+
+
+def test_the_table_counts_what_was_drawn():
+    never = (CASE, Outcome(reason="never began: mru frozen", ticks=(1.0, 2.0, 3.0)))
+    failed = (CASE, Outcome(failure="PlantError: slack"))
+    found = figures_of([*drawn(np.linspace(0.1, 1.1, 11)), never, failed])
+    assert (found.cases, found.failed, found.judged, found.never_begun, found.without_reason) == (13, 1, 11, 1, 1)
+    assert (found.p50, found.p90, found.largest) == pytest.approx((0.6, 1.0, 1.1))
+    assert (found.within_1_05, found.within_1_2) == pytest.approx((10 / 11, 1.0))
+    # of eleven from -0.1 to 0.9 and the 0 of what never began
+    assert found.efficiency == pytest.approx(np.median([*np.linspace(-0.1, 0.9, 11), 0.0]))
+    assert (found.tick_p50, found.tick_p999, found.tick_max) == pytest.approx((1.0, 2.0, 11.0))
+    assert "13 draws, 11 judged, 1 FAILED" in table("few", found)
+
+
+@pytest.mark.parametrize(
+    ("kind", "ratios", "values", "breaches"),
+    [
+        ("few", 100 * [0.5], {}, []),
+        ("few", [*97 * [0.5], *3 * [1.1]], {}, []),
+        ("few", [*96 * [0.5], *4 * [1.1]], {}, ["96.0 % within 1.05, promised 97 %"]),
+        ("few", [*99 * [0.5], 1.3], {}, ["99.0 % within 1.2, promised 99.5 %"]),
+        ("few", [0.5], {"is_lost": True}, ["1 lost"]),
+        ("few", [0.5], {"wrong": ("depth suspect",)}, ["1 with a healthy part blamed"]),
+        ("few", [0.5], {"told": 0.6}, ["median efficiency 0.500, told 0.600"]),
+        ("stacked", [*85 * [0.5], *12 * [1.4], *3 * [2.0]], {"wrong": ("x",)}, []),
+        ("stacked", [*84 * [0.5], *16 * [1.4]], {}, ["84.0 % within 1.05, promised 85 %"]),
+        ("stacked", [*96 * [0.5], *4 * [2.0]], {}, ["96.0 % within 1.5, promised 97 %"]),
+        ("stacked", [0.5], {"is_alarmed": False}, ["1 reached 1.5 without an alarm"]),
+    ],
+)
+def test_the_promise_is_broken_where_a_share_is_not_reached(kind, ratios, values, breaches):
+    assert broken(kind, figures_of(drawn(ratios, **values))) == breaches
+
+
+HEADING = Heading("abc", "0123", "few", DAY, "", False)
+
+
+def test_a_journal_goes_on_and_refuses_another_campaign(tmp_path):
+    path = tmp_path / "few.jsonl"
+    outcome = Outcome(worst=0.5, at=60.0, wrong=("9 s: x",), alarms=((9.0, "x"),), ticks=(1.0, 2.0, 3.0), told=0.1)
+    Journal(path, HEADING).add(draw("few", DAY, 3), replace(outcome, seconds=1.0, worst_of_all=0.6, begin=20.0))
+    Journal(path, HEADING).add(replace(draw("few", DAY, 5), seed=0), outcome)  # as another table has drawn it
+    path.write_text(path.read_text() + '{"index": 4, "worst"')  # it was ended while it wrote
+    again = Journal(path, replace(HEADING, commit="def"))
+    assert again.outcomes == {3: replace(outcome, seconds=1.0, worst_of_all=0.6, begin=20.0)}
+    with pytest.raises(JournalError, match="name another with --journal"):
+        Journal(path, replace(HEADING, day=DAY + 1))
+    with pytest.raises(JournalError, match="no journal of draws"):
+        Journal(tmp_path / "none.jsonl")
+
+
+def test_figures_are_printed_again_from_a_journal_and_the_status_is_that_of_the_promise(tmp_path, capsys):
+    path = tmp_path / "few.jsonl"
+    journal = Journal(path, HEADING)
+    for index, (_, outcome) in enumerate(drawn([0.1, 0.2])):
+        journal.add(draw("few", DAY, index), outcome)
+    assert campaign.main(["--print", str(path), "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["largest"] == pytest.approx(0.2)
+    journal.add(draw("few", DAY, 2), drawn([3.0])[0][1])
+    assert campaign.main(["--print", str(path)]) == 1
+    assert "BROKEN: 66.7 % within 1.05" in capsys.readouterr().out
+    assert campaign.main(["--print", str(tmp_path / "none.jsonl")]) == 2
+
+
+def test_two_versions_are_compared_draw_by_draw(tmp_path, capsys):
+    before, now, other = (tmp_path / name for name in ("before", "now", "other"))
+    for path, ratios in ((before, [0.1, 0.9, 0.5]), (now, [0.15, 0.2, 2.0])):
+        journal = Journal(path, HEADING)
+        for index, (_, outcome) in enumerate(drawn(ratios)):
+            journal.add(draw("few", DAY, index), outcome)
+    campaign.main(["--print", str(now), "--against", str(before)])
+    said = capsys.readouterr().out
+    assert "the same 3 draws before: 1 are better now, 1 worse" in said
+    assert said.index("0.500 became 2.000") < said.index("0.900 became 0.200") < said.index("0.100 became 0.150")
+    Journal(other, replace(HEADING, day=DAY + 1))
+    assert campaign.main(["--print", str(now), "--against", str(other)]) == 2
+
+
+def test_draws_that_are_in_the_journal_are_not_run_again(tmp_path, monkeypatch):
+    ran = []
+
+    def run_tasks(tasks, *_):
+        for task in tasks:
+            ran.append(task.case.index)
+            yield task.case, drawn([0.1])[0][1]
+
+    monkeypatch.setattr(campaign, "run_tasks", run_tasks)
+    options = ["--kind", "few", "--seed", str(DAY), "--journal", str(tmp_path / "few.jsonl")]
+    assert campaign.main([*options, "--only", "1,2"]) == 0
+    assert campaign.main([*options, "--draws", "4"]) == 0
+    assert ran == [1, 2, 0, 3]
+
+
+def test_a_case_is_run_for_a_few_seconds_with_its_operator(monkeypatch):
+    """Too short to be judged: what is looked at is that the loop runs, is measured, and says why nothing was judged."""
+    case = replace(draw("few", DAY, 0), scenario="b2_calm_300", settings={}, told={}, actions=((1.0, "speed", 0.1),))
+    found = run_case(case, is_told=True, duration=3.0)
+    assert not found.failure
+    assert found.reason.startswith("never began: ")
+    assert found.refused == ("1 s: an operator's speed needs mode compensating or manual; the mode is standby",)
+    assert found.told == found.efficiency == 0.0
+    assert 0.0 < found.ticks[0] <= found.ticks[1] <= found.ticks[2]
+
+
+def test_a_case_that_cannot_be_run_says_why():
+    assert run_case(replace(draw("few", DAY, 0), settings={"virtual_winch.no_such": 1.0})).failure.startswith(
+        "ParameterError"
+    )
+
+
+def test_latency_is_taken_by_loops_that_are_made_from_then_on(monkeypatch):
+    monkeypatch.setattr(run.learning, "DESIGN_TIME", 1.0)
+    monkeypatch.setattr(run.winch_watch, "ANSWER_TIME", 0.2)
+    run.set_latency("3")
+    assert (run.learning.DESIGN_TIME, run.winch_watch.ANSWER_TIME) == (3.0, 3.0)
+
+
+def test_what_is_promised_is_what_stands_in_the_help():
+    assert (figures.SELDOM, figures.LEAST_OF_TOLD) == (0.01, 0.95)
