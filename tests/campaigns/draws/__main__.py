@@ -35,7 +35,7 @@ from heave_bags.record.provenance import git_commit
 from tests.campaigns.draws.cases import KINDS, draw
 from tests.campaigns.draws.figures import Drawn, as_values, broken, comparison, figures_of, line, table, worst_first
 from tests.campaigns.draws.journal import ROOT, Heading, Journal, JournalError, sources_digest
-from tests.campaigns.draws.run import TRUE_LATENCY
+
 from tests.campaigns.draws.workers import Task, run_tasks
 
 FOLDER = Path("runs") / "draws"
@@ -135,7 +135,7 @@ def _numbers(text: str) -> list[int]:
 
 
 def _latency(text: str) -> str:
-    return text if text == TRUE_LATENCY else f"{float(text):g}"
+    return f"{float(text):g}"
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -150,7 +150,7 @@ def _parser() -> argparse.ArgumentParser:
         "--latency",
         type=_latency,
         metavar="S",
-        help=f"time until what is found takes effect [s]; {TRUE_LATENCY}: what it takes the processor",
+        help="time until what is found takes effect [s]",
     )
     parser.add_argument("--told", action="store_true", help="also run those that can be with a controller that is told")
     parser.add_argument("--alarms", action="store_true", help="print all draws and all alarms at the end")

@@ -12,24 +12,19 @@ import numpy as np
 from heave_bringup.closed_loop import ClosedLoop, LoopRecord, loop_parameters
 from heave_node.kpi import WORSE_FLOOR, WORSE_WINDOW, efficiency, sigma, window_ratios
 from heave_node.numerics.arrays import Array
-from winch_controller_node.design.work import DesignWork
+from winch_controller_node import beliefs_in_force
 from winch_controller_node.interface.readings import Outputs
-from winch_controller_node.supervision.watch import winch_watch
 
 from tests.campaigns.draws.cases import DURATION, Case
 from tests.campaigns.draws.findings import findings_of, warnings_of
 from tests.campaigns.draws.operations import Operator
 from tests.campaigns.promise import TROUBLE
-from winch_controller_node import learning
 
 ALARMED = 1.5
 """Ratio to off that is not reached without an alarm."""
 
 TICK = 0.05
 """Of all scenarios [s]."""
-
-TRUE_LATENCY = "true"
-"""What is found takes effect when the processor would have it ready."""
 
 LOOK = 20
 """Ticks from one look to the next at why there is no compensation."""
@@ -89,21 +84,8 @@ class Outcome:
 
 
 def set_latency(latency: str) -> None:
-    """Let what the controller finds take effect so many seconds after it was looked for, in loops made from now on.
-
-    `TRUE_LATENCY` : after the processor time that it took, as beside a loop in real time, but not before its own time
-    """
-    if latency != TRUE_LATENCY:
-        learning.DESIGN_TIME = winch_watch.ANSWER_TIME = float(latency)
-        return
-    begin = DesignWork.begin
-
-    def begin_in_true_time(work: Any, tick: int, make: Callable[[], Any]) -> None:
-        before = clock.thread_time()
-        begin(work, tick, make)
-        work._due = max(work._due, tick + math.ceil((clock.thread_time() - before) / TICK))
-
-    DesignWork.begin = begin_in_true_time  # type: ignore[method-assign]
+    """Let what the adviser finds take effect so many seconds after it was asked for, in loops made from now on."""
+    beliefs_in_force.LATENCY = float(latency)
 
 
 def run_case(case: Case, *, is_told: bool = False, duration: float = DURATION) -> Outcome:
