@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 from heave_node.numerics.arrays import Array
-from heave_node.numerics.linear_model import LinearModel
+from heave_node.numerics.linear_model import LinearModel, state_covariance
 
 from winch_controller_node.adviser.columns import DELAY, FACTOR, ONSETS, STEP, in_columns
 from winch_controller_node.adviser.evidence import FACTORS, Fitted, evidence
@@ -427,13 +427,18 @@ OTHER = 0.3
 
 
 def pass_model(
-    parameters: WinchControllerParameters, cable: CableModel, design: ControllerDesign
+    parameters: WinchControllerParameters,
+    cable: CableModel,
+    design: ControllerDesign,
+    boom_tip: LinearModel | None = None,
 ) -> tuple[PassModel, LinearModel]:
     """Return the model of `parameters` with a two-state `cable` for a pass, and as it is sampled.
 
-    The state at the start is as uncertain as in the `design` in force, or as START says.
+    The state at the start is as uncertain as in the `design` in force, or as START says. `boom_tip` is another white
+    noise to boom tip than that of the sea and vessel of the parameters, as of a sea that is tried; None: it is that.
     """
-    model = augmented_model(model_inputs(parameters, cable), design.tick_period)
+    inputs = replace(model_inputs(parameters, cable), boom_tip=boom_tip)
+    model = augmented_model(inputs, design.tick_period)
     measurements = measurement_models(parameters, model, cable)
     rows = np.array([known.row for known in measurements])
     change = rows @ model.A - rows
@@ -441,6 +446,10 @@ def pass_model(
     known = [name for name in model.state_names if design.model.has_state(name) and name not in START]
     new, old = [model.state(name) for name in known], [design.model.state(name) for name in known]
     start[np.ix_(new, new)] = design.initial_covariance[np.ix_(old, old)]
+    if boom_tip is not None:
+        of_tip = [model.state(name) for name in boom_tip.state_names]
+        start[of_tip, :] = start[:, of_tip] = 0.0
+        start[np.ix_(of_tip, of_tip)] = state_covariance(boom_tip)
     tables = np.array([rows, change, change @ model.A - change])
     drag, slack = unit_drag(model, cable), cable_slack(model, cable, measurements)
     noise = model.noise_covariance

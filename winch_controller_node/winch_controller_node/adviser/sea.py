@@ -6,12 +6,17 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
+from heave_node.numerics.linear_model import LinearModel
+from scipy.linalg import block_diag
+from wave_vessel_node.sea.shaping_filter import shaping_filter
+from wave_vessel_node.vessel.second_order import boom_tip_model
 
 from winch_controller_node.adviser.columns import in_columns
 from winch_controller_node.adviser.filter_pass import SETTLING, run_pass
 from winch_controller_node.adviser.judge import pass_model
 from winch_controller_node.adviser.record import TICK, Excerpt, SensorHistory
 from winch_controller_node.design.design import ControllerDesign, measurement_models
+from winch_controller_node.model.models import boom_tip_block, sea_spectrum, second_order_vessel
 from winch_controller_node.model.seas import PossibleSeas, distance, neighbours, no_lower_while_it_grows
 from winch_controller_node.node_parameters import WinchControllerParameters
 from winch_controller_node.parameters.model import SeaModelParameters, VesselModelParameters
@@ -66,7 +71,7 @@ def _likelihood(
     parameters: WinchControllerParameters, design: ControllerDesign, excerpt: Excerpt, history: SensorHistory
 ) -> float:
     """Return the logarithm of the likelihood of a record."""
-    model, sampled = pass_model(parameters, design.cable, design)
+    model, sampled = pass_model(parameters, design.cable, design, _boom_tip(parameters.sea, parameters.vessel))
     measurements = measurement_models(parameters, sampled, design.cable)
     mine = excerpt.of(tuple(known.name for known in measurements))
     data = in_columns(mine, measurements, history, onsets=()).data.among(np.array([0]))
@@ -74,6 +79,37 @@ def _likelihood(
     late = mine.readings[:, TICK] >= excerpt.first + round(SETTLING / excerpt.dt)
     squares = np.minimum(np.square(result.innovations[late, 0]), LARGEST)
     return -0.5 * float(np.sum(squares + np.log(result.variances[late])))
+
+
+def _boom_tip(sea: SeaModelParameters, vessel: VesselModelParameters) -> LinearModel:
+    """Return white noise to boom tip; wind sea and swell by a filter each, of a shape that is fitted once.
+
+    The shape of their sum is another for each ratio of heights and periods: a fit of it takes a third of a second.
+    """
+    swell = sea.swell
+    if sea.spectrum != "ochi_hubble" or swell.significant_wave_height <= 0.0:
+        return boom_tip_block(sea, vessel)
+    wind_sea = replace(sea, swell=replace(swell, significant_wave_height=0.0))
+    alone = replace(
+        wind_sea,
+        significant_wave_height=swell.significant_wave_height,
+        peak_period=swell.peak_period,
+        shape=swell.shape,
+    )
+    parts = [shaping_filter(sea_spectrum(one), form=one.filter_form, states=6) for one in (wind_sea, alone)]
+    count = parts[0].order
+    waves = LinearModel(
+        A=block_diag(*(part.A for part in parts)),
+        B=np.zeros((2 * count, 0)),
+        C=np.hstack([part.C for part in parts]),
+        D=np.zeros((1, 0)),
+        G=block_diag(*(part.G for part in parts)),
+        state_names=tuple(f"wave_{index}" for index in range(2 * count)),
+        input_names=(),
+        output_names=parts[0].output_names,
+        noise_names=("waves", "swell"),
+    )
+    return boom_tip_model(waves, second_order_vessel(sea, vessel))
 
 
 def _best(
