@@ -22,6 +22,13 @@ from winch_controller_node.parameters.laws import HealthParameters
 BAD_IN_A_ROW = 3
 """So many refused readings in a row make a sensor lost: alarm within 3 samples."""
 
+FIRST_SAMENESS, SAMENESS_MEMORY = 0.01, 200.0
+"""Share of readings that are like the one before, of a sensor that does not read in steps, and readings over which that
+of another is found."""
+
+BY_CHANCE = 2e-4
+"""Probability of a run of equal readings below which a sensor is frozen: three of one that does not read in steps."""
+
 JUMP_SHOWN = 2.0
 """A jump that was taken off is shown for so long [s]: diagnostics come once a second."""
 
@@ -113,7 +120,8 @@ class SensorGate:
         self._good_in_a_row = 0
         self._good_needed = parameters.recover_samples
         self._same_in_a_row = 1
-        self._last_value: float | None = None
+        self._usual_sameness = FIRST_SAMENESS
+        self._last_values: tuple[float, ...] = ()
         self._newest_stamp = -math.inf
         self._newest_accepted: float | None = None
         self._started: float | None = None
@@ -134,7 +142,7 @@ class SensorGate:
         Parameters
         ----------
         now, time : present time and stamp of the reading [s]
-        values : all numbers of the reading; the first one is watched for freezing
+        values : all numbers of the reading; it is frozen where none of them changes
         status : what the sensor itself says is wrong; empty when nothing
         """
         reason = self._fault(now, time, values, status)
@@ -189,12 +197,25 @@ class SensorGate:
             return "late"
         if status:
             return status
-        same = self._last_value is not None and values[0] == self._last_value
-        self._same_in_a_row = self._same_in_a_row + 1 if same else 1
-        self._last_value = values[0]
-        if self._checks_frozen and self._same_in_a_row >= self._parameters.frozen_samples:
+        if self._checks_frozen and self._has_stood_still(tuple(values)):
             return "frozen"
         return ""
+
+    def _has_stood_still(self, values: tuple[float, ...]) -> bool:
+        """Tell whether readings have been the same for longer than this sensor's usually are.
+
+        Of one that reads in steps two in a row are often the same: a run of n comes by chance with a probability of
+        p^(n - 1), p the share of readings that were like the one before.
+        """
+        if values != self._last_values:
+            run = self._same_in_a_row
+            weight = min(1.0, run / SAMENESS_MEMORY)
+            self._usual_sameness += weight * ((run - 1) / run - self._usual_sameness)
+            self._same_in_a_row, self._last_values = 1, values
+            return False
+        self._same_in_a_row += 1
+        chance = max(self._usual_sameness, FIRST_SAMENESS) ** (self._same_in_a_row - 1)
+        return self._same_in_a_row >= self._parameters.frozen_samples and chance < BY_CHANCE
 
     def _refuse(self, reason: str) -> None:
         self._refused += 1

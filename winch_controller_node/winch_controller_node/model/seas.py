@@ -12,6 +12,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 from heave_node.numerics.arrays import Array
+from heave_node.numerics.constants import STANDARD_GRAVITY
 
 from winch_controller_node.design.design import ControllerDesign
 from winch_controller_node.design.feasibility import boom_tip_moments
@@ -77,8 +78,9 @@ PERIODS = (2.0, 30.0)
 LONGEST_SWELL = 40.0
 """Longest peak period of a swell [s]."""
 
-LOWEST_WIND_SEA, HIGHEST = 0.01, 25.0
-"""Range of the significant wave heights of a sea [m]."""
+LOWEST_WIND_SEA, HIGHEST, STEEPEST = 0.01, 25.0, 0.09
+"""Range of the significant wave heights of a sea [m], and the largest steepness 2 pi Hs / (g Tp^2) of one: above that
+waves break."""
 
 
 @dataclass(frozen=True)
@@ -345,8 +347,9 @@ def _has_swell(sea: SeaModelParameters) -> bool:
 
 
 def _changed_wind(sea: SeaModelParameters, period: float, height: float) -> SeaModelParameters:
-    height = min(max(height * sea.significant_wave_height, LOWEST_WIND_SEA), HIGHEST)
     period = min(max(period * sea.peak_period, PERIODS[0]), PERIODS[1])
+    highest = min(HIGHEST, STEEPEST * STANDARD_GRAVITY * period**2 / (2.0 * math.pi))
+    height = min(max(height * sea.significant_wave_height, LOWEST_WIND_SEA), max(highest, sea.significant_wave_height))
     return replace(sea, significant_wave_height=height, peak_period=period)
 
 
