@@ -206,7 +206,7 @@ def offered_words(topic: Topic) -> str:
 
 def heard_words(topic: Topic) -> str:
     """Return the quality of service at which the suite publishes a `topic`."""
-    return "reliable, transient local" if topic.role is Role.LATCHED else "reliable, volatile"
+    return "reliable, transient local" if topic.role in (Role.LATCHED, Role.KEPT) else "reliable, volatile"
 
 
 def page() -> str:
