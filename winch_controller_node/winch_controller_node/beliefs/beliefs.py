@@ -133,3 +133,11 @@ def parameters_under(beliefs: Beliefs, nominal: WinchControllerParameters) -> Wi
 
 
 LIMITS = (SPEED_OUT, SPEED_IN, ACCELERATION_OUT, ACCELERATION_IN)
+
+
+def latency_ticks(tick_period: float) -> int:
+    """Return after how many ticks of `tick_period` [s] an answer is in force: LATENCY, and two ticks at least.
+
+    In the first the observations are on their way, in the second the answer.
+    """
+    return max(2, round(LATENCY / tick_period))
