@@ -11,10 +11,14 @@ import math
 from concurrent.futures import Executor
 from functools import partial
 
+import numpy as np
 from heave_node.interface.codes import WinchLimit
 from heave_node.interface.preview import HeavePreview
 from heave_node.parameters import describe
 
+from winch_controller_node.beliefs.answers import Answers
+from winch_controller_node.beliefs.beliefs import Beliefs
+from winch_controller_node.beliefs.observations import BATCH, READING_COLUMNS, TICK_COLUMNS, Observations
 from winch_controller_node.design.design import ControllerDesign
 from winch_controller_node.design.prediction import predict_loop
 from winch_controller_node.design_in_force import DesignInForce, PreparedDesign
@@ -23,7 +27,7 @@ from winch_controller_node.estimation.loop_tick import LoopTick
 from winch_controller_node.estimation.observation import Observer
 from winch_controller_node.estimation.preview_watch import PreviewWatch
 from winch_controller_node.identification.late_commands import LateCommands
-from winch_controller_node.interface.readings import Measurements, Outputs, RollingKpi, WinchReading
+from winch_controller_node.interface.readings import Measurements, Outputs, RollingKpi, WinchOrder, WinchReading
 from winch_controller_node.laws.constant_tension import TRAVEL
 from winch_controller_node.learning import Learning
 from winch_controller_node.loop_command import LoopCommand, TickCommand
@@ -97,6 +101,26 @@ class WinchController:
         self.preview = PreviewWatch(law.preview, tick_period=tick_period)
         self._tick_nanoseconds = round(tick_period * 1e9)
         self._previews = False
+        self._answers = Answers(tick_period)
+        self._tick = 0
+        self._batch: list[list[float]] = []
+
+    def take(self, beliefs: Beliefs) -> bool:
+        """Take an answer of the adviser, between two ticks; tell whether it came in time."""
+        return self._answers.put(beliefs, self._tick + 1)
+
+    def _observed(self, order: WinchOrder, authority: float) -> Observations | None:
+        """Return the observations of the batch that ends with this tick; None within one."""
+        row = dict.fromkeys(TICK_COLUMNS, math.nan)
+        row |= {"order_payout": order.payout, "order_rate": order.payout_rate, "sequence": float(order.sequence)}
+        row |= {"brake": float(order.brake), "authority": authority}
+        self._batch.append(list(row.values()))
+        if self._tick % max(1, round(BATCH / self._dt)):
+            return None
+        ticks, self._batch = np.array(self._batch), []
+        number = 0 if self._answers.in_force is None else self._answers.in_force.number
+        readings = np.empty((0, len(READING_COLUMNS)))
+        return Observations(self._tick - len(ticks) + 1, ticks, (), readings, epoch=0, beliefs=number)
 
     @property
     def parameters(self) -> WinchControllerParameters:
@@ -338,6 +362,8 @@ class WinchController:
     def step(self, tick: int, measurements: Measurements) -> Outputs:
         """Do tick k: take the `measurements` of t_k, return the order for [t_k, t_{k+1}] and what is known."""
         self._alarms = []
+        self._tick = tick
+        self._answers.due(tick)
         self._run_programme(tick * self._dt)
         self._follow_operator()
         self._learn(tick)
@@ -374,7 +400,9 @@ class WinchController:
         kpi = self._kpi.figures() if tick % max(1, round(1.0 / self._dt)) == 0 else None
         mode, make_report = decision.mode, partial(state_report, told)
         alarms, authority = tuple(self._alarms), mode.authority
-        return Outputs(order, mode.mode.value, authority, told.depth_set_point, make_report, kpi, alarms, requests)
+        observed = self._observed(order, authority)
+        point = told.depth_set_point
+        return Outputs(order, mode.mode.value, authority, point, make_report, kpi, alarms, requests, observed)
 
     def _decide(self, loop: LoopTick, measurements: Measurements) -> Decision:
         """Have winch and loop supervised."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from heave_node.interface.codes import SensorLevel
 from heave_node.interface.preview import HeavePreview
@@ -182,6 +182,7 @@ class Outputs(NamedTuple):
     kpi : once a second; None else
     alarms : one line each
     requests : what an operator has asked for since the last tick, one line each; modes are told by themselves
+    observations : `beliefs.observations.Observations` of the batch that ends with this tick, for the adviser; None within one
     """
 
     order: WinchOrder
@@ -192,6 +193,7 @@ class Outputs(NamedTuple):
     kpi: RollingKpi | None = None
     alarms: tuple[str, ...] = ()
     requests: tuple[str, ...] = ()
+    observations: Any = None
 
     @property
     def report(self) -> Report:

@@ -1,0 +1,1 @@
+"""What winch, cable, sensors and sea really are: the adviser."""
