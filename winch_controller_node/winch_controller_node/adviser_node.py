@@ -38,8 +38,8 @@ class WinchAdviserNode(ParticipantNode):
 
     def __init__(self) -> None:
         super().__init__()
-        # The batch that ends at tick k comes in tick k + 1, and its answer is in force at tick k + N: whoever enters that
-        # has ended k + N - 1, for which the adviser must have answered k + 1.
+        # The batch that ends at tick k comes in tick k + 1, and its answer is in force at tick k + N. Before that the
+        # master ends tick k + N - 1, for which the adviser must have answered k + 1.
         lag = latency_ticks(self.run.tick_period) - 2
         self.lag = lag if self.run.is_lockstep else NOT_WAITED_FOR
         self._worker: Worker | None = None
@@ -91,6 +91,7 @@ class WinchAdviserNode(ParticipantNode):
 
     def on_tick(self, tick: Tick) -> None:
         """Answer the batches that have come by `tick`."""
+        del tick
         questions: list[bytes] = self.gate.take(self._topic)
         if self._worker is None:
             for question in questions:

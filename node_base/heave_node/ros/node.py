@@ -191,7 +191,7 @@ class HeaveNode(LifecycleNode):
         lifespan : real time: messages older than this are late and not used [s]
         holds_ahead : real time: what was measured after the start of a tick waits for the next one, also where this
             node is behind the others
-        settles : a message is taken in the tick after the one that it is stamped with, however early it came: so the run
+        settles : a message is taken in the tick after the one that it is stamped with, however early it came: so a run
             depends on its seed alone also where the publisher may lag
         """
         is_external = topic.publisher in self.run.external

@@ -10,8 +10,8 @@ STEADY = 10
 """Answers in time, one after another, with which a late adviser counts as in time again."""
 
 LATE_ALARM = (
-    "ADVISER LATE: an answer came more than {latency:g} s after its observations and was rejected. The controller keeps "
-    "{active}. Check the load of the machine that runs winch_adviser."
+    "ADVISER LATE: an answer came more than {latency:g} s after its observations and was rejected. The controller "
+    "keeps {active}. Check the load of the machine that runs winch_adviser."
 )
 SILENT_ALARM = (
     "ADVISER SILENT: no answer for {time:.1f} s. The controller keeps {active}. Check that winch_adviser runs."

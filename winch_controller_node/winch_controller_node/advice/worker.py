@@ -68,7 +68,7 @@ class Worker:
         return [] if answer is None else [answer]
 
     def _receive(self) -> bytes | None:
-        """Return an answer that has come, None where there is none; the first message says that the worker has begun."""
+        """Return an answer that has come; None: there is none. The first message says that the worker has begun."""
         try:
             if self._fault or not self._pipe.poll():
                 return None

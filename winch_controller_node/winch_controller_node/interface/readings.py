@@ -182,7 +182,7 @@ class Outputs(NamedTuple):
     kpi : once a second; None else
     alarms : one line each
     requests : what an operator has asked for since the last tick, one line each; modes are told by themselves
-    observations : `beliefs.observations.Observations` of the batch that ends with this tick, for the adviser; None within one
+    observations : of the batch that ends with this tick, `beliefs.observations.Observations`; None within one
     """
 
     order: WinchOrder
