@@ -1,0 +1,91 @@
+"""Answers of the adviser: in force at their tick, refused when late, counted, and said."""
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from winch_controller_node.advice.watch import STEADY, AdviserWatch
+from winch_controller_node.beliefs.answers import Answers
+from winch_controller_node.beliefs.beliefs import LATENCY, Beliefs, latency_ticks
+
+DT = 0.05
+N = 20
+"""Ticks of 0.05 s in the latency of 1 s."""
+
+
+@pytest.mark.parametrize(("period", "ticks"), [(0.05, 20), (0.01, 100), (0.025, 40), (0.5, 2), (1.0, 2)])
+def test_an_answer_is_in_force_a_second_after_its_observations_and_two_ticks_at_least(period, ticks):
+    assert LATENCY == 1.0
+    assert latency_ticks(period) == ticks
+
+
+@given(asked=st.integers(1, 1000), early=st.integers(0, N))
+def test_an_answer_that_comes_in_time_is_in_force_at_its_tick_however_early_it_came(asked, early):
+    answers, answer = Answers(DT), Beliefs(asked=asked, number=3)
+    assert answers.put(answer, asked + N - early)
+    assert [tick for tick in range(asked + N - early, asked + N + 5) if answers.due(tick) is not None] == [asked + N]
+    assert answers.in_force is answer
+    assert (answers.on_time, answers.late) == (1, 0)
+
+
+@given(asked=st.integers(1, 1000), late=st.integers(1, 50))
+def test_a_late_answer_is_refused_and_counted_and_what_is_in_force_stays(asked, late):
+    answers, answer = Answers(DT), Beliefs(asked=asked)
+    assert answers.put(answer, asked + N)
+    answers.due(asked + N)
+    assert not answers.put(Beliefs(asked=asked + 1), asked + 1 + N + late)
+    assert answers.due(asked + 1 + N + late) is None
+    assert answers.in_force is answer
+    assert (answers.on_time, answers.late) == (1, 1)
+
+
+def alarms_of(watch, first, last):
+    return [words for tick in range(first, last) for words in watch.step(tick)]
+
+
+def test_an_adviser_that_answers_in_time_is_well_and_nothing_is_said():
+    watch = AdviserWatch(DT)
+    for second in range(1, 10):
+        watch.asked(20 * second)
+        assert alarms_of(watch, 20 * second, 20 * second + 20) == []
+        watch.took(number=1)
+    assert watch.is_well
+    assert watch.words == "in time; beliefs 1 active"
+    assert watch.values == {"answered": "9", "late": "0", "malformed": "0"}
+
+
+def test_silence_is_said_once_and_so_is_its_end():
+    watch = AdviserWatch(DT)
+    watch.asked(20)
+    alarms = alarms_of(watch, 21, 400)
+    assert len(alarms) == 1
+    assert alarms[0].startswith("ADVISER SILENT: no answer for 3.")
+    assert "keeps the nominal" in alarms[0]
+    assert not watch.is_well
+    watch.took(number=2)
+    assert watch.step(400) == ["ADVISER: answers again"]
+    assert watch.is_well
+
+
+def test_lateness_is_said_when_it_begins_and_forgotten_after_ten_answers_in_time():
+    watch = AdviserWatch(DT)
+    for _ in range(3):
+        watch.refused_late()
+    assert [words[:13] for words in watch.step(100)] == ["ADVISER LATE:"]
+    for _ in range(STEADY - 1):
+        watch.took(1)
+    assert not watch.is_well
+    watch.took(1)
+    assert watch.is_well
+    watch.refused_late()
+    assert len(watch.step(101)) == 1
+    assert watch.values["late"] == "4"
+
+
+def test_an_answer_that_makes_no_sense_is_said_with_its_fault_the_first_time():
+    watch = AdviserWatch(DT)
+    watch.refused("design: gain must have shape (17,)")
+    watch.refused("design: gain must have shape (17,)")
+    (alarm,) = watch.step(1)
+    assert "gain must have shape (17,)" in alarm
+    assert watch.values["malformed"] == "2"
+    assert not watch.is_well
