@@ -5,7 +5,6 @@ import os
 import signal
 import subprocess
 import sys
-import time
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -54,7 +53,7 @@ def adviser_part(bag):
 
 
 def test_each_batch_of_a_lockstep_run_is_answered_in_time(calm_bag):
-    """A batch a second: ten in ten seconds. The last is over when the run is; the answer to the one before is in force then."""
+    """A batch a second makes ten in ten seconds; the last is over when the run is, and gets no answer."""
     bag = Bag(calm_bag)
     observed = bag.columns({"/controller/observations": ["first"]})["/controller/observations"]["first"]
     asked = bag.columns({"/controller/beliefs": ["asked"]})["/controller/beliefs"]["asked"]

@@ -68,7 +68,7 @@ def test_a_message_is_logged_at_the_start_of_the_tick_that_published_it():
 
 
 def record_laggard(chance: random.Random, latest: int) -> Written:
-    """Let messages of a node that may lag come up to `latest` ticks after their own; they are stamped with the end of that."""
+    """Let messages of a node that may lag come up to `latest` ticks late, and be stamped with the end of that."""
     publishers = {"/clock": ["master"], "/beliefs": ["adviser"]}
     order, written = TickOrder(publishers, "master", lagging=["adviser"]), Written()
     arrivals: dict[int, list[bytes]] = {}
