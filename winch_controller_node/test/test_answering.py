@@ -142,7 +142,7 @@ def test_a_recorded_run_answered_again_by_the_same_adviser_is_the_same_and_by_an
     run = Answering(Counting, DT)
     recorded = [(20 * (i + 1), run.answer(read(one))) for i, one in enumerate(questions)]
     same = compare_again(map(read, questions), recorded[:3], Counting, DT)
-    assert (same.equal, same.different, same.unrecorded, same.unasked, same.is_same) == (3, [], 1, 0, True)
+    assert (same.equal, same.different, same.unrecorded, same.unasked, same.is_same) == (3, (), 1, 0, True)
 
     class Another(Counting):
         def advise(self, observations):
@@ -150,7 +150,7 @@ def test_a_recorded_run_answered_again_by_the_same_adviser_is_the_same_and_by_an
             return Beliefs(asked=answer.asked, number=answer.number, authority=0.5 if self.seen == 2 else 1.0)
 
     other = compare_again(map(read, questions), recorded, Another, DT)
-    assert (other.equal, other.different, other.is_same) == (3, [40], False)
+    assert (other.equal, other.different, other.is_same) == (3, (40,), False)
     gap = compare_again(map(read, questions[:1]), recorded, Counting, DT)
     assert (gap.equal, gap.unasked, gap.is_same) == (1, 3, False)
 

@@ -58,7 +58,7 @@ class WinchAdviserNode(ParticipantNode):
 
     @classmethod
     def make_warm_answer(cls, tick_period: float) -> Answer:
-        """Return the same; what its first answer would compile and load is there."""
+        """Return the same for a `tick_period` [s]; what its first answer would compile and load is there."""
         cls.make_adviser(WinchControllerParameters(), tick_period)
         return cls.make_answer(tick_period)
 

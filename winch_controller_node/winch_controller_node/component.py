@@ -106,7 +106,7 @@ class WinchController:
         self._batch: list[list[float]] = []
 
     def take(self, beliefs: Beliefs) -> bool:
-        """Take an answer of the adviser, between two ticks; tell whether it came in time."""
+        """Take an answer of the adviser, `beliefs`, between two ticks; tell whether it came in time."""
         return self._answers.put(beliefs, self._tick + 1)
 
     def _observed(self, order: WinchOrder, authority: float) -> Observations | None:

@@ -303,7 +303,7 @@ def _where_to_look(folder: RunFolder) -> str:
 def _ended_beside_the_loop(scenario: Scenario, launcher: Launcher, monitor: Monitor) -> list[NodeProcess]:
     """Return the nodes that ended during a real-time run that nobody waits for: the loop goes on without them."""
     is_under_way = monitor.status is not None and monitor.status.state != TickStatus.WAITING and not monitor.is_over
-    if scenario.run.is_lockstep or not is_under_way:
+    if not is_under_way or scenario.run.is_lockstep:
         return []
     return [node for node in [*launcher.failed(), *launcher.left()] if node.name == ADVISER]
 

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections import defaultdict, deque
 from collections.abc import Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 from winch_controller_node.advice.answering import Answering, MakeAdviser
 
 
-@dataclass
+@dataclass(frozen=True)
 class Comparison:
     """Answers beside those that were recorded.
 
@@ -22,10 +22,10 @@ class Comparison:
     unasked : recorded answers to batches that are not there
     """
 
-    equal: int = 0
-    different: list[int] = field(default_factory=list)
-    unrecorded: int = 0
-    unasked: int = 0
+    equal: int
+    different: tuple[int, ...]
+    unrecorded: int
+    unasked: int
 
     @property
     def is_same(self) -> bool:
@@ -50,7 +50,8 @@ def compare_again(
     waiting: defaultdict[int, deque[bytes]] = defaultdict(deque)
     for asked, data in recorded:
         waiting[asked].append(data)
-    found, answers, next_tick = Comparison(), Answering(make, tick_period), 0
+    equal, different, unrecorded = 0, [], 0
+    answers, next_tick = Answering(make, tick_period), 0
     for question in questions:
         if question.first < next_tick:
             answers = Answering(make, tick_period)
@@ -58,10 +59,9 @@ def compare_again(
         next_tick = question.first + len(question.ticks) // len(question.tick_columns)
         of_run = waiting[next_tick - 1]
         if not of_run:
-            found.unrecorded += 1
+            unrecorded += 1
         elif answer == of_run.popleft():
-            found.equal += 1
+            equal += 1
         else:
-            found.different.append(next_tick - 1)
-    found.unasked = sum(map(len, waiting.values()))
-    return found
+            different.append(next_tick - 1)
+    return Comparison(equal, tuple(different), unrecorded, unasked=sum(map(len, waiting.values())))

@@ -25,7 +25,7 @@ class Answers:
         self.on_time = self.late = 0
 
     def put(self, beliefs: Beliefs, tick: int) -> bool:
-        """Take an answer that came before the step of a `tick`; tell whether it was in time."""
+        """Take an answer, `beliefs`, that came before the step of a `tick`; tell whether it was in time."""
         due = beliefs.asked + self._latency
         if due < tick:
             self.late += 1
