@@ -128,12 +128,10 @@ def test_a_worker_that_has_ended_is_told_and_is_no_reason_to_wait(program, how):
 def test_no_worker_is_left_behind(program):
     before = set(psutil.Process().children(recursive=True))
     worker = Worker(program.make_answer, DT)
+    started = set(psutil.Process().children(recursive=True)) - before
     worker.close()
-    left = [
-        process
-        for process in set(psutil.Process().children(recursive=True)) - before
-        if "spawn_main" in str(process.cmdline())
-    ]
+    _, left = psutil.wait_procs([one for one in started if "spawn_main" in str(one.cmdline())], timeout=LONGEST_WAIT)
+    assert started
     assert not left
 
 

@@ -7,8 +7,6 @@ import math
 import sys
 import time as wall
 from collections.abc import Sequence
-from concurrent import futures
-from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 from geometry_msgs.msg import TwistStamped
@@ -48,7 +46,6 @@ from winch_controller_node.advice.watch import AdviserWatch
 from winch_controller_node.component import WinchController
 from winch_controller_node.design.design import ControllerDesign
 from winch_controller_node.design.wire import WireError, parameters_text
-from winch_controller_node.design_in_force import PreparedDesign
 from winch_controller_node.estimation.sensor_health import remedy
 from winch_controller_node.interface import conversions
 from winch_controller_node.interface.readings import Lateness, Measurements, Outputs, Report
@@ -56,13 +53,12 @@ from winch_controller_node.interface.sensors import INPUTS
 from winch_controller_node.model.lqr import DesignError
 from winch_controller_node.move_action import MoveAction
 from winch_controller_node.node_parameters import WinchControllerParameters
+from winch_controller_node.redesign import Redesign as DesignBeside
 from winch_controller_node.supervision.modes import ModeError
 
 ADVISER = "adviser"
 """Part of the diagnostics that says how the adviser answers."""
 INACTIVE = "the controller is inactive: activate it first"
-SWITCH_INTERVAL = 5e-4
-"""Time after which the thread that designs lets the ticks go on [s]; Python's own is ten times as long."""
 
 LEVELS = {SensorLevel.OK: Level.OK, SensorLevel.SUSPECT: Level.WARN, SensorLevel.LOST: Level.ERROR}
 
@@ -81,9 +77,7 @@ class WinchControllerNode(ParticipantNode):
 
     def __init__(self) -> None:
         super().__init__()
-        sys.setswitchinterval(SWITCH_INTERVAL)
-        self._designer = ThreadPoolExecutor(1, thread_name_prefix="designer")
-        self._redesign_wanted: tuple[futures.Future[PreparedDesign], Future[None]] | None = None
+        self._redesign_wanted: tuple[DesignBeside, Future[None]] | None = None
 
     def on_build(self) -> None:
         """Make the controller, its outputs and inputs; a few ticks of a throw-away one warm everything up."""
@@ -206,7 +200,8 @@ class WinchControllerNode(ParticipantNode):
 
     def on_exit(self) -> None:
         """End without waiting for a design that nobody takes any more."""
-        self._designer.shutdown(wait=False, cancel_futures=True)
+        if self._redesign_wanted is not None:
+            self._redesign_wanted[0].close()
 
     def diagnose(self) -> list[Health]:
         """Say which sensor is how, the mode and why, how the solver does, and what was told since the last time."""
@@ -264,7 +259,6 @@ class WinchControllerNode(ParticipantNode):
                 self.parameters,
                 tick_period=self.run.tick_period,
                 seed=self.run.seed,
-                designer=None if self.run.is_lockstep else self._designer,
             )
         except (DesignError, ModelError) as error:
             raise NodeError(str(error)) from error
@@ -319,6 +313,7 @@ class WinchControllerNode(ParticipantNode):
         except ValueError as error:
             response.message = str(error)
             return response
+        self._nominal = parameters_text(new)
         response.success = True
         response.predicted_unit_sigma = self.controller.predicted_unit_sigma()
         response.message = (
@@ -333,22 +328,26 @@ class WinchControllerNode(ParticipantNode):
             return self.controller.redesign(parameters)
         if self._redesign_wanted is not None:
             raise ModeError("another redesign is in progress")
-        controller = self.controller
         in_force: Future[None] = Future()
-        self._redesign_wanted = (self._designer.submit(controller.prepare_redesign, parameters), in_force)
+        payout = self.controller.mean.point.payout
+        self._redesign_wanted = (DesignBeside(parameters, payout, self.run.tick_period), in_force)
         await in_force
         return self.controller.design
 
     def _take_redesign(self) -> None:
         """Put a design that has been prepared in force, between two ticks."""
-        if self._redesign_wanted is None or not self._redesign_wanted[0].done():
+        if self._redesign_wanted is None:
             return
-        (prepared, in_force), self._redesign_wanted = self._redesign_wanted, None
+        beside, in_force = self._redesign_wanted
         try:
-            self.controller.take_redesign(prepared.result())
+            prepared = beside.take()
+            if prepared is None:
+                return
+            self.controller.take_redesign(prepared)
             in_force.set_result(None)
         except ValueError as error:
             in_force.set_exception(error)
+        self._redesign_wanted = None
 
 
 def _level_of(report: Report) -> Level:

@@ -83,10 +83,9 @@ class Worker:
         return data if was_begun else None
 
     def close(self) -> None:
-        """End the worker."""
+        """End the worker, without waiting for it."""
         self._pipe.close()
         self._process.terminate()
-        self._process.join(1.0)
 
 
 def _serve(pipe: Connection, make: Callable[[float], Answer], tick_period: float) -> None:
