@@ -89,3 +89,15 @@ def test_an_answer_that_makes_no_sense_is_said_with_its_fault_the_first_time():
     assert "gain must have shape (17,)" in alarm
     assert watch.values["malformed"] == "2"
     assert not watch.is_well
+
+
+def test_a_question_has_one_answer_and_what_was_not_asked_has_none():
+    """A controller that was restarted hears answers to the one before it, and says nothing."""
+    watch = AdviserWatch(DT)
+    watch.asked(20)
+    assert not watch.is_question(400)
+    watch.refused_stale()
+    assert watch.step(21) == []
+    assert watch.is_question(20)
+    assert not watch.is_question(20)
+    assert watch.values["late"] == "1"

@@ -181,7 +181,9 @@ class WinchControllerNode(ParticipantNode):
         except WireError as error:
             self.adviser.refused(str(error))
             return
-        if self.controller.take(beliefs):
+        if not self.adviser.is_question(beliefs.asked):
+            self.adviser.refused_stale()
+        elif self.controller.take(beliefs):
             self.adviser.took(beliefs.number)
         else:
             self.adviser.refused_late()

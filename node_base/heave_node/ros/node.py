@@ -191,8 +191,8 @@ class HeaveNode(LifecycleNode):
         lifespan : real time: messages older than this are late and not used [s]
         holds_ahead : real time: what was measured after the start of a tick waits for the next one, also where this
             node is behind the others
-        settles : a message is taken in the tick after the one that it is stamped with, however early it came: so a run
-            depends on its seed alone also where the publisher may lag
+        settles : lockstep: a message is taken in the tick after the one that it is stamped with, however early it came:
+            so a run depends on its seed alone also where the publisher may lag
         """
         is_external = topic.publisher in self.run.external
         life = math.inf if self.run.is_lockstep else lifespan
@@ -203,7 +203,7 @@ class HeaveNode(LifecycleNode):
             check_stamps=check_stamps and not is_external,
             lifespan=life,
             holds_ahead=holds_ahead and not self.run.is_lockstep,
-            settles=settles,
+            settles=settles and self.run.is_lockstep,
         )
         self._inputs.append(port)
         decode = decoder_of(topic, fields)

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from collections import deque
+
 from winch_controller_node.beliefs.beliefs import latency_ticks
 
 SILENT = 3.0
 """Time after which an answer that has not come is missed [s]: three latencies."""
+QUESTIONS_KEPT = 60
+"""Questions whose answers are waited for; an answer to an older one is stale."""
 STEADY = 10
 """Answers in time, one after another, with which a late adviser counts as in time again."""
 
@@ -36,6 +40,7 @@ class AdviserWatch:
         self._dt = tick_period
         self._latency = latency_ticks(tick_period)
         self.answered = self.late = self.malformed = 0
+        self._questions: deque[int] = deque(maxlen=QUESTIONS_KEPT)
         self._unanswered: int | None = None
         self._in_a_row = STEADY
         self._number = 0
@@ -45,8 +50,16 @@ class AdviserWatch:
 
     def asked(self, tick: int) -> None:
         """Note that observations up to a `tick` went out."""
+        self._questions.append(tick)
         if self._unanswered is None:
             self._unanswered = tick
+
+    def is_question(self, tick: int) -> bool:
+        """Return whether an answer to the observations up to a `tick` is waited for, once: it has one answer."""
+        if tick not in self._questions:
+            return False
+        self._questions.remove(tick)
+        return True
 
     def took(self, number: int) -> None:
         """Note an answer in time, the beliefs of a `number`."""
@@ -54,6 +67,10 @@ class AdviserWatch:
         self._in_a_row += 1
         self._number = number
         self._heard()
+
+    def refused_stale(self) -> None:
+        """Note an answer to no question: to that of a controller before this one, or a second one."""
+        self.late += 1
 
     def refused_late(self) -> None:
         """Note an answer that came too late."""
