@@ -103,11 +103,9 @@ def design_of(parts: DesignParts) -> ControllerDesign:
         raise WireError(f"design: parameters must be one text; got {len(texts['parameters'])}")
     parameters = parameters_of(texts["parameters"][0])
     try:
-        model = LinearModel(
-            **{name: arrays[f"model.{name}"] for name in MATRICES},
-            **{name: texts[f"model.{name}"] for name in NAMES},  # type: ignore[arg-type]
-            dt=float(arrays["model.dt"]),
-        )
+        A, B, C, D, G = (arrays[f"model.{name}"] for name in MATRICES)
+        states, inputs, outputs, noises = (texts[f"model.{name}"] for name in NAMES)
+        model = LinearModel(A, B, C, D, G, states, inputs, outputs, noises, dt=float(arrays["model.dt"]))
         cable = CableModel(*(float(arrays[f"cable.{name}"]) for name in CABLE))
     except ValueError as error:
         raise WireError(f"design: {error}") from error
