@@ -21,6 +21,7 @@ from heave_node.interface.sensors import MRU, STANDARD_WATER, Water, all_to_wire
 from heave_node.numerics.arrays import Array
 from wave_vessel_node.component import WaveVessel, WaveVesselOutputs
 from wave_vessel_node.parameters import WaveVesselParameters
+from winch_controller_node.adviser.component import Adviser
 from winch_controller_node.component import WinchController
 from winch_controller_node.interface.conversions import measurements, winch_reading
 from winch_controller_node.interface.readings import Measurements, Outputs
@@ -123,7 +124,7 @@ class ClosedLoop:
 
     Attributes
     ----------
-    sea, plant, winch, controller : the components
+    sea, plant, winch, controller, adviser : the components
     tick : number of the next tick, from 1
     """
 
@@ -135,6 +136,7 @@ class ClosedLoop:
         self.plant = CableSim(parameters.plant, seed=seed, tick_period=dt)
         self.winch = VirtualWinch(parameters.winch, tick_period=dt)
         self.controller = WinchController(parameters.controller, tick_period=dt, seed=seed)
+        self.adviser = Adviser(parameters.controller, tick_period=dt)
         self._believed_water = Water(parameters.controller.water_density, parameters.controller.gravity)
         self._tick_nanoseconds = round(dt * 1e9)
         self.tick = 1
@@ -148,6 +150,8 @@ class ClosedLoop:
         vessel = self.sea.step(tick)
         delivered = self._deliver(readings, vessel)
         outputs = self.controller.step(tick, delivered)
+        if outputs.observations is not None:
+            self.controller.take(self.adviser.advise(outputs.observations))
         row = np.array(
             [
                 state.time,

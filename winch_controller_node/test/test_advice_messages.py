@@ -13,9 +13,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from rclpy.serialization import deserialize_message, serialize_message
 from winch_controller_node.advice.messages import beliefs_message, beliefs_of, observations_message, observations_of
-from winch_controller_node.beliefs.beliefs import Adopted, Belief, Beliefs, Finding
+from winch_controller_node.beliefs.beliefs import Adopted, Belief, Beliefs, EncoderScale, Finding
 from winch_controller_node.beliefs.observations import READING_COLUMNS, TICK_COLUMNS, Observations
-from winch_controller_node.beliefs.quantities import QUANTITIES
+from winch_controller_node.beliefs.quantities import QUANTITIES, RESTATED
 from winch_controller_node.design.design import design_controller
 from winch_controller_node.design.wire import WireError, parts_of
 from winch_controller_node.node_parameters import WinchControllerParameters
@@ -45,6 +45,7 @@ observations = st.builds(
     beliefs=TICKS,
     excluded=st.sampled_from(["", "mru", "depth"]),
     is_trusted=st.booleans(),
+    restated=st.lists(st.tuples(st.sampled_from(RESTATED), st.floats(allow_nan=False)), max_size=5).map(tuple),
 )
 
 beliefs = st.builds(
@@ -62,6 +63,7 @@ beliefs = st.builds(
         ),
         unique_by=lambda belief: belief.quantity,
     ).map(lambda found: MappingProxyType({belief.quantity: belief for belief in found})),
+    encoder=st.sampled_from([None, EncoderScale(40, -1.1, 2.0, 1.0 / 3.0)]),
     excluded=st.sampled_from(["", "mru"]),
     authority=st.floats(0.0, 1.0),
     findings=st.lists(
@@ -92,6 +94,7 @@ def test_observations_come_back_to_the_bit(given_observations):
     )
     assert again.readings.tobytes() == given_observations.readings.tobytes()
     assert again.last == given_observations.last
+    assert again.restated == given_observations.restated
     assert observations_message(again, message.nominal, STAMP) == data
     assert (message.header.stamp.sec, message.header.stamp.nanosec) == (12, 950_000_000)
 
@@ -125,6 +128,7 @@ def message_with(change) -> BeliefsMessage:
     sent = Beliefs(
         asked=20,
         values=MappingProxyType({belief.quantity: belief}),
+        encoder=EncoderScale(7, 0.9, 1.0, 1.0),
         design=DESIGN,
         adopted=Adopted(20, np.zeros(ORDER), np.eye(ORDER)),
     )
@@ -153,6 +157,8 @@ def set_array(name, values):
         (lambda m: setattr(m.adopted[0], "estimate", [0.0]), "adopted"),
         (lambda m: setattr(m.adopted[0], "covariance", [0.0]), "adopted covariance"),
         (lambda m: setattr(m.adopted[0], "estimate", [math.nan] * ORDER), "not finite"),
+        (lambda m: setattr(m.encoder[0], "scale", 0.0), "encoder scale"),
+        (lambda m: setattr(m.encoder[0], "payout", math.nan), "encoder scale"),
         (lambda m: m.design[0].arrays.append(m.design[0].arrays[0]), "a name appears twice"),
         (set_array("gain", [1.0]), "gain has 1 numbers"),
         (set_array("gain", [math.nan] * ORDER), "gain holds a value that is not finite"),
@@ -166,6 +172,11 @@ def test_an_answer_that_makes_no_sense_is_refused_with_the_part_that_is_wrong(ch
 def test_observations_of_other_columns_are_refused():
     sent = Observations(1, np.zeros((1, len(TICK_COLUMNS))), (), np.zeros((0, len(READING_COLUMNS))), 0, 0)
     message = deserialize_message(observations_message(sent, "{}", STAMP), ObservationsMessage)
+    message.restated = ["length"]
+    with pytest.raises(WireError, match="restated"):
+        observations_of(message)
+    message.restated_values = [400.0]
+    assert observations_of(message).restated == (("length", 400.0),)
     message.ticks = [*message.ticks, 0.0]
     with pytest.raises(WireError, match="no multiple"):
         observations_of(message)

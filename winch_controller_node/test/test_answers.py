@@ -1,15 +1,13 @@
 """Answers of the adviser: in force at their tick, refused when late, counted, and said."""
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 from winch_controller_node.advice.watch import STEADY, AdviserWatch
-from winch_controller_node.beliefs.answers import Answers
 from winch_controller_node.beliefs.beliefs import LATENCY, Beliefs, latency_ticks
+from winch_controller_node.component import WinchController
+from winch_controller_node.interface.readings import Measurements
+from winch_controller_node.node_parameters import WinchControllerParameters
 
 DT = 0.05
-N = 20
-"""Ticks of 0.05 s in the latency of 1 s."""
 
 
 @pytest.mark.parametrize(("period", "ticks"), [(0.05, 20), (0.01, 100), (0.025, 40), (0.5, 2), (1.0, 2)])
@@ -18,24 +16,22 @@ def test_an_answer_is_in_force_a_second_after_its_observations_and_two_ticks_at_
     assert latency_ticks(period) == ticks
 
 
-@given(asked=st.integers(1, 1000), early=st.integers(0, N))
-def test_an_answer_that_comes_in_time_is_in_force_at_its_tick_however_early_it_came(asked, early):
-    answers, answer = Answers(DT), Beliefs(asked=asked, number=3)
-    assert answers.put(answer, asked + N - early)
-    assert [tick for tick in range(asked + N - early, asked + N + 5) if answers.due(tick) is not None] == [asked + N]
-    assert answers.in_force is answer
-    assert (answers.on_time, answers.late) == (1, 0)
-
-
-@given(asked=st.integers(1, 1000), late=st.integers(1, 50))
-def test_a_late_answer_is_refused_and_counted_and_what_is_in_force_stays(asked, late):
-    answers, answer = Answers(DT), Beliefs(asked=asked)
-    assert answers.put(answer, asked + N)
-    answers.due(asked + N)
-    assert not answers.put(Beliefs(asked=asked + 1), asked + 1 + N + late)
-    assert answers.due(asked + 1 + N + late) is None
-    assert answers.in_force is answer
-    assert (answers.on_time, answers.late) == (1, 1)
+def test_a_late_answer_is_refused_and_counted_and_what_is_in_force_stays():
+    """After tick 45 the answer to the batch that ended at tick 20 is five ticks late; that to tick 26 is due in tick 46."""
+    controller = WinchController(WinchControllerParameters(law="lqg"), tick_period=DT)
+    for tick in range(1, 46):
+        controller.step(tick, Measurements())
+    before = controller.beliefs
+    assert not controller.take(Beliefs(asked=20, number=1))
+    assert not controller.take(Beliefs(asked=25, number=1))
+    assert controller.refused_beliefs == 2
+    assert controller.beliefs is before
+    answer = Beliefs(asked=26, number=1)
+    assert controller.take(answer)
+    assert controller.beliefs is before
+    controller.step(46, Measurements())
+    assert controller.beliefs is answer
+    assert controller.refused_beliefs == 2
 
 
 def alarms_of(watch, first, last):

@@ -17,7 +17,7 @@ from rclpy.serialization import deserialize_message
 from winch_controller_node.advice import answering
 from winch_controller_node.advice.answering import Answering
 from winch_controller_node.advice.worker import NICENESS, Answer, Worker, WorkerError
-from winch_controller_node.adviser.adviser import Adviser
+from winch_controller_node.adviser.component import Adviser
 from winch_controller_node.beliefs.beliefs import latency_ticks
 from winch_controller_node.node_parameters import WinchAdviserParameters, WinchControllerParameters
 

@@ -8,17 +8,15 @@ command) and the rest, which is what the estimator and the laws deal with; the t
 from __future__ import annotations
 
 import math
-from concurrent.futures import Executor
 from functools import partial
 
-import numpy as np
 from heave_node.interface.codes import WinchLimit
 from heave_node.interface.preview import HeavePreview
 from heave_node.parameters import describe
 
-from winch_controller_node.beliefs.answers import Answers
 from winch_controller_node.beliefs.beliefs import Beliefs
-from winch_controller_node.beliefs.observations import BATCH, READING_COLUMNS, TICK_COLUMNS, Observations
+from winch_controller_node.beliefs.observations import Observations
+from winch_controller_node.beliefs_in_force import BeliefsInForce
 from winch_controller_node.design.design import ControllerDesign
 from winch_controller_node.design.prediction import predict_loop
 from winch_controller_node.design_in_force import DesignInForce, PreparedDesign
@@ -27,9 +25,8 @@ from winch_controller_node.estimation.loop_tick import LoopTick
 from winch_controller_node.estimation.observation import Observer
 from winch_controller_node.estimation.preview_watch import PreviewWatch
 from winch_controller_node.identification.late_commands import LateCommands
-from winch_controller_node.interface.readings import Measurements, Outputs, RollingKpi, WinchOrder, WinchReading
+from winch_controller_node.interface.readings import Measurements, Outputs, RollingKpi, WinchReading
 from winch_controller_node.laws.constant_tension import TRAVEL
-from winch_controller_node.learning import Learning
 from winch_controller_node.loop_command import LoopCommand, TickCommand
 from winch_controller_node.model.estimator import KalmanEstimator
 from winch_controller_node.motion.operator_speed import OperatorRange, OperatorSpeed
@@ -42,6 +39,7 @@ from winch_controller_node.supervision.mode_machine import ModeMachine
 from winch_controller_node.supervision.modes import BRAKED, Mode, ModeError, ModeOutput
 from winch_controller_node.supervision.rolling_kpi import KpiWindow
 from winch_controller_node.supervision.supervisor import Decision, Supervisor, WinchSituation
+from winch_controller_node.supervision.watch.encoder_reflex import Act, EncoderReflex
 from winch_controller_node.supervision.watch.load_watch import Episode, LoadWatch
 from winch_controller_node.supervision.watch.winch_watch import WinchWatch, identifies_winch
 
@@ -57,6 +55,9 @@ COMING_TO_REST = (Mode.FADE_OUT, Mode.STOPPING)
 LEAST_MEAN_TIME = 10.0
 """Time over which a tension is averaged at least before it is held as the mean [s]: about a wave."""
 
+LOST_TIME = 1.0
+"""An encoder that is lost for so long is lost indeed [s]; one with play is still for a moment when the drum turns."""
+
 LIFTING_SURPLUS = 0.06
 """Tension above the static one that lifts a unit off, in weights of the unit: more than the load cell may err."""
 
@@ -69,7 +70,6 @@ class WinchController:
     parameters : what it believes and how it works
     tick_period : [s]
     seed : taken like every component's; the controller itself draws no random number
-    designer : makes designs beside the ticks, in real time; None: at once, so that a run depends on its seed alone
 
     Raises DesignError where no controller can be designed from the parameters.
     """
@@ -80,7 +80,6 @@ class WinchController:
         *,
         tick_period: float,
         seed: int = 0,
-        designer: Executor | None = None,
     ) -> None:
         del seed
         self._dt = tick_period
@@ -89,38 +88,21 @@ class WinchController:
         self._estimation = LoopEstimation(design)
         self._supervisor = Supervisor(design, law)
         self._command = LoopCommand(design, law)
-        self._winch = WinchWatch(design, designer)
+        self._winch = WinchWatch(design)
         self._load = LoadWatch(parameters.alarms, tick_period=tick_period)
         self._travel_half, self._travel_end = Episode(tick_period), Episode(tick_period)
         self._programme = Programme(parameters.programme)
         self._operator = OperatorSpeed(parameters.operator, tick_period=tick_period)
         self._kpi = KpiWindow(parameters.kpi_window, parameters.winch, tick_period=tick_period)
-        self._learning = Learning(self._in_force, self._estimation, self._winch, designer)
+        self._beliefs = BeliefsInForce(self._in_force, self._estimation, self._winch)
+        self._encoder = EncoderReflex(tick_period)
+        self._has_lost_encoder = 0
         self._alarms: list[str] = []
         self._requests: list[str] = []
         self.preview = PreviewWatch(law.preview, tick_period=tick_period)
         self._tick_nanoseconds = round(tick_period * 1e9)
         self._previews = False
-        self._answers = Answers(tick_period)
-        self._tick = 0
-        self._batch: list[list[float]] = []
-
-    def take(self, beliefs: Beliefs) -> bool:
-        """Take an answer of the adviser, `beliefs`, between two ticks; tell whether it came in time."""
-        return self._answers.put(beliefs, self._tick + 1)
-
-    def _observed(self, order: WinchOrder, authority: float) -> Observations | None:
-        """Return the observations of the batch that ends with this tick; None within one."""
-        row = dict.fromkeys(TICK_COLUMNS, math.nan)
-        row |= {"order_payout": order.payout, "order_rate": order.payout_rate, "sequence": float(order.sequence)}
-        row |= {"brake": float(order.brake), "authority": authority}
-        self._batch.append(list(row.values()))
-        if self._tick % max(1, round(BATCH / self._dt)):
-            return None
-        ticks, self._batch = np.array(self._batch), []
-        number = 0 if self._answers.in_force is None else self._answers.in_force.number
-        readings = np.empty((0, len(READING_COLUMNS)))
-        return Observations(self._tick - len(ticks) + 1, ticks, (), readings, epoch=0, beliefs=number)
+        self._next_tick = 0
 
     @property
     def parameters(self) -> WinchControllerParameters:
@@ -185,7 +167,9 @@ class WinchController:
         """
         self._supervisor.timeouts.cancel()
         self.observer.trust()
-        self._learning.trust_encoder()
+        self._encoder.restart()
+        if self.observer.doubted == "encoder":
+            self.observer.doubt("")
         if name == Mode.CONSTANT_TENSION.value:
             measured = self._estimation.filtered_tension
             if not math.isfinite(measured):
@@ -362,11 +346,10 @@ class WinchController:
     def step(self, tick: int, measurements: Measurements) -> Outputs:
         """Do tick k: take the `measurements` of t_k, return the order for [t_k, t_{k+1}] and what is known."""
         self._alarms = []
-        self._tick = tick
-        self._answers.due(tick)
         self._run_programme(tick * self._dt)
         self._follow_operator()
-        self._learn(tick)
+        self._follow_beliefs(tick)
+        self._watch_encoder(tick)
         self._follow_length()
         loop = self._estimation.step(
             tick, measurements, self._command.last.shares, unit_stands=self._supervisor.landing.unit_stands
@@ -377,6 +360,7 @@ class WinchController:
             self._change_mode(decision.mode, loop)
             self._act_on(decision.landing, loop)
             loop = self._estimation.refreshed(loop)
+        observations = self._observe(loop, measurements.winch, decision.mode)
         command = self._command.command(loop, decision, self._watch_preview(loop, measurements.preview))
         self._estimation.advance_mean(command.shares.mean, is_braked=self.modes.brake)
         self._watch_load(loop, measurements.winch, command)
@@ -400,9 +384,21 @@ class WinchController:
         kpi = self._kpi.figures() if tick % max(1, round(1.0 / self._dt)) == 0 else None
         mode, make_report = decision.mode, partial(state_report, told)
         alarms, authority = tuple(self._alarms), mode.authority
-        observed = self._observed(order, authority)
-        point = told.depth_set_point
-        return Outputs(order, mode.mode.value, authority, point, make_report, kpi, alarms, requests, observed)
+        return Outputs(
+            order, mode.mode.value, authority, told.depth_set_point, make_report, kpi, alarms, requests, observations
+        )
+
+    def _observe(self, loop: LoopTick, winch: WinchReading | None, mode: ModeOutput) -> Observations | None:
+        """Note the tick for the adviser; return the batch that it completes."""
+        log, observer = self._estimation.log, self.observer
+        is_compensating = mode.mode is Mode.COMPENSATING
+        log.add(loop, observer, self._winch.given, winch, authority=mode.authority, compensates=is_compensating)
+        return log.batch(
+            self._beliefs.beliefs.number,
+            excluded=observer.doubted,
+            is_trusted=self._supervisor.guard.trusts_estimate,
+            restated=self._beliefs.restated,
+        )
 
     def _decide(self, loop: LoopTick, measurements: Measurements) -> Decision:
         """Have winch and loop supervised."""
@@ -416,9 +412,11 @@ class WinchController:
                 mean_payout=self.mean.point.payout,
                 mean_acceleration=self.mean.point.acceleration,
                 settled_swing=self._command.settled_swing,
-                share=self._winch.share if identifies_winch(self.parameters) else 1.0,
-                inhibition=transport.inhibition or self._learning.inhibition,
-                is_contrary=self._learning.is_contrary,
+                share=min(self._winch.share, self._beliefs.beliefs.authority)
+                if identifies_winch(self.parameters)
+                else 1.0,
+                inhibition=transport.inhibition or self._encoder.inhibition,
+                is_contrary=self._encoder.is_unresolved,
             ),
         )
         self._alarms += [transport.alarm] if transport.alarm else []
@@ -514,44 +512,89 @@ class WinchController:
 
     # another design
 
+    def under(self, nominal: WinchControllerParameters) -> WinchControllerParameters:
+        """Return the parameters under what is believed, were others `nominal`; the sea is as those say."""
+        return self._beliefs.under(nominal)
+
     def prepare_redesign(self, parameters: WinchControllerParameters) -> PreparedDesign:
-        """Design again from `parameters` and change nothing yet: this may be done beside the ticks.
+        """Design again from other nominal `parameters` and change nothing yet: this may be done beside the ticks.
 
-        Raises DesignError; states must be the same.
+        What is believed of winch, cable and sensors stays; the sea is as they say. Raises DesignError; states must be
+        the same.
         """
-        return self._in_force.prepared(parameters, self.mean.point.payout)
+        return self._in_force.prepared(self._beliefs.under(parameters), self.mean.point.payout)
 
-    def take_redesign(self, prepared: PreparedDesign) -> ControllerDesign:
-        """Go on with a design that was prepared; called between two ticks."""
-        self._learning.drop()
+    def take_redesign(self, prepared: PreparedDesign, nominal: WinchControllerParameters) -> ControllerDesign:
+        """Go on with a design that was `prepared` from other `nominal` parameters; called between two ticks."""
         matrix, added = self._in_force.take(prepared)
+        self._beliefs.renew(nominal)
         self._estimation.carry(self.design, matrix, added)
         self._estimation.forget_readings()
+        self._estimation.forget_sea()
         self._take_law()
         return self.design
 
     def redesign(self, parameters: WinchControllerParameters) -> ControllerDesign:
-        """Design again from `parameters` and go on with the new design at once.
+        """Design again from other nominal `parameters` and go on with the new design at once.
 
         Raises DesignError; the old design then stays.
         """
-        return self.take_redesign(self.prepare_redesign(parameters))
+        return self.take_redesign(self.prepare_redesign(parameters), parameters)
 
-    def _learn(self, tick: int) -> None:
-        """Go on with what has been learnt of winch, sea and sensors, and say it."""
+    # beliefs
+
+    @property
+    def nominal(self) -> WinchControllerParameters:
+        """Parameters as an operator has stated them."""
+        return self._beliefs.nominal
+
+    @property
+    def beliefs(self) -> Beliefs:
+        """What is believed otherwise."""
+        return self._beliefs.beliefs
+
+    @property
+    def refused_beliefs(self) -> int:
+        """Answers of the adviser that came too late, so far."""
+        return self._beliefs.refused
+
+    def take(self, beliefs: Beliefs) -> bool:
+        """Take an answer of the adviser, in force LATENCY after it was asked for; tell whether it came in time."""
+        return self._beliefs.offer(beliefs, self._next_tick)
+
+    def _follow_beliefs(self, tick: int) -> None:
+        """Put in force what is due, and have it go on with law, guard and gates."""
+        self._next_tick = tick + 1
         before = self.design
-        self._alarms += self._learning.follow(
-            tick,
-            moves=self.mode in (Mode.COMPENSATING, Mode.FADE_OUT),
-            compensates=self.mode is Mode.COMPENSATING,
-            is_trusted=self._supervisor.guard.trusts_estimate,
-        )
+        self._alarms += self._beliefs.follow(tick)
         if self.design is not before:
             self._take_law()
-        if self._learning.has_moved_tip:
+        if self._beliefs.has_moved_tip:
             self._supervisor.forget_sea()
-        for belief in self._learning.corrected:
-            self._supervisor.guard.allow_correction(belief)
+        for owner in self._beliefs.corrected:
+            self._supervisor.guard.allow_correction(owner)
+        if "encoder" in self._beliefs.corrected:
+            self._encoder.restart()
+            self._winch.drum.restart()
+
+    def _watch_encoder(self, tick: int) -> None:
+        """Set an encoder aside that goes the other way; one that was lost says where the drum is once it is back."""
+        observer, lasting = self.observer, round(LOST_TIME / self._dt)
+        is_lost = observer.gates["encoder"].is_lost
+        before, self._has_lost_encoder = self._has_lost_encoder, self._has_lost_encoder + 1 if is_lost else 0
+        if before >= lasting and not is_lost:
+            self._estimation.find_drum(tick - 1)
+        moves = self.mode in (Mode.COMPENSATING, Mode.FADE_OUT)
+        if not moves or not identifies_winch(self.parameters) or observer.doubted not in ("", "encoder"):
+            return
+        ordered, is_aside = self._winch.drum.ordered(), observer.doubted == "encoder"
+        act = self._encoder.look(tick, ordered, is_aside=is_aside)
+        if act is Act.USE_AGAIN:
+            observer.doubt("")
+        elif act is Act.SET_ASIDE and ordered is not None:
+            self._estimation.set_encoder_aside(ordered.payout, tick - 1)
+            self._supervisor.guard.allow_correction("encoder")
+            self._alarms.append(f"encoder suspect: it {self._encoder.words}: set aside while they are compared")
 
     def _follow_length(self) -> None:
         """Follow the gain schedule, where there is one."""

@@ -1,4 +1,4 @@
-"""The design in force with its law, and its successors: redesign, gain schedule, a winch that was identified."""
+"""The design in force with its law, and its successors: redesign, gain schedule, other beliefs."""
 
 from __future__ import annotations
 
@@ -113,49 +113,18 @@ class DesignInForce:
         self.law = self.design.make_law()
         return True
 
-    def prepared_for(
-        self, parameters: WinchControllerParameters, factors: tuple[float, float] = (1.0, 1.0)
-    ) -> PreparedDesign:
-        """Design for winch, sea and sensors of `parameters` and the cable in force; takes longer than a tick.
-
-        `factors` multiply inertia and damping of that.
-
-        Raises DesignError where that cannot be designed.
-        """
-        design = self.design_for(parameters, factors)
-        return PreparedDesign(parameters, design, design.make_law())
-
-    def design_for(self, parameters: WinchControllerParameters, factors: tuple[float, float]) -> ControllerDesign:
-        """Return the design of `prepared_for`, without its law, for the same `parameters` and `factors`."""
-        cable = self.design.cable
-        cable = replace(cable, a=factors[0] * cable.a, b=factors[1] * cable.b, drag=factors[1] * cable.drag)
-        return design_controller(parameters, tick_period=self._dt, cable=cable)
-
-    def take_learnt(self, prepared: PreparedDesign) -> tuple[Array, Array]:
-        """Put a design `prepared` for another winch or another sea in force; limits and gain stay those in force.
+    def take_design(self, parameters: WinchControllerParameters, design: ControllerDesign) -> tuple[Array, Array]:
+        """Put a `design` for other `parameters` in force: another winch, cable, sensor or sea is believed in.
 
         Returns the matrix that takes a present state to one of the new design, shape (n_new, n), and the covariance
         that this adds, shape (n_new, n_new).
-
-        Raises DesignError where another sea needs other states; the old design then stays.
         """
-        carried = self._carried(prepared)
-        self._put_in_force_with_limits(prepared)
-        return carried
-
-    def take_sensors(self, prepared: PreparedDesign) -> Array:
-        """Put a design `prepared` for other sensors in force; limits and gain of the winch stay those in force.
-
-        Returns the matrix that takes a present state to one of the new design, shape (n_new, n); what is new is zero.
-        """
-        matrix = carry_by_name(self.design, prepared.design)
-        self._put_in_force_with_limits(prepared)
-        return matrix
-
-    def _put_in_force_with_limits(self, prepared: PreparedDesign) -> None:
-        winch = self.parameters.winch
-        self._put_in_force(prepared)
-        self.take_limits(winch)
+        old, is_other_sea = self.design, parameters.sea != self.parameters.sea
+        has_same_states = design.model.state_names == old.model.state_names
+        self.parameters, self.design, self.law = parameters, design, design.make_law()
+        if is_other_sea and has_same_states:
+            return carry_sea(old, design)
+        return carry_by_name(old, design), np.zeros((design.model.order, design.model.order))
 
     def take_limits(self, winch: WinchModelParameters) -> None:
         """Keep limits and gain of another `winch`: model and gains stay what they are."""

@@ -77,7 +77,7 @@ class WinchControllerNode(ParticipantNode):
 
     def __init__(self) -> None:
         super().__init__()
-        self._redesign_wanted: tuple[DesignBeside, Future[None]] | None = None
+        self._redesign_wanted: tuple[DesignBeside, WinchControllerParameters, Future[None]] | None = None
 
     def on_build(self) -> None:
         """Make the controller, its outputs and inputs; a few ticks of a throw-away one warm everything up."""
@@ -298,7 +298,7 @@ class WinchControllerNode(ParticipantNode):
         if not self.is_active:
             response.message = INACTIVE
             return response
-        old = self.controller.parameters
+        old = self.controller.nominal
         asked = (request.significant_wave_height, request.peak_period, request.length)
         if not all(math.isfinite(value) and value >= 0.0 for value in asked):
             response.message = "significant_wave_height, peak_period and length must be at least 0"
@@ -315,7 +315,6 @@ class WinchControllerNode(ParticipantNode):
         except ValueError as error:
             response.message = str(error)
             return response
-        self._nominal = parameters_text(new)
         response.success = True
         response.predicted_unit_sigma = self.controller.predicted_unit_sigma()
         response.message = (
@@ -330,9 +329,10 @@ class WinchControllerNode(ParticipantNode):
             return self.controller.redesign(parameters)
         if self._redesign_wanted is not None:
             raise ModeError("another redesign is in progress")
+        controller = self.controller
         in_force: Future[None] = Future()
-        payout = self.controller.mean.point.payout
-        self._redesign_wanted = (DesignBeside(parameters, payout, self.run.tick_period), in_force)
+        beside = DesignBeside(controller.under(parameters), controller.mean.point.payout, self.run.tick_period)
+        self._redesign_wanted = (beside, parameters, in_force)
         await in_force
         return self.controller.design
 
@@ -340,12 +340,12 @@ class WinchControllerNode(ParticipantNode):
         """Put a design that has been prepared in force, between two ticks."""
         if self._redesign_wanted is None:
             return
-        beside, in_force = self._redesign_wanted
+        beside, nominal, in_force = self._redesign_wanted
         try:
             prepared = beside.take()
             if prepared is None:
                 return
-            self.controller.take_redesign(prepared)
+            self.controller.take_redesign(prepared, nominal)
             in_force.set_result(None)
         except ValueError as error:
             in_force.set_exception(error)

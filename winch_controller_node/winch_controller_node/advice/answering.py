@@ -19,17 +19,14 @@ class Adviser(Protocol):
         """Return the answer to a batch of `observations`; batches come in order."""
         ...
 
-    def redesigned(self, parameters: WinchControllerParameters) -> None:
-        """Take other nominal `parameters` from now on."""
-        ...
-
 
 MakeAdviser = Callable[[WinchControllerParameters, float], Adviser]
 """Makes an adviser from nominal parameters and the tick period [s]."""
 
 
 class Answering:
-    """Answers messages with messages. The nominal comes with the observations, so that an adviser can begin anywhere.
+    """Answers messages with messages. The nominal comes with the observations, so that an adviser can begin
+    anywhere; with another one another adviser begins.
 
     Parameters
     ----------
@@ -51,11 +48,7 @@ class Answering:
         """
         observations = observations_of(message)
         if message.nominal != self._nominal:
-            nominal = parameters_of(message.nominal)
-            if self._adviser is None:
-                self._adviser = self._make(nominal, self._dt)
-            else:
-                self._adviser.redesigned(nominal)
+            self._adviser = self._make(parameters_of(message.nominal), self._dt)
             self._nominal = message.nominal
         assert self._adviser is not None
         beliefs = self._adviser.advise(observations)

@@ -12,9 +12,9 @@ from heave_node.cdr.packer import Packer
 from heave_node.interface import topics
 from heave_node.numerics.arrays import Array
 
-from winch_controller_node.beliefs.beliefs import Adopted, Belief, Beliefs, Finding
+from winch_controller_node.beliefs.beliefs import Adopted, Belief, Beliefs, EncoderScale, Finding
 from winch_controller_node.beliefs.observations import READING_COLUMNS, TICK_COLUMNS, Observations
-from winch_controller_node.beliefs.quantities import QUANTITIES
+from winch_controller_node.beliefs.quantities import QUANTITIES, RESTATED
 from winch_controller_node.design.design import ControllerDesign
 from winch_controller_node.design.wire import DesignParts, WireError, design_of, parts_of
 
@@ -22,12 +22,15 @@ _OBSERVATIONS = Packer(
     topics.CONTROLLER_OBSERVATIONS.type,
     (
         *("header.stamp", "first", "tick_columns", "ticks", "rows", "reading_columns", "readings", "epoch", "beliefs"),
-        *("excluded", "is_trusted", "nominal"),
+        *("excluded", "is_trusted", "nominal", "restated", "restated_values"),
     ),
 )
 _BELIEFS = Packer(
     topics.CONTROLLER_BELIEFS.type,
-    ("header.stamp", "asked", "number", "values", "excluded", "authority", "findings", "design", "adopted"),
+    (
+        *("header.stamp", "asked", "number", "values", "encoder", "excluded", "authority", "findings", "design"),
+        "adopted",
+    ),
 )
 
 
@@ -43,7 +46,7 @@ def observations_message(observations: Observations, nominal: str, stamp: int) -
     o = observations
     return _OBSERVATIONS.pack(
         *(stamp, o.first, TICK_COLUMNS, _row(o.ticks), o.rows, READING_COLUMNS, _row(o.readings), o.epoch, o.beliefs),
-        *(o.excluded, o.is_trusted, nominal),
+        *(o.excluded, o.is_trusted, nominal, [path for path, _ in o.restated], [value for _, value in o.restated]),
     )
 
 
@@ -55,6 +58,8 @@ def observations_of(message: Any) -> Observations:
     for name, columns in (("tick_columns", TICK_COLUMNS), ("reading_columns", READING_COLUMNS)):
         if tuple(getattr(message, name)) != columns:
             raise WireError(f"observations: {name} must be {', '.join(columns)}")
+    if len(message.restated) != len(message.restated_values) or set(message.restated) - set(RESTATED):
+        raise WireError(f"observations: restated must be of {', '.join(RESTATED)}, each with its value")
     return Observations(
         first=message.first,
         ticks=_table("ticks", message.ticks, len(TICK_COLUMNS)),
@@ -64,6 +69,7 @@ def observations_of(message: Any) -> Observations:
         beliefs=message.beliefs,
         excluded=message.excluded,
         is_trusted=message.is_trusted,
+        restated=tuple(zip(message.restated, message.restated_values, strict=True)),
     )
 
 
@@ -75,6 +81,7 @@ def beliefs_message(beliefs: Beliefs, stamp: int) -> bytes:
         beliefs.asked,
         beliefs.number,
         list(beliefs.values.values()),
+        [] if beliefs.encoder is None else [beliefs.encoder],
         beliefs.excluded,
         beliefs.authority,
         beliefs.findings,
@@ -99,13 +106,14 @@ def beliefs_of(message: Any) -> Beliefs:
         raise WireError("beliefs: a quantity appears twice")
     if not 0.0 <= message.authority <= 1.0:
         raise WireError(f"beliefs: authority must be from 0 to 1; got {message.authority}")
-    if message.asked < 0 or len(message.design) > 1 or len(message.adopted) > 1:
-        raise WireError("beliefs: asked is negative, or there are several designs or adopted states")
+    if message.asked < 0 or max(map(len, (message.encoder, message.design, message.adopted))) > 1:
+        raise WireError("beliefs: asked is negative, or there are several scales, designs or adopted states")
     design = _design(message.design[0]) if message.design else None
     return Beliefs(
         asked=message.asked,
         number=message.number,
         values=MappingProxyType({belief.quantity: belief for belief in values}),
+        encoder=_encoder(message.encoder[0]) if message.encoder else None,
         excluded=message.excluded,
         authority=message.authority,
         findings=tuple(
@@ -128,6 +136,13 @@ def _design(message: Any) -> ControllerDesign:
     if len(arrays) != len(message.arrays) or len(texts) != len(message.texts):
         raise WireError("design: a name appears twice")
     return design_of(DesignParts(arrays, texts))
+
+
+def _encoder(message: Any) -> EncoderScale:
+    scale = EncoderScale(message.since, message.scale, message.reading, message.payout)
+    if not all(map(math.isfinite, scale)) or scale.scale == 0.0:
+        raise WireError(f"beliefs: encoder scale {scale.scale} about a reading of {scale.reading} at {scale.payout} m")
+    return scale
 
 
 def _adopted(message: Any, design: ControllerDesign | None) -> Adopted:

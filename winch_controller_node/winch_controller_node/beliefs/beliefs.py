@@ -7,7 +7,7 @@ otherwise, with the evidence, and brings the design for it. What it does not nam
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 from typing import NamedTuple
 
@@ -84,6 +84,22 @@ class Adopted(NamedTuple):
     covariance: Array
 
 
+class EncoderScale(NamedTuple):
+    """Scale of the encoder from a tick on: payout there + (reading - reading there) / scale.
+
+    Attributes
+    ----------
+    since : tick
+    scale : reading over payout [-]
+    reading, payout : at that tick [m]
+    """
+
+    since: int = 0
+    scale: float = 1.0
+    reading: float = 0.0
+    payout: float = 0.0
+
+
 @dataclass(frozen=True)
 class Beliefs:
     """An answer of the adviser.
@@ -93,6 +109,7 @@ class Beliefs:
     asked : last tick of the observations that it answers; in force from LATENCY later on
     number : grows with each answer that differs from the one before
     values : what is believed other than nominal, by quantity
+    encoder : scale of the encoder, and from where on; None: it has always been nominal
     excluded : sensor that is in use and contradicts all others: its readings are a cross-check only; empty: none
     authority : largest share of the sea that may be compensated with what is known [-]
     findings : new in this answer
@@ -103,6 +120,7 @@ class Beliefs:
     asked: int
     number: int = 0
     values: MappingProxyType[str, Belief] = field(default_factory=lambda: MappingProxyType({}))
+    encoder: EncoderScale | None = None
     excluded: str = ""
     authority: float = 1.0
     findings: tuple[Finding, ...] = ()
@@ -130,6 +148,12 @@ def parameters_under(beliefs: Beliefs, nominal: WinchControllerParameters) -> Wi
         if identified:
             parameters = with_value(parameters, QUANTITIES[pair[0]].path, USED * min(identified))
     return parameters
+
+
+def without_sea(beliefs: Beliefs) -> Beliefs:
+    """Return `beliefs` with nothing but the nominal sea."""
+    values = {name: belief for name, belief in beliefs.values.items() if QUANTITIES[name].owner != "sea"}
+    return replace(beliefs, values=MappingProxyType(values), design=None, adopted=None)
 
 
 LIMITS = (SPEED_OUT, SPEED_IN, ACCELERATION_OUT, ACCELERATION_IN)

@@ -22,6 +22,8 @@ TICK_COLUMNS = (
     "compensates",  # mode compensating, 0 or 1
     "tip_heave",  # estimated heave of the boom tip [m]
     "tip_rate",  # and its rate [m/s]
+    "unit_rate",  # estimated heave rate of the unit, without the mean payout's share [m/s]
+    "missing_push",  # by how much more a linear cable would push the unit down than a slack one does [m]
 )
 """Columns of the table of ticks."""
 
@@ -53,6 +55,7 @@ class Observations:
     beliefs : number of the beliefs in force at the end of the batch
     excluded : sensor that a reflex of the core has set aside; empty: none
     is_trusted : depth sensor and estimate agree, as the guard sees it
+    restated : parameters that an operator's redesigns have stated anew since the start, by path
     """
 
     first: int
@@ -63,6 +66,7 @@ class Observations:
     beliefs: int
     excluded: str = ""
     is_trusted: bool = True
+    restated: tuple[tuple[str, float], ...] = ()
 
     @property
     def last(self) -> int:

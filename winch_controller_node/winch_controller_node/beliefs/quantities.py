@@ -78,6 +78,21 @@ QUANTITIES = {
 """All of them, by name."""
 
 
+RESTATED = (
+    "length",
+    "sea.significant_wave_height",
+    "sea.peak_period",
+    "sea.swell.significant_wave_height",
+    "sea.swell.peak_period",
+)
+"""Parameters that an operator's redesign states anew."""
+
+
+def restated(first: WinchControllerParameters, now: WinchControllerParameters) -> tuple[tuple[str, float], ...]:
+    """Return those of RESTATED that are other `now` than at `first`."""
+    return tuple((path, float(_value(now, path))) for path in RESTATED if _value(now, path) != _value(first, path))
+
+
 def with_value(parameters: WinchControllerParameters, path: str, value: float) -> WinchControllerParameters:
     """Return `parameters` with another `value` of the one at a dotted `path`."""
     replaced: WinchControllerParameters = _replaced(parameters, path.split("."), value)

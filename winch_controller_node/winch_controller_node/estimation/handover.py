@@ -13,9 +13,8 @@ import numpy as np
 from heave_node.numerics.arrays import Array
 from heave_node.numerics.linear_model import LinearModel
 
-from winch_controller_node.interface.sensors import DEPTH_BIAS, MRU_SCALE
+from winch_controller_node.interface.sensors import DEPTH_BIAS
 from winch_controller_node.model.estimator import begin_anew
-from winch_controller_node.model.regulator import is_sea_state
 
 PULL_SIGMA = 0.1
 """Doubt in the pull of the cable [m] of a unit that has just been lifted off: 5 % of a weight on a long cable."""
@@ -109,26 +108,4 @@ def hand_over_seen(
             index = model.state(name)
             estimate[index] = known.get(name, estimate[index])
             begin_anew(covariance, index, SEEN_SIGMA)
-    return estimate, covariance
-
-
-def hand_over_scaled(
-    model: LinearModel, estimate: Array, covariance: Array, *, share: float, sigma: float
-) -> tuple[Array, Array]:
-    """Return estimate and covariance of a loop whose boom tip moves a `share` of what was estimated.
-
-    The MRU's scale has made up for the difference, and reads the same.
-
-    Parameters
-    ----------
-    model, estimate, covariance : as for `hand_over`
-    share : of boom tip, waves and what the MRU's filter makes of them [-]
-    sigma : standard deviation of the MRU's scale [-]
-    """
-    is_moved = [is_sea_state(name) or name.startswith("mru_offset") for name in model.state_names]
-    size = np.where(is_moved, share, 1.0)
-    estimate, covariance = size * estimate, covariance * np.outer(size, size)
-    scale = model.state(MRU_SCALE)
-    estimate[scale] = (1.0 + estimate[scale]) / share - 1.0
-    begin_anew(covariance, scale, sigma)
     return estimate, covariance

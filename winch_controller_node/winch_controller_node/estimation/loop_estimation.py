@@ -6,38 +6,27 @@ The estimator sees the loop without the mean payout's own motion, see `mean_moti
 from __future__ import annotations
 
 import math
+from collections import deque
 from dataclasses import replace
 
-import numpy as np
 from heave_node.numerics.arrays import Array
 
+from winch_controller_node.beliefs.beliefs import LATENCY, Adopted, EncoderScale
 from winch_controller_node.design.design import ControllerDesign
-from winch_controller_node.estimation.depth_witness import DepthWitness, Seen
-from winch_controller_node.estimation.handover import (
-    hand_over,
-    hand_over_scaled,
-    hand_over_seen,
-    hand_over_standing,
-)
+from winch_controller_node.estimation.handover import hand_over, hand_over_seen, hand_over_standing
 from winch_controller_node.estimation.loop_tick import CommandShares, LoopTick, Sensed
-from winch_controller_node.estimation.observation import Observer
-from winch_controller_node.estimation.reading_record import SEA_RECORD, ReadingRecord, Surprise
-from winch_controller_node.estimation.sea_adaptation import (
-    FIRST_WAVES,
-    PossibleSeas,
-    SeaTracker,
-    possible_seas,
-)
+from winch_controller_node.estimation.observation import Observed, Observer
+from winch_controller_node.estimation.observation_log import ObservationLog
+from winch_controller_node.estimation.surprise import Surprise
 from winch_controller_node.estimation.tension import MeanTension, TensionFilter
 from winch_controller_node.interface.readings import Measurements
-from winch_controller_node.interface.sensors import DEPTH_BIAS, MRU_SCALE, KnownSensors
-from winch_controller_node.model.estimator import KalmanEstimator, Measurement, RecordedTick, begin_anew
+from winch_controller_node.interface.sensors import DEPTH_BIAS
+from winch_controller_node.model.estimator import Measurement, RecordedTick, begin_anew
 from winch_controller_node.model.loop_rows import loop_rows
+from winch_controller_node.model.seas import FIRST_WAVES, SeaTracker
 from winch_controller_node.model.simulated_unit import SimulatedUnit
+from winch_controller_node.model.slack_kernel import missing_push
 from winch_controller_node.motion.mean_motion import MeanMotion
-
-CLEAR = 4.0
-"""Heave rate of a sea over the error of its estimate from which on its period is judged: noise is short waves."""
 
 TIP_MEMORY = 30.0
 """Time over which the motion of the boom tip is averaged [s]: a few waves."""
@@ -48,21 +37,12 @@ NOISE_SWING = 4.0
 TIP_BACK = 1.0
 """Time after which an MRU that was lost tells the boom tip again [s]: compensation goes on then."""
 
-LIKELY = 2.0
-"""Error of the MRU's scale that there may well be, in standard deviations."""
-
-NEARLY_ALL = 0.95
-"""Share of the unit's weight that the load cell misses where the cable is slack."""
-
 TAUT_TIME = 20.0
 """Time in which a unit that had a taut cable goes over to one that had not [s]: near the resonance of the cable it
 would swing by far more than any unit does, and what the law refers to with it."""
 
 NEAR = 0.1
 """A drum that stands so near to a payout of 0 at first [m] returns to it, as it does after a stop."""
-
-SEA_SENSORS = ("mru", "encoder")
-"""They tell the sea; what others read tells as much of the cable."""
 
 
 class LoopEstimation:
@@ -76,11 +56,10 @@ class LoopEstimation:
     ----------
     estimator, observer : the filter and the gates in front of it
     motion : mean payout and what it brings about
-    record, surprise : what the estimator was told in the last minute, and how far that was from what it foresaw
+    log : of what is observed, for the adviser
+    surprise : how far readings are from what was foreseen
     mean_tension : over the waves
-    depth_witness : of what the encoder reads
     knows_tip : the boom tip is measured by a sensor that is believed
-    sea_record : what it was told by motion reference unit and encoder, which tell the sea, in the last two minutes
     """
 
     def __init__(self, design: ControllerDesign) -> None:
@@ -96,24 +75,20 @@ class LoopEstimation:
         self._tip_power = 0.0
         self._has_begun, self._first_payout = False, math.nan
         self._sea = SeaTracker(design)
-        self._believed_sea = parameters.sea
         self._tip_lost, self._tip_back, self.knows_tip = 0.0, TIP_BACK, True
-        sensors = KnownSensors().by_name()
-        self._sea_rows = {row.name for name in SEA_SENSORS for row in sensors[name].rows()}
-        self.record, self.surprise = ReadingRecord(dt), Surprise(dt)
-        self.depth_witness = DepthWitness(design.cable, dt)
-        self.sea_record = ReadingRecord(dt, SEA_RECORD)
+        self.log, self.surprise = ObservationLog(dt), Surprise(dt)
+        self._recent: deque[tuple[int, float, tuple[Observed, ...]]] = deque(maxlen=2 * round(LATENCY / dt))
         self._refer_to(design)
 
     def _refer_to(self, design: ControllerDesign) -> None:
         """Refer to a design from now on, whose model the estimator has already."""
         self._design = design
         self.observer.take_design(design)
+        self._slack = design.slack
         self._rows = loop_rows(design.model)
         self._shadow.take_cable(design.cable, design.tick_period)
         self._taut_shadow.take_cable(replace(design.cable, unit_weight=math.inf), design.tick_period)
         self._hanging_unit.take_cable(design.cable, design.tick_period)
-        self.depth_witness.take_cable(design.cable)
         self._sea.refer_to(design)
 
     # another design
@@ -140,30 +115,38 @@ class LoopEstimation:
         self.observer.forget_shares()
         self._refer_to(design)
 
-    def adopt(
-        self, design: ControllerDesign, matrix: Array, followed: KalmanEstimator, tick: int, doubted: str = ""
-    ) -> None:
-        """Go on after `tick` with what another estimator knows.
+    def adopt(self, design: ControllerDesign, matrix: Array | None, adopted: Adopted, tick: int) -> None:
+        """Go on after `tick` with the adviser's estimate of some time ago, followed up to now.
 
         Parameters
         ----------
         design : to go on with
-        matrix : its states are this, shape (n_new, n), times the present ones, or new
-        followed : estimator that believes in all of its states
-        tick : the last one that it knows
-        doubted : sensor whose readings it has left out, and that is only a witness from now on; empty: none
+        matrix : its states are this, shape (n_new, n), times the present ones; None: they are the same
+        adopted : the adviser's
+        tick : the last one
         """
-        among = [followed.model.state(name) for name in design.model.state_names]
+        streams = self.estimator.streams
         self.estimator = design.make_estimator()
-        self.estimator.reset(followed.estimate[among], followed.covariance[np.ix_(among, among)], followed.streams)
-        self.estimator.step(tick, 0.0, [])
-        self.motion.carry(matrix)
-        self.observer.forget_shares()
+        self.estimator.reset(adopted.estimate, adopted.covariance, streams)
+        self.estimator.step(adopted.tick, 0.0, [])
+        self.estimator.follow(
+            [
+                RecordedTick(
+                    number,
+                    command,
+                    [self.observer.as_believed(one) for one in observed if self.observer.is_taken(one.reading)],
+                )
+                for number, command, observed in self._recent
+                if adopted.tick < number <= tick
+            ]
+        )
+        if matrix is not None:
+            self.motion.carry(matrix)
+            self.observer.forget_shares()
         self.surprise.restart()
         self._refer_to(design)
         # the boom tip was another one, and so is what it does to a unit that no winch moves
         self._take_unit(self.estimator.estimate[self._rows.unit_states])
-        self.observer.doubt(doubted)
 
     def set_encoder_aside(self, payout: float, tick: int) -> None:
         """Go on after `tick` without the encoder, the drum being at a `payout` [m]."""
@@ -183,22 +166,16 @@ class LoopEstimation:
             begin_anew(covariance, bias, self._design.parameters.sensors.depth.bias_sigma)
             estimator.reset(estimator.estimate.copy(), covariance, streams)
             estimator.step(tick, 0.0, [])
-        self.depth_witness.restart()
         self.forget_readings()
 
-    def rescale_encoder(self, factor: float, seen: Seen, tick: int) -> None:
-        """Go on after `tick` with an encoder that reads `factor` times what it was taken to.
-
-        Drum and unit are where the depth sensor has `seen` them.
-        """
-        bias = self._depth_bias()
-        payout = seen.payout - bias
-        self.observer.encoder.rescale(factor, payout)
-        self.observer.doubt("")
-        unit = seen.unit + np.array([bias, 0.0]) - self.motion.state[self._rows.unit_states]
-        self._go_on(tick, payout=payout - float(self._rows.payout @ self.motion.state), unit=unit)
-        self.depth_witness.restart()
-        self.forget_readings()
+    def rescale_encoder(self, encoder: EncoderScale, tick: int, *, is_adopted: bool) -> None:
+        """Go on after `tick` with an `encoder` of another scale; the drum is elsewhere, unless another state `is_adopted`."""
+        gate = self.observer.encoder
+        payout = encoder.payout + (gate.as_read - encoder.reading) / encoder.scale
+        gate.rescale(encoder.scale / gate.scale, payout)
+        if not is_adopted:
+            unit = self.estimator.estimate[self._rows.unit_states]
+            self._go_on(tick, payout=payout - float(self._rows.payout @ self.motion.state), unit=unit)
 
     def _go_on(self, tick: int, *, payout: float, unit: Array) -> None:
         """Go on after `tick` with drum and `unit` elsewhere, without what the mean payout does of it.
@@ -206,14 +183,10 @@ class LoopEstimation:
         `payout` is that of the drum [m], `unit` heave [m] and rate [m/s], shape (2,).
         """
         estimator, streams = self.estimator, self.estimator.streams
-        now = (self._design.model, estimator.estimate, estimator.covariance)
-        estimate, covariance = hand_over_seen(*now, payout=payout, unit=unit)
-        share = self._likely_share
-        if share != 1.0:
-            sigma = self._design.parameters.sensors.mru.scale_sigma
-            estimate, covariance = hand_over_scaled(now[0], estimate, covariance, share=share, sigma=sigma)
-            self._continue_shadow(share * self._shadow.state)
-        estimator.reset(estimate, covariance, streams)
+        estimator.reset(
+            *hand_over_seen(self._design.model, estimator.estimate, estimator.covariance, payout=payout, unit=unit),
+            streams,
+        )
         estimator.step(tick, 0.0, [])
         self._hanging_unit.continue_at(unit)
 
@@ -238,8 +211,8 @@ class LoopEstimation:
 
     def forget_readings(self) -> None:
         """Forget what was read: it tells nothing of the state from now on."""
-        self.record.clear()
-        self.sea_record.clear()
+        self.log.break_record()
+        self._recent.clear()
         self.surprise.restart()
 
     # a tick
@@ -265,9 +238,7 @@ class LoopEstimation:
         rate = float(rows.payout_rate @ (estimator.estimate + mean_state)) + rows.payout_rate_through * command.total
         readings = self.observer.observe(number, measurements, estimator, rate, unit_stands=unit_stands)
         estimate = estimator.step(number, command.compensating, readings)
-        self.record.add(RecordedTick(number, command.compensating, (*readings, *self.observer.witnessed)))
-        of_sea = tuple(reading for reading in readings if reading.name in self._sea_rows)
-        self.sea_record.add(RecordedTick(number, command.compensating, of_sea))
+        self._recent.append((number, command.compensating, tuple(self.observer.observed)))
         self.surprise.add(estimator.innovations)
         self.observer.learn(estimator, self.surprise)
         tip = rows.tip @ estimate
@@ -281,8 +252,6 @@ class LoopEstimation:
         self._taut_shadow.step(tip)
         self._taut_shadow.go_over_to(uncompensated, TAUT_TIME)
         self._hanging_unit.step(tip - rows.drum(estimate, command.compensating))
-        depths = () if unit_stands else tuple(self.observer.depths)
-        self.depth_witness.add(number, self.observer.payout, self._likely_share * tip, depths, is_slack=self._is_slack)
         before, self.knows_tip = self.knows_tip, not self._is_tip_unseen()
         if self.knows_tip and not before:
             # what the winch would have left of the boom tip meanwhile is not known: it goes on from now
@@ -306,6 +275,7 @@ class LoopEstimation:
             doubt=self.surprise.words,
             knows_tip=self.knows_tip,
             mean_tension=self.mean_tension.mean,
+            missing_push=missing_push(self._slack, estimate),
         )
 
     def _begin(self, payout: float) -> None:
@@ -349,12 +319,6 @@ class LoopEstimation:
         gate = self.observer.gates.get("load_cell")
         return gate is not None and gate.is_lost
 
-    @property
-    def _is_slack(self) -> bool:
-        """Tell whether the load cell carries hardly more than the cable itself."""
-        cable = self._design.cable
-        return self.observer.tension < cable.static_tension - NEARLY_ALL * cable.unit_weight
-
     def _is_tip_unseen(self) -> bool:
         """Tell whether the MRU is doubted, or lost for longer than it is predicted, and not yet back for a while."""
         dt, gate = self._design.tick_period, self.observer.gates.get("mru")
@@ -387,20 +351,6 @@ class LoopEstimation:
     def knows_sea(self) -> bool:
         """Tell whether some waves have been seen, where the sea is followed."""
         return not self._design.parameters.estimator.sea_adaptation or self._sea.waves >= FIRST_WAVES
-
-    def possible_seas(self) -> PossibleSeas | None:
-        """Return the seas that may be there; None: that of the design is, or no other is known yet."""
-        parameters = self._design.parameters
-        if not self._tells_sea or not parameters.sea.follows_spectrum:
-            return None
-        seen = self._sea.newly_seen()
-        if seen is None or seen.heave * seen.frequency < CLEAR * self._rate_sigma():
-            return None
-        return possible_seas(seen, self._believed_sea, parameters.sea, parameters.vessel)
-
-    def _rate_sigma(self) -> float:
-        """Return the standard deviation of the estimated heave rate of the boom tip about the true one [m/s]."""
-        return math.sqrt(self._error_variance(self._rows.tip[1]))
 
     def _error_variance(self, row: Array) -> float:
         """Return the variance of the estimate of what a `row` of the model gives, about the true one."""
@@ -458,23 +408,6 @@ class LoopEstimation:
         self.estimator.reset(after.estimate, after.covariance)
         self.estimator.step(tick.number, 0.0, [])
         self._hanging_unit.continue_at(self.estimator.estimate[tick.rows.unit_states])
-
-    @property
-    def mru_scale(self) -> float | None:
-        """Error of the MRU's scale as estimated; None: it is not followed."""
-        model = self._design.model
-        return float(self.estimator.estimate[model.state(MRU_SCALE)]) if model.has_state(MRU_SCALE) else None
-
-    @property
-    def _likely_share(self) -> float:
-        """Share of the estimated boom tip that there may well be, by what is known of the MRU's scale.
-
-        Where the estimator follows that, it makes up with it for an encoder that reads half or twice the payout.
-        """
-        scale, sigma = self.mru_scale, self._design.parameters.sensors.mru.scale_sigma
-        if scale is None:
-            return 1.0
-        return (1.0 + scale) / (1.0 + min(max(scale, -LIKELY * sigma), LIKELY * sigma))
 
     # depth
 

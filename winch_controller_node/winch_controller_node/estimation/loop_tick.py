@@ -109,6 +109,7 @@ class LoopTick:
     doubt : why what is read cannot be believed yet; empty where it can
     knows_tip : the boom tip is measured; what is known of it otherwise is not to be acted upon
     mean_tension : at the top, over the waves since the unit and the mean payout are where they are
+    missing_push : by how much more the linear model would push the unit down than a slack cable does [m]
     """
 
     number: int
@@ -128,6 +129,7 @@ class LoopTick:
     doubt: str = ""
     knows_tip: bool = True
     mean_tension: TensionMean = NO_MEAN
+    missing_push: float = 0.0
 
     @cached_property
     def total_state(self) -> Array:

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import math
 from collections import deque
+from typing import NamedTuple
 
 from heave_node.interface.codes import SensorLevel, WinchFault
 from heave_node.interface.sensors import MruReading
 from heave_node.numerics.arrays import Array
 
+from winch_controller_node.beliefs.corrections import AS_READ, Correction
 from winch_controller_node.design.design import ControllerDesign
 from winch_controller_node.estimation.mru_steps import MruSteps
-from winch_controller_node.estimation.reading_record import Surprise
 from winch_controller_node.estimation.sensor_health import (
     DepthJumps,
     EncoderGate,
@@ -22,6 +23,7 @@ from winch_controller_node.estimation.sensor_health import (
     remedy,
 )
 from winch_controller_node.estimation.sensor_noise import SensorNoise
+from winch_controller_node.estimation.surprise import Surprise
 from winch_controller_node.interface.readings import Measurements, ScalarReading, SensorState
 from winch_controller_node.interface.sensors import (
     LEVER_ARM_X,
@@ -46,6 +48,23 @@ REMEMBERED = 64
 """Ticks for which the mean payout's share is kept, for readings that come late."""
 
 
+class Observed(NamedTuple):
+    """A reading as the adviser gets it.
+
+    Attributes
+    ----------
+    reading : gated, with the time and sigma that it has, about its zero and in the sign of the model
+    value : as read
+    share : of it that the mean payout brings about, were nothing corrected
+    is_used : the estimator takes it
+    """
+
+    reading: Measurement
+    value: float
+    share: float
+    is_used: bool
+
+
 class Observer:
     """Gates the readings of a tick and puts them into the estimator's terms.
 
@@ -64,12 +83,16 @@ class Observer:
     witnessed : readings of this tick that the estimator does not take, in its terms: they tell which sensor is wrong
     doubted : sensor in use whose readings are only witnesses: they contradict all others; empty: none
     stretch_per_payout : how much further than paid out the unit goes down at rest: stretch of the new cable [-]
+    corrections : of the readings, by sensor
+    observed : readings of this tick as they were read, before corrections, for the adviser
     """
 
     def __init__(self, design: ControllerDesign, health: HealthParameters) -> None:
         self._dt = design.tick_period
         sensors = design.parameters.sensors
         self._use = sensors.in_use()
+        self.corrections: dict[str, Correction] = {}
+        self.observed: list[Observed] = []
         self._watched = {
             name: sensor for name, sensor in sensors.by_name().items() if name in self._use or sensor.is_always_watched
         }
@@ -84,6 +107,8 @@ class Observer:
         self._mru_steps = MruSteps()
         self._rows_of = {name: sensor.rows() for name, sensor in self._watched.items()}
         rows = [(sensor, row) for name, sensor in self._use.items() for row in self._rows_of[name]]
+        self._sensor_of = {row.name: name for name, found in self._rows_of.items() for row in found}
+        self._has_offset = {"mru_heave"}
         self._of_boom_tip = {row.name for sensor, row in rows if sensor.sees == "boom_tip"}
         self._heaves_of_unit = {row.name for _, row in rows if row.output == "unit_heave"}
         self._noise = {
@@ -187,8 +212,9 @@ class Observer:
                     (taken if self._is_taken(name) else witnessed).extend(of_unit)
         for gate in self.gates.values():
             gate.tick(now)
-        self.witnessed = [self._without_share(reading, estimator) for reading in witnessed]
-        return [self._without_share(reading, estimator) for reading in taken]
+        self.observed = []
+        self.witnessed = [self._in_terms(reading, estimator, is_used=False) for reading in witnessed]
+        return [self._in_terms(reading, estimator, is_used=True) for reading in taken]
 
     def _is_taken(self, sensor: str) -> bool:
         """Tell whether the estimator takes what a `sensor` reads."""
@@ -378,10 +404,37 @@ class Observer:
         """Return what the readings of a `sensor` count from, of which this is the `first`."""
         return first - sensor.sign * self._first_heave
 
-    def _without_share(self, reading: Measurement, estimator: KalmanEstimator) -> Measurement:
-        """Take the mean payout's share at the time of the reading off it."""
+    def _in_terms(self, reading: Measurement, estimator: KalmanEstimator, *, is_used: bool) -> Measurement:
+        """Return a reading in the estimator's terms: corrected, and without the mean payout's share; note it as read."""
+        share = self._share_of(reading, estimator)
+        as_read = self.encoder.as_read if reading.name == "payout" else reading.value
+        self.observed.append(Observed(reading, as_read, share, is_used))
+        return self._corrected(reading, share)
+
+    def as_believed(self, observed: Observed) -> Measurement:
+        """Return a reading of the last seconds in the estimator's terms, as it is believed to be now."""
+        reading = observed.reading
+        if reading.name == "payout":
+            reading = reading._replace(value=self.encoder.payout_at(observed.value))
+        return self._corrected(reading, observed.share)
+
+    def is_taken(self, reading: Measurement) -> bool:
+        """Tell whether the estimator takes what the sensor of a `reading` reads."""
+        return self._is_taken(self._sensor_of[reading.name])
+
+    def _corrected(self, reading: Measurement, share: float) -> Measurement:
+        correction = self.corrections.get(self._sensor_of[reading.name], AS_READ)
+        offset = correction.offset if reading.name in self._has_offset else 0.0
+        value = (reading.value - offset) / correction.scale - share
+        if correction.delay == 0.0:
+            return reading._replace(value=value)
+        tick, ahead = self._tick_of((reading.tick + reading.offset) * self._dt - correction.delay)
+        return reading._replace(value=value, tick=tick, offset=ahead)
+
+    def _share_of(self, reading: Measurement, estimator: KalmanEstimator) -> float:
+        """Return the mean payout's share in a reading, at its time."""
         if not self._shares or reading.name in self._of_boom_tip:
-            return reading
+            return 0.0
         newest, state = self._shares[-1]
         if newest > reading.tick:
             noted = (share for tick, share in reversed(self._shares) if tick <= reading.tick)
@@ -389,8 +442,7 @@ class Observer:
         share = float(estimator.row_of(reading) @ state)
         if reading.name in self._heaves_of_unit:
             share -= self.stretch_per_payout * float(estimator.model.row("payout") @ state)
-        value = reading.value - share
-        return Measurement(reading.name, value, reading.tick, reading.sigma, reading.offset, reading.regressors)
+        return share
 
 
 def _as_doubted(state: SensorState) -> SensorState:

@@ -310,6 +310,7 @@ class EncoderGate:
     offset : sum of the jumps found so far [m]
     jump : the last one [m]
     play : that its gear seems to have [m]
+    as_read : payout as the encoder reads it, jumps taken off, whatever its scale is believed to be [m]
     """
 
     def __init__(self, timing: SensorTiming, parameters: HealthParameters, *, tick_period: float) -> None:
@@ -317,6 +318,7 @@ class EncoderGate:
         self.scale = 1.0
         self.offset = 0.0
         self.jump = 0.0
+        self.as_read, self._last_payout = 0.0, math.nan
         self.play, self._times_taken_up = 0.0, 0
         self._parameters = parameters
         self._dt = tick_period
@@ -334,9 +336,14 @@ class EncoderGate:
     def rescale(self, factor: float, payout: float) -> None:
         """Take the encoder to read `factor` times as much as it was taken to until now, and the last to be `payout`."""
         self.scale *= factor
+        self._last_payout = payout
         if self._last is not None:
             self._last, self._speed = (self._last[0], self._last[1] / factor), self._speed / factor
             self.offset = self._last[1] - payout
+
+    def payout_at(self, as_read: float) -> float:
+        """Return the payout at which it has read `as_read`, as its scale is now [m]."""
+        return self._last_payout + (as_read - self.as_read) / self.scale
 
     def pass_tick(self, now: float, expected_rate: float) -> None:
         """Note how the drum should have turned since the last tick, whether a reading comes or not.
@@ -367,7 +374,13 @@ class EncoderGate:
             if status == "jump":
                 self.gate.show_for(round(JUMP_SHOWN / self._dt))
             return None
-        return reading.value - self.offset
+        payout = reading.value - self.offset
+        if math.isfinite(self._last_payout):
+            self.as_read += self.scale * (payout - self._last_payout)
+        else:
+            self.as_read = payout
+        self._last_payout = payout
+        return payout
 
     def _status(self, reading: ScalarReading, expected_rate: float, is_driven: bool) -> str:
         """Look for jumps and for a drum that turns unseen."""

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from heave_node.interface.codes import SensorLevel
 from heave_node.interface.preview import HeavePreview
 from heave_node.interface.sensors import MruReading
+
+from winch_controller_node.beliefs.observations import Observations
 
 
 class ScalarReading(NamedTuple):
@@ -182,7 +184,7 @@ class Outputs(NamedTuple):
     kpi : once a second; None else
     alarms : one line each
     requests : what an operator has asked for since the last tick, one line each; modes are told by themselves
-    observations : of the batch that ends with this tick, `beliefs.observations.Observations`; None within one
+    observations : for the adviser, once a second; None else
     """
 
     order: WinchOrder
@@ -193,7 +195,7 @@ class Outputs(NamedTuple):
     kpi: RollingKpi | None = None
     alarms: tuple[str, ...] = ()
     requests: tuple[str, ...] = ()
-    observations: Any = None
+    observations: Observations | None = None
 
     @property
     def report(self) -> Report:

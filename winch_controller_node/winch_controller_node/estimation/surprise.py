@@ -1,15 +1,11 @@
-"""What the estimator was told in the last minutes, and whether it was surprised by it."""
+"""Whether readings are as far off what was foreseen as their noise allows."""
 
 from __future__ import annotations
 
 import math
-from collections import deque
 from collections.abc import Mapping
 
-from winch_controller_node.model.estimator import Innovation, RecordedTick
-
-RECORD, SEA_RECORD = 60.0, 120.0
-"""Length of the record of all sensors, and of that of those which tell the sea [s]."""
+from winch_controller_node.model.estimator import Innovation
 
 MEMORY = 20.0
 """Memory of the mean of the normalised innovations squared [s]."""
@@ -25,40 +21,6 @@ LARGEST = 25.0
 
 ENCODER_ROW = "payout"
 """Readings of the encoder are not judged: the winch is identified by them."""
-
-
-class ReadingRecord:
-    """The readings of the last minute or so, for estimators that believe something else.
-
-    Parameters
-    ----------
-    tick_period : [s]
-    length : of the record [s]
-    """
-
-    def __init__(self, tick_period: float, length: float = RECORD) -> None:
-        self._dt = tick_period
-        self._ticks: deque[RecordedTick] = deque(maxlen=round(length / tick_period))
-
-    def add(self, tick: RecordedTick) -> None:
-        """Take a tick in."""
-        self._ticks.append(tick)
-
-    def clear(self) -> None:
-        """Begin anew: the state has jumped."""
-        self._ticks.clear()
-
-    def covers(self, time: float) -> bool:
-        """Tell whether the record goes back for a `time` [s]."""
-        return len(self._ticks) >= round(time / self._dt)
-
-    def reaches_to(self, number: int) -> bool:
-        """Tell whether the tick of a `number` is still on record."""
-        return bool(self._ticks) and self._ticks[0].number <= number
-
-    def ticks(self, after: int = -1) -> tuple[RecordedTick, ...]:
-        """Return the ticks on record that come `after` one."""
-        return tuple(tick for tick in self._ticks if tick.number > after)
 
 
 class Surprise:

@@ -18,6 +18,9 @@ START_STEPS = 3
 RATE_STEP = 1e-3
 """Step of the sensitivity to the rate at the start [m/s]."""
 
+EDGE = 1e-9
+"""Part of a tick that counts as none."""
+
 WEAK_SLOPE = 1e-6
 """Effect of the rate at the start on the payout that counts as none, as at the limit of the speed [s]."""
 
@@ -114,13 +117,21 @@ def _piece(
 
 @kernel
 def drum_records(
-    payouts: Array, rates: Array, drums: Array, starts: Array, position_gain: float, count: int, dt: float
+    payouts: Array,
+    rates: Array,
+    late: Array,
+    drums: Array,
+    starts: Array,
+    position_gain: float,
+    count: int,
+    dt: float,
 ) -> Array:
     """Return the encoder's reading of each drum at the end of each of the last `count` ticks, shape (m, count) [m].
 
     Parameters
     ----------
     payouts, rates : set-points of the ticks, oldest first, at least count + delay/dt + 1 of them [m], [m/s]
+    late : by how much later than the delay each of them took effect (ticks), same shape
     drums : fields of `Drum`, shape (m, 12)
     starts : payout and rate at the start of the `count` ticks, shape (m, 2) [m], [m/s]
     position_gain : of the servo's position loop [1/s]; 0: none
@@ -132,19 +143,28 @@ def drum_records(
     for m in range(len(drums)):
         p = drums[m]
         drum = Drum(p[0], p[1], p[2], p[3], p[4], p[5], p[6], p[7], p[8], p[9], p[10], p[11])
-        ticks = drum.delay / dt
-        whole = math.floor(ticks)
-        part = (ticks - whole) * dt
-        rest = dt - part
-        left_of_part = _left_of_error(drum, position_gain, part)
-        left_of_rest = _left_of_error(drum, position_gain, rest)
+        delay = drum.delay / dt
         u, v = starts[m, 0], starts[m, 1]
         play = 0.5 * drum.backlash
         reading = u - math.copysign(play, v)
+        # the newest set-point in effect: that of tick k acts from k + delay on
+        k = min(max(first - math.floor(delay) - 2, 0), len(rates) - 1)
+        length, left = -1.0, 0.0
         for j in range(count):
-            i = first + j - whole
-            u, v = _piece(u, v, payouts[i - 1], rates[i - 1], drum, position_gain, part, left_of_part)
-            u, v = _piece(u, v, payouts[i], rates[i], drum, position_gain, rest, left_of_rest)
+            now, end = float(first + j), float(first + j + 1)
+            while now < end:
+                until = end
+                if k + 1 < len(rates):
+                    takes = k + 1 + delay + late[k + 1]
+                    if takes <= now + EDGE:
+                        k += 1
+                        continue
+                    until = min(takes, end)
+                h = (until - now) * dt
+                if h != length:
+                    length, left = h, _left_of_error(drum, position_gain, h)
+                u, v = _piece(u, v, payouts[k], rates[k], drum, position_gain, h, left)
+                now = until
             reading = min(max(reading, u - play), u + play)
             out[m, j] = reading
     return out
@@ -169,12 +189,12 @@ def predicted_reading(
     """
     count = len(readings) - 1
     end = len(rates) - count + fitted
-    drums, starts = np.empty((2, len(drum))), np.empty((2, 2))
+    drums, starts, late = np.empty((2, len(drum))), np.empty((2, 2)), np.zeros(len(rates))
     drums[0], drums[1] = drum, drum
     starts[0, 0], starts[0, 1] = readings[0], (readings[1] - readings[0]) / dt
     for _ in range(START_STEPS):
         starts[1, 0], starts[1, 1] = starts[0, 0], starts[0, 1] + RATE_STEP
-        simulated = drum_records(payouts[:end], rates[:end], drums, starts, position_gain, fitted, dt)
+        simulated = drum_records(payouts[:end], rates[:end], late[:end], drums, starts, position_gain, fitted, dt)
         left = readings[1 : fitted + 1] - simulated[0]
         slopes = (simulated[1] - simulated[0]) / RATE_STEP
         about = slopes - slopes.mean()
@@ -182,4 +202,4 @@ def predicted_reading(
         rate = about @ left / spread if spread > fitted * WEAK_SLOPE**2 else 0.0
         starts[0, 0] += left.mean() - rate * slopes.mean()
         starts[0, 1] += rate
-    return float(drum_records(payouts, rates, drums[:1], starts[:1], position_gain, count, dt)[0, -1])
+    return float(drum_records(payouts, rates, late, drums[:1], starts[:1], position_gain, count, dt)[0, -1])

@@ -1,0 +1,114 @@
+"""A record in columns: as read, and what each sensor alone has read, stepped or changed by, from each of some onsets."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from heave_node.numerics.arrays import Array
+
+from winch_controller_node.adviser.filter_pass import PassInput
+from winch_controller_node.adviser.record import OFFSET, ROW, SHARE, SIGMA, TICK, Excerpt, SensorHistory
+from winch_controller_node.model.estimator import MeasurementModel
+
+ONSETS = (42.0, 29.0, 20.0, 14.0, 10.0, 7.0, 5.0)
+"""Times before the end of the record from which a sensor may have been at fault [s], beside all of it. They are fine:
+a wrong onset makes a wrong size."""
+
+FACTOR, STEP, DELAY = "scale", "offset", "delay"
+"""Kinds of column: what a sensor alone has read (its size is a factor on it less 1), 1 (an offset that is taken off),
+and the slope of what it has read (a delay that is made up for)."""
+
+KINDS = {"mru": (FACTOR, STEP, DELAY), "depth": (FACTOR,), "encoder": (FACTOR,)}
+"""Columns of each sensor."""
+
+
+@dataclass(frozen=True)
+class Columns:
+    """A record in columns.
+
+    Attributes
+    ----------
+    data : as a pass takes it
+    index : of the column of a sensor, a kind and an onset
+    onsets : first tick of each onset
+    """
+
+    data: PassInput
+    index: dict[tuple[str, str, int], int]
+    onsets: tuple[int, ...]
+
+
+def in_columns(
+    excerpt: Excerpt,
+    measurements: tuple[MeasurementModel, ...],
+    history: SensorHistory,
+    onsets: tuple[float, ...] = ONSETS,
+) -> Columns:
+    """Return a record in columns.
+
+    Parameters
+    ----------
+    excerpt : with the readings of `measurements` only, numbered as there
+    measurements : of the model
+    history : what the sensors are believed to have been; delays of now are made up for
+    onsets : times before its end [s]
+    """
+    readings, dt = excerpt.readings, excerpt.dt
+    value = excerpt.corrected(history)
+    time = readings[:, TICK] + readings[:, OFFSET]
+    delays = np.zeros(len(readings))
+    for sensor, since, correction in history.corrections:
+        delays[excerpt.is_of(sensor) & (readings[:, TICK] >= since)] = correction.delay / dt
+    firsts = (excerpt.first, *(excerpt.last - round(onset / dt) for onset in onsets))
+    firsts = tuple(dict.fromkeys(max(first, excerpt.first) for first in firsts))
+    columns, index = [value - readings[:, SHARE] + delays * _slope(excerpt, value, time)], {}
+    for sensor, kinds in KINDS.items():
+        mine = excerpt.is_of(sensor)
+        if not np.any(mine):
+            continue
+        for kind in kinds:
+            alone = np.where(mine, _column(excerpt, kind, value, time), 0.0)
+            for first in firsts:
+                late = np.where(readings[:, TICK] >= first, alone, 0.0)
+                if sensor == "encoder" and np.any(late):
+                    # a scale counts from where the drum stood when it began
+                    begin = alone[mine & (readings[:, TICK] >= first)][0]
+                    late = np.where(mine & (readings[:, TICK] >= first), alone - begin, 0.0)
+                index[sensor, kind, first] = len(columns)
+                columns.append(late)
+    values = np.ascontiguousarray(np.array(columns).T)
+    commands = np.zeros((len(excerpt.ticks), values.shape[1]))
+    commands[1:, 0] = excerpt.tick_column("command")[1:]
+    numbers = np.arange(excerpt.first, excerpt.last + 1)
+    sigmas = np.array([known.sigma for known in measurements])[readings[:, ROW].astype(np.int64)]
+    sigmas = np.where(np.isfinite(readings[:, SIGMA]), readings[:, SIGMA], sigmas)
+    data = PassInput(
+        commands=commands,
+        ends=np.searchsorted(readings[:, TICK], numbers, side="right").astype(np.int64),
+        which=readings[:, ROW].astype(np.int64),
+        offsets=readings[:, OFFSET].copy(),
+        variances=sigmas**2,
+        values=values,
+        unit_speed=np.abs(excerpt.tick_column("unit_rate")),
+        missing_push=excerpt.tick_column("missing_push"),
+    )
+    return Columns(data, index, firsts)
+
+
+def _column(excerpt: Excerpt, kind: str, value: Array, time: Array) -> Array:
+    if kind == FACTOR:
+        return value
+    if kind == DELAY:
+        return _slope(excerpt, value, time)
+    return np.where(excerpt.is_row("mru_heave"), 1.0, 0.0)
+
+
+def _slope(excerpt: Excerpt, value: Array, time: Array) -> Array:
+    """Return by how much each measurement changes in a tick at each of its readings."""
+    slope = np.zeros(len(value))
+    for row in range(len(excerpt.rows)):
+        mine = excerpt.readings[:, ROW] == row
+        if np.count_nonzero(mine) > 2:
+            slope[mine] = np.gradient(value[mine], np.maximum.accumulate(time[mine] + 1e-6 * np.arange(mine.sum())))
+    return slope

@@ -1,0 +1,371 @@
+"""The adviser as a component: observations of a second in, beliefs out. No ROS, no clock, no state shared with the core.
+
+Each second the drum is identified from what it was ordered and what its encoder read; every few seconds the last minute
+of all sensors is judged; now and then the sea is. What is found becomes one `Beliefs` value with the design for it.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import replace
+from types import MappingProxyType
+
+import numpy as np
+
+from winch_controller_node.adviser.judge import (
+    Believed,
+    Change,
+    Hypothesis,
+    Judge,
+    accepted,
+)
+from winch_controller_node.adviser.record import Record, SensorHistory
+from winch_controller_node.adviser.report import Report
+from winch_controller_node.adviser.sea import likeliest_sea
+from winch_controller_node.adviser.winch import WinchAnswer, WinchIdentifier, identifies_winch
+from winch_controller_node.beliefs.beliefs import Adopted, Belief, Beliefs, EncoderScale, parameters_under, without_sea
+from winch_controller_node.beliefs.corrections import Correction, corrections
+from winch_controller_node.beliefs.observations import TICK_COLUMNS, Observations
+from winch_controller_node.beliefs.quantities import ENCODER_SCALE, QUANTITIES, with_value
+from winch_controller_node.design.design import ControllerDesign, design_controller
+from winch_controller_node.design.schedule import is_scheduled
+from winch_controller_node.model.lqr import DesignError
+from winch_controller_node.model.seas import SeaTracker, possible_seas
+from winch_controller_node.node_parameters import WinchControllerParameters
+
+MINUTE = 60.0
+"""Record that is judged [s]."""
+
+SHORTEST = 25.0
+"""Shortest record that is judged [s]: its first part settles the state."""
+
+JUDGED_EVERY = 5
+"""Seconds from one look at the sensors to the next; each second while a sensor is set aside, or not trusted."""
+
+MISFIT = 1.8
+"""Mean squared normalised innovation of a sensor above which hypotheses are tried."""
+
+WORSE, RESTS = 1.3, 60
+"""Where nothing was found they are tried again when it is so many times as large, or after so many seconds."""
+
+UNCERTAIN_GAIN = 0.25
+"""Logarithm of a gain over the nominal one from which on it may as well be the encoder's scale."""
+
+CAUTIOUS = 0.3
+"""Share of the sea that is compensated while winch and encoder are not told apart."""
+
+CLEAR = 4.0
+"""Heave rate of a sea over the noise of the MRU from which on its period is judged."""
+
+SEA_PATIENCE, LONGER, LONGEST_SEA_PATIENCE = 5.0, 2.0, 120.0
+"""Time from one comparison of seas to the next [s], and by what it grows, to the last, while no other is found."""
+
+
+class Adviser:
+    """Answers observations with beliefs.
+
+    Parameters
+    ----------
+    parameters : nominal
+    tick_period : [s]
+    """
+
+    def __init__(self, parameters: WinchControllerParameters, *, tick_period: float) -> None:
+        self._dt = tick_period
+        self._first = parameters
+        self._restated: tuple[tuple[str, float], ...] = ()
+        self._record = Record(tick_period)
+        self._history = SensorHistory()
+        self._drum_gain, self._seconds = 1.0, 0
+        self._begin(parameters, Beliefs(asked=-1))
+
+    def _begin(self, nominal: WinchControllerParameters, beliefs: Beliefs) -> None:
+        """Go by `nominal` parameters and what is believed otherwise, for another sea or length of cable."""
+        self._nominal = nominal
+        self._is_scheduled = is_scheduled(nominal)
+        self._beliefs = beliefs
+        plain = design_controller(nominal, tick_period=self._dt)
+        self._nominal_cable = plain.cable
+        self._design = self._designed(self.parameters) if beliefs.values else plain
+        self._winch = WinchIdentifier(nominal, self._dt)
+        self._begin_sea()
+        self._before: Hypothesis | None = None
+        self._tried, self._unexplained = -RESTS, 1.0
+        self._gain_is_winch = self._drum_gain_is_open = False
+        self._report = Report(nominal)
+
+    def _begin_sea(self) -> None:
+        """Look at the sea anew."""
+        self._sea = SeaTracker(self._design)
+        self._sea_compared, self._sea_patience = -math.inf, SEA_PATIENCE
+
+    @property
+    def parameters(self) -> WinchControllerParameters:
+        """Parameters under what is believed."""
+        return parameters_under(self._beliefs, self._nominal)
+
+    def advise(self, observations: Observations) -> Beliefs:
+        """Return what is believed after a batch of `observations`; in force LATENCY after its last tick."""
+        if observations.restated != self._restated:
+            self._restated = observations.restated
+            nominal = self._first
+            for path, value in self._restated:
+                nominal = with_value(nominal, path, value)
+            self._begin(nominal, without_sea(self._beliefs))
+        before = self._beliefs
+        self._beliefs = replace(before, asked=observations.last, findings=(), design=None, adopted=None)
+        self._record.add(observations)
+        self._seconds += 1
+        if observations.beliefs < before.number:
+            # the answer before came too late: what it changed is sent again
+            self._beliefs = replace(self._beliefs, design=self._design)
+            self._adopt_present()
+        self._follow_exclusion(observations)
+        if not self._is_scheduled:
+            self._look_at_winch()
+            if self._is_time_to_judge(observations):
+                self._judge()
+            self._look_at_sea(observations)
+        findings = self._report.news(self._beliefs, observations.last * self._dt)
+        changed = replace(before, asked=self._beliefs.asked, findings=(), design=None, adopted=None) != self._beliefs
+        self._beliefs = replace(self._beliefs, findings=findings, number=before.number + int(changed or bool(findings)))
+        return self._beliefs
+
+    # the winch
+
+    def _look_at_winch(self) -> None:
+        if not identifies_winch(self._nominal, is_scheduled=self._is_scheduled):
+            return
+        excerpt = self._record.last(min(self._winch.length, self._record.duration))
+        believed = {name: belief.value for name, belief in self._beliefs.values.items()}
+        answer = self._winch.look(excerpt, self._history, believed)
+        if answer is None:
+            return
+        self._drum_gain = answer.gain * self._history.encoder_scale
+        if answer.factor is not None:
+            self._take_encoder(*answer.factor, answer.nats)
+            return
+        self._take_winch(answer)
+
+    def _take_winch(self, answer: WinchAnswer) -> None:
+        """Believe what was found of the winch; a gain far off only once it cannot be the encoder's scale."""
+        changed = dict(answer.changed)
+        gain = changed.get("winch.speed_gain")
+        nominal = QUANTITIES["winch.speed_gain"].nominal_in(self._nominal)
+        is_uncertain = gain is not None and abs(math.log(gain.value / nominal)) > UNCERTAIN_GAIN
+        self._drum_gain_is_open = is_uncertain
+        if is_uncertain and not self._knows_gain():
+            self._beliefs = replace(self._beliefs, authority=CAUTIOUS)
+            return
+        self._beliefs = replace(self._beliefs, authority=1.0)
+        if changed or answer.nominal:
+            values = {n: b for n, b in self._beliefs.values.items() if n not in answer.nominal} | changed
+            self._believe(values)
+
+    def _knows_gain(self) -> bool:
+        """Tell whether a gain of the winch that is far off is the winch's: the encoder's scale would explain less."""
+        if self._record.duration < SHORTEST:
+            return False
+        self._judge()
+        return self._gain_is_winch
+
+    def _take_encoder(self, since: int, factor: float, sigma: float, nats: float) -> None:
+        """Believe that the encoder has read `factor` times as much as believed `since` a tick."""
+        self._rescale(since, factor * self._history.encoder_scale)
+        belief = Belief(ENCODER_SCALE, self._history.encoder_scale, sigma, nats, since)
+        self._believe({**self._beliefs.values, ENCODER_SCALE: belief}, excluded="")
+        self._adopt_present()
+
+    def _rescale(self, since: int, scale: float) -> None:
+        """Note that the encoder has another scale since a tick; in the first seconds it has had it from the start."""
+        excerpt = self._record.last(self._record.duration)
+        ticks = np.arange(excerpt.first, excerpt.last + 1)
+        read = excerpt.tick_column("encoder")
+        known = np.flatnonzero(np.isfinite(read) & (ticks >= since - 1))
+        place = int(known[0]) if len(known) else len(ticks) - 1
+        reading = float(read[place]) if math.isfinite(read[place]) else 0.0
+        old = self._history.encoder[-1] if self._history.encoder else EncoderScale()
+        payout = old.payout + (reading - old.reading) / old.scale
+        begun = EncoderScale(int(ticks[place]), scale, reading, payout)
+        self._history = self._history._replace(encoder=(*self._history.encoder, begun))
+        self._beliefs = replace(self._beliefs, encoder=begun)
+
+    def _follow_exclusion(self, observations: Observations) -> None:
+        """Go by what a reflex of the core has set aside; the encoder is set aside and used again by the core alone."""
+        excluded = observations.excluded
+        if "encoder" in (excluded, self._beliefs.excluded) or excluded:
+            self._beliefs = replace(self._beliefs, excluded=excluded)
+
+    # the sensors and the cable
+
+    def _is_time_to_judge(self, observations: Observations) -> bool:
+        if self._record.duration < SHORTEST:
+            return False
+        is_urgent = bool(observations.excluded) or not observations.is_trusted
+        return is_urgent or self._seconds % JUDGED_EVERY == 0
+
+    def _believed(self) -> Believed:
+        values = {name: belief.value for name, belief in self._beliefs.values.items()}
+        return Believed(
+            nominal=self._nominal,
+            parameters=self.parameters,
+            cable=self._design.cable,
+            design=self._design,
+            values=values,
+            history=self._history,
+            excluded=self._beliefs.excluded if self._beliefs.excluded != "encoder" else "",
+            drum_gain=self._drum_gain,
+        )
+
+    def _judge(self) -> None:
+        """Look for the sensor, or the cable, that is not what it is believed to be."""
+        judge = Judge(self._record.last(min(MINUTE, self._record.duration)), self._believed())
+        present, used = judge.present, judge.used
+        self._gain_is_winch = False
+        worst = present.worst(used)
+        is_off = worst > MISFIT or bool(self._beliefs.excluded)
+        is_off |= abs(math.log(abs(self._drum_gain / self._history.encoder_scale))) > UNCERTAIN_GAIN
+        if not is_off:
+            self._before = None
+            return
+        is_news = worst > WORSE * self._unexplained or self._seconds >= self._tried + RESTS
+        if not (is_news or self._before is not None or self._beliefs.excluded or self._drum_gain_is_open):
+            return
+        self._tried, self._unexplained = self._seconds, worst
+        ranked = judge.best()
+        self._gain_is_winch = judge.rules_out_encoder(ranked)
+        found = accepted(ranked, present, self._before, used)
+        self._before = ranked[0] if ranked[0].changes or ranked[0].excluded != present.excluded else None
+        if found is not None:
+            self._before = None
+            self._take_hypothesis(found, present)
+
+    def _take_hypothesis(self, found: Hypothesis, present: Hypothesis) -> None:
+        """Believe a hypothesis, and go on from the state that it leads to."""
+        values = dict(self._beliefs.values)
+        nats = present.total - found.total
+        for name, change in found.changes.items():
+            if change.value == QUANTITIES[name].nominal_in(self._nominal):
+                values.pop(name, None)
+            else:
+                values[name] = Belief(name, change.value, change.sigma, nats, change.since)
+            if name == ENCODER_SCALE:
+                self._rescale(change.since, change.value)
+        self._note_corrections(found.changes, values)
+        self._believe(values, excluded=found.excluded)
+        if "mru" in found.culprits:
+            # the boom tip was not where it was taken to be
+            self._begin_sea()
+        self._adopt(found)
+
+    def _note_corrections(self, changes: Mapping[str, Change], values: Mapping[str, Belief]) -> None:
+        """Add what has changed of MRU and depth sensor to their history."""
+        after = corrections(Beliefs(0, values=MappingProxyType(dict(values))), self._nominal)
+        since = {QUANTITIES[name].owner: change.since for name, change in changes.items()}
+        added: list[tuple[str, int, Correction]] = []
+        for sensor, correction in after.items():
+            if correction != self._history.correction(sensor):
+                added.append((sensor, since.get(sensor, 0), correction))
+        self._history = self._history._replace(corrections=(*self._history.corrections, *added))
+
+    def _adopt(self, found: Hypothesis) -> None:
+        """Have the core go on from the state at the end of the record under what was found."""
+        model = self._design.model
+        among = [found.state_names.index(name) for name in model.state_names if name in found.state_names]
+        own = [model.state(name) for name in model.state_names if name in found.state_names]
+        estimate, covariance = np.zeros(model.order), self._design.initial_covariance.copy()
+        estimate[own] = found.state[among]
+        covariance[own, :] = covariance[:, own] = 0.0
+        covariance[np.ix_(own, own)] = found.covariance[np.ix_(among, among)]
+        self._beliefs = replace(self._beliefs, adopted=Adopted(self._beliefs.asked, estimate, covariance))
+
+    def _adopt_present(self) -> None:
+        """Have the core go on from the state that the last minute leads to under what is believed."""
+        if self._record.duration >= SHORTEST:
+            self._adopt(Judge(self._record.last(min(MINUTE, self._record.duration)), self._believed()).present)
+
+    # the sea
+
+    def _look_at_sea(self, observations: Observations) -> None:
+        """Follow the sea that is seen, where that is another one and foresees the readings better."""
+        parameters = self.parameters
+        if not parameters.estimator.sea_adaptation or not parameters.sea.follows_spectrum:
+            return
+        if self._beliefs.excluded == "mru" or "mru" not in parameters.sensors.use:
+            return
+        self._watch_sea(observations)
+        seen, now = self._sea.newly_seen(), observations.last * self._dt
+        noise = parameters.sensors.mru.rate_noise
+        if seen is None or seen.heave * seen.frequency < CLEAR * noise or now - self._sea_compared < self._sea_patience:
+            return
+        self._sea_compared, self._sea_patience = now, min(LONGER * self._sea_patience, LONGEST_SEA_PATIENCE)
+        seas = possible_seas(seen, self._nominal.sea, parameters.sea, parameters.vessel)
+        found = likeliest_sea(parameters, self._design, seas, self._record.last(self._record.duration), self._history)
+        if found is None:
+            return
+        self._sea_patience = SEA_PATIENCE
+        values = dict(self._beliefs.values)
+        for name, value in (
+            ("sea.significant_wave_height", found.significant_wave_height),
+            ("sea.peak_period", found.peak_period),
+            ("sea.swell.significant_wave_height", found.swell.significant_wave_height),
+            ("sea.swell.peak_period", found.swell.peak_period),
+        ):
+            if value == QUANTITIES[name].nominal_in(self._nominal):
+                values.pop(name, None)
+            else:
+                values[name] = Belief(name, value, since=observations.last)
+        self._believe(values)
+
+    def _watch_sea(self, observations: Observations) -> None:
+        """Have the motion of the boom tip in a batch seen."""
+        ticks = observations.ticks
+        row = observations.rows.index("mru_heave_rate")
+        readings = observations.readings[observations.readings[:, 2] == row]
+        for nis in readings[np.isfinite(readings[:, -1]), -1].tolist():
+            self._sea.note_surprise(nis, self._nominal.sensors.mru.rate_noise)
+        for heave, rate in ticks[:, [TICK_COLUMNS.index("tip_heave"), TICK_COLUMNS.index("tip_rate")]].tolist():
+            self._sea.update(heave, rate)
+
+    # what is believed
+
+    def _believe(self, values: Mapping[str, Belief], *, excluded: str | None = None) -> None:
+        """Believe other `values`, and design for them where the model is another one."""
+        before = self.parameters
+        beliefs = replace(
+            self._beliefs,
+            values=MappingProxyType(dict(values)),
+            excluded=self._beliefs.excluded if excluded is None else excluded,
+        )
+        after = parameters_under(beliefs, self._nominal)
+        try:
+            design = self._designed(after) if _needs_design(before, after) else None
+        except DesignError:
+            return
+        if design is not None:
+            self._design = design
+            self._sea.refer_to(design)
+        self._beliefs = replace(beliefs, design=design if design is not None else self._beliefs.design)
+
+    def _designed(self, parameters: WinchControllerParameters) -> ControllerDesign:
+        """Return the design for `parameters` on the nominal cable, its inertia and damping as believed."""
+        nominal, cable = self._nominal.cable_model, self._nominal_cable
+        inertia = parameters.cable_model.inertia_factor / nominal.inertia_factor
+        damping = parameters.cable_model.damping_factor / nominal.damping_factor
+        cable = replace(cable, a=inertia * cable.a, b=damping * cable.b, drag=damping * cable.drag)
+        return design_controller(parameters, tick_period=self._dt, cable=cable)
+
+
+def _needs_design(before: WinchControllerParameters, after: WinchControllerParameters) -> bool:
+    """Tell whether the model changes: limits and gain of the winch are not in it."""
+    mine, other = before.winch, after.winch
+    same_winch = replace(
+        other,
+        speed_gain=mine.speed_gain,
+        hauling_gain=mine.hauling_gain,
+        creep=mine.creep,
+        speed_limit=mine.speed_limit,
+        acceleration_limit=mine.acceleration_limit,
+    )
+    return replace(after, winch=same_winch) != before

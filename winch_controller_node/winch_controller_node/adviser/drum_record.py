@@ -1,0 +1,133 @@
+"""What a drum was ordered and what its encoder read, aligned by what the winch says it has taken."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from heave_node.numerics.arrays import Array
+from numpy.typing import NDArray
+
+from winch_controller_node.adviser.record import Excerpt, SensorHistory, payouts
+from winch_controller_node.model.drum_kernel import Drum, drum_records
+
+FIELDS = len(Drum._fields)
+FACTOR, START_PAYOUT, START_RATE = FIELDS, FIELDS + 1, FIELDS + 2
+"""Places in a vector theta: the fields of `Drum`, the encoder's factor, payout and rate at the start of the record."""
+
+
+@dataclass(frozen=True)
+class DrumRecord:
+    """A record.
+
+    Attributes
+    ----------
+    payouts, rates : set-points of the ticks, oldest first, more of them than readings by the longest delay [m], [m/s]
+    late : by how much later than usual each took effect [ticks]
+    readings : of the encoder at the end of the last ticks, as payout under what is believed of it [m]; NaN: none
+    position_gain : of the servo's position loop [1/s]
+    dt : tick period [s]
+    onset : reading from which on the encoder's factor counts
+    """
+
+    payouts: Array
+    rates: Array
+    late: Array
+    readings: Array
+    position_gain: float
+    dt: float
+    onset: int = 0
+
+    @property
+    def seen(self) -> NDArray[np.bool_]:
+        """Where there is a reading, shape (count,)."""
+        return np.isfinite(self.readings)
+
+    @property
+    def duration(self) -> float:
+        """Length [s] of what was read."""
+        return float(np.count_nonzero(self.seen)) * self.dt
+
+    def simulated(self, thetas: Array) -> Array:
+        """Return the readings of `thetas`, shape (m, FIELDS + 3), as (m, count) [m]."""
+        drums = np.ascontiguousarray(thetas[:, :FIELDS])
+        starts = np.ascontiguousarray(thetas[:, START_PAYOUT:])
+        count = len(self.readings)
+        path = drum_records(self.payouts, self.rates, self.late, drums, starts, self.position_gain, count, self.dt)
+        factor = thetas[:, FACTOR, None]
+        if np.all(factor == 1.0):
+            return np.asarray(path)
+        begin = path[:, self.onset - 1, None] if self.onset > 0 else starts[:, :1]
+        path[:, self.onset :] = begin + factor * (path[:, self.onset :] - begin)
+        return np.asarray(path)
+
+    def residuals(self, thetas: Array) -> Array:
+        """Return what `thetas` leave of the readings that are there, (m, seen)."""
+        seen = self.seen
+        return np.asarray(self.readings[seen] - self.simulated(thetas)[:, seen])
+
+    def speeds(self, over: float) -> Array:
+        """Return the speed of the encoder over each time `over` [s] [m/s]; NaN where a reading is missing."""
+        n = max(1, round(over / self.dt))
+        return np.asarray((self.readings[n:] - self.readings[:-n]) / (n * self.dt))
+
+
+def drum_record(excerpt: Excerpt, window: float, ahead: int, history: SensorHistory, gain: float) -> DrumRecord | None:
+    """Return the record of the drum over the last `window` [s], or since it was last braked; None: there is none.
+
+    Parameters
+    ----------
+    excerpt : longer than the window by `ahead` ticks, the longest delay
+    history : what the encoder is believed to have been
+    gain : of the servo's position loop [1/s]
+    """
+    braked = np.flatnonzero(excerpt.tick_column("brake") > 0.0)
+    first = max(int(braked[-1]) + 2 if len(braked) else 0, len(excerpt.ticks) - round(window / excerpt.dt), ahead)
+    begin = first - ahead
+    if first >= len(excerpt.ticks) - 1:
+        return None
+    ticks = np.arange(excerpt.first + begin, excerpt.last + 1)
+    readings = payouts(excerpt.tick_column("encoder")[begin:], ticks, history.encoder)
+    return DrumRecord(
+        payouts=excerpt.tick_column("order_payout")[begin:].copy(),
+        rates=np.where(excerpt.tick_column("brake")[begin:] > 0.0, 0.0, excerpt.tick_column("order_rate")[begin:]),
+        late=lateness(excerpt.tick_column("sequence")[begin:], excerpt.tick_column("taken")[begin:]),
+        readings=readings[ahead:].copy(),
+        position_gain=gain,
+        dt=excerpt.dt,
+    )
+
+
+def lateness(sequence: Array, taken: Array) -> Array:
+    """Return by how much later than usual each order took effect [ticks], as far as the winch shows it.
+
+    The newest order in effect at a tick brackets the moment at which each was taken, to a tick. The usual lateness is
+    that which lies within most brackets: a delay that falls on the edge of a tick is in all of them.
+
+    Parameters
+    ----------
+    sequence : number of the order given at each tick; taken : of the newest in effect at its end, NaN: not known
+    """
+    known = np.isfinite(taken)
+    if np.count_nonzero(known) < 2 or np.any(np.diff(sequence) != 1.0):
+        return np.zeros(len(sequence))
+    place = np.arange(len(sequence), dtype=float)
+    newest = np.maximum.accumulate(np.where(known, taken - sequence[0], -np.inf))
+    # order q is in effect at the end of tick `latest`, and was not at that of the tick before, `earliest`
+    latest = np.searchsorted(newest, place, side="left").astype(float)
+    earliest = np.where(latest > 0, latest - 1.0, -np.inf) + 1.0 - place
+    latest = np.where(latest < len(sequence), latest, np.inf) + 1.0 - place
+    bracketed = np.isfinite(earliest) & np.isfinite(latest)
+    if not np.any(bracketed):
+        return np.zeros(len(sequence))
+    edges = np.unique(np.concatenate([earliest[bracketed], latest[bracketed]]))
+    off = [np.sum(np.abs(_outside(edge, earliest[bracketed], latest[bracketed]))) for edge in edges]
+    usual = float(edges[int(np.argmin(off))])
+    late = np.where(np.isfinite(earliest) | np.isfinite(latest), _outside(usual, earliest, latest), 0.0)
+    # an order is never taken before the one before it
+    return np.asarray(np.maximum.accumulate(place + late) - place)
+
+
+def _outside(usual: float, earliest: Array, latest: Array) -> Array:
+    """Return by how much brackets lie later (positive) or earlier than `usual`."""
+    return np.asarray(np.maximum(earliest - usual, 0.0) - np.maximum(usual - latest, 0.0))

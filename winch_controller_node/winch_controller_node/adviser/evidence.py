@@ -1,0 +1,117 @@
+"""How well a record is explained: the likelihood with the noise profiled out, and its best under corrections."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from heave_node.numerics.arrays import Array
+from numpy.typing import NDArray
+
+FACTORS = np.concatenate([-np.geomspace(4.0, 0.2, 30), np.geomspace(0.2, 4.0, 90)])
+"""Readings over the truth that are tried first: also the wrong sign [-]."""
+
+ITERATIONS = 8
+"""Of the reweighted least squares that refine a correction."""
+
+TIE = 0.5
+"""Losses that differ by less are as good: the later of two steps is the more exact [nats]."""
+
+TINY = 1e-12
+"""What has nothing to tell is divided by this."""
+
+
+class Fitted(NamedTuple):
+    """The best correction.
+
+    Attributes
+    ----------
+    weight, sigma : of the column, and its standard deviation
+    loss : of the record with it [nats]
+    misfits : mean squared normalised innovation of each judged measurement
+    """
+
+    weight: float
+    sigma: float
+    loss: float
+    misfits: Array
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """The innovations of a pass as quadratic forms in the weights of its columns.
+
+    loss = sum over the judged measurements of N/2 (log(max(q, 1)) + mean log S), q = w' G w: the noise is what is left,
+    one independent value a second, so that what a model leaves counts as noise and not as thousands of nats.
+
+    Attributes
+    ----------
+    grams : G of each judged measurement, (k, c, c)
+    spreads : mean log S of each (k,)
+    counts : N of each (k,)
+    """
+
+    grams: Array
+    spreads: Array
+    counts: Array
+
+    def loss(self, misfits: Array) -> float:
+        """Return the loss [nats] of `misfits`."""
+        return float(0.5 * np.sum(self.counts * (np.log(np.maximum(misfits, 1.0)) + self.spreads)))
+
+    def plain(self) -> Fitted:
+        """Return the record as it is: the first column alone."""
+        misfits = self.grams[:, 0, 0].copy()
+        return Fitted(0.0, 0.0, self.loss(misfits), misfits)
+
+    def fit(self, columns: NDArray[np.int64], starts: Array) -> list[Fitted]:
+        """Return the weight of each of `columns`, alone beside the record as it is, that explains it best.
+
+        `starts` are the weights at which to begin; the best of them is refined by reweighted least squares.
+        """
+        # q = a + 2 b w + c w^2 of each measurement and column
+        a, b = self.grams[:, 0, 0, None], self.grams[:, 0, columns]
+        c = self.grams[:, columns, columns]
+        counts = self.counts[:, None]
+
+        def misfits(weights: Array) -> Array:
+            return np.asarray(a + weights * (2.0 * b + weights * c))
+
+        def loss(found: Array) -> Array:
+            return np.asarray(0.5 * np.sum(counts * (np.log(np.maximum(found, 1.0)) + self.spreads[:, None]), axis=0))
+
+        at_starts = np.array([loss(misfits(np.full(len(columns), start))) for start in starts])
+        best = starts[np.argmin(at_starts, axis=0)]
+        least, weights = np.min(at_starts, axis=0), best
+        for _ in range(ITERATIONS):
+            share = counts / np.maximum(misfits(weights), 1.0)
+            weights = -np.sum(share * b, axis=0) / np.maximum(np.sum(share * c, axis=0), TINY)
+            now = loss(misfits(weights))
+            best, least = np.where(now <= least + TIE, weights, best), np.minimum(now, least)
+        found = misfits(best)
+        sigmas = 1.0 / np.sqrt(np.maximum(np.sum(counts / np.maximum(found, 1.0) * c, axis=0), TINY))
+        return [
+            Fitted(float(weight), float(sigma), float(value), found[:, i])
+            for i, (weight, sigma, value) in enumerate(zip(best, sigmas, least, strict=True))
+        ]
+
+
+def evidence(innovations: Array, variances: Array, which: NDArray[np.int64], count: int, seconds: float) -> Evidence:
+    """Return the evidence of a pass.
+
+    Parameters
+    ----------
+    innovations : normalised, of the judged readings (m, c); variances : foreseen (m,)
+    which : judged measurement of each (m,), of `count` ones
+    seconds : length of what is judged
+    """
+    columns = innovations.shape[1]
+    grams, spreads, counts = np.zeros((count, columns, columns)), np.zeros(count), np.zeros(count)
+    for k in range(count):
+        mine = innovations[which == k]
+        if len(mine):
+            grams[k] = mine.T @ mine / len(mine)
+            spreads[k] = float(np.mean(np.log(variances[which == k])))
+            counts[k] = min(seconds, float(len(mine)))
+    return Evidence(grams, spreads, counts)

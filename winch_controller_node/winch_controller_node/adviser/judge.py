@@ -1,0 +1,477 @@
+"""The judge: which sensor is not what it is believed to be, or the cable, by the likelihood of one record.
+
+A hypothesis is a correction of what one sensor has read, another model, or both; each thing that it holds otherwise
+than nominal has its price in nats. One rule accepts: enough nats better than what is believed, at once or twice
+running, clearly better than with any other culprit, and the record explained.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field, replace
+from typing import NamedTuple
+
+import numpy as np
+from heave_node.numerics.arrays import Array
+from heave_node.numerics.linear_model import LinearModel
+
+from winch_controller_node.adviser.columns import DELAY, FACTOR, ONSETS, STEP, in_columns
+from winch_controller_node.adviser.evidence import FACTORS, Fitted, evidence
+from winch_controller_node.adviser.filter_pass import SETTLING, PassModel, PassResult, run_pass
+from winch_controller_node.adviser.record import TICK, Excerpt, SensorHistory
+from winch_controller_node.beliefs.quantities import (
+    DEPTH_SCALE,
+    ENCODER_SCALE,
+    MRU_DELAY,
+    MRU_OFFSET,
+    MRU_SCALE,
+    QUANTITIES,
+    with_value,
+)
+from winch_controller_node.design.design import ControllerDesign, measurement_models, model_inputs
+from winch_controller_node.model.blocks import CableModel
+from winch_controller_node.model.models import augmented_model
+from winch_controller_node.model.simulated_unit import cable_slack, unit_drag
+from winch_controller_node.node_parameters import WinchControllerParameters
+
+HIGH_PASS, DRIFT, DRIFT_SIGMA = "mru.high_pass_period", "mru.bias_drift", "mru.bias_sigma"
+INERTIA, DAMPING = "cable.inertia_factor", "cable.damping_factor"
+
+PRICES = {
+    INERTIA: 6.0,
+    DAMPING: 8.0,
+    HIGH_PASS: 10.0,
+    MRU_SCALE: 12.0,
+    MRU_OFFSET: 12.0,
+    MRU_DELAY: 14.0,
+    ENCODER_SCALE: 12.0,
+    DEPTH_SCALE: 16.0,
+    DRIFT: 24.0,
+}
+"""What it costs to hold a quantity other than nominal [nats]: how seldom that is."""
+
+SPREAD = 0.4
+"""Standard deviation of the logarithm of a scale that is not nominal: one of 2.5 is less likely than one of 1.2."""
+
+REVERSED = 4.0
+"""Further price of a wrong sign [nats]."""
+
+GAIN_SPREAD, IMPOSSIBLE = 0.06, 100.0
+"""Logarithm of a winch's gain over the nominal one that costs a nat, and the price of one that goes the other way."""
+
+EXCLUSION = 18.0
+"""And to leave a sensor out: that explains nothing."""
+
+ONSET = 3.0
+"""And to hold that something began within the record: there are some moments at which it may have."""
+
+ACCEPTED, AGAIN = 48.0, 8.0
+"""A hypothesis is accepted that is so many nats better than what is believed: at once, or where it was the best a look
+before as well."""
+
+CLEARLY = 5.0
+"""And so many better than the best with another culprit."""
+
+EXPLAINED, SHARE_LEFT = 4.0, 0.25
+"""Largest mean squared normalised innovation of a sensor that is used under what is accepted, or share of before."""
+
+TOLERANCE = {MRU_SCALE: 0.02, ENCODER_SCALE: 0.02, DEPTH_SCALE: 0.02, MRU_OFFSET: 0.03, MRU_DELAY: 0.02}
+"""What is nearer to nominal is nominal."""
+
+HIGH_PASSES = (100.0, 60.0, 40.0, 30.0, 22.0, 16.0)
+INERTIAS, DAMPINGS = (0.7, 0.85, 1.2, 1.45), (0.25, 4.0)
+DRIFTS = (0.005, 0.015)
+"""Values of a model that are tried first; cut-off periods [s], factors, random walks [m/sqrt(s)]."""
+
+REFINEMENTS = (1.12, 1.05)
+"""Factors, up and down, by which the best of them is refined; damping by their cubes."""
+
+JUDGED = {FACTOR: {"mru": MRU_SCALE, "encoder": ENCODER_SCALE, "depth": DEPTH_SCALE}, STEP: {"mru": MRU_OFFSET}}
+JUDGED[DELAY] = {"mru": MRU_DELAY}
+"""Quantity of each kind of column of each sensor."""
+
+SCALES = (MRU_SCALE, ENCODER_SCALE, DEPTH_SCALE)
+
+STARTS = {
+    FACTOR: 1.0 / FACTORS - 1.0,
+    STEP: np.array([-1.0, -0.3, 0.0, 0.3, 1.0]),
+    DELAY: np.array([-0.2, -0.1, 0.0, 0.1, 0.2, 0.3]),
+}
+"""What is tried first: factors less 1, offsets [m], further delays [s]."""
+
+LEAST_FACTOR = 0.1
+"""A sensor that is to read ten times as much as it should has another fault."""
+
+NEAR = (-2.0, -1.0, -0.5, -0.2, 0.2, 0.5, 1.0, 2.0, 3.5, 5.0)
+"""Onsets that are tried about the best one [s]."""
+
+SAME = 0.02
+"""Values of a model of which the logarithms differ by less are one."""
+
+ENCODER_ROW = "payout"
+"""Not judged here: the winch is identified by it, and it is right where the model of the winch is not."""
+
+LARGEST_DELAY = 0.4
+"""A delay beyond which a reading cannot be corrected by its slope [s]."""
+
+TELLING = 3.0
+"""Motion over the noise of a sensor that was left out in which it shows that it is right."""
+
+
+class Change(NamedTuple):
+    """A quantity and the value that a hypothesis gives it.
+
+    Attributes
+    ----------
+    value, sigma : in its unit
+    since : first tick that shows it
+    """
+
+    value: float
+    sigma: float
+    since: int
+
+
+@dataclass(frozen=True)
+class Hypothesis:
+    """What is held, and how well it explains the record.
+
+    Attributes
+    ----------
+    changes : against what is believed, by quantity
+    excluded : sensor that is left out; empty: none
+    loss, price : of the record, and of all that is held other than nominal [nats]
+    misfits : mean squared normalised innovation by measurement
+    state, covariance, state_names : at the end of the record
+    """
+
+    changes: Mapping[str, Change]
+    excluded: str
+    loss: float
+    price: float
+    misfits: Mapping[str, float]
+    state: Array = field(repr=False)
+    covariance: Array = field(repr=False)
+    state_names: tuple[str, ...] = field(repr=False)
+
+    @property
+    def total(self) -> float:
+        """Loss and price [nats]."""
+        return self.loss + self.price
+
+    @property
+    def culprits(self) -> frozenset[str]:
+        """What is at fault under it and was not before."""
+        return frozenset(QUANTITIES[name].owner for name in self.changes) | ({self.excluded} - {""})
+
+    def worst(self, used: Iterable[str]) -> float:
+        """Return the largest misfit of the measurements `used`."""
+        return max((self.misfits[name] for name in used if name in self.misfits), default=1.0)
+
+
+@dataclass(frozen=True)
+class Believed:
+    """What a judgement begins with.
+
+    Attributes
+    ----------
+    nominal : parameters
+    parameters : under what is believed
+    cable : two-state cable of the length that is out, under what is believed
+    design : in force: states at the start are as uncertain as its
+    values : believed other than nominal, by quantity
+    history : of the sensors
+    excluded : sensor that is left out; empty: none
+    drum_gain : of the winch by the encoder as it reads, over its nominal one; a gain is as good as believed
+        as it is near to nominal
+    """
+
+    nominal: WinchControllerParameters
+    parameters: WinchControllerParameters
+    cable: CableModel
+    design: ControllerDesign
+    values: Mapping[str, float]
+    history: SensorHistory
+    excluded: str = ""
+    drum_gain: float = 1.0
+
+    def value(self, quantity: str) -> float:
+        """Return what is believed of a `quantity`."""
+        nominal = QUANTITIES[quantity].nominal_in(self.nominal)
+        return self.values.get(quantity, nominal)
+
+    def price(self, changes: Mapping[str, Change], excluded: str) -> float:
+        """Return what it costs to hold what is believed with some `changes` and a sensor left out [nats]."""
+        held = {**self.values, **{name: change.value for name, change in changes.items()}}
+        price = EXCLUSION if excluded else 0.0
+        for name, value in held.items():
+            nominal = QUANTITIES[name].nominal_in(self.nominal)
+            if value != nominal:
+                price += PRICES.get(name, 0.0)
+                if name in SCALES:
+                    price += 0.5 * (math.log(abs(value)) / SPREAD) ** 2 + (REVERSED if value < 0.0 else 0.0)
+        scale = held.get(ENCODER_SCALE, 1.0)
+        # what the encoder reads otherwise than the winch was sent is either's
+        share = self.drum_gain / scale
+        return price + (abs(math.log(share)) / GAIN_SPREAD if share > 0.0 else IMPOSSIBLE)
+
+
+class Judge:
+    """Judges a record.
+
+    Parameters
+    ----------
+    excerpt : the last minute
+    believed : what is believed so far
+    onsets : times before its end from which on something may be wrong [s]
+
+    Attributes
+    ----------
+    present : what is believed, judged
+    """
+
+    def __init__(self, excerpt: Excerpt, believed: Believed, onsets: tuple[float, ...] = ONSETS) -> None:
+        self._believed = believed
+        self._parameters = _linear(believed.parameters)
+        _, model = pass_model(self._parameters, believed.cable, believed.design)
+        measurements = measurement_models(self._parameters, model, believed.cable)
+        self._names = tuple(known.name for known in measurements)
+        self._sensors = tuple(known.sensor for known in measurements)
+        self._excerpt = excerpt.of(self._names)
+        self._columns = in_columns(self._excerpt, measurements, believed.history, onsets)
+        self._first_judged = excerpt.first + round(SETTLING / excerpt.dt)
+        self._seconds = max((excerpt.last - self._first_judged) * excerpt.dt, 1.0)
+        self.present = self._of_model({}, believed.excluded, corrections=False)[0]
+
+    @property
+    def used(self) -> tuple[str, ...]:
+        """Measurements that are judged."""
+        return self._names
+
+    # what is asked
+
+    @staticmethod
+    def rules_out_encoder(ranked: list[Hypothesis]) -> bool:
+        """Tell whether the encoder's scale is what it is believed to be: the best of `ranked` with another is worse."""
+        with_it = [one.total for one in ranked if "encoder" in one.culprits]
+        without = [one.total for one in ranked if "encoder" not in one.culprits]
+        return min(with_it, default=math.inf) >= min(without) + CLEARLY
+
+    def best(self) -> list[Hypothesis]:
+        """Return the best hypothesis of each set of culprits, the best of all first; what is believed is one."""
+        found = self._of_model({}, self._believed.excluded)
+        for sensor in ("mru", "depth"):
+            if sensor in self._sensors and sensor != self._believed.excluded:
+                found += self._of_model({}, sensor, corrections=False)
+        if self._believed.excluded:
+            found += self._of_model({}, "")
+        found += self._of_models()
+        found += self._refined(min(found, key=lambda one: one.total))
+        least: dict[frozenset[str], Hypothesis] = {}
+        for one in found:
+            if one.culprits not in least or one.total < least[one.culprits].total:
+                least[one.culprits] = one
+        return sorted(least.values(), key=lambda one: one.total)
+
+    def _refined(self, best: Hypothesis) -> list[Hypothesis]:
+        """Return the `best` hypothesis with onsets near its own: a wrong one makes a wrong size."""
+        excerpt, onset = self._excerpt, max((change.since for change in best.changes.values()), default=0)
+        if onset <= excerpt.first:
+            return []
+        before = (excerpt.last - onset) * excerpt.dt
+        near = tuple(
+            before + step for step in NEAR if 0.5 < before + step < (excerpt.last - excerpt.first) * excerpt.dt
+        )
+        return Judge(excerpt, self._believed, near)._of_model({}, best.excluded)
+
+    def _of_models(self) -> list[Hypothesis]:
+        """Return hypotheses with another model: first values, then the best of each kind refined."""
+        found: list[Hypothesis] = []
+        families = [
+            (INERTIA, tuple(self._believed.value(INERTIA) * factor for factor in INERTIAS), 1),
+            (DAMPING, tuple(self._believed.value(DAMPING) * factor for factor in DAMPINGS), 3),
+        ]
+        uses_mru = "mru" in self._sensors and self._believed.excluded != "mru"
+        if uses_mru:
+            families.append((HIGH_PASS, HIGH_PASSES, 1))
+        for quantity, values, power in families:
+            found += self._of_family(quantity, values, power)
+        if uses_mru:
+            for drift in DRIFTS:
+                if drift > self._parameters.sensors.mru.bias_drift:
+                    found += self._of_model({DRIFT: drift, DRIFT_SIGMA: 1.0}, "", corrections=False)
+        return found
+
+    def _of_family(self, quantity: str, values: tuple[float, ...], power: int) -> list[Hypothesis]:
+        """Return hypotheses with other `values` of a `quantity`, and the nominal one, and refinements of the best."""
+        nominal, believed = QUANTITIES[quantity].nominal_in(self._believed.nominal), self._believed.value(quantity)
+        excluded = self._believed.excluded
+        tried: dict[float, list[Hypothesis]] = {}
+
+        def attempt(value: float) -> None:
+            value = nominal if nominal > 0.0 and abs(math.log(value / nominal)) < SAME else value
+            if value != believed and value not in tried:
+                tried[value] = self._of_model({quantity: value}, excluded, since=self._excerpt.first)
+
+        for value in values:
+            attempt(value)
+        if believed != nominal:
+            tried[nominal] = self._of_model({quantity: nominal}, excluded, since=self._excerpt.first)
+        for factor in REFINEMENTS:
+            best = min(tried, key=lambda value: min(one.total for one in tried[value]))
+            if best != nominal:
+                attempt(best * factor**power)
+                attempt(best / factor**power)
+        return [one for ones in tried.values() for one in ones]
+
+    # a model
+
+    def _of_model(
+        self, values: Mapping[str, float], excluded: str, *, corrections: bool = True, since: int | None = None
+    ) -> list[Hypothesis]:
+        """Return what holds with other `values` of the model and a sensor left out: plain, and with each correction.
+
+        `since` : onset of the corrections; None: any
+        """
+        parameters, cable = self._parameters, self._believed.cable
+        for name, value in values.items():
+            parameters = with_value(parameters, QUANTITIES[name].path, value)
+            share = value / self._believed.value(name) if name in (INERTIA, DAMPING) else 1.0
+            if name == INERTIA:
+                cable = replace(cable, a=cable.a * share)
+            if name == DAMPING:
+                cable = replace(cable, b=cable.b * share, drag=cable.drag * share)
+        model, _ = pass_model(parameters, cable, self._believed.design)
+        keys = [key for key in self._columns.index if key[0] != excluded and since in (None, key[2])]
+        keys = keys if corrections else []
+        columns = np.array([0, *(self._columns.index[key] for key in keys)])
+        used = np.array([sensor != excluded for sensor in self._sensors])
+        result = run_pass(model, self._columns.data.among(columns), used)
+        late = self._excerpt.readings[:, TICK] >= self._first_judged
+        which = self._columns.data.which
+        which = np.where(np.array(self._names)[which] == ENCODER_ROW, -1, which)
+        proof = evidence(result.innovations[late], result.variances[late], which[late], len(self._names), self._seconds)
+        changes = {name: Change(value, math.nan, self._excerpt.first) for name, value in values.items()}
+        found = [self._hypothesis(changes, excluded, proof.plain(), 0, result, model)]
+        for kind, starts in STARTS.items():
+            mine = [place for place, key in enumerate(keys, start=1) if key[1] == kind]
+            if mine:
+                tick = self._excerpt.dt if kind == DELAY else 1.0
+                for place, fitted in zip(mine, proof.fit(np.array(mine), starts / tick), strict=True):
+                    changed = self._changed(changes, keys[place - 1], fitted)
+                    if changed is not None:
+                        found.append(self._hypothesis(changed, excluded, fitted, place, result, model))
+        return found
+
+    def _changed(
+        self, changes: Mapping[str, Change], key: tuple[str, str, int], fitted: Fitted
+    ) -> dict[str, Change] | None:
+        """Return `changes` with the correction of a column of a `key`; None: it cannot be, or is none."""
+        sensor, kind, since = key
+        quantity, weight, sigma = JUDGED[kind][sensor], fitted.weight, fitted.sigma
+        believed, nominal = self._believed.value(quantity), QUANTITIES[quantity].nominal
+        if kind == FACTOR:
+            value = believed / (1.0 + weight) if abs(1.0 + weight) > LEAST_FACTOR else math.inf
+        elif kind == STEP:
+            value = believed - weight
+        else:
+            value, sigma = believed + weight * self._excerpt.dt, sigma * self._excerpt.dt
+        if not math.isfinite(value) or (kind == DELAY and abs(value) > LARGEST_DELAY):
+            return None
+        value = nominal if abs(value - nominal) < TOLERANCE[quantity] else value
+        return None if value == believed else {**changes, quantity: Change(value, sigma, since)}
+
+    def _hypothesis(
+        self,
+        changes: Mapping[str, Change],
+        excluded: str,
+        fitted: Fitted,
+        column: int,
+        result: PassResult,
+        model: PassModel,
+    ) -> Hypothesis:
+        state = result.state[:, 0] + (fitted.weight * result.state[:, column] if column > 0 else 0.0)
+        late = any(change.since > self._excerpt.first for change in changes.values())
+        misfits = {
+            name: float(misfit)
+            for name, sensor, misfit in zip(self._names, self._sensors, fitted.misfits, strict=True)
+            if sensor != excluded and name != ENCODER_ROW
+        }
+        return Hypothesis(
+            changes=changes,
+            excluded=excluded,
+            loss=fitted.loss,
+            price=self._believed.price(changes, excluded) + (ONSET if late else 0.0),
+            misfits=misfits,
+            state=state,
+            covariance=result.covariance,
+            state_names=model.state_names,
+        )
+
+
+START = {
+    "payout": 10.0,
+    "payout_rate": 1.0,
+    "unit_heave": 10.0,
+    "unit_heave_rate": 1.0,
+    "depth_bias": 10.0,
+    "mru_bias": 1.0,
+    "mru_offset": 0.5,
+    "mru_offset_rate": 0.5,
+}
+"""Standard deviation of a state at the start of a record, which may begin anywhere, in its unit."""
+
+OTHER = 0.3
+"""And of one that the design in force does not have."""
+
+
+def pass_model(
+    parameters: WinchControllerParameters, cable: CableModel, design: ControllerDesign
+) -> tuple[PassModel, LinearModel]:
+    """Return the model of `parameters` with a two-state `cable` for a pass, and as it is sampled.
+
+    The state at the start is as uncertain as in the `design` in force, or as START says.
+    """
+    model = augmented_model(model_inputs(parameters, cable), design.tick_period)
+    measurements = measurement_models(parameters, model, cable)
+    rows = np.array([known.row for known in measurements])
+    change = rows @ model.A - rows
+    start = np.diag([START.get(name, OTHER) ** 2 for name in model.state_names])
+    known = [name for name in model.state_names if design.model.has_state(name) and name not in START]
+    new, old = [model.state(name) for name in known], [design.model.state(name) for name in known]
+    start[np.ix_(new, new)] = design.initial_covariance[np.ix_(old, old)]
+    tables = np.array([rows, change, change @ model.A - change])
+    drag, slack = unit_drag(model, cable), cable_slack(model, cable, measurements)
+    noise = model.noise_covariance
+    return PassModel(model.A, model.B[:, 0], noise, start, tables, drag, slack, model.state_names), model
+
+
+def accepted(
+    ranked: list[Hypothesis], present: Hypothesis, before: Hypothesis | None, used: Iterable[str]
+) -> Hypothesis | None:
+    """Return the hypothesis that is to be believed from now on; None: what is believed stays.
+
+    Parameters
+    ----------
+    ranked : the best of each culprit, the best first
+    present : what is believed
+    before : the best of the look before; None: there was none, or it was what is believed
+    used : measurements that are used
+    """
+    best = ranked[0]
+    gain = present.total - best.total
+    if best.culprits == present.culprits and not best.changes:
+        return None
+    others = [one.total for one in ranked[1:] if one.culprits != best.culprits]
+    is_clear = not others or min(others) - best.total >= CLEARLY
+    names = list(used)
+    is_explained = best.worst(names) <= max(EXPLAINED, SHARE_LEFT * present.worst(names))
+    is_again = before is not None and before.culprits == best.culprits
+    return best if is_clear and is_explained and gain >= (AGAIN if is_again else ACCEPTED) else None
+
+
+def _linear(parameters: WinchControllerParameters) -> WinchControllerParameters:
+    """Return `parameters` whose model is linear in what is read: scale and lever arm of the MRU are known."""
+    mru = replace(parameters.sensors.mru, scale_sigma=0.0, lever_arm_sigma=0.0)
+    return replace(parameters, sensors=replace(parameters.sensors, mru=mru))

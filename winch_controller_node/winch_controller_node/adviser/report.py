@@ -1,0 +1,100 @@
+"""What is new of what is believed, as findings: each once, and of the winch once it has settled."""
+
+from __future__ import annotations
+
+import math
+
+from winch_controller_node.beliefs.beliefs import Belief, Beliefs, Finding
+from winch_controller_node.beliefs.quantities import QUANTITIES
+from winch_controller_node.node_parameters import WinchControllerParameters
+
+SETTLED, LONGEST = 10.0, 40.0
+"""What changes of the winch is reported when it has rested for so long, and after the second time at the latest [s]."""
+
+RELATIVE = {
+    "winch.speed_out": 0.1,
+    "winch.speed_in": 0.1,
+    "winch.acceleration_out": 0.1,
+    "winch.acceleration_in": 0.1,
+    "winch.speed_gain": 0.02,
+    "winch.hauling_gain": 0.05,
+    "mru.scale": 0.05,
+    "encoder.scale": 0.03,
+    "depth.scale": 0.05,
+    "mru.high_pass_period": 0.15,
+    "cable.inertia_factor": 0.05,
+    "cable.damping_factor": 0.3,
+    "sea.significant_wave_height": 0.1,
+    "sea.peak_period": 0.05,
+    "sea.swell.significant_wave_height": 0.1,
+    "sea.swell.peak_period": 0.05,
+}
+"""Changes that are worth a report, relative."""
+
+ABSOLUTE = {
+    "winch.time_constant": 0.02,
+    "winch.command_delay": 0.02,
+    "winch.creep": 0.02,
+    "winch.deadband": 0.01,
+    "winch.backlash": 5e-3,
+    "mru.offset": 0.05,
+    "mru.delay": 0.03,
+}
+"""The same in the unit of the quantity; of what is named nowhere any change is."""
+
+
+class Report:
+    """Says what has changed since it last said so.
+
+    Parameters
+    ----------
+    parameters : nominal
+    """
+
+    def __init__(self, parameters: WinchControllerParameters) -> None:
+        self._nominal = parameters
+        self._reported: dict[str, float] = {}
+        self._excluded = ""
+        self._pending: dict[str, tuple[float, float, float]] = {}  # value, since it rests, since it is new
+
+    def news(self, beliefs: Beliefs, now: float) -> tuple[Finding, ...]:
+        """Return what is new at a time `now` [s]."""
+        found: list[Finding] = []
+        for name, quantity in QUANTITIES.items():
+            if name == "mru.bias_sigma":
+                continue
+            nominal = quantity.nominal_in(self._nominal)
+            belief = beliefs.values.get(name, Belief(name, nominal))
+            before = self._reported.get(name, nominal)
+            if not self._is_due(name, belief.value, before, now, waits=quantity.owner == "winch"):
+                continue
+            self._reported[name] = belief.value
+            code = "nominal" if belief.value == nominal else "differs"
+            found.append(Finding(code, name, belief.value, quantity.unit, before, belief.nats, belief.since))
+        if beliefs.excluded != self._excluded:
+            if beliefs.excluded:
+                found.append(Finding("excluded", beliefs.excluded))
+            elif self._excluded:
+                found.append(Finding("recovered", self._excluded))
+            self._excluded = beliefs.excluded
+        return tuple(found)
+
+    def _is_due(self, name: str, value: float, before: float, now: float, *, waits: bool) -> bool:
+        """Tell whether a value is to be reported now."""
+        if not _differs(name, value, before):
+            self._pending.pop(name, None)
+            return False
+        last, rests, new = self._pending.get(name, (value, now, now))
+        rests = now if _differs(name, value, last) else rests
+        self._pending[name] = (value, rests, new)
+        is_due = not waits or now - rests >= SETTLED or now - new >= LONGEST
+        if is_due:
+            self._pending.pop(name)
+        return is_due
+
+
+def _differs(name: str, value: float, before: float) -> bool:
+    """Tell whether two values of a quantity differ by what is worth a report."""
+    if name in RELATIVE and value * before > 0.0:
+        return abs(math.log(value / before)) > RELATIVE[name]
+    return abs(value - before) > ABSOLUTE.get(name, 0.0)

@@ -1,0 +1,92 @@
+"""Which sea the readings tell: the last two minutes of the MRU under each sea that may be there."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from winch_controller_node.adviser.columns import in_columns
+from winch_controller_node.adviser.filter_pass import SETTLING, run_pass
+from winch_controller_node.adviser.judge import pass_model
+from winch_controller_node.adviser.record import TICK, Excerpt, SensorHistory
+from winch_controller_node.design.design import ControllerDesign, measurement_models
+from winch_controller_node.model.seas import PossibleSeas, distance, neighbours, no_lower_while_it_grows
+from winch_controller_node.node_parameters import WinchControllerParameters
+from winch_controller_node.parameters.model import SeaModelParameters, VesselModelParameters
+
+SENSORS = ("mru", "encoder")
+"""They tell the sea; what others read tells as much of the cable."""
+
+SHORTEST = 2.0 * SETTLING
+"""A shorter record [s] does not tell one sea from another."""
+
+LARGEST = 50.0
+"""What one squared innovation counts at most."""
+
+WORTH, FARTHER = 10.0, 60.0
+"""Another sea is believed where the record is so many nats likelier, and so many more for each factor of e by which its
+periods differ from the nominal ones: two minutes are some fifteen waves, by chance of another period."""
+
+REFINEMENTS = (1.2, 1.1)
+"""Factors, up and down, by which the likeliest sea is then changed."""
+
+
+def likeliest_sea(
+    parameters: WinchControllerParameters,
+    design: ControllerDesign,
+    seas: PossibleSeas,
+    excerpt: Excerpt,
+    history: SensorHistory,
+) -> SeaModelParameters | None:
+    """Return the sea that foresees a record best; None where that in force does about as well.
+
+    Parameters
+    ----------
+    parameters, design : in force
+    seas : that may be there
+    excerpt : the record; a short one tells nothing, and what the moments say is returned
+    history : what the sensors are believed to have been
+    """
+    # its scale and lever arm are known by the motion of the unit alone
+    mru = replace(parameters.sensors.mru, scale_sigma=0.0, lever_arm_sigma=0.0)
+    believed = replace(parameters, sensors=replace(parameters.sensors, use=SENSORS, mru=mru))
+
+    def fits(sea: SeaModelParameters) -> float:
+        likelihood = _likelihood(replace(believed, sea=sea), design, excerpt, history)
+        return likelihood - FARTHER * distance(sea, seas.believed)
+
+    is_long = len(excerpt.ticks) * excerpt.dt >= SHORTEST
+    found = _best(seas, fits, parameters.vessel) if is_long else seas.stretched
+    return None if found is None else no_lower_while_it_grows(found, seas)
+
+
+def _likelihood(
+    parameters: WinchControllerParameters, design: ControllerDesign, excerpt: Excerpt, history: SensorHistory
+) -> float:
+    """Return the logarithm of the likelihood of a record."""
+    model, sampled = pass_model(parameters, design.cable, design)
+    measurements = measurement_models(parameters, sampled, design.cable)
+    mine = excerpt.of(tuple(known.name for known in measurements))
+    data = in_columns(mine, measurements, history, onsets=()).data.among(np.array([0]))
+    result = run_pass(model, data, np.ones(len(measurements), dtype=np.bool_))
+    late = mine.readings[:, TICK] >= excerpt.first + round(SETTLING / excerpt.dt)
+    squares = np.minimum(np.square(result.innovations[late, 0]), LARGEST)
+    return -0.5 * float(np.sum(squares + np.log(result.variances[late])))
+
+
+def _best(
+    seas: PossibleSeas, fits: Callable[[SeaModelParameters], float], vessel: VesselModelParameters
+) -> SeaModelParameters | None:
+    """Return that of the `seas` and neighbours that `fits` best; None: that in force does about as well."""
+
+    def best_of(trials: Sequence[tuple[float, SeaModelParameters]]) -> tuple[float, SeaModelParameters]:
+        return max(trials, key=lambda trial: trial[0])
+
+    in_force = (fits(seas.in_force), seas.in_force)
+    best = best_of([in_force, *((fits(sea), sea) for sea in seas.others)])
+    for factor in REFINEMENTS:
+        near = neighbours(best[1], factor, seas.seen, vessel)
+        best = best_of([best, *((fits(sea), sea) for sea in near)])
+    return best[1] if best[0] > in_force[0] + WORTH else None

@@ -1,0 +1,205 @@
+"""The winch as it is: what the drum's record says against what is believed of it, second by second."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+from heave_node.numerics.arrays import Array
+
+from winch_controller_node.adviser.drum_fit import (
+    DELAY,
+    FACTOR,
+    GAIN,
+    LAG,
+    LIMITS,
+    PRICES,
+    DrumFit,
+    begun,
+    fit_drum,
+    identify,
+    shown_limits,
+)
+from winch_controller_node.adviser.drum_prior import prior_of
+from winch_controller_node.adviser.drum_record import FIELDS, drum_record
+from winch_controller_node.adviser.record import Excerpt, SensorHistory
+from winch_controller_node.beliefs.beliefs import Belief
+from winch_controller_node.beliefs.drum import QUANTITY_OF, drum_of
+from winch_controller_node.model.drum_kernel import Drum
+from winch_controller_node.node_parameters import WinchControllerParameters
+
+SHORTEST = 4.0
+"""Record [s] from which on the winch is identified."""
+
+WORTH = 6.0
+"""What is found must explain the record so much better than what is believed [nats]."""
+
+EXPLAINED, SHARE_LEFT = 6e-3, 0.25
+"""A record of which no more is left is explained [m]; where more is, and no such share of before, nothing is learnt."""
+
+STEPS = {
+    "lag": 0.008,
+    "delay": 0.008,
+    "gain": 0.015,
+    "hauling": 0.015,
+    "creep": 1e-3,
+    "deadband": 3e-3,
+    "backlash": 1e-3,
+}
+"""Least changes that are worth it; of gains and limits relative."""
+
+LIMIT_STEP = 0.03
+"""The same of limits, and by how much they are relaxed where they have not been reached for long, relative."""
+
+PATIENCE = 60.0
+"""Time for which a limit that is not reached stands before it is relaxed [s]."""
+
+OFF = 2e-3
+"""A record of which less is left under what is believed is looked at every CHECKED seconds only [m]."""
+
+CHECKED = 5
+"""Seconds."""
+
+
+@dataclass(frozen=True)
+class WinchAnswer:
+    """What a look at the drum has found.
+
+    Attributes
+    ----------
+    changed : beliefs by quantity; empty: what is believed is as good
+    nominal : quantities that are as nominal again
+    factor : of the encoder since a tick, on what is believed of it; None: as believed
+    gain : of the drum under what is believed of the encoder, over the nominal one
+    nats : by how much better the record is explained
+    residual : what is left of it under what is believed [m]
+    """
+
+    changed: Mapping[str, Belief] = field(default_factory=dict)
+    nominal: frozenset[str] = frozenset()
+    factor: tuple[int, float, float] | None = None
+    gain: float = 1.0
+    nats: float = 0.0
+    residual: float = 0.0
+
+
+class WinchIdentifier:
+    """Identifies the winch.
+
+    Parameters
+    ----------
+    parameters : nominal
+    tick_period : [s]
+    """
+
+    def __init__(self, parameters: WinchControllerParameters, tick_period: float) -> None:
+        self._dt = tick_period
+        self._winch, self._lag = parameters.winch, parameters.lag
+        self._prior = prior_of(parameters.winch, parameters.lag.largest)
+        self._ahead = math.ceil((parameters.winch.command_delay + parameters.lag.largest) / tick_period) + 3
+        self._looks = 0
+        self._unreached = dict.fromkeys(LIMITS, 0.0)
+
+    @property
+    def length(self) -> float:
+        """Record that is needed [s]."""
+        return self._lag.window + self._ahead * self._dt + 2.0
+
+    def look(self, excerpt: Excerpt, history: SensorHistory, believed: Mapping[str, float]) -> WinchAnswer | None:
+        """Return what the last seconds say of the winch; None: too little.
+
+        Parameters
+        ----------
+        excerpt : of `length`, or what there is
+        history : what the encoder is believed to have been
+        believed : of the winch, by quantity
+        """
+        record = drum_record(excerpt, self._lag.window, self._ahead, history, self._winch.position_gain)
+        if record is None or record.duration < SHORTEST or record.duration < 0.5 * len(record.readings) * self._dt:
+            return None
+        held = np.array([*drum_of(self._winch, believed), 1.0])
+        self._looks += 1
+        present = fit_drum(record, self._prior, begun(record, held), ())
+        if present.residual < OFF and self._looks % CHECKED != 0:
+            return None
+        found = identify(record, self._prior, held)
+        if not np.all(np.isfinite(found.theta)):
+            return None
+        return self._answer(present, found, held, excerpt)
+
+    def _answer(self, present: DrumFit, found: DrumFit, held: Array, excerpt: Excerpt) -> WinchAnswer:
+        gain = float(found.theta[GAIN] / self._prior.nominal[GAIN])
+        if FACTOR in found.free:
+            tick = excerpt.last + 1 - (len(found.record.readings) - found.record.onset)
+            index = found.free.index(FACTOR)
+            nats = present.loss - found.loss - PRICES[(FACTOR,)]
+            return WinchAnswer(
+                factor=(tick, float(found.theta[FACTOR]), float(found.sigmas[index])),
+                gain=gain,
+                nats=nats,
+                residual=present.residual,
+            )
+        new = {i for i in found.free if held[i] == self._prior.nominal[i]}
+        price = sum(PRICES[group] for group in PRICES if set(group) <= set(found.free) and set(group) & new)
+        nats = present.loss - found.loss - price
+        is_explained = found.residual <= max(EXPLAINED, SHARE_LEFT * present.residual)
+        values = self._worth_it(held, found, is_explained=found.residual <= EXPLAINED)
+        values |= self._relaxed(found, held, excerpt)
+        is_better = nats >= WORTH and is_explained
+        values = values if is_better else {i: value for i, value in values.items() if i in self._let_up}
+        changed = {
+            QUANTITY_OF[Drum._fields[i]]: Belief(
+                QUANTITY_OF[Drum._fields[i]], value, self._sigma(found, i), nats, excerpt.last
+            )
+            for i, value in values.items()
+            if value != self._prior.nominal[i]
+        }
+        nominal = frozenset(QUANTITY_OF[Drum._fields[i]] for i, v in values.items() if v == self._prior.nominal[i])
+        return WinchAnswer(changed, nominal, None, gain, nats, present.residual)
+
+    @staticmethod
+    def _sigma(found: DrumFit, index: int) -> float:
+        return float(found.sigmas[found.free.index(index)]) if index in found.free else math.nan
+
+    def _worth_it(self, held: Array, found: DrumFit, *, is_explained: bool) -> dict[int, float]:
+        """Return what is found and differs enough from what is held, by field; of an unexplained record no limit."""
+        values = {}
+        for index in found.free:
+            value, before = float(found.theta[index]), float(held[index])
+            name = Drum._fields[index] if index < FIELDS else ""
+            step = LIMIT_STEP * before if index in LIMITS else STEPS[name] * (before if "gain" in name else 1.0)
+            if abs(value - before) < step or (index in LIMITS and not is_explained):
+                continue
+            values[index] = value
+        lags = {LAG, DELAY} & set(values)
+        if lags:
+            # servo and delay make up for one another: they go together
+            values |= {index: float(found.theta[index]) for index in (LAG, DELAY)}
+        # a limit that was held and is not needed any more
+        for index in LIMITS:
+            if index in found.free or held[index] >= self._prior.nominal[index]:
+                continue
+            if found.theta[index] != held[index]:
+                values[index] = float(found.theta[index])
+        return values
+
+    def _relaxed(self, found: DrumFit, held: Array, excerpt: Excerpt) -> dict[int, float]:
+        """Return limits that have stood unreached for long, a little higher: false ones heal so."""
+        self._let_up: set[int] = set()
+        shown, values = shown_limits(found.record), {}
+        for index in LIMITS:
+            is_held = held[index] < self._prior.nominal[index]
+            is_reached = shown[index] > (1.0 - 2.0 * LIMIT_STEP) * held[index]
+            self._unreached[index] = self._unreached[index] + 1.0 if is_held and not is_reached else 0.0
+            if self._unreached[index] >= PATIENCE:
+                self._unreached[index] = 0.0
+                self._let_up.add(index)
+                values[index] = min((1.0 + LIMIT_STEP) * float(held[index]), float(self._prior.nominal[index]))
+        return values
+
+
+def identifies_winch(parameters: WinchControllerParameters, *, is_scheduled: bool) -> bool:
+    """Tell whether the winch of `parameters` is identified: a speed servo, without a gain schedule."""
+    return parameters.lag.adaptation and not is_scheduled and parameters.winch.law != "first_order"

@@ -1,0 +1,49 @@
+"""The winch that is believed in as a drum: the nominal one of the parameters, with what is believed otherwise."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from winch_controller_node.beliefs.quantities import (
+    ACCELERATION_IN,
+    ACCELERATION_OUT,
+    BACKLASH,
+    DEADBAND,
+    SPEED_IN,
+    SPEED_OUT,
+)
+from winch_controller_node.model.drum_kernel import Drum
+from winch_controller_node.parameters.model import WinchModelParameters
+
+QUANTITY_OF = {
+    "lag": "winch.time_constant",
+    "delay": "winch.command_delay",
+    "gain": "winch.speed_gain",
+    "hauling": "winch.hauling_gain",
+    "creep": "winch.creep",
+    "speed_out": SPEED_OUT,
+    "speed_in": SPEED_IN,
+    "acceleration_out": ACCELERATION_OUT,
+    "acceleration_in": ACCELERATION_IN,
+    "deadband": DEADBAND,
+    "backlash": BACKLASH,
+}
+"""What is believed of each field of `Drum`; of its reach nothing else is."""
+
+
+def drum_of(winch: WinchModelParameters, believed: Mapping[str, float] | None = None) -> Drum:
+    """Return the drum of the nominal `winch`, with what is `believed` of it by quantity."""
+    drum = Drum(
+        lag=winch.time_constant,
+        delay=winch.command_delay,
+        gain=winch.speed_gain,
+        hauling=winch.hauling_gain,
+        creep=winch.creep,
+        speed_out=winch.speed_limit,
+        speed_in=winch.speed_limit,
+        acceleration_out=winch.acceleration_limit,
+        acceleration_in=winch.acceleration_limit,
+        reach=winch.set_point_reach,
+    )
+    held = believed or {}
+    return drum._replace(**{name: held[quantity] for name, quantity in QUANTITY_OF.items() if quantity in held})

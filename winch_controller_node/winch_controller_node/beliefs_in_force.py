@@ -1,0 +1,116 @@
+"""The beliefs in force, and the one way in which another answer of the adviser comes into force."""
+
+from __future__ import annotations
+
+from winch_controller_node.beliefs.beliefs import Beliefs, latency_ticks, parameters_under, without_sea
+from winch_controller_node.beliefs.corrections import corrections
+from winch_controller_node.beliefs.quantities import QUANTITIES, restated
+from winch_controller_node.design_in_force import DesignInForce
+from winch_controller_node.estimation.loop_estimation import LoopEstimation
+from winch_controller_node.interface.words import sentences
+from winch_controller_node.node_parameters import WinchControllerParameters
+from winch_controller_node.supervision.watch.winch_watch import WinchWatch
+
+NONE = Beliefs(asked=-1)
+"""All is nominal."""
+
+
+class BeliefsInForce:
+    """Nominal parameters, and what is believed otherwise: the only home of belief in the core.
+
+    Parameters
+    ----------
+    in_force, estimation, winch : what goes by the beliefs
+
+    Attributes
+    ----------
+    nominal : parameters as an operator has stated them
+    beliefs : in force
+    refused : answers that came too late, so far
+    corrected : owners of which another thing is believed since this tick: winch, cable, a sensor
+    has_moved_tip : the boom tip is taken to be elsewhere since this tick: what was seen of the sea is void
+    """
+
+    def __init__(self, in_force: DesignInForce, estimation: LoopEstimation, winch: WinchWatch) -> None:
+        self._in_force, self._estimation, self._winch = in_force, estimation, winch
+        self._latency = latency_ticks(in_force.design.tick_period)
+        self._first = in_force.parameters
+        self.nominal: WinchControllerParameters = self._first
+        self.beliefs = NONE
+        self._pending: Beliefs | None = None
+        self.refused = 0
+        self.corrected: set[str] = set()
+        self.has_moved_tip = False
+
+    def offer(self, beliefs: Beliefs, next_tick: int) -> bool:
+        """Take an answer, in force LATENCY after it was asked for; tell whether it comes in time for `next_tick`."""
+        if beliefs.asked + self._latency < next_tick:
+            self.refused += 1
+            return False
+        self._pending = beliefs
+        return True
+
+    def follow(self, tick: int) -> list[str]:
+        """Put in force before a `tick` what is due; return what is new, in words."""
+        self.corrected, self.has_moved_tip = set(), False
+        pending = self._pending
+        if pending is None or pending.asked + self._latency > tick:
+            return []
+        self._pending = None
+        if pending.number != self.beliefs.number:
+            self._take(pending, tick)
+        return sentences(pending.findings)
+
+    @property
+    def restated(self) -> tuple[tuple[str, float], ...]:
+        """Parameters that an operator has stated anew, by path."""
+        return restated(self._first, self.nominal)
+
+    def renew(self, nominal: WinchControllerParameters) -> None:
+        """Go by other `nominal` parameters; what is believed of the sea is void."""
+        self.nominal, self._pending = nominal, None
+        self.beliefs = without_sea(self.beliefs)
+
+    def under(self, nominal: WinchControllerParameters) -> WinchControllerParameters:
+        """Return the parameters under what is believed, were others `nominal`; what is believed of the sea is void."""
+        return parameters_under(without_sea(self.beliefs), nominal)
+
+    def _take(self, beliefs: Beliefs, tick: int) -> None:
+        """Jump: all that goes by beliefs goes by these from now on.
+
+        | what has changed | estimate | what is restarted |
+        |---|---|---|
+        | limits, gain of the winch | stays | drum watch |
+        | lag, delay, sea | carried over | drum watch (winch) |
+        | sensor, cable | the adviser's, followed up to now | surprise, guard's comparison |
+        | MRU | the same | besides: what was seen of the sea |
+        """
+        before, self.beliefs = self.beliefs, beliefs
+        parameters = parameters_under(beliefs, self.nominal)
+        changed = {
+            QUANTITIES[name].owner
+            for name in {*before.values, *beliefs.values}
+            if before.values.get(name) != beliefs.values.get(name)
+        }
+        estimation, observer = self._estimation, self._estimation.observer
+        observer.corrections = corrections(beliefs, self.nominal)
+        if beliefs.excluded != before.excluded:
+            observer.doubt(beliefs.excluded)
+            changed |= {beliefs.excluded, before.excluded} - {""}
+        if beliefs.encoder is not None and beliefs.encoder != before.encoder:
+            observer.doubt(beliefs.excluded)
+            estimation.rescale_encoder(beliefs.encoder, tick - 1, is_adopted=beliefs.adopted is not None)
+        carried = None
+        if beliefs.design is not None:
+            carried = self._in_force.take_design(parameters, beliefs.design)
+        self._in_force.take_limits(parameters.winch)
+        if beliefs.adopted is not None:
+            estimation.adopt(self._in_force.design, None if carried is None else carried[0], beliefs.adopted, tick - 1)
+        elif carried is not None:
+            estimation.carry(self._in_force.design, *carried)
+        if "winch" in changed:
+            self._winch.take({name: belief.value for name, belief in beliefs.values.items()})
+        if "mru" in changed:
+            self.has_moved_tip = True
+            estimation.forget_sea()
+        self.corrected = changed - {"sea"}

@@ -1,0 +1,179 @@
+"""Reflexes about the drum: is it off what the last second foresaw, and does its encoder go as the winch was ordered."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import NamedTuple
+
+import numpy as np
+from heave_node.numerics.arrays import Array
+from heave_node.numerics.newest import Newest
+
+from winch_controller_node.beliefs.drum import drum_of
+from winch_controller_node.model.drum_kernel import drum_records, predicted_reading
+from winch_controller_node.parameters.model import WinchModelParameters
+
+CHECKED_TIME = 1.0
+"""The drum is compared with its prediction over this time [s]."""
+
+ORDERED_TIME = 0.8
+"""Orders and encoder are compared over this time [s]."""
+
+LEAST_MOTION = 0.004
+"""They are where both have moved so far, 1 sigma [m]."""
+
+LEAST_SEEN = 0.8
+"""And so many of the readings have come."""
+
+SETTLED = 5.0
+"""Time constants after which a servo has forgotten how it began."""
+
+LONGEST = 12.0
+"""Time for which orders and readings are kept [s]."""
+
+STRAIGHT = 0.15
+"""Orders and encoder are compared where no more is left of the readings than this share: a weak drum lags behind."""
+
+REVERSED, NOT_REVERSED = -0.2, 0.5
+"""The encoder goes the other way where it reads so little of what was ordered, and does no more where it reads so much."""
+
+SUDDEN, NOT_SUDDEN = (0.6, 1.6), (0.75, 1.3)
+"""It reads far less or more than was ordered outside the first, and does no more within the second."""
+
+TRUE = 0.1
+"""It reads what was ordered where it is off by no more: so does no winch that is weaker or slower than believed."""
+
+
+class Ordered(NamedTuple):
+    """What the encoder reads of what the winch was ordered.
+
+    Attributes
+    ----------
+    share : times as much
+    left : standard deviation of the rest over that of the readings
+    payout : where the drum should be by now, did it start where it was read [m]
+    """
+
+    share: float
+    left: float
+    payout: float
+
+    def is_reversed(self, *, was: bool) -> bool:
+        """Tell whether the encoder goes the other way, and if it `was` so, still does."""
+        return self.share < NOT_REVERSED if was else self.share < REVERSED and self.left < STRAIGHT
+
+    def is_sudden(self, *, was: bool) -> bool:
+        """Tell whether the encoder reads far less or more, and if it `was` so, still does."""
+        least, most = NOT_SUDDEN if was else SUDDEN
+        return not least < self.share < most and (was or self.left < STRAIGHT)
+
+    @property
+    def is_right_way(self) -> bool:
+        """Tell whether the encoder goes the way that was ordered."""
+        return self.share > NOT_REVERSED and self.left < STRAIGHT
+
+    @property
+    def is_true(self) -> bool:
+        """Tell whether the encoder reads what was ordered."""
+        return abs(self.share - 1.0) < TRUE and self.left < STRAIGHT
+
+
+class DrumWatch:
+    """Keeps orders and encoder readings of the last seconds.
+
+    Parameters
+    ----------
+    winch : nominal
+    largest : most by which its delay may be believed to be longer [s]
+    tick_period : [s]
+    """
+
+    def __init__(self, winch: WinchModelParameters, largest: float, tick_period: float) -> None:
+        self._dt, self._nominal = tick_period, winch
+        self._ahead = math.ceil((winch.command_delay + largest) / tick_period) + 3
+        kept = round(LONGEST / tick_period) + self._ahead
+        self._payouts, self._rates, self._readings = Newest(kept), Newest(kept), Newest(kept)
+        self.take({})
+        self.reset()
+        # compiled here, not in a tick of a run in real time
+        self._error_after(np.zeros(3))
+
+    def take(self, believed: Mapping[str, float]) -> None:
+        """Go by what is `believed` of the winch from now on, by quantity."""
+        self._drum = np.array(drum_of(self._nominal, believed), dtype=float)
+
+    def reset(self, payout: float = 0.0) -> None:
+        """Begin anew with the drum at rest at `payout` [m]."""
+        self._payouts.clear()
+        self._rates.clear()
+        self.restart()
+        for _ in range(self._ahead):
+            self._payouts.append(payout)
+            self._rates.append(0.0)
+
+    def restart(self) -> None:
+        """Begin anew with the drum in motion, after something that no drum does."""
+        self._readings.clear()
+
+    def add(self, payout: float, rate: float, encoder: float | None) -> None:
+        """Take in the set-points of the tick that ends [m], [m/s], and the `encoder` at its end [m]; None: no reading."""
+        self._payouts.append(payout)
+        self._rates.append(rate)
+        self._readings.append(math.nan if encoder is None else encoder)
+
+    def error(self) -> float:
+        """Return how far the drum is off what was foreseen a second ago [m]; 0 where unknown.
+
+        Payout and rate of then are those that explain the second before it best: at a limit an error of the rate stays.
+        """
+        count = round(CHECKED_TIME / self._dt)
+        readings = self._readings.last(2 * count)
+        if len(readings) < 2 * count or not np.isfinite(readings).all():
+            return 0.0
+        return self._error_after(readings)
+
+    def _error_after(self, readings: Array) -> float:
+        needed = len(readings) + self._ahead
+        payouts, rates = self._payouts.last(needed), self._rates.last(needed)
+        gain, half = self._nominal.position_gain, len(readings) // 2
+        return float(readings[-1] - predicted_reading(payouts, rates, readings, self._drum, gain, half, self._dt))
+
+    def ordered(self) -> Ordered | None:
+        """Return what the encoder reads of what the winch was ordered, as it is believed to be; None: unknown."""
+        count = round(ORDERED_TIME / self._dt)
+        readings = self._readings.last(count + 1)
+        seen = np.isfinite(readings)
+        if len(readings) <= count or not seen[0] or np.count_nonzero(seen) < LEAST_SEEN * count:
+            return None
+        # a slow servo still goes as it was ordered long before: that is known from there on only
+        before = min(math.ceil(SETTLED * self._drum[0] / self._dt), len(self._readings) - count - 1)
+        begin = self._readings.last(count + 1 + before)[0]
+        begin = begin if math.isfinite(begin) else readings[0]
+        needed = before + count + 1 + self._ahead
+        payouts, rates = self._payouts.last(needed), self._rates.last(needed)
+        start = np.array([[begin, self._rate_before(before + count)]])
+        path = drum_records(
+            payouts,
+            rates,
+            np.zeros(len(rates)),
+            self._drum[np.newaxis],
+            start,
+            self._nominal.position_gain,
+            before + count,
+            self._dt,
+        )[0]
+        path, travel = path[before:], path[-1] - (path[before - 1] if before > 0 else begin)
+        asked, read = path[seen[1:]], readings[1:][seen[1:]]
+        asked, read = asked - asked.mean(), read - read.mean()
+        asked_squares, read_squares = float(asked @ asked), float(read @ read)
+        if min(asked_squares, read_squares) < LEAST_MOTION**2 * len(read):
+            return None
+        share = float(asked @ read) / asked_squares
+        left = max(read_squares - share**2 * asked_squares, 0.0)
+        return Ordered(share, math.sqrt(left / read_squares), float(readings[0] + travel))
+
+    def _rate_before(self, count: int) -> float:
+        """Return the speed that the winch was ordered `count` ticks ago and has reached by now [m/s]."""
+        lag = round((self._drum[0] + self._drum[1]) / self._dt)
+        return float(self._rates.last(count + 1 + lag)[0])
