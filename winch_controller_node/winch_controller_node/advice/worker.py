@@ -13,7 +13,7 @@ from multiprocessing.connection import Connection
 
 MOST_WAITING = 30
 """Questions that wait for a worker that is behind; beyond that the oldest are dropped."""
-NICENESS = 10
+NICENESS = 5
 """How much lower than that of the loop the priority of a process is that works beside it."""
 
 ENDED = "its process has ended"
