@@ -30,10 +30,18 @@ if(SKBUILD)
 endif()
 
 # Most of the time of the build is the same headers compiled for each message anew: the C++ sources are compiled in batches.
+# A message that holds others of the package is compiled alone: in a batch it would use their type support before it is defined.
+function(compile_holders_alone target)
+  get_target_property(sources ${target} SOURCES)
+  list(FILTER sources INCLUDE REGEX "/(beliefs|controller_state|design_arrays)__")
+  set_source_files_properties(${sources} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
+endfunction()
+
 function(compile_type_support_in_batches)
   foreach(kind IN ITEMS typesupport_fastrtps_c typesupport_fastrtps_cpp typesupport_introspection_cpp typesupport_cpp)
     if(TARGET ${PROJECT_NAME}__rosidl_${kind})
       set_target_properties(${PROJECT_NAME}__rosidl_${kind} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 8)
+      compile_holders_alone(${PROJECT_NAME}__rosidl_${kind})
     endif()
   endforeach()
 endfunction()

@@ -61,7 +61,11 @@ def recorded_messages(bag: Path) -> list[tuple[str, int, int]]:
 def process_of(node: str, folder: Path) -> int:
     """Return the process id of a node of the run in `folder`."""
     scenario = str((folder / "scenario.yaml").resolve())
-    modules = {"virtual_winch": "cable_sim_node.winch_node", "recorder": "heave_bags.record.recorder_node"}
+    modules = {
+        "virtual_winch": "cable_sim_node.winch_node",
+        "winch_adviser": "winch_controller_node.adviser_node",
+        "recorder": "heave_bags.record.recorder_node",
+    }
     module = modules.get(node, f"{node}_node.node")
     for process in psutil.process_iter(["cmdline"]):
         arguments = process.info["cmdline"] or []

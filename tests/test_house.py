@@ -25,8 +25,11 @@ MAY_IMPORT = {
 FOLDERS = {"heave_node": "node_base", "heave_bags": "bags", "heave_bringup": "bringup"}
 """Where a package lies whose folder has another name."""
 
+SHELLS = ("node", "winch_node", "adviser_node")
+"""Modules of nodes."""
+
 KNOWS_ROS = ("heave_node.ros", "heave_bags", "heave_bringup", "winch_controller_node.move_action")
-"""Beside the modules of nodes (`node`, `winch_node`), the only places that may import rclpy."""
+"""Beside the modules of nodes (`SHELLS`), the only places that may import rclpy."""
 
 
 def source_of(package: str) -> Path:
@@ -118,7 +121,7 @@ def test_only_the_shells_of_nodes_know_ros(package):
         module
         for module, path in files.items()
         if any(target.split(".")[0] == "rclpy" for target in imports(path, set(files)))
-        and not module.endswith((".node", ".winch_node"))
+        and not module.endswith(tuple(f".{shell}" for shell in SHELLS))
         and not any(f"{module}.".startswith(f"{place}.") for place in KNOWS_ROS)
     }
     assert wrong == set()
@@ -127,7 +130,7 @@ def test_only_the_shells_of_nodes_know_ros(package):
 @pytest.mark.parametrize("package", MAY_IMPORT)
 def test_nodes_never_import_each_others_node(package):
     files = modules(package)
-    shells = {f"{name}.{module}" for name in MAY_IMPORT for module in ("node", "winch_node")}
+    shells = {f"{name}.{module}" for name in MAY_IMPORT for module in SHELLS}
     wrong = {
         f"{module} imports {target}"
         for module, path in files.items()

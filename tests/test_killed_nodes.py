@@ -12,8 +12,8 @@ from rosbags.highlevel import AnyReader
 
 from tests.loop_runs import command, environment, process_of, wait_until
 
-NODES = ("cable_sim", "wave_vessel", "virtual_winch", "winch_controller", "recorder")
-OTHERS = ("wave_vessel", "virtual_winch", "winch_controller")
+NODES = ("cable_sim", "wave_vessel", "virtual_winch", "winch_controller", "winch_adviser", "recorder")
+OTHERS = ("wave_vessel", "virtual_winch", "winch_controller", "winch_adviser")
 """Nodes that are killed by `make validate` alone."""
 
 

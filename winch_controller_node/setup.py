@@ -34,5 +34,10 @@ setup(
     install_requires=["setuptools"],
     extras_require={"test": ["pytest"]},
     zip_safe=False,
-    entry_points={"console_scripts": ["winch_controller = winch_controller_node.node:main"]},
+    entry_points={
+        "console_scripts": [
+            "winch_controller = winch_controller_node.node:main",
+            "winch_adviser = winch_controller_node.adviser_node:main",
+        ]
+    },
 )

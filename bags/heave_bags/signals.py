@@ -60,6 +60,7 @@ class RunSignals:
     mode_changes : 1 where the controller has just changed its mode
     losses : 1 where compensation has just ended that nobody had asked to end
     nis_in_band : 1 where the normalised innovation squared lies inside its 95 % band
+    execution_time : wall time that the controller computed for a tick [s]; empty in lockstep, where it is not told
     uncompensated_tension : top tension with the winch locked, or following the programme of depth only [N]
     static_tension : top tension at rest [N], one sample where the deployed length stays; empty takes the mean tension
     speed_limit, acceleration_limit, power_limit : of the winch [m/s], [m/s^2], [W]; infinite when unknown or none
@@ -90,6 +91,7 @@ class RunSignals:
     mode_changes: Signal = field(default_factory=_signal)
     losses: Signal = field(default_factory=_signal)
     nis_in_band: Signal = field(default_factory=_signal)
+    execution_time: Signal = field(default_factory=_signal)
     speed_limit: float = math.inf
     acceleration_limit: float = math.inf
     power_limit: float = math.inf

@@ -69,6 +69,15 @@ def test_the_json_keys_that_others_rely_on_exist():
     assert set(keys.split()) <= set(kpi_set.DEFINITION_OF)
 
 
+def test_the_largest_tick_counts_once_in_a_thousand():
+    """Of 1001 ticks in rising order the one at 99.9 % is the last but one."""
+    signals = kpi_set.RunSignals()
+    signals.execution_time = Signal(np.arange(1001.0), 1e-3 * np.arange(1001.0))
+    values = kpi_set.evaluate(signals)
+    assert values["controller_tick_p999_s"] == pytest.approx(0.999)
+    assert values["controller_tick_max_s"] == pytest.approx(1.0)
+
+
 def test_the_window_leaves_the_transient_out():
     heave = np.where(TIME < 100.0, 50.0, sine(0.1))
     values = kpi_set.evaluate(run(unit_heave=heave), start=100.0, end=199.95)

@@ -65,3 +65,32 @@ def test_every_message_is_recorded_once_and_log_times_never_go_back():
 def test_a_message_is_logged_at_the_start_of_the_tick_that_published_it():
     for log_time, _, data in record(random.Random(5)):
         assert log_time == int(data.split()[-1]) * PERIOD
+
+
+def record_laggard(chance: random.Random, latest: int) -> Written:
+    """Let messages of a node that may lag come up to `latest` ticks late, and be stamped with the end of that."""
+    publishers = {"/clock": ["master"], "/beliefs": ["adviser"]}
+    order, written = TickOrder(publishers, "master", lagging=["adviser"]), Written()
+    arrivals: dict[int, list[bytes]] = {}
+    for tick in range(1, TICKS + 1, 2):
+        arrivals.setdefault(chance.randint(tick + 1, tick + latest), []).append(
+            message("/beliefs", "adviser", tick + latest - 1)
+        )
+    for tick in range(1, TICKS + 2):
+        arrived = {"/clock": [message("/clock", "master", tick)], "/beliefs": arrivals.pop(tick, [])}
+        order.write(written, arrived.__getitem__, tick_start=tick * PERIOD, tick_before=max(tick - 1, 1) * PERIOD)
+    rest = {"/clock": [], "/beliefs": [data for late in arrivals.values() for data in late]}
+    order.write_rest(written, rest.__getitem__, tick_start=(TICKS + 1) * PERIOD)
+    return written
+
+
+@given(st.integers(0, 2**32), st.integers(2, 5))
+def test_how_far_a_laggard_was_behind_is_not_in_the_bag(seed, latest):
+    written = record_laggard(random.Random(seed), latest)
+    assert written == record_laggard(random.Random(seed + 1), latest)
+    in_time = [log_time for log_time, topic, data in written if topic == "/beliefs"]
+    assert len(in_time) == TICKS / 2
+    settled = [
+        (log_time, data) for log_time, topic, data in written if topic == "/beliefs" and log_time <= TICKS * PERIOD
+    ]
+    assert all(log_time == int(data.split()[-1]) * PERIOD for log_time, data in settled)

@@ -8,6 +8,8 @@ from typing import Any
 
 MASTER = "cable_sim"
 RECORDER = "recorder"
+ADVISER = "winch_adviser"
+"""May be left out, and in real time the run goes on where it has ended."""
 
 
 @dataclass(frozen=True)
@@ -56,6 +58,11 @@ NODES: tuple[NodeEntry, ...] = (
         "winch_controller",
         "winch_controller_node.node:WinchControllerNode",
         "winch_controller_node.node_parameters:WinchControllerParameters",
+    ),
+    NodeEntry(
+        "winch_adviser",
+        "winch_controller_node.adviser_node:WinchAdviserNode",
+        "winch_controller_node.node_parameters:WinchAdviserParameters",
     ),
     NodeEntry(
         "recorder", "heave_bags.record.recorder_node:RecorderNode", "heave_bags.record.parameters:RecorderParameters"

@@ -34,7 +34,8 @@ def stored_sections(scenario: Scenario) -> Sections:
     _refuse_lost_lists(scenario)
     sections: Sections = {WILDCARD: shared}
     for node, values in own.items():
-        sections[f"{WILDCARD}/{node}"] = {**values, **scenario.quality_of_service.get(node, {})}
+        of_node = {**values, **scenario.quality_of_service.get(node, {})}
+        sections |= {f"{WILDCARD}/{node}": of_node} if of_node else {}
     return sections
 
 

@@ -192,7 +192,7 @@ def test_the_stored_scenario_has_every_value_in_force_once_and_runs_again(name, 
     sections = read_sections(file)
     for node, parameters in scenario.parameters.items():
         in_force = {name: value for name, value in flatten(parameters).items() if value != ()}
-        own, shared = sections[f"/**/{node}"].keys(), system_names(node, in_force)
+        own, shared = sections.get(f"/**/{node}", {}).keys(), system_names(node, in_force)
         assert own | {mine for name, mine in shared.items() if name in sections["/**"]} == in_force.keys()
     assert sections["/**"]["system.sea.peak_period"] == 9.5
     assert file.read_text().startswith(f"# {stored_title(scenario).splitlines()[0]}\n# All values in force")

@@ -42,7 +42,7 @@ class RunParameters:
         description="lockstep: as fast as the machine can, repeatable; realtime: paced by the wall clock.",
     )
     participants: tuple[str, ...] = parameter(
-        ("wave_vessel", "virtual_winch", "winch_controller", "recorder"),
+        ("wave_vessel", "virtual_winch", "winch_controller", "winch_adviser", "recorder"),
         unit="",
         description="Nodes that take part in each tick, besides the clock master.",
     )

@@ -3,7 +3,7 @@
 import random
 
 from heave_node.tick.gate import Inbox, TickGate
-from heave_node.tick.roster import Participant, Roster
+from heave_node.tick.roster import NOT_WAITED_FOR, Participant, Roster
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -161,3 +161,15 @@ def test_answers_are_idempotent_and_a_laggard_may_lag():
     assert roster.unanswered(4) == []
     assert [p.name for p in roster.unanswered(4, flush=True)] == ["recorder"]
     assert roster.published_by_topic() == {"/a": 7, "/b": 8}
+
+
+def test_nobody_waits_for_a_node_beside_the_ticks_not_even_at_the_end():
+    roster = Roster(["sea", "adviser"])
+    roster.join(joined("sea", outputs=["/a"]))
+    roster.join(joined("adviser", lag=NOT_WAITED_FOR, outputs=["/b"]))
+    roster.freeze()
+    roster.answer("sea", 10_000, [3])
+    assert roster.unanswered(10_000) == []
+    assert roster.unanswered(10_000, flush=True) == []
+    assert roster.answered_by_all() == 10_000
+    assert roster.published_by_topic() == {"/a": 3, "/b": 0}

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from winch_controller_node.beliefs.beliefs import LATENCY, Beliefs, parameters_under, without_sea
+from winch_controller_node.beliefs.beliefs import Beliefs, latency_ticks, parameters_under, without_sea
 from winch_controller_node.beliefs.corrections import corrections
 from winch_controller_node.beliefs.quantities import QUANTITIES, restated
 from winch_controller_node.design_in_force import DesignInForce
@@ -33,7 +33,7 @@ class BeliefsInForce:
 
     def __init__(self, in_force: DesignInForce, estimation: LoopEstimation, winch: WinchWatch) -> None:
         self._in_force, self._estimation, self._winch = in_force, estimation, winch
-        self._latency = round(LATENCY / in_force.design.tick_period)
+        self._latency = latency_ticks(in_force.design.tick_period)
         self._first = in_force.parameters
         self.nominal: WinchControllerParameters = self._first
         self.beliefs = NONE

@@ -512,6 +512,10 @@ class WinchController:
 
     # another design
 
+    def under(self, nominal: WinchControllerParameters) -> WinchControllerParameters:
+        """Return the parameters under what is believed, were others `nominal`; the sea is as those say."""
+        return self._beliefs.under(nominal)
+
     def prepare_redesign(self, parameters: WinchControllerParameters) -> PreparedDesign:
         """Design again from other nominal `parameters` and change nothing yet: this may be done beside the ticks.
 

@@ -52,7 +52,7 @@ class DesignInForce:
     def __init__(self, parameters: WinchControllerParameters, *, tick_period: float) -> None:
         self._dt = tick_period
         self.parameters = parameters
-        self._schedule, self.design = self._designed(parameters, 0.0)
+        self._schedule, self.design = designed(parameters, 0.0, tick_period)
         self.law = self.design.make_law()
 
     def prepared(self, parameters: WinchControllerParameters, payout: float) -> PreparedDesign:
@@ -60,7 +60,7 @@ class DesignInForce:
 
         Raises DesignError where that cannot be designed or has other states.
         """
-        schedule, design = self._designed(parameters, payout)
+        schedule, design = designed(parameters, payout, self._dt)
         self._check_states(design)
         return PreparedDesign(parameters, design, design.make_law(), schedule)
 
@@ -143,11 +143,21 @@ class DesignInForce:
         self.design = replace(self.design, parameters=self.parameters)
         self.law.take_limits(self.design.limits)
 
-    def _designed(
-        self, parameters: WinchControllerParameters, payout: float
-    ) -> tuple[GainSchedule | None, ControllerDesign]:
-        """Return the schedule, where one is asked for, and the design at the mean payout [m]."""
-        if not is_scheduled(parameters):
-            return None, design_controller(parameters, tick_period=self._dt)
-        schedule = design_schedule(parameters, tick_period=self._dt)
-        return schedule, schedule.design_at(parameters.length + payout)
+
+def designed(
+    parameters: WinchControllerParameters, payout: float, tick_period: float
+) -> tuple[GainSchedule | None, ControllerDesign]:
+    """Return the schedule, where one is asked for, and the design at a mean `payout` [m].
+
+    Parameters
+    ----------
+    parameters : to design from
+    payout : beyond the length of the parameters [m]
+    tick_period : [s]
+
+    Raises DesignError where that cannot be designed.
+    """
+    if not is_scheduled(parameters):
+        return None, design_controller(parameters, tick_period=tick_period)
+    schedule = design_schedule(parameters, tick_period=tick_period)
+    return schedule, schedule.design_at(parameters.length + payout)

@@ -5,12 +5,12 @@ from __future__ import annotations
 import dataclasses
 import math
 import sys
+import time as wall
 from collections.abc import Sequence
-from concurrent import futures
-from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 from geometry_msgs.msg import TwistStamped
+from heave_msgs.msg import TickStatus
 from heave_msgs.srv import Redesign, SetMode
 from heave_node.interface import topics
 from heave_node.interface.codes import (
@@ -29,20 +29,23 @@ from heave_node.interface.topic import Topic
 from heave_node.numerics.linear_model import ModelError
 from heave_node.parameters import ParameterError
 from heave_node.ros.diagnostics import Health, Level
+from heave_node.ros.input_timing import TIMING
 from heave_node.ros.node import NodeError
 from heave_node.ros.participant import ParticipantNode
 from heave_node.ros.ports import Input
 from heave_node.ros.process import run_node
+from heave_node.tick.durations import TickTimes
 from heave_node.tick.tick import Tick
 from rcl_interfaces.msg import SetParametersResult
 from rclpy.lifecycle import LifecycleState, TransitionCallbackReturn
 from rclpy.parameter import Parameter
 from rclpy.task import Future
 
-from winch_controller_node.adviser.component import Adviser
+from winch_controller_node.advice.messages import beliefs_of, observations_message
+from winch_controller_node.advice.watch import AdviserWatch
 from winch_controller_node.component import WinchController
 from winch_controller_node.design.design import ControllerDesign
-from winch_controller_node.design_in_force import PreparedDesign
+from winch_controller_node.design.wire import WireError, parameters_text
 from winch_controller_node.estimation.sensor_health import remedy
 from winch_controller_node.interface import conversions
 from winch_controller_node.interface.readings import Lateness, Measurements, Outputs, Report
@@ -50,11 +53,12 @@ from winch_controller_node.interface.sensors import INPUTS
 from winch_controller_node.model.lqr import DesignError
 from winch_controller_node.move_action import MoveAction
 from winch_controller_node.node_parameters import WinchControllerParameters
+from winch_controller_node.redesign import Redesign as DesignBeside
 from winch_controller_node.supervision.modes import ModeError
 
+ADVISER = "adviser"
+"""Part of the diagnostics that says how the adviser answers."""
 INACTIVE = "the controller is inactive: activate it first"
-SWITCH_INTERVAL = 5e-4
-"""Time after which the thread that designs lets the ticks go on [s]; Python's own is ten times as long."""
 
 LEVELS = {SensorLevel.OK: Level.OK, SensorLevel.SUSPECT: Level.WARN, SensorLevel.LOST: Level.ERROR}
 
@@ -62,8 +66,9 @@ LEVELS = {SensorLevel.OK: Level.OK, SensorLevel.SUSPECT: Level.WARN, SensorLevel
 class WinchControllerNode(ParticipantNode):
     """Publishes in tick k the command for [t_k, t_{k+1}] from all readings delivered by t_k.
 
-    It subscribes to sensors, and to the joystick of an operator (`controller/operator_speed`). Services
-    `controller/set_mode`, `controller/redesign`; action `controller/move_to_depth`.
+    It subscribes to sensors, to the joystick of an operator (`controller/operator_speed`), and to the adviser's answers
+    (`controller/beliefs`) to its observations. Services `controller/set_mode`, `controller/redesign`; action
+    `controller/move_to_depth`.
     """
 
     name = "winch_controller"
@@ -72,9 +77,7 @@ class WinchControllerNode(ParticipantNode):
 
     def __init__(self) -> None:
         super().__init__()
-        sys.setswitchinterval(SWITCH_INTERVAL)
-        self._designer = ThreadPoolExecutor(1, thread_name_prefix="designer")
-        self._redesign_wanted: tuple[futures.Future[PreparedDesign], Future[None]] | None = None
+        self._redesign_wanted: tuple[DesignBeside, WinchControllerParameters, Future[None]] | None = None
 
     def on_build(self) -> None:
         """Make the controller, its outputs and inputs; a few ticks of a throw-away one warm everything up."""
@@ -82,14 +85,17 @@ class WinchControllerNode(ParticipantNode):
         for tick in range(1, 4):
             warm_up.step(tick, Measurements())
         self.controller = self._make_controller()
-        self.adviser = Adviser(self.parameters, tick_period=self.run.tick_period)
         self.outputs_of_tick: Outputs | None = None
+        self.execution = TickTimes(self.run.tick_period)
+        self._begin_advice()
         self._told: dict[str, list[str]] = {}
         self._changes: dict[str, str] = {}
         self._asked: dict[str, str] = {}
         self.command = self.add_output(topics.WINCH_COMMAND)
         self.state = self.add_output(topics.CONTROLLER_STATE)
         self.kpi = self.add_output(topics.CONTROLLER_KPI)
+        self.observations = self.add_output(topics.CONTROLLER_OBSERVATIONS)
+        self.beliefs = self.add_input(topics.CONTROLLER_BELIEFS, check_stamps=False, settles=True)
         self.sensors = {name: self._add_measurement(SENSORS[name].topic, SENSORS[name].values) for name in INPUTS}
         self.winch_state = self._add_measurement(topics.WINCH_STATE, conversions.WINCH_STATE)
         self.preview = self.add_input(topics.HEAVE_PREVIEW, check_stamps=False, holds_ahead=True)
@@ -98,6 +104,12 @@ class WinchControllerNode(ParticipantNode):
         self.add_on_set_parameters_callback(self._take_parameters)
         self.move = MoveAction(self, lambda: self.controller)
         self.create_subscription(TwistStamped, topics.OPERATOR_SPEED.name, self._take_operator_speed, 1)
+
+    def _begin_advice(self) -> None:
+        """Begin with the nominal of the parameters, and without an answer."""
+        self._nominal = parameters_text(self.parameters)
+        self.adviser = AdviserWatch(self.run.tick_period)
+        self._has_adviser = topics.CONTROLLER_BELIEFS.publisher in self.run.participants
 
     def _add_measurement(self, topic: Topic, fields: Sequence[str]) -> Input:
         """Read numbers of a sensor; its stamps are left to the controller's own gates, which want to see wrong ones."""
@@ -108,6 +120,7 @@ class WinchControllerNode(ParticipantNode):
         if self.has_started:
             try:
                 self.controller = self._make_controller()
+                self._begin_advice()
             except NodeError as error:
                 self.fail(str(error), error)
                 return TransitionCallbackReturn.FAILURE
@@ -123,6 +136,7 @@ class WinchControllerNode(ParticipantNode):
     def on_reset(self) -> None:
         """Start again: at standby, without an estimate."""
         self.controller = self._make_controller()
+        self._begin_advice()
         self.move.abort("the run was reset")
 
     def on_tick(self, tick: Tick) -> None:
@@ -136,18 +150,48 @@ class WinchControllerNode(ParticipantNode):
         preview = conversions.heave_preview(previews[-1]) if previews else None
         lateness = Lateness(self.punctuality.of_clock, self.punctuality.of_node)
         measurements = conversions.measurements(delivered, winch, water, preview, lateness)
+        answers = self.take(self.beliefs)
+        began = wall.perf_counter()
+        for answer in answers:
+            self._hear(answer)
         outputs = self.controller.step(tick.number, measurements)
-        if outputs.observations is not None:
-            self.controller.take(self.adviser.advise(outputs.observations))
+        execution = self.execution.add(wall.perf_counter() - began)
         self.outputs_of_tick = outputs
         stamp = tick.start_nanoseconds
         self.command.publish(conversions.command_message(outputs.order, stamp))
-        self.state.publish_deferred(lambda: conversions.state_message(outputs.report, stamp))
+        # a bag of a lockstep run says nothing of the machine
+        told = math.nan if self.run.is_lockstep else execution
+        self.state.publish_deferred(lambda: conversions.state_message(outputs.report, stamp, told))
         kpi = outputs.kpi
         if kpi is not None:
             self.kpi.publish_deferred(lambda: conversions.kpi_message(kpi, stamp))
+        observed = outputs.observations
+        if observed is not None:
+            nominal = self._nominal
+            self.observations.publish_deferred(lambda: observations_message(observed, nominal, stamp))
+            if self._has_adviser:
+                self.adviser.asked(tick.number)
+        self._tell(tick, outputs)
+        self.move.on_tick(tick.time)
+
+    def _hear(self, answer: Any) -> None:
+        """Take an answer of the adviser; one that comes too late or makes no sense is refused and counted."""
+        try:
+            beliefs = beliefs_of(answer)
+        except WireError as error:
+            self.adviser.refused(str(error))
+            return
+        if not self.adviser.is_question(beliefs.asked):
+            self.adviser.refused_stale()
+        elif self.controller.take(beliefs):
+            self.adviser.took(beliefs.number)
+        else:
+            self.adviser.refused_late()
+
+    def _tell(self, tick: Tick, outputs: Outputs) -> None:
+        """Log the alarms of a tick, and keep them with the requests for diagnostics."""
         time = told_at(tick.time)
-        for words in outputs.alarms:
+        for words in (*outputs.alarms, *self.adviser.step(tick.number)):
             self.get_logger().warning(f"{time}: {words}")
             if words.startswith("mode "):  # a part of its own
                 self._changes[time] = words.removeprefix("mode ")
@@ -155,11 +199,11 @@ class WinchControllerNode(ParticipantNode):
                 self._told.setdefault(time, []).append(words)
         if outputs.requests:
             self._asked[time] = ", ".join(outputs.requests)
-        self.move.on_tick(tick.time)
 
     def on_exit(self) -> None:
         """End without waiting for a design that nobody takes any more."""
-        self._designer.shutdown(wait=False, cancel_futures=True)
+        if self._redesign_wanted is not None:
+            self._redesign_wanted[0].close()
 
     def diagnose(self) -> list[Health]:
         """Say which sensor is how, the mode and why, how the solver does, and what was told since the last time."""
@@ -172,6 +216,9 @@ class WinchControllerNode(ParticipantNode):
         values = {"authority": f"{report.authority:.2f}", "mean depth [m]": depth, **changes}
         parts = [Health(MODE, _level_of(report), text, values)]
         parts.append(self._diagnose_commands())
+        if self._has_adviser:
+            level = Level.OK if self.adviser.is_well else Level.WARN
+            parts.append(Health(ADVISER, level, self.adviser.words, self.adviser.values))
         for sensor in report.sensors:
             values = {"accepted": str(sensor.accepted), "rejected": str(sensor.refused)}
             text = sensor.reason
@@ -189,6 +236,16 @@ class WinchControllerNode(ParticipantNode):
         words = "; ".join(f"{time}: {what}" for time, what in asked.items())
         parts.append(Health(OPERATOR, Level.OK, words, asked) if asked else Health(OPERATOR))
         return parts
+
+    def diagnose_timing(self) -> list[Health]:
+        """Add the execution times of the ticks of the last minute, in real time."""
+        own = [] if self.run.is_lockstep else [Health(f"{TIMING} tick", Level.OK, *self.execution.told())]
+        return [*own, *super().diagnose_timing()]
+
+    def on_run_ended(self, status: TickStatus) -> None:
+        """Log the execution times of the last minute: in lockstep they are said nowhere else, whatever the `status`."""
+        del status
+        self.get_logger().info(f"execution time of a tick: {self.execution.told()[0]}")
 
     def _diagnose_commands(self) -> Health:
         """Say how many commands the winch took late."""
@@ -274,21 +331,25 @@ class WinchControllerNode(ParticipantNode):
             raise ModeError("another redesign is in progress")
         controller = self.controller
         in_force: Future[None] = Future()
-        self._restated = parameters
-        self._redesign_wanted = (self._designer.submit(controller.prepare_redesign, parameters), in_force)
+        beside = DesignBeside(controller.under(parameters), controller.mean.point.payout, self.run.tick_period)
+        self._redesign_wanted = (beside, parameters, in_force)
         await in_force
         return self.controller.design
 
     def _take_redesign(self) -> None:
         """Put a design that has been prepared in force, between two ticks."""
-        if self._redesign_wanted is None or not self._redesign_wanted[0].done():
+        if self._redesign_wanted is None:
             return
-        (prepared, in_force), self._redesign_wanted = self._redesign_wanted, None
+        beside, nominal, in_force = self._redesign_wanted
         try:
-            self.controller.take_redesign(prepared.result(), self._restated)
+            prepared = beside.take()
+            if prepared is None:
+                return
+            self.controller.take_redesign(prepared, nominal)
             in_force.set_result(None)
         except ValueError as error:
             in_force.set_exception(error)
+        self._redesign_wanted = None
 
 
 def _level_of(report: Report) -> Level:

@@ -111,3 +111,8 @@ class WinchControllerParameters(LawGroups):
             raise ParameterError(
                 f"sensors.use: unknown sensor {', '.join(sorted(unknown))}; known: {', '.join(KNOWN_SENSORS)}"
             )
+
+
+@dataclass(frozen=True)
+class WinchAdviserParameters:
+    """The adviser has none of its own: its nominal, the controller's parameters, comes with the observations."""

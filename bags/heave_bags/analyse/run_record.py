@@ -62,6 +62,7 @@ SELECTION: dict[str, tuple[str, ...]] = {
         "reason",
         "measurement_names",
         "innovation",
+        "execution_time",
         "innovation_sigma",
         "nis",
         "active_limits",
@@ -382,6 +383,7 @@ def _fill_controller(record: RunRecord, state: Fields) -> None:
     if record.signals.mode_changes.size:
         lost = [mode.start for mode in events.losses(record.modes)]
         record.signals.losses = Signal(state.time, np.isin(state.time, lost).astype(float))
+    record.signals.execution_time = state.signal("execution_time")
     record.alarms += events.sensor_alarms(state)
     record.innovations = _innovations(state)
     nis = state.table("nis")

@@ -64,6 +64,7 @@ class RecorderNode(ParticipantNode):
         self.watch = TopicWatch(self, self.parameters.exclude)
         self.survey = ParameterSurvey(self)
         self._joined: dict[str, tuple[str, ...]] = {}
+        self._lagging: set[str] = set()
         self._order: TickOrder | None = None
         self._taken: set[str] = set()
         self._owned = {self.resolve_topic_name(t.name): t.publisher for t in topics.ALL_TOPICS if t.publisher}
@@ -129,6 +130,7 @@ class RecorderNode(ParticipantNode):
         is_master = self.resolve_topic_name(topics.CLOCK.name) in message.outputs
         if is_master or message.node in self.run.participants:
             self._joined.setdefault(message.node, tuple(message.outputs))
+            self._lagging |= {message.node} if message.lag > 0 else set()
 
     def service_pause(self) -> float:
         """See HeaveNode. In real time a message is written at the time of its arrival."""
@@ -278,7 +280,9 @@ class RecorderNode(ParticipantNode):
         self._topic_publishers = {f"publishers.{topic}": " ".join(sorted(nodes)) for topic, nodes in publishers.items()}
         recorded = {topic: nodes for topic, nodes in publishers.items() if topic in self.gate.inboxes}
         shared = {topic: self._canonical_form(topic) for topic, nodes in recorded.items() if len(nodes) > 1}
-        self._order = TickOrder(recorded, master, lambda topic, data: shared[topic](data))
+        self._order = TickOrder(
+            recorded, master, lambda topic, data: shared[topic](data) if topic in shared else data, self._lagging
+        )
         super().on_roster(message)
 
     def _canonical_form(self, topic: str) -> Canonical:

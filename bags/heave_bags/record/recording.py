@@ -33,6 +33,8 @@ class TickOrder:
     publishers : per topic the names of the nodes that publish it
     master : name of the clock master
     canonical : turns equal messages of a topic into equal bytes; messages of several publishers are ordered by these
+    lagging : names of nodes that may be behind the others. How early their messages come is chance: each counts in the
+        tick of its stamp, by whose end it must have come
     """
 
     def __init__(
@@ -40,12 +42,15 @@ class TickOrder:
         publishers: Mapping[str, Collection[str]],
         master: str,
         canonical: Callable[[str, bytes], bytes] = lambda _, data: data,
+        lagging: Collection[str] = (),
     ) -> None:
         self._canonical = canonical
-        self._shared = sorted(topic for topic, nodes in publishers.items() if len(set(nodes)) > 1)
+        self._by_stamp = sorted(
+            topic for topic, nodes in publishers.items() if len(set(nodes)) > 1 or set(nodes) & set(lagging)
+        )
         self._of_master = sorted(topic for topic, nodes in publishers.items() if set(nodes) == {master})
         self._of_others = sorted(topic for topic in publishers if topic not in self._of_master)
-        self._held: dict[str, list[bytes]] = {topic: [] for topic in self._shared}
+        self._held: dict[str, list[bytes]] = {topic: [] for topic in self._by_stamp}
 
     def write(
         self, writer: MessageWriter, take: Callable[[str], Sequence[bytes]], *, tick_start: int, tick_before: int
@@ -63,10 +68,9 @@ class TickOrder:
                 writer.write(topic, tick_start, data)
 
     def _settled(self, topic: str, arrived: Sequence[bytes], tick_start: int) -> list[bytes]:
-        """Return the messages of a topic of several publishers that were stamped before `tick_start`, in the order of
-        their bytes.
+        """Return the messages of a topic that were stamped before `tick_start`, in the order of stamps and bytes.
 
-        Their order of arrival is chance; those of this tick wait until the other publishers' are here.
+        Their order of arrival is chance; those of this tick wait until the others of it are here.
         """
         held = self._held[topic] + [self._canonical(topic, data) for data in arrived]
         self._held[topic] = [data for data in held if header_stamp(data) >= tick_start]
@@ -76,11 +80,11 @@ class TickOrder:
 
     def write_rest(self, writer: MessageWriter, take: Callable[[str], Sequence[bytes]], *, tick_start: int) -> None:
         """Write to `writer` what is left when a run ends, complete or not; `take` and `tick_start` as in `write`."""
-        for topic in self._shared:
+        for topic in self._by_stamp:
             rest = self._held[topic] + [self._canonical(topic, data) for data in take(topic)]
             for data in sorted(rest, key=lambda data: (header_stamp(data), data)):
                 writer.write(topic, tick_start, data)
             self._held[topic] = []
-        for topic in sorted({*self._of_master, *self._of_others} - {*self._shared}):
+        for topic in sorted({*self._of_master, *self._of_others} - {*self._by_stamp}):
             for data in take(topic):
                 writer.write(topic, tick_start, data)

@@ -6,6 +6,7 @@ which `heave check` holds a live node. Topics, types, times and message texts co
 
 from __future__ import annotations
 
+import re
 import sys
 from dataclasses import dataclass
 
@@ -16,6 +17,7 @@ from heave_node.interface import sensors, topics
 from heave_node.interface.topic import Role, Topic
 from heave_node.run_parameters import RunParameters
 from wave_vessel_node.parameters import WaveVesselParameters
+from winch_controller_node.beliefs.beliefs import LATENCY
 from winch_controller_node.estimation.preview_watch import MAXIMUM_AGE, PROOF_TIME
 from winch_controller_node.node_parameters import WinchControllerParameters
 from winch_controller_node.supervision.command_timeouts import MOST, PERIOD, WAIT
@@ -112,6 +114,19 @@ BOOM_TIP = Port(
     "motion of the boom tip, for the simulated cable",
     (("position.z", 1e3), ("velocity.z", 30.0), ("acceleration.z", 100.0)),
 )
+OBSERVATIONS = Port(
+    topics.CONTROLLER_OBSERVATIONS,
+    0.0,
+    False,
+    "a batch of ticks, once a second: orders, readings as gated, state of the winch, and the nominal parameters",
+)
+BELIEFS = Port(
+    topics.CONTROLLER_BELIEFS,
+    0.0,
+    False,
+    "the answer to a batch: what is other than nominal, findings, the design for it",
+    (("authority", 1.0),),
+)
 SENSORS_OF_SHIP = tuple(
     Port(sensor.topic, 0.0, False, sensor.meaning, sensor.largest)
     for sensor in sensors.SENSORS.values()
@@ -133,8 +148,8 @@ CONTRACTS: tuple[Contract, ...] = (
     Contract(
         "winch_controller",
         "a controller",
-        publishes=(COMMAND,),
-        hears=(CLOCK, MRU, HEAVE_PREVIEW, STATE, *SENSORS_OF_SHIP),
+        publishes=(COMMAND, OBSERVATIONS),
+        hears=(CLOCK, MRU, HEAVE_PREVIEW, STATE, *SENSORS_OF_SHIP, BELIEFS),
         when_late=f"A winch that gets no fresh command for {WATCHDOG:g} s stops with its own deceleration and brakes. "
         "A command older than that on arrival is not used.",
         handshake="The winch starts with its brake on: it is released by a fresh command with `brake: false`. "
@@ -147,6 +162,19 @@ CONTRACTS: tuple[Contract, ...] = (
         "missing to `payout`, so that with a gain of 0 `payout` alone moves nothing. Look ahead by the delay and the "
         "lag, and pull `encoder_payout` gently towards your mean: it drifts otherwise. Payout is "
         f"{WINCH.payout_minimum:g} to {WINCH.payout_maximum:g} m unless set.",
+    ),
+    Contract(
+        "winch_adviser",
+        "an adviser: identification of winch, cable, sensors and sea",
+        publishes=(BELIEFS,),
+        hears=(OBSERVATIONS,),
+        when_late=f"An answer is active {LATENCY:g} s after the last tick of its batch. One that comes later is "
+        "rejected and counted; one that makes no sense is rejected with the part that is wrong. Without answers the "
+        "controller keeps the last beliefs, or the nominal, and says so.",
+        advice="`asked` is the number of the last tick of the batch: `first`, plus the number of rows of `ticks`, less "
+        "one. Stamp the answer with the start of the last tick before it is active, so that it is taken in that tick. "
+        "The smallest answer is `asked` and `authority: 1.0`. `heave run --without winch_adviser` has no adviser at "
+        "all.",
     ),
     Contract(
         "virtual_winch",
@@ -206,7 +234,7 @@ def offered_words(topic: Topic) -> str:
 
 def heard_words(topic: Topic) -> str:
     """Return the quality of service at which the suite publishes a `topic`."""
-    return "reliable, transient local" if topic.role is Role.LATCHED else "reliable, volatile"
+    return "reliable, transient local" if topic.role in (Role.LATCHED, Role.KEPT) else "reliable, volatile"
 
 
 def page() -> str:
@@ -266,7 +294,8 @@ name at the start barrier. Equal seeds then give equal bytes, if the program doe
   3. `_tick/start` begins a tick: `published[i]` messages were sent before it. Wait until you have as many on each
      topic that you read, and until `_tick/done/OTHER` of this tick has come from each node whose part comes before
      yours, with as many messages as its own counts say. The controller comes after `wave_vessel`, the winch after
-     `winch_controller`, the plant after `wave_vessel` and `virtual_winch`.
+     `winch_controller`, the plant after `wave_vessel` and `virtual_winch`. The adviser comes after nobody: with the
+     `lag` in its join it may be behind, by two ticks less than its latency in lockstep, without bound in real time.
   4. Do your part, publish, and publish `_tick/done/NODE` with how many messages you have published on each of your
      outputs since the start, in the order of your join.
   5. A `_tick/start` that you have answered already: publish the messages of the tick and your answer again, byte for
@@ -302,7 +331,14 @@ def _types() -> list[str]:
     ports = [port for contract in CONTRACTS for port in (*contract.publishes, *contract.hears)]
     protocol = (topics.TICK_JOIN, topics.TICK_ROSTER, topics.TICK_START, topics.tick_done_topic("NODE"))
     types = [port.topic.type for port in ports] + [topic.type for topic in protocol]
-    return list(dict.fromkeys(name for name in types if name.startswith("heave_msgs/")))
+    own = [name for name in types if name.startswith("heave_msgs/")]
+    return list(dict.fromkeys(inner for name in own for inner in (name, *_types_in(name))))
+
+
+def _types_in(name: str) -> list[str]:
+    """Return the suite's own types that a message of a type, `name`, holds."""
+    held = re.findall(r"^MSG: (heave_msgs)/(?:msg/)?(\w+)$", schema_text(name), re.MULTILINE)
+    return [f"{package}/msg/{message}" for package, message in held]
 
 
 def _message(name: str) -> str:

@@ -28,6 +28,7 @@ SECTION_WORDS = {
     "cable_sim": "cable, unit, seabed, current, sensors",
     "virtual_winch": "the winch",
     "winch_controller": "the controller, and where it believes otherwise",
+    "winch_adviser": "the adviser",
     "recorder": "the bag",
 }
 

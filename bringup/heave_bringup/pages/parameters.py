@@ -27,6 +27,7 @@ TITLES = {
     "wave_vessel": "`wave_vessel`: sea, vessel, motion reference unit",
     "virtual_winch": "`virtual_winch`: drum, drive, encoder",
     "winch_controller": "`winch_controller`: what it believes, and how it works",
+    "winch_adviser": "`winch_adviser`: identification, which takes its nominal from the controller",
     "recorder": "`recorder`: the bag",
 }
 

@@ -7,7 +7,7 @@ import itertools
 import os
 import signal
 import tempfile
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -18,7 +18,7 @@ from heave_node.ros.transport.shared_memory import remove_dead_segments
 from heave_node.scenario import write_sections
 
 from heave_bringup.errors import CommandError
-from heave_bringup.nodes import MASTER, NODES, RECORDER, SHIP_CLOCK
+from heave_bringup.nodes import ADVISER, MASTER, NODES, RECORDER, SHIP_CLOCK
 from heave_bringup.progress import ProgressLine
 from heave_bringup.run.launcher import Launcher, NodeProcess
 from heave_bringup.run.monitor import Monitor
@@ -257,13 +257,19 @@ def _watch(
     progress: ProgressLine,
     on_look: OnLook | None,
 ) -> TickStatus:
+    given_up: set[str] = set()
     while True:
         monitor.spin(LOOK_PERIOD)
         if on_look is not None:
             on_look(launcher, monitor.status)
         _report_news(monitor, progress)
         _show_progress(scenario, monitor, progress)
-        failed = launcher.failed() or _left_early(launcher, monitor)
+        for node in _ended_beside_the_loop(scenario, launcher, monitor):
+            if node.name not in given_up:
+                given_up.add(node.name)
+                progress.tell(f"{node.how_it_ended()}: the run continues without it")
+        failed = [node for node in launcher.failed() if node.name not in given_up]
+        failed = failed or _left_early(launcher, monitor, given_up)
         if failed:
             monitor.spin_until_over(END_NEWS_WAIT)  # the master may know why
             cause = _cause(failed, monitor)
@@ -294,12 +300,21 @@ def _where_to_look(folder: RunFolder) -> str:
     return f"{recording}, the logs of the nodes are in {folder.logs}"
 
 
-def _left_early(launcher: Launcher, monitor: Monitor) -> list[NodeProcess]:
-    """Return the nodes that ended without an error before the run was over."""
-    if monitor.is_over or not launcher.left():
+def _ended_beside_the_loop(scenario: Scenario, launcher: Launcher, monitor: Monitor) -> list[NodeProcess]:
+    """Return the nodes that ended during a real-time run that nobody waits for: the loop goes on without them."""
+    is_under_way = monitor.status is not None and monitor.status.state != TickStatus.WAITING and not monitor.is_over
+    if not is_under_way or scenario.run.is_lockstep:
+        return []
+    return [node for node in [*launcher.failed(), *launcher.left()] if node.name == ADVISER]
+
+
+def _left_early(launcher: Launcher, monitor: Monitor, given_up: Collection[str]) -> list[NodeProcess]:
+    """Return the nodes that ended without an error before the run was over, but for those `given_up`."""
+    left = [node for node in launcher.left() if node.name not in given_up]
+    if monitor.is_over or not left:
         return []
     monitor.spin_until_over(END_NEWS_WAIT)
-    return [] if monitor.is_over else launcher.left()
+    return [] if monitor.is_over else left
 
 
 def _record_the_stop(scenario: Scenario, monitor: Monitor) -> None:

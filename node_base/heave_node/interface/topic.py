@@ -17,6 +17,8 @@ class Role(Enum):
     """
     LATCHED = "latched"
     """Reliable, transient local: late subscribers get the last message."""
+    KEPT = "kept"
+    """Reliable, transient local, and each message counts: late subscribers get the last few, oldest first."""
 
 
 @dataclass(frozen=True)

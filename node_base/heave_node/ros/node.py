@@ -86,7 +86,7 @@ class HeaveNode(LifecycleNode):
     name : node name
     parameters_type : parameter set of the node's own parameters (those of RunParameters are added)
     after : nodes whose part of a tick comes before this node's own
-    lag : ticks that the node may be behind the others
+    lag : ticks that the node may be behind the others; NOT_WAITED_FOR: nobody waits for it
 
     Attributes
     ----------
@@ -106,7 +106,7 @@ class HeaveNode(LifecycleNode):
     name: ClassVar[str]
     parameters_type: ClassVar[type[Any]]
     after: ClassVar[tuple[str, ...]] = ()
-    lag: ClassVar[int] = 0
+    lag: int = 0
     exchange: ClassVar[Exchange | None] = None
 
     def __init__(self) -> None:
@@ -176,6 +176,7 @@ class HeaveNode(LifecycleNode):
         check_stamps: bool = True,
         lifespan: float = math.inf,
         holds_ahead: bool = False,
+        settles: bool = False,
     ) -> Input:
         """Read a topic within ticks.
 
@@ -190,6 +191,8 @@ class HeaveNode(LifecycleNode):
         lifespan : real time: messages older than this are late and not used [s]
         holds_ahead : real time: what was measured after the start of a tick waits for the next one, also where this
             node is behind the others
+        settles : lockstep: a message is taken in the tick after the one that it is stamped with, however early it came:
+            so a run depends on its seed alone also where the publisher may lag
         """
         is_external = topic.publisher in self.run.external
         life = math.inf if self.run.is_lockstep else lifespan
@@ -200,6 +203,7 @@ class HeaveNode(LifecycleNode):
             check_stamps=check_stamps and not is_external,
             lifespan=life,
             holds_ahead=holds_ahead and not self.run.is_lockstep,
+            settles=settles and self.run.is_lockstep,
         )
         self._inputs.append(port)
         decode = decoder_of(topic, fields)

@@ -137,6 +137,7 @@ class Input:
     check_stamps : refuse messages that are stamped in the future or out of order
     lifespan : messages older than this at the start of the tick are not used [s]
     holds_ahead : messages that are stamped after the start of a tick wait for the next one
+    settles : messages wait until the tick that they are stamped with is over
 
     Attributes
     ----------
@@ -154,12 +155,14 @@ class Input:
         check_stamps: bool = True,
         lifespan: float = math.inf,
         holds_ahead: bool = False,
+        settles: bool = False,
     ) -> None:
         self.name = topic.name
         self.topic = node.resolve_topic_name(topic.name)
         self.check_stamps = check_stamps
         self.lifespan = lifespan
         self.holds_ahead = holds_ahead
+        self.settles = settles
         self.early = self.late = 0
         self.latest: Any = None
         self._gate = gate
@@ -175,9 +178,9 @@ class Input:
             before it, is refused and counted, where `check_stamps` is on; so is one that is older than the lifespan
         """
         messages: list[tuple[int | None, Any]] = self._gate.take(self.topic)
-        if self.holds_ahead:
+        if self.holds_ahead or self.settles:
             self._ahead.extend(messages)
-            messages = self._due(tick.start_nanoseconds)
+            messages = self._due(tick.start_nanoseconds - self.settles)
         if self.check_stamps:
             messages = [entry for entry in messages if self._is_stamp_legal(entry[0], tick.end_nanoseconds)]
         if self.lifespan != math.inf:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from array import array
+from collections import deque
 from collections.abc import Mapping
 
 import numpy as np
@@ -10,6 +11,8 @@ import numpy as np
 EDGES = tuple(round(factor * 10.0**power, 9) for power in range(-4, 2) for factor in (1.0, 2.0, 5.0))
 """Upper edges of the classes of a histogram [s]: 0.1 ms to 50 s; what is longer has a class of its own."""
 LAST = "more"
+TIMES_KEPT = 60.0
+"""Simulated time over which execution times are kept [s]."""
 
 
 class Durations:
@@ -59,6 +62,36 @@ class Durations:
             "max_ms": f"{1e3 * largest:.2f}",
             "histogram_ms": histogram_text(self.histogram()),
         }
+
+
+class TickTimes:
+    """Execution times of a node's part of a tick over the last minute, in wall time.
+
+    Parameters
+    ----------
+    tick_period : [s]
+    """
+
+    def __init__(self, tick_period: float) -> None:
+        self._newest: deque[float] = deque(maxlen=round(TIMES_KEPT / tick_period))
+
+    def add(self, seconds: float) -> float:
+        """Take in the execution time of a tick in `seconds`, and return it."""
+        self._newest.append(seconds)
+        return seconds
+
+    def percentiles(self) -> tuple[float, float, float]:
+        """Return p50, p99.9 and the largest [s]; zeros without any."""
+        if not self._newest:
+            return 0.0, 0.0, 0.0
+        p50, p999 = np.percentile(np.array(self._newest), [50.0, 99.9])
+        return float(p50), float(p999), max(self._newest)
+
+    def told(self) -> tuple[str, dict[str, str]]:
+        """Return them in words, and as values of a diagnostic status."""
+        p50, p999, largest = (f"{1e3 * value:.2f}" for value in self.percentiles())
+        words = f"p50 {p50} ms, p99.9 {p999} ms, largest {largest} ms"
+        return words, {"count": str(len(self._newest)), "p50_ms": p50, "p99.9_ms": p999, "max_ms": largest}
 
 
 def histogram_text(counts: Mapping[str, int]) -> str:

@@ -5,6 +5,9 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 
+NOT_WAITED_FOR = 2**32 - 1
+"""Lag of a participant that nobody waits for, not even at the end: it works beside the ticks, and may be gone."""
+
 
 @dataclass
 class Participant:
@@ -14,7 +17,7 @@ class Participant:
     ----------
     name : of the node
     ready : it waits for the first tick
-    lag : ticks that it may be behind
+    lag : ticks that it may be behind; NOT_WAITED_FOR: any number
     outputs, inputs : resolved topic names, with the number of peers that each one sees
     answered : last tick that it has answered
     published : messages that it has sent so far on each output
@@ -145,7 +148,8 @@ class Roster:
 
     def unanswered(self, tick: int, *, flush: bool = False) -> list[Participant]:
         """Return the participants that have not answered `tick`; without a `flush`, those that may lag have time."""
-        return [p for p in self._present if p.answered < tick - (0 if flush else p.lag)]
+        waited_for = [p for p in self._present if p.lag != NOT_WAITED_FOR]
+        return [p for p in waited_for if p.answered < tick - (0 if flush else p.lag)]
 
     def answered_by_all(self) -> int:
         """Return the last tick that all have answered; those that may lag do not count."""

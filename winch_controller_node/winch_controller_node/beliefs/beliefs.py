@@ -157,3 +157,11 @@ def without_sea(beliefs: Beliefs) -> Beliefs:
 
 
 LIMITS = (SPEED_OUT, SPEED_IN, ACCELERATION_OUT, ACCELERATION_IN)
+
+
+def latency_ticks(tick_period: float) -> int:
+    """Return after how many ticks of `tick_period` [s] an answer is in force: LATENCY, and two ticks at least.
+
+    In the first the observations are on their way, in the second the answer.
+    """
+    return max(2, round(LATENCY / tick_period))

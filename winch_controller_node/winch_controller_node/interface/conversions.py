@@ -44,7 +44,7 @@ _COMMAND = Packer(topics.WINCH_COMMAND.type, ("header.stamp", *_ORDER_FIELDS))
 
 _REPORT_FIELDS = tuple(name for name in Report._fields if name not in ("sensors", "is_inhibited"))
 _report_values = attrgetter(*_REPORT_FIELDS)
-_STATE = Packer(topics.CONTROLLER_STATE.type, ("header.stamp", "sensors", *_REPORT_FIELDS))
+_STATE = Packer(topics.CONTROLLER_STATE.type, ("header.stamp", "sensors", "execution_time", *_REPORT_FIELDS))
 
 _KPI_FIELDS = tuple(field.name for field in fields(RollingKpi))
 _kpi_values = attrgetter(*_KPI_FIELDS)
@@ -108,9 +108,13 @@ def command_message(order: WinchOrder, stamp: int) -> bytes:
     return _COMMAND.pack(stamp, *_order_values(order))
 
 
-def state_message(report: Report, stamp: int) -> bytes:
-    """Return the `report` of what the controller believes and does as a message of `stamp` [ns]."""
-    return _STATE.pack(stamp, [_health(sensor) for sensor in report.sensors], *_report_values(report))
+def state_message(report: Report, stamp: int, execution_time: float = math.nan) -> bytes:
+    """Return the `report` of what the controller believes and does as a message of `stamp` [ns].
+
+    `execution_time` is the wall time that it took [s].
+    """
+    sensors = [_health(sensor) for sensor in report.sensors]
+    return _STATE.pack(stamp, sensors, execution_time, *_report_values(report))
 
 
 def _health(sensor: SensorState) -> tuple[str, int, str, float, int, int]:

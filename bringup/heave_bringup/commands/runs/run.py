@@ -7,6 +7,7 @@ import importlib
 import sys
 import threading
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -18,11 +19,12 @@ from heave_node.scenario import WILDCARD
 from heave_bringup.commands.arguments import add_baseline, add_namespace, add_network, add_scenario
 from heave_bringup.commands.command import Command
 from heave_bringup.errors import CommandError
-from heave_bringup.nodes import MASTER, NODE_BY_NAME, RECORDER
+from heave_bringup.nodes import ADVISER, MASTER, NODE_BY_NAME, RECORDER
 from heave_bringup.settings import Setting
 
 if TYPE_CHECKING:
     from heave_bringup.run.run import Composed
+    from heave_bringup.scenarios import Scenario
 
 EVALUATION = "heave_bringup.run.evaluation"
 WANTED = "wanted"
@@ -55,6 +57,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="NODE",
         help="do not start NODE: a program of yours takes part in each tick under its name (docs/contract.md), in "
         "lockstep too",
+    )
+    parser.add_argument(
+        "--without",
+        action="append",
+        default=[],
+        metavar="NODE",
+        help=f"leave NODE out; only {ADVISER} can be: the controller then keeps its nominal",
     )
     parser.add_argument(
         "--from-bag",
@@ -109,7 +118,7 @@ def execute(options: argparse.Namespace) -> None:
         be_quiet()
     set_up_transport(network=options.network)
     settings = [*options.set, *_own_settings(options)]
-    scenario = load_scenario(options.scenario, settings=settings)
+    scenario = without(load_scenario(options.scenario, settings=settings), options.without)
     for criterion in scenario.wanted:
         refuse_unknown(criterion, f"{scenario.path}: wanted")
     _check_foreign(options.foreign, scenario.run)
@@ -119,7 +128,7 @@ def execute(options: argparse.Namespace) -> None:
         check_files(scenario)
     folder = new_run_folder(scenario.name, options.bag)
     if scenario.remade:  # the run keeps them, for who runs its scenario again
-        scenario = load_scenario(options.scenario, settings=settings, folder=folder.files)
+        scenario = without(load_scenario(options.scenario, settings=settings, folder=folder.files), options.without)
         sys.stderr.write("".join(f"heave: {line}\n" for line in scenario.remade))
     # What judges the run takes seconds to load: time that the nodes need to find each other.
     threading.Thread(target=importlib.import_module, args=(EVALUATION,)).start()
@@ -202,6 +211,15 @@ def _own_settings(options: argparse.Namespace) -> list[Setting]:
         if clocks:
             settings.append(Setting(WILDCARD, "external_clocks", clocks, source))
     return settings
+
+
+def without(scenario: Scenario, nodes: Sequence[str]) -> Scenario:
+    """Return the scenario without certain nodes. Raises ParameterError for one that the loop needs."""
+    needed = [node for node in nodes if node != ADVISER]
+    if needed:
+        raise ParameterError(f"--without {needed[0]}: must be {ADVISER}, the only node that can be left out")
+    stay = tuple(name for name in scenario.run.participants if name not in nodes)
+    return replace(scenario, run=replace(scenario.run, participants=stay))
 
 
 def _check_foreign(nodes: Sequence[str], run: RunParameters) -> None:

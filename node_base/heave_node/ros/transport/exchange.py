@@ -110,7 +110,7 @@ class Exchange:
         """Publish a `topic` in memory beside its publisher `outside`, as the process of an `identity`."""
         self._identity = identity
         name = outside.topic_name
-        is_whole = self._is_public or topic.role is Role.LATCHED or topic.name in _ALWAYS
+        is_whole = self._is_public or topic.role in (Role.LATCHED, Role.KEPT) or topic.name in _ALWAYS
         publisher = LocalPublisher(self._of(self._readers, name), self._enqueue, outside, 0.0 if is_whole else GLANCE)
         self._of(self._publishers, name).append(publisher)
         return publisher

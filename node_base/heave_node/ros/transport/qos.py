@@ -25,18 +25,21 @@ from heave_node.interface.topic import Role
 
 STREAM_DEPTH = 200
 """Messages kept for a subscriber that is slower than its publisher: ten seconds at 20 Hz."""
+KEPT_DEPTH = 20
+"""Messages of a kept topic that are held: it has few, one a second of simulated time."""
+_DEPTH = {Role.LATCHED: 1, Role.KEPT: KEPT_DEPTH}
+_LASTING = (Role.LATCHED, Role.KEPT)
 OVERRIDES = "qos_overrides."
 PUBLISHER, SUBSCRIPTION = "publisher", "subscription"
 
 
 def qos_of(role: Role) -> QoSProfile:
     """Return the quality of service that publishers of topics of this `role` offer, and readers in lockstep request."""
-    latched = role is Role.LATCHED
     return QoSProfile(
         history=HistoryPolicy.KEEP_LAST,
-        depth=1 if latched else STREAM_DEPTH,
+        depth=_DEPTH.get(role, STREAM_DEPTH),
         reliability=ReliabilityPolicy.RELIABLE,
-        durability=DurabilityPolicy.TRANSIENT_LOCAL if latched else DurabilityPolicy.VOLATILE,
+        durability=DurabilityPolicy.TRANSIENT_LOCAL if role in _LASTING else DurabilityPolicy.VOLATILE,
     )
 
 
@@ -51,6 +54,8 @@ def reader_qos_of(role: Role, *, is_external: bool) -> QoSProfile:
     """
     qos = qos_of(role)
     qos.depth = STREAM_DEPTH  # also of latched topics: in a queue of one a stranger's message would replace the owner's
+    if role is Role.KEPT:  # those of before are for who looks on; within ticks each is late
+        qos.durability = DurabilityPolicy.VOLATILE
     if is_external and role is not Role.COMMAND:
         qos.reliability = ReliabilityPolicy.BEST_EFFORT
         qos.durability = DurabilityPolicy.VOLATILE

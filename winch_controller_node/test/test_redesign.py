@@ -1,0 +1,48 @@
+"""A redesign in a process of its own is the design that the controller would have made itself."""
+
+import time
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from winch_controller_node.design.wire import parts_of
+from winch_controller_node.design_in_force import designed
+from winch_controller_node.model.lqr import DesignError
+from winch_controller_node.node_parameters import WinchControllerParameters
+from winch_controller_node.redesign import Redesign
+
+DT = 0.05
+LONGEST = 60.0
+"""Wall time that a process may take on a busy machine [s]."""
+
+
+def taken(redesign):
+    deadline = time.monotonic() + LONGEST
+    while (prepared := redesign.take()) is None:
+        assert time.monotonic() < deadline
+        time.sleep(0.02)
+    return prepared
+
+
+@pytest.mark.parametrize("maximum_length", [0.0, 600.0], ids=["at one length", "with a schedule"])
+def test_the_design_of_the_process_is_that_of_the_controller_to_the_bit(maximum_length):
+    parameters = nominal = WinchControllerParameters()
+    if maximum_length:
+        schedule = replace(nominal.schedule, minimum_length=200.0, maximum_length=maximum_length, points=3)
+        parameters = replace(nominal, schedule=schedule)
+    prepared = taken(Redesign(parameters, 5.0, DT))
+    expected_schedule, expected = designed(parameters, 5.0, DT)
+    assert prepared.parameters == parameters
+    assert (prepared.schedule is None) == (expected_schedule is None)
+    found = parts_of(prepared.design).arrays
+    assert {name: a.tobytes() for name, a in found.items()} == {
+        name: a.tobytes() for name, a in parts_of(expected).arrays.items()
+    }
+    np.testing.assert_array_equal(prepared.law.gain, expected.make_law().gain)
+
+
+def test_what_cannot_be_designed_is_said_as_it_would_be_here():
+    parameters = WinchControllerParameters()
+    parameters = replace(parameters, sensors=replace(parameters.sensors, use=("mru", "depth")))
+    with pytest.raises(DesignError, match="must include the encoder"):
+        taken(Redesign(parameters, 0.0, DT))

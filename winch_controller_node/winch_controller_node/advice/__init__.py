@@ -1,0 +1,1 @@
+"""How core and adviser talk: observations and beliefs as messages, and the bookkeeping of who answered when."""

@@ -1,0 +1,127 @@
+"""Whether the adviser answers, and in time: what is said of it, without ROS."""
+
+from __future__ import annotations
+
+from collections import deque
+
+from winch_controller_node.beliefs.beliefs import latency_ticks
+
+SILENT = 3.0
+"""Time after which an answer that has not come is missed [s]: three latencies."""
+QUESTIONS_KEPT = 60
+"""Questions whose answers are waited for; an answer to an older one is stale."""
+STEADY = 10
+"""Answers in time, one after another, with which a late adviser counts as in time again."""
+
+LATE_ALARM = (
+    "ADVISER LATE: an answer came more than {latency:g} s after its observations and was rejected. The controller "
+    "keeps {active}. Check the load of the machine that runs winch_adviser."
+)
+SILENT_ALARM = (
+    "ADVISER SILENT: no answer for {time:.1f} s. The controller keeps {active}. Check that winch_adviser runs."
+)
+MALFORMED_ALARM = "ADVISER: an answer was rejected ({fault}). The controller keeps {active}. Replace winch_adviser."
+AGAIN = "ADVISER: answers again"
+
+
+class AdviserWatch:
+    """Questions that were put, and what came of them.
+
+    Parameters
+    ----------
+    tick_period : [s]
+
+    Attributes
+    ----------
+    answered, late, malformed : answers that were taken, that came too late, and that made no sense
+    """
+
+    def __init__(self, tick_period: float) -> None:
+        self._dt = tick_period
+        self._latency = latency_ticks(tick_period)
+        self.answered = self.late = self.malformed = 0
+        self._questions: deque[int] = deque(maxlen=QUESTIONS_KEPT)
+        self._unanswered: int | None = None
+        self._in_a_row = STEADY
+        self._number = 0
+        self._is_silent = False
+        self._silence = 0.0
+        self._alarms: list[str] = []
+
+    def asked(self, tick: int) -> None:
+        """Note that observations up to a `tick` went out."""
+        self._questions.append(tick)
+        if self._unanswered is None:
+            self._unanswered = tick
+
+    def is_question(self, tick: int) -> bool:
+        """Return whether an answer to the observations up to a `tick` is waited for, once: it has one answer."""
+        if tick not in self._questions:
+            return False
+        self._questions.remove(tick)
+        return True
+
+    def took(self, number: int) -> None:
+        """Note an answer in time, the beliefs of a `number`."""
+        self.answered += 1
+        self._in_a_row += 1
+        self._number = number
+        self._heard()
+
+    def refused_stale(self) -> None:
+        """Note an answer to no question: to that of a controller before this one, or a second one."""
+        self.late += 1
+
+    def refused_late(self) -> None:
+        """Note an answer that came too late."""
+        self.late += 1
+        if self._in_a_row >= STEADY:
+            self._alarms.append(LATE_ALARM.format(latency=self._latency * self._dt, active=self._active))
+        self._in_a_row = 0
+        self._heard()
+
+    def refused(self, fault: str) -> None:
+        """Note an answer that made no sense, and why (`fault`)."""
+        if not self.malformed:
+            self._alarms.append(MALFORMED_ALARM.format(fault=fault, active=self._active))
+        self.malformed += 1
+        self._heard()
+
+    def step(self, tick: int) -> list[str]:
+        """Return the alarms of a `tick`."""
+        waited = 0 if self._unanswered is None else tick - self._unanswered
+        self._silence = waited * self._dt
+        if not self._is_silent and waited > round(SILENT / self._dt):
+            self._is_silent = True
+            self._alarms.append(SILENT_ALARM.format(time=self._silence, active=self._active))
+        alarms, self._alarms = self._alarms, []
+        return alarms
+
+    @property
+    def is_well(self) -> bool:
+        """Return whether answers come, in time, and make sense."""
+        return not self._is_silent and self._in_a_row >= STEADY and not self.malformed
+
+    @property
+    def words(self) -> str:
+        """Say how it is."""
+        if self._is_silent:
+            return f"silent: no answer for {self._silence:.1f} s; {self._active} active"
+        if self._in_a_row < STEADY:
+            return f"late: {self.late} answers rejected; {self._active} active"
+        return f"{self.malformed} answers rejected" if self.malformed else f"in time; {self._active} active"
+
+    @property
+    def values(self) -> dict[str, str]:
+        """Return the counts, for diagnostics."""
+        return {"answered": str(self.answered), "late": str(self.late), "malformed": str(self.malformed)}
+
+    @property
+    def _active(self) -> str:
+        return f"beliefs {self._number}" if self._number else "the nominal"
+
+    def _heard(self) -> None:
+        self._unanswered = None
+        if self._is_silent:
+            self._is_silent = False
+            self._alarms.append(AGAIN)

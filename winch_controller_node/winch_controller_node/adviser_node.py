@@ -1,0 +1,138 @@
+"""ROS shell of the adviser: observations in, beliefs out, and nobody's tick waits for it but in lockstep."""
+
+from __future__ import annotations
+
+import os
+import sys
+
+from heave_msgs.msg import Observations as ObservationsMessage
+from heave_node.interface import topics
+from heave_node.ros.diagnostics import Health, Level
+from heave_node.ros.participant import ParticipantNode
+from heave_node.ros.process import run_node
+from heave_node.tick.roster import NOT_WAITED_FOR
+from heave_node.tick.tick import Tick
+from rclpy.serialization import deserialize_message
+
+from winch_controller_node.advice import answering
+from winch_controller_node.advice.answering import Answering
+from winch_controller_node.advice.worker import NICENESS, Answer, Worker, WorkerError
+from winch_controller_node.adviser.component import Adviser
+from winch_controller_node.beliefs.beliefs import latency_ticks
+from winch_controller_node.node_parameters import WinchAdviserParameters, WinchControllerParameters
+
+REST = 0.01
+"""Wall time that messages of the protocol wait to be taken together [s]: a small share of the latency."""
+
+
+class WinchAdviserNode(ParticipantNode):
+    """Answers each batch of `controller/observations` on `controller/beliefs`.
+
+    In lockstep it may be behind by so many ticks that the answer to a batch is there when it comes into force: the
+    clock master waits for it then, not sooner. In real time nobody waits. Where all nodes share one process, and in
+    real time, a worker process does the work.
+    """
+
+    name = "winch_adviser"
+    parameters_type = WinchAdviserParameters
+
+    def __init__(self) -> None:
+        super().__init__()
+        # The batch that ends at tick k comes in tick k + 1, and its answer is in force at tick k + N. Before that the
+        # master ends tick k + N - 1, for which the adviser must have answered k + 1.
+        lag = latency_ticks(self.run.tick_period) - 2
+        self.lag = lag if self.run.is_lockstep else NOT_WAITED_FOR
+        self._worker: Worker | None = None
+        self._fault = ""
+
+    @classmethod
+    def make_adviser(cls, nominal: WinchControllerParameters, tick_period: float) -> answering.Adviser:
+        """Return the adviser for `nominal` parameters and a `tick_period` [s]; for another to be put in its place."""
+        return Adviser(nominal, tick_period=tick_period)
+
+    @classmethod
+    def make_answer(cls, tick_period: float) -> Answer:
+        """Return what answers serialised observations at a `tick_period` [s]."""
+        answers = Answering(cls.make_adviser, tick_period)
+        return lambda data: answers.answer(deserialize_message(data, ObservationsMessage))
+
+    @classmethod
+    def make_warm_answer(cls, tick_period: float) -> Answer:
+        """Return the same for a `tick_period` [s]; what its first answer would compile and load is there."""
+        cls.make_adviser(WinchControllerParameters(), tick_period)
+        return cls.make_answer(tick_period)
+
+    def on_build(self) -> None:
+        """Make the adviser, its input and its output."""
+        self.beliefs = self.add_output(topics.CONTROLLER_BELIEFS)
+        self.add_raw_input(topics.CONTROLLER_OBSERVATIONS)
+        self._topic = self.resolve_topic_name(topics.CONTROLLER_OBSERVATIONS.name)
+        self._has_worker = not self.run.is_lockstep and self.exchange is not None
+        if not (self.run.is_lockstep or self._has_worker):
+            os.nice(NICENESS)
+        self._begin()
+
+    def _begin(self) -> None:
+        """Begin with an adviser that knows nothing."""
+        make = self.make_answer if self.run.is_lockstep else self.make_warm_answer
+        if self._has_worker:
+            self._worker = Worker(make, self.run.tick_period)
+        else:
+            self._reply: Answer = make(self.run.tick_period)
+
+    def is_ready(self) -> bool:
+        """Return whether observations would be answered at once."""
+        return super().is_ready() and (self._worker is None or self._worker.is_ready())
+
+    def on_reset(self) -> None:
+        """Begin with an adviser that knows nothing."""
+        self.on_exit()
+        self._begin()
+
+    def on_tick(self, tick: Tick) -> None:
+        """Answer the batches that have come by `tick`."""
+        del tick
+        questions: list[bytes] = self.gate.take(self._topic)
+        if self._worker is None:
+            for question in questions:
+                self.beliefs.publish(self._reply(question))
+            return
+        for question in questions:
+            self._worker.ask(question)
+        try:
+            for answer in self._worker.answers():
+                self.beliefs.publish(answer)
+        except WorkerError as error:
+            if not self._fault:
+                self.get_logger().error(f"no more answers: {error}")
+            self._fault = str(error)
+
+    def service_pause(self) -> float:
+        """See HeaveNode."""
+        return REST if self.has_started else 0.0
+
+    def publish_diagnostics(self, tick: Tick) -> None:
+        """Report in real time only: in lockstep how far it is behind at `tick` is chance."""
+        if not self.run.is_lockstep:
+            super().publish_diagnostics(tick)
+
+    def diagnose(self) -> list[Health]:
+        """Say how many answers were given, and whether more will come."""
+        answered = {"answers": str(self.beliefs.published)}
+        if self._fault:
+            return [Health("answers", Level.ERROR, f"no more answers: {self._fault}", answered)]
+        return [Health("answers", Level.OK, f"{self.beliefs.published} answers", answered)]
+
+    def on_exit(self) -> None:
+        """End the worker."""
+        if self._worker is not None:
+            self._worker.close()
+
+
+def main() -> None:
+    """Run the node until its run ends."""
+    sys.exit(run_node(WinchAdviserNode))
+
+
+if __name__ == "__main__":
+    main()
