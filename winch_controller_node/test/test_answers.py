@@ -17,7 +17,7 @@ def test_an_answer_is_in_force_a_second_after_its_observations_and_two_ticks_at_
 
 
 def test_a_late_answer_is_refused_and_counted_and_what_is_in_force_stays():
-    """After tick 45 the answer to the batch that ended at tick 20 is five ticks late; that to tick 26 is due in tick 46."""
+    """After tick 45 the answer to the batch of tick 20 is five ticks late; that to tick 26 is due in tick 46."""
     controller = WinchController(WinchControllerParameters(law="lqg"), tick_period=DT)
     for tick in range(1, 46):
         controller.step(tick, Measurements())

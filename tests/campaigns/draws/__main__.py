@@ -35,7 +35,6 @@ from heave_bags.record.provenance import git_commit
 from tests.campaigns.draws.cases import KINDS, draw
 from tests.campaigns.draws.figures import Drawn, as_values, broken, comparison, figures_of, line, table, worst_first
 from tests.campaigns.draws.journal import ROOT, Heading, Journal, JournalError, sources_digest
-
 from tests.campaigns.draws.workers import Task, run_tasks
 
 FOLDER = Path("runs") / "draws"

@@ -12,7 +12,7 @@ import numpy as np
 from heave_bringup.closed_loop import ClosedLoop, LoopRecord, loop_parameters
 from heave_node.kpi import WORSE_FLOOR, WORSE_WINDOW, efficiency, sigma, window_ratios
 from heave_node.numerics.arrays import Array
-from winch_controller_node import beliefs_in_force
+from winch_controller_node.beliefs import beliefs
 from winch_controller_node.interface.readings import Outputs
 
 from tests.campaigns.draws.cases import DURATION, Case
@@ -85,7 +85,7 @@ class Outcome:
 
 def set_latency(latency: str) -> None:
     """Let what the adviser finds take effect so many seconds after it was asked for, in loops made from now on."""
-    beliefs_in_force.LATENCY = float(latency)
+    beliefs.LATENCY = float(latency)
 
 
 def run_case(case: Case, *, is_told: bool = False, duration: float = DURATION) -> Outcome:

@@ -1,4 +1,4 @@
-"""A record in columns: as read, and what each sensor alone has read, stepped or changed by, from each of some onsets."""
+"""A record in columns: as read, and what each sensor alone has read, stepped or changed by, from some onsets on."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The adviser as a component: observations of a second in, beliefs out. No ROS, no clock, no state shared with the core.
+"""The adviser as a component: observations of a second in, beliefs out. No ROS, no clock, nothing shared with the core.
 
 Each second the drum is identified from what it was ordered and what its encoder read; every few seconds the last minute
 of all sensors is judged; now and then the sea is. What is found becomes one `Beliefs` value with the design for it.
@@ -24,7 +24,15 @@ from winch_controller_node.adviser.record import Record, SensorHistory
 from winch_controller_node.adviser.report import Report
 from winch_controller_node.adviser.sea import likeliest_sea
 from winch_controller_node.adviser.winch import WinchAnswer, WinchIdentifier, identifies_winch
-from winch_controller_node.beliefs.beliefs import Adopted, Belief, Beliefs, EncoderScale, parameters_under, without_sea
+from winch_controller_node.beliefs.beliefs import (
+    Adopted,
+    Belief,
+    Beliefs,
+    EncoderScale,
+    latency_ticks,
+    parameters_under,
+    without_sea,
+)
 from winch_controller_node.beliefs.corrections import Correction, corrections
 from winch_controller_node.beliefs.observations import TICK_COLUMNS, Observations
 from winch_controller_node.beliefs.quantities import ENCODER_SCALE, QUANTITIES, with_value
@@ -117,7 +125,8 @@ class Adviser:
         self._beliefs = replace(before, asked=observations.last, findings=(), design=None, adopted=None)
         self._record.add(observations)
         self._seconds += 1
-        if observations.beliefs < before.number:
+        is_due = observations.last >= before.asked + latency_ticks(self._dt)
+        if is_due and observations.beliefs < before.number:
             # the answer before came too late: what it changed is sent again
             self._beliefs = replace(self._beliefs, design=self._design)
             self._adopt_present()

@@ -259,8 +259,10 @@ def _with_factor(prior: DrumPrior, best: DrumFit) -> DrumFit | None:
             start = best.theta.copy()
             start[FACTOR] = factor
             fits.append(fit_drum(shifted, prior, start, (*best.free, FACTOR)))
-    best = min(fits, key=lambda fit: fit.loss) if fits else None
-    for step in (8, 4, 2, 1) if best is not None else ():
+    if not fits:
+        return None
+    best = min(fits, key=lambda fit: fit.loss)
+    for step in (8, 4, 2, 1):
         for onset in (best.record.onset - step, best.record.onset + step):
             if 0 < onset < count - 2:
                 near = fit_drum(replace(record, onset=onset), prior, best.theta, best.free)

@@ -86,7 +86,7 @@ def drum_record(excerpt: Excerpt, window: float, ahead: int, history: SensorHist
     begin = first - ahead
     if first >= len(excerpt.ticks) - 1:
         return None
-    ticks = np.arange(excerpt.first + begin, excerpt.last + 1)
+    ticks = np.arange(excerpt.first + begin, excerpt.last + 1, dtype=float)
     readings = payouts(excerpt.tick_column("encoder")[begin:], ticks, history.encoder)
     return DrumRecord(
         payouts=excerpt.tick_column("order_payout")[begin:].copy(),

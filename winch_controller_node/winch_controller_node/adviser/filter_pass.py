@@ -9,10 +9,11 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 from heave_node.numerics.arrays import Array
-from heave_node.numerics.compiled import kernel
+from heave_node.numerics.compiled import inner_kernel, kernel
 from numpy.typing import NDArray
 
 from winch_controller_node.model.drag_kernel import DOUBT, DOUBT_TIME, Drag
@@ -96,6 +97,42 @@ class PassResult:
     covariance: Array
 
 
+class Motion(NamedTuple):
+    """How the state moves, tick by tick.
+
+    Attributes
+    ----------
+    F, B, Q : of the model
+    filled, begins : columns of F that are not zero, of row i from begins[i] on: most of it is empty
+    rate : index of the unit's heave rate
+    kept : share that drag leaves of it in each half tick (t,)
+    gives : share by which a slack cable does not push it (t,)
+    pull : of the cable on the unit, as a row on the state (n,)
+    unknown : variance of it that both add (t,)
+    """
+
+    F: Array
+    B: Array
+    Q: Array
+    filled: NDArray[np.int64]
+    begins: NDArray[np.int64]
+    rate: int
+    kept: Array
+    gives: Array
+    pull: Array
+    unknown: Array
+
+
+class Reads(NamedTuple):
+    """What is read: where the readings of each tick end, and of each its row, variance, whether it is taken, values."""
+
+    ends: NDArray[np.int64]
+    rows: Array
+    noise: Array
+    used: NDArray[np.bool_]
+    values: Array
+
+
 def run_pass(model: PassModel, record: PassInput, used: NDArray[np.bool_]) -> PassResult:
     """Go through a `record` with a `model`.
 
@@ -106,149 +143,122 @@ def run_pass(model: PassModel, record: PassInput, used: NDArray[np.bool_]) -> Pa
     """
     row, change, bend = (table[record.which] for table in model.rows)
     offset = record.offsets[:, None]
-    rows = row + offset * change + 0.5 * offset * (offset - 1.0) * bend
+    rows = np.ascontiguousarray(row + offset * change + 0.5 * offset * (offset - 1.0) * bend)
+    reads = Reads(record.ends, rows, record.variances, used[record.which], record.values)
     state = np.zeros((len(model.F), record.values.shape[1]))
-    innovations, variances = np.empty_like(record.values), np.empty(len(record.values))
     covariance = model.start.copy()
-    filled = [np.flatnonzero(row) for row in model.F]
-    drag = model.drag
-    excess = np.maximum(drag.quadratic * record.unit_speed - drag.damping, 0.0) / drag.inertia
-    kept = np.exp(-0.5 * excess * drag.tick_period)
-    slack, missing = model.slack, record.missing_push
-    gives = np.where(missing > 0.0, missing / (missing + slack.largest), 0.0) * slack.tick_period / slack.inertia
-    unknown = (DOUBT * excess * record.unit_speed) ** 2 + (DOUBT * missing / slack.inertia) ** 2
-    unknown *= DOUBT_TIME * drag.tick_period
-    _follow(
-        np.ascontiguousarray(model.F),
-        np.concatenate(filled),
-        np.cumsum([0, *(len(one) for one in filled)]),
-        np.ascontiguousarray(model.B),
-        np.ascontiguousarray(model.Q),
-        state,
-        covariance,
-        drag.rate,
-        kept,
-        gives,
-        np.ascontiguousarray(slack.pull),
-        unknown,
-        record.commands,
-        record.ends,
-        np.ascontiguousarray(rows),
-        record.variances,
-        used[record.which],
-        record.values,
-        innovations,
-        variances,
-    )
+    innovations, variances = _follow(_motion(model, record), reads, record.commands, state, covariance)
     return PassResult(innovations, variances, state, covariance)
 
 
+def _motion(model: PassModel, record: PassInput) -> Motion:
+    """Return how the state of a `model` moves at the speed and the slack that a `record` has seen."""
+    drag, slack, missing = model.drag, model.slack, record.missing_push
+    excess = np.maximum(drag.quadratic * record.unit_speed - drag.damping, 0.0) / drag.inertia
+    unknown = (DOUBT * excess * record.unit_speed) ** 2 + (DOUBT * missing / slack.inertia) ** 2
+    filled = [np.flatnonzero(row) for row in model.F]
+    return Motion(
+        F=np.ascontiguousarray(model.F),
+        B=np.ascontiguousarray(model.B),
+        Q=np.ascontiguousarray(model.Q),
+        filled=np.concatenate(filled),
+        begins=np.cumsum([0, *(len(one) for one in filled)]),
+        rate=drag.rate,
+        kept=np.exp(-0.5 * excess * drag.tick_period),
+        gives=np.where(missing > 0.0, missing / (missing + slack.largest), 0.0) * slack.tick_period / slack.inertia,
+        pull=np.ascontiguousarray(slack.pull),
+        unknown=unknown * DOUBT_TIME * drag.tick_period,
+    )
+
+
+@inner_kernel
+def _moved(motion: Motion, k: int, x: Array) -> Array:
+    """Return F x a tick on, (n, c), with slack."""
+    moved = np.zeros_like(x)
+    for i in range(len(x)):
+        for place in range(motion.begins[i], motion.begins[i + 1]):
+            j = motion.filled[place]
+            for m in range(x.shape[1]):
+                moved[i, m] += motion.F[i, j] * x[j, m]
+    if motion.gives[k] > 0.0:
+        for j in range(len(x)):
+            if motion.pull[j] != 0.0:
+                for m in range(x.shape[1]):
+                    moved[motion.rate, m] -= motion.gives[k] * motion.pull[j] * x[j, m]
+    return moved
+
+
+@inner_kernel
+def _spread(motion: Motion, k: int, P: Array) -> Array:
+    """Return P = F P F' + Q a tick on, (n, n), with slack."""
+    n = len(P)
+    half = _moved(motion, k, P)
+    spread = motion.Q.copy()
+    for i in range(n):
+        for m in range(n):
+            for place in range(motion.begins[m], motion.begins[m + 1]):
+                j = motion.filled[place]
+                spread[i, m] += half[i, j] * motion.F[m, j]
+    if motion.gives[k] > 0.0:
+        for i in range(n):
+            for j in range(n):
+                spread[i, motion.rate] -= motion.gives[k] * half[i, j] * motion.pull[j]
+    return spread
+
+
+@inner_kernel
+def _slowed(motion: Motion, k: int, x: Array, P: Array) -> None:
+    """Have drag take its share of the unit's speed for half a tick, in place."""
+    x[motion.rate] *= motion.kept[k]
+    P[motion.rate] *= motion.kept[k]
+    P[:, motion.rate] *= motion.kept[k]
+
+
+@inner_kernel
+def _innovation(row: Array, noise: float, x: Array, P: Array, left: Array, across: Array) -> float:
+    """Return S = h P h' + r of a reading, and leave e = z - h x in `left` (z before) and P h' in `across`."""
+    across[:] = 0.0
+    for i in range(len(x)):
+        if row[i] != 0.0:
+            for j in range(len(x)):
+                across[j] += row[i] * P[i, j]
+            for j in range(len(left)):
+                left[j] -= row[i] * x[i, j]
+    spread = noise
+    for i in range(len(x)):
+        spread += row[i] * across[i]
+    return spread
+
+
 @kernel
-def _follow(
-    F: Array,
-    filled: NDArray[np.int64],
-    begins: NDArray[np.int64],
-    B: Array,
-    Q: Array,
-    x: Array,
-    P: Array,
-    rate: int,
-    kept: Array,
-    gives: Array,
-    pull: Array,
-    unknown: Array,
-    commands: Array,
-    ends: NDArray[np.int64],
-    rows: Array,
-    noise: Array,
-    used: NDArray[np.bool_],
-    values: Array,
-    innovations: Array,
-    variances: Array,
-) -> None:
+def _follow(motion: Motion, reads: Reads, commands: Array, x: Array, P: Array) -> tuple[Array, Array]:
     """Kalman filter of one model, readings one after the other; x (n, c) and P (n, n) are changed in place.
 
-    The unit's rate, state `rate`, keeps a share `kept` of itself in each half tick, with an `unknown` variance, and is
-    not pushed by what a slack cable `gives` of its `pull`.
-    `filled` has the columns of F that are not zero, of row i from begins[i] on: a chain of commands is nearly empty.
+    Returns the innovations over the standard deviation that was foreseen (m, c), and its square (m,).
     """
     n, c = x.shape
-    moved, half = np.empty_like(x), np.empty_like(P)
-    across, left = np.empty(n), np.empty(c)
-    first = 0
-    for k in range(len(ends)):
-        # drag takes a share of the unit's speed before and after the linear step, x = F x + B u, P = F P F' + Q
-        x[rate] *= kept[k]
-        P[rate] *= kept[k]
-        P[:, rate] *= kept[k]
+    innovations, variances = np.empty_like(reads.values), np.empty(len(reads.values))
+    across, left, first = np.empty(n), np.empty(c), 0
+    for k in range(len(reads.ends)):
+        _slowed(motion, k, x, P)
+        x[:, :] = _moved(motion, k, x)
         for i in range(n):
-            moved[i, :] = 0.0
-            half[i, :] = 0.0
-            for place in range(begins[i], begins[i + 1]):
-                j = filled[place]
-                f = F[i, j]
-                for m in range(c):
-                    moved[i, m] += f * x[j, m]
-                for m in range(n):
-                    half[i, m] += f * P[j, m]
-            if B[i] != 0.0:
-                for m in range(c):
-                    moved[i, m] += B[i] * commands[k, m]
-        if gives[k] > 0.0:
-            # a slack cable does not push: the row of the unit's rate loses a share of the pull
-            for j in range(n):
-                if pull[j] != 0.0:
-                    for m in range(c):
-                        moved[rate, m] -= gives[k] * pull[j] * x[j, m]
-                    for m in range(n):
-                        half[rate, m] -= gives[k] * pull[j] * P[j, m]
-        x[:, :] = moved
-        for i in range(n):
-            for m in range(i + 1):
-                total = Q[i, m]
-                for place in range(begins[m], begins[m + 1]):
-                    total += half[i, filled[place]] * F[m, filled[place]]
-                P[i, m] = total
-                P[m, i] = total
-        if gives[k] > 0.0:
-            for i in range(n):
-                less = 0.0
-                for j in range(n):
-                    less += half[i, j] * pull[j]
-                across[i] = gives[k] * less
-            for i in range(n):
-                P[i, rate] -= across[i]
-                if i != rate:
-                    P[rate, i] = P[i, rate]
-        x[rate] *= kept[k]
-        P[rate] *= kept[k]
-        P[:, rate] *= kept[k]
-        P[rate, rate] += unknown[k]
-        for m in range(first, ends[k]):
-            # e = z - h x, S = h P h' + r
-            spread = noise[m]
-            left[:] = values[m]
-            across[:] = 0.0
-            for i in range(n):
-                h = rows[m, i]
-                if h != 0.0:
-                    for j in range(n):
-                        across[j] += h * P[i, j]
+            if motion.B[i] != 0.0:
+                x[i] += motion.B[i] * commands[k]
+        P[:, :] = _spread(motion, k, P)
+        _slowed(motion, k, x, P)
+        P[motion.rate, motion.rate] += motion.unknown[k]
+        for m in range(first, reads.ends[k]):
+            left[:] = reads.values[m]
+            variances[m] = _innovation(reads.rows[m], reads.noise[m], x, P, left, across)
+            innovations[m] = left / math.sqrt(variances[m])
+            if reads.used[m]:
+                # K = P h' / S, x = x + K e, P = P - K S K'
+                for i in range(n):
+                    gain = across[i] / variances[m]
                     for j in range(c):
-                        left[j] -= h * x[i, j]
-            for i in range(n):
-                spread += rows[m, i] * across[i]
-            variances[m] = spread
-            sigma = math.sqrt(spread)
-            for j in range(c):
-                innovations[m, j] = left[j] / sigma
-            if not used[m]:
-                continue
-            # K = P h' / S, x = x + K e, P = P - K S K'
-            for i in range(n):
-                gain = across[i] / spread
-                for j in range(c):
-                    x[i, j] += gain * left[j]
-                for j in range(n):
-                    P[i, j] -= gain * across[j]
-        first = ends[k]
+                        x[i, j] += gain * left[j]
+                    for j in range(n):
+                        P[i, j] -= gain * across[j]
+        first = reads.ends[k]
+    return innovations, variances

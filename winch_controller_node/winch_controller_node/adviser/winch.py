@@ -11,7 +11,6 @@ from heave_node.numerics.arrays import Array
 
 from winch_controller_node.adviser.drum_fit import (
     DELAY,
-    FACTOR,
     GAIN,
     LAG,
     LIMITS,
@@ -23,7 +22,7 @@ from winch_controller_node.adviser.drum_fit import (
     shown_limits,
 )
 from winch_controller_node.adviser.drum_prior import prior_of
-from winch_controller_node.adviser.drum_record import FIELDS, drum_record
+from winch_controller_node.adviser.drum_record import FACTOR, FIELDS, drum_record
 from winch_controller_node.adviser.record import Excerpt, SensorHistory
 from winch_controller_node.beliefs.beliefs import Belief
 from winch_controller_node.beliefs.drum import QUANTITY_OF, drum_of
@@ -146,7 +145,7 @@ class WinchIdentifier:
         nats = present.loss - found.loss - price
         is_explained = found.residual <= max(EXPLAINED, SHARE_LEFT * present.residual)
         values = self._worth_it(held, found, is_explained=found.residual <= EXPLAINED)
-        values |= self._relaxed(found, held, excerpt)
+        values |= self._relaxed(found, held)
         is_better = nats >= WORTH and is_explained
         values = values if is_better else {i: value for i, value in values.items() if i in self._let_up}
         changed = {
@@ -185,7 +184,7 @@ class WinchIdentifier:
                 values[index] = float(found.theta[index])
         return values
 
-    def _relaxed(self, found: DrumFit, held: Array, excerpt: Excerpt) -> dict[int, float]:
+    def _relaxed(self, found: DrumFit, held: Array) -> dict[int, float]:
         """Return limits that have stood unreached for long, a little higher: false ones heal so."""
         self._let_up: set[int] = set()
         shown, values = shown_limits(found.record), {}

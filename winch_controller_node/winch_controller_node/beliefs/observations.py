@@ -1,4 +1,4 @@
-"""What the core observed in a batch of ticks: orders, readings as gated, what the winch said; the adviser's question."""
+"""What the core observed in a batch of ticks: orders, readings as gated, the winch's word; the adviser's question."""
 
 from __future__ import annotations
 

@@ -169,7 +169,7 @@ class LoopEstimation:
         self.forget_readings()
 
     def rescale_encoder(self, encoder: EncoderScale, tick: int, *, is_adopted: bool) -> None:
-        """Go on after `tick` with an `encoder` of another scale; the drum is elsewhere, unless another state `is_adopted`."""
+        """Go on after `tick` with an `encoder` of another scale; no other state `is_adopted`: the drum is elsewhere."""
         gate = self.observer.encoder
         payout = encoder.payout + (gate.as_read - encoder.reading) / encoder.scale
         gate.rescale(encoder.scale / gate.scale, payout)

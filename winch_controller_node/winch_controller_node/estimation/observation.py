@@ -405,7 +405,7 @@ class Observer:
         return first - sensor.sign * self._first_heave
 
     def _in_terms(self, reading: Measurement, estimator: KalmanEstimator, *, is_used: bool) -> Measurement:
-        """Return a reading in the estimator's terms: corrected, and without the mean payout's share; note it as read."""
+        """Return a reading in the estimator's terms, corrected and without the mean payout's share; note it as read."""
         share = self._share_of(reading, estimator)
         as_read = self.encoder.as_read if reading.name == "payout" else reading.value
         self.observed.append(Observed(reading, as_read, share, is_used))

@@ -32,18 +32,20 @@ SEA_LABELS = {
 }
 
 SENTENCES = {
-    "mru.scale": "mru suspect: it reads {value:.2f} times the motion; corrected. Check its scale and sign, and the drum radius",
+    "mru.scale": "mru suspect: it reads {value:.2f} times the motion; corrected. Check scale and sign, and the drum "
+    "radius",
     "mru.offset": "mru suspect: its heave has a mean of {value:+.2f} m; corrected. Check its reference and trim",
     "mru.delay": "mru suspect: its stamps are {value:+.2f} s late; corrected. Check its clock and latency",
-    "mru.high_pass_period": "mru suspect: its heave has a high-pass of {value:.0f} s (assumed: {nominal:.0f} s, 0 is none); "
-    "corrected. State sensors.mru.high_pass_period",
+    "mru.high_pass_period": "mru suspect: its heave has a high-pass of {value:.0f} s (assumed: {nominal:.0f} s, 0 is "
+    "none); corrected. State sensors.mru.high_pass_period",
     "mru.bias_drift": "mru suspect: its heave wanders, as in a turn; tracked. Check its aiding and the ship's turns",
     "depth.scale": "depth suspect: it reads {value:.2f} times the motion; corrected. Check its scale and unit",
-    "encoder.scale": "encoder suspect: it reads {value:.2f} times the payout; corrected. Check its scale and sign, and the "
-    "drum radius",
-    "cable.inertia_factor": "cable suspect: inertia {value:.2f} times the assumed one; corrected. Check mass of the unit, "
-    "length and stiffness of the cable",
-    "cable.damping_factor": "cable suspect: damping {value:.2g} times the assumed one; corrected. Check drag of the unit",
+    "encoder.scale": "encoder suspect: it reads {value:.2f} times the payout; corrected. Check its scale and sign, and "
+    "the drum radius",
+    "cable.inertia_factor": "cable suspect: inertia {value:.2f} times the assumed one; corrected. Check mass of the "
+    "unit, length and stiffness of the cable",
+    "cable.damping_factor": "cable suspect: damping {value:.2g} times the assumed one; corrected. Check drag of the "
+    "unit",
 }
 """Of a quantity that differs from nominal."""
 

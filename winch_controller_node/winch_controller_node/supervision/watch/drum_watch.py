@@ -36,7 +36,7 @@ STRAIGHT = 0.15
 """Orders and encoder are compared where no more is left of the readings than this share: a weak drum lags behind."""
 
 REVERSED, NOT_REVERSED = -0.2, 0.5
-"""The encoder goes the other way where it reads so little of what was ordered, and does no more where it reads so much."""
+"""The encoder goes the other way where it reads so little of what was ordered, and no more where it reads so much."""
 
 SUDDEN, NOT_SUDDEN = (0.6, 1.6), (0.75, 1.3)
 """It reads far less or more than was ordered outside the first, and does no more within the second."""
@@ -117,7 +117,7 @@ class DrumWatch:
         self._readings.clear()
 
     def add(self, payout: float, rate: float, encoder: float | None) -> None:
-        """Take in the set-points of the tick that ends [m], [m/s], and the `encoder` at its end [m]; None: no reading."""
+        """Take in the set-points of the tick that ends [m], [m/s], and the `encoder` at its end [m]; None: none."""
         self._payouts.append(payout)
         self._rates.append(rate)
         self._readings.append(math.nan if encoder is None else encoder)
