@@ -10,8 +10,10 @@ from heave_bags.mcap import repair
 from heave_bags.mcap.bag_writer import BagPolicy, BagWriter
 from heave_bags.mcap.reader import Bag
 from heave_bags.mcap.writer import ChunkPolicy
-from heave_bags.play import sea_import
-from heave_bags.play.sea_import import Channel, SeaMapping, boom_tip_motion, euler_part, import_sea, integrated_twice
+from heave_bags.play import sea_import, sea_mapping
+from heave_bags.play.sea_import import boom_tip_motion, euler_part, import_sea, integrated_twice
+from heave_bags.play.sea_mapping import Channel, SeaMapping
+from heave_msgs.msg import MruSample
 from hypothesis import given
 from hypothesis import strategies as st
 from made_up_run import MadeUpRun, header
@@ -68,7 +70,7 @@ def test_acceleration_is_integrated_to_the_heave_it_came_from(ship):
 
 def test_double_integration_of_a_whole_number_of_waves_is_exact():
     time = np.arange(0.0, 160.0, 0.05)
-    motion = integrated_twice(-(OMEGA**2) * np.sin(OMEGA * time) + 9.8, 0.05, sea_import.DEFAULT_CUT_OFF)
+    motion = integrated_twice(-(OMEGA**2) * np.sin(OMEGA * time) + 9.8, 0.05, sea_mapping.DEFAULT_CUT_OFF)
     assert np.abs(motion - np.sin(OMEGA * time)).max() < 1e-9
 
 
@@ -77,10 +79,28 @@ def test_a_mapping_file_joins_topics_and_moves_the_point(ship, tmp_path):
     path.write_text(
         "heave: {topic: /mru/heave}\nroll: {topic: /imu/data, field: orientation, part: roll}\nlever_arm: [0, 10, 0]\n"
     )
-    sea = import_sea(ship, sea_import.read_mapping(path))
+    sea = import_sea(ship, sea_mapping.read_mapping(path))
     sine = np.sin(OMEGA * (sea.time + 0.05))
     expected = sine + 10.0 * np.sin(0.1 * sine)
     assert np.abs(sea.position[:, 2] - (expected - expected.mean())).max() < 1e-6
+
+
+def test_samples_that_the_unit_itself_calls_invalid_are_gaps(tmp_path):
+    writer = BagWriter(tmp_path / "bag")
+    writer.add_topic("/mru", "heave_msgs/msg/MruSample")
+    for number in range(1, 2401):
+        is_bad = 1000 <= number < 1020
+        sample = MruSample(header=header(number * PERIOD_NS), status=2 if is_bad else number < 10)
+        sample.heave = 99.0 if is_bad else math.sin(OMEGA * 0.05 * number)
+        writer.write("/mru", number * PERIOD_NS, bytes(serialize_message(sample)))
+    writer.close()
+    sea = import_sea(tmp_path / "bag", "/mru")
+    got, expected = heave_of(sea)
+    assert "heave: 20 samples that status calls invalid left out" in sea.notes
+    # one second of a sine of 8 s, bridged by a cubic: (pi/4)^4/384 of its amplitude
+    assert np.abs(got - (expected - expected.mean())).max() < 2e-3
+    with pytest.raises(BagError, match="has no field flags that is a number or a flag"):
+        import_sea(tmp_path / "bag", SeaMapping({"heave": Channel(topic="/mru", field="heave", valid="flags")}))
 
 
 def test_a_csv_log_is_the_sea_and_bad_cells_are_told(tmp_path):
@@ -120,7 +140,7 @@ def test_a_wrong_mapping_is_refused_in_one_line(tmp_path, text, complaint):
     path = tmp_path / "mapping.yaml"
     path.write_text(text)
     with pytest.raises(BagError, match=complaint) as caught:
-        sea_import.read_mapping(path)
+        sea_mapping.read_mapping(path)
     assert "\n" not in str(caught.value)
 
 

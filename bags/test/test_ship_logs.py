@@ -6,8 +6,9 @@ from datetime import datetime, timedelta, timezone
 import numpy as np
 import pytest
 from heave_bags.errors import BagError
-from heave_bags.play.sea_import import Channel, SeaMapping, import_sea
-from heave_bags.play.ship_log import time_words, unix_time
+from heave_bags.play.sea_import import import_sea
+from heave_bags.play.sea_mapping import Channel, SeaMapping
+from heave_bags.play.ship_time import time_words, unix_time
 from heave_bags.play.stretches import longest_stretch
 from heave_bags.play.window import Window
 from heave_bags.signals import Signal
@@ -146,7 +147,7 @@ def test_a_window_is_cut_by_seconds_or_by_the_clock(tmp_path, window, start, dur
         ("t", Window("2025-03-01T12:00:00"), "the record has no date"),
         ("t", Window("200"), "the record is from t = 0.000 s to t = 99.900 s: nothing of it is in the window"),
         ("t", Window("10", "10.2"), "the longest stretch has only 0.20 s"),
-        ("when", Window(), "name it by time_column in a mapping file"),
+        ("when", Window(), "name it by --time-column, or by time_column in a mapping file"),
     ],
 )
 def test_what_cannot_be_taken_is_said_in_one_line(tmp_path, heading, window, complaint):
@@ -159,7 +160,7 @@ def test_what_cannot_be_taken_is_said_in_one_line(tmp_path, heading, window, com
 
 def test_a_time_that_is_neither_number_nor_date_is_shown(tmp_path):
     log = written(tmp_path / "mru.csv", 0.1 * np.arange(100), heading="time", form=lambda t: f"T+{t:.1f}")
-    with pytest.raises(BagError, match=r"time = 'T\+0.0' is neither a number nor a time as in 2025-03-01T12:00:00.5Z"):
+    with pytest.raises(BagError, match=r"time: 'T\+0.0' is neither a number nor a time as in 2025-03-01T12:00:00.5Z"):
         import_sea(log, HEAVE)
 
 

@@ -1,5 +1,6 @@
 import dataclasses
 import math
+import re
 
 import numpy as np
 import pytest
@@ -12,8 +13,10 @@ from cable_sim_node.parameters import (
     CurrentProfileParameters,
     SeabedParameters,
     SectionsParameters,
+    UnitParameters,
 )
 from cable_sim_node.reports.hanging import hanging_report
+from cable_sim_node.reports.modes import modes_report
 from cable_sim_node.reports.report import save_picture
 
 PNG_HEAD = b"\x89PNG\r\n\x1a\n"
@@ -76,6 +79,34 @@ def test_the_table_says_every_number_with_its_unit():
     assert values["top_tension_n"] == pytest.approx(report.top_tension)
     assert values["clearance_m"] == pytest.approx(320.0 + report.unit[2])
     assert all(np.all(np.isfinite(value)) for value in values.values())
+
+
+SOFT = CableParameters(axial_stiffness=1e3)
+YIELDING = CableParameters(stiffness_quadratic=-1e4)
+BUOYANT = UnitParameters(mass=1.0, volume=1.0)
+WRONG = {
+    # a unit of 1 m^3 and 1 kg pulls up with 10 kN, the cable in water down with some hundred N
+    "the unit's buoyancy lifts it above the boom tip": CableSimParameters(length=20.0, unit=BUOYANT),
+    "it would part; check cable.axial_stiffness": CableSimParameters(cable=SOFT),
+    "tension law carries no load at the static strain: with stiffness_quadratic = -10000": CableSimParameters(
+        cable=YIELDING
+    ),
+    "m below the seabed": CableSimParameters(seabed=SeabedParameters(depth=250.0)),
+}
+
+
+@pytest.mark.parametrize("says", WRONG)
+def test_statics_and_modes_refuse_the_same_for_the_same_cause(says):
+    for report in (hanging_report, lambda parameters: modes_report(parameters, sea_period=8.0)):
+        with pytest.raises(PlantError, match=re.escape(says)) as refused:
+            report(WRONG[says])
+        assert "\n" not in str(refused.value)
+
+
+@pytest.mark.parametrize("says", list(WRONG)[::2])
+def test_the_plant_names_the_same_cause_where_it_does_not_hang(says):
+    with pytest.raises(PlantError, match=re.escape(says)):
+        CableDynamics(WRONG[says]).start_at_equilibrium(np.zeros(3))
 
 
 def test_a_unit_below_the_seabed_is_refused():

@@ -21,7 +21,8 @@ from typing import Any
 import capytaine as cpt
 import numpy as np
 from heave_node.numerics.constants import SEAWATER_DENSITY, STANDARD_GRAVITY
-from wave_vessel_node.vessel.rao_files import read_capytaine, write_rao_csv
+from wave_vessel_node.vessel.capytaine_files import read_capytaine
+from wave_vessel_node.vessel.rao_files import write_rao_csv
 
 LENGTH, BEAM, DRAUGHT = 90.0, 18.0, 5.625
 METACENTRIC_HEIGHT = 1.5  # m, transverse

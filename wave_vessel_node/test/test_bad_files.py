@@ -7,8 +7,10 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from wave_vessel_node.sea.spectrum_files import SpectrumFileError, read_spectra
+from wave_vessel_node.sea.spectrum_record import doubt_of
 from wave_vessel_node.sources.recording import RecordingError, read_recording
 from wave_vessel_node.vessel.rao import RaoError
+from wave_vessel_node.vessel.rao_checks import response_questions
 from wave_vessel_node.vessel.rao_files import COLUMNS, read_rao_csv
 
 DATA = Path(__file__).parent / "data"
@@ -16,10 +18,11 @@ FRAGMENTS = st.sampled_from(
     ["", "nan", "-1.0", "99.00", "999.0", "inf", "1e400", "0.0a47", "(", ")", "\n", ",", " ", "#", "--", "\t"]
 )
 SETTINGS = settings(max_examples=120, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+MOTIONS = ",".join(["0.9", "0.5"] * 3 + ["0.02", "-1.5"] * 3)
 RAO = "\n".join(
     [
         ",".join(COLUMNS),
-        *(f"0,{h},{w},{','.join(['1.0', '0.0'] * 6)}" for h in (0.0, 1.5, 3.14159) for w in (0.2, 0.5, 1.0, 2.0)),
+        *(f"0,{h},{w},{MOTIONS}" for h in (0.0, 1.5, 3.14159) for w in (0.2, 0.5, 1.0, 2.0)),
     ]
 )
 RECORDING = "time_s,z_m\n" + "".join(f"{0.1 * i:.1f},{np.sin(0.1 * i):.4f}\n" for i in range(60))
@@ -35,6 +38,38 @@ def damaged(draw, text):
     if draw(st.booleans()):
         text = text[: draw(st.integers(0, len(text)))]
     return text
+
+
+@st.composite
+def mistreated(draw, text):
+    """Return a table as another tool would have saved it: units, columns, lines or encoding are not what they were."""
+    separator = "," if "," in text else " "
+    lines = text.splitlines()
+    if draw(st.booleans()):  # a column in another unit
+        column = draw(st.integers(0, len(lines[-1].split(separator)) - 1))
+        factor = draw(st.sampled_from([1e-3, 0.01, 0.1592, 57.2958, 100.0, 1e3, -1.0]))
+        lines = [lines[0], *(separator.join(_scaled(line.split(separator), column, factor)) for line in lines[1:])]
+    if draw(st.booleans()):  # columns exchanged under the same headings
+        order = draw(st.permutations(range(len(lines[-1].split(separator)))))
+        rows = [line.split(separator) for line in lines[1:]]
+        lines = [lines[0], *(separator.join([row[i] for i in order if i < len(row)]) for row in rows)]
+    for _ in range(draw(st.integers(0, 2))):  # lines cut short
+        at = draw(st.integers(0, len(lines) - 1))
+        lines[at] = lines[at][: draw(st.integers(0, len(lines[at])))]
+    whole = "\n".join(lines) + "\n"
+    if draw(st.booleans()):
+        whole = whole.replace(".", ",").replace(separator, draw(st.sampled_from([";", "\t", "  "])))
+    return whole.encode(draw(st.sampled_from(["utf-8", "utf-8-sig", "utf-16", "latin-1"])), "replace")
+
+
+def _scaled(cells, column, factor):
+    def scaled(cell):
+        try:
+            return f"{factor * float(cell):g}"
+        except ValueError:
+            return cell
+
+    return [scaled(cell) if index == column else cell for index, cell in enumerate(cells)]
 
 
 def refused_or(error, path, read):
@@ -60,6 +95,7 @@ def test_damaged_spectra(name, data, tmp_path):
             assert np.isfinite(values).all()
             assert (values >= 0.0).all()
             assert record.spectrum.significant_wave_height > 0.0
+            assert doubt_of(record.spectrum) == ""
 
 
 @given(data=st.data())
@@ -70,6 +106,7 @@ def test_damaged_raos(data, tmp_path):
     table = refused_or(RaoError, path, read_rao_csv)
     if table is not None:
         assert np.isfinite(table.at([0.1, 0.7, 5.0], 1.0)).all()
+        assert response_questions(table) == []
 
 
 @given(data=st.data())
@@ -81,3 +118,24 @@ def test_damaged_recordings(data, tmp_path):
     if recording is not None:
         assert np.isfinite(recording.position).all()
         assert (np.diff(recording.time) > 0.0).all()
+        assert 4.0 * recording.position[:, 2].std() <= 25.0
+
+
+TABLES = {"rao.csv": RAO, "historical.txt": (DATA / "historical.txt").read_text(), "motion.csv": RECORDING}
+
+
+@pytest.mark.parametrize("name", TABLES)
+@given(data=st.data())
+@SETTINGS
+def test_tables_in_other_units_orders_and_encodings(name, data, tmp_path):
+    path = tmp_path / name
+    path.write_bytes(data.draw(mistreated(TABLES[name])))
+    if name == "rao.csv":
+        table = refused_or(RaoError, path, read_rao_csv)
+        assert table is None or response_questions(table) == []
+    elif name == "motion.csv":
+        recording = refused_or(RecordingError, path, read_recording)
+        assert recording is None or 4.0 * recording.position[:, 2].std() <= 25.0
+    else:
+        file = refused_or(SpectrumFileError, path, read_spectra)
+        assert file is None or not any(doubt_of(record.spectrum) for record in file.records)

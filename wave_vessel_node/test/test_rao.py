@@ -15,7 +15,6 @@ from wave_vessel_node.vessel.motion import VesselMotion, lever_arm_matrix, point
 from wave_vessel_node.vessel.rao import RaoError, ResponseTable, encounter_frequency
 from wave_vessel_node.vessel.rao_files import (
     COLUMNS,
-    read_capytaine,
     read_rao,
     read_rao_csv,
     shipped_rao,
@@ -190,12 +189,10 @@ def rows_of(headings=(0.0, 1.6, 3.14159), omegas=(0.2, 0.5, 1.0, 2.0)):
             "from 0 to below 2 pi rad, they are 0 to 180: are they in deg",
         ),
         (csv_text(rows_of(headings=(0.0, 3.0, 6.2832))), "they are 0 to 6.2832: 2 pi is the same as 0"),
-        (
-            csv_text(rows_of()).replace(",", ";"),
-            "parted by semicolons: expected commas, decimal points, and the header",
-        ),
+        (csv_text(rows_of()).replace("_", "-"), "line 1: expected the header speed_mps,heading_rad"),
+        (csv_text(rows_of(headings=(0.0, 4.0, 5.0))), "headings leave 4 rad of the circle out after 0"),
         (csv_text(rows_of(omegas=(0.5, 1.0))), "expected at least 4 frequencies"),
-        ("", "found 0 lines"),
+        ("", "is empty"),
         (csv_text(rows_of())[:-20], "line 13: 11 values where the header has 15"),
     ],
 )
@@ -214,58 +211,6 @@ def test_files_that_are_missing_or_of_another_kind_are_refused(tmp_path):
     (tmp_path / "x.txt").write_text("")
     with pytest.raises(RaoError, match=r"\(\.csv\)"):
         read_rao(tmp_path / "x.txt")
-
-
-def capytaine_database(tmp_path, drop=()):
-    """Write a database of a heaving buoy as Capytaine lays it out: mass 2, added mass 1, damping 0.6, stiffness 4,
-    force 3."""
-    xarray = pytest.importorskip("xarray")
-    pytest.importorskip("netCDF4")
-    dofs = ["Surge", "Sway", "Heave", "Roll", "Pitch", "Yaw"]
-    omega, direction = np.linspace(0.3, 3.0, 28), np.linspace(0.0, np.pi, 5)
-    identity = np.eye(6)
-    grid = ("omega", "influenced_dof", "radiating_dof")
-    force = np.zeros((2, omega.size, direction.size, 6))
-    force[0, :, :, 2], force[1, :, :, 2] = 2.0, 0.5
-    axes = ("complex", "omega", "wave_direction", "influenced_dof")
-    variables = {
-        "added_mass": (grid, np.tile(1.0 * identity, (omega.size, 1, 1))),
-        "radiation_damping": (grid, np.tile(0.6 * identity, (omega.size, 1, 1))),
-        "inertia_matrix": (grid[1:], 2.0 * identity),
-        "hydrostatic_stiffness": (grid[1:], 4.0 * identity),
-        "Froude_Krylov_force": (axes, force),
-        "diffraction_force": (axes, 0.5 * force),
-    }
-    coordinates = {
-        "omega": omega,
-        "wave_direction": direction,
-        "influenced_dof": dofs,
-        "radiating_dof": dofs,
-        "complex": ["re", "im"],
-    }
-    dataset = xarray.Dataset({name: value for name, value in variables.items() if name not in drop}, coordinates)
-    path = tmp_path / "buoy.nc"
-    dataset.to_netcdf(path, engine="netcdf4")
-    return path
-
-
-def test_a_capytaine_database_gives_the_motions_of_the_equation_of_motion(tmp_path):
-    table = read_capytaine(capytaine_database(tmp_path), speeds=(0.0, 2.0))
-    omega = table.frequency
-    # Capytaine's phases are e^(-i omega t): the force 3 + 0.75 i is 3 - 0.75 i here
-    expected = (3.0 - 0.75j) / (4.0 - 3.0 * omega**2 + 0.6j * omega)
-    np.testing.assert_allclose(table.response[0, 2, HEAVE], expected, rtol=1e-10)
-    encounter = encounter_frequency(omega, np.pi, 2.0)
-    moving = (3.0 - 0.75j) / (4.0 - 3.0 * encounter**2 + 0.6j * encounter)
-    np.testing.assert_allclose(table.response[1, 4, HEAVE], moving, rtol=1e-10)
-
-
-def test_an_incomplete_or_foreign_database_is_refused(tmp_path):
-    with pytest.raises(RaoError, match="not a complete Capytaine database"):
-        read_capytaine(capytaine_database(tmp_path, drop=("added_mass",)))
-    (tmp_path / "x.nc").write_bytes(b"CDF no")
-    with pytest.raises(RaoError, match="cannot be read as NetCDF"):
-        read_capytaine(tmp_path / "x.nc")
 
 
 def test_a_fit_gives_a_second_order_vessel_back():
@@ -312,3 +257,56 @@ def test_a_vessel_on_its_course_is_the_table_at_its_heading_and_reads_its_file_o
     os.utime(path, (1, 1))  # another file in its place
     vessel.response(omega)
     assert len(read) == 2
+
+
+def plausible_rows(heave=1.0, roll=0.02, phase=0.5, omegas=(0.2, 0.5, 1.0, 2.0)):
+    """Rows of a ship with one heave and one roll at all headings and frequencies."""
+    motions = [0.3, 0.0, 0.2, 0.0, heave, phase, roll, 0.0, 0.01, -1.5, 0.0, 0.0]
+    return [[0.0, heading, omega, *motions] for heading in (0.0, 1.6, 3.14159) for omega in omegas]
+
+
+def as_excel(text):
+    return "\ufeff" + text.replace(",", ";").replace(".", ",")
+
+
+@pytest.mark.parametrize(
+    "form",
+    [
+        lambda text: text.encode("utf-8-sig"),
+        lambda text: text.encode("utf-16"),
+        lambda text: as_excel(text).encode(),
+        lambda text: text.replace(",", "\t").encode(),
+        lambda text: text.replace(",", "  ").encode(),
+        lambda text: ("# hull of M\xfcller\n" + text).encode("latin-1"),
+        lambda text: ("My ship,at zero speed\n" + text.replace("\n", "\r\n")).encode(),
+    ],
+)
+def test_a_table_is_read_in_whatever_form_a_tool_saves_it(tmp_path, form):
+    (tmp_path / "plain.csv").write_text(csv_text(plausible_rows()))
+    (tmp_path / "saved.csv").write_bytes(form(csv_text(plausible_rows())))
+    plain, saved = read_rao(tmp_path / "plain.csv"), read_rao(tmp_path / "saved.csv")
+    assert plain.warnings == ()
+    np.testing.assert_array_equal(saved.response, plain.response)
+
+
+@pytest.mark.parametrize(
+    ("rows", "says"),
+    [
+        (plausible_rows(heave=1029.0), "heave in long waves is 1029 m/m, .*: millimetres or centimetres"),
+        (plausible_rows(heave=100.0), "centimetres"),
+        (plausible_rows(heave=0.0), "heave in long waves is 0 m/m, .*: columns exchanged"),
+        (plausible_rows(roll=5.7), r"roll response is 5\.7 rad/m, .*: degrees"),
+        (plausible_rows(phase=-158.0), "line 2: heave_phase_rad: phase is -158 rad, .*: degrees"),
+        (plausible_rows(omegas=(0.03, 0.1, 0.2, 0.32)), r"highest wave frequency is 0\.32 rad/s, .*: hertz"),
+        (plausible_rows(omegas=(4.0, 8.0, 12.0, 25.0)), "lowest wave frequency is 4 rad/s, .*: periods"),
+    ],
+)
+def test_responses_that_cannot_be_are_refused_unless_they_are_accepted(tmp_path, rows, says):
+    (tmp_path / "ship.csv").write_text(csv_text(rows))
+    with pytest.raises(RaoError, match=says) as refused:
+        read_rao(tmp_path / "ship.csv")
+    assert "ship.csv" in str(refused.value)
+    assert "--set system.accept_implausible=true takes" in str(refused.value)
+    assert "\n" not in str(refused.value)
+    accepted = read_rao(tmp_path / "ship.csv", accept_implausible=True)
+    assert any(says.split()[0] in warning for warning in accepted.warnings)

@@ -73,7 +73,7 @@ def test_samples_that_are_not_numbers_or_out_of_order_are_left_out_by_name(tmp_p
     recording = read_recording(write_csv(tmp_path / "m.csv", rows))
     assert len(recording.time) == 198
     assert [warning.split(": ")[1] for warning in recording.warnings] == [
-        "1 non-numeric samples skipped",
+        "1 non-numeric or invalid samples skipped",
         "1 samples not later than their predecessor skipped",
     ]
 
@@ -161,3 +161,46 @@ def test_a_vessel_of_raos_cannot_follow_a_recorded_elevation(tmp_path):
             recording_kind="elevation",
             vessel=VesselParameters(model="rao"),
         )
+
+
+def test_samples_that_the_mru_calls_invalid_are_left_out(tmp_path):
+    messages = [
+        stamped(MruSample, t, status=2 * (10 <= i < 15), heave=99.0 if 10 <= i < 15 else math.cos(t))
+        for i, t in enumerate(TIME[1:100])
+    ]
+    recording = read_recording(write_bag(tmp_path / "m.mcap", "heave_msgs/msg/MruSample", messages, "/mru"), "mru")
+    assert np.abs(recording.position).max() < 2.0
+    assert "5 non-numeric or invalid samples skipped" in recording.warnings[0]
+
+
+def test_split_files_are_joined_by_their_stamps_not_by_their_names(tmp_path):
+    folder = tmp_path / "bag"
+    folder.mkdir()
+    messages = [stamped(MruSample, t, heave=math.cos(t)) for t in TIME[1:100]]
+    whole = read_recording(write_bag(tmp_path / "m.mcap", "heave_msgs/msg/MruSample", messages, "/mru"), "mru")
+    for name, part in (("bag_50", messages[:33]), ("bag_30", messages[33:66]), ("bag_10", messages[66:])):
+        write_bag(folder / f"{name}.mcap", "heave_msgs/msg/MruSample", part, "/mru")
+    (folder / "._bag_50.mcap").write_bytes(b"left by another system")
+    split = read_recording(folder, "mru")
+    np.testing.assert_array_equal(split.time, whole.time)
+    np.testing.assert_array_equal(split.position, whole.position)
+    assert split.warnings == ()
+
+
+@pytest.mark.parametrize(
+    ("factor", "says"), [(100.0, "centimetres or millimetres"), (10.0, "four standard deviations of heave is 28")]
+)
+def test_a_motion_that_cannot_be_is_refused_unless_it_is_accepted(tmp_path, factor, says):
+    # four standard deviations of a sine of 10 m are 28.3 m
+    time = np.arange(0.0, 20.0 * math.pi, 0.1)
+    path = write_csv(tmp_path / "m.csv", [[t, factor * math.sin(t)] for t in time])
+    with pytest.raises(RecordingError, match=says) as refused:
+        read_recording(path)
+    assert "--set system.accept_implausible=true takes" in str(refused.value)
+    assert "plausible is" in read_recording(path, accept_implausible=True).warnings[0]
+
+
+def test_a_sensor_that_stood_still_is_said(tmp_path):
+    rows = [[t, 0.3 if 5.0 <= t < 20.0 else math.sin(t)] for t in np.arange(0.0, 40.0, 0.1)]
+    (warning,) = read_recording(write_csv(tmp_path / "m.csv", rows)).warnings
+    assert "stands still for 14.9 s from 5 s on" in warning

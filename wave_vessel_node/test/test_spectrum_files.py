@@ -112,6 +112,15 @@ def test_two_records_of_one_time_are_one(tmp_path):
         ("YY MM DD hh .03 .04 .05\n97 01 01 00 1.0 0.0a47 1.0\n", "line 2: '0.0a47' is not a number"),
         ("YY MM DD hh .03 .04 .05\n97 01 01 00 0.0 0.0 0.0\n", "no usable spectrum"),
         ("YY MM DD hh .03 .04 .05\n97 01 01 00 999.0 999.0 999.0\n", "no usable spectrum"),
+        (
+            "#YY  MM DD hh mm alpha1_1 (freq_1) alpha1_2 (freq_2) ... >\n2020 06 08 03 50 36.0 (0.033) 52.0 (0.038)\n",
+            "holds alpha1_1, not densities",
+        ),
+        (
+            "#YY  MM DD hh mm r1_1 (freq_1) r1_2 (freq_2) ... >\n2020 06 08 03 50 0.37 (0.033) 0.19 (0.038)\n",
+            "holds r1_1, not densities",
+        ),
+        ("#YY  MM DD hh mm WVHT  SwH  SwP\n#yr  mo dy hr mn m m sec\n2020 06 08 03 40 1.1 1.0 5.6\n", "not spectra"),
     ],
 )
 def test_a_file_that_cannot_be_used_is_refused_in_one_line(tmp_path, text, says):
@@ -169,25 +178,54 @@ def test_the_measured_files_of_two_buoys_are_read():
         assert max(heights) < 12.0
 
 
-def test_what_wavespectra_writes_is_read(tmp_path):
-    wavespectra = pytest.importorskip("wavespectra")
-    xarray = pytest.importorskip("xarray")
-    frequency, direction = np.arange(0.04, 0.4, 0.01), np.arange(0.0, 360.0, 30.0)
-    oned = 2 * math.pi * Bretschneider(2.0, 9.0).density(2 * math.pi * frequency)
-    density = np.repeat(oned[None, :, None], direction.size, axis=2) / 360.0
-    times = np.array(["2024-01-01T00:00"], dtype="datetime64[ns]")
-    data = xarray.DataArray(density, {"time": times, "freq": frequency, "dir": direction}, ("time", "freq", "dir"))
-    path = tmp_path / "sea.nc"
-    dataset = data.to_dataset(name="efth")
-    assert wavespectra.SpecDataset is not None
-    dataset.spec.to_netcdf(str(path))
+GRID = np.concatenate(([0.02], np.arange(0.03, 0.485, 0.005)))
+"""Frequencies of a historical file [Hz]."""
+
+
+def historical(tmp_path, values, name="spectra.txt"):
+    """Write a historical file with one record."""
+    header = "#YY  MM DD hh mm " + " ".join(f"{f:.4f}" for f in GRID)
+    return write(tmp_path, f"{header}\n2019 02 06 00 40 {' '.join(f'{v:g}' for v in values)}\n", name)
+
+
+@pytest.mark.parametrize(
+    ("values", "says"),
+    [
+        # mean directions [deg] and 100 r1: the same form as densities, as in NDBC's files d, i and j, k
+        (140.0 + 100.0 * np.cos(40.0 * GRID), "significant wave height is"),
+        (60.0 + 25.0 * np.sin(10.0 * GRID), "significant steepness is .*: directions or r1, r2"),
+        # a sea of 2 m and 8 s in cm^2/Hz
+        (
+            1e4 * 2.0 * math.pi * Bretschneider(2.0, 8.0).density(2.0 * math.pi * GRID),
+            r"significant wave height is (19\d|200)\b",
+        ),
+        (1e2 * 2.0 * math.pi * Bretschneider(2.0, 8.0).density(2.0 * math.pi * GRID), "significant steepness is"),
+    ],
+)
+def test_figures_that_are_no_densities_are_refused_unless_they_are_accepted(tmp_path, values, says):
+    path = historical(tmp_path, values)
+    with pytest.raises(SpectrumFileError, match=says) as refused:
+        read_spectra(path)
+    assert "--set system.accept_implausible=true takes" in str(refused.value)
+    assert "\n" not in str(refused.value)
+    (warning,) = read_spectra(path, accept_implausible=True).warnings
+    assert "cannot well be a sea kept (1 times, first on line 2" in warning
+
+
+def test_one_record_that_cannot_be_a_sea_is_left_out_by_name(tmp_path):
+    path = edited(
+        tmp_path, HISTORICAL, 2, lambda line: " ".join([*line.split()[:4], *["160.0"] * (len(line.split()) - 4)])
+    )
     file = read_spectra(path)
-    assert file.records[0].spectrum.significant_wave_height == pytest.approx(2.0, rel=0.03)
-    assert file.records[0].time == datetime(2024, 1, 1, tzinfo=timezone.utc)
+    assert len(file.records) == 2
+    assert any(
+        "record that cannot well be a sea skipped (1 times, first on line 2: " in warning for warning in file.warnings
+    )
 
 
-def test_a_netcdf_file_of_another_kind_is_refused(tmp_path):
-    pytest.importorskip("wavespectra")
-    (tmp_path / "x.nc").write_bytes(b"not netcdf")
-    with pytest.raises(SpectrumFileError, match="wavespectra cannot read it"):
-        read_spectra(tmp_path / "x.nc")
+@pytest.mark.parametrize("encoding", ["utf-8-sig", "utf-16"])
+def test_a_file_saved_by_another_editor_is_read(tmp_path, encoding):
+    path = tmp_path / "saved.txt"
+    path.write_bytes(HISTORICAL.read_text().encode(encoding))
+    saved, plain = (read_spectra(file).records[0].spectrum for file in (path, HISTORICAL))
+    assert saved.significant_wave_height == pytest.approx(plain.significant_wave_height)

@@ -414,6 +414,11 @@ class WaveVesselParameters(SeaParameters):
     recording_topic: str = parameter(
         "boom_tip", unit="", description="Topic to read from a bag: boom_tip, mru or wave_elevation (any namespace)."
     )
+    accept_implausible: bool = parameter(
+        False,
+        unit="",
+        description="Take figures of the files of sea, recording and RAOs that cannot well be as they are.",
+    )
     filter: ShapingFilterParameters = group(ShapingFilterParameters)
     vessel: VesselParameters = group(VesselParameters)
     course: CourseParameters = group(CourseParameters)

@@ -11,72 +11,25 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from heave_node.numerics.arrays import Array
+from heave_node.numerics.spectral_estimate import RecordTooShortError, height_and_period
+from heave_node.plausible import question, refusal, sea_question
 from scipy.interpolate import CubicSpline
 
 from heave_bags.errors import BagError
-from heave_bags.mcap.bounds import load_yaml
 from heave_bags.mcap.reader import TIME, Bag
-from heave_bags.play.ship_log import ShipLog
+from heave_bags.play.sample_checks import Findings, is_valid, without_fill, without_standstill
+from heave_bags.play.sea_mapping import Channel, SeaMapping, mapping_for_topic
+from heave_bags.play.ship_log import ShipLog, is_text
 from heave_bags.play.stretches import longest_stretch
 from heave_bags.play.window import Window
 from heave_bags.signals import Signal
 
-MOTIONS = ("surge", "sway", "heave", "roll", "pitch")
-EULER_PARTS = ("roll", "pitch", "yaw")
-LOGS = (".csv", ".txt", ".log", ".tsv")
-"""Endings of files that are read as text."""
 WHOLE = Window()
-DEFAULT_CUT_OFF = 2.0 * math.pi / 40.0
-"""Motion slower than this is taken out when acceleration is integrated [rad/s]: no sea is slower."""
-
-
-@dataclass(frozen=True)
-class Channel:
-    """Where one motion is found.
-
-    Attributes
-    ----------
-    topic, field : of a bag, such as "/imu/data", "linear_acceleration.z"; `field` may be a quaternion if `part`
-        is given
-    column : of a CSV log
-    part : "roll", "pitch" or "yaw" of a quaternion [rad]
-    scale, offset : motion = scale * value + offset, to metres or radians
-    acceleration : the value is an acceleration [m/s^2]; it is integrated twice
-    cut_off : what is slower is then taken out [rad/s]
-    """
-
-    topic: str = ""
-    field: str = "data"
-    column: str = ""
-    part: str = ""
-    scale: float = 1.0
-    offset: float = 0.0
-    acceleration: bool = False
-    cut_off: float = DEFAULT_CUT_OFF
-
-
-@dataclass(frozen=True)
-class SeaMapping:
-    """How a record becomes boom-tip motion.
-
-    Attributes
-    ----------
-    channels : per motion (surge, sway, heave, roll, pitch); heave there must be
-    lever_arm : boom tip from the sensor, x forward, y to port, z up [m]
-    time_column, time_scale : of a log: its heading, or those of date and time ("": found by its name); numbers are
-        seconds after the scale, or Unix time in any unit; texts are ISO 8601
-    rate : samples per second of the result
-    """
-
-    channels: Mapping[str, Channel]
-    lever_arm: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    time_column: str | Sequence[str] = ""
-    time_scale: float = 1.0
-    rate: float = 20.0
+ACCEPT = "--accept-implausible"
+"""Option of `heave import` that takes figures which cannot well be."""
 
 
 @dataclass
@@ -97,96 +50,38 @@ class ImportedSea:
     start: float = 0.0
 
 
-def read_mapping(path: Path) -> SeaMapping:
-    """Read the mapping file `path` (YAML). Raises BagError with the file and the entry that is wrong."""
-    try:
-        content = load_yaml(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError) as error:
-        raise BagError(f"{path}: cannot be read as a mapping: {' '.join(str(error).split())}") from error
-    if not isinstance(content, dict):
-        raise BagError(f"{path}: a mapping must name heave and where it is found")
-    entries = dict(content)
-    channels = {name: _channel(path, name, entries.pop(name)) for name in MOTIONS if name in entries}
-    if "heave" not in channels:
-        raise BagError(f"{path}: heave is missing: give its topic and field, or its column")
-    known = ("lever_arm", "time_column", "time_scale", "rate")
-    unknown = sorted(set(entries) - set(known))
-    if unknown:
-        raise BagError(f"{path}: unknown entry {unknown[0]}; known: {', '.join((*MOTIONS, *known))}")
-    try:
-        arm = tuple(float(value) for value in entries.pop("lever_arm", (0.0, 0.0, 0.0)))
-        mapping = SeaMapping(channels, arm, **entries)  # type: ignore[arg-type]
-        if len(arm) != 3 or not mapping.rate > 0.0:
-            raise ValueError("lever_arm must have three numbers, rate must be above 0")
-    except (TypeError, ValueError) as error:
-        raise BagError(f"{path}: {error}") from error
-    return mapping
-
-
-def _channel(path: Path, name: str, entry: Any) -> Channel:
-    if not isinstance(entry, dict):
-        raise BagError(f"{path}: {name} must give topic and field, or column")
-    try:
-        channel = Channel(**entry)
-    except TypeError:
-        known = ", ".join(Channel.__dataclass_fields__)
-        raise BagError(f"{path}: {name} has an unknown entry; known: {known}") from None
-    if bool(channel.topic) == bool(channel.column):
-        raise BagError(f"{path}: {name} needs either a topic or a column")
-    if channel.part and channel.part not in EULER_PARTS:
-        raise BagError(f"{path}: {name}: part must be one of {', '.join(EULER_PARTS)}")
-    return channel
-
-
-def mapping_for_topic(bag: Bag, topic: str) -> SeaMapping:
-    """Return the mapping that the standard type of a `topic` of `bag` suggests.
-
-    That is Odometry, Imu, Float64, Float32, and the suite's own. Raises BagError for others.
-    """
-    name = bag.resolve(topic)
-    kind = bag.topics[name].type
-    positions = {
-        "nav_msgs/msg/Odometry": "pose.pose.position",
-        "geometry_msgs/msg/PoseStamped": "pose.position",
-        "geometry_msgs/msg/PoseWithCovarianceStamped": "pose.pose.position",
-        "geometry_msgs/msg/PointStamped": "point",
-        "heave_msgs/msg/PointMotion": "position",
-    }
-    if kind in positions:
-        at = positions[kind]
-        named = {"surge": "x", "sway": "y", "heave": "z"}
-        return SeaMapping({motion: Channel(topic=name, field=f"{at}.{axis}") for motion, axis in named.items()})
-    heaves = {
-        "std_msgs/msg/Float64": Channel(topic=name),
-        "std_msgs/msg/Float32": Channel(topic=name),
-        "heave_msgs/msg/MruSample": Channel(topic=name, field="heave"),
-        "heave_msgs/msg/WaveElevation": Channel(topic=name, field="elevation"),
-        "sensor_msgs/msg/Imu": Channel(topic=name, field="linear_acceleration.z", acceleration=True),
-    }
-    if kind not in heaves:
-        raise BagError(f"{bag.path}: {name} is {kind}, which is not a motion by itself: write a mapping file")
-    return SeaMapping({"heave": heaves[kind]})
-
-
-def import_sea(source: Path, mapping: SeaMapping | str, window: Window = WHOLE) -> ImportedSea:
+def import_sea(
+    source: Path, mapping: SeaMapping | str, window: Window = WHOLE, *, accept_implausible: bool = False
+) -> ImportedSea:
     """Read a bag or a log as boom-tip motion: the longest stretch without a gap that is too long.
+
+    Samples that are invalid, hold a fill value or stand still are gaps, and said.
 
     Parameters
     ----------
-    source : bag, or text file with columns (.csv, .txt, .log, .tsv)
+    source : bag, or text file with columns
     mapping : where to find what; a text is the name of one topic of a bag
     window : what of the record is wanted
+    accept_implausible : take all samples as they are; what is doubtful is in the notes
 
-    Raises BagError if something named is missing, if nothing is in the window, or if there are fewer than 10 samples.
+    Raises BagError if something named is missing, if nothing is in the window, if there are fewer than 10 samples, or
+    for figures that cannot well be (`heave_node.plausible`).
     """
-    notes: list[str] = []
+    findings = Findings(accept_implausible)
+    is_log = is_text(source)
     if isinstance(mapping, str):
+        if is_log:
+            ShipLog(source)
+            raise BagError(f"{source}: is a log in columns, not a bag: give --column or --mapping")
         mapping = mapping_for_topic(Bag(source), mapping)
-    is_log = source.suffix.lower() in LOGS
-    signals = _log_signals(source, mapping, notes) if is_log else _bag_signals(source, mapping, notes)
-    checked = {name: _checked(source, name, signal, notes) for name, signal in signals.items()}
+    signals = _log_signals(source, mapping, findings) if is_log else _bag_signals(source, mapping, findings)
+    checked = {name: _checked(source, name, signal, mapping, findings) for name, signal in signals.items()}
+    interval = float(np.median(np.diff(checked["heave"].time)))
+    if interval > window.bridge:
+        findings.ask(question("sample interval", interval, "time") + " give the size of its unit by --time-scale")
+    _refuse(source, findings)
     try:
-        start, end = longest_stretch(checked, window, notes)
+        start, end = longest_stretch(checked, window, findings.notes)
     except BagError as error:
         raise BagError(f"{source}: {error}") from error
     count = math.floor((end - start) * mapping.rate + 1e-6) + 1
@@ -198,7 +93,28 @@ def import_sea(source: Path, mapping: SeaMapping | str, window: Window = WHOLE) 
         for name, signal in checked.items()
     }
     position = boom_tip_motion(motions, mapping.lever_arm, count)
-    return ImportedSea(time, position - position.mean(axis=0), notes, start)
+    sea = ImportedSea(time, position - position.mean(axis=0), findings.notes, start)
+    findings.ask(_sea_question(sea.position[:, 2], 1.0 / mapping.rate))
+    _refuse(source, findings)
+    return sea
+
+
+def _refuse(source: Path, findings: Findings) -> None:
+    """Raise BagError for what is doubtful, unless that is accepted."""
+    if findings.questions:
+        raise BagError(f"{source}: {refusal(findings.questions, ACCEPT)}")
+
+
+def _sea_question(heave: Array, period: float) -> str:
+    """Return what is doubtful about heave [m] at samples `period` [s] apart as that of a ship in a sea."""
+    doubt = question("four standard deviations of heave", 4.0 * float(heave.std()))
+    try:
+        found = height_and_period(heave, period)
+    except RecordTooShortError:
+        return doubt
+    if doubt or not found.significant_height > 0.0:
+        return doubt
+    return sea_question(found.significant_height, found.peak_period, found.peak_period)
 
 
 def boom_tip_motion(motions: Mapping[str, Array], lever_arm: Sequence[float], count: int) -> Array:
@@ -221,26 +137,44 @@ def boom_tip_motion(motions: Mapping[str, Array], lever_arm: Sequence[float], co
     )
 
 
-def _bag_signals(source: Path, mapping: SeaMapping, notes: list[str]) -> dict[str, Signal]:
+def _bag_signals(source: Path, mapping: SeaMapping, findings: Findings) -> dict[str, Signal]:
     bag = Bag(source)
     for name, channel in mapping.channels.items():
         if not channel.topic:
             raise BagError(f"{source}: {name} names a column, but this is a bag: name a topic")
     wanted: dict[str, set[str]] = {}
     for channel in mapping.channels.values():
-        wanted.setdefault(channel.topic, set()).add(channel.field)
+        wanted.setdefault(channel.topic, set()).update({channel.field, *_validity_names(channel)})
     columns = bag.columns(wanted)
-    notes += [str(loss) for loss in bag.losses]
+    findings.notes += [str(loss) for loss in bag.losses]
     signals = {}
     for name, channel in mapping.channels.items():
         topic = columns[channel.topic]
         names = [f"{channel.field}.{axis}" for axis in "xyzw"] if channel.part else [channel.field]
+        valid = next((column for column in _validity_names(channel) if _is_status(topic.get(column))), "")
         missing = [column for column in names if column not in topic]
         if missing:
             raise BagError(f"{source}: {name}: {channel.topic} has no field {missing[0]}")
+        if channel.valid and not valid:
+            raise BagError(f"{source}: {name}: {channel.topic} has no field {channel.valid} that is a number or a flag")
         values = [np.asarray(topic[column], dtype=float) for column in names]
-        signals[name] = Signal(topic[TIME], euler_part(channel.part, *values) if channel.part else values[0])
+        value = euler_part(channel.part, *values) if channel.part else values[0]
+        if valid:
+            status = np.asarray(topic[valid]).astype(np.int64)
+            value = findings.without_invalid(name, value, is_valid(status, channel.invalid_bits), valid)
+        signals[name] = Signal(topic[TIME], value)
     return signals
+
+
+def _is_status(values: object) -> bool:
+    """Return whether a column of a bag holds whole numbers or flags, one for each message."""
+    return isinstance(values, np.ndarray) and values.ndim == 1 and values.dtype.kind in "biu"
+
+
+def _validity_names(channel: Channel) -> tuple[str, ...]:
+    """Return the fields or columns that may call the samples of a channel valid: the one named, else by custom."""
+    own = channel.column or channel.field
+    return (channel.valid,) if channel.valid else (f"{own}_valid", "valid")
 
 
 def euler_part(part: str, x: Array, y: Array, z: Array, w: Array) -> Array:
@@ -252,29 +186,56 @@ def euler_part(part: str, x: Array, y: Array, z: Array, w: Array) -> Array:
     return np.arctan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
 
 
-def _log_signals(source: Path, mapping: SeaMapping, notes: list[str]) -> dict[str, Signal]:
+def _log_signals(source: Path, mapping: SeaMapping, findings: Findings) -> dict[str, Signal]:
     log = ShipLog(source)
-    time, words = log.time(mapping.time_column, mapping.time_scale)
-    notes += [words] if words else []
+    time, words = log.time(mapping.time_column, mapping.time_scale, mapping.date_order)
+    findings.notes += log.notes + words
+    signals = {}
     for name, channel in mapping.channels.items():
         if not channel.column:
             raise BagError(f"{source}: {name} names a topic, but this is a log: name a column")
-    return {name: Signal(time, log.numbers(channel.column, name)) for name, channel in mapping.channels.items()}
+        value = log.numbers(channel.column, name)
+        valid = channel.valid or log.find(*_validity_names(channel))
+        if valid:
+            value = findings.without_invalid(name, value, log.validity(valid, channel.invalid_bits), valid)
+        unit, size = log.stated_scale(channel.column, name)
+        if unit and channel.scale == 1.0:
+            findings.ask(
+                f"column {channel.column} is in {unit} by its heading: give --scale {size:.6g}, or scale in a mapping;"
+            )
+        signals[name] = Signal(time, value)
+    return signals
 
 
-def _checked(source: Path, name: str, signal: Signal, notes: list[str]) -> Signal:
+def _checked(source: Path, name: str, signal: Signal, mapping: SeaMapping, findings: Findings) -> Signal:
+    """Return the usable samples of a channel, in metres or radians, in order of time."""
+    channel = mapping.channels[name]
     good = np.isfinite(signal.value) & np.isfinite(signal.time)
-    time, value = signal.time[good], signal.value[good]
+    time, value = signal.time[good], channel.scale * signal.value[good] + channel.offset
     later = np.ones(time.size, dtype=bool)
     if time.size:
         later[1:] = time[1:] > np.maximum.accumulate(time)[:-1]
-    left_out = signal.size - int(later.sum())
+    left_out = signal.size - int(later.sum()) - findings.taken_out(name)
     if left_out:
-        notes.append(f"{name}: {left_out} samples that are not numbers or not later than their predecessor skipped")
-    time, value = time[later], value[later]
-    if time.size < 10:
-        raise BagError(f"{source}: {name} has {time.size} usable samples, 10 are needed")
-    return Signal(time, value)
+        findings.notes.append(
+            f"{name}: {left_out} samples that are not numbers or not later than their predecessor skipped"
+        )
+    checked = Signal(time[later], value[later])
+    checked = without_fill(name, checked, "" if channel.acceleration else name, findings)
+    checked = without_standstill(name, checked, findings)
+    if channel.acceleration:
+        findings.ask(_gravity_question(name, checked.value))
+    if checked.size < 10:
+        raise BagError(f"{source}: {name} has {checked.size} usable samples, 10 are needed")
+    return checked
+
+
+def _gravity_question(name: str, acceleration: Array) -> str:
+    """Return what is doubtful about the mean of a vertical acceleration: gravity, or none, in m/s^2."""
+    mean = float(np.mean(acceleration)) if acceleration.size else 0.0
+    if 0.97 < abs(mean) < 1.03:
+        return f"{name}: the mean acceleration is {mean:.3f}: in g? then give scale 9.80665;"
+    return question("mean vertical acceleration", mean, name)
 
 
 def _near(signal: Signal, start: float, end: float, margin: float) -> Signal:
@@ -285,7 +246,7 @@ def _near(signal: Signal, start: float, end: float, margin: float) -> Signal:
 
 def _resampled(signal: Signal, channel: Channel, start: float, time: Array) -> Array:
     """Return a channel at times after a start [s]; counted from there, so that Unix time costs no digits."""
-    values: Array = CubicSpline(signal.time - start, channel.scale * signal.value + channel.offset)(time)
+    values: Array = CubicSpline(signal.time - start, signal.value)(time)
     return integrated_twice(values, float(time[1] - time[0]), channel.cut_off) if channel.acceleration else values
 
 

@@ -1,133 +1,217 @@
-"""Logs of ships as text: columns by name, time in seconds, Unix time or ISO 8601, commas, semicolons or tabs."""
+"""Logs of ships as text: columns by name, times of all forms, samples that the log itself calls invalid."""
 
 from __future__ import annotations
 
-import csv
 import math
+import re
 from collections.abc import Sequence
-from datetime import datetime, timezone
 from pathlib import Path
 
 import numpy as np
+from heave_node.columns import ColumnsError, read_columns
 from heave_node.numerics.arrays import Array
+from heave_node.text_files import TextFileError, read_text
+from numpy.typing import NDArray
 
 from heave_bags.errors import BagError
+from heave_bags.play.ship_time import TimeError, gps_time, is_gps, spread, time_of_numbers, time_of_texts
 
-SEPARATORS = (",", ";", "\t")
-TIME_NAMES = ("time_s", "time", "timestamp", "datetime", "date_time", "utc", "unix", "seconds", "t")
-"""Headings, in any case, that are taken for the time where none is named."""
-UNIX_UNITS = ((1e17, 1e-9, "nanoseconds"), (1e14, 1e-6, "microseconds"), (1e11, 1e-3, "milliseconds"))
-"""From which number on a time is Unix time in which unit: 1e11 s is the year 5138."""
-EARLIEST_UNIX = 1e8
-"""A time from this on is a date (3 March 1973); below, it counts from some start of its own [s]."""
+TIME_NAMES = (
+    *("time_s", "time", "timestamp", "datetime", "date_time", "utc", "unix", "seconds", "t", "time_utc", "utc_time"),
+    *("time_ms", "t_ms", "unix_ms", "sod", "seconds_of_day", "clock", "epoch", "local_time", "time_local"),
+)
+"""Headings, in any case and without their units, that are taken for the time where none is named."""
+DATE_NAMES, CLOCK_NAMES = ("date", "date_utc", "utc_date"), ("time", "clock", "utc", "time_utc", "utc_time", "hhmmss")
+WEEK_NAMES = ("gps_week", "gpsweek", "week", "wn")
+TOW_NAMES = ("gps_tow", "tow", "gps_seconds", "gps_time", "seconds_of_week", "sow", "tow_s", "tow_ms")
+GOOD_WORDS, BAD_WORDS = ("true", "valid", "ok", "good", "yes", "a", "y", "t"), ("false", "invalid", "bad", "no", "v")
+"""Texts that call a sample valid or not; a number other than 0 calls it valid."""
+_LENGTHS = {"cm": 0.01, "mm": 0.001, "ft": 0.3048, "feet": 0.3048, "dm": 0.1, "inch": 0.0254}
+_ANGLES = {word: math.radians(1.0) for word in ("deg", "degs", "degree", "degrees", "°", "º")} | {"mrad": 1e-3}
+"""Units that headings state, in metres and radians."""
+_SENTENCE = re.compile(r"([$!](?:P[A-Z]{3,}|[A-Z]{5})),[^*]*(\*[0-9A-Fa-f]{2})?")
+_UNIT = re.compile(r"\s*[\[(].*?[\])]\s*")
 
 
 class ShipLog:
-    """A text file of columns under a line of headings; lines that begin with # are left out.
+    """A text file of columns; see `heave_node.columns` for its form.
 
     Parameters
     ----------
     source : the file
 
-    Raises BagError for a file that cannot be read, is empty, or has a header alone.
+    Attributes
+    ----------
+    header : headings, in order
+    notes : what was found out about the form, one line each
+
+    Raises BagError for a file that cannot be read, is empty, has no columns, or holds NMEA 0183.
     """
 
     def __init__(self, source: Path) -> None:
         self.source = source
         try:
-            lines = source.read_text(encoding="utf-8-sig").splitlines()
-        except (OSError, UnicodeDecodeError) as error:
-            raise BagError(f"{source}: cannot be read: {error}") from error
-        lines = [line for line in lines if line.strip() and not line.startswith("#")]
-        if not lines:
-            raise BagError(f"{source}: is empty")
-        self._separator = max(SEPARATORS, key=lines[0].count)
-        rows = [row for row in csv.reader(lines, delimiter=self._separator) if row]
-        self.header = [name.strip() for name in rows[0]]
-        self._rows = rows[1:]
-        if not self._rows:
-            raise BagError(f"{source}: has a header but no rows")
+            text = read_text(source)
+            _refuse_sentences(text.lines)
+            self._columns = read_columns(text.lines)
+        except TextFileError as error:
+            raise BagError(str(error)) from error
+        except ColumnsError as error:
+            raise BagError(f"{source}: {error}") from error
+        self.header = self._columns.header
+        self.notes = [*text.notes, *self._columns.notes]
 
     def numbers(self, column: str, role: str) -> Array:
         """Return a column as numbers; a cell that is none is NaN.
 
         Parameters
         ----------
-        column : its heading
+        column : its heading, in any case, with or without its unit in brackets
         role : what it is wanted for, named where it is missing
 
         Raises BagError where there is no such column.
         """
-        return np.array([self._number(text) for text in self._cells(column, role)])
+        return np.array([self._columns.number(text) for text in self._cells(column, role)])
 
-    def time(self, column: str | Sequence[str], scale: float) -> tuple[Array, str]:
-        """Return the time of each row [s], and what was found out about it ("": nothing).
+    def validity(self, column: str, bad_bits: int) -> NDArray[np.bool_]:
+        """Return which samples a column calls valid, shape (n,) of bool.
 
         Parameters
         ----------
-        column : its heading, or those of date and time; "": found by its name
-        scale : time in seconds = scale * number; 1 for Unix time in any unit, which shows in its size
+        column : its heading
+        bad_bits : a status with one of these bits set is bad; 0: the column holds a number or word (GOOD_WORDS)
+
+        Raises BagError where there is no such column, or for a word that is neither.
         """
-        columns = [column] if isinstance(column, str) else list(column)
-        columns = [self._time_column()] if columns == [""] else columns
-        parts = [self._cells(name, "time") for name in columns]
-        texts = [" ".join(part.strip() for part in row) for row in zip(*parts, strict=True)]
-        numbers = np.array([self._number(text) for text in texts])
+        cells = [cell.strip() for cell in self._cells(column, "valid")]
+        if bad_bits:
+            return np.array([_is_clear(cell, bad_bits) for cell in cells])
+        strange = next((cell for cell in cells if cell and not _is_judgement(cell)), None)
+        if strange is not None:
+            raise BagError(
+                f"{self.source}: {column} = {strange!r} is neither a number nor one of "
+                f"{', '.join((*GOOD_WORDS, *BAD_WORDS))}"
+            )
+        return np.array([cell.lower() in GOOD_WORDS or (_number(cell) or 0.0) != 0.0 for cell in cells])
+
+    def stated_scale(self, column: str, motion: str) -> tuple[str, float]:
+        """Return the unit that heading or unit line of a `column` state for a `motion`, and its size in m or rad.
+
+        ("", 1) where it is theirs, or none is stated. Raises BagError where there is no such column.
+        """
+        place = self._place(column, motion)
+        units = self._columns.units
+        unit = units[self.header.index(place)] if self.header.index(place) < len(units) else ""
+        words = re.split(r"[^a-z°º]+", f"{place} {unit}".lower())
+        sizes = _ANGLES if motion in ("roll", "pitch") else _LENGTHS
+        return next(((word, sizes[word]) for word in words if word in sizes), ("", 1.0))
+
+    def find(self, *names: str) -> str:
+        """Return the first heading that is one of the `names`, in any case and without its unit; "": there is none."""
+        known = {_bare(name): name for name in reversed(self.header)}
+        return next((known[name] for name in names if name in known), "")
+
+    def time(self, column: str | Sequence[str], scale: float, order: str = "") -> tuple[Array, list[str]]:
+        """Return the time of each row [s], and what was found out about it.
+
+        Parameters
+        ----------
+        column : its heading, those of date and time, or of GPS week and seconds; "": found by their names
+        scale : time in seconds = scale * number; 1 for Unix time in any unit, which shows in its size
+        order : of dates with the year last, one of DATE_ORDERS; "": as the dates themselves show
+
+        Raises BagError where the columns are not there, or hold no time.
+        """
+        names = [column] if isinstance(column, str) else list(column)
+        names = self._time_columns() if names == [""] else names
+        parts = [[cell.strip() for cell in self._cells(name, "time")] for name in names]
+        try:
+            time, notes = self._time_of(names, parts, scale, order)
+        except TimeError as error:
+            raise BagError(f"{self.source}: {' and '.join(names)}: {error}") from error
+        time, words = spread(time)
+        return time, notes + words
+
+    def _time_of(
+        self, names: Sequence[str], parts: Sequence[Sequence[str]], scale: float, order: str
+    ) -> tuple[Array, list[str]]:
+        if len(parts) == 2:
+            week, second = (np.array([self._columns.number(cell) for cell in part]) for part in parts)
+            if is_gps(week, second):
+                return gps_time(week, second)
+        texts = [" ".join(row) for row in zip(*parts, strict=True)]
+        numbers = np.array([self._columns.number(text) for text in texts])
         if np.isfinite(numbers).mean() > 0.5:
-            return self._seconds(numbers, scale)
-        time = np.array([unix_time(text) for text in texts])
-        if not np.isfinite(time).any():
-            raise BagError(
-                f"{self.source}: {' and '.join(columns)} = {texts[0]!r} is neither a number nor a time as in "
-                "2025-03-01T12:00:00.5Z"
-            )
-        return time, ""
+            return time_of_numbers(numbers, names[0], scale)
+        return time_of_texts(texts, order)
 
-    def _seconds(self, numbers: Array, scale: float) -> tuple[Array, str]:
-        middle = float(np.nanmedian(numbers))
-        for least, unit, words in UNIX_UNITS:
-            if scale == 1.0 and middle > least:
-                return numbers * unit, f"time: taken as {words} of Unix time"
-        return numbers * scale, ""
-
-    def _time_column(self) -> str:
-        known = {name.lower(): name for name in reversed(self.header)}
-        found = next((known[name] for name in TIME_NAMES if name in known), None)
-        if found is None:
+    def _time_columns(self) -> list[str]:
+        week, second = self.find(*WEEK_NAMES), self.find(*TOW_NAMES)
+        if week and second:
+            return [week, second]
+        date, clock = self.find(*DATE_NAMES), self.find(*CLOCK_NAMES)
+        if date and clock:
+            return [date, clock]
+        found = self.find(*TIME_NAMES) or date
+        if not found:
             raise BagError(
-                f"{self.source}: which column is the time? name it by time_column in a mapping file (--mapping); "
-                f"it has {', '.join(self.header)}"
+                f"{self.source}: which column is the time? name it by --time-column, or by time_column in a mapping "
+                f"file; it has {', '.join(self.header)}"
             )
-        return found
+        return [found]
 
     def _cells(self, column: str, role: str) -> list[str]:
-        if column not in self.header:
+        index = self.header.index(self._place(column, role))
+        return [row[index] if index < len(row) else "" for row in self._columns.rows]
+
+    def _place(self, column: str, role: str) -> str:
+        """Return the heading that is meant by `column`."""
+        place = column if column in self.header else self.find(_bare(column))
+        if not place:
             raise BagError(f"{self.source}: no column {column!r} for {role}; it has {', '.join(self.header)}")
-        index = self.header.index(column)
-        return [row[index] if index < len(row) else "" for row in self._rows]
-
-    def _number(self, text: str) -> float:
-        try:
-            return float(text.replace(",", ".") if self._separator == ";" else text)
-        except ValueError:
-            return math.nan
+        return place
 
 
-def unix_time(text: str) -> float:
-    """Return the Unix time of a `text` in ISO 8601 [s]; NaN where it is none. Without a zone it is UTC."""
-    text = text.strip().replace("Z", "+00:00").replace("z", "+00:00").replace(",", ".")
-    head, point, tail = text.partition(".")
-    digits = len(tail) - len(tail.lstrip("0123456789"))
-    fraction = f".{tail[:digits]:0<6.6}" if point and digits else ""  # Python 3.10 reads three or six digits alone
+def is_text(source: Path) -> bool:
+    """Return whether a `source` is read as a log: a file that neither by its ending nor by its first bytes is a bag."""
+    if source.is_dir() or source.suffix.lower() in (".mcap", ".db3", ".bag", ".zstd", ".zst"):
+        return False
     try:
-        moment = datetime.fromisoformat(head + fraction + tail[digits:])
+        with source.open("rb") as file:
+            return not file.read(8).startswith((b"\x89MCAP0\r\n", b"SQLite f", b"#ROSBAG "))
+    except OSError:
+        return source.suffix.lower() in (".csv", ".txt", ".log", ".tsv")
+
+
+def _refuse_sentences(lines: Sequence[str]) -> None:
+    """Raise ColumnsError for lines that are sentences of NMEA 0183, a stamp before them or not."""
+    found = [match[1] for line in lines[:200] if (match := _SENTENCE.search(line))]
+    if found and 2 * len(found) > len([line for line in lines[:200] if line.strip()]):
+        kinds = ", ".join(dict.fromkeys(found))
+        raise ColumnsError(
+            f"this is NMEA 0183 ({kinds}): sentences, not columns under headings; write the time and the heave of one "
+            "sentence into columns first"
+        )
+
+
+def _bare(heading: str) -> str:
+    """Return a heading in small letters, without a unit in brackets, words joined by _."""
+    return re.sub(r"\W+", "_", _UNIT.sub(" ", heading).strip().lower()).strip("_") or heading.strip().lower()
+
+
+def _number(cell: str) -> float | None:
+    try:
+        return float(cell)
     except ValueError:
-        return math.nan
-    return (moment if moment.tzinfo else moment.replace(tzinfo=timezone.utc)).timestamp()
+        return None
 
 
-def time_words(time: float) -> str:
-    """Return a `time` [s] as a person reads it: a date where it is Unix time, else seconds."""
-    if time < EARLIEST_UNIX:
-        return f"t = {time:.3f} s"
-    return datetime.fromtimestamp(time, tz=timezone.utc).isoformat(timespec="milliseconds").replace("+00:00", "Z")
+def _is_judgement(cell: str) -> bool:
+    return cell.lower() in (*GOOD_WORDS, *BAD_WORDS) or _number(cell) is not None
+
+
+def _is_clear(cell: str, bits: int) -> bool:
+    try:
+        return not int(float(cell) if "x" not in cell.lower() else int(cell, 16)) & bits
+    except (ValueError, OverflowError):
+        return False

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from heave_bags.errors import BagError
-from heave_bags.play.ship_log import EARLIEST_UNIX, time_words, unix_time
+from heave_bags.play.ship_time import EARLIEST_UNIX, time_words, unix_time
 from heave_bags.play.window import Window
 from heave_bags.signals import Signal
 

@@ -2,17 +2,24 @@
 
 from __future__ import annotations
 
+import io
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 import pandas
 from heave_node.parameters import ParameterError
+from heave_node.plausible import PLAUSIBLE, question
+from heave_node.text_files import TextFileError, read_text
 from wave_vessel_node.sea.spectrum_files import read_spectra
 from wave_vessel_node.sea.spectrum_record import SpectrumFileError
 
 HS, TP = "hs", "tp"
 """Columns: significant wave height [m], peak period [s]."""
+
+_QUANTITIES = {HS: "significant wave height", TP: "peak period"}
+_MOST_IMPLAUSIBLE = 0.2
+"""Share of a record that may hold fill values; more are another unit."""
 
 MOST_STEPS = 2_000_000
 """Of a record: two centuries of hours."""
@@ -52,9 +59,10 @@ def read_record(path: Path) -> SeaRecord:
 
     A .csv is a record with the columns time, hs, tp, or a scatter diagram: `hs` and peak periods in its first line, a
     height and the numbers of its seas in each further one. Any other file holds spectra (NDBC, or what `wavespectra`
-    reads), whose heights and periods are taken.
+    reads), whose heights and periods are taken. Single states that cannot well be, such as fill values, count as not
+    measured, and are said.
 
-    Raises ParameterError for what is none of these.
+    Raises ParameterError for what is none of these, and where many states cannot well be.
     """
     if not path.is_file():
         raise ParameterError(f"{path}: no such file")
@@ -76,8 +84,11 @@ def read_record(path: Path) -> SeaRecord:
 
 def _read_csv(path: Path) -> SeaRecord:
     try:
-        table = pandas.read_csv(path, comment="#", skipinitialspace=True)
-    except (ValueError, UnicodeDecodeError) as error:
+        text = read_text(path)
+        table = pandas.read_csv(io.StringIO("\n".join(text.lines)), comment="#", skipinitialspace=True)
+    except TextFileError as error:
+        raise ParameterError(str(error)) from error
+    except ValueError as error:
         raise ParameterError(f"{path}: is not CSV: {' '.join(str(error).split())}") from error
     table.columns = [str(name).strip().lower() for name in table.columns]
     if {"time", HS, TP} <= set(table.columns):
@@ -85,8 +96,27 @@ def _read_csv(path: Path) -> SeaRecord:
             states = table.set_index(_times(path, table["time"]))[[HS, TP]].astype(float)
         except (ValueError, TypeError) as error:
             raise ParameterError(f"{path}: {' '.join(str(error).split())}") from error
-        return at_equal_steps(path.name, states.sort_index(), ())
+        states, warnings = _plausible(path, states)
+        return at_equal_steps(path.name, states.sort_index(), warnings)
     return _scatter(path, table)
+
+
+def _plausible(path: Path, states: pandas.DataFrame) -> tuple[pandas.DataFrame, tuple[str, ...]]:
+    """Return states of which those that cannot well be are missing, and what is said of them."""
+    doubtful = pandas.Series(False, index=states.index)
+    first = ""
+    for name, quantity in _QUANTITIES.items():
+        known = PLAUSIBLE[quantity]
+        wrong = states[name].notna() & ~states[name].between(known.least, known.most)
+        if wrong.any() and not first:
+            first = question(quantity, float(states[name][wrong].iloc[0]), str(states.index[wrong][0]))
+        doubtful |= wrong
+    if doubtful.mean() > _MOST_IMPLAUSIBLE:
+        raise ParameterError(f"{path}: {int(doubtful.sum())} of {len(states)} states cannot well be: {first}")
+    if not doubtful.any():
+        return states, ()
+    warning = f"{path.name}: {int(doubtful.sum())} states that cannot well be count as not measured, the first {first}"
+    return states.where(~doubtful), (warning,)
 
 
 def _times(path: Path, column: pandas.Series) -> pandas.Series:
@@ -119,7 +149,12 @@ def _scatter(path: Path, table: pandas.DataFrame) -> SeaRecord:
             "share": (counts / counts.sum()).ravel(),
         }
     )
-    return SeaRecord(path.name, states[states["share"] > 0.0].reset_index(drop=True), float("nan"))
+    states = states[states["share"] > 0.0].reset_index(drop=True)
+    for name, quantity in _QUANTITIES.items():
+        for value in states[name]:
+            if doubt := question(quantity, float(value), str(path)):
+                raise ParameterError(doubt)
+    return SeaRecord(path.name, states, float("nan"))
 
 
 def at_equal_steps(name: str, states: pandas.DataFrame, warnings: tuple[str, ...]) -> SeaRecord:

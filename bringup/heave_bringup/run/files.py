@@ -23,7 +23,11 @@ def check_files(scenario: Scenario) -> None:
 
     try:
         if is_recording:
-            read_recording(parameters.recording_file, parameters.recording_topic)
+            read_recording(
+                parameters.recording_file,
+                parameters.recording_topic,
+                accept_implausible=parameters.accept_implausible,
+            )
         if SOURCES[parameters.boom_tip_source].has_sea:
             build_scene(parameters, scenario.run.seed, scenario.run.tick_period)
     except ValueError as error:

@@ -19,7 +19,6 @@ from numpy.typing import ArrayLike
 from cable_sim_node.errors import (
     BadMotionError,
     CableTooShortError,
-    NoEquilibriumError,
     NotConvergedError,
     PlantError,
     refuse_jump,
@@ -34,6 +33,7 @@ from cable_sim_node.line.step import advance_and_observe, observe
 from cable_sim_node.parameters import CableSimParameters
 from cable_sim_node.physics.properties import unit_properties
 from cable_sim_node.physics.seabed import Seabed
+from cable_sim_node.statics.suspended import refuse_floating
 
 _MOVING_ARRAYS = ("now", "parts", "unit", "top", "settings", "counters")
 """What changes in a run, and is kept where the line's arrays grow."""
@@ -314,11 +314,7 @@ class CableDynamics:
         line.settings[at.BED_ON] = 0.0
         hang(line, boom_tip)
         line.settings[at.BED_ON] = float(self.parameters.seabed.depth > 0.0)
-        if line.x[0, 2] > boom_tip[2]:
-            raise NoEquilibriumError(
-                f"the line does not hang: the unit's buoyancy lifts it above the boom tip, to {line.x[0, 2]:.0f} m; "
-                "there is no surface here to float on: use a heavier unit or more cable"
-            )
+        refuse_floating(float(line.x[0, 2]), float(boom_tip[2]))
         hold_here(line, n)
         if self.is_on_seabed:
             settle(line, self.parameters, boom_tip)

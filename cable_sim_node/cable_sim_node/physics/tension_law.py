@@ -8,12 +8,34 @@ from __future__ import annotations
 import math
 
 from heave_node.numerics.compiled import inner_kernel, kernel
+from heave_node.numerics.constants import LARGEST_STRAIN
 
 
 @inner_kernel
 def stiffening(quadratic: float, cubic: float, strain: float) -> float:
     """Return the tension at `strain` over that of a linear cable with the same EA."""
     return 1.0 + strain * (quadratic + cubic * strain)
+
+
+def yielding_words(quadratic: float, cubic: float) -> str:
+    """Return in words that the law with these coefficients does not carry a cable at rest."""
+    return (
+        "the cable's tension law carries no load at the static strain: with stiffness_quadratic = "
+        f"{quadratic:g} and stiffness_cubic = {cubic:g} the tension falls there as the strain rises"
+    )
+
+
+def overstrained_words(strain: float, stiffness: float) -> str:
+    """Return in words that a cable is strained too much at rest; "" where its `strain` [-] is at most LARGEST_STRAIN.
+
+    `stiffness` is the EA [N] that the user gave.
+    """
+    if strain <= LARGEST_STRAIN:
+        return ""
+    return (
+        f"the cable would be strained by {strain:.1%} at rest, more than {LARGEST_STRAIN:.0%}: it would part; check "
+        f"cable.axial_stiffness ({stiffness:g} N: kN or MN taken for N?)"
+    )
 
 
 @kernel

@@ -17,7 +17,7 @@ from cable_sim_node.physics.seabed import Seabed
 from cable_sim_node.reports.report import labelled_rows
 from cable_sim_node.statics.problems import towing_cable
 from cable_sim_node.statics.shape import StaticShape
-from cable_sim_node.statics.suspended import suspended_cable, with_tension_law
+from cable_sim_node.statics.suspended import refuse_floating, suspended_cable, with_tension_law
 from cable_sim_node.statics.tables import LENGTH
 
 if TYPE_CHECKING:
@@ -159,14 +159,16 @@ def hanging_report(parameters: CableSimParameters, boom_tip: ArrayLike = (0.0, 0
     Raises
     ------
     StaticsError
-        if sections or bodies do not fit on the cable, or the unit would lie below the seabed.
+        if sections or bodies do not fit on the cable, the unit would lie below the seabed, or the cable would be
+        strained too much.
     NoEquilibriumError
-        if the current's equilibrium cannot be reached.
+        if the current's equilibrium cannot be reached, or the unit would float above the boom tip.
     """
     tip = np.asarray(boom_tip, dtype=np.float64)
     current = current_of(parameters)
     shape = with_tension_law(parameters, suspended_cable(parameters), lambda cable: towing_cable(cable, tip, current))
     unit = shape.positions[0]
+    refuse_floating(float(unit[2]), float(tip[2]))
     seabed = parameters.seabed
     clearance = None
     if seabed.depth > 0.0:

@@ -14,6 +14,7 @@ from scipy.optimize import brentq
 from cable_sim_node.errors import LinearisationError
 from cable_sim_node.line.linearised import LinearLine, LineResponse, linearise
 from cable_sim_node.parameters import CableSimParameters, CompensatorParameters, SeabedParameters
+from cable_sim_node.reports.hanging import hanging_report
 from cable_sim_node.reports.report import columns, labelled_rows
 from cable_sim_node.vertical.axial_line import AxialLine, axial_line
 from cable_sim_node.vertical.linear import ResonanceMap, mode_shape, natural_frequencies, resonance_map, resonant_length
@@ -219,7 +220,8 @@ def modes_report(
 
     Parameters
     ----------
-    parameters : of the plant; seabed, bending stiffness, waves and the compensator have no part in it
+    parameters : of the plant; the seabed, which must be below the unit, bending stiffness, waves and the compensator
+        have no part in it
     sea_period : whose resonant length is sought [s]
     amplitude : of the boom tip, at `sea_period` for the line and at every period for the map, for which drag is made
         linear [m]
@@ -231,12 +233,13 @@ def modes_report(
     ------
     LinearisationError
         for a count, amplitude or length that is not positive.
-    NoEquilibriumError, PlantError
-        where the line does not hang.
+    StaticsError, NoEquilibriumError, PlantError
+        where the line does not hang, as `hanging_report` does.
     """
     longest = parameters.length if longest is None else longest
     if not (sea_period > 0.0 and amplitude > 0.0 and longest > 0.0 and count >= 1):
         raise LinearisationError("period, amplitude, longest length and number of modes must be positive")
+    hanging_report(parameters, boom_tip)  # what is no rest has no modes about it
     speed = 2.0 * math.pi / sea_period * amplitude
     free = replace(
         parameters,

@@ -48,6 +48,12 @@ class StaticShape:
         return np.asarray(np.maximum(above, below))
 
     @property
+    def largest_strain(self) -> float:
+        """Largest strain of the cable [-]."""
+        ends = np.maximum(np.linalg.norm(self.lower, axis=1), np.linalg.norm(self.upper, axis=1))
+        return float(np.max(ends / self.cable.segments[:, STIFFNESS]))
+
+    @property
     def top_tension(self) -> float:
         """Tension in the cable at s = L [N]."""
         return float(np.linalg.norm(self.upper[-1]))

@@ -8,10 +8,10 @@ from dataclasses import replace
 import numpy as np
 from heave_node.numerics.arrays import Array
 
-from cable_sim_node.errors import NoEquilibriumError
+from cable_sim_node.errors import NoEquilibriumError, StaticsError
 from cable_sim_node.parameters import CableSimParameters
 from cable_sim_node.physics.properties import body_properties, cable_sections, unit_properties
-from cable_sim_node.physics.tension_law import stiffening
+from cable_sim_node.physics.tension_law import overstrained_words, stiffening, yielding_words
 from cable_sim_node.statics.shape import StaticShape
 from cable_sim_node.statics.system import PointLoad, StaticCable, StaticSection, static_cable
 from cable_sim_node.statics.tables import STIFFNESS
@@ -80,26 +80,45 @@ def with_tension_law(
     ------
     NoEquilibriumError
         if the law carries no load at the static strain, or the strain does not settle.
+    StaticsError
+        if the cable is strained by more than LARGEST_STRAIN.
     """
     quadratic, cubic = parameters.cable.stiffness_quadratic, parameters.cable.stiffness_cubic
     shape = solve(cable)
     if quadratic == 0.0 and cubic == 0.0:
-        return shape
+        return _unless_overstrained(parameters, shape)
     small_strain = cable.segments[:, STIFFNESS].copy()
     for _ in range(STIFFNESS_ITERATIONS):
         tension = 0.5 * (np.linalg.norm(shape.lower, axis=1) + np.linalg.norm(shape.upper, axis=1))
         strain = tension / cable.segments[:, STIFFNESS]
         wanted = small_strain * stiffening.py_func(quadratic, cubic, strain)
         if not np.all(wanted > 0.0):
-            raise NoEquilibriumError("the cable's tension law carries no load at the static strain")
+            raise NoEquilibriumError(yielding_words(quadratic, cubic))
         segments = cable.segments.copy()
         segments[:, STIFFNESS] = wanted
         settled = float(np.max(np.abs(wanted / cable.segments[:, STIFFNESS] - 1.0))) < 1e-12
         cable = replace(cable, segments=segments)
         shape = solve(cable)
         if settled:
-            return shape
+            return _unless_overstrained(parameters, shape)
     raise NoEquilibriumError("the static strain does not converge under the cable's tension law")
+
+
+def _unless_overstrained(parameters: CableSimParameters, shape: StaticShape) -> StaticShape:
+    """Return a shape that no cable parts in."""
+    words = overstrained_words(shape.largest_strain, parameters.cable.axial_stiffness)
+    if words:
+        raise StaticsError(words)
+    return shape
+
+
+def refuse_floating(unit_height: float, boom_tip_height: float) -> None:
+    """Raise NoEquilibriumError for a unit that hangs upwards, above the boom tip; heights are above still water [m]."""
+    if unit_height > boom_tip_height:
+        raise NoEquilibriumError(
+            f"the line does not hang: the unit's buoyancy lifts it above the boom tip, to {unit_height:.0f} m; "
+            "there is no surface here to float on: use a heavier unit or more cable"
+        )
 
 
 def _triple(values: Array) -> tuple[float, float, float]:

@@ -12,7 +12,7 @@ from heave_node.numerics.arrays import Array
 from cable_sim_node.errors import NoEquilibriumError
 from cable_sim_node.parameters import CableSimParameters
 from cable_sim_node.physics.properties import body_properties, cable_sections, unit_properties
-from cable_sim_node.physics.tension_law import strain_at, tangent_stiffness
+from cable_sim_node.physics.tension_law import strain_at, tangent_stiffness, yielding_words
 from cable_sim_node.vertical.axial_layout import (
     COMPLIANCE,
     DELAY,
@@ -152,6 +152,15 @@ class AxialLine:
             load += piece.weight * piece.length
         return stretch
 
+    def static_strain(self, length: float) -> float:
+        """Return the largest strain of `length` [m] of cable under weight in still water [-]."""
+        largest, load = 0.0, self.unit.weight
+        for piece in self.pieces(length):
+            load += sum(clump.weight for clump in piece.clumps)
+            ends = load, load + piece.weight * piece.length
+            largest, load = max(largest, *(end / piece.axial_stiffness for end in ends)), ends[1]
+        return largest
+
     def static_top_tension(self, length: float) -> float:
         """Return the tension at the top of `length` [m] of cable in still water [N]."""
         weight = self.unit.weight
@@ -209,9 +218,7 @@ def _at_static_tension(parameters: CableSimParameters, line: AxialLine) -> Axial
         strain = strain_at(*law, line.static_top_tension(0.5 * (start + end)))
         stiffness = tangent_stiffness(*law, strain)
         if not (math.isfinite(strain) and stiffness > 0.0):
-            raise NoEquilibriumError(
-                f"the cable's tension law does not reach the static tension {start:g} m above the unit"
-            )
+            raise NoEquilibriumError(f"{yielding_words(cable.quadratic, cable.cubic)} ({start:g} m above the unit)")
         delay = axial.damping_time * axial.axial_stiffness / stiffness
         sections.append(replace(axial, axial_stiffness=stiffness, damping_time=delay))
     return replace(line, sections=tuple(sections))

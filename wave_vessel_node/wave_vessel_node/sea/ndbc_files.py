@@ -1,12 +1,12 @@
 """Spectra from NDBC's files: real time and historical spectral density.
 
 A file holds many records (one an hour, say). Missing values (fill values of 99 and 999) and records without energy are
-left out or repaired; each kind of repair is a warning. What cannot be repaired is refused with SpectrumFileError.
+left out or repaired; each kind of repair is a warning. What cannot be repaired is refused with SpectrumFileError;
+so are NDBC's files of directions and of r1, r2, which have the same form.
 """
 
 from __future__ import annotations
 
-import gzip
 import math
 import re
 from collections.abc import Iterable, Sequence
@@ -16,12 +16,15 @@ from pathlib import Path
 
 import numpy as np
 from heave_node.numerics.arrays import Array
+from heave_node.text_files import TextFileError, read_text
 
 from wave_vessel_node.sea.spectra import SpectrumError, TabulatedSpectrum
 from wave_vessel_node.sea.spectrum_record import (
     SpectrumFile,
     SpectrumFileError,
     SpectrumRecord,
+    doubt_of,
+    refuse_without_records,
     tabulated_from_hertz,
 )
 
@@ -30,8 +33,13 @@ _PAIR = re.compile(r"(\S+)\s*\(\s*(\S+?)\s*\)")
 _ROUNDING = 1e-3  # [m^2/Hz] a density this little below zero is rounding of the file, not an error
 
 
-def read_ndbc(path: Path) -> SpectrumFile:
+def read_ndbc(path: Path, *, accept_implausible: bool = False) -> SpectrumFile:
     """Read NDBC's text file at `path`, plain or compressed by gzip (.gz).
+
+    Parameters
+    ----------
+    path : of the file
+    accept_implausible : keep records that cannot well be a sea, which else are left out; both are in the warnings
 
     Raises SpectrumFileError where the file is of another format, truncated within its header, or holds no usable
     record.
@@ -40,16 +48,15 @@ def read_ndbc(path: Path) -> SpectrumFile:
     header = lines[0].split()
     if not header or not header[0].lstrip("#").upper().startswith("YY"):
         raise SpectrumFileError(
-            f"{path}: line 1: expected an NDBC header starting with YY or #YY, got {lines[0][:40].strip()!r}"
+            f"{path}: line 1: expected an NDBC header starting with YY or #YY (or NetCDF, or SWAN's text), got "
+            f"{lines[0][:40].strip()!r}"
         )
-    findings = _Findings(str(path))
+    findings = _Findings(str(path), accept_implausible)
     real_time = "(freq" in lines[0].replace(" ", "").lower()
     rows = _real_time_rows(path, lines, findings) if real_time else _historical_rows(path, lines, findings)
     records = _records(rows, findings)
     if not records:
-        raise SpectrumFileError(
-            f"{path}: no usable spectrum in {len(lines)} lines: {'; '.join(findings.warnings()) or 'no data'}"
-        )
+        refuse_without_records(str(path), findings.warnings() or (f"no data in {len(lines)} lines",))
     return SpectrumFile(str(path), tuple(records), findings.warnings())
 
 
@@ -62,35 +69,29 @@ class _Row:
 
 
 class _Findings:
-    """Counts of each repair, with the line of the first."""
+    """Counts of each repair, with the line of the first and what is doubtful about it."""
 
-    def __init__(self, path: str) -> None:
+    def __init__(self, path: str, accepts: bool) -> None:
         self._path = path
-        self._counts: dict[str, tuple[int, int]] = {}
+        self.accepts = accepts
+        self._counts: dict[str, tuple[int, int, str]] = {}
 
-    def add(self, what: str, line: int) -> None:
-        count, first = self._counts.get(what, (0, line))
-        self._counts[what] = (count + 1, first)
+    def add(self, what: str, line: int, doubt: str = "") -> None:
+        count, first, why = self._counts.get(what, (0, line, doubt))
+        self._counts[what] = (count + 1, first, why)
 
     def warnings(self) -> tuple[str, ...]:
         return tuple(
-            f"{self._path}: {what} ({count} times, first on line {line})"
-            for what, (count, line) in self._counts.items()
+            f"{self._path}: {what} ({count} times, first on line {line}{why and ': '}{why})"
+            for what, (count, line, why) in self._counts.items()
         )
 
 
 def _read_lines(path: Path) -> list[str]:
     try:
-        if path.suffix == ".gz":
-            with gzip.open(path, "rt", encoding="ascii") as file:
-                lines = file.read().splitlines()
-        else:
-            lines = path.read_text(encoding="ascii").splitlines()
-    except (EOFError, OSError, gzip.BadGzipFile) as error:
-        raise SpectrumFileError(f"{path}: cannot be read to its end: {error}") from error
-    except UnicodeDecodeError as error:
-        raise SpectrumFileError(f"{path}: is not a text file: byte {error.start} is not ASCII") from error
-    lines = [line for line in lines if line.strip()]
+        lines = [line for line in read_text(path).lines if line.strip()]
+    except TextFileError as error:
+        raise SpectrumFileError(str(error)) from error
     if len(lines) < 2:
         raise SpectrumFileError(f"{path}: has {len(lines)} lines: expected a header and at least one record")
     return lines
@@ -98,6 +99,11 @@ def _read_lines(path: Path) -> list[str]:
 
 def _real_time_rows(path: Path, lines: Sequence[str], findings: _Findings) -> Iterable[_Row]:
     """Rows `YY MM DD hh mm Sep_Freq density (frequency) ...`."""
+    if "spec" not in lines[0].lower():
+        first = next(word for word in lines[0].split() if "_1" in word or "(" in word)
+        raise SpectrumFileError(
+            f"{path}: line 1: holds {first.strip('<')}, not densities (spec_1): take NDBC's .data_spec instead"
+        )
     expected: int | None = None
     for number, line in enumerate(lines[1:], start=2):
         if line.startswith("#"):
@@ -121,6 +127,10 @@ def _historical_rows(path: Path, lines: Sequence[str], findings: _Findings) -> I
     """Header `YY MM DD hh [mm] f1 f2 ...`, rows of the date and one density for each frequency."""
     names = lines[0].split()
     dates = next((i for i, name in enumerate(names) if re.fullmatch(r"\d*\.\d+", name)), len(names))
+    if "WVHT" in names:
+        raise SpectrumFileError(
+            f"{path}: line 1: holds heights and periods, not spectra: take NDBC's .data_spec or spectral wave density"
+        )
     if dates not in (4, 5) or len(names) - dates < 3:
         raise SpectrumFileError(f"{path}: line 1: expected YY MM DD hh [mm] followed by at least 3 frequencies [Hz]")
     frequency = np.array([float(_number(path, 1, name)) for name in names[dates:]])
@@ -165,10 +175,14 @@ def _usable(row: _Row, findings: _Findings) -> TabulatedSpectrum | None:
     if (density < 0.0).any():
         findings.add("negative density within rounding set to 0", row.line)
     try:
-        return tabulated_from_hertz(frequency, np.maximum(density, 0.0), name=f"line {row.line}")
+        spectrum = tabulated_from_hertz(frequency, np.maximum(density, 0.0), name=f"line {row.line}")
     except SpectrumError as error:
         findings.add(f"record skipped: {str(error).split(': ', 1)[-1]}", row.line)
         return None
+    doubt = doubt_of(spectrum)
+    if doubt:
+        findings.add(f"record that cannot well be a sea {'kept' if findings.accepts else 'skipped'}", row.line, doubt)
+    return spectrum if findings.accepts or not doubt else None
 
 
 def _number(path: Path, line: int, text: str) -> float:

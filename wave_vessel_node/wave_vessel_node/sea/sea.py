@@ -32,7 +32,7 @@ def build_spectrum(parameters: WaveVesselParameters, warnings: list[str]) -> Wav
     """
     if parameters.spectrum != SPECTRUM_FILE:
         return named_spectrum(parameters)
-    file = read_spectra(parameters.spectrum_file)
+    file = read_spectra(parameters.spectrum_file, accept_implausible=parameters.accept_implausible)
     warnings.extend(file.warnings)
     if parameters.spectrum_time:
         return file.nearest(parameters.spectrum_time).spectrum

@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import datetime, timedelta, timezone
+from typing import NoReturn
 
 from heave_node.numerics.arrays import Array
+from heave_node.plausible import sea_question
 
+from wave_vessel_node.implausible import ACCEPT
 from wave_vessel_node.sea.spectra import TabulatedSpectrum
 
 
@@ -85,3 +89,15 @@ def tabulated_from_hertz(frequency: Array, density: Array, *, name: str) -> Tabu
     Raises SpectrumError for numbers that are not a spectrum.
     """
     return TabulatedSpectrum(2.0 * math.pi * frequency, density / (2.0 * math.pi), name=name)
+
+
+def doubt_of(spectrum: TabulatedSpectrum) -> str:
+    """Return what is doubtful about a measured `spectrum` as that of a sea, in one line; "" where it is plausible."""
+    return sea_question(spectrum.significant_wave_height, spectrum.zero_crossing_period, spectrum.peak_period)
+
+
+def refuse_without_records(path: str, warnings: Sequence[str]) -> NoReturn:
+    """Raise SpectrumFileError for the file at `path` without a usable record, with the `warnings` that say why."""
+    why = "; ".join(warning.removeprefix(f"{path}: ") for warning in warnings) or "the file is empty"
+    accept = f"; {ACCEPT} takes the figures as they are" if "plausible is" in why else ""
+    raise SpectrumFileError(f"{path}: no usable spectrum: {why}{accept}")

@@ -1,68 +1,215 @@
-"""Spectra from files that the library `wavespectra` reads (extra `wavespectra`): SWAN, WW3, ERA5, its own NetCDF."""
+"""Spectra from files that the library `wavespectra` reads (extra `wavespectra`): NetCDF of five makers, SWAN's text.
+
+Which reader a file needs is told by the names of its variables; what comes out is checked. Wave models end at a
+frequency beyond which they count on a tail of f^-5 (as in their own significant wave heights); it is added here.
+Measured spectra (NDBC) have none.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Collection
+from dataclasses import dataclass
 from datetime import datetime, timezone
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from heave_node.extras import how_to_install
+from heave_node.numerics.arrays import Array
 
-from wave_vessel_node.sea.spectra import SpectrumError
-from wave_vessel_node.sea.spectrum_record import SpectrumFile, SpectrumFileError, SpectrumRecord, tabulated_from_hertz
+from wave_vessel_node.sea.spectra import SpectrumError, TabulatedSpectrum
+from wave_vessel_node.sea.spectrum_record import (
+    SpectrumFile,
+    SpectrumFileError,
+    SpectrumRecord,
+    doubt_of,
+    refuse_without_records,
+    tabulated_from_hertz,
+)
 
-_READERS = {
-    ".swn": ("read_swan",),
-    ".spec": ("read_swan",),
-    ".nc": ("read_wavespectra", "read_ww3", "read_ncswan", "read_era5"),
-    ".nc4": ("read_wavespectra", "read_ww3", "read_ncswan", "read_era5"),
-}
-ENDINGS = tuple(_READERS)
+_NETCDF = (b"\x89HDF", b"CDF\x01", b"CDF\x02", b"CDF\x05")
+_ENDINGS = (".nc", ".nc4")
+_CONVENTIONS = (
+    ("WAVEWATCH III", "read_ww3", {"efth", "frequency"}),
+    ("wavespectra", "read_wavespectra", {"efth", "freq"}),
+    ("SWAN", "read_ncswan", {"density", "frequency"}),
+    ("ERA5", "read_era5", {"d2fd"}),
+    ("WWM", "read_wwm", {"AC", "SPSIG"}),
+    ("NDBC", "read_ndbc", {"spectral_wave_density"}),
+    ("NDBC (CDIP)", "read_ndbc", {"waveEnergyDensity"}),
+)
+"""Maker of the files, the library's reader, and the variables by which they are known."""
+_OPTIONS = {"read_ndbc": {"directional": False}}
+_OWN_HEIGHTS = ("hs", "HS", "hsig")
+"""Variables in which a file states its own significant wave heights [m]."""
+_LARGEST_DIFFERENCE = 0.3
+"""Heights of the spectra and of the file may differ by this share: the file's count what is beyond its frequencies."""
+_TAIL_FROM, _TAIL = 0.333, np.geomspace(1.0, 3.0, 25)[1:]
+"""A model's spectrum that ends above the one [Hz] goes on as f^-5 to these multiples of its end."""
+_MISSING = 0.1
+"""Share of a record's densities that may be missing, which its neighbours then fill."""
 
 
-def read_with_wavespectra(path: Path) -> SpectrumFile:
+@dataclass(frozen=True)
+class _Table:
+    """The spectra of one site.
+
+    Attributes
+    ----------
+    frequency : rising [Hz], shape (f,)
+    density : [m^2/Hz], shape (t, f); NaN where it is missing
+    times : of the spectra, shape (t,)
+    has_tail : they go on beyond their frequencies, as those of a wave model
+    """
+
+    frequency: Array
+    density: Array
+    times: Array
+    has_tail: bool
+
+    def spectrum(self, number: int) -> TabulatedSpectrum:
+        """Return spectrum `number`, missing densities filled from their neighbours; raise SpectrumError."""
+        good = np.isfinite(self.density[number])
+        if good.mean() < 1.0 - _MISSING:
+            raise SpectrumError(f"record {number}: {int((~good).sum())} of {good.size} densities are missing")
+        frequency, density = self.frequency[good], self.density[number, good]
+        if self.has_tail and frequency[-1] > _TAIL_FROM:
+            density = np.append(density, density[-1] * _TAIL**-5.0)
+            frequency = np.append(frequency, frequency[-1] * _TAIL)
+        return tabulated_from_hertz(frequency, density, name=f"record {number}")
+
+
+def is_for_wavespectra(path: Path) -> bool:
+    """Return whether the file at `path` is NetCDF or SWAN's text, by its first bytes (by its name if broken)."""
+    with path.open("rb") as file:
+        begin = file.read(16)
+    if begin.startswith(_NETCDF) or begin.lstrip().upper().startswith(b"SWAN"):
+        return True
+    return path.suffix.lower() in _ENDINGS
+
+
+def read_with_wavespectra(path: Path, *, accept_implausible: bool = False) -> SpectrumFile:
     """Read the file at `path` by `wavespectra`; directions are summed, of several sites the first is taken and said.
+
+    Parameters
+    ----------
+    path : of the file
+    accept_implausible : keep records that cannot well be a sea, which else are left out; both are in the warnings
 
     Raises SpectrumFileError when the library is not installed, cannot read the file, or finds no usable spectrum.
     """
     try:
         import wavespectra  # noqa: PLC0415  an extra: only needed for these files
+        import xarray  # noqa: PLC0415
     except ImportError as error:
         raise SpectrumFileError(f"{path}: reading it needs wavespectra; {how_to_install('wavespectra')}") from error
-    dataset, refusals = None, []
-    for name in _READERS[path.suffix.lower()]:
-        try:
-            dataset = getattr(wavespectra, name)(str(path))
-            break
-        except Exception as error:
-            refusals.append(f"{name}: {str(error).splitlines()[0] if str(error) else type(error).__name__}")
-    if dataset is None:
-        raise SpectrumFileError(f"{path}: wavespectra cannot read it ({'; '.join(refusals)})")
-    return _records(path, dataset)
+    heights = None
+    try:
+        if path.suffix.lower() in _ENDINGS or _is_netcdf(path):
+            with xarray.open_dataset(path) as opened:
+                name = _reader_of(path, set(opened.variables) | set(opened.dims))
+                heights = next((opened[own].load() for own in _OWN_HEIGHTS if own in opened), None)
+        else:
+            name = "read_swan"
+        dataset = getattr(wavespectra, name)(str(path), **_OPTIONS.get(name, {}))
+        frequency, density, times, warnings = _one_site(path, dataset)
+    except SpectrumFileError:
+        raise
+    except Exception as error:  # the library and its backends raise what they like
+        first = (str(error) or type(error).__name__).splitlines()[0]
+        raise SpectrumFileError(f"{path}: wavespectra cannot read it: {first}") from error
+    table = _Table(frequency, density, times, has_tail=name != "read_ndbc")
+    records = _records(path, table, warnings, accept_implausible)
+    _compare(path, records, heights, warnings)
+    return SpectrumFile(str(path), tuple(sorted(records, key=lambda record: record.time)), tuple(warnings))
 
 
-def _records(path: Path, dataset: Any) -> SpectrumFile:
+def _is_netcdf(path: Path) -> bool:
+    with path.open("rb") as file:
+        return file.read(4).startswith(_NETCDF)
+
+
+def _reader_of(path: Path, names: Collection[Any]) -> str:
+    """Return the name of the library's reader for a file with the variables `names`."""
+    for _, reader, needed in _CONVENTIONS:
+        if needed <= set(names):
+            return reader
+    found = ", ".join(sorted(map(str, names))) or "none"
+    makers = "; ".join(f"{maker}: {', '.join(sorted(needed))}" for maker, _, needed in _CONVENTIONS)
+    raise SpectrumFileError(
+        f"{path}: has no wave spectra of a known kind: its variables are {found}, expected ({makers})"
+    )
+
+
+def _one_site(path: Path, dataset: Any) -> tuple[Array, Array, Array, list[str]]:
+    """Return frequency [Hz], density [m^2/Hz] (time, frequency), times and warnings of the first site."""
+    if "efth" not in dataset or "freq" not in dataset["efth"].dims:
+        raise SpectrumFileError(f"{path}: wavespectra finds no density over frequency in it")
     warnings: list[str] = []
-    density = dataset.efth.spec.oned() if "dir" in dataset.efth.dims else dataset.efth
-    for dimension in [name for name in density.dims if name not in ("time", "freq")]:
+    density = dataset["efth"]
+    for dimension in [name for name in density.dims if name not in ("time", "freq", "dir")]:
         if density.sizes[dimension] > 1:
             warnings.append(f"{path}: has {density.sizes[dimension]} entries along {dimension}: the first is used")
         density = density.isel({dimension: 0})
     if "time" not in density.dims:
         density = density.expand_dims("time")
-    values = density.transpose("time", "freq").to_numpy()
+    if "dir" in density.dims:
+        values = density.transpose("time", "freq", "dir").to_numpy().astype(float)
+        values = values @ _direction_weights(path, density["dir"].to_numpy().astype(float))
+    else:
+        values = density.transpose("time", "freq").to_numpy().astype(float)
     frequency = density["freq"].to_numpy().astype(float)
+    order = np.argsort(frequency)
+    order = order[frequency[order] > 0.0]  # a density at frequency 0 is no wave
     times = density["time"].to_numpy() if "time" in density.coords else np.zeros(len(values), "datetime64[s]")
-    records = []
-    for number, (time, row) in enumerate(zip(times, values, strict=True)):
+    return frequency[order], values[:, order], times, warnings
+
+
+def _direction_weights(path: Path, direction: Array) -> Array:
+    """Return the width of each direction of a rose [deg]: half the way to both neighbours.
+
+    A direction that is there twice counts once; a rose that is not closed has no width across its gap.
+    """
+    unique, first = np.unique(np.round(np.mod(direction, 360.0), 6), return_index=True)
+    if unique.size < 2 or not np.isfinite(direction).all():
+        raise SpectrumFileError(f"{path}: has {unique.size} directions: a spectrum over direction needs 2 at least")
+    gaps = np.diff(np.append(unique, unique[0] + 360.0))
+    usual = float(np.median(gaps))
+    gaps = np.where(gaps > 1.9 * usual, usual, gaps)
+    weights = np.zeros(direction.size)
+    weights[first] = 0.5 * (gaps + np.roll(gaps, 1))
+    return weights
+
+
+def _records(path: Path, table: _Table, warnings: list[str], accept: bool) -> list[SpectrumRecord]:
+    """Return the usable records of a table; what is left out goes into the warnings."""
+    records, doubtful = [], []
+    for number, time in enumerate(table.times):
         try:
-            spectrum = tabulated_from_hertz(frequency, np.asarray(row, dtype=float), name=f"record {number}")
+            spectrum = table.spectrum(number)
         except SpectrumError as error:
             warnings.append(f"{path}: skipped: {error}")
             continue
-        seconds = np.datetime64(time, "s").astype(int) if np.issubdtype(times.dtype, np.datetime64) else 0
-        records.append(SpectrumRecord(datetime.fromtimestamp(int(seconds), tz=timezone.utc), spectrum))
+        doubt = doubt_of(spectrum)
+        if doubt:
+            doubtful.append(f"record {number}: {doubt}")
+        if accept or not doubt:
+            seconds = np.datetime64(time, "s").astype(int) if np.issubdtype(table.times.dtype, np.datetime64) else 0
+            records.append(SpectrumRecord(datetime.fromtimestamp(int(seconds), tz=timezone.utc), spectrum))
+    if doubtful:
+        what = "kept" if accept else "skipped"
+        warnings.append(f"{path}: {len(doubtful)} records that cannot well be a sea {what}, the first {doubtful[0]}")
     if not records:
-        raise SpectrumFileError(f"{path}: no usable spectrum: {'; '.join(warnings) or 'the file is empty'}")
-    return SpectrumFile(str(path), tuple(sorted(records, key=lambda record: record.time)), tuple(warnings))
+        refuse_without_records(str(path), warnings)
+    return records
+
+
+def _compare(path: Path, records: list[SpectrumRecord], heights: Any, warnings: list[str]) -> None:
+    """Warn where the height of the first record is not the one that the file itself states."""
+    stated = np.asarray(heights, dtype=float).ravel() if heights is not None else np.empty(0)
+    first = records[0].spectrum.significant_wave_height
+    if stated.size and stated[0] > 0.05 and abs(first / stated[0] - 1.0) > _LARGEST_DIFFERENCE:
+        warnings.append(
+            f"{path}: the first spectrum has a significant wave height of {first:.3g} m, the file states "
+            f"{stated[0]:.3g} m: another unit or convention of directions?"
+        )

@@ -17,7 +17,10 @@ from wave_vessel_node.vessel.second_order import SecondOrderVessel
 
 def build(scene: Scene) -> MotionSource:
     """Return the source `file` of a scene; what was repaired in the file is added to the scene's warnings."""
-    recording = read_recording(scene.parameters.recording_file, scene.parameters.recording_topic)
+    parameters = scene.parameters
+    recording = read_recording(
+        parameters.recording_file, parameters.recording_topic, accept_implausible=parameters.accept_implausible
+    )
     scene.warnings.extend(recording.warnings)
     vessel = scene.vessel if scene.parameters.recording_kind == "elevation" else None
     return RecordedSource(recording, vessel, scene.tick_period)

@@ -1,23 +1,31 @@
 """Recordings of boom-tip motion or of wave elevation, from CSV or from a bag (MCAP).
 
-CSV: comment lines begin with #, then a header and rows. Motion: columns time_s and z_m (or heave_m), x_m and y_m if
-there are; elevation: time_s and elevation_m.
+CSV: comment lines begin with #, then a header and rows, in any form of `heave_node.columns`. Motion: columns time_s and
+z_m (or heave_m), x_m and y_m if there are; elevation: time_s and elevation_m.
 """
 
 from __future__ import annotations
 
-import csv
+import math
 import struct
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from heave_node.columns import ColumnsError, read_columns
+from heave_node.interface.codes import MruStatus
 from heave_node.numerics.arrays import Array
+from heave_node.plausible import question, refusal
+from heave_node.text_files import TextFileError, read_text
 from mcap.exceptions import McapError
 from mcap.reader import make_reader
 
+from wave_vessel_node.implausible import ACCEPT
+
 _LONGEST_GAP = 2.0  # s between samples; longer gaps cannot be interpolated
+_LONGEST_STANDSTILL = 10.0
+"""Longer than this no ship and no sea stands exactly still [s]."""
 _COLUMNS = {"x_m": 0, "y_m": 1, "z_m": 2, "heave_m": 2, "elevation_m": 2}
 
 
@@ -43,17 +51,18 @@ class Recording:
     warnings: tuple[str, ...]
 
 
-def read_recording(path: str | Path, topic: str = "boom_tip") -> Recording:
+def read_recording(path: str | Path, topic: str = "boom_tip", *, accept_implausible: bool = False) -> Recording:
     """Read a recording.
 
     Parameters
     ----------
     path : a .csv file, an .mcap file, or a bag folder with one
     topic : last part of the topic's name in a bag
+    accept_implausible : take figures that cannot well be as they are; they are in the warnings
 
-    The mean is taken out, time begins at 0. Samples that are not numbers or not later than the one before are left
-    out, with a warning. Raises RecordingError when the file is missing, of another kind, has a gap of more than 2 s, or
-    fewer than 10 samples.
+    The mean is taken out, time begins at 0. Samples that are not numbers, that the MRU calls invalid, or that are not
+    later than the one before are left out, with a warning. Raises RecordingError when the file is missing, of another
+    kind, has a gap of more than 2 s, fewer than 10 samples, or figures that cannot well be (`heave_node.plausible`).
     """
     path = Path(path)
     if not path.exists():
@@ -61,17 +70,18 @@ def read_recording(path: str | Path, topic: str = "boom_tip") -> Recording:
     if path.suffix.lower() == ".csv":
         samples = list(_csv_samples(path))
     elif path.is_dir() or path.suffix.lower() == ".mcap":
-        samples = list(_bag_samples(path, topic))
+        # by their stamps: neither the names of split files nor the order in a file say what comes first
+        samples = sorted(_bag_samples(path, topic), key=lambda sample: sample[0])
     else:
         raise RecordingError(f"{path}: expected a .csv file, an .mcap file or a bag folder")
-    return _checked(path, np.array(samples).reshape(-1, 4))
+    return _checked(path, np.array(samples).reshape(-1, 4), accept_implausible)
 
 
-def _checked(path: Path, samples: Array) -> Recording:
+def _checked(path: Path, samples: Array, accept: bool) -> Recording:
     good = np.isfinite(samples).all(axis=1)
     warnings = []
     if not good.all():
-        warnings.append(f"{path}: {int((~good).sum())} non-numeric samples skipped")
+        warnings.append(f"{path}: {int((~good).sum())} non-numeric or invalid samples skipped")
     samples = samples[good]
     if len(samples):
         later = np.concatenate(([True], samples[1:, 0] > np.maximum.accumulate(samples[:, 0])[:-1]))
@@ -86,36 +96,63 @@ def _checked(path: Path, samples: Array) -> Recording:
             f"{path}: no sample for {gap.max():.1f} s after {samples[np.argmax(gap), 0]:g} s: "
             f"gaps may be at most {_LONGEST_GAP:g} s"
         )
+    doubts = _questions(samples[:, 0], samples[:, 3])
+    if doubts and not accept:
+        raise RecordingError(f"{path}: {refusal(doubts, ACCEPT)}")
+    warnings += [f"{path}: {text}" for text in (*doubts, *_standstill(samples[:, 0], samples[:, 3]))]
     position = samples[:, 1:] - samples[:, 1:].mean(axis=0)
     return Recording(str(path), samples[:, 0] - samples[0, 0], position, tuple(warnings))
 
 
+def _questions(time: Array, heave: Array) -> list[str]:
+    """Return what is doubtful about heave or elevation [m] over time [s]."""
+    about = heave - np.median(heave)
+    worst = int(np.argmax(np.abs(about)))
+    asked = (
+        question("heave", float(abs(about[worst])), f"at {time[worst]:g} s"),
+        question("four standard deviations of heave", 4.0 * float(heave.std())),
+    )
+    return [doubt for doubt in asked if doubt]
+
+
+def _standstill(time: Array, heave: Array) -> list[str]:
+    """Return the line that says for how long a heave that moves else stands still, if that is long."""
+    starts = np.concatenate(([0], np.flatnonzero(np.diff(heave) != 0.0) + 1))
+    lasted = time[np.append(starts[1:], heave.size) - 1] - time[starts]
+    longest = int(np.argmax(lasted))
+    if starts.size < 2 or lasted[longest] <= _LONGEST_STANDSTILL:
+        return []
+    return [f"stands still for {lasted[longest]:.1f} s from {time[starts[longest]]:g} s on: was the sensor stuck?"]
+
+
 def _csv_samples(path: Path) -> Iterator[tuple[float, float, float, float]]:
     try:
-        lines = path.read_text(encoding="utf-8").splitlines()
-    except UnicodeDecodeError as error:
-        raise RecordingError(f"{path}: is not a text file") from error
-    numbered = [(n, line) for n, line in enumerate(lines, 1) if line.strip() and not line.startswith("#")]
-    if not numbered:
-        raise RecordingError(f"{path}: is empty")
-    rows = csv.reader(line for _, line in numbered)
-    header = [name.strip() for name in next(rows)]
+        table = read_columns(read_text(path).lines, ("time_s", *_COLUMNS))
+    except TextFileError as error:
+        raise RecordingError(str(error)) from error
+    except ColumnsError as error:
+        raise RecordingError(f"{path}: {error}") from error
+    header = table.header
     places = {_COLUMNS[name]: header.index(name) for name in header if name in _COLUMNS}
     if "time_s" not in header or 2 not in places:
-        raise RecordingError(f"{path}: line {numbered[0][0]}: expected columns time_s and z_m, heave_m or elevation_m")
-    time = header.index("time_s")
-    for (number, _), row in zip(numbered[1:], rows, strict=True):
+        raise RecordingError(
+            f"{path}: line {table.header_line}: expected columns time_s and z_m, heave_m or elevation_m; other logs "
+            "are made to this by `heave import`"
+        )
+    wanted = [header.index("time_s"), *(places.get(axis, -1) for axis in range(3))]
+    for number, row in zip(table.lines, table.rows, strict=True):
         if len(row) != len(header):
             raise RecordingError(f"{path}: line {number}: {len(row)} values where the header has {len(header)} columns")
-        try:
-            x, y, z = (float(row[places[axis]]) if axis in places else 0.0 for axis in range(3))
-            yield float(row[time]), x, y, z
-        except ValueError as error:
-            raise RecordingError(f"{path}: line {number}: {error}") from None
+        time, x, y, z = (table.number(row[place]) if place >= 0 else 0.0 for place in wanted)
+        for place, value in zip(wanted, (time, x, y, z), strict=True):
+            if math.isnan(value) and row[place].strip().lower().lstrip("+-") != "nan":
+                raise RecordingError(f"{path}: line {number}: {row[place]!r} is not a number")
+        yield time, x, y, z
 
 
 def _bag_samples(path: Path, topic: str) -> Iterator[tuple[float, float, float, float]]:
-    files = sorted(path.glob("*.mcap")) if path.is_dir() else [path]
+    inside = sorted(file for file in path.glob("*.mcap") if not file.name.startswith("._"))  # macOS leaves such
+    files = inside if path.is_dir() else [path]
     if not files:
         raise RecordingError(f"{path}: the folder has no .mcap file")
     found = set()
@@ -169,8 +206,9 @@ def _point_motion(cdr: _Cdr) -> tuple[float, float, float, float]:
 def _mru_sample(cdr: _Cdr) -> tuple[float, float, float, float]:
     time = cdr.header()
     cdr.read("I")
-    cdr.read("B")
-    return time, 0.0, 0.0, cdr.read("d")
+    status = int(cdr.read("B"))
+    heave = cdr.read("d")
+    return time, 0.0, 0.0, math.nan if status == MruStatus.INVALID else heave
 
 
 def _wave_elevation(cdr: _Cdr) -> tuple[float, float, float, float]:

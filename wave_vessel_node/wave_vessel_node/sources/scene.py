@@ -115,7 +115,8 @@ def _read_rao(parameters: WaveVesselParameters, warnings: list[str]) -> Response
     vessel, course = parameters.vessel, parameters.course
     fastest = max(course.speed, course.speed + course.speed_change)
     speeds = sorted({0.0, course.speed, max(0.0, course.speed + course.speed_change)})
-    table = read_rao(vessel.rao_file, speeds)
+    table = read_rao(vessel.rao_file, speeds, parameters.accept_implausible)
+    warnings.extend(table.warnings)
     if fastest > table.speed[-1] + 1e-9:
         warnings.append(
             f"{vessel.rao_file or 'shipped RAO'}: covers speeds up to {table.speed[-1]:g} m/s, but the course "
@@ -128,4 +129,7 @@ def _fit_vessel(parameters: WaveVesselParameters, spectrum: WaveSpectrum) -> Ves
     """Fit the second-order vessel to the RAO of the boom tip, in this sea, at the first heading and speed."""
     vessel, course = parameters.vessel, parameters.course
     heading = parameters.direction - course.heading
-    return VesselOnCourse(vessel.rao_file, vessel.boom_tip_arm, heading, course.speed).fit(spectrum)
+    on_course = VesselOnCourse(
+        vessel.rao_file, vessel.boom_tip_arm, heading, course.speed, parameters.accept_implausible
+    )
+    return on_course.fit(spectrum)

@@ -64,12 +64,14 @@ class VesselOnCourse:
     boom_tip_arm : boom tip from the vessel's reference point [m], shape (3,)
     heading : of the waves relative to the bow [rad]
     speed : forward speed [m/s]
+    accept_implausible : take RAOs that cannot well be, as `read_rao` does
     """
 
     rao_file: str
     boom_tip_arm: tuple[float, ...]
     heading: float
     speed: float
+    accept_implausible: bool = False
 
     def response(self, omega: Array) -> NDArray[np.complex128]:
         """Return boom-tip heave per wave amplitude at `omega` [rad/s], shape (n,); raise RaoError for a wrong file."""
@@ -97,7 +99,7 @@ def _heave_on_course(vessel: VesselOnCourse, changed: int) -> CubicSpline:  # no
     vessel : and its course
     changed : when the file of RAOs was: a new file is read anew
     """
-    table = read_rao(vessel.rao_file, sorted({0.0, vessel.speed}))
+    table = read_rao(vessel.rao_file, sorted({0.0, vessel.speed}), vessel.accept_implausible)
     heave = boom_tip_heave_response(table, table.frequency, vessel.heading, vessel.speed, np.array(vessel.boom_tip_arm))
     return CubicSpline(table.frequency, heave)
 

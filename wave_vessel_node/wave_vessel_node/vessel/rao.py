@@ -15,7 +15,8 @@ from heave_node.numerics.constants import STANDARD_GRAVITY
 from numpy.typing import ArrayLike
 from scipy.interpolate import CubicSpline
 
-_MIRROR = np.array([1.0, -1.0, 1.0, -1.0, 1.0, -1.0])  # motions of a ship with waves from the other side
+MIRROR = np.array([1.0, -1.0, 1.0, -1.0, 1.0, -1.0])
+"""Factor of each motion of a symmetric ship when the waves come from the other side."""
 
 
 class RaoError(ValueError):
@@ -32,12 +33,14 @@ class ResponseTable:
     heading : relative wave headings [rad], shape (h,), rising, 0 to pi (a symmetric ship, mirrored) or 0 to below 2 pi
     frequency : wave frequency (not of encounter) [rad/s], shape (f,), rising
     response : shape (s, h, 6, f), [m/m] for surge, sway, heave and [rad/m] for roll, pitch, yaw
+    warnings : what its reader found out or left out, one line each
     """
 
     speed: Array
     heading: Array
     frequency: Array
     response: ComplexArray
+    warnings: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         shape = (self.speed.size, self.heading.size, 6, self.frequency.size)
@@ -58,6 +61,12 @@ class ResponseTable:
             raise RaoError(f"headings must lie from 0 to below 2 pi rad, they are {reach}: {hint}")
         if self.heading[0] > 1e-6 or self.heading[-1] < np.pi - 1e-3:
             raise RaoError("headings must span 0 to pi (symmetric ship) or the full circle from 0")
+        headings = self._headings()
+        gap = int(np.argmax(np.diff(headings)))
+        if headings[gap + 1] - headings[gap] > np.pi + 1e-3:
+            raise RaoError(
+                f"headings leave {headings[gap + 1] - headings[gap]:.3g} rad of the circle out after {headings[gap]:g}"
+            )
 
     def at(self, frequency: ArrayLike, heading: ArrayLike, speed: float = 0.0) -> ComplexArray:
         """Return H at pairs of wave frequency and relative heading, shape (6, n); see `SampledResponse`.
@@ -102,7 +111,7 @@ class ResponseTable:
 
     def _all_round(self, response: ComplexArray) -> ComplexArray:
         if self._is_half():
-            mirrored = response[-2::-1] * _MIRROR[:, None]
+            mirrored = response[-2::-1] * MIRROR[:, None]
             response = np.concatenate((response, mirrored))
             # in line with the waves a symmetric ship has no sway, roll or yaw: what rounding left would break the
             # period

@@ -134,7 +134,7 @@ def sea_spectrum(sea: SeaModelParameters) -> WaveSpectrum:
 
 def _on_course(sea: SeaModelParameters, vessel: VesselModelParameters) -> VesselOnCourse:
     heading = sea.direction - vessel.heading
-    return VesselOnCourse(vessel.rao_file, vessel.boom_tip_arm, heading, vessel.speed)
+    return VesselOnCourse(vessel.rao_file, vessel.boom_tip_arm, heading, vessel.speed, vessel.accept_implausible)
 
 
 @lru_cache(maxsize=64)

@@ -180,6 +180,9 @@ class VesselModelParameters:
         unit="",
         description="RAO table (models rao, fitted), .csv or Capytaine .nc; empty is the hull form shipped.",
     )
+    accept_implausible: bool = parameter(
+        False, unit="", description="Take RAOs of rao_file that cannot well be as they are."
+    )
     boom_tip_arm: tuple[float, ...] = parameter(
         (-20.0, 10.0, 15.0),
         unit="m",

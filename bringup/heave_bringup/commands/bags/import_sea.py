@@ -4,15 +4,19 @@ from __future__ import annotations
 
 import argparse
 import os
+import shlex
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from heave_bags.play.ship_time import DATE_ORDERS
 from heave_bags.play.window import DEFAULT_BRIDGE, LONGEST_BRIDGE, Window
 
 from heave_bringup.commands.command import Command, add_model
 from heave_bringup.errors import CommandError
 
 if TYPE_CHECKING:
+    from heave_bags.play.sea_mapping import SeaMapping
     from heave_node.numerics.arrays import Array
     from heave_node.numerics.spectral_estimate import HeightAndPeriod
     from heave_node.scenario import Sections
@@ -20,7 +24,9 @@ if TYPE_CHECKING:
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the command's own arguments to `parser`."""
-    parser.add_argument("source", metavar="BAG|LOG", type=Path, help="bag folder, MCAP file, or log (.csv, .txt, .log)")
+    parser.add_argument(
+        "source", metavar="BAG|LOG", type=Path, help="bag folder, MCAP file, or log: a text file of columns"
+    )
     chosen = parser.add_mutually_exclusive_group(required=True)
     chosen.add_argument("--topic", help="the one topic of a standard type that holds the motion")
     chosen.add_argument("--column", help="the one column of a log that holds heave [m], positive up")
@@ -47,13 +53,32 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="S",
         help=f"longest gap that is interpolated over, at most {LONGEST_BRIDGE:g} s (default: {DEFAULT_BRIDGE:g})",
     )
+    _add_log_options(parser)
+    parser.add_argument(
+        "--accept-implausible",
+        action="store_true",
+        help="take figures that cannot well be (heave of 130 m, fill values, a sensor that stands still) as they are",
+    )
     parser.add_argument("--force", action="store_true", help="write over files that are there")
+
+
+def _add_log_options(parser: argparse.ArgumentParser) -> None:
+    """Add what says how a log in columns is read, over what the mapping file says."""
+    parser.add_argument("--scale", type=float, metavar="X", help="of --column: metres = X * number, as 0.01 for cm")
+    parser.add_argument(
+        "--time-column",
+        nargs="+",
+        metavar="NAME",
+        help="heading of the time, those of date and time, or of GPS week and seconds (default: found by their names)",
+    )
+    parser.add_argument("--time-scale", type=float, metavar="X", help="seconds = X * number, as 0.001 for milliseconds")
+    parser.add_argument("--date-order", choices=DATE_ORDERS, help="how to read 01/03/2025 (default: as the dates show)")
 
 
 def execute(options: argparse.Namespace) -> None:
     """Write the boom-tip motion as CSV, a scenario that believes it, and say how to run, as `options` say."""
-    from heave_bags.play.sea_import import Channel, SeaMapping, import_sea, read_mapping, write_sea
-    from heave_bags.play.ship_log import time_words
+    from heave_bags.play.sea_import import import_sea, write_sea
+    from heave_bags.play.ship_time import time_words
 
     from heave_bringup.bag_paths import bag_folders
     from heave_bringup.output import write_result
@@ -66,9 +91,7 @@ def execute(options: argparse.Namespace) -> None:
             raise CommandError(f"--{option} {target}: is the record itself, which is never written over; name another")
         if target is not None and target.exists() and not options.force:
             raise CommandError(f"--{option} {target}: is there already; --force writes over it")
-    mapping = SeaMapping({"heave": Channel(column=options.column)}) if options.column else None
-    wanted = mapping or options.topic or read_mapping(options.mapping)
-    sea = import_sea(source, wanted, window)
+    sea = import_sea(source, _mapping_of(options), window, accept_implausible=options.accept_implausible)
     write_sea(sea, options.output, source)
     heave = sea.position[:, 2]
     estimate, words = _height_and_period(heave, float(sea.time[1] - sea.time[0]))
@@ -94,6 +117,27 @@ def execute(options: argparse.Namespace) -> None:
     write_result(options, "\n".join(text), result)
 
 
+def _mapping_of(options: argparse.Namespace) -> SeaMapping | str:
+    """Return where the motion is found, as `options` say: a mapping, or the name of a topic."""
+    from heave_bags.play.sea_mapping import Channel, SeaMapping, read_mapping
+
+    of_log = {
+        name: value
+        for name in ("time_column", "time_scale", "date_order")
+        if (value := getattr(options, name)) is not None
+    }
+    if options.scale is not None and not options.column:
+        raise CommandError("--scale: belongs to --column; in a mapping file, write scale with each motion")
+    if options.topic:
+        if of_log:
+            raise CommandError(f"--{next(iter(of_log)).replace('_', '-')}: belongs to a log, not to --topic of a bag")
+        return str(options.topic)
+    if options.mapping:
+        return replace(read_mapping(options.mapping), **of_log)
+    scale = 1.0 if options.scale is None else options.scale
+    return SeaMapping({"heave": Channel(column=options.column, scale=scale)}, **of_log)
+
+
 def _how_to_run(
     options: argparse.Namespace, source: Path, estimate: HeightAndPeriod | None, duration: float
 ) -> list[str]:
@@ -102,11 +146,11 @@ def _how_to_run(
         _write_scenario(options, source, estimate, duration)
         return [
             f"{options.scenario}: {options.like} in this sea, which the controller believes",
-            f"run it: heave run {options.scenario}",
+            f"run it: heave run {shlex.quote(str(options.scenario))}",
         ]
     return [
-        "run it: heave run SCENARIO --set wave_vessel.boom_tip_source=file "
-        f"--set wave_vessel.recording_file={options.output.resolve()}",
+        "run it: heave run SCENARIO --set wave_vessel.boom_tip_source=file --set "
+        + shlex.quote(f"wave_vessel.recording_file={options.output.resolve()}"),
         "the controller still assumes the scenario's sea: --scenario FILE writes one that believes this one",
     ]
 

@@ -110,6 +110,7 @@ def execute(options: argparse.Namespace) -> None:
     from heave_bringup.progress import be_quiet
     from heave_bringup.run.criteria import refuse_unknown
     from heave_bringup.run.files import check_files
+    from heave_bringup.run.rest import check_rest
     from heave_bringup.run.run import new_run_folder, run_scenario
     from heave_bringup.scenarios import load_scenario
 
@@ -126,6 +127,8 @@ def execute(options: argparse.Namespace) -> None:
     substitutes = _substitutes(options.from_bag)
     if "wave_vessel" not in (*scenario.run.external, *substitutes):
         check_files(scenario)
+    if "cable_sim" not in (*scenario.run.external, *substitutes):
+        check_rest(scenario)
     folder = new_run_folder(scenario.name, options.bag)
     if scenario.remade:  # the run keeps them, for who runs its scenario again
         scenario = without(load_scenario(options.scenario, settings=settings, folder=folder.files), options.without)

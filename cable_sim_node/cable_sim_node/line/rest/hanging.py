@@ -48,7 +48,7 @@ from cable_sim_node.line.layout import (
 )
 from cable_sim_node.line.step import assemble
 from cable_sim_node.physics.drag import drag_force, resolve
-from cable_sim_node.physics.tension_law import strain_at
+from cable_sim_node.physics.tension_law import strain_at, yielding_words
 
 _PASSES = 200
 
@@ -214,6 +214,15 @@ def bend(line: LineArrays, n: int, tolerance: float) -> bool:
     return False
 
 
+def _cause(line: LineArrays, n: int) -> str:
+    """Return why `n` segments of a line do not hang: their tension law, if they would hang by a straight one."""
+    straight = line._replace(parts=line.parts.copy())
+    straight.parts[:, QUADRATIC] = straight.parts[:, CUBIC] = 0.0
+    if march(straight, n):
+        return yielding_words(float(line.parts[0, QUADRATIC]), float(line.parts[0, CUBIC]))
+    return "the line does not hang: the weight of unit and cable in water must exceed the upward forces"
+
+
 def hang(line: LineArrays, boom_tip: Array) -> None:
     """Put the line at rest under the boom tip, in the current of the present time; a wave is taken to be still.
 
@@ -238,9 +247,7 @@ def hang(line: LineArrays, boom_tip: Array) -> None:
     # the one before
     for _ in range(_PASSES):
         if not march(calm, n):
-            raise NoEquilibriumError(
-                "the line does not hang: the weight of unit and cable in water must exceed the upward forces"
-            )
+            raise NoEquilibriumError(_cause(calm, n))
         miss = boom_tip - line.x[n]
         line.x[: n + 1] += miss
         if np.max(np.abs(miss)) < 1e-12 * total:

@@ -1,0 +1,120 @@
+"""Samples of a ship's record that say nothing of its motion: invalid ones, fill values, a sensor that stands still."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from heave_node.numerics.arrays import Array
+from heave_node.plausible import PLAUSIBLE, question
+from numpy.typing import NDArray
+
+from heave_bags.play.ship_time import time_words
+from heave_bags.play.window import LONGEST_BRIDGE
+from heave_bags.signals import Signal
+
+_FAR = 3.0
+"""A fill value is beyond what is plausible by this factor at least; what is nearer is another unit."""
+_FILL_VALUES = 2
+"""A record uses so many fill values at most."""
+
+
+@dataclass
+class Findings:
+    """What is said of a record, and what is asked.
+
+    Attributes
+    ----------
+    accepts : doubtful figures are taken as they are: what would be asked is said
+    notes : what was found out, left out or bridged, one line each
+    questions : figures that cannot well be, one line each
+    """
+
+    accepts: bool = False
+    notes: list[str] = field(default_factory=list)
+    questions: list[str] = field(default_factory=list)
+    _invalid: dict[str, int] = field(default_factory=dict)
+
+    def ask(self, question: str) -> None:
+        """Add a question; "" is none."""
+        if question:
+            (self.notes if self.accepts else self.questions).append(question)
+
+    def without_invalid(self, name: str, value: Array, good: NDArray[np.bool_], valid: str) -> Array:
+        """Return the samples of a channel, NaN where they are not `good`, which the column or field `valid` says."""
+        bad = ~good & np.isfinite(value)
+        if bad.any():
+            self.notes.append(f"{name}: {int(bad.sum())} samples that {valid} calls invalid left out")
+            self._invalid[name] = int(bad.sum())
+        return np.where(good, value, np.nan)
+
+    def taken_out(self, name: str) -> int:
+        """Return how many samples of a channel were called invalid."""
+        return self._invalid.get(name, 0)
+
+
+def is_valid(status: NDArray[np.int64], invalid_bits: int) -> NDArray[np.bool_]:
+    """Return which samples a `status` calls valid: none of the `invalid_bits` set; if these are 0, a status not 0."""
+    return np.equal(status & invalid_bits, 0) if invalid_bits else np.not_equal(status, 0)
+
+
+def without_fill(name: str, signal: Signal, quantity: str, findings: Findings) -> Signal:
+    """Return a channel without values that stand for none; other values beyond the plausible are asked for.
+
+    Parameters
+    ----------
+    name : of the channel
+    signal : [m] or [rad]
+    quantity : name in PLAUSIBLE; one that is not there has no range
+    findings : takes what is said and asked
+    """
+    if quantity not in PLAUSIBLE or not signal.size:
+        return signal
+    limit = PLAUSIBLE[quantity].most
+    about = signal.value - np.median(signal.value)
+    beyond = np.abs(about) > limit
+    fill = np.abs(about) > _FAR * limit
+    values = np.unique(signal.value[fill])
+    if beyond.any() and not (values.size <= _FILL_VALUES and (fill == beyond).all()):
+        worst = int(np.argmax(np.abs(about)))
+        findings.ask(question(quantity, float(abs(about[worst])), f"{name} at {time_words(signal.time[worst])}"))
+        return signal
+    if not fill.any():
+        return signal
+    words = " and ".join(f"{value:g}" for value in values)
+    at = time_words(signal.time[int(np.argmax(fill))])
+    if findings.accepts:
+        findings.notes.append(f"{name}: {int(fill.sum())} samples of {words}, the first at {at}, are fill values?")
+        return signal
+    findings.notes.append(f"{name}: {int(fill.sum())} samples of {words}, the first at {at}, taken as fill values")
+    return Signal(signal.time[~fill], signal.value[~fill])
+
+
+def without_standstill(name: str, signal: Signal, findings: Findings) -> Signal:
+    """Return a channel without the times, longer than any gap that is bridged, in which its value does not change.
+
+    A sensor or its line is then stuck, for no ship is. A channel that never changes is not measured, and stays. `name`
+    is that of the channel, `signal` its samples; `findings` takes what is said.
+    """
+    if signal.size < 2 or not np.any(signal.value != signal.value[0]):
+        return signal
+    starts = np.concatenate(([0], np.flatnonzero(np.diff(signal.value) != 0.0) + 1))
+    ends = np.append(starts[1:], signal.size) - 1
+    lasted = signal.time[ends] - signal.time[starts]
+    stuck = np.flatnonzero((lasted > LONGEST_BRIDGE) & (ends - starts >= 10))
+    if not stuck.size:
+        return signal
+    longest = stuck[np.argmax(lasted[stuck])]
+    times = f"{stuck.size} times, the longest " if stuck.size > 1 else ""
+    text = (
+        f"{name}: stands still at {signal.value[starts[longest]]:g} {times}for {lasted[longest]:.1f} s from "
+        f"{time_words(signal.time[starts[longest]])}"
+    )
+    if findings.accepts:
+        findings.notes.append(text)
+        return signal
+    findings.notes.append(f"{text}: taken as a gap")
+    kept = np.ones(signal.size, dtype=bool)
+    for run in stuck:
+        kept[starts[run] + 1 : ends[run] + 1] = False
+    return Signal(signal.time[kept], signal.value[kept])

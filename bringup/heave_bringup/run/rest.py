@@ -1,0 +1,26 @@
+"""The cable of a run at rest, looked at before any node starts."""
+
+from __future__ import annotations
+
+from cable_sim_node.errors import PlantError
+from cable_sim_node.parameters import CableSimParameters
+from cable_sim_node.physics.tension_law import overstrained_words
+from cable_sim_node.vertical.axial_line import axial_line
+from heave_node.parameters import ParameterError
+
+from heave_bringup.scenarios import Scenario
+
+
+def check_rest(scenario: Scenario) -> None:
+    """Refuse a cable that would part under its own load in a `scenario`, or whose tension law does not carry it.
+
+    Raises ParameterError with the cause.
+    """
+    plant: CableSimParameters = scenario.parameters["cable_sim"]
+    try:
+        strain = axial_line(plant).static_strain(plant.length)
+    except PlantError as error:
+        raise ParameterError(f"{scenario.path}: cable_sim: {error}") from error
+    words = overstrained_words(strain, plant.cable.axial_stiffness)
+    if words:
+        raise ParameterError(f"{scenario.path}: cable_sim: {words}")

@@ -1,0 +1,79 @@
+"""What cannot well be is refused in one line before anything starts, and taken where the user says so."""
+
+import numpy as np
+import pytest
+from heave_bringup.cli import main
+from heave_bringup.operability.record import read_record
+from heave_bringup.run.rest import check_rest
+from heave_bringup.scenarios import load_scenario
+from heave_node.parameters import ParameterError
+from wave_vessel_node.vessel.rao import ResponseTable
+from wave_vessel_node.vessel.rao_files import write_rao_csv
+
+OMEGA = np.linspace(0.2, 2.0, 10)
+
+
+@pytest.fixture
+def millimetres(tmp_path, monkeypatch):
+    """An RAO table in mm/m, in the folder where the commands are given."""
+    monkeypatch.chdir(tmp_path)
+    response = np.zeros((1, 3, 6, OMEGA.size), dtype=complex)
+    response[:, :, 2] = 1000.0 / (1.0 + 0.5j * OMEGA)
+    headings = np.array([0.0, np.pi / 2.0, np.pi])
+    write_rao_csv("mm.csv", ResponseTable(np.zeros(1), headings, OMEGA, response))
+    return ["--set", "system.vessel.model=rao", "--set", "system.vessel.rao_file=mm.csv"]
+
+
+def test_responses_in_millimetres_are_refused_by_run_and_design(millimetres, capsys):
+    for command in (["run", "b2_calm_300", "--bag", "out"], ["design", "unit_1500"]):
+        assert main([*command, *millimetres]) != 0
+        (line,) = [line for line in capsys.readouterr().err.splitlines() if "mm.csv" in line]
+        assert "heave in long waves is" in line
+        assert "--set system.accept_implausible=true takes the figures as they are" in line
+
+
+def test_one_word_accepts_them_for_ship_and_controller(millimetres):
+    scenario = load_scenario("b2_calm_300", settings=["system.accept_implausible=true"])
+    assert scenario.parameters["wave_vessel"].accept_implausible
+    assert scenario.parameters["winch_controller"].vessel.accept_implausible
+    assert not scenario.parameters["wave_vessel"].vessel.rao_file
+
+
+@pytest.mark.parametrize(
+    ("setting", "says"),
+    [
+        ("system.cable.axial_stiffness=1000", "it would part; check cable.axial_stiffness (1000 N"),
+        ("system.cable.stiffness_quadratic=-1e4", "stiffness_quadratic = -10000"),
+    ],
+)
+def test_a_cable_that_parts_at_rest_is_refused_before_a_run_by_its_cause(setting, says, tmp_path, capsys):
+    with pytest.raises(ParameterError) as refused:
+        check_rest(load_scenario("b2_calm_300", settings=[setting]))
+    assert says in str(refused.value)
+    assert main(["run", "b2_calm_300", "--bag", str(tmp_path / "out"), "--set", setting]) != 0
+    assert says in capsys.readouterr().err
+    assert not (tmp_path / "out").exists()
+
+
+def test_fill_values_in_a_record_of_seas_are_not_measured(tmp_path):
+    rows = [f"2001-01-01T{hour:02d}:00,{99.0 if hour == 3 else 2.0},{99.0 if hour == 5 else 8.0}" for hour in range(20)]
+    (tmp_path / "seas.csv").write_text("﻿time,hs,tp\n" + "\n".join(rows) + "\n", encoding="utf-8")
+    record = read_record(tmp_path / "seas.csv")
+    assert record.missing == 0.1
+    assert record.states["hs"].max() == 2.0
+    (warning,) = record.warnings
+    assert "2 states that cannot well be count as not measured, the first 2001-01-01 03:00" in warning
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ("time,hs,tp\n2001-01-01T00:00,200,8\n2001-01-01T01:00,150,8\n", "2 of 2 states cannot well be"),
+        ("hs,4,8\n200,1,2\n", "significant wave height is 200 m"),
+        ("hs,0.1,0.2\n2,1,2\n", "peak period is 0.1 s"),
+    ],
+)
+def test_a_record_in_other_units_is_refused(tmp_path, text, says):
+    (tmp_path / "seas.csv").write_text(text)
+    with pytest.raises(ParameterError, match=says):
+        read_record(tmp_path / "seas.csv")

@@ -1,0 +1,72 @@
+"""Text files of all makes: UTF-8 with or without byte order mark, UTF-16, Latin-1; plain or compressed by gzip."""
+
+from __future__ import annotations
+
+import gzip
+import zlib
+from dataclasses import dataclass
+from pathlib import Path
+
+_GZIP, _ZIP, _ZSTD = b"\x1f\x8b", b"PK\x03\x04", b"\x28\xb5\x2f\xfd"
+_UTF_16 = (b"\xff\xfe", b"\xfe\xff")
+_TEXT_CONTROLS = frozenset("\t\n\r\f\v\x1a")
+
+
+class TextFileError(ValueError):
+    """A file that cannot be read as text; the message names the file and says why."""
+
+
+@dataclass(frozen=True)
+class Text:
+    """What a text file holds.
+
+    Attributes
+    ----------
+    lines : without their ends
+    notes : what a reader should know of how it was read, one line each, without the file's name
+    """
+
+    lines: list[str]
+    notes: tuple[str, ...] = ()
+
+
+def read_text(path: Path) -> Text:
+    """Read the text file at `path`.
+
+    Raises TextFileError for a file that is missing, broken, or not text; an archive or workbook is named.
+    """
+    try:
+        data = path.read_bytes()
+        if data.startswith(_GZIP):
+            data = gzip.decompress(data)
+    except (EOFError, OSError, zlib.error) as error:
+        raise TextFileError(f"{path}: cannot be read to its end: {error}") from error
+    if data.startswith(_ZIP):
+        raise TextFileError(f"{path}: is a ZIP archive or an Excel workbook: save it as CSV (or extract it) first")
+    if data.startswith(_ZSTD):
+        raise TextFileError(f"{path}: is compressed by zstd: run `unzstd` on it first")
+    notes = []
+    whole = data.rstrip(b"\0")
+    if len(data) - len(whole) > 1 and not data.startswith(_UTF_16):
+        notes.append(f"{len(data) - len(whole)} zero bytes at its end left out")
+        data = whole
+    text, encoding = _decoded(path, data)
+    if encoding:
+        notes.append(f"read as {encoding}")
+    wrong = next((sign for sign in text if sign < " " and sign not in _TEXT_CONTROLS), None)
+    if wrong is not None:
+        raise TextFileError(f"{path}: is not a text file: it holds the control character {ord(wrong):#04x}")
+    return Text(text.splitlines(), tuple(notes))
+
+
+def _decoded(path: Path, data: bytes) -> tuple[str, str]:
+    """Return the text of `data`, and its encoding where that is not UTF-8."""
+    if data.startswith(_UTF_16):
+        try:
+            return data.decode("utf-16"), "UTF-16"
+        except UnicodeDecodeError as error:
+            raise TextFileError(f"{path}: is not complete UTF-16 text: {error.reason}") from error
+    try:
+        return data.decode("utf-8-sig"), ""
+    except UnicodeDecodeError:
+        return data.decode("latin-1"), "Latin-1"
