@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import random
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 
+from heave_bags.mcap.files import RUN_RECORD
 from heave_bags.mcap.reader import Bag, RawMessage
 from heave_bags.mcap.ros.qos import to_yaml
 from mcap.writer import Writer
@@ -56,3 +57,27 @@ def write_foreign(
                 writer.add_message(channels[message.topic], time, message.data, time)
         writer.finish()
     return folder
+
+
+def copy_messages(bag: Bag, files: Mapping[Path, Iterable[tuple[int, RawMessage]]], **options: object) -> None:
+    """Write numbered messages of a bag to files as another recorder would, in the order in which they come.
+
+    Each file carries the attachments and what the bag says of its run; `options` are of the writer.
+    """
+    for path, messages in files.items():
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with path.open("wb") as stream:
+            writer = Writer(stream, **options)
+            writer.start(profile="ros2", library="rosbag2 0.29")
+            for name, attached in bag.attached.items():
+                writer.add_attachment(0, 0, name, attached.media_type, attached.data)
+            writer.add_metadata(RUN_RECORD, bag.run)
+            channels = {}
+            for name, topic in bag.topics.items():
+                schema = writer.register_schema(topic.type, "ros2msg", topic.schema.encode())
+                channels[name] = writer.register_channel(name, "cdr", schema)
+            for number, message in messages:
+                writer.add_message(
+                    channels[message.topic], message.log_time, message.data, message.publish_time, number
+                )
+            writer.finish()

@@ -214,6 +214,7 @@ def read_run(
     fields = {topic: Fields(columns.get(topic)) for topic in SELECTION}
     record = RunRecord(_name(bag.path.resolve()), RunSignals(), 0.0, 0.0, run=bag.run, outcome=bag.outcome)
     record.losses = bag.losses or surveyed
+    record.notes += bag.notes
     record.notes += [
         f"{topic}: time went backwards {found.resets} times (reset); the last run is shown"
         for topic, found in fields.items()

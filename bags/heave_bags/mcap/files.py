@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import yaml
 from mcap.records import Metadata
@@ -151,20 +151,56 @@ def information_in_record(metadata: Sequence[Metadata]) -> dict[str, Any]:
     return parse_information(texts[-1]) if texts else {}
 
 
+class ListedFile(NamedTuple):
+    """A file as the description of its bag lists it.
+
+    Attributes
+    ----------
+    name : without its folder
+    start, end : log times of its first and last message [ns]; None where that is not known
+    messages : in it; None where that is not known
+    """
+
+    name: str
+    start: int | None = None
+    end: int | None = None
+    messages: int | None = None
+
+
+def listed_files(information: Mapping[str, Any]) -> list[ListedFile]:
+    """Return the files that the `information` on a bag lists, in order; empty where it makes no sense.
+
+    What it says of the last file is not known yet where the bag was being written then.
+    """
+    try:
+        names = [Path(str(path)).name for path in information["relative_file_paths"]]
+        parts = {Path(str(part["path"])).name: part for part in information.get("files") or ()}
+        custom = information.get("custom_data") or {}
+        closed = names[:-1] if RECORDING_MARK.items() <= custom.items() else names
+        return [_listed(name, parts[name]) if name in closed and name in parts else ListedFile(name) for name in names]
+    except (LookupError, TypeError, ValueError, AttributeError):
+        return []
+
+
+def _listed(name: str, part: Mapping[str, Any]) -> ListedFile:
+    start, messages = int(part["starting_time"]["nanoseconds_since_epoch"]), int(part["message_count"])
+    end = start + int(part["duration"]["nanoseconds"])
+    return ListedFile(name, start, end, messages) if messages >= 0 else ListedFile(name)
+
+
 def file_counts(information: Mapping[str, Any]) -> dict[str, int]:
     """Return the number of messages of each file of a completed bag, by name, from its `information`.
 
     Empty for a bag that was being written then, and where the numbers do not agree with each other.
     """
     try:
-        custom = information.get("custom_data") or {}
-        counts = {str(part["path"]): int(part["message_count"]) for part in information["files"]}
+        counts = {part.name: part.messages for part in listed_files(information)}
         by_topic = [int(topic["message_count"]) for topic in information["topics_with_message_count"]]
-        is_final = not RECORDING_MARK.items() <= custom.items()
-        agrees = sum(counts.values()) == sum(by_topic) == int(information["message_count"]) > 0
+        known = {name: count for name, count in counts.items() if count is not None}
+        agrees = sum(known.values()) == sum(by_topic) == int(information["message_count"]) > 0
     except (LookupError, TypeError, ValueError, AttributeError):
         return {}
-    return counts if is_final and agrees and min(counts.values()) >= 0 else {}
+    return known if agrees and len(known) == len(counts) else {}
 
 
 def count_in_record(metadata: Sequence[Metadata]) -> int | None:
@@ -210,18 +246,3 @@ def replace_metadata(bag: Path, text: bytes) -> None:
     temporary = bag / (METADATA_NAME + ".new")
     temporary.write_bytes(text)
     temporary.replace(bag / METADATA_NAME)
-
-
-def is_first_file(path: Path) -> bool:
-    """Return whether the file `path` is the first of its bag, by its name."""
-    return path.stem.endswith("_0")
-
-
-def sorted_files(names: Sequence[Path]) -> list[Path]:
-    """Return the bag files `names` in the order of their number (file 10 after file 9), then by name."""
-
-    def key(path: Path) -> tuple[int, str]:
-        number = path.stem.rsplit("_", 1)[-1]
-        return (int(number) if number.isdigit() else -1, path.name)
-
-    return sorted(names, key=key)

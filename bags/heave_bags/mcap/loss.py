@@ -14,6 +14,7 @@ from heave_bags.errors import one_line
 
 NO_FOOTER = "the file has no index (its writer did not finish)"
 MISSING = "messages are missing"
+MISSING_FILE = "the file is missing, which the bag lists"
 
 
 @dataclass(frozen=True)

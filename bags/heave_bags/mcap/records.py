@@ -21,6 +21,7 @@ from mcap.records import Attachment, Channel, Metadata, Schema
 
 from heave_bags.errors import BagError
 from heave_bags.mcap.bounds import LARGEST_RECORD
+from heave_bags.mcap.packed import open_unpacked
 
 HEAD = struct.Struct("<BQ")
 MESSAGE_HEAD = struct.Struct("<HIQQ")
@@ -91,12 +92,15 @@ class Record(NamedTuple):
 
 
 class RecordFile:
-    """The MCAP file `path` to be read by position; to be used as a context. Raises BagError if it cannot be opened."""
+    """The MCAP file `path` to be read by position, also where it is compressed; to be used as a context.
+
+    Raises BagError if it cannot be opened.
+    """
 
     def __init__(self, path: Path) -> None:
         self.path = path
         try:
-            self._file = os.open(path, os.O_RDONLY)
+            self._file = open_unpacked(path)
             self.size = os.fstat(self._file).st_size
         except OSError as error:
             raise BagError(f"{path}: cannot be read: {error.strerror}") from error

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import shlex
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -18,27 +19,30 @@ from heave_bags.mcap.files import (
     write_metadata,
 )
 from heave_bags.mcap.loss import Loss
+from heave_bags.mcap.packed import is_packed
 from heave_bags.mcap.reader import Bag, Progress, no_progress, summary_of
+from heave_bags.mcap.scan import McapScan
 
 
 @dataclass(frozen=True)
 class Repaired:
-    """What a repair has saved: the `folder` of the new bag, the number of its `messages`, and the `losses`."""
+    """What a repair has saved: `folder` of the new bag, number of its `messages`, `losses`, `notes` on its order."""
 
     folder: Path
     messages: int
     losses: tuple[Loss, ...]
+    notes: tuple[str, ...] = ()
 
     def __str__(self) -> str:
         lines = [f"{self.folder}: {self.messages} messages recovered"]
-        return "\n".join([*lines, *(str(loss) for loss in self.losses)])
+        return "\n".join([*lines, *self.notes, *(str(loss) for loss in self.losses)])
 
 
 def repair(source: str | Path, output: str | Path, *, progress: Progress = no_progress) -> Repaired:
     """Write everything of a bag that can be read to a new, sound and indexed one; the source stays as it is.
 
-    Messages keep their bytes, times and order. `progress` is called with the share done. Raises BagError if there is no
-    bag at `source` or `output` exists.
+    Messages keep their bytes and times, and come in the order in which the bag is read. `progress` is called with the
+    share done. Raises BagError if there is no bag at `source` or `output` exists.
     """
     bag = Bag(source)
     attachments = [Attachment(name, found.media_type, found.data) for name, found in bag.attached.items()]
@@ -52,22 +56,34 @@ def repair(source: str | Path, output: str | Path, *, progress: Progress = no_pr
         count += 1
     lost = "; ".join(str(loss) for loss in bag.losses)
     writer.close({**bag.outcome, "repaired_from": str(bag.path.name), **({"lost": lost} if lost else {})})
-    return Repaired(Path(output), count, tuple(bag.losses))
+    return Repaired(Path(output), count, tuple(bag.losses), tuple(bag.notes))
 
 
 def reindex(folder: str | Path) -> Bag:
-    """Write `metadata.yaml` of a bag again from its files; return the bag.
+    """Write `metadata.yaml` of a bag again from its files; return the bag, whose `losses` name files that hold nothing.
 
-    Raises BagError if `folder` is not a bag folder, or if a file in it is damaged or of an earlier version of this
-    project: `ros2 bag` could not open it, what `repair` makes of it can be opened.
+    Raises BagError if `folder` is not a bag folder, or if a file in it is damaged, compressed or of an earlier version
+    of this project: `ros2 bag` could not open it, what `repair` makes of it can be opened.
     """
     bag = Bag(folder)
     if not bag.path.is_dir():
         raise BagError(f"{bag.path}: only a bag folder has a metadata.yaml")
     summary = summary_of(bag)
-    if bag.losses:
-        raise BagError(f"{bag.losses[0]}; repair the bag instead")
+    damage = [str(loss) for loss in bag.losses if loss.file in bag.files]
+    damage += [f"{path.name} is compressed" for path in bag.files if _is_compressed(path)]
     if any(name == METADATA_RECORD and METADATA_ROOT in values.get(METADATA_KEY, "") for name, values in bag.metadata):
-        raise BagError(f"{bag.path}: ros2 bag cannot play a bag written by an earlier version; repair the bag instead")
+        damage.append(f"{bag.path}: ros2 bag cannot play a bag written by an earlier version")
+    if damage:
+        command = f"heave repair {shlex.quote(str(bag.path))} --output {shlex.quote(f'{bag.path}_repaired')}"
+        raise BagError(f"{damage[0]}; repair the bag instead: {command}")
+    if bag.losses:
+        summary.custom_data = {**summary.custom_data, "lost": "; ".join(str(loss) for loss in bag.losses)}
     write_metadata(bag.path, summary)
     return bag
+
+
+def _is_compressed(path: Path) -> bool:
+    """Return whether a file is compressed as a whole, or its messages one by one."""
+    scan = McapScan(path)
+    next(scan.blocks(), None)
+    return is_packed(path) or scan.contents.is_packed

@@ -8,8 +8,10 @@ from __future__ import annotations
 
 import struct
 import zlib
-from collections.abc import Callable, Iterator, MutableMapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, MutableMapping, Sequence
 from dataclasses import dataclass, field
+from itertools import islice
+from operator import le
 from pathlib import Path
 from typing import NamedTuple
 
@@ -21,6 +23,7 @@ from heave_bags.errors import BagError
 from heave_bags.mcap.bounds import LARGEST_RECORD, LATEST_TIME, unpack, unpack_part
 from heave_bags.mcap.files import count_in_record
 from heave_bags.mcap.loss import NO_FOOTER, Loss, LossAccount
+from heave_bags.mcap.packed import ZSTD_MAGIC, unpack_message
 from heave_bags.mcap.records import CHUNK_HEAD, HEAD, MESSAGE_HEAD, UNPARSEABLE, Record, RecordFile, parse, split_chunk
 from heave_bags.mcap.storage import read_journal
 from heave_bags.mcap.summary import MAGIC, Summary, ends_properly, has_interim_ending, read_summary
@@ -29,25 +32,62 @@ from heave_bags.mcap.writer import LIBRARY
 DAMAGED_CHUNK = (struct.error, zstandard.ZstdError, RuntimeError, ValueError, MemoryError)
 """What unpacking a chunk raises where it is damaged; lz4 raises RuntimeError."""
 
+IN_JOURNAL = -1
+"""Position of messages that lie in the journal beside a file."""
+MOST_IN_BLOCK = 1 << 17
+"""Messages of a block: more of a chunk are several blocks."""
+SMALLEST_MESSAGE = HEAD.size + MESSAGE_HEAD.size
+"""Bytes of a message without data."""
+_READ_AT_ONCE = 1 << 20
 _CHECKED_AT_ONCE = 1 << 20
 
 
-class Message(NamedTuple):
-    """One serialised message.
+class RawMessage(NamedTuple):
+    """One message of `topic` as recorded: `data`, serialised, with `log_time` and `publish_time` [ns]."""
+
+    topic: str
+    log_time: int
+    publish_time: int
+    data: bytes
+
+
+class Place(NamedTuple):
+    """Where messages lie in a file, to be read again.
 
     Attributes
     ----------
-    channel : id
-    log_time, publish_time : [ns]
-    sequence : number that its publisher gave it
-    data : serialised
+    position : of the chunk, or of the first of messages outside of chunks [bytes]; IN_JOURNAL
+    first, until : of the records there [bytes]
     """
 
-    channel: int
-    log_time: int
-    publish_time: int
-    sequence: int
-    data: bytes
+    position: int
+    first: int
+    until: int
+
+
+class Block(NamedTuple):
+    """Messages that lie together in a file, in its order.
+
+    Attributes
+    ----------
+    place : in the file
+    messages : at least one
+    sequences : the number that its publisher gave each; 0 where there is none
+    is_ascending : no log time is before the one of its predecessor
+    """
+
+    place: Place
+    messages: list[RawMessage]
+    sequences: list[int]
+    is_ascending: bool
+
+    @property
+    def span(self) -> tuple[int, int]:
+        """The first and the last log time [ns]."""
+        if self.is_ascending:
+            return self.messages[0].log_time, self.messages[-1].log_time
+        times = [message.log_time for message in self.messages]
+        return min(times), max(times)
 
 
 @dataclass
@@ -59,6 +99,8 @@ class FileContents:
     schemas, channels : by id
     metadata, attachments : in the order of the file
     losses : what could not be read
+    is_own : this project has written the file
+    is_packed : its messages are compressed one by one
     """
 
     schemas: dict[int, Schema] = field(default_factory=dict)
@@ -66,6 +108,8 @@ class FileContents:
     metadata: list[Metadata] = field(default_factory=list)
     attachments: list[Attachment] = field(default_factory=list)
     losses: list[Loss] = field(default_factory=list)
+    is_own: bool = False
+    is_packed: bool = False
     complete: bool = False
     """The end of the data section was reached."""
 
@@ -75,13 +119,13 @@ def _no_progress(_position: int) -> None:
 
 
 class McapScan:
-    """One pass over an MCAP file. `contents` and `counts` fill while `messages` is iterated, and are whole at its end.
+    """One pass over an MCAP file. `contents` and `counts` fill while `blocks` is iterated, and are whole at its end.
 
     Parameters
     ----------
     path : of the file
     start, end : log times [ns]; chunks that lie outside are skipped without being unpacked
-    wanted : whether the messages of a channel are wanted
+    wanted : topics whose messages are wanted; all if None
     expected : how many messages the file has, as is written beside it; None where nothing is
     numbering : the next number of each topic's messages, carried from one file of a bag to the next; a topic that is
         not in it begins with 1. None where the files before this one are not known.
@@ -94,7 +138,7 @@ class McapScan:
         *,
         start: int = 0,
         end: int = LATEST_TIME,
-        wanted: Callable[[Channel], bool] | None = None,
+        wanted: Collection[str] | None = None,
         expected: int | None = None,
         numbering: MutableMapping[str, int] | None = None,
         progress: Callable[[int], None] = _no_progress,
@@ -107,7 +151,10 @@ class McapScan:
         self._end = end
         self._is_whole = start <= 0 and end >= LATEST_TIME
         self._wanted = wanted
-        self._unwanted: set[int] = set()
+        self._topics: dict[int, str] = {}
+        """Topic of each wanted channel."""
+        self._damaged = 0
+        """Messages that were read but could not be unpacked."""
         self._expected = expected
         self._numbering = numbering
         self._next_number: dict[int, int] = {}
@@ -119,11 +166,11 @@ class McapScan:
         self._has_lost_chunk = False
         self._summary: Summary | None = None
 
-    def messages(self) -> Iterator[Message]:
+    def blocks(self) -> Iterator[Block]:
         """Yield the messages in the order of the file. Raises BagError if the file is not MCAP or cannot be opened."""
         with RecordFile(self.path) as file:
             begins = file.read(0, len(MAGIC))
-            if not _is_like_magic(begins):
+            if not is_like_magic(begins):
                 raise BagError(f"{self.path}: not an MCAP file")
             if begins != MAGIC:
                 self._lose(0, "the bytes that every MCAP file begins with are damaged", 0)
@@ -144,14 +191,35 @@ class McapScan:
 
     def _take_channel(self, channel: Channel) -> None:
         self.contents.channels[channel.id] = channel
-        if self._wanted and not self._wanted(channel):
-            self._unwanted.add(channel.id)
+        if self._wanted is None or channel.topic in self._wanted:
+            self._topics[channel.id] = channel.topic
         else:
-            self._unwanted.discard(channel.id)
+            self._topics.pop(channel.id, None)
+
+    def again(self, places: Iterable[Place], contents: FileContents) -> Iterator[Block]:
+        """Yield the messages at `places` of a file that was read before, whose `contents` are known."""
+        for channel in contents.channels.values():
+            self._take_channel(channel)
+        with RecordFile(self.path) as file:
+            for place in places:
+                records = self._records_at(file, place)
+                yield from self._walk(records, place.position, place.first, may_be_cut=True)
+
+    def _records_at(self, file: RecordFile, place: Place) -> bytes:
+        if place.position == IN_JOURNAL:
+            journal = read_journal(self.path)
+            return b"" if journal is None else journal.records[: place.until]
+        record = file.record_at(place.position)
+        if record is None or record.opcode != Opcode.CHUNK:
+            return file.read(place.position, place.until)
+        _, _, size, _, compression, packed = split_chunk(file.read(record.body, min(record.length, LARGEST_RECORD)))
+        is_whole = record.end <= file.size
+        records = unpack(compression, packed, size) if is_whole else unpack_part(compression, packed)
+        return records[: place.until]
 
     # Records -------------------------------------------------------------------------------------------------------
 
-    def _records(self, file: RecordFile) -> Iterator[Message]:
+    def _records(self, file: RecordFile) -> Iterator[Block]:
         position = len(MAGIC)
         while position < file.size:
             self._progress(position)
@@ -168,6 +236,11 @@ class McapScan:
             elif record.opcode == Opcode.DATA_END:
                 yield from self._data_end(file, record)
                 return
+            elif record.opcode == Opcode.MESSAGE:
+                self._settle_lost_chunk()
+                run = _run_of_messages(file, record)
+                yield from self._walk(run, position)
+                position += len(run)
             else:
                 yield from self._record(file, record)
                 position = record.end
@@ -181,7 +254,7 @@ class McapScan:
         self._lose(position, "corrupt records", None)
         return following
 
-    def _record(self, file: RecordFile, record: Record) -> Iterator[Message]:
+    def _record(self, file: RecordFile, record: Record) -> Iterator[Block]:
         if record.opcode == Opcode.MESSAGE_INDEX:
             self._count_lost(record)
             return
@@ -192,16 +265,15 @@ class McapScan:
             yield from self._chunk(file.body(record), record.position)
         elif record.opcode == Opcode.HEADER:
             self._take_header(file.body(record))
-        elif record.opcode == Opcode.MESSAGE:
-            yield from self._walk(file.read(record.position, record.end - record.position), record.position)
         else:
             self._take(record.opcode, file.body(record), record.position)
 
     def _take_header(self, body: bytes) -> None:
         """Note whose file it is: this project's recorders number the messages of each topic without gaps."""
-        self._is_numbered = self._is_whole and body.endswith(struct.pack("<I", len(LIBRARY)) + LIBRARY.encode())
+        self.contents.is_own = is_of_this_project(body)
+        self._is_numbered = self._is_whole and self.contents.is_own
 
-    def _data_end(self, file: RecordFile, record: Record) -> Iterator[Message]:
+    def _data_end(self, file: RecordFile, record: Record) -> Iterator[Block]:
         """Read the journal of a file whose writer was stopped: it ends properly, but has no summary yet."""
         self.contents.complete = True
         (checksum,) = struct.unpack("<I", file.body(record))
@@ -216,18 +288,18 @@ class McapScan:
         elif self._is_whole and self._account.is_empty and checksum not in (0, _checksum(file, record.position)):
             self._lose(0, "data other than messages has changed (the file's checksum does not match)", 0)
 
-    def _journalled(self, file: RecordFile, position: int) -> Iterator[Message]:
+    def _journalled(self, file: RecordFile, position: int) -> Iterator[Block]:
         """Read the journal of what was to follow at `position`, or at the end of a damaged file."""
         self._settle_lost_chunk()
         journal = read_journal(self.path)
         if journal is not None and journal.position in (position, file.size):
-            yield from self._walk(journal.records, position, may_be_cut=True)
+            yield from self._walk(journal.records, IN_JOURNAL, may_be_cut=True)
         elif journal is not None and journal.position > file.size:
             self._lose(position, "the file ends before its journal begins", None)
         if not self._account.is_open:
             self._lose(position, NO_FOOTER, 0)
 
-    def _cut_off(self, file: RecordFile, record: Record) -> Iterator[Message]:
+    def _cut_off(self, file: RecordFile, record: Record) -> Iterator[Block]:
         """Read what exists of the last record; a compressed chunk gives the blocks that are whole."""
         self._settle_lost_chunk()
         journal = read_journal(self.path)
@@ -250,7 +322,7 @@ class McapScan:
 
     # Chunks --------------------------------------------------------------------------------------------------------
 
-    def _chunk(self, body: bytes, position: int) -> Iterator[Message]:
+    def _chunk(self, body: bytes, position: int) -> Iterator[Block]:
         if self._lies_outside(body, position):
             return
         try:
@@ -269,13 +341,17 @@ class McapScan:
             return False
         first, last = struct.unpack_from("<QQ", body)
         outside = (last < self._start or first > self._end) and first <= last
-        return outside and self._summary.chunk_spans.get(position) == (first, last)
+        entry = self._summary.chunks.get(position)
+        return outside and entry is not None and (entry.first, entry.last) == (first, last)
 
-    def _walk(self, records: bytes, position: int, *, may_be_cut: bool = False) -> Iterator[Message]:
+    def _walk(self, records: bytes, position: int, offset: int = 0, *, may_be_cut: bool = False) -> Iterator[Block]:
         """Yield the messages of plain records, which may be cut off in the midst of one if they are a journal's."""
-        offset, size = 0, len(records)
-        unwanted, known, counts = self._unwanted, self.contents.channels, self.counts
+        size, block_at = len(records), offset
+        topics, known, counts = self._topics, self.contents.channels, self.counts
         unpack_head, unpack_message = HEAD.unpack_from, MESSAGE_HEAD.unpack_from
+        start, end, is_after_loss = self._start, self._end, self._account.is_open
+        messages: list[RawMessage] = []
+        sequences: list[int] = []
         undefined = repeated = 0
         while offset + HEAD.size <= size:
             opcode, length = unpack_head(records, offset)
@@ -296,18 +372,52 @@ class McapScan:
             if self._is_numbered and self._is_repeated(channel, sequence):
                 repeated += 1
                 continue
+            data_at = body + MESSAGE_HEAD.size
+            if channel not in counts and records.startswith(ZSTD_MAGIC, data_at):
+                self.contents.is_packed = True
             counts[channel] = counts.get(channel, 0) + 1
-            if self._account.is_open:
+            if is_after_loss:
                 self._account.end_at(log_time)
+                is_after_loss = False
             self._last_time = log_time
-            if channel not in unwanted and self._start <= log_time <= self._end:
-                yield Message(channel, log_time, publish_time, sequence, records[body + MESSAGE_HEAD.size : offset])
+            if channel in topics and start <= log_time <= end:
+                messages.append(RawMessage(topics[channel], log_time, publish_time, records[data_at:offset]))
+                sequences.append(sequence)
+                if len(messages) == MOST_IN_BLOCK:
+                    yield from self._block(Place(position, block_at, offset), messages, sequences)
+                    block_at, messages, sequences = offset, [], []
+        yield from self._block(Place(position, block_at, offset), messages, sequences)
         if offset != size and not may_be_cut:
             self._lose(position, "corrupt records in a chunk", None)
+        self._lose_some(position, repeated, undefined)
+
+    def _lose_some(self, position: int, repeated: int, undefined: int) -> None:
         if repeated:
             self._lose(position, f"{repeated} duplicate messages", 0)
         if undefined:
             self._lose(position, "messages with an undefined channel or an impossible time", undefined)
+
+    def _block(self, place: Place, messages: list[RawMessage], sequences: list[int]) -> Iterator[Block]:
+        """Yield messages as a block, if there are any; those that are compressed one by one are unpacked."""
+        if self.contents.is_packed:
+            found = [(self._unpacked(message), number) for message, number in zip(messages, sequences, strict=True)]
+            sequences = [number for message, number in found if message is not None]
+            kept = [message for message, _ in found if message is not None]
+            if len(kept) < len(messages):
+                self._damaged += len(messages) - len(kept)
+                self._lose(place.position, "messages that cannot be unpacked (zstd)", len(messages) - len(kept))
+            messages = kept
+        if messages:
+            times = [message.log_time for message in messages]
+            is_ascending = all(map(le, times, islice(times, 1, None)))
+            yield Block(place, messages, sequences, is_ascending)
+
+    def _unpacked(self, message: RawMessage) -> RawMessage | None:
+        """Return a message, unpacked if it is compressed by itself; None if it is damaged."""
+        if not message.data.startswith(ZSTD_MAGIC):
+            return message
+        data = unpack_message(message.data)
+        return None if data is None else message._replace(data=data)
 
     def _is_repeated(self, channel: int, sequence: int) -> bool:
         """Return whether a message was read before, and count those that are missing before it."""
@@ -377,17 +487,19 @@ class McapScan:
     def _settle(self) -> None:
         """Report what the pass has lost, once it has reached the end."""
         self._settle_lost_chunk()
-        read = sum(self.counts.values())
+        read = sum(self.counts.values()) - self._damaged
         expected = self._expected if self._expected is not None else count_in_record(self.contents.metadata)
         is_told = self._is_whole and expected is not None and expected >= read
         lacking = expected - read if is_told and expected is not None else None
+        if self._is_whole and expected is not None and self.contents.complete and read > expected:
+            self._lose(0, f"{read - expected} messages more than the file says it has: some are repeated", 0)
         self.contents.losses = self._account.settle(lacking, is_cut=not self.contents.complete)
         if self._numbering is not None:
             channels = self.contents.channels
             self._numbering.update({channels[key].topic: number for key, number in self._next_number.items()})
 
 
-def _is_like_magic(begins: bytes) -> bool:
+def is_like_magic(begins: bytes) -> bool:
     """Return whether the first bytes of a file are those of MCAP, one of them damaged at most."""
     return len(begins) == len(MAGIC) and sum(a != b for a, b in zip(begins, MAGIC, strict=True)) <= 1
 
@@ -400,6 +512,24 @@ def attachment_problem(attachment: Attachment, body: bytes, before: Sequence[Att
     if sum(len(other.data) for other in before) + len(attachment.data) > LARGEST_RECORD:
         return f"the attachment {attachment.name} is skipped: at most {LARGEST_RECORD} bytes of attachments are read"
     return ""
+
+
+def is_of_this_project(header: bytes) -> bool:
+    """Return whether the body of a file's `header` says that this project has written it."""
+    return header.endswith(struct.pack("<I", len(LIBRARY)) + LIBRARY.encode())
+
+
+def _run_of_messages(file: RecordFile, record: Record) -> bytes:
+    """Return a message outside of chunks, with those that follow it without anything between them."""
+    data = file.read(record.position, max(record.end - record.position, _READ_AT_ONCE))
+    end = record.end - record.position
+    while end + HEAD.size <= len(data):
+        opcode, length = HEAD.unpack_from(data, end)
+        following = end + HEAD.size + length
+        if opcode != Opcode.MESSAGE or length < MESSAGE_HEAD.size or following > len(data):
+            break
+        end = following
+    return data[:end]
 
 
 def _checksum(file: RecordFile, end: int) -> int:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import struct
 import zlib
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 from mcap.opcode import Opcode
 from mcap.records import Channel, Schema
@@ -19,10 +20,35 @@ _FOOTER_LENGTH = 20
 _ENDING = _FOOTER.size + len(MAGIC)
 _STATISTICS = struct.Struct("<QHIIIIQQI")
 _COUNT = struct.Struct("<HQ")
-_CHUNK_SPAN = struct.Struct("<QQQ")
+_CHUNK_INDEX = struct.Struct("<QQQQI")
+"""First and last log time, position and length of the chunk, bytes of the map of its message indexes."""
+_CHUNK_SIZES = struct.Struct("<QI")
+"""Bytes of its message indexes, bytes of the name of its compression."""
+_UNPACKED_SIZE = struct.Struct("<8xQ")
+_INDEX_HEAD = 15
+_INDEX_ENTRY = 16
 _OFFSET = struct.Struct("<Q")
 _DATA_END_HEAD = HEAD.pack(Opcode.DATA_END, 4)
 DATA_END_SIZE = HEAD.size + 4
+
+
+class ChunkEntry(NamedTuple):
+    """What the summary says of a chunk.
+
+    Attributes
+    ----------
+    position, length : of its record in the file [bytes]
+    first, last : log times of its messages [ns]
+    size : unpacked [bytes]
+    messages : in it, by its message indexes; None where it has none
+    """
+
+    position: int
+    length: int
+    first: int
+    last: int
+    size: int
+    messages: int | None
 
 
 @dataclass
@@ -34,7 +60,8 @@ class Summary:
     schemas, channels : by id
     message_count, counts : messages in all and by channel; None where the file does not say
     span : first and last log time [ns]; None for a file without messages
-    chunk_spans : first and last log time [ns] of the chunk at each position
+    chunk_count : of the file; None where it does not say
+    chunks : what is said of the chunk at each position
     attachments, metadata : positions of these records
     """
 
@@ -43,7 +70,8 @@ class Summary:
     message_count: int | None = None
     counts: dict[int, int] | None = None
     span: tuple[int, int] | None = None
-    chunk_spans: dict[int, tuple[int, int]] = field(default_factory=dict)
+    chunk_count: int | None = None
+    chunks: dict[int, ChunkEntry] = field(default_factory=dict)
     attachments: list[int] = field(default_factory=list)
     metadata: list[int] = field(default_factory=list)
 
@@ -121,15 +149,25 @@ def _take(summary: Summary, opcode: int, body: memoryview) -> None:
         elif isinstance(record, Channel):
             summary.channels[record.id] = record
     elif opcode == Opcode.STATISTICS:
-        messages, *_, first, last, size = _STATISTICS.unpack_from(body)
+        messages, _, _, _, _, summary.chunk_count, first, last, size = _STATISTICS.unpack_from(body)
         counts = dict(_COUNT.iter_unpack(body[_STATISTICS.size : _STATISTICS.size + size]))
         summary.message_count = messages
         summary.counts = counts if sum(counts.values()) == messages else None
         summary.span = (first, last) if messages else None
     elif opcode == Opcode.CHUNK_INDEX:
-        first, last, position = _CHUNK_SPAN.unpack_from(body)
-        summary.chunk_spans[position] = (first, last)
+        entry = _chunk_entry(body)
+        summary.chunks[entry.position] = entry
     elif opcode == Opcode.ATTACHMENT_INDEX:
         summary.attachments.append(_OFFSET.unpack_from(body)[0])
     elif opcode == Opcode.METADATA_INDEX:
         summary.metadata.append(_OFFSET.unpack_from(body)[0])
+
+
+def _chunk_entry(body: memoryview) -> ChunkEntry:
+    first, last, position, length, offsets = _CHUNK_INDEX.unpack_from(body)
+    sizes_at = _CHUNK_INDEX.size + offsets
+    index_bytes, name = _CHUNK_SIZES.unpack_from(body, sizes_at)
+    (size,) = _UNPACKED_SIZE.unpack_from(body, sizes_at + _CHUNK_SIZES.size + name)
+    channels = offsets // 10
+    messages = (index_bytes - _INDEX_HEAD * channels) // _INDEX_ENTRY if index_bytes else None
+    return ChunkEntry(position, length, first, last, size, messages)

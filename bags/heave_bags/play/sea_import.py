@@ -146,7 +146,7 @@ def _bag_signals(source: Path, mapping: SeaMapping, findings: Findings) -> dict[
     for channel in mapping.channels.values():
         wanted.setdefault(channel.topic, set()).update({channel.field, *_validity_names(channel)})
     columns = bag.columns(wanted)
-    findings.notes += [str(loss) for loss in bag.losses]
+    findings.notes += [*bag.notes, *(str(loss) for loss in bag.losses)]
     signals = {}
     for name, channel in mapping.channels.items():
         topic = columns[channel.topic]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shlex
 from collections.abc import Mapping
 
 from heave_bags.analyse.kpi_set import DEFINITION_OF
@@ -42,7 +43,7 @@ def commented_scenario(sections: Sections, *, title: str, path: str) -> str:
     title : the first line, which `heave list` and reports show
     path : of the file, named in its head
     """
-    lines = [HEAD.format(title=title, path=path).rstrip()]
+    lines = [HEAD.format(title=title, path=shlex.quote(path)).rstrip()]
     for section, values in sections.items():
         node = section.rpartition("/")[2] if section != WILDCARD else WILDCARD
         lines += [f"{section}:  # {SECTION_WORDS.get(node, '')}".rstrip("# "), f"{INDENT}{PARAMETERS_KEY}:"]

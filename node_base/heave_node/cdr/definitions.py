@@ -16,7 +16,7 @@ from pathlib import Path
 from heave_node.cdr.layout import PRIMITIVES, SEPARATOR
 
 _NAME = re.compile(r"[a-z][a-z0-9_]*/msg/[A-Z][A-Za-z0-9]*")
-_FIELD = re.compile(r"^(?P<type>[A-Za-z][\w/]*)(?:<=\d+)?(?:\[(?:<=)?\d*\])?\s+[A-Za-z]\w*\s*(?P<rest>.*)$")
+_FIELD = re.compile(r"^(?P<type>[A-Za-z][\w/]*)(?:<=\d+)?(?:\[(?:<=)?\d*\])?\s+(?P<name>[A-Za-z]\w*)\s*(?P<rest>.*)$")
 
 
 class DefinitionError(LookupError):
@@ -31,10 +31,19 @@ def prefixes() -> list[Path]:
 
 def field_types(text: str) -> Iterator[str]:
     """Yield the type of each field of a .msg text, without bounds and brackets; constants are left out."""
+    return (match["type"] for match in _fields(text))
+
+
+def field_names(text: str) -> list[str]:
+    """Return the name of each field of a .msg text; constants are left out."""
+    return [match["name"] for match in _fields(text)]
+
+
+def _fields(text: str) -> Iterator[re.Match[str]]:
     for line in text.splitlines():
         match = _FIELD.match(line.split("#", 1)[0].strip())
         if match and not match["rest"].startswith("="):
-            yield match["type"]
+            yield match
 
 
 def _split(message_type: str) -> tuple[str, str]:

@@ -28,15 +28,18 @@ def execute(options: argparse.Namespace) -> None:
     (source,) = bag_folders([options.bag])
     if options.reindex:
         bag = reindex(source)
-        text = f"{bag.path}: indexed, {bag.message_count} messages"
-        write_result(options, text, {"bag": str(bag.path), "messages": bag.message_count, "losses": []})
+        losses = [str(loss) for loss in bag.losses]
+        text = "\n".join([f"{bag.path}: indexed, {bag.message_count} messages", *bag.notes, *losses])
+        result = {"bag": str(bag.path), "messages": bag.message_count, "losses": losses, "notes": bag.notes}
+        write_result(options, text, result)
         return
     with ProgressLine() as progress:
         saved = repair(source, options.output, progress=lambda share: progress.show("saving", share))
     if not saved.messages:
         raise CommandError(f"{source}: nothing in it is readable")
     losses = [str(loss) for loss in saved.losses]
-    write_result(options, str(saved), {"bag": str(saved.folder), "messages": saved.messages, "losses": losses})
+    result = {"bag": str(saved.folder), "messages": saved.messages, "losses": losses, "notes": list(saved.notes)}
+    write_result(options, str(saved), result)
 
 
 COMMAND = Command(

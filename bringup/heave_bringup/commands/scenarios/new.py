@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import shlex
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -40,7 +41,8 @@ def execute(options: argparse.Namespace) -> None:
     title = f"{path.stem}: made from {description_of(model).rstrip('.') or model.stem}"
     text = commented_scenario(sections, title=title, path=str(path))
     write_scenario(path, text, needs_files=False)
-    words = f"{path}: {sum(map(len, sections.values()))} values, each with its meaning\nrun it: heave run {path}"
+    how = f"run it: heave run {shlex.quote(str(path))}"
+    words = f"{path}: {sum(map(len, sections.values()))} values, each with its meaning\n{how}"
     write_result(options, words, {"file": str(path.resolve()), "like": model.stem})
 
 

@@ -1,0 +1,183 @@
+"""What a file of a bag holds, from its summary; from the file itself where it has none."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+from mcap.opcode import Opcode
+from mcap.records import Attachment, Metadata
+
+from heave_bags.mcap.bounds import LARGEST_RECORD
+from heave_bags.mcap.files import FileSummary, ListedFile, information_in_record, listed_files
+from heave_bags.mcap.order import Times
+from heave_bags.mcap.records import UNPARSEABLE, RecordFile, parse
+from heave_bags.mcap.scan import (
+    MOST_IN_BLOCK,
+    SMALLEST_MESSAGE,
+    FileContents,
+    McapScan,
+    attachment_problem,
+    is_of_this_project,
+)
+from heave_bags.mcap.summary import MAGIC, ChunkEntry, Summary, read_summary
+
+
+@dataclass
+class Survey:
+    """What a file holds.
+
+    Attributes
+    ----------
+    path : of the file
+    contents : beside messages
+    counts : messages by channel
+    span : first and last log time [ns]; None without messages
+    blocks : log times of its blocks, in the order of the file; None where its summary does not vouch for them
+    """
+
+    path: Path
+    contents: FileContents
+    counts: dict[int, int]
+    span: Times | None
+    blocks: list[Times] | None
+
+    def summary(self) -> FileSummary:
+        """Return the line of `metadata.yaml` on the file."""
+        start, end = self.span or (0, 0)
+        return FileSummary(self.path.name, start, end, sum(self.counts.values()))
+
+    @cached_property
+    def number(self) -> int | None:
+        """Its number in the bag, from 0, as it says itself; None where it does not."""
+        listed = listed_files(information_in_record(self.contents.metadata))
+        return len(listed) - 1 if listed else None
+
+    @property
+    def is_first(self) -> bool:
+        """Whether the file is the first of its bag."""
+        return self.number == 0 if self.number is not None else _is_named_first(self.path)
+
+    def follows_gap(self, before: Survey) -> bool:
+        """Return whether files are missing between the file `before` and this one, by their numbers."""
+        return self.number is not None and before.number is not None and self.number != before.number + 1
+
+
+def survey_file(path: Path, expected: int | None) -> Survey:
+    """Learn what a file holds, which has `expected` messages; None: that is not known."""
+    with RecordFile(path) as file:
+        summary = read_summary(file)
+        if summary is not None and summary.counts is not None and summary.channels:
+            contents = FileContents(summary.schemas, summary.channels, complete=True)
+            contents.is_own = _is_own(file)
+            if _take_records(file, [*summary.metadata, *summary.attachments], contents):
+                return Survey(path, contents, summary.counts, summary.span, _blocks(summary))
+        is_first = _is_first(file)
+    return _read_through(path, expected, is_first=is_first)
+
+
+def _is_own(file: RecordFile) -> bool:
+    header = file.record_at(len(MAGIC))
+    return header is not None and header.opcode == Opcode.HEADER and is_of_this_project(file.body(header))
+
+
+def _is_first(file: RecordFile) -> bool:
+    """Return whether a file without a summary is the first of its bag, by the record with which its recorder began."""
+    header = file.record_at(len(MAGIC))
+    opening = None if header is None else file.record_at(header.end)
+    contents = FileContents()
+    if opening is not None and opening.opcode == Opcode.METADATA and _take_records(file, [opening.position], contents):
+        return Survey(file.path, contents, {}, None, None).is_first
+    return _is_named_first(file.path)
+
+
+def _is_named_first(path: Path) -> bool:
+    return path.name.split(".", 1)[0].endswith("_0")
+
+
+def _blocks(summary: Summary) -> list[Times] | None:
+    """Return the log times of the chunks of a file, in its order; None where messages may lie elsewhere, or be too many
+    in a chunk.
+    """
+    chunks = [summary.chunks[position] for position in sorted(summary.chunks)]
+    known = [chunk.messages for chunk in chunks if chunk.messages is not None]
+    if len(chunks) != summary.chunk_count or (known and sum(known) != summary.message_count):
+        return None
+    if not chunks and summary.message_count:
+        return None
+    if any(_most_messages(chunk) > MOST_IN_BLOCK for chunk in chunks):
+        return None
+    with_messages = [chunk for chunk in chunks if (chunk.messages if known else chunk.last)]
+    return [(chunk.first, chunk.last) for chunk in with_messages]
+
+
+def _most_messages(chunk: ChunkEntry) -> int:
+    return chunk.size // SMALLEST_MESSAGE if chunk.messages is None else chunk.messages
+
+
+def _take_records(file: RecordFile, positions: Sequence[int], contents: FileContents) -> bool:
+    """Take the attachments and metadata at these positions; tell whether all of them are there, whole."""
+    for position in positions:
+        record = file.record_at(position)
+        if record is None or record.end > file.size or record.length > 2 * LARGEST_RECORD:
+            return False
+        body = file.body(record)
+        try:
+            content = parse(record.opcode, body)
+        except UNPARSEABLE:
+            return False
+        if isinstance(content, Metadata):
+            contents.metadata.append(content)
+        elif isinstance(content, Attachment) and not attachment_problem(content, body, contents.attachments):
+            contents.attachments.append(content)
+        else:
+            return False
+    return True
+
+
+def _read_through(path: Path, expected: int | None, *, is_first: bool) -> Survey:
+    scan = McapScan(path, expected=expected, numbering={} if is_first else None)
+    blocks = [block.span for block in scan.blocks()]
+    span = (min(first for first, _ in blocks), max(last for _, last in blocks)) if blocks else None
+    return Survey(path, scan.contents, scan.counts, span, blocks)
+
+
+def in_order_of_files(surveys: Sequence[Survey], listed: Sequence[ListedFile]) -> list[Survey]:
+    """Return the files of a bag in their order: by their own numbers, as `listed`, or by their log times."""
+    numbers = [survey.number for survey in surveys]
+    if None not in numbers and len(set(numbers)) == len(numbers):
+        return sorted(surveys, key=lambda survey: survey.number or 0)
+    places = {part.name: place for place, part in enumerate(listed)}
+    if all(survey.path.name in places for survey in surveys):
+        return sorted(surveys, key=lambda survey: places[survey.path.name])
+    return sorted(surveys, key=lambda survey: (survey.span or (math.inf,), survey.path.name))
+
+
+def match_listed(
+    surveys: Sequence[Survey], listed: Sequence[ListedFile]
+) -> tuple[dict[Path, ListedFile], list[ListedFile]]:
+    """Return which listed file each file is, by name or, if renamed, by its first message; and the missing ones."""
+    by_name = {part.name: part for part in listed}
+    matched = {survey.path: by_name.pop(survey.path.name) for survey in surveys if survey.path.name in by_name}
+    for survey in surveys:
+        start = survey.span[0] if survey.span else None
+        same = [part for part in by_name.values() if part.start == start or part.start is None or not part.messages]
+        if survey.path not in matched and same:
+            part = next((part for part in same if part.start == start), same[0])
+            matched[survey.path] = by_name.pop(part.name)
+    return matched, [part for part in by_name.values() if part.messages != 0]
+
+
+def copies(surveys: Sequence[Survey], listed: Collection[str]) -> set[Path]:
+    """Return the files that hold the same messages as another, by their times and counts; `listed` ones go first."""
+    found: dict[object, Path] = {}
+    repeated: set[Path] = set()
+    for survey in sorted(surveys, key=lambda survey: (survey.path.name not in listed, survey.path.name)):
+        topics = {survey.contents.channels[channel].topic: count for channel, count in survey.counts.items()}
+        key = (survey.span, tuple(sorted(topics.items())))
+        if survey.span is not None and found.setdefault(key, survey.path) is not survey.path:
+            repeated.add(survey.path)
+    return repeated

@@ -1,0 +1,175 @@
+"""Bags whose files and messages come in any order: the same messages and the same figures, in bounded memory."""
+
+import random
+import shutil
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from foreign_bags import copy_messages
+from heave_bags.analyse import analysis
+from heave_bags.mcap.order import ClockWatch, Merge, Span, are_ascending
+from heave_bags.mcap.reader import Bag, RawMessage
+from heave_bags.mcap.scan import Block, Place
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from made_up_run import MadeUpRun, write_run
+from mcap.writer import CompressionType, Writer
+
+MESSAGE = RawMessage("/a", 0, 0, b"data")
+PLACE = Place(0, 0, 0)
+
+
+class Blocks:
+    """Blocks in memory, which count how often they are read."""
+
+    def __init__(self, blocks: list[list[RawMessage]]) -> None:
+        self.blocks = [block for block in blocks if block]
+        times = [[message.log_time for message in block] for block in self.blocks]
+        self.spans = [Span(number, PLACE, min(part), max(part)) for number, part in enumerate(times)]
+        self.reads = 0
+
+    def read(self, span: Span) -> Iterator[Block]:
+        self.reads += 1
+        block = self.blocks[span.file]
+        yield Block(PLACE, block, [0] * len(block), is_ascending=False)
+
+
+@given(st.lists(st.lists(st.integers(0, 40), max_size=12), max_size=12), st.sampled_from([0, 1500, 10_000, 1 << 30]))
+def test_a_merge_is_a_stable_sort_by_log_time_however_little_it_may_hold(times, most_held):
+    number = iter(range(1000))
+    blocks = Blocks([[MESSAGE._replace(log_time=time, publish_time=next(number)) for time in part] for part in times])
+    merged = list(Merge(blocks.spans, blocks.read, most_held).messages())
+    assert merged == sorted((m for block in blocks.blocks for m in block), key=lambda m: m.log_time)
+
+
+def test_a_merge_reads_each_block_once_where_neighbours_overlap_and_holds_no_more_than_two():
+    times = [[10 * block + step for step in range(11)] for block in range(100)]
+    blocks = Blocks([[MESSAGE._replace(log_time=time) for time in part] for part in times])
+    merge = Merge(blocks.spans, blocks.read)
+    held = 0
+    for _ in merge.messages():
+        held = max(held, len(merge._held))
+    assert blocks.reads == 100
+    assert held <= 22
+
+
+def test_blocks_that_only_touch_are_in_order():
+    assert are_ascending([(0, 5), (5, 9), (9, 9)])
+    assert not are_ascending([(0, 5), (4, 9)])
+
+
+def watch(*stretches: range, topics: int = 1) -> bool:
+    """Return whether messages each second, in these stretches, look like a clock that was reset."""
+    clock = ClockWatch()
+    for stretch in stretches:
+        clock.observe([RawMessage(f"/{n}", t * 10**8, 0, b"") for t in stretch for n in range(topics)])
+    return clock.was_reset
+
+
+def test_a_reset_is_told_from_late_and_shuffled_messages():
+    shuffled = list(range(1000))
+    random.Random(1).shuffle(shuffled)
+    assert watch(range(1000), range(800), topics=3)
+    assert watch(range(1000), range(500), range(900))
+    assert watch(range(30, 1000), range(500)), "a recorder that had joined late"
+    assert not watch(range(1000))
+    assert not watch(range(300), range(600, 900), range(300, 600))
+    assert not watch(range(0, 1000, 2), range(1, 1000, 2)), "two recorders"
+    assert not watch(shuffled)
+    pieces = [range(start, start + 50) for start in range(0, 2000, 50)]
+    random.Random(2).shuffle(pieces)
+    assert not watch(*pieces)
+
+
+READ_SHUFFLED = """
+import sys
+sys.path.insert(0, {tests!r})
+from heave_bags.mcap.reader import Bag
+from memory import peak_memory
+before = peak_memory()
+last = count = 0
+for message in Bag({path!r}).messages():
+    assert message.log_time >= last
+    last, count = message.log_time, count + 1
+print(count, peak_memory() - before)
+"""
+
+
+def test_a_file_without_any_order_that_is_larger_than_what_may_be_held_is_read_in_bounded_memory(tmp_path):
+    count, size = 5_000, 64_000
+    times = list(range(1, count + 1))
+    random.Random(3).shuffle(times)
+    with (tmp_path / "large.mcap").open("wb") as stream:
+        writer = Writer(stream, chunk_size=4 << 20, compression=CompressionType.NONE)
+        writer.start()
+        channel = writer.register_channel("/a", "cdr", 0)
+        for time in times:
+            writer.add_message(channel, time, bytes(size), time)
+        writer.finish()
+    assert (tmp_path / "large.mcap").stat().st_size > 310e6
+    script = READ_SHUFFLED.format(tests=str(Path(__file__).parent), path=str(tmp_path / "large.mcap"))
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
+    read, memory = map(int, done.stdout.split())
+    assert read == count
+    assert memory < 220 << 20  # twice what a merge keeps (64 MiB), a chunk, and what the allocator leaves
+
+
+@pytest.fixture(scope="module")
+def run(tmp_path_factory) -> tuple[Bag, dict]:
+    """Return a run as another recorder has written it in order, and its figures."""
+    folder = tmp_path_factory.mktemp("run")
+    write_run(folder / "own", MadeUpRun(duration=24.0))
+    own = Bag(folder / "own")
+    copy_messages(own, {folder / "ordered" / "ordered_0.mcap": list(enumerate_topics(own))})
+    return own, figures(folder / "ordered")
+
+
+def enumerate_topics(bag: Bag) -> Iterator[tuple[int, RawMessage]]:
+    """Yield the messages of a bag, each with its number in its topic."""
+    numbers: dict[str, int] = {}
+    for message in bag.messages():
+        numbers[message.topic] = numbers.get(message.topic, 0) + 1
+        yield numbers[message.topic], message
+
+
+def figures(folder: Path) -> dict:
+    """Return what `heave kpi` gives of a bag, to every digit, without its name and what it notes of the order."""
+    (record,) = analysis.analyse([folder])
+    content = analysis.to_json(record)
+    assert not content["losses"]
+    assert all("not in the order" in note for note in content["notes"])
+    return {key: repr(value) for key, value in content.items() if key not in ("bag", "notes")}
+
+
+@settings(max_examples=15, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(st.data())
+def test_the_order_of_messages_and_files_and_their_names_change_no_digit_of_a_figure(run, tmp_path, data):
+    own, expected = run
+    chance = data.draw(st.randoms(use_true_random=False))
+    files = data.draw(st.integers(1, 4))
+    shuffled = data.draw(st.sampled_from(["not", "neighbours", "blocks", "all"]))
+    messages = list(enumerate_topics(own))
+    if shuffled == "neighbours":
+        messages = [messages[index ^ 1] for index in range(len(messages) & ~1)] + messages[len(messages) & ~1 :]
+    elif shuffled == "blocks":
+        length = data.draw(st.integers(50, 500))
+        blocks = [messages[start : start + length] for start in range(0, len(messages), length)]
+        chance.shuffle(blocks)
+        messages = [message for block in blocks for message in block]
+    elif shuffled == "all":
+        chance.shuffle(messages)
+    share = -(-len(messages) // files)
+    parts = [messages[start : start + share] for start in range(0, len(messages), share)]
+    if data.draw(st.booleans()):  # each message into any file
+        parts = [[] for _ in parts]
+        for message in messages:
+            chance.choice(parts).append(message)
+    names = data.draw(st.permutations([f"{name}.mcap" for name in ("run_0", "run_1", "z_2026-10", "10")]))
+    folder = tmp_path / "bag"
+    shutil.rmtree(folder, ignore_errors=True)
+    chunk_size = data.draw(st.sampled_from([2_000, 100_000, 10_000_000]))
+    copy_messages(own, {folder / name: part for name, part in zip(names, parts, strict=False)}, chunk_size=chunk_size)
+    assert figures(folder) == expected
