@@ -124,6 +124,20 @@ def test_times_that_are_excused_are_not_judged_but_counted_apart():
     ]
 
 
+@pytest.mark.parametrize("counted_metre", [1.0, 1.05])
+def test_a_move_is_no_heave(counted_metre):
+    """A unit that follows a move a lag behind, on cable stretched by 1 %, and heaves by a fifth of the sea."""
+    record = record_of(lambda _: 0.2)
+    time, stiffness, tension = record.column("time"), 1e7, 1e5
+    planned = np.clip(0.3 * (time - 150.0), 0.0, 12.0)
+    moved = np.clip(0.3 * (time - 150.0 - run.MOVE_LAG), 0.0, 12.0)
+    record.rows[:, COLUMNS.index("depth_set_point")] = planned
+    record.rows[:, COLUMNS.index("top_tension")] = tension
+    record.rows[:, COLUMNS.index("unit")] -= counted_metre * (1.0 + tension / stiffness) * moved
+    case = CASE if counted_metre == 1.0 else replace(CASE, parts=("drum", "encoder"))
+    assert judged(case, record, stiffness).worst == pytest.approx(0.2, rel=0.02)
+
+
 @pytest.mark.parametrize(("when", "is_alarmed"), [(140.0, True), (10.0, False), (380.0, False)])
 def test_an_alarm_comes_before_a_minute_at_one_and_a_half_is_over(when, is_alarmed):
     alarms = [(when, "compensation is harmful"), (120.0, "sea model updated: peak period 9.0 s (was 8.0)")]
@@ -134,10 +148,10 @@ def test_an_alarm_comes_before_a_minute_at_one_and_a_half_is_over(when, is_alarm
 
 def test_a_loop_that_never_begins_says_why_and_whether_it_has_a_reason():
     never = record_of(lambda _: 1.0, mode=lambda _: "standby")
-    found = judged(CASE, never, "mru frozen")
+    found = judged(CASE, never, obstacle="mru frozen")
     assert (found.reason, found.has_true_reason, found.is_judged) == ("never began: mru frozen", False, False)
     silent = replace(CASE, lost=(("mru", 0.0, 390.0),))
-    assert judged(silent, never, "mru frozen").has_true_reason
+    assert judged(silent, never, obstacle="mru frozen").has_true_reason
 
 
 def test_giving_up_is_counted_and_losing_is_told_apart_from_a_stop_that_is_requested():

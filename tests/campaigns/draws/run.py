@@ -16,7 +16,7 @@ from winch_controller_node.beliefs import beliefs
 from winch_controller_node.interface.readings import Outputs
 
 from tests.campaigns.draws.cases import DURATION, Case
-from tests.campaigns.draws.findings import findings_of, warnings_of
+from tests.campaigns.draws.findings import DRUM, ENCODER, findings_of, warnings_of
 from tests.campaigns.draws.operations import Operator
 from tests.campaigns.promise import TROUBLE
 
@@ -25,6 +25,9 @@ ALARMED = 1.5
 
 TICK = 0.05
 """Of all scenarios [s]."""
+
+MOVE_LAG = 0.35
+"""Delay and time constant of the winch of all scenarios [s]."""
 
 LOOK = 20
 """Ticks from one look to the next at why there is no compensation."""
@@ -114,7 +117,8 @@ def _run(case: Case, duration: float) -> Outcome:
         record = loop.run(on_tick)
     except Exception as error:  # one case that cannot be run must not end the others; it stands in the table
         return Outcome(failure=f"{type(error).__name__}: {' '.join(str(error).split())}")
-    found = judged(case, record, next((words for words in reversed(obstacles) if words), ""))
+    stiffness = scenario.parameters["cable_sim"].cable.axial_stiffness
+    found = judged(case, record, stiffness, next((words for words in reversed(obstacles) if words), ""))
     milliseconds = 1e3 * np.percentile(ticks, [50.0, 99.9, 100.0])
     return replace(found, ticks=tuple(milliseconds.tolist()), refused=tuple(operator.refused))
 
@@ -139,9 +143,18 @@ def why_waiting(controller: Any) -> str:
     return str(controller.modes.obstacle)
 
 
-def judged(case: Case, record: LoopRecord, obstacle: str = "") -> Outcome:
-    """Return what the `record` of a case came to, with the `obstacle` that stood against compensation last."""
-    time, unit, off = record.column("time"), _unit_of(record), record.column("uncompensated")
+def judged(case: Case, record: LoopRecord, stiffness: float = math.inf, obstacle: str = "") -> Outcome:
+    """Return what the `record` of a case came to.
+
+    Parameters
+    ----------
+    case, record : of the run
+    stiffness : EA of the cable [N]
+    obstacle : what stood against compensation last, in words
+    """
+    counts_otherwise = bool({ENCODER, DRUM} & set(case.parts))
+    unit = heave_of(record, stiffness, counts_otherwise=counts_otherwise)
+    time, off = record.column("time"), record.column("uncompensated")
     compensates = np.array([mode == "compensating" for mode in record.modes])
     begin = float(time[np.argmax(compensates)]) if np.any(compensates) else math.nan
     starts, ratios = window_ratios(time, unit, off, begin + TROUBLE, floor=WORSE_FLOOR)
@@ -174,9 +187,27 @@ def judged(case: Case, record: LoopRecord, obstacle: str = "") -> Outcome:
     )
 
 
-def _unit_of(record: LoopRecord) -> Array:
-    """Return the heave of the unit about the depth at which it should be [m]."""
-    return record.column("unit") + record.column("depth_set_point")
+def heave_of(record: LoopRecord, stiffness: float, *, counts_otherwise: bool = False) -> Array:
+    """Return the heave of the unit about the depth at which it is to be, with what no move can help left out [m].
+
+    The drum is behind its set-point by its lag, and cable that is paid out is stretched by the tension at the top: both
+    would count as heave while the winch moves on.
+
+    Parameters
+    ----------
+    record : of the run
+    stiffness : EA of the cable [N]
+    counts_otherwise : drum or encoder count other metres than the unit moves: how many is fitted, for a wrong depth is
+        no heave
+    """
+    time, unit, planned = record.column("time"), record.column("unit"), record.column("depth_set_point")
+    moved = np.interp(time - MOVE_LAG, time, planned)
+    if np.ptp(moved) == 0.0:
+        return unit + moved
+    stretch = 1.0 + float(np.mean(record.column("top_tension"))) / stiffness
+    if counts_otherwise:
+        stretch = -float(np.polyfit(moved, unit, 1)[0])
+    return unit + stretch * moved
 
 
 def counted(starts: Array, excused: Sequence[tuple[float, float]]) -> Array:
