@@ -14,10 +14,10 @@ from hypothesis import strategies as st
 from rclpy.serialization import deserialize_message, serialize_message
 from winch_controller_node.advice.messages import beliefs_message, beliefs_of, observations_message, observations_of
 from winch_controller_node.beliefs.beliefs import Adopted, Belief, Beliefs, EncoderScale, Finding
-from winch_controller_node.beliefs.observations import READING_COLUMNS, TICK_COLUMNS, Observations
 from winch_controller_node.beliefs.quantities import QUANTITIES, RESTATED
 from winch_controller_node.design.design import design_controller
 from winch_controller_node.design.wire import WireError, parts_of
+from winch_controller_node.interface.observations import READING_COLUMNS, TICK_COLUMNS, Observations
 from winch_controller_node.node_parameters import WinchControllerParameters
 
 STAMP = 12_950_000_000

@@ -19,8 +19,8 @@ from winch_controller_node.advice.messages import beliefs_of, observations_messa
 from winch_controller_node.advice.replay import compare_again
 from winch_controller_node.advice.worker import Worker, WorkerError
 from winch_controller_node.beliefs.beliefs import Beliefs
-from winch_controller_node.beliefs.observations import READING_COLUMNS, TICK_COLUMNS, Observations
 from winch_controller_node.design.wire import parameters_text
+from winch_controller_node.interface.observations import READING_COLUMNS, TICK_COLUMNS, Observations
 from winch_controller_node.node_parameters import WinchControllerParameters
 
 DT = 0.05

@@ -9,12 +9,12 @@ from heave_node.numerics.linear_model import covariance_factor
 from heave_node.parameters import build_parameters
 from winch_controller_node.design.design import design_controller
 from winch_controller_node.design.feasibility import boom_tip_moments
+from winch_controller_node.design.seas import SeaSeen, possible_seas
 from winch_controller_node.estimation import sea_adaptation
 from winch_controller_node.estimation.loop_estimation import SEA_SENSORS
 from winch_controller_node.identification.likeliest_sea import likeliest_sea
 from winch_controller_node.learning import _changes
 from winch_controller_node.model.estimator import Measurement, RecordedTick
-from winch_controller_node.model.seas import SeaSeen, possible_seas
 from winch_controller_node.node_parameters import WinchControllerParameters
 from winch_controller_node.parameters.model import SeaModelParameters
 

@@ -13,12 +13,12 @@ from winch_controller_node.design.design import at_cable, design_controller
 from winch_controller_node.design.feasibility import boom_tip_moments, feasibility_table, uncompensated_sigma
 from winch_controller_node.design.prediction import predict_loop
 from winch_controller_node.design.schedule import closed_loop_radius, design_schedule
+from winch_controller_node.design.seas import PATIENCE, SeaSeen, SeaTracker, sea_that_was_seen
 from winch_controller_node.design_in_force import DesignInForce
 from winch_controller_node.estimation import sea_adaptation
 from winch_controller_node.model.blocks import CableModel
 from winch_controller_node.model.lqr import DesignError
 from winch_controller_node.model.models import boom_tip_block
-from winch_controller_node.model.seas import PATIENCE, SeaSeen, SeaTracker, sea_that_was_seen
 from winch_controller_node.node_parameters import WinchControllerParameters
 
 DT = 0.05

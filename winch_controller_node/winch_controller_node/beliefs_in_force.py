@@ -5,9 +5,9 @@ from __future__ import annotations
 from winch_controller_node.beliefs.beliefs import Beliefs, latency_ticks, parameters_under, without_sea
 from winch_controller_node.beliefs.corrections import corrections
 from winch_controller_node.beliefs.quantities import QUANTITIES, restated
+from winch_controller_node.beliefs.words import sentences
 from winch_controller_node.design_in_force import DesignInForce
 from winch_controller_node.estimation.loop_estimation import LoopEstimation
-from winch_controller_node.interface.words import sentences
 from winch_controller_node.node_parameters import WinchControllerParameters
 from winch_controller_node.supervision.watch.winch_watch import WinchWatch
 
@@ -43,7 +43,7 @@ class BeliefsInForce:
         self.has_moved_tip = False
 
     def offer(self, beliefs: Beliefs, next_tick: int) -> bool:
-        """Take an answer, in force LATENCY after it was asked for; tell whether it comes in time for `next_tick`."""
+        """Take `beliefs`, in force LATENCY after they were asked for; tell whether in time for `next_tick`."""
         if beliefs.asked + self._latency < next_tick:
             self.refused += 1
             return False

@@ -15,7 +15,6 @@ from heave_node.interface.preview import HeavePreview
 from heave_node.parameters import describe
 
 from winch_controller_node.beliefs.beliefs import Beliefs
-from winch_controller_node.beliefs.observations import Observations
 from winch_controller_node.beliefs_in_force import BeliefsInForce
 from winch_controller_node.design.design import ControllerDesign
 from winch_controller_node.design.prediction import predict_loop
@@ -25,6 +24,7 @@ from winch_controller_node.estimation.loop_tick import LoopTick
 from winch_controller_node.estimation.observation import Observer
 from winch_controller_node.estimation.preview_watch import PreviewWatch
 from winch_controller_node.identification.late_commands import LateCommands
+from winch_controller_node.interface.observations import Observations
 from winch_controller_node.interface.readings import Measurements, Outputs, RollingKpi, WinchReading
 from winch_controller_node.laws.constant_tension import TRAVEL
 from winch_controller_node.loop_command import LoopCommand, TickCommand
@@ -559,7 +559,7 @@ class WinchController:
         return self._beliefs.refused
 
     def take(self, beliefs: Beliefs) -> bool:
-        """Take an answer of the adviser, in force LATENCY after it was asked for; tell whether it came in time."""
+        """Take `beliefs` of the adviser, in force LATENCY after they were asked for; tell whether they came in time."""
         return self._beliefs.offer(beliefs, self._next_tick)
 
     def _follow_beliefs(self, tick: int) -> None:

@@ -7,8 +7,8 @@ from typing import Any, Protocol
 
 from winch_controller_node.advice.messages import beliefs_message, observations_of
 from winch_controller_node.beliefs.beliefs import Beliefs, latency_ticks
-from winch_controller_node.beliefs.observations import Observations
 from winch_controller_node.design.wire import parameters_of
+from winch_controller_node.interface.observations import Observations
 from winch_controller_node.node_parameters import WinchControllerParameters
 
 

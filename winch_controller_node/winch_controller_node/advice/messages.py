@@ -13,10 +13,10 @@ from heave_node.interface import topics
 from heave_node.numerics.arrays import Array
 
 from winch_controller_node.beliefs.beliefs import Adopted, Belief, Beliefs, EncoderScale, Finding
-from winch_controller_node.beliefs.observations import READING_COLUMNS, TICK_COLUMNS, Observations
 from winch_controller_node.beliefs.quantities import QUANTITIES, RESTATED
 from winch_controller_node.design.design import ControllerDesign
 from winch_controller_node.design.wire import DesignParts, WireError, design_of, parts_of
+from winch_controller_node.interface.observations import READING_COLUMNS, TICK_COLUMNS, Observations
 
 _OBSERVATIONS = Packer(
     topics.CONTROLLER_OBSERVATIONS.type,

@@ -34,12 +34,12 @@ from winch_controller_node.beliefs.beliefs import (
     without_sea,
 )
 from winch_controller_node.beliefs.corrections import Correction, corrections
-from winch_controller_node.beliefs.observations import TICK_COLUMNS, Observations
 from winch_controller_node.beliefs.quantities import ENCODER_SCALE, QUANTITIES, with_value
 from winch_controller_node.design.design import ControllerDesign, design_controller
 from winch_controller_node.design.schedule import is_scheduled
+from winch_controller_node.design.seas import SeaTracker, possible_seas
+from winch_controller_node.interface.observations import TICK_COLUMNS, Observations
 from winch_controller_node.model.lqr import DesignError
-from winch_controller_node.model.seas import SeaTracker, possible_seas
 from winch_controller_node.node_parameters import WinchControllerParameters
 
 MINUTE = 60.0

@@ -117,9 +117,13 @@ class DrumFit:
 
 
 def fit_drum(record: DrumRecord, prior: DrumPrior, start: Array, free: Sequence[int]) -> DrumFit:
-    """Return the drum that fits a `record` best, begun at `start`, shape (FIELDS + 3,); `free` are found, others stay.
+    """Return the drum that fits a record best; payout and rate at the start of it are always found.
 
-    Payout and rate at the start of the record are always found.
+    Parameters
+    ----------
+    record, prior : what was read, and what can be
+    start : theta at which it begins, shape (FIELDS + 3,)
+    free : places of theta that are found; the others stay
     """
     theta = start.copy()
     columns = [*free, START_PAYOUT, START_RATE]
@@ -182,7 +186,13 @@ def _linearised(record: DrumRecord, theta: Array, columns: Sequence[int]) -> tup
 
 
 def identify(record: DrumRecord, prior: DrumPrior, believed: Array) -> DrumFit:
-    """Return the drum that a `record` shows, where it was `believed` to be another, shape (FIELDS + 1,)."""
+    """Return the drum that a record shows.
+
+    Parameters
+    ----------
+    record, prior : what was read, and what can be
+    believed : of the drum so far, shape (FIELDS + 1,)
+    """
     start = begun(record, believed)
     # what is believed is found anew, but limits stay where the record does not reach them
     kept = [i for i in (DEADBAND, BACKLASH, HAULING, CREEP) if start[i] != prior.nominal[i]]
@@ -198,7 +208,7 @@ def identify(record: DrumRecord, prior: DrumPrior, believed: Array) -> DrumFit:
 
 
 def begun(record: DrumRecord, believed: Array) -> Array:
-    """Return a vector theta that begins where the record does, shape (FIELDS + 3,)."""
+    """Return theta of a drum as it is `believed`, shape (FIELDS + 1,), that begins where the `record` does."""
     first = record.readings[record.seen]
     rate = (first[min(4, len(first) - 1)] - first[0]) / (4.0 * record.dt)
     return np.concatenate([believed, [first[0], rate]])
@@ -271,7 +281,7 @@ def _with_factor(prior: DrumPrior, best: DrumFit) -> DrumFit | None:
 
 
 def shown_limits(record: DrumRecord) -> dict[int, float]:
-    """Return the largest speeds [m/s] and accelerations [m/s^2] that were read, out and in, by limit."""
+    """Return the largest speeds [m/s] and accelerations [m/s^2] that a `record` shows, out and in, by limit."""
     speed = record.speeds(SHOWN_OVER)
     n = max(1, round(SHOWN_OVER / record.dt))
     change = (speed[n:] - speed[:-n]) / (n * record.dt)

@@ -77,7 +77,9 @@ def drum_record(excerpt: Excerpt, window: float, ahead: int, history: SensorHist
 
     Parameters
     ----------
-    excerpt : longer than the window by `ahead` ticks, the longest delay
+    excerpt : longer than the window by the ticks ahead
+    window : length of the record [s]
+    ahead : the longest delay [ticks]
     history : what the encoder is believed to have been
     gain : of the servo's position loop [1/s]
     """

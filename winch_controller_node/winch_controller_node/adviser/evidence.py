@@ -103,7 +103,8 @@ def evidence(innovations: Array, variances: Array, which: NDArray[np.int64], cou
     Parameters
     ----------
     innovations : normalised, of the judged readings (m, c); variances : foreseen (m,)
-    which : judged measurement of each (m,), of `count` ones
+    which : judged measurement of each (m,)
+    count : judged measurements
     seconds : length of what is judged
     """
     columns = innovations.shape[1]

@@ -124,7 +124,15 @@ class Motion(NamedTuple):
 
 
 class Reads(NamedTuple):
-    """What is read: where the readings of each tick end, and of each its row, variance, whether it is taken, values."""
+    """What is read.
+
+    Attributes
+    ----------
+    ends : where the readings of each tick end (t,)
+    rows, noise : of each reading, on the state (m, n), and its variance (m,)
+    used : it is taken (m,)
+    values : (m, c)
+    """
 
     ends: NDArray[np.int64]
     rows: Array

@@ -202,7 +202,7 @@ class Believed:
         return self.values.get(quantity, nominal)
 
     def price(self, changes: Mapping[str, Change], excluded: str) -> float:
-        """Return what it costs to hold what is believed with some `changes` and a sensor left out [nats]."""
+        """Return what it costs to hold what is believed with some `changes` and the sensor `excluded` [nats]."""
         held = {**self.values, **{name: change.value for name, change in changes.items()}}
         price = EXCLUSION if excluded else 0.0
         for name, value in held.items():

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from winch_controller_node.beliefs.beliefs import EncoderScale
 from winch_controller_node.beliefs.corrections import AS_READ, Correction
-from winch_controller_node.beliefs.observations import READING_COLUMNS, TICK_COLUMNS, Observations
+from winch_controller_node.interface.observations import READING_COLUMNS, TICK_COLUMNS, Observations
 from winch_controller_node.interface.sensors import KnownSensors
 
 DELIVERED, TICK, ROW, VALUE, SHARE, OFFSET, SIGMA, IS_USED, NIS = range(len(READING_COLUMNS))
@@ -93,7 +93,7 @@ class Excerpt:
         return self.first + len(self.ticks) - 1
 
     def tick_column(self, name: str) -> Array:
-        """Return a column of the table of ticks."""
+        """Return the column `name` of the table of ticks."""
         return self.ticks[:, COLUMN[name]]
 
     def of(self, rows: tuple[str, ...]) -> Excerpt:

@@ -58,7 +58,7 @@ class Report:
         self._pending: dict[str, tuple[float, float, float]] = {}  # value, since it rests, since it is new
 
     def news(self, beliefs: Beliefs, now: float) -> tuple[Finding, ...]:
-        """Return what is new at a time `now` [s]."""
+        """Return what is new of `beliefs` at a time `now` [s]."""
         found: list[Finding] = []
         for name, quantity in QUANTITIES.items():
             if name == "mru.bias_sigma":

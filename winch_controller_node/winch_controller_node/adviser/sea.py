@@ -16,8 +16,8 @@ from winch_controller_node.adviser.filter_pass import SETTLING, run_pass
 from winch_controller_node.adviser.judge import pass_model
 from winch_controller_node.adviser.record import TICK, Excerpt, SensorHistory
 from winch_controller_node.design.design import ControllerDesign, measurement_models
+from winch_controller_node.design.seas import PossibleSeas, distance, neighbours, no_lower_while_it_grows
 from winch_controller_node.model.models import boom_tip_block, sea_spectrum, second_order_vessel
-from winch_controller_node.model.seas import PossibleSeas, distance, neighbours, no_lower_while_it_grows
 from winch_controller_node.node_parameters import WinchControllerParameters
 from winch_controller_node.parameters.model import SeaModelParameters, VesselModelParameters
 

@@ -200,5 +200,5 @@ class WinchIdentifier:
 
 
 def identifies_winch(parameters: WinchControllerParameters, *, is_scheduled: bool) -> bool:
-    """Tell whether the winch of `parameters` is identified: a speed servo, without a gain schedule."""
+    """Tell whether the winch of `parameters` is identified: a speed servo, and no gain schedule (`is_scheduled`)."""
     return parameters.lag.adaptation and not is_scheduled and parameters.winch.law != "first_order"

@@ -13,6 +13,7 @@ from heave_node.numerics.arrays import Array
 
 from winch_controller_node.beliefs.beliefs import LATENCY, Adopted, EncoderScale
 from winch_controller_node.design.design import ControllerDesign
+from winch_controller_node.design.seas import FIRST_WAVES, SeaTracker
 from winch_controller_node.estimation.handover import hand_over, hand_over_seen, hand_over_standing
 from winch_controller_node.estimation.loop_tick import CommandShares, LoopTick, Sensed
 from winch_controller_node.estimation.observation import Observed, Observer
@@ -23,7 +24,6 @@ from winch_controller_node.interface.readings import Measurements
 from winch_controller_node.interface.sensors import DEPTH_BIAS
 from winch_controller_node.model.estimator import Measurement, RecordedTick, begin_anew
 from winch_controller_node.model.loop_rows import loop_rows
-from winch_controller_node.model.seas import FIRST_WAVES, SeaTracker
 from winch_controller_node.model.simulated_unit import SimulatedUnit
 from winch_controller_node.model.slack_kernel import missing_push
 from winch_controller_node.motion.mean_motion import MeanMotion

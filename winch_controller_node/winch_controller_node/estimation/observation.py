@@ -412,7 +412,7 @@ class Observer:
         return self._corrected(reading, share)
 
     def as_believed(self, observed: Observed) -> Measurement:
-        """Return a reading of the last seconds in the estimator's terms, as it is believed to be now."""
+        """Return a reading `observed` in the last seconds in the estimator's terms, as it is believed to be now."""
         reading = observed.reading
         if reading.name == "payout":
             reading = reading._replace(value=self.encoder.payout_at(observed.value))

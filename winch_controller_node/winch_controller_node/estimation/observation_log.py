@@ -7,9 +7,9 @@ import math
 import numpy as np
 from heave_node.interface.codes import WinchFault
 
-from winch_controller_node.beliefs.observations import BATCH, READING_COLUMNS, TICK_COLUMNS, Observations
 from winch_controller_node.estimation.loop_tick import LoopTick
 from winch_controller_node.estimation.observation import Observer
+from winch_controller_node.interface.observations import BATCH, READING_COLUMNS, TICK_COLUMNS, Observations
 from winch_controller_node.interface.readings import WinchOrder, WinchReading
 from winch_controller_node.interface.sensors import KnownSensors
 

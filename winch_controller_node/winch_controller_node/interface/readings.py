@@ -10,7 +10,7 @@ from heave_node.interface.codes import SensorLevel
 from heave_node.interface.preview import HeavePreview
 from heave_node.interface.sensors import MruReading
 
-from winch_controller_node.beliefs.observations import Observations
+from winch_controller_node.interface.observations import Observations
 
 
 class ScalarReading(NamedTuple):

@@ -117,7 +117,7 @@ class DrumWatch:
         self._readings.clear()
 
     def add(self, payout: float, rate: float, encoder: float | None) -> None:
-        """Take in the set-points of the tick that ends [m], [m/s], and the `encoder` at its end [m]; None: none."""
+        """Take in the set-points `payout` [m] and `rate` [m/s] of a tick, and the `encoder` at its end [m], or None."""
         self._payouts.append(payout)
         self._rates.append(rate)
         self._readings.append(math.nan if encoder is None else encoder)
