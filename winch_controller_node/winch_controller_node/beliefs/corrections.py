@@ -29,7 +29,7 @@ AS_READ = Correction()
 
 
 def corrections(beliefs: Beliefs, nominal: WinchControllerParameters) -> dict[str, Correction]:
-    """Return the corrections of MRU and depth sensor under `beliefs` about the `nominal`; the encoder's are not here."""
+    """Return the corrections of MRU and depth sensor under `beliefs` about the `nominal`, not of the encoder."""
     return {
         "mru": Correction(
             beliefs.value(MRU_SCALE, nominal), beliefs.value(MRU_OFFSET, nominal), beliefs.value(MRU_DELAY, nominal)
