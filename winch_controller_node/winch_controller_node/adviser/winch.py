@@ -106,6 +106,12 @@ class WinchIdentifier:
         """Record that is needed [s]."""
         return self._lag.window + self._ahead * self._dt + 2.0
 
+    def compile(self, excerpt: Excerpt) -> None:
+        """Compile the kernels on an `excerpt` of any length."""
+        record = drum_record(excerpt, excerpt.dt * len(excerpt.ticks), 1, SensorHistory(), self._winch.position_gain)
+        if record is not None:
+            fit_drum(record, self._prior, begun(record, np.array([*drum_of(self._winch), 1.0])), ())
+
     def look(self, excerpt: Excerpt, history: SensorHistory, believed: Mapping[str, float]) -> WinchAnswer | None:
         """Return what the last seconds say of the winch; None: too little.
 
