@@ -220,6 +220,11 @@ class CableDynamics:
         return self._seen_number(at.SEEN_TENSION)
 
     @property
+    def largest_top_tension(self) -> float:
+        """Largest `top_tension` at the ends of the steps of the last interval [N]: a snap passes between two ticks."""
+        return self._seen_number(at.SEEN_LARGEST)
+
+    @property
     def unit_position(self) -> Array:
         """Position of the unit [m], shape (3,)."""
         return self._line.tiles[0, at.X : at.VX : at.STRIDE].copy()

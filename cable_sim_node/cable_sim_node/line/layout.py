@@ -98,13 +98,16 @@ SEGMENTS, NEWTON, STEPS, REFUSED = range(ENDS + ENDS_NUMBERS, ENDS + ENDS_NUMBER
 
 # What is seen of the line: acceleration of the unit [m/s^2], force of the line on its top end [N], size of that or 0
 # where the line would push, largest strain of a segment [-], number of segments without tension, vertical force of the
-# seabed on the unit [N].
-SEEN_AX, SEEN_FX, SEEN_TENSION, SEEN_STRAIN, SEEN_SLACK, SEEN_BED = (REFUSED + k for k in (1, 4, 7, 8, 9, 10))
+# seabed on the unit [N], largest size of the force on the top end in the last interval [N].
+SEEN_AX, SEEN_FX, SEEN_TENSION, SEEN_STRAIN, SEEN_SLACK, SEEN_BED, SEEN_LARGEST = (
+    REFUSED + k for k in (1, 4, 7, 8, 9, 10, 11)
+)
 
 # Settings: generalised-alpha, Newton, seabed (BED_TOP is the height of its profile's highest point), wave, current
 # (rows of its profile; whether the water's motion changes at all), compensator, whether there are bodies on the cable
-# and whether it is stiff; the largest step, and the one that the next interval begins with (0: the largest).
-SETTINGS = REFUSED + 11
+# and whether it is stiff; the largest step, the one that the next interval begins with (0: the largest), and the time
+# for which steps stay short because the line was slack.
+SETTINGS = REFUSED + 12
 (
     ALPHA_F,
     ALPHA_M,
@@ -141,11 +144,12 @@ SETTINGS = REFUSED + 11
     BENDING_ON,
     STEP,
     RESUMED_STEP,
+    HELD_SHORT,
     PROFILE_X,
     PROFILE_Y,
     PROFILE_ROWS,
     NUMBERS,
-) = range(SETTINGS, SETTINGS + 39)
+) = range(SETTINGS, SETTINGS + 40)
 """From NUMBERS on the points of the seabed's profile follow, three numbers each: distance [m], height [m], slope."""
 
 # The wide system of a line with bending, three rows for each node: half bandwidth 8, and the right side.

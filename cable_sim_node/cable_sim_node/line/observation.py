@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 
 from heave_node.numerics.arrays import Array
-from heave_node.numerics.compiled import inlined_kernel, kernel
+from heave_node.numerics.compiled import inlined_kernel, inner_kernel, kernel
 
 from cable_sim_node.line.arrays import LineArrays
 from cable_sim_node.line.assembly import (
@@ -32,6 +32,8 @@ from cable_sim_node.line.layout import (
     BED_ON,
     BENDING_ON,
     END_RX,
+    END_RY,
+    END_RZ,
     FLOW_VARIES,
     LANES,
     LENGTH,
@@ -46,6 +48,7 @@ from cable_sim_node.line.layout import (
     SEEN_AX,
     SEEN_BED,
     SEEN_FX,
+    SEEN_LARGEST,
     SEEN_SLACK,
     SEEN_STRAIN,
     SEEN_TENSION,
@@ -81,26 +84,28 @@ def evaluate(line: LineArrays) -> float:
 
 
 @inlined_kernel
-def evaluate_ends(line: LineArrays, n: int) -> None:
-    """Set the residuals of the unit and of the sheave in the present state, as `evaluate` does."""
-    tiles, numbers = line.tiles, line.numbers
-    take_present_tip(numbers)
+def evaluate_top(line: LineArrays, n: int) -> None:
+    """Set the residual of the sheave in the present state, as `evaluate` does."""
+    tiles = line.tiles
+    take_present_tip(line.numbers)
     assemble_present(line, n, n - 1)
-    below, top = tiles[(n - 1) >> SHIFT], tiles[n >> SHIFT]
-    fx, fy, fz = (
-        below[END_RX + ((n - 1) & LANES) + 1],
-        below[END_RX + STRIDE + ((n - 1) & LANES) + 1],
-        below[END_RX + 2 * STRIDE + ((n - 1) & LANES) + 1],
-    )
+    below, i = tiles[(n - 1) >> SHIFT], ((n - 1) & LANES) + 1
+    top, j = tiles[n >> SHIFT], n & LANES
+    top[RX + j], top[RY + j], top[RZ + j] = below[END_RX + i], below[END_RY + i], below[END_RZ + i]
+    take_present_place(top, j)
+    add_lump(tiles, n, 0.0, 0.0)
+
+
+@inlined_kernel
+def evaluate_unit(line: LineArrays, n: int) -> None:
+    """Set the residual of the unit in the present state, as `evaluate` does."""
+    tile, numbers = line.tiles[0], line.numbers
     assemble_present(line, n, 0)
     if numbers[FLOW_VARIES] > 0.0:
         set_flow_at(line, 0, 0, 0, numbers[NOW + TIME])
-    add_unit(tiles[0], numbers, 0.0, 0.0)
+    add_unit(tile, numbers, 0.0, 0.0)
     if numbers[BED_ON] > 0.0:
         add_contact(line, 0, 0.0)
-    take_present_place(top, n & LANES)
-    top[RX + (n & LANES)], top[RY + (n & LANES)], top[RZ + (n & LANES)] = fx, fy, fz
-    add_lump(tiles, n, 0.0, 0.0)
 
 
 @inlined_kernel
@@ -118,18 +123,28 @@ def observe_strains(line: LineArrays, n: int) -> None:
     line.numbers[SEEN_STRAIN], line.numbers[SEEN_SLACK] = largest, slack
 
 
-@kernel
-def observe(line: LineArrays) -> None:
-    """Note what is seen of the present state of `line`, see `layout`."""
-    tiles, numbers = line.tiles, line.numbers
-    n = int(numbers[SEGMENTS])
-    copy_borders(tiles, n, X, MOTION_COLUMNS)
-    observe_strains(line, n)
+@inner_kernel
+def note_tension(line: LineArrays, n: int) -> None:
+    """Note the force on the top end in the present state, and its largest size until now."""
+    numbers = line.numbers
+    copy_borders(line.tiles, n, X, MOTION_COLUMNS)
     if numbers[BENDING_ON] > 0.0:
         evaluate(line)
     else:
-        evaluate_ends(line, n)
+        evaluate_top(line, n)
     observe_top(line, n)
+    numbers[SEEN_LARGEST] = max(numbers[SEEN_LARGEST], numbers[SEEN_TENSION])
+
+
+@kernel
+def observe(line: LineArrays) -> None:
+    """Note what is seen of the present state of `line`, see `layout`."""
+    numbers = line.numbers
+    n = int(numbers[SEGMENTS])
+    note_tension(line, n)
+    observe_strains(line, n)
+    if numbers[BENDING_ON] == 0.0:
+        evaluate_unit(line, n)
     observe_unit(line)
     if numbers[BED_ON] > 0.0:
         numbers[SEEN_BED] = seabed_force_on_unit(line)

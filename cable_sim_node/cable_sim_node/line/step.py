@@ -33,6 +33,7 @@ from cable_sim_node.line.layout import (
     ENDS,
     GAMMA,
     GRID_TOO_SHORT,
+    HELD_SHORT,
     ITERATIONS,
     LANES,
     LENGTH,
@@ -49,6 +50,7 @@ from cable_sim_node.line.layout import (
     RY,
     RZ,
     SCRATCH,
+    SEEN_LARGEST,
     SEGMENTS,
     SHIFT,
     SPRING_ON,
@@ -64,7 +66,7 @@ from cable_sim_node.line.layout import (
     X,
 )
 from cable_sim_node.line.motion import finish, hold_top, load_end, move, predict, take_end
-from cable_sim_node.line.observation import observe
+from cable_sim_node.line.observation import note_tension, observe
 from cable_sim_node.line.tiles import copy_borders, larger, largest_of, sum_of
 
 _SMALLEST_SHARE = 2.0**-16
@@ -74,6 +76,8 @@ _STEPS_PER_PERIOD = 180.0
 are then good to 1 to 3 %..."""
 _SHORTEST_SLACK_STEP, _LONGEST_SLACK_STEP = 0.001, 0.0125
 """...but within these [s]: what snaps faster is a cable of a few metres; waves run along soft ones in between."""
+_SNAPS_LAST = 0.5
+"""Share of the heave period for which steps stay as short after a segment was slack."""
 _PATIENCE = 4
 """Steps that must succeed after a refused one before a longer one is tried."""
 _OVERSHOOT = 0.5
@@ -139,8 +143,8 @@ def solve(line: LineArrays, n: int, count: int) -> float:
 
 
 @inner_kernel
-def slack_step(line: LineArrays, n: int) -> float:
-    """Return the longest step [s] while a segment is slack, from the heave period of the unit on its cable.
+def heave_period(line: LineArrays, n: int) -> float:
+    """Return the heave period [s] of the unit on its cable.
 
     Rayleigh's estimate: a third of the cable's mass moves with the unit.
     """
@@ -149,8 +153,32 @@ def slack_step(line: LineArrays, n: int) -> float:
         tile, j = line.tiles[i >> SHIFT], i & LANES
         mass += (tile[MASS + j] * tile[LENGTH + j] + tile[LUMP_MASS + j]) / 3.0
         compliance += tile[LENGTH + j] / tile[STIFFNESS + j]
-    period = 2.0 * math.pi * math.sqrt((line.numbers[UNIT_INERTIA + 2] + mass) * compliance)
-    return min(max(period / _STEPS_PER_PERIOD, _SHORTEST_SLACK_STEP), _LONGEST_SLACK_STEP)
+    return 2.0 * math.pi * math.sqrt((line.numbers[UNIT_INERTIA + 2] + mass) * compliance)
+
+
+@inner_kernel
+def slack_step(line: LineArrays, n: int) -> float:
+    """Return the longest step [s] while a segment is slack, with a margin for rounding."""
+    longest = heave_period(line, n) / _STEPS_PER_PERIOD
+    return 1.001 * min(max(longest, _SHORTEST_SLACK_STEP), _LONGEST_SLACK_STEP)
+
+
+@inlined_kernel
+def next_step(line: LineArrays, n: int, h: float, longest: float, ended: int, patience: int) -> float:
+    """Return the step [s] to try after one of `h` that `ended` well; at most `longest`.
+
+    It is doubled, but stays short for half a heave period of the unit after a segment was slack: that is how long the
+    snap lasts in which the line takes up the unit's fall, and in it tension peaks.
+    """
+    numbers = line.numbers
+    if ended == _SLACK:
+        numbers[HELD_SHORT] = _SNAPS_LAST * heave_period(line, n)
+    elif numbers[HELD_SHORT] > 0.0:
+        numbers[HELD_SHORT] = max(numbers[HELD_SHORT] - h, 0.0)
+    twice = min(2.0 * h, longest)
+    if patience > 0 or (numbers[HELD_SHORT] > 0.0 and twice > slack_step(line, n)):
+        return h
+    return twice
 
 
 @inlined_kernel
@@ -187,8 +215,7 @@ def step(line: LineArrays, n: int, h: float) -> int:
         # where a segment is or may become slack, or the seabed is touched, the equations have a kink: be stricter
         smooth = least > 4.0 * size and not near_kink
         if size < (tolerance if smooth else min(tolerance, 1e-2 * tolerance)):
-            # the margin is for rounding: a step that was shortened because of slack is not refused again for its length
-            if least <= 0.0 and (af > 0.0 or h > 1.001 * slack_step(line, n)):
+            if least <= 0.0 and (af > 0.0 or h > slack_step(line, n)):
                 return _SLACK_REFUSED
             finish(line, n, count, h)
             return _SLACK if least <= 0.0 else _TAUT
@@ -289,6 +316,7 @@ def advance(
     line, n = LineArrays(tiles, numbers, water, band), int(numbers[SEGMENTS])
     start_time, alpha_m, alpha_f = numbers[NOW + TIME], numbers[ALPHA_M], numbers[ALPHA_F]
     start_interval(line, n, duration)
+    numbers[SEEN_LARGEST] = 0.0
     # all as shares of the interval: the largest step, the next one, what is done
     shares = max(math.ceil(duration / numbers[STEP] - 1e-9), 1)
     nominal, patience = 1.0 / shares, 0
@@ -307,13 +335,16 @@ def advance(
             n = feed(line, n)
             numbers[STEPS] += 1
             patience -= 1
-            size = min(2.0 * size, nominal) if patience <= 0 else size
+            size = next_step(line, n, size * duration, nominal * duration, ended, patience) / duration
             if ended == _TAUT:
                 set_scheme(numbers, alpha_m, alpha_f)
+            if done < 1.0:
+                numbers[SEGMENTS] = n
+                note_tension(line, n)
             continue
         set_scheme(numbers, -1.0, 0.0)
         if ended == _SLACK_REFUSED:
-            size = halved_to(size, 1.001 * slack_step(line, n) / duration)
+            size = halved_to(size, slack_step(line, n) / duration)
         else:
             numbers[REFUSED] += 1
             patience, size = _PATIENCE, 0.5 * size
@@ -321,7 +352,7 @@ def advance(
                 outcome = NOT_CONVERGED
                 break
     set_scheme(numbers, alpha_m, alpha_f)
-    numbers[RESUMED_STEP] = 0.0 if size == nominal else size * duration
+    numbers[RESUMED_STEP] = 0.0 if size >= nominal else size * duration
     numbers[SEGMENTS] = n
     follow_length(n, numbers[NOW + TOTAL], tiles)
     if outcome == DONE:
