@@ -35,7 +35,8 @@ def take_present(tiles: Array, n: int) -> None:
 @inner_kernel
 def larger(one: float, other: float) -> float:
     """Return the larger of two numbers, or NaN where one is."""
-    return one if not one <= other else other  # NaN as `one` stays
+    is_none = other != other  # noqa: PLR0124 (NaN alone differs from itself, and is_nan would not vectorise)
+    return other if other > one or is_none else one
 
 
 @inner_kernel
