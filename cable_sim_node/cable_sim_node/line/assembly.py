@@ -62,6 +62,7 @@ from cable_sim_node.line.layout import (
     MOTION_COLUMNS,
     NORMAL_DRAG,
     NOW,
+    ONE,
     PER_LENGTH,
     QUADRATIC,
     RATE,
@@ -330,9 +331,9 @@ def assemble_present(line: LineArrays, n: int, i: int) -> None:
     sheave = motion_of(tile, j + 1)
     if i == n - 1:
         swap_sheave(line, n)
-    assemble_segments(tile[j:], 1, 0.0, 0.0)
+    assemble_segments(tile[j:], ONE, 0.0, 0.0)
     if numbers[WAVE_AMPLITUDE] > 0.0:
-        add_wave_force(tile[j:], 1)
+        add_wave_force(tile[j:], ONE)
     restore_sheave(tile, j + 1, sheave)
 
 

@@ -19,6 +19,7 @@ from cable_sim_node.line.layout import (
     FLOW_Z,
     LANES,
     MIDDLE,
+    NONE,
     SHIFT,
     WAVE_AMPLITUDE,
     WAVE_FREQUENCY,
@@ -37,7 +38,7 @@ def set_flow(line: LineArrays, n: int, time: float) -> None:
     """Set the motion of the water along the middle state of `line`, with `n` segments, at `time` [s]."""
     if line.numbers[FLOW_VARIES] == 0.0:
         return
-    set_flow_at(line, 0, 0, 0, time)
+    set_flow_at(line, NONE, NONE, NONE, time)
     for i in range(n):
         j = i & LANES
         set_flow_at(line, i >> SHIFT, j, j + 1, time)

@@ -12,10 +12,16 @@ next tile, so that the upper end of segment j is always at j + 1 (`borders.copy_
 
 from __future__ import annotations
 
+import numpy as np
+
 TILE = 64
 SHIFT, LANES = 6, TILE - 1
 STRIDE = 72
 """More than TILE for the border; not a power of two, for which the columns would share the sets of a cache."""
+
+
+NONE, ONE = np.int64(0), np.int64(1)
+"""Numbers for kernels: with a literal one the compiler makes the called kernel once more."""
 
 
 def _columns(first: int, count: int) -> range:

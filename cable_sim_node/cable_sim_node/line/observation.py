@@ -39,6 +39,7 @@ from cable_sim_node.line.layout import (
     LENGTH,
     MASS,
     MOTION_COLUMNS,
+    NONE,
     NOW,
     PER_LENGTH,
     RX,
@@ -100,9 +101,9 @@ def evaluate_top(line: LineArrays, n: int) -> None:
 def evaluate_unit(line: LineArrays, n: int) -> None:
     """Set the residual of the unit in the present state, as `evaluate` does."""
     tile, numbers = line.tiles[0], line.numbers
-    assemble_present(line, n, 0)
+    assemble_present(line, n, NONE)
     if numbers[FLOW_VARIES] > 0.0:
-        set_flow_at(line, 0, 0, 0, numbers[NOW + TIME])
+        set_flow_at(line, NONE, NONE, NONE, numbers[NOW + TIME])
     add_unit(tile, numbers, 0.0, 0.0)
     if numbers[BED_ON] > 0.0:
         add_contact(line, 0, 0.0)

@@ -278,42 +278,10 @@ def start_interval(line: LineArrays, n: int, duration: float) -> None:
     hold_top(line.tiles, n, X, numbers, NOW, numbers[SPRING_ON] > 0.0)
 
 
-@kernel
-def advance(
-    tiles: Array,
-    numbers: Array,
-    water: Array,
-    band: Array,
-    duration: float,
-    start: Array,
-    start_velocity: Array,
-    end: Array,
-    end_velocity: Array,
-    total: float,
-    total_rate: float,
-    end_total: float,
-    end_rate: float,
-    longest: float,
-) -> int:
-    """Integrate a line over `duration` [s], and `observe` it; return the outcome.
-
-    Boom tip and length run as cubics through the values and rates at both ends. BAD_MOTION for a number that is not
-    finite, a duration that is not positive and a length that jumps, GRID_TOO_SHORT where the length may exceed
-    `longest`: nothing is changed then. TOO_SHORT, NOT_CONVERGED: the state is that of the last good step.
-
-    Parameters
-    ----------
-    tiles, numbers, water, band : the line's arrays, one by one: a tuple of them takes Python twice as long
-    duration : [s]
-    start, start_velocity, end, end_velocity : of the boom tip at both ends [m], [m/s], shape (3,)
-    total, total_rate, end_total, end_rate : unstretched length at both ends and its rates [m], [m/s]
-    longest : what the grid reaches to [m]
-    """
-    lengths = (total, total_rate, end_total, end_rate)
-    outcome = take_motion(numbers, duration, start, start_velocity, end, end_velocity, lengths, longest)
-    if outcome != DONE:
-        return outcome
-    line, n = LineArrays(tiles, numbers, water, band), int(numbers[SEGMENTS])
+@inlined_kernel
+def integrate(line: LineArrays, duration: float) -> int:
+    """Integrate over an interval of `duration` [s] whose motion `take_motion` has taken; return the outcome."""
+    numbers, tiles, n, outcome = line.numbers, line.tiles, int(line.numbers[SEGMENTS]), DONE
     start_time, alpha_m, alpha_f = numbers[NOW + TIME], numbers[ALPHA_M], numbers[ALPHA_F]
     start_interval(line, n, duration)
     numbers[SEEN_LARGEST] = 0.0
@@ -355,6 +323,45 @@ def advance(
     numbers[RESUMED_STEP] = 0.0 if size >= nominal else size * duration
     numbers[SEGMENTS] = n
     follow_length(n, numbers[NOW + TOTAL], tiles)
+    return outcome
+
+
+@kernel
+def advance(
+    tiles: Array,
+    numbers: Array,
+    water: Array,
+    band: Array,
+    duration: float,
+    start: Array,
+    start_velocity: Array,
+    end: Array,
+    end_velocity: Array,
+    total: float,
+    total_rate: float,
+    end_total: float,
+    end_rate: float,
+    longest: float,
+) -> int:
+    """Integrate a line over `duration` [s], and `observe` it; return the outcome.
+
+    Boom tip and length run as cubics through the values and rates at both ends. BAD_MOTION for a number that is not
+    finite, a duration that is not positive and a length that jumps, GRID_TOO_SHORT where the length may exceed
+    `longest`: nothing is changed then. TOO_SHORT, NOT_CONVERGED: the state is that of the last good step.
+
+    Parameters
+    ----------
+    tiles, numbers, water, band : the line's arrays, one by one: a tuple of them takes Python twice as long
+    duration : [s]
+    start, start_velocity, end, end_velocity : of the boom tip at both ends [m], [m/s], shape (3,)
+    total, total_rate, end_total, end_rate : unstretched length at both ends and its rates [m], [m/s]
+    longest : what the grid reaches to [m]
+    """
+    lengths = (total, total_rate, end_total, end_rate)
+    outcome = take_motion(numbers, duration, start, start_velocity, end, end_velocity, lengths, longest)
     if outcome == DONE:
-        observe(line)
+        line = LineArrays(tiles, numbers, water, band)
+        outcome = integrate(line, duration)
+        if outcome == DONE:
+            observe(line)
     return outcome
