@@ -6,8 +6,8 @@ import math
 import numpy as np
 import pytest
 from cable_sim_node.line import layout as at
-from cable_sim_node.line.direction import FOLDED, direction_of
 from cable_sim_node.line.dynamics import CableDynamics
+from cable_sim_node.line.forces.direction import FOLDED, direction_of
 from cable_sim_node.line.observation import evaluate
 from cable_sim_node.parameters import CableParameters, CableSimParameters, SeabedParameters, UnitParameters
 from heave_node.numerics.kinematics import PointMotion

@@ -17,9 +17,10 @@ from heave_node.numerics.arrays import Array
 from heave_node.numerics.compiled import inlined_kernel, inner_kernel
 
 from cable_sim_node.line.arrays import LineArrays
-from cable_sim_node.line.contact import add_contacts
-from cable_sim_node.line.direction import FOLDED, folded
-from cable_sim_node.line.flow import set_flow_at
+from cable_sim_node.line.forces.contact import add_contacts
+from cable_sim_node.line.forces.direction import FOLDED, folded
+from cable_sim_node.line.forces.flow import set_flow_at
+from cable_sim_node.line.forces.segment import rank_one, tension_of
 from cable_sim_node.line.layout import (
     ACCELERATION,
     ADDED_MASS,
@@ -98,7 +99,6 @@ from cable_sim_node.line.layout import (
     Y,
     Z,
 )
-from cable_sim_node.line.segment import rank_one, tension_of
 from cable_sim_node.line.tiles import largest_of
 from cable_sim_node.physics.drag import drag_force, resolve
 
@@ -118,7 +118,7 @@ def assemble_segments(tile: Array, count: int, c_mass: float, c_velocity: float)
         ex = tile[MIDDLE + X + j + 1] - tile[MIDDLE + X + j]
         ey = tile[MIDDLE + Y + j + 1] - tile[MIDDLE + Y + j]
         ez = tile[MIDDLE + Z + j + 1] - tile[MIDDLE + Z + j]
-        # direction e, strain and its rate e.(w - v)/l; a folded segment has the smooth direction of `direction`
+        # direction e, strain and its rate e.(w - v)/l; a folded segment has the smooth direction of `forces.direction`
         per_length = tile[PER_LENGTH + j]
         stretched = math.sqrt(ex * ex + ey * ey + ez * ez)
         ratio = stretched * per_length

@@ -55,7 +55,6 @@ class CableDynamics:
         _check_seabed(parameters)
         self._seabed = Seabed(parameters.seabed)
         self._line = build_line(parameters, 2.0 * parameters.length)
-        self._longest = self._grid_end()
         self._fresh = False
 
     def start_at_equilibrium(self, boom_tip_position: ArrayLike, payout: float = 0.0, *, time: float = 0.0) -> None:
@@ -84,7 +83,7 @@ class CableDynamics:
             raise BadMotionError(
                 f"boom tip must be three finite numbers and payout one; got {boom_tip.tolist()} and {payout}"
             )
-        if total > self._longest:
+        if total > self._line.numbers[at.GRID_END]:
             self._grow(total)
         line, numbers = self._line, self._line.numbers
         points = line.grid_points
@@ -137,10 +136,10 @@ class CableDynamics:
         base = self.parameters.length
         ends = (base + payout_start, 0.0 + payout_rate_start, base + payout_end, 0.0 + payout_rate_end)
         motion = (tip_start.position, tip_start.velocity, tip_end.position, tip_end.velocity)
-        outcome = advance(*self._line, 0.0 + duration, *motion, *ends, self._longest)
+        outcome = advance(*self._line, 0.0 + duration, *motion, ends)
         if outcome == at.GRID_TOO_SHORT:
             self._grow(max(ends[0], ends[2]) + duration * max(abs(ends[1]), abs(ends[3])))
-            outcome = advance(*self._line, 0.0 + duration, *motion, *ends, self._longest)
+            outcome = advance(*self._line, 0.0 + duration, *motion, ends)
         self._fresh = outcome == at.DONE or (self._fresh and outcome == at.BAD_MOTION)
         if outcome == at.DONE:
             return
@@ -303,20 +302,15 @@ class CableDynamics:
             observe(self._line)
             self._fresh = True
 
-    def _grid_end(self) -> float:
-        """Return the longest line [m] that leaves the kernels grid points to look ahead at."""
-        return float(self._line.grid_points[-5])
-
     def _grow(self, total: float) -> None:
         """Let the grid reach beyond `total` [m]; rare, and the only allocation."""
         old, n = self._line, self.segments
         self._line = new = build_line(self.parameters, 2.0 * total)
-        new.numbers[:] = old.numbers
+        new.numbers[: at.GRID_END], new.numbers[at.NOW :] = old.numbers[: at.GRID_END], old.numbers[at.NOW :]
         new.write(at.X, old.read(at.X, at.NODE_COLUMNS, n + 1))
         new.write(at.PART, old.read(at.PART, at.PART_COLUMNS, n))
         sheave = old.read(at.LUMP_MASS, at.PART_COLUMNS - at.SEGMENT_COLUMNS, n + 1)
         new.write(at.LUMP_MASS, sheave)
-        self._longest = self._grid_end()
 
     def _rest(self, boom_tip: Array) -> None:
         """Let the line hang, or settle on the seabed where it would hang into it."""

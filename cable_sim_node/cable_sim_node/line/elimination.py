@@ -11,6 +11,7 @@ from __future__ import annotations
 from heave_node.numerics.arrays import Array
 from heave_node.numerics.compiled import inlined_kernel, inner_kernel
 
+from cable_sim_node.line.forces.segment import Block, adjugate, times
 from cable_sim_node.line.layout import (
     CX,
     CY,
@@ -43,7 +44,6 @@ from cable_sim_node.line.layout import (
     WZY,
     WZZ,
 )
-from cable_sim_node.line.segment import Block, adjugate, times
 from cable_sim_node.physics.drag import Vector
 
 Carried = tuple[Block, Vector]

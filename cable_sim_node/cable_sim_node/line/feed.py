@@ -15,7 +15,8 @@ from heave_node.numerics.compiled import inlined_kernel, inner_kernel, kernel
 
 from cable_sim_node.line.arrays import LineArrays
 from cable_sim_node.line.assembly import add_lump, assemble_present, take_present_tip
-from cable_sim_node.line.contact import add_contact
+from cable_sim_node.line.forces.contact import add_contact
+from cable_sim_node.line.forces.segment import adjugate, times
 from cable_sim_node.line.layout import (
     ACCELERATION,
     AX,
@@ -60,7 +61,6 @@ from cable_sim_node.line.layout import (
     Y,
     Z,
 )
-from cable_sim_node.line.segment import adjugate, times
 from cable_sim_node.line.tiles import copy_borders
 
 _PARTS_END = PART + PART_COLUMNS * STRIDE

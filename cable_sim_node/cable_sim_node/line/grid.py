@@ -31,6 +31,7 @@ def build_line(parameters: CableSimParameters, total: float) -> LineArrays:
     for axis in range(3):
         flow = at.FLOW_X + axis * at.STRIDE
         line.tiles[:, flow : flow + at.STRIDE] = schedule[0, 1] * profile[0, FLOW + axis]
+    line.numbers[at.GRID_END] = line.grid_points[-5]
     return line
 
 

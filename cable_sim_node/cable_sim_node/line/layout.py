@@ -88,10 +88,13 @@ TILE_COLUMNS = 94
 UNIT_INERTIA, UNIT_DRAG, UNIT_FORCE, UNIT_FLUID, UNIT_BODY_DRAG = 0, 3, 6, 9, 12
 UNIT_NUMBERS = 13
 
+GRID_END = UNIT_NUMBERS
+"""Longest line that leaves grid points to look ahead at [m]."""
+
 # The boom tip now, where the equations hold, and at the end of the step: its motion in the order of a node's, time [s],
 # unstretched length of the line [m], its rate and acceleration.
 TIP_NUMBERS = 13
-NOW, MIDWAY, END = range(UNIT_NUMBERS, UNIT_NUMBERS + 3 * TIP_NUMBERS, TIP_NUMBERS)
+NOW, MIDWAY, END = range(GRID_END + 1, GRID_END + 1 + 3 * TIP_NUMBERS, TIP_NUMBERS)
 TIP_X, TIP_Z, TIP_VX, TIP_VZ, TIP_AX, TIP_AZ = 0, 2, 3, 5, 6, 8
 TIME, TOTAL, RATE, ACCELERATION = range(9, 13)
 

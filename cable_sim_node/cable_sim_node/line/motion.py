@@ -10,9 +10,9 @@ from heave_node.numerics.arrays import Array
 from heave_node.numerics.compiled import inlined_kernel, inner_kernel
 
 from cable_sim_node.line.arrays import LineArrays
-from cable_sim_node.line.contact import carry_holds
 from cable_sim_node.line.feed import follow_length
-from cable_sim_node.line.flow import set_flow
+from cable_sim_node.line.forces.contact import carry_holds
+from cable_sim_node.line.forces.flow import set_flow
 from cable_sim_node.line.layout import (
     ACCELERATION,
     ALPHA_F,

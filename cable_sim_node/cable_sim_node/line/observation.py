@@ -22,10 +22,10 @@ from cable_sim_node.line.assembly import (
     take_present_place,
     take_present_tip,
 )
-from cable_sim_node.line.bending import add_bending
-from cable_sim_node.line.contact import add_contact, seabed_force_on_unit
-from cable_sim_node.line.direction import direction_of
-from cable_sim_node.line.flow import set_flow, set_flow_at
+from cable_sim_node.line.forces.bending import add_bending
+from cable_sim_node.line.forces.contact import add_contact, seabed_force_on_unit
+from cable_sim_node.line.forces.direction import direction_of
+from cable_sim_node.line.forces.flow import set_flow, set_flow_at
 from cable_sim_node.line.layout import (
     ADDED_MASS,
     AX,

@@ -15,10 +15,10 @@ from heave_node.numerics.compiled import inlined_kernel, inner_kernel, kernel
 from cable_sim_node.errors import LARGEST_JUMP
 from cable_sim_node.line.arrays import LineArrays
 from cable_sim_node.line.assembly import assemble
-from cable_sim_node.line.bending import add_bending, solve_with_bending
-from cable_sim_node.line.compensator import add_compensator
 from cable_sim_node.line.elimination import solve_blocks
 from cable_sim_node.line.feed import feed, follow_length, start_of
+from cable_sim_node.line.forces.bending import add_bending, solve_with_bending
+from cable_sim_node.line.forces.compensator import add_compensator
 from cable_sim_node.line.layout import (
     ALPHA_F,
     ALPHA_M,
@@ -32,6 +32,7 @@ from cable_sim_node.line.layout import (
     END,
     ENDS,
     GAMMA,
+    GRID_END,
     GRID_TOO_SHORT,
     HELD_SHORT,
     ITERATIONS,
@@ -250,7 +251,6 @@ def take_motion(
     end: Array,
     end_velocity: Array,
     lengths: Motion,
-    longest: float,
 ) -> int:
     """Take what boom tip and length do in an interval, see `advance`; return DONE where it can be done."""
     total, total_rate, end_total, end_rate = lengths
@@ -259,7 +259,7 @@ def take_motion(
         check += start[k] + start_velocity[k] + end[k] + end_velocity[k]
     if not (duration > 0.0 and math.isfinite(check)) or abs(total - numbers[NOW + TOTAL]) > LARGEST_JUMP:
         return BAD_MOTION
-    if max(total, end_total) + duration * max(abs(total_rate), abs(end_rate)) > longest:
+    if max(total, end_total) + duration * max(abs(total_rate), abs(end_rate)) > numbers[GRID_END]:
         return GRID_TOO_SHORT
     for k in range(3):
         numbers[ENDS + k], numbers[ENDS + 4 + k] = start[k], start_velocity[k]
@@ -337,28 +337,22 @@ def advance(
     start_velocity: Array,
     end: Array,
     end_velocity: Array,
-    total: float,
-    total_rate: float,
-    end_total: float,
-    end_rate: float,
-    longest: float,
+    lengths: Motion,
 ) -> int:
     """Integrate a line over `duration` [s], and `observe` it; return the outcome.
 
     Boom tip and length run as cubics through the values and rates at both ends. BAD_MOTION for a number that is not
     finite, a duration that is not positive and a length that jumps, GRID_TOO_SHORT where the length may exceed
-    `longest`: nothing is changed then. TOO_SHORT, NOT_CONVERGED: the state is that of the last good step.
+    the grid: nothing is changed then. TOO_SHORT, NOT_CONVERGED: the state is that of the last good step.
 
     Parameters
     ----------
     tiles, numbers, water, band : the line's arrays, one by one: a tuple of them takes Python twice as long
     duration : [s]
     start, start_velocity, end, end_velocity : of the boom tip at both ends [m], [m/s], shape (3,)
-    total, total_rate, end_total, end_rate : unstretched length at both ends and its rates [m], [m/s]
-    longest : what the grid reaches to [m]
+    lengths : unstretched length and its rate at the start, the same at the end [m], [m/s]
     """
-    lengths = (total, total_rate, end_total, end_rate)
-    outcome = take_motion(numbers, duration, start, start_velocity, end, end_velocity, lengths, longest)
+    outcome = take_motion(numbers, duration, start, start_velocity, end, end_velocity, lengths)
     if outcome == DONE:
         line = LineArrays(tiles, numbers, water, band)
         outcome = integrate(line, duration)

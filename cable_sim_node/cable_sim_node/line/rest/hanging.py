@@ -14,8 +14,8 @@ from heave_node.numerics.compiled import inner_kernel, kernel
 
 from cable_sim_node.errors import NoEquilibriumError
 from cable_sim_node.line.arrays import LineArrays
-from cable_sim_node.line.bending import solve_with_bending
-from cable_sim_node.line.flow import set_flow
+from cable_sim_node.line.forces.bending import solve_with_bending
+from cable_sim_node.line.forces.flow import set_flow
 from cable_sim_node.line.layout import (
     BENDING_ON,
     CENTRE,

@@ -9,7 +9,6 @@ is left. Friction holds as it does in a run, so that nothing moves when the run 
 from __future__ import annotations
 
 import dataclasses
-import math
 
 import numpy as np
 from heave_node.numerics.arrays import Array
@@ -18,8 +17,8 @@ from heave_node.numerics.compiled import kernel
 from cable_sim_node.errors import NoEquilibriumError
 from cable_sim_node.line import layout as at
 from cable_sim_node.line.arrays import LineArrays
-from cable_sim_node.line.bending import solve_with_bending
 from cable_sim_node.line.elimination import solve_blocks
+from cable_sim_node.line.forces.bending import solve_with_bending
 from cable_sim_node.line.grid import settings_of
 from cable_sim_node.line.layout import BENDING_ON, CX, LANES, SHIFT, STRIDE, X
 from cable_sim_node.line.observation import evaluate
@@ -126,7 +125,7 @@ def _let_go(line: LineArrays, n: int, boom_tip: Array) -> bool:
     mass[0] += numbers[at.UNIT_INERTIA]
     energy, quiet = 0.0, _QUIET
     for _ in range(round(_LONGEST / _INTERVAL)):
-        outcome = advance(*line, _INTERVAL, boom_tip, still, boom_tip, still, *ends, math.inf)
+        outcome = advance(*line, _INTERVAL, boom_tip, still, boom_tip, still, ends)
         if outcome != at.DONE:
             return False
         numbers[at.NOW + at.TIME] = start_time

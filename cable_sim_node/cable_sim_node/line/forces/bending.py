@@ -1,7 +1,7 @@
 """Bending stiffness of the line: a hinge spring at each inner node (Pinto; thesis appendix 12.4.6), and its solver.
 
 Energy of the hinge at node i between segments of lengths l and m: (1/2) B |e_i - e_{i-1}|^2 with B = EI / ((l + m)/2),
-e the directions of the segments (`line.direction`); |e_i - e_{i-1}| / ((l + m)/2) is the curvature.
+e the directions of the segments (`forces.direction`); |e_i - e_{i-1}| / ((l + m)/2) is the curvature.
 Arguments as in `assembly`; the middle state is bent.
 """
 
@@ -13,7 +13,7 @@ from heave_node.numerics.arrays import Array
 from heave_node.numerics.compiled import inner_kernel
 
 from cable_sim_node.line.arrays import LineArrays
-from cable_sim_node.line.direction import direction_of
+from cable_sim_node.line.forces.direction import direction_of
 from cable_sim_node.line.layout import (
     BENDING,
     CENTRE,
