@@ -51,6 +51,7 @@ class RunSignals:
     unit_heave, uncompensated_heave, boom_tip_heave : vertical position, positive up [m]
     payout, payout_rate, payout_acceleration : of the drum, positive pays out [m], [m/s], [m/s^2]
     tension : top tension [N]
+    largest_tension : largest of it since the sample before, at the same times [N]; empty when unknown
     slack : 1 where any part of the cable carries no tension
     limits_hit : sum of the WinchLimit flags of the limits that act, as the winch itself tells it
     compensating : 1 where the controller compensates or holds a tension
@@ -61,7 +62,8 @@ class RunSignals:
     losses : 1 where compensation has just ended that nobody had asked to end
     nis_in_band : 1 where the normalised innovation squared lies inside its 95 % band
     execution_time : wall time that the controller computed for a tick [s]; empty in lockstep, where it is not told
-    uncompensated_tension : top tension with the winch locked, or following the programme of depth only [N]
+    uncompensated_tension, uncompensated_largest_tension : the same with the winch locked, or following the programme of
+        depth only [N]
     static_tension : top tension at rest [N], one sample where the deployed length stays; empty takes the mean tension
     speed_limit, acceleration_limit, power_limit : of the winch [m/s], [m/s^2], [W]; infinite when unknown or none
     driving_omega : angular frequency of a driven scenario [rad/s]; NaN if the scenario is not driven by one
@@ -80,7 +82,9 @@ class RunSignals:
     payout_rate: Signal = field(default_factory=_signal)
     payout_acceleration: Signal = field(default_factory=_signal)
     tension: Signal = field(default_factory=_signal)
+    largest_tension: Signal = field(default_factory=_signal)
     uncompensated_tension: Signal = field(default_factory=_signal)
+    uncompensated_largest_tension: Signal = field(default_factory=_signal)
     static_tension: Signal = field(default_factory=_signal)
     slack: Signal = field(default_factory=_signal)
     limits_hit: Signal = field(default_factory=_signal)
@@ -104,8 +108,22 @@ class RunSignals:
     late_commands: float = math.nan
     loop_age: tuple[float, float, float] = (math.nan, math.nan, math.nan)
 
+    def peak_tension(self) -> Signal:
+        """Return the largest tension since the sample before, at each sample; the sample itself where it is unknown."""
+        return _peaks(self.tension, self.largest_tension)
+
+    def uncompensated_peak_tension(self) -> Signal:
+        """Return the same of the uncompensated tension."""
+        return _peaks(self.uncompensated_tension, self.uncompensated_largest_tension)
+
     def static_at(self, tension: Signal) -> Array:
         """Return the static tension at the samples of a tension [N]: their mean where it is not known."""
         if self.static_tension.size:
             return self.static_tension.at(tension)
         return np.full(tension.size, tension.value.mean() if tension.size else math.nan)
+
+
+def _peaks(tension: Signal, largest: Signal) -> Signal:
+    if largest.size != tension.size:
+        return tension
+    return Signal(tension.time, np.maximum(tension.value, largest.value))

@@ -43,6 +43,7 @@ class PlantState(NamedTuple):
     node_positions : shape (N+1, 3), node 0 is the unit, node N the boom tip [m]
     segment_tensions : shape (N,), from the unit upwards, never negative [N]
     top_tension : force on the top end [N]
+    largest_top_tension : largest of it since the tick before [N]
     unstretched_length : cable below the boom tip [m]
     slack_segments : number of segments without tension
     touchdown : the unit or the cable touches the seabed
@@ -50,13 +51,15 @@ class PlantState(NamedTuple):
     compensator_stroke : extension of a passive compensator [m]
     unit : motion of the unit
     uncompensated : motion of the unit of the shadow plant
-    uncompensated_tension : force on the top end of its cable [N]
+    uncompensated_tension, uncompensated_largest_tension : force on the top end of its cable, now and the largest since
+        the tick before [N]
     """
 
     time: float
     node_positions: Array
     segment_tensions: Array
     top_tension: float
+    largest_top_tension: float
     unstretched_length: float
     slack_segments: int
     touchdown: bool
@@ -65,6 +68,7 @@ class PlantState(NamedTuple):
     unit: PointMotion
     uncompensated: PointMotion
     uncompensated_tension: float
+    uncompensated_largest_tension: float
 
 
 class CableSim:
@@ -109,11 +113,13 @@ class CableSim:
         """Return the state of t_k, k the present `tick`."""
         plant = self._plant
         time = self.tick * self._tick_period
+        positions, tensions = plant.nodes_and_tensions()
         return PlantState(
             time=time,
-            node_positions=plant.node_positions,
-            segment_tensions=plant.segment_tensions,
+            node_positions=positions,
+            segment_tensions=tensions,
             top_tension=plant.top_tension,
+            largest_top_tension=plant.largest_top_tension,
             unstretched_length=plant.unstretched_length,
             slack_segments=plant.slack_segments,
             touchdown=plant.touchdown,
@@ -122,6 +128,7 @@ class CableSim:
             unit=_unit_motion(plant, time),
             uncompensated=_unit_motion(self._shadow, time),
             uncompensated_tension=self._shadow.top_tension,
+            uncompensated_largest_tension=self._shadow.largest_top_tension,
         )
 
     def readings(self, tick: int) -> tuple[PlantState, SensorReadings]:

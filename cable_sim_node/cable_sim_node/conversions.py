@@ -28,7 +28,7 @@ _STAMP = "header.stamp"
 _IN_WORLD = {"header.frame_id": WORLD}
 
 _CABLE_SCALARS = (
-    *("top_tension", "unstretched_length", "slack_segments", "touchdown", "touchdown_force"),
+    *("top_tension", "largest_top_tension", "unstretched_length", "slack_segments", "touchdown", "touchdown_force"),
     "compensator_stroke",
 )
 _cable_scalars = attrgetter(*_CABLE_SCALARS)

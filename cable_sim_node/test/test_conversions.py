@@ -36,6 +36,7 @@ STATE = PlantState(
     node_positions=np.array([[1.0, -2.0, -300.5], [0.5, -1.0, -150.0], [0.0, 0.0, 1.0]]),
     segment_tensions=np.array([0.0, 31_000.0]),
     top_tension=33_000.0,
+    largest_top_tension=35_000.0,
     unstretched_length=301.0,
     slack_segments=1,
     touchdown=True,
@@ -44,6 +45,7 @@ STATE = PlantState(
     unit=MOTION,
     uncompensated=MOTION,
     uncompensated_tension=30_000.0,
+    uncompensated_largest_tension=32_000.0,
 )
 
 
@@ -55,6 +57,7 @@ def test_cable_state_holds_the_plant_from_the_unit_upwards() -> None:
     assert (message.bottom_tension, message.top_tension, message.unstretched_length) == (0.0, 33_000.0, 301.0)
     assert (message.slack_segments, message.touchdown, message.touchdown_force) == (1, True, 1500.0)
     assert message.compensator_stroke == 0.2
+    assert message.largest_top_tension == 35_000.0
 
 
 def test_point_motion_survives_the_way_there_and_back() -> None:

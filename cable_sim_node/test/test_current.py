@@ -47,8 +47,8 @@ def test_the_current_of_parameters_is_that_of_the_start():
     )
     assert current_of(parameters).at(50.0) == pytest.approx([0.25, 0.125, 0.0])
     line = build_line(parameters, 300.0)
-    assert line.schedule == pytest.approx(np.array([[0.0, 0.5], [9.0, 1.0]]))
-    assert current_at(50.0, line.current, 0.5)[0] == pytest.approx((0.25, 0.125, 0.0))
+    assert line.water[2:, :2] == pytest.approx(np.array([[0.0, 0.5], [9.0, 1.0]]))
+    assert current_at(50.0, line.water[:2], 0.5)[0] == pytest.approx((0.25, 0.125, 0.0))
     assert current_of(CableSimParameters(current=(0.3, -0.2))).at(7.0) == pytest.approx([0.3, -0.2, 0.0])
 
 

@@ -32,8 +32,8 @@ def feed(plant, rate, duration, tick=0.05, observe=lambda plant: None):
 
 def line_mass(plant):
     """Mass of cable and lumps in the equations of motion [kg]."""
-    n, parts = plant.segments, plant._line.parts
-    return float(parts[:n, at.MASS] @ parts[:n, at.LENGTH]) + float(np.sum(parts[: n + 1, at.LUMP_MASS]))
+    n, line = plant.segments, plant._line
+    return float(line.column(at.MASS, n) @ line.column(at.LENGTH, n)) + float(np.sum(line.column(at.LUMP_MASS, n + 1)))
 
 
 @pytest.mark.parametrize("segments", [20, 100])

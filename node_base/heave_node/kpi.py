@@ -143,7 +143,7 @@ def tension_ratios(tension: ArrayLike, static_tension: ArrayLike) -> tuple[float
     return float(ratio.min()), float(ratio.max())
 
 
-def snap_times(time: ArrayLike, tension: ArrayLike, static_tension: ArrayLike) -> Array:
+def snap_times(time: ArrayLike, tension: ArrayLike, static_tension: ArrayLike, peaks: ArrayLike | None = None) -> Array:
     """Return the times [s] at which the cable snapped taut.
 
     A snap is `T < 0.1 Tstatic` followed by `T > 1.3 Tstatic` within 2 s; one slack counts at most one snap.
@@ -153,13 +153,15 @@ def snap_times(time: ArrayLike, tension: ArrayLike, static_tension: ArrayLike) -
     time : of the samples, shape (n,) [s]
     tension : T, shape (n,) [N]
     static_tension : Tstatic, one number or one for each sample [N]
+    peaks : largest tension since the sample before, shape (n,) [N]; None: the samples
     """
     times = np.asarray(time, dtype=float)
     values, static = np.asarray(tension, dtype=float), np.asarray(static_tension, dtype=float)
     if not np.all(static > 0.0):
         return np.empty(0)
     low = values < SNAP_LOW * static
-    events = np.flatnonzero(low | (values > SNAP_HIGH * static))
+    highest = values if peaks is None else np.asarray(peaks, dtype=float)
+    events = np.flatnonzero(low | (highest > SNAP_HIGH * static))
     snaps: list[float] = []
     last_low = -math.inf
     for index in events:

@@ -60,6 +60,8 @@ def test_the_900_m_line_moves_as_moordyns():
     _, size, phase = first_harmonic(times, heave, 2.0 * np.pi / 8.0)
     assert own.unit_heave_amplitude == pytest.approx(size, rel=5e-3)
     assert abs(math.remainder(own.unit_heave_phase - phase, 2.0 * math.pi)) < 0.01
+    _, pull, _ = first_harmonic(times, peer.tension[window], 2.0 * np.pi / 8.0)
+    assert own.tension_amplitude == pytest.approx(pull, rel=0.02)  # half a segment lies between the two readings
     # what is left is the peer's own start: its nodes begin evenly spaced, not in equilibrium
     assert np.max(np.abs(own.unit[:, 2] - heave)) < 0.02 * np.ptp(heave)
 

@@ -84,7 +84,7 @@ def extremes(record: RunRecord) -> list[Extreme]:
     add("uncompensated unit heave about its mean", signals.uncompensated_heave, "m", about_mean=True)
     add("boom-tip heave about its mean", signals.boom_tip_heave, "m", about_mean=True)
     add("top tension, smallest", signals.tension, "N", smallest=True)
-    add("top tension, largest", signals.tension, "N")
+    add("top tension, largest", signals.peak_tension(), "N")
     add("winch speed", signals.payout_rate, "m/s")
     add("winch acceleration", signals.payout_acceleration, "m/s²")
     if signals.tension.size and signals.payout_rate.size:
@@ -99,7 +99,8 @@ def snaps(record: RunRecord) -> list[float]:
     if not tension.size:
         return []
     static = record.signals.static_at(tension)
-    return [float(time) for time in kpi.snap_times(tension.time, tension.value, static)]
+    peaks = record.signals.peak_tension().window(record.start, record.end).value
+    return [float(time) for time in kpi.snap_times(tension.time, tension.value, static, peaks)]
 
 
 MOST_WINDOWS = 100_000

@@ -46,6 +46,7 @@ class Window:
         self.heave = self.of(run.unit_heave).value
         self.uncompensated_heave = self.of(run.uncompensated_heave).value
         self.tension = self.of(run.tension)
+        self.peak_tension = self.of(run.peak_tension())
         self.rate = self.of(run.payout_rate)
         self.acceleration = self.of(run.payout_acceleration).value
 
@@ -110,21 +111,22 @@ class Window:
     @cached_property
     def tension_ratios(self) -> tuple[float, float]:
         """Smallest and largest tension over static tension."""
-        return self._ratios(self.tension)
+        return self._ratios(self.tension, self.peak_tension)
 
     @cached_property
     def uncompensated_tension_ratios(self) -> tuple[float, float]:
         """Smallest and largest tension over static tension, winch locked."""
-        return self._ratios(self.of(self.run.uncompensated_tension))
+        return self._ratios(self.of(self.run.uncompensated_tension), self.of(self.run.uncompensated_peak_tension()))
 
-    def _ratios(self, tension: Signal) -> tuple[float, float]:
-        return kpi.tension_ratios(tension.value, self.run.static_at(tension))
+    def _ratios(self, tension: Signal, peaks: Signal) -> tuple[float, float]:
+        static = self.run.static_at(tension)
+        return kpi.tension_ratios(tension.value, static)[0], kpi.tension_ratios(peaks.value, static)[1]
 
-    def snaps(self, tension: Signal) -> float:
-        """Return how often the cable snapped taut, by a tension over static tension."""
+    def snaps(self, tension: Signal, peaks: Signal) -> float:
+        """Return how often the cable snapped taut, by a tension over static tension and its peaks in between."""
         if not tension.size:
             return NOT_KNOWN
-        return float(kpi.snap_times(tension.time, tension.value, self.run.static_at(tension)).size)
+        return float(kpi.snap_times(tension.time, tension.value, self.run.static_at(tension), peaks.value).size)
 
     @cached_property
     def slack_percent(self) -> float:
@@ -442,7 +444,7 @@ KPI_DEFINITIONS: tuple[KpiDefinition, ...] = (
         "top tension, largest",
         "kN",
         TENSION,
-        lambda w: _largest(w.tension.value),
+        lambda w: _largest(w.peak_tension.value),
         1e-3,
         2,
         heading="T max",
@@ -453,7 +455,7 @@ KPI_DEFINITIONS: tuple[KpiDefinition, ...] = (
     KpiDefinition("tension_ratio_min", "rT = Tmin/Tstatic", "", TENSION, lambda w: w.tension_ratios[0]),
     KpiDefinition("dynamic_amplification", "DAF = Tmax/Tstatic", "", TENSION, lambda w: w.tension_ratios[1]),
     KpiDefinition("slack_percent", "slack, share of time", "%", TENSION, lambda w: w.slack_percent),
-    KpiDefinition("snaps", "snaps", "", TENSION, lambda w: w.snaps(w.tension), digits=0, is_count=True),
+    KpiDefinition("snaps", "snaps", "", TENSION, lambda w: w.snaps(w.tension, w.peak_tension), digits=0, is_count=True),
     KpiDefinition(
         "uncompensated_tension_ratio_min",
         "rT, uncompensated",
@@ -473,7 +475,7 @@ KPI_DEFINITIONS: tuple[KpiDefinition, ...] = (
         "snaps, uncompensated",
         "",
         TENSION,
-        lambda w: w.snaps(w.of(w.run.uncompensated_tension)),
+        lambda w: w.snaps(w.of(w.run.uncompensated_tension), w.of(w.run.uncompensated_peak_tension())),
         digits=0,
         is_count=True,
     ),

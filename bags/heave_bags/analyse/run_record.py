@@ -56,7 +56,7 @@ SELECTION: dict[str, tuple[str, ...]] = {
         "fault",
     ),
     LOAD_CELL: ("tension",),
-    CABLE: ("top_tension", "slack_segments", "touchdown_force"),
+    CABLE: ("top_tension", "largest_top_tension", "slack_segments", "touchdown_force"),
     CONTROLLER: (
         "mode",
         "reason",
@@ -348,6 +348,8 @@ def _fill_motion(record: RunRecord, fields: Mapping[str, Fields]) -> None:
         (MEASURED, fields[WINCH].signal("tension")),
     )
     signals.tension = _best(record, "top tension", tensions)
+    if record.sources.get("top tension") == TRUE:
+        signals.largest_tension = fields[CABLE].signal("largest_top_tension")
     if signals.tension.size and signals.tension.time[0] < START:
         signals.static_tension = Signal(signals.tension.time[:1], signals.tension.value[:1])
 

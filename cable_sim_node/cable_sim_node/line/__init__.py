@@ -3,5 +3,6 @@
 from heave_node.numerics.compiled import drop_stale_kernels
 
 from cable_sim_node import physics
+from cable_sim_node.line import forces
 
-drop_stale_kernels(__file__, physics.__file__)
+drop_stale_kernels(__file__, forces.__file__, physics.__file__)

@@ -1,7 +1,7 @@
 """The line's arrays, together, as the compiled kernels take them. Allocated once.
 
-Columns are named in `layout`. The arrays are few and wide: each one that a kernel takes is compiled into nine
-arguments, in every kernel again.
+Columns are named in `layout`. The arrays are few and wide: each one costs a tenth of a microsecond on the way into a
+kernel from Python, and nine arguments to compile in every kernel.
 """
 
 from __future__ import annotations
@@ -10,102 +10,83 @@ from typing import NamedTuple
 
 import numpy as np
 from heave_node.numerics.arrays import Array
-from numpy.typing import NDArray
 
 from cable_sim_node.line import layout as at
 
 
 class LineArrays(NamedTuple):
-    """What is known of a line. Rows are nodes or segments from the unit upwards; only the first ones are in use.
+    """What is known of a line. Nodes and segments are counted from the unit upwards; only the first ones are in use.
 
-    The properties are views, for Python; kernels see the fields alone.
+    The methods are for Python; kernels see the fields alone.
     """
 
-    now: Array
-    """Position, velocity and acceleration of each node."""
-    middle: Array
-    """The same where the equations hold."""
-    top: Array
-    """Boom tip, time and length: now, where the equations hold, and at the end of the step."""
-    grid: Array
-    """Properties of each grid segment and of the point below it; never change."""
-    parts: Array
-    """Properties of each segment in use, those of the grid but for the top one, and of the lump on the node below."""
-    unit: Array
-    current: Array
-    """Current profile, rows (depth, u_x, u_y)."""
-    schedule: Array
-    """Factor of the current, rows (time, factor)."""
-    settings: Array
-    """Numbers of the whole line: step, scheme, tension law, seabed, compensator, wave."""
-    flow: Array
-    """Motion of the water along the line."""
-    equations: Array
-    """The linear equations of each node, and the tension of the segment above it."""
+    tiles: Array
+    """Nodes, parts, grid, water and equations along the line."""
+    numbers: Array
+    """Unit, boom tip, counters, what is seen, and settings."""
+    water: Array
+    """Rows of the current's profile (depth, u_x, u_y, u_z), then those of its schedule (time, factor)."""
     band: Array
     """The wide system of a line with bending; three rows more are scratch for a hinge. One row without bending."""
-    counters: NDArray[np.int64]
-    """Segments in use, and what has been counted."""
 
     @property
-    def x(self) -> Array:
-        """Node positions [m], shape (rows, 3)."""
-        return self.now[:, at.X : at.Z + 1]
+    def segments(self) -> int:
+        """Number of segments in use."""
+        return int(self.numbers[at.SEGMENTS])
 
     @property
-    def v(self) -> Array:
-        """Node velocities [m/s], shape (rows, 3)."""
-        return self.now[:, at.VX : at.VZ + 1]
+    def grid_points(self) -> Array:
+        """Unstretched length from the unit to each grid point [m]."""
+        points = self.column(at.START, at.TILE * len(self.tiles))
+        return points[: int(np.argmax(points)) + 1]
 
-    @property
-    def a(self) -> Array:
-        """Node accelerations [m/s^2], shape (rows, 3)."""
-        return self.now[:, at.AX : at.AZ + 1]
+    def read(self, first: int, columns: int, rows: int) -> Array:
+        """Return a copy of so many `columns` from `first` on of so many nodes or segments, shape (rows, columns)."""
+        block = self._columns(first, columns)
+        return block.transpose(0, 2, 1).reshape(-1, columns)[:rows].copy()
 
-    @property
-    def grid_s(self) -> Array:
-        """Material coordinate of each grid point [m], from the unit."""
-        return self.grid[:, at.START]
+    def column(self, column: int, rows: int) -> Array:
+        """Return a copy of one `column` of so many nodes or segments, shape (rows,)."""
+        return self.read(column, 1, rows)[:, 0]
 
-    @property
-    def tensions(self) -> Array:
-        """Tension of each segment [N]."""
-        return self.equations[:, at.TENSION]
+    def write(self, first: int, values: Array) -> None:
+        """Set columns from `first` on of the first nodes or segments to `values`, shape (rows, columns)."""
+        rows, columns = values.shape
+        block = self._columns(first, columns)
+        for tile in range((rows - 1) // at.TILE + 1):
+            part = values[tile * at.TILE : (tile + 1) * at.TILE]
+            block[tile, :, : len(part)] = part.T
 
-    @property
-    def residual(self) -> Array:
-        """Residual of each node's equations [N], shape (rows, 3)."""
-        return self.equations[:, at.RX : at.RZ + 1]
+    def _columns(self, first: int, columns: int) -> Array:
+        start = first // at.STRIDE
+        return self.tiles.reshape(len(self.tiles), at.TILE_COLUMNS, at.STRIDE)[:, start : start + columns, : at.TILE]
 
 
 def allocate(
-    grid: Array, unit: Array, current: Array, schedule: Array, settings: Array, *, bending: bool
+    grid: Array, points: Array, numbers: Array, profile: Array, schedule: Array, *, bending: bool
 ) -> LineArrays:
     """Return arrays for a line at rest that is not yet in equilibrium.
 
     Parameters
     ----------
-    grid : material points, shape (rows - 1, GRID_COLUMNS)
-    unit : shape (UNIT_COLUMNS,)
-    current, schedule : profile of the current and its factor over time, see `physics.current`
-    settings : shape (SETTING_COLUMNS,)
+    grid : parts between the grid's points, shape (k, PART_COLUMNS)
+    points : unstretched length from the unit to each grid point [m], shape (k,)
+    numbers : unit and settings, shape (NUMBERS + 3 rows of the seabed's profile,)
+    profile, schedule : of the current and its factor over time, see `physics.current`
     bending : whether the line has bending stiffness
     """
     rows = len(grid) + 1
-    parts = np.zeros((rows, at.PART_COLUMNS))
-    parts[:-1] = grid[:, : at.PART_COLUMNS]
-    return LineArrays(
-        now=np.zeros((rows, at.NODE_COLUMNS)),
-        middle=np.zeros((rows, at.NODE_COLUMNS)),
-        top=np.zeros((3, at.TOP_COLUMNS)),
-        grid=grid,
-        parts=parts,
-        unit=unit,
-        current=current,
-        schedule=schedule,
-        settings=settings,
-        flow=np.zeros((rows, at.FLOW_COLUMNS)),
-        equations=np.zeros((rows, at.EQUATION_COLUMNS)),
+    tiles = np.zeros((rows // at.TILE + 1, at.TILE_COLUMNS * at.STRIDE))
+    water = np.zeros((len(profile) + len(schedule), profile.shape[1]))
+    water[: len(profile)] = profile
+    water[len(profile) :, : schedule.shape[1]] = schedule
+    line = LineArrays(
+        tiles=tiles,
+        numbers=numbers,
+        water=water,
         band=np.zeros((3 * rows + 3 if bending else 1, at.BAND_COLUMNS)),
-        counters=np.zeros(at.COUNTER_COLUMNS, dtype=np.int64),
     )
+    line.write(at.PART, grid)
+    line.write(at.GRID + at.PART, grid)
+    line.write(at.START, points[:, None])
+    return line

@@ -24,19 +24,16 @@ from cable_sim_node.errors import (
     refuse_jump,
 )
 from cable_sim_node.line import layout as at
-from cable_sim_node.line.contact import hold_here, seabed_force_on_unit
 from cable_sim_node.line.feed import set_top_segment
-from cable_sim_node.line.grid import build_line, settings_row
+from cable_sim_node.line.grid import build_line, settings_of
+from cable_sim_node.line.observation import observe, snapshot
 from cable_sim_node.line.rest.hanging import hang
-from cable_sim_node.line.rest.settling import settle
-from cable_sim_node.line.step import advance_and_observe, observe
+from cable_sim_node.line.rest.settling import hold_here, settle
+from cable_sim_node.line.step import advance
 from cable_sim_node.parameters import CableSimParameters
 from cable_sim_node.physics.properties import unit_properties
 from cable_sim_node.physics.seabed import Seabed
 from cable_sim_node.statics.suspended import refuse_floating
-
-_MOVING_ARRAYS = ("now", "parts", "unit", "top", "settings", "counters")
-"""What changes in a run, and is kept where the line's arrays grow."""
 
 
 class CableDynamics:
@@ -58,7 +55,6 @@ class CableDynamics:
         _check_seabed(parameters)
         self._seabed = Seabed(parameters.seabed)
         self._line = build_line(parameters, 2.0 * parameters.length)
-        self._seen = np.zeros(at.SEEN_COLUMNS)
         self._fresh = False
 
     def start_at_equilibrium(self, boom_tip_position: ArrayLike, payout: float = 0.0, *, time: float = 0.0) -> None:
@@ -87,27 +83,26 @@ class CableDynamics:
             raise BadMotionError(
                 f"boom tip must be three finite numbers and payout one; got {boom_tip.tolist()} and {payout}"
             )
-        self._reserve(total)
-        line = self._line
-        points = line.grid_s
+        if total > self._line.numbers[at.GRID_END]:
+            self._grow(total)
+        line, numbers = self._line, self._line.numbers
+        points = line.grid_points
         if total < at.MERGE_AT * points[1]:
             raise CableTooShortError(
                 f"{total:g} m of cable is too short: a segment of {points[1]:g} m can shrink to "
                 f"{at.MERGE_AT * points[1]:g} m at least; use more segments"
             )
-        line.settings[:] = settings_row(self.parameters)
-        line.settings[at.SPRING_ON] = 0.0
-        line.parts[:-1] = line.grid[:, : at.PART_COLUMNS]
-        top = line.top[at.NOW]
-        top[:] = 0.0
-        top[at.X : at.Z + 1] = boom_tip
-        top[at.TIME], top[at.TOTAL] = time, total
+        numbers[at.NOW : at.SETTINGS] = 0.0
+        numbers[at.SETTINGS :] = settings_of(self.parameters)
+        numbers[at.SPRING_ON] = 0.0
+        line.write(at.PART, line.read(at.GRID + at.PART, at.PART_COLUMNS, len(points)))
+        numbers[at.NOW : at.NOW + 3] = boom_tip
+        numbers[at.NOW + at.TIME], numbers[at.NOW + at.TOTAL] = time, total
         n = max(int(np.searchsorted(points, total - 1e-9 * total)), 1)
         if n > 1 and total - points[n - 1] < at.MERGE_AT * (points[n] - points[n - 1]):
             n -= 1
-        line.counters[:] = 0
-        line.counters[at.SEGMENTS] = n
-        set_top_segment(n, total, line.grid, line.parts)
+        numbers[at.SEGMENTS] = n
+        set_top_segment(n, total, line.tiles)
         self._rest(boom_tip)
         self._fresh = False
         self._start_compensator()
@@ -139,69 +134,76 @@ class CableDynamics:
             where the line cannot follow; the state is that of the last good step.
         """
         base = self.parameters.length
-        start, start_rate, end, end_rate = base + payout_start, payout_rate_start, base + payout_end, payout_rate_end
-        numbers = [
-            *(*tip_start.position.tolist(), start, *tip_start.velocity.tolist(), start_rate),
-            *(*tip_end.position.tolist(), end, *tip_end.velocity.tolist(), end_rate),
-        ]
-        ends = np.array(numbers).reshape(4, 4)
-        if not (duration > 0.0 and math.isfinite(duration + sum(numbers))):
+        ends = (base + payout_start, 0.0 + payout_rate_start, base + payout_end, 0.0 + payout_rate_end)
+        motion = (tip_start.position, tip_start.velocity, tip_end.position, tip_end.velocity)
+        outcome = advance(*self._line, 0.0 + duration, *motion, ends)
+        if outcome == at.GRID_TOO_SHORT:
+            self._grow(max(ends[0], ends[2]) + duration * max(abs(ends[1]), abs(ends[3])))
+            outcome = advance(*self._line, 0.0 + duration, *motion, ends)
+        self._fresh = outcome == at.DONE or (self._fresh and outcome == at.BAD_MOTION)
+        if outcome == at.DONE:
+            return
+        if outcome == at.BAD_MOTION:
+            if duration > 0.0 and math.isfinite(sum(ends) + sum(float(np.sum(part)) for part in motion)):
+                refuse_jump(self.unstretched_length - base, payout_start, self.time)
             raise BadMotionError(
                 f"at t = {self.time:g} s: boom tip and payout must be finite and the duration positive; got "
-                f"{ends[:, :3].tolist()}, {ends[:, 3].tolist()}, {duration}"
+                f"{[part.tolist() for part in motion]}, {[payout_start, *ends[1:]]}, {duration}"
             )
-        refuse_jump(self.unstretched_length - base, payout_start, self.time)
-        self._reserve(max(start, end) + duration * max(abs(start_rate), abs(end_rate)))
-        outcome = advance_and_observe(self._line, duration, ends, self._seen)
-        self._fresh = outcome == at.DONE
         if outcome == at.TOO_SHORT:
+            shortest = at.MERGE_AT * float(self._line.grid_points[1])
             raise CableTooShortError(
                 f"at t = {self.time:g} s: {self.unstretched_length:g} m of cable is left, and the last segment "
-                f"cannot be shorter than {at.MERGE_AT * self._line.grid_s[1]:g} m: haul in less or use more segments"
+                f"cannot be shorter than {shortest:g} m: haul in less or use more segments"
             )
-        if outcome == at.NOT_CONVERGED:
-            raise NotConvergedError(
-                f"at t = {self.time:g} s: no solution was found even with the smallest steps; top tension "
-                f"{self.top_tension:g} N, unit at {self.unit_position.round(3).tolist()} m"
-            )
+        raise NotConvergedError(
+            f"at t = {self.time:g} s: no solution was found even with the smallest steps; top tension "
+            f"{self.top_tension:g} N, unit at {self.unit_position.round(3).tolist()} m"
+        )
 
     # --- the state at the end of the last interval
 
     @property
     def time(self) -> float:
         """Simulated time [s]."""
-        return float(self._line.top[at.NOW, at.TIME])
+        return float(self._line.numbers[at.NOW + at.TIME])
 
     @property
     def segments(self) -> int:
         """Number of segments now."""
-        return int(self._line.counters[at.SEGMENTS])
+        return self._line.segments
 
     @property
     def newton_iterations(self) -> int:
         """Newton iterations since the start: what the computing time follows, on any machine."""
-        return int(self._line.counters[at.NEWTON])
+        return int(self._line.numbers[at.NEWTON])
 
     @property
     def node_positions(self) -> Array:
         """Positions [m], shape (N + 1, 3); row 0 the unit, row N the top end."""
-        return self._line.x[: self.segments + 1].copy()
+        return self._line.read(at.X, 3, self.segments + 1)
 
     @property
     def node_velocities(self) -> Array:
         """Velocities [m/s], shape (N + 1, 3)."""
-        return self._line.v[: self.segments + 1].copy()
+        return self._line.read(at.VX, 3, self.segments + 1)
 
     @property
     def material_coordinates(self) -> Array:
         """Unstretched length from the unit to each node [m], shape (N + 1,)."""
-        return np.append(self._line.grid_s[: self.segments], self.unstretched_length)
+        return np.append(self._line.column(at.START, self.segments), self.unstretched_length)
 
     @property
     def segment_tensions(self) -> Array:
         """Tension of each segment [N], shape (N,), from the unit upwards; 0 where slack."""
-        self._evaluate()
-        return self._line.tensions[: self.segments].copy()
+        return self.nodes_and_tensions()[1]
+
+    def nodes_and_tensions(self) -> tuple[Array, Array]:
+        """Return `node_positions` and `segment_tensions`, quicker than one by one."""
+        n = self.segments
+        positions, tensions = np.empty((n + 1, 3)), np.empty(n)
+        snapshot(*self._line, positions, tensions)
+        return positions, tensions
 
     @property
     def top_force(self) -> Array:
@@ -209,24 +211,27 @@ class CableDynamics:
 
         It is the top segment's tension with half its weight, drag and inertia.
         """
-        self._evaluate()
-        return -self._line.residual[self.segments]
+        return self._seen(at.SEEN_FX, 3)
 
     @property
     def top_tension(self) -> float:
         """Size of `top_force` [N]; 0 where the line would have to push."""
-        self._evaluate()
-        return float(self._seen[at.SEEN_TENSION])
+        return self._seen_number(at.SEEN_TENSION)
+
+    @property
+    def largest_top_tension(self) -> float:
+        """Largest `top_tension` at the ends of the steps of the last interval [N]: a snap passes between two ticks."""
+        return self._seen_number(at.SEEN_LARGEST)
 
     @property
     def unit_position(self) -> Array:
         """Position of the unit [m], shape (3,)."""
-        return self._line.now[0, at.X : at.Z + 1].copy()
+        return self._line.tiles[0, at.X : at.VX : at.STRIDE].copy()
 
     @property
     def unit_velocity(self) -> Array:
         """Velocity of the unit [m/s], shape (3,)."""
-        return self._line.now[0, at.VX : at.VZ + 1].copy()
+        return self._line.tiles[0, at.VX : at.AX : at.STRIDE].copy()
 
     @property
     def unit_acceleration(self) -> Array:
@@ -234,25 +239,22 @@ class CableDynamics:
 
         That of the time integration belongs to another moment of the step.
         """
-        self._evaluate()
-        return self._seen[at.SEEN_AX : at.SEEN_AZ + 1].copy()
+        return self._seen(at.SEEN_AX, 3)
 
     @property
     def unstretched_length(self) -> float:
         """Unstretched length between unit and top end [m]."""
-        return float(self._line.top[at.NOW, at.TOTAL])
+        return float(self._line.numbers[at.NOW + at.TOTAL])
 
     @property
     def largest_strain(self) -> float:
         """Largest strain of a segment [-]; negative where all are slack."""
-        self._evaluate()
-        return float(self._seen[at.SEEN_STRAIN])
+        return self._seen_number(at.SEEN_STRAIN)
 
     @property
     def slack_segments(self) -> int:
         """Number of segments that carry no tension."""
-        self._evaluate()
-        return int(self._seen[at.SEEN_SLACK])
+        return int(self._seen_number(at.SEEN_SLACK))
 
     @property
     def is_on_seabed(self) -> bool:
@@ -262,18 +264,19 @@ class CableDynamics:
     @property
     def touchdown(self) -> bool:
         """Whether the unit rests on the seabed."""
-        return self.parameters.seabed.depth > 0.0 and self._seabed.clearance(self._line.x[0]) <= 0.0
+        return self.parameters.seabed.depth > 0.0 and self._seabed.clearance(self.unit_position) <= 0.0
 
     @property
     def touchdown_force(self) -> float:
         """Vertical force of the seabed on the unit, positive up [N]; 0 off the seabed."""
-        line = self._line
-        return float(seabed_force_on_unit(line)[2]) if line.settings[at.BED_ON] > 0.0 else 0.0
+        return self._seen_number(at.SEEN_BED)
 
     @property
     def compensator_stroke(self) -> float:
         """How far the compensator's sheave is below its mid-stroke at the boom tip [m]; 0 without a compensator."""
-        return float(self._line.top[at.NOW, at.Z] - self._line.x[self.segments, 2])
+        n = self.segments
+        sheave = self._line.tiles[n >> at.SHIFT, at.Z + (n & at.LANES)]
+        return float(self._line.numbers[at.NOW + at.TIP_Z] - sheave)
 
     def set_thrust(self, force: ArrayLike) -> None:
         """Set the thruster force on the unit [N], shape (3,), in place of `unit.thrust`, from now on."""
@@ -281,41 +284,42 @@ class CableDynamics:
         if thrust.shape != (3,) or not np.all(np.isfinite(thrust)):
             raise BadMotionError(f"thrust must be three finite numbers [N]; got {thrust.tolist()}")
         rest = unit_properties(self.parameters).force - np.array(self.parameters.unit.thrust)
-        self._line.unit[at.UNIT_FORCE : at.UNIT_FORCE + 3] = thrust + rest
+        self._line.numbers[at.UNIT_FORCE : at.UNIT_FORCE + 3] = thrust + rest
         self._fresh = False
 
     # --- inside
 
-    def _evaluate(self) -> None:
+    def _seen(self, first: int, count: int) -> Array:
+        self._observe()
+        return self._line.numbers[first : first + count].copy()
+
+    def _seen_number(self, index: int) -> float:
+        self._observe()
+        return float(self._line.numbers[index])
+
+    def _observe(self) -> None:
         if not self._fresh:
-            observe(self._line, self._seen)
+            observe(self._line)
             self._fresh = True
 
-    def _reserve(self, total: float) -> None:
-        """Make sure that the grid reaches beyond `total` [m]; rare, and the only allocation."""
-        if total > self._line.grid[-5, at.START]:
-            self._grow(total)
-
     def _grow(self, total: float) -> None:
-        old = self._line
-        self._line = build_line(self.parameters, 2.0 * total)
-        for name in _MOVING_ARRAYS:
-            rows = len(getattr(old, name))
-            getattr(self._line, name)[:rows] = getattr(old, name)
-        # rows above the segments in use must be those of the grid
-        n = int(old.counters[at.SEGMENTS])
-        parts, grid = self._line.parts, self._line.grid
-        parts[n, : at.SEGMENT_COLUMNS] = grid[n, : at.SEGMENT_COLUMNS]  # its lump is the sheave's
-        parts[n + 1 : -1] = grid[n + 1 :, : at.PART_COLUMNS]
+        """Let the grid reach beyond `total` [m]; rare, and the only allocation."""
+        old, n = self._line, self.segments
+        self._line = new = build_line(self.parameters, 2.0 * total)
+        new.numbers[: at.GRID_END], new.numbers[at.NOW :] = old.numbers[: at.GRID_END], old.numbers[at.NOW :]
+        new.write(at.X, old.read(at.X, at.NODE_COLUMNS, n + 1))
+        new.write(at.PART, old.read(at.PART, at.PART_COLUMNS, n))
+        sheave = old.read(at.LUMP_MASS, at.PART_COLUMNS - at.SEGMENT_COLUMNS, n + 1)
+        new.write(at.LUMP_MASS, sheave)
 
     def _rest(self, boom_tip: Array) -> None:
         """Let the line hang, or settle on the seabed where it would hang into it."""
-        line, n = self._line, self.segments
-        line.settings[at.BED_ON] = 0.0
+        line = self._line
+        line.numbers[at.BED_ON] = 0.0
         hang(line, boom_tip)
-        line.settings[at.BED_ON] = float(self.parameters.seabed.depth > 0.0)
-        refuse_floating(float(line.x[0, 2]), float(boom_tip[2]))
-        hold_here(line, n)
+        line.numbers[at.BED_ON] = float(self.parameters.seabed.depth > 0.0)
+        refuse_floating(float(self.unit_position[2]), float(boom_tip[2]))
+        hold_here(line)
         if self.is_on_seabed:
             settle(line, self.parameters, boom_tip)
 
@@ -323,9 +327,9 @@ class CableDynamics:
         spring = self.parameters.compensator
         if spring.stiffness == 0.0:
             return
-        self._line.settings[at.SPRING_ON] = 1.0
+        self._line.numbers[at.SPRING_ON] = 1.0
         if spring.preload == 0.0:
-            self._line.settings[at.SPRING_PRELOAD] = -self.top_force[2]
+            self._line.numbers[at.SPRING_PRELOAD] = -self.top_force[2]
             return
         # the sheave rests where the spring balances the line; the whole line hangs lower by as much
         stroke = (-self.top_force[2] - spring.preload) / spring.stiffness
@@ -334,20 +338,21 @@ class CableDynamics:
                 f"compensator.preload = {spring.preload:g} N puts it {stroke:.2f} m from mid-stroke at rest, beyond "
                 f"half its stroke of {spring.stroke:g} m; the static top tension is {-self.top_force[2]:.0f} N"
             )
-        self._line.x[: self.segments + 1, 2] -= stroke
+        heights = self._line.read(at.Z, 1, self.segments + 1)
+        self._line.write(at.Z, heights - stroke)
         if self.is_on_seabed:
             raise PlantError(
                 f"compensator.preload = {spring.preload:g} N lets the line sink {stroke:.2f} m, into the seabed; 0 "
                 "takes the static top tension"
             )
-        hold_here(self._line, self.segments)
+        hold_here(self._line)
         self._fresh = False
 
     def _clearance(self) -> float:
         """Return how far the lowest node is above the seabed [m], negative in it; infinite without one."""
         if self.parameters.seabed.depth == 0.0:
             return math.inf
-        return min(map(self._seabed.clearance, self._line.x[: self.segments]))
+        return min(map(self._seabed.clearance, self.node_positions[:-1]))
 
 
 def _check_seabed(parameters: CableSimParameters) -> None:

@@ -3,8 +3,7 @@
 The grid of material points is counted from the unit and never moves; node i < n sits on grid point i for good. Only the
 top segment, from grid point n - 1 to the length L, changes. It is divided and merged with the mass of the line, its
 stretch and (when it is divided) its momentum kept, and a new node is put where its own forces give it the acceleration
-of its surroundings, so that tension does not jump. Arguments as in `assembly`; `line` is the `LineArrays`, `now`
-and `grid` are two of them.
+of its surroundings, so that tension does not jump. Arguments as in `assembly`.
 """
 
 from __future__ import annotations
@@ -12,14 +11,16 @@ from __future__ import annotations
 import math
 
 from heave_node.numerics.arrays import Array
-from heave_node.numerics.compiled import inner_kernel, kernel
+from heave_node.numerics.compiled import inlined_kernel, inner_kernel, kernel
 
 from cable_sim_node.line.arrays import LineArrays
-from cable_sim_node.line.assembly import assemble_nodes, assemble_segments
-from cable_sim_node.line.flow import set_flow
+from cable_sim_node.line.assembly import add_lump, assemble_present, take_present_tip
+from cable_sim_node.line.forces.contact import add_contact
+from cable_sim_node.line.forces.segment import adjugate, times
 from cable_sim_node.line.layout import (
     ACCELERATION,
     AX,
+    BED_ON,
     BENDING,
     DXX,
     DXY,
@@ -27,24 +28,32 @@ from cable_sim_node.line.layout import (
     DYY,
     DYZ,
     DZZ,
+    END_RX,
+    END_XX,
+    GRID,
     HOLD_X,
+    LANES,
     LENGTH,
     LUMP_MASS,
     LUMP_WEIGHT,
     MASS,
     MERGE_AT,
+    MOTION_COLUMNS,
     NODE_COLUMNS,
     NOW,
+    PART,
     PART_COLUMNS,
+    PER_LENGTH,
     RATE,
     RX,
     RY,
     RZ,
+    SHIFT,
     SPLIT_AT,
     START,
     STIFFNESS,
+    STRIDE,
     TENSION,
-    TIME,
     TOTAL,
     VX,
     WEIGHT,
@@ -52,86 +61,140 @@ from cable_sim_node.line.layout import (
     Y,
     Z,
 )
+from cable_sim_node.line.tiles import copy_borders
+
+_PARTS_END = PART + PART_COLUMNS * STRIDE
+
+
+@inner_kernel
+def start_of(i: int, tiles: Array) -> float:
+    """Return the unstretched length [m] from the unit to grid point i."""
+    return float(tiles[i >> SHIFT, START + (i & LANES)])
+
+
+@inner_kernel
+def spacing_at(i: int, tiles: Array) -> float:
+    """Return the unstretched length [m] of grid segment i."""
+    return float(tiles[i >> SHIFT, GRID + LENGTH + (i & LANES)])
 
 
 @kernel
-def set_top_segment(n: int, total: float, grid: Array, parts: Array) -> None:
-    """Set row n - 1 of `parts` for the cable from grid point n - 1 to the length `total` [m], and the lump of row n.
+def set_top_segment(n: int, total: float, tiles: Array) -> None:
+    """Set the top segment, from grid point n - 1 to the length `total` [m], and the lump of the sheave.
 
     Where it spans several grid segments (other sections), what is per metre is averaged by length and the compliance is
     added. A lump on the way bears on both ends by the law of the lever, as do mass and weight of the parts: that is
     what the node will take over.
     """
-    start = grid[n - 1, START]
+    tile, k = tiles[(n - 1) >> SHIFT], (n - 1) & LANES
+    sheave, m = tiles[n >> SHIFT], n & LANES
+    start = tile[START + k]
     length = total - start
-    row, sheave = parts[n - 1], parts[n]
-    for c in range(PART_COLUMNS):
-        row[c] = grid[n - 1, c]
-    for c in range(LUMP_MASS, PART_COLUMNS):
-        sheave[c] = 0.0
-    row[LENGTH] = length
-    if grid[n, START] >= total:
+    for c in range(PART, _PARTS_END, STRIDE):
+        tile[c + k] = tile[GRID + c + k]
+    for c in range(LUMP_MASS, _PARTS_END, STRIDE):
+        sheave[c + m] = 0.0
+    tile[LENGTH + k], tile[PER_LENGTH + k] = length, 1.0 / length
+    if sheave[START + m] >= total:
         return
     compliance = leaning_mass = leaning_weight = 0.0
-    for c in range(MASS, BENDING):  # mass to displaced mass, per metre
-        row[c] = 0.0
-    j = n - 1
-    while grid[j, START] < total:
-        low, high = grid[j, START], min(grid[j + 1, START], total)
+    for c in range(MASS, BENDING, STRIDE):  # mass to displaced mass, per metre
+        tile[c + k] = 0.0
+    i = n - 1
+    while start_of(i, tiles) < total:
+        grid, j = tiles[i >> SHIFT, GRID:], i & LANES
+        low, high = start_of(i, tiles), min(start_of(i + 1, tiles), total)
         part = (high - low) / length
-        compliance += part / grid[j, STIFFNESS]
+        compliance += part / grid[STIFFNESS + j]
         # the lower end takes half of the mean of all parts; what a part adds to its nearer end goes into the lumps
         lean = 0.5 - (0.5 * (low + high) - start) / length
-        leaning_mass += lean * part * length * grid[j, MASS]
-        leaning_weight += lean * part * length * grid[j, WEIGHT]
-        for c in range(MASS, BENDING):
-            row[c] += part * grid[j, c]
-        if j >= n:
+        leaning_mass += lean * part * length * grid[MASS + j]
+        leaning_weight += lean * part * length * grid[WEIGHT + j]
+        for c in range(MASS, BENDING, STRIDE):
+            tile[c + k] += part * grid[c + j]
+        if i >= n:
             upper_share = (low - start) / length
-            for c in range(LUMP_MASS, PART_COLUMNS):
-                sheave[c] += upper_share * grid[j, c]
-                row[c] += (1.0 - upper_share) * grid[j, c]
-        j += 1
-    row[STIFFNESS] = 1.0 / compliance
-    row[LUMP_MASS] += leaning_mass
-    sheave[LUMP_MASS] -= leaning_mass
-    row[LUMP_WEIGHT] += leaning_weight
-    sheave[LUMP_WEIGHT] -= leaning_weight
+            for c in range(LUMP_MASS, _PARTS_END, STRIDE):
+                sheave[c + m] += upper_share * grid[c + j]
+                tile[c + k] += (1.0 - upper_share) * grid[c + j]
+        i += 1
+    tile[STIFFNESS + k] = 1.0 / compliance
+    tile[LUMP_MASS + k] += leaning_mass
+    sheave[LUMP_MASS + m] -= leaning_mass
+    tile[LUMP_WEIGHT + k] += leaning_weight
+    sheave[LUMP_WEIGHT + m] -= leaning_weight
+
+
+@inlined_kernel
+def follow_length(n: int, total: float, tiles: Array) -> None:
+    """Do `set_top_segment` if the top segment has another length than it was last done for."""
+    j = (n - 1) & LANES
+    tile = tiles[(n - 1) >> SHIFT]
+    if tile[LENGTH + j] != total - tile[START + j]:
+        set_top_segment(n, total, tiles)
 
 
 @inner_kernel
-def merge_top(n: int, now: Array, grid: Array, parts: Array) -> int:
+def take_grid_part(i: int, tiles: Array) -> None:
+    """Make segment i, and the lump below it, those of the grid."""
+    tile, j = tiles[i >> SHIFT], i & LANES
+    for c in range(PART, _PARTS_END, STRIDE):
+        tile[c + j] = tile[GRID + c + j]
+
+
+@inner_kernel
+def move_sheave(old: int, new: int, tiles: Array) -> None:
+    """Let node `new` take over the state of node `old`."""
+    source, target = tiles[old >> SHIFT], tiles[new >> SHIFT]
+    for c in range(X, X + NODE_COLUMNS * STRIDE, STRIDE):
+        target[c + (new & LANES)] = source[c + (old & LANES)]
+
+
+@inner_kernel
+def merge_top(n: int, tiles: Array) -> int:
     """Remove the node below the sheave; return the new number of segments."""
-    for c in range(PART_COLUMNS):
-        parts[n - 1, c] = grid[n - 1, c]
-    for c in range(NODE_COLUMNS):
-        now[n - 1, c] = now[n, c]
+    take_grid_part(n - 1, tiles)
+    move_sheave(n, n - 1, tiles)
     return n - 1
 
 
 @inner_kernel
-def split_top(n: int, now: Array, top: Array, grid: Array, parts: Array) -> int:
+def split_top(line: LineArrays, n: int) -> int:
     """Put a node on grid point n, on the straight line between its neighbours; return the new number of segments.
 
-    `top` is the row NOW. Velocity and acceleration are those of the material there, linear along the segment.
+    Velocity and acceleration are those of the material there, linear along the segment.
     """
-    length = top[TOTAL] - grid[n - 1, START]
-    share = (grid[n, START] - grid[n - 1, START]) / length
-    low, born, sheave = now[n - 1], now[n], now[n + 1]
-    for c in range(NODE_COLUMNS):
-        sheave[c] = born[c]
-    for k in range(3):
-        q = (sheave[X + k] - low[X + k]) / length
-        velocity = sheave[VX + k] - top[RATE] * q
-        turning = (velocity - low[VX + k]) / length
-        acceleration = sheave[AX + k] - top[ACCELERATION] * q - 2.0 * top[RATE] * turning
-        born[X + k] = low[X + k] + share * (sheave[X + k] - low[X + k])
-        born[VX + k] = low[VX + k] + share * (velocity - low[VX + k])
-        born[AX + k] = low[AX + k] + share * (acceleration - low[AX + k])
-        born[HOLD_X + k] = born[X + k]
-    for c in range(PART_COLUMNS):
-        parts[n - 1, c] = grid[n - 1, c]
+    tiles, numbers = line.tiles, line.numbers
+    rate, acceleration = numbers[NOW + RATE], numbers[NOW + ACCELERATION]
+    start = start_of(n - 1, tiles)
+    length = numbers[NOW + TOTAL] - start
+    share = (start_of(n, tiles) - start) / length
+    move_sheave(n, n + 1, tiles)
+    i, j, k = (n - 1) & LANES, n & LANES, (n + 1) & LANES
+    for axis in range(3):
+        c = axis * STRIDE
+        low, born, sheave = tiles[(n - 1) >> SHIFT, c:], tiles[n >> SHIFT, c:], tiles[(n + 1) >> SHIFT, c:]
+        q = (sheave[X + k] - low[X + i]) / length
+        velocity = sheave[VX + k] - rate * q
+        turning = (velocity - low[VX + i]) / length
+        material = sheave[AX + k] - acceleration * q - 2.0 * rate * turning
+        born[X + j] = low[X + i] + share * (sheave[X + k] - low[X + i])
+        born[VX + j] = low[VX + i] + share * (velocity - low[VX + i])
+        born[AX + j] = low[AX + i] + share * (material - low[AX + i])
+        born[HOLD_X + j] = born[X + j]
+    take_grid_part(n - 1, tiles)
     return n + 1
+
+
+@inner_kernel
+def join_at(tiles: Array, k: int) -> None:
+    """Give node `k`, above the unit, the diagonal block and the residual of the segments below and above it."""
+    tile, j = tiles[k >> SHIFT], k & LANES
+    below, i = tiles[(k - 1) >> SHIFT], ((k - 1) & LANES) + 1
+    for c in range(0, 6 * STRIDE, STRIDE):
+        tile[DXX + c + j] = below[END_XX + c + i] + tile[END_XX + c + j + 1]
+    for c in range(0, 3 * STRIDE, STRIDE):
+        tile[RX + c + j] += below[END_RX + c + i]
 
 
 @inner_kernel
@@ -140,46 +203,50 @@ def settle_node(line: LineArrays, k: int, n: int) -> None:
 
     A node between slack segments stays.
     """
-    node, d = line.now[k], line.equations[k]
+    tiles = line.tiles
+    below, i = tiles[(k - 1) >> SHIFT], (k - 1) & LANES
+    tile, j = tiles[k >> SHIFT], k & LANES
     for _ in range(6):
-        assemble_segments(n, line.now, line.top[NOW], line.parts, line.flow, line.settings, 0.0, 0.0, line.equations)
-        if line.equations[k - 1, TENSION] <= 0.0 or d[TENSION] <= 0.0:
+        copy_borders(tiles, n, X, MOTION_COLUMNS)
+        assemble_present(line, n, k - 1)
+        assemble_present(line, n, k)
+        if below[TENSION + i] <= 0.0 or tile[TENSION + j] <= 0.0:
             return
-        assemble_nodes(n, line.now, line.parts, line.unit, line.flow, line.settings, 0.0, 0.0, line.equations)
-        c0 = d[DYY] * d[DZZ] - d[DYZ] * d[DYZ]
-        c1 = d[DXZ] * d[DYZ] - d[DXY] * d[DZZ]
-        c2 = d[DXY] * d[DYZ] - d[DXZ] * d[DYY]
-        c4 = d[DXY] * d[DXZ] - d[DXX] * d[DYZ]
-        scale = -1.0 / (d[DXX] * c0 + d[DXY] * c1 + d[DXZ] * c2)
-        r0, r1, r2 = d[RX], d[RY], d[RZ]
-        s0 = scale * (c0 * r0 + c1 * r1 + c2 * r2)
-        s1 = scale * (c1 * r0 + (d[DXX] * d[DZZ] - d[DXZ] * d[DXZ]) * r1 + c4 * r2)
-        s2 = scale * (c2 * r0 + c4 * r1 + (d[DXX] * d[DYY] - d[DXY] * d[DXY]) * r2)
-        size = math.sqrt(s0 * s0 + s1 * s1 + s2 * s2)
+        join_at(tiles, k)
+        add_lump(tiles, k, 0.0, 0.0)
+        if line.numbers[BED_ON] > 0.0:
+            add_contact(line, k, 0.0)
+        a, determinant = adjugate(
+            (tile[DXX + j], tile[DXY + j], tile[DXZ + j], tile[DYY + j], tile[DYZ + j], tile[DZZ + j])
+        )
+        dx, dy, dz = times(a, tile[RX + j], tile[RY + j], tile[RZ + j])
+        scale = -1.0 / determinant
+        dx, dy, dz = scale * dx, scale * dy, scale * dz
+        size = math.sqrt(dx * dx + dy * dy + dz * dz)
         # a step of more than a tenth of a segment means that there is no such position: the node stays where it is
-        if not size < 0.1 * min(line.parts[k - 1, LENGTH], line.parts[k, LENGTH]):
+        if not size < 0.1 * min(below[LENGTH + i], tile[LENGTH + j]):
             return
-        node[X] += s0
-        node[Y] += s1
-        node[Z] += s2
-        if size < 1e-9 * line.parts[k, LENGTH]:
+        tile[X + j] += dx
+        tile[Y + j] += dy
+        tile[Z + j] += dz
+        if size < 1e-9 * tile[LENGTH + j]:
             return
 
 
-@inner_kernel
+@inlined_kernel
 def feed(line: LineArrays, n: int) -> int:
     """Let nodes be born or die until the top segment is neither too long nor too short; return the number of segments.
 
     `n` is their number until now. The caller keeps the length above the least one and below the grid's end.
     """
-    now, parts, grid, top = line.now, line.parts, line.grid, line.top[NOW]
-    total = top[TOTAL]
-    while n > 1 and total - grid[n - 1, START] < MERGE_AT * (grid[n, START] - grid[n - 1, START]):
-        n = merge_top(n, now, grid, parts)
-        set_top_segment(n, total, grid, parts)
-    while total - grid[n, START] > SPLIT_AT * (grid[n + 1, START] - grid[n, START]):
-        n = split_top(n, now, top, grid, parts)
-        set_top_segment(n, total, grid, parts)
-        set_flow(n, top[TIME], now, line.settings, line.current, line.schedule, line.flow)
+    tiles, numbers = line.tiles, line.numbers
+    total = numbers[NOW + TOTAL]
+    while n > 1 and total - start_of(n - 1, tiles) < MERGE_AT * spacing_at(n - 1, tiles):
+        n = merge_top(n, tiles)
+        set_top_segment(n, total, tiles)
+    while total - start_of(n, tiles) > SPLIT_AT * spacing_at(n, tiles):
+        n = split_top(line, n)
+        set_top_segment(n, total, tiles)
+        take_present_tip(numbers)
         settle_node(line, n - 1, n)
     return n

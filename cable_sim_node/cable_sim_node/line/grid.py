@@ -10,9 +10,9 @@ from heave_node.numerics.arrays import Array
 from cable_sim_node.line import layout as at
 from cable_sim_node.line.arrays import LineArrays, allocate
 from cable_sim_node.parameters import CableSimParameters
-from cable_sim_node.physics.current import profile_of, schedule_of
+from cable_sim_node.physics.current import FLOW, profile_of, schedule_of
 from cable_sim_node.physics.properties import CableProperties, body_properties, cable_sections, unit_properties
-from cable_sim_node.physics.seabed import Seabed
+from cable_sim_node.physics.seabed import HEIGHT, Seabed
 
 _SPARE_SEGMENTS = 8
 """Grid segments beyond the longest line, so that the kernels may look ahead."""
@@ -21,18 +21,18 @@ _SPARE_SEGMENTS = 8
 def build_line(parameters: CableSimParameters, total: float) -> LineArrays:
     """Return the arrays of a line of these parameters whose grid reaches beyond `total` [m] of unstretched length."""
     points = grid_points(parameters, total)
-    grid = np.zeros((len(points), at.GRID_COLUMNS))
-    grid[:, at.START] = points
-    _fill_segments(parameters, grid)
-    _add_lumps(parameters, grid)
-    return allocate(
-        grid,
-        unit_row(parameters),
-        profile_of(parameters),
-        schedule_of(parameters),
-        settings_row(parameters),
-        bending=parameters.cable.bending_stiffness > 0.0,
-    )
+    grid = np.zeros((len(points), at.PART_COLUMNS))
+    _fill_segments(parameters, points, grid)
+    _add_lumps(parameters, points, grid)
+    profile, schedule = profile_of(parameters), schedule_of(parameters)
+    bending = parameters.cable.bending_stiffness > 0.0
+    line = allocate(grid, points, numbers_of(parameters), profile, schedule, bending=bending)
+    # steady water is the same everywhere and always, and is never set again
+    for axis in range(3):
+        flow = at.FLOW_X + axis * at.STRIDE
+        line.tiles[:, flow : flow + at.STRIDE] = schedule[0, 1] * profile[0, FLOW + axis]
+    line.numbers[at.GRID_END] = line.grid_points[-5]
+    return line
 
 
 def grid_points(parameters: CableSimParameters, total: float) -> Array:
@@ -58,79 +58,98 @@ def grid_points(parameters: CableSimParameters, total: float) -> Array:
 
 
 def segment_row(cable: CableProperties) -> Array:
-    """Return the properties of a segment of `cable`; its length is left at 0."""
-    row = np.zeros(at.SEGMENT_COLUMNS)
-    row[at.STIFFNESS] = cable.axial_stiffness
-    row[at.QUADRATIC] = cable.quadratic
-    row[at.CUBIC] = cable.cubic
-    row[at.DAMPING] = cable.internal_damping
-    row[at.MASS] = cable.mass
-    row[at.ADDED_MASS] = cable.added_mass
-    row[at.WEIGHT] = cable.weight
-    row[at.NORMAL_DRAG] = cable.normal_drag
-    row[at.TANGENTIAL_DRAG] = cable.tangential_drag
-    row[at.DISPLACED] = cable.displaced_mass
-    row[at.BENDING] = cable.bending_stiffness
-    return row
+    """Return the properties of a segment of `cable` in the order of the columns; those of its length are left at 0."""
+    return np.array(
+        [
+            0.0,
+            0.0,
+            cable.axial_stiffness,
+            cable.quadratic,
+            cable.cubic,
+            cable.internal_damping,
+            cable.mass,
+            cable.added_mass,
+            cable.weight,
+            cable.normal_drag,
+            cable.tangential_drag,
+            cable.displaced_mass,
+            cable.bending_stiffness,
+        ]
+    )
 
 
-def unit_row(parameters: CableSimParameters) -> Array:
-    """Return inertia, drag, steady force and moved fluid of the parameters' unit along each axis."""
-    unit = unit_properties(parameters)
-    row = np.zeros(at.UNIT_COLUMNS)
-    row[at.UNIT_INERTIA : at.UNIT_INERTIA + 3] = unit.inertia
-    row[at.UNIT_DRAG : at.UNIT_DRAG + 3] = unit.drag
-    row[at.UNIT_BODY_DRAG] = unit.body_drag
-    row[at.UNIT_FORCE : at.UNIT_FORCE + 3] = unit.force
-    row[at.UNIT_FLUID : at.UNIT_FLUID + 3] = unit.fluid
-    return row
+def numbers_of(parameters: CableSimParameters) -> Array:
+    """Return the numbers of a line of these parameters: unit and settings; all else is 0."""
+    unit, settings = unit_properties(parameters), settings_of(parameters)
+    numbers = np.zeros(at.SETTINGS + len(settings))
+    for first, values in (
+        (at.UNIT_INERTIA, unit.inertia),
+        (at.UNIT_DRAG, unit.drag),
+        (at.UNIT_FORCE, unit.force),
+        (at.UNIT_FLUID, unit.fluid),
+    ):
+        numbers[first : first + 3] = values
+    numbers[at.UNIT_BODY_DRAG] = unit.body_drag
+    numbers[at.SETTINGS :] = settings
+    return numbers
 
 
-def settings_row(parameters: CableSimParameters) -> Array:
-    """Return the parameters' settings of the kernels.
+def settings_of(parameters: CableSimParameters) -> Array:
+    """Return the parameters' settings of the kernels, from the index SETTINGS on, and the seabed's profile.
 
     The coefficients of generalised-alpha follow from the spectral radius (Chung & Hulbert 1993).
     """
     seabed = Seabed(parameters.seabed)
-    row = np.append(np.zeros(at.SETTING_COLUMNS), seabed.profile)
+    numbers = np.append(np.zeros(at.NUMBERS), seabed.profile)
     solver, bed, wave, spring = parameters.solver, parameters.seabed, parameters.wave, parameters.compensator
     radius = solver.spectral_radius
     alpha_m, alpha_f = (2.0 * radius - 1.0) / (radius + 1.0), radius / (radius + 1.0)
-    row[at.ALPHA_M], row[at.ALPHA_F] = alpha_m, alpha_f
-    row[at.GAMMA] = 0.5 - alpha_m + alpha_f
-    row[at.BETA] = 0.25 * (1.0 - alpha_m + alpha_f) ** 2
-    row[at.TOLERANCE], row[at.ITERATIONS], row[at.STEP] = solver.tolerance, solver.iterations, solver.time_step
-    row[at.BED_ON], row[at.BED_DEPTH] = float(bed.depth > 0.0), bed.depth
-    row[at.BED_SLOPE_X], row[at.BED_SLOPE_Y] = bed.slope
-    (row[at.PROFILE_X], row[at.PROFILE_Y]), row[at.PROFILE_ROWS] = seabed.direction, len(seabed.profile)
-    row[at.BED_STIFFNESS], row[at.BED_DAMPING], row[at.BED_FRICTION] = bed.stiffness, bed.damping, bed.friction
-    row[at.BED_UNIT_STIFFNESS], row[at.BED_UNIT_DAMPING] = bed.unit_stiffness, bed.unit_damping
+    numbers[at.ALPHA_M], numbers[at.ALPHA_F] = alpha_m, alpha_f
+    numbers[at.GAMMA] = 0.5 - alpha_m + alpha_f
+    numbers[at.BETA] = 0.25 * (1.0 - alpha_m + alpha_f) ** 2
+    numbers[at.TOLERANCE], numbers[at.ITERATIONS], numbers[at.STEP] = (
+        solver.tolerance,
+        solver.iterations,
+        solver.time_step,
+    )
+    numbers[at.BED_ON], numbers[at.BED_DEPTH] = float(bed.depth > 0.0), bed.depth
+    numbers[at.BED_SLOPE_X], numbers[at.BED_SLOPE_Y] = bed.slope
+    (numbers[at.PROFILE_X], numbers[at.PROFILE_Y]), numbers[at.PROFILE_ROWS] = seabed.direction, len(seabed.profile)
+    numbers[at.BED_TOP] = max(seabed.profile[:, HEIGHT], default=0.0)
+    numbers[at.BED_STIFFNESS], numbers[at.BED_DAMPING], numbers[at.BED_FRICTION] = (
+        bed.stiffness,
+        bed.damping,
+        bed.friction,
+    )
+    numbers[at.BED_UNIT_STIFFNESS], numbers[at.BED_UNIT_DAMPING] = bed.unit_stiffness, bed.unit_damping
     omega = 2.0 * math.pi / wave.period
-    row[at.WAVE_AMPLITUDE], row[at.WAVE_FREQUENCY] = wave.amplitude, omega
-    row[at.WAVE_NUMBER] = omega**2 / parameters.gravity if parameters.gravity > 0.0 else 0.0
-    row[at.WAVE_X], row[at.WAVE_Y] = math.cos(wave.direction), math.sin(wave.direction)
-    row[at.SPRING_ON] = float(spring.stiffness > 0.0)
-    row[at.SPRING_STIFFNESS], row[at.SPRING_DAMPING] = spring.stiffness, spring.damping
-    row[at.SPRING_MASS], row[at.SPRING_HALF_STROKE] = spring.moving_mass, 0.5 * spring.stroke
-    row[at.SPRING_STOP], row[at.SPRING_STOP_DAMPING] = spring.stop_stiffness, spring.stop_damping
-    row[at.SPRING_PRELOAD] = spring.preload
-    row[at.BENDING_ON] = float(parameters.cable.bending_stiffness > 0.0)
-    return row
+    numbers[at.WAVE_AMPLITUDE], numbers[at.WAVE_FREQUENCY] = wave.amplitude, omega
+    numbers[at.WAVE_NUMBER] = omega**2 / parameters.gravity if parameters.gravity > 0.0 else 0.0
+    numbers[at.WAVE_X], numbers[at.WAVE_Y] = math.cos(wave.direction), math.sin(wave.direction)
+    rows = len(profile_of(parameters))
+    is_steady = rows == len(schedule_of(parameters)) == 1
+    numbers[at.CURRENT_ROWS] = rows
+    numbers[at.FLOW_VARIES] = float(wave.amplitude > 0.0 or not is_steady)
+    numbers[at.SPRING_ON] = float(spring.stiffness > 0.0)
+    numbers[at.SPRING_STIFFNESS], numbers[at.SPRING_DAMPING] = spring.stiffness, spring.damping
+    numbers[at.SPRING_MASS], numbers[at.SPRING_HALF_STROKE] = spring.moving_mass, 0.5 * spring.stroke
+    numbers[at.SPRING_STOP], numbers[at.SPRING_STOP_DAMPING] = spring.stop_stiffness, spring.stop_damping
+    numbers[at.SPRING_PRELOAD] = spring.preload
+    numbers[at.LUMPS_ON] = float(len(parameters.clumps.position) > 0)
+    numbers[at.BENDING_ON] = float(parameters.cable.bending_stiffness > 0.0)
+    return numbers[at.SETTINGS :]
 
 
-def _fill_segments(parameters: CableSimParameters, grid: Array) -> None:
-    middles = 0.5 * (grid[1:, at.START] + grid[:-1, at.START])
+def _fill_segments(parameters: CableSimParameters, points: Array, grid: Array) -> None:
+    middles = 0.5 * (points[1:] + points[:-1])
     for section in cable_sections(parameters):
         inside = (middles >= section.start) & (middles < section.start + section.length)
         grid[:-1, : at.SEGMENT_COLUMNS][inside] = segment_row(section.cable)
-    grid[:-1, at.LENGTH] = np.diff(grid[:, at.START])
+    lengths = np.diff(points)
+    grid[:-1, 0], grid[:-1, 1] = lengths, 1.0 / lengths
 
 
-def _add_lumps(parameters: CableSimParameters, grid: Array) -> None:
+def _add_lumps(parameters: CableSimParameters, points: Array, grid: Array) -> None:
     for body in body_properties(parameters):
-        row = grid[int(np.argmin(np.abs(grid[:, at.START] - body.label)))]
-        row[at.LUMP_MASS] += body.mass
-        row[at.LUMP_ADDED_MASS] += body.added_mass
-        row[at.LUMP_WEIGHT] += body.weight
-        row[at.LUMP_DRAG] += body.drag
-        row[at.LUMP_DISPLACED] += body.displaced_mass
+        row = grid[int(np.argmin(np.abs(points - body.label)))]
+        row[at.SEGMENT_COLUMNS :] += (body.mass, body.added_mass, body.weight, body.drag, body.displaced_mass)

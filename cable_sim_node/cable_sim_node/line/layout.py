@@ -1,25 +1,47 @@
-"""Columns of the plain arrays that the line's compiled kernels share. Lengths and forces in SI units, frame `world`."""
+"""Columns of the plain arrays that the line's compiled kernels share. Lengths and forces in SI units, frame `world`.
+
+Nodes and segments stand in tiles of TILE, a row of `tiles` each. A column is TILE numbers of one kind, one after the
+other, so that a loop over them is done by vector instructions; columns begin STRIDE numbers apart, a constant by which
+the compiler sees that they do not overlap. Names are those beginnings: with
+
+    tile, j = tiles[i >> SHIFT], i & LANES
+
+z of node i is tile[Z + j], its y is tile[Z - STRIDE + j]. Place TILE of a node's column repeats the first one of the
+next tile, so that the upper end of segment j is always at j + 1 (`borders.copy_borders`).
+"""
 
 from __future__ import annotations
 
+import numpy as np
+
+TILE = 64
+SHIFT, LANES = 6, TILE - 1
+STRIDE = 72
+"""More than TILE for the border; not a power of two, for which the columns would share the sets of a cache."""
+
+
+NONE, ONE = np.int64(0), np.int64(1)
+"""Numbers for kernels: with a literal one the compiler makes the called kernel once more."""
+
+
+def _columns(first: int, count: int) -> range:
+    return range(first * STRIDE, (first + count) * STRIDE, STRIDE)
+
+
 # A node: position [m], velocity [m/s], acceleration [m/s^2]; the place on the seabed that it holds to [m].
-X, Y, Z, VX, VY, VZ, AX, AY, AZ, HOLD_X, HOLD_Y, HOLD_Z = range(12)
-NODE_COLUMNS = 12
+NODE_COLUMNS, MOTION_COLUMNS = 12, 9
+X, Y, Z, VX, VY, VZ, AX, AY, AZ, HOLD_X, HOLD_Y, HOLD_Z = _columns(0, NODE_COLUMNS)
 
-# The top end: rows now, where the equations hold, and at the end of the step; columns the boom tip's motion as a
-# node's, time [s], unstretched length [m], its rate and acceleration.
-NOW, MIDDLE, END = range(3)
-TIME, TOTAL, RATE, ACCELERATION = range(9, 13)
-TOP_COLUMNS = 13
+# The motion of a node where the equations hold: MIDDLE + X to MIDDLE + AZ.
+MIDDLE = NODE_COLUMNS * STRIDE
 
-# The water: velocity [m/s], acceleration [m/s^2]. Row 0 at the unit, row i + 1 at the middle of segment i.
-FLOW_X, FLOW_Y, FLOW_Z, FLOW_AX, FLOW_AY, FLOW_AZ = range(6)
-FLOW_COLUMNS = 6
-
-# The parts of the line. First a segment: unstretched length [m], EA [N], tension law, internal damping [N s]; the
-# rest per unstretched metre.
+# The parts of the line. First a segment: unstretched length [m], 1 over it, EA [N], tension law, internal damping
+# [N s]; the rest per unstretched metre. Then the lump on the node at its lower end: mass and added mass [kg], weight in
+# fluid [N], (1/2) rho C_D A [kg/m], displaced mass [kg].
+SEGMENT_COLUMNS, PART_COLUMNS = 13, 18
 (
     LENGTH,
+    PER_LENGTH,
     STIFFNESS,
     QUADRATIC,
     CUBIC,
@@ -31,35 +53,70 @@ FLOW_COLUMNS = 6
     TANGENTIAL_DRAG,
     DISPLACED,
     BENDING,
-) = range(12)
-SEGMENT_COLUMNS = 12
+    LUMP_MASS,
+    LUMP_ADDED_MASS,
+    LUMP_WEIGHT,
+    LUMP_DRAG,
+    LUMP_DISPLACED,
+) = _columns(21, PART_COLUMNS)
+PART = LENGTH
+"""The first of them."""
 
-# Then the lump on the node at its lower end: mass and added mass [kg], weight in fluid [N], (1/2) rho C_D A [kg/m].
-LUMP_MASS, LUMP_ADDED_MASS, LUMP_WEIGHT, LUMP_DRAG, LUMP_DISPLACED = range(12, 17)
-PART_COLUMNS = 17
+# The grid of material points: GRID + a part's column is the part there, whatever is in use; the unstretched length [m]
+# from the unit to the point.
+GRID = PART_COLUMNS * STRIDE
+START = 57 * STRIDE
 
-# A grid point also has its place: unstretched length [m] from the unit.
-START = 17
-GRID_COLUMNS = 18
+# The water: velocity [m/s], acceleration [m/s^2]; place 0 of the first tile at the unit, j + 1 at the middle of segment
+# j.
+FLOW_X, FLOW_Y, FLOW_Z, FLOW_AX, FLOW_AY, FLOW_AZ = _columns(58, 6)
 
-# The unit, three columns each: inertia along each axis [kg], (1/2) rho C_D S [kg/m], steady force [N], displaced and
-# added mass [kg]; then (1/2) rho C_D S of an isotropic unit.
+# The equations of a node: symmetric blocks on the diagonal and above it, residual [N], correction [m] of its position.
+DXX, DXY, DXZ, DYY, DYZ, DZZ, UXX, UXY, UXZ, UYY, UYZ, UZZ, RX, RY, RZ, CX, CY, CZ = _columns(64, 18)
+
+# What a segment gives to its upper end, at that end's place: diagonal block and residual. Later in the same columns:
+# the elimination's W = adj(S) U of each node, row by row; 1/det S is in SCALE.
+END_XX, END_XY, END_XZ, END_YY, END_YZ, END_ZZ, END_RX, END_RY, END_RZ = _columns(82, 9)
+WXX, WXY, WXZ, WYX, WYY, WYZ, WZX, WZY, WZZ = _columns(82, 9)
+
+# Tension of a segment [N]; numbers of which the largest or the sum is wanted.
+TENSION, SCRATCH, SCALE = _columns(91, 3)
+TILE_COLUMNS = 94
+
+# The numbers of the whole line stand in one row. First the unit, three each: inertia along each axis [kg],
+# (1/2) rho C_D S [kg/m], steady force [N], displaced and added mass [kg]; then (1/2) rho C_D S of an isotropic unit.
 UNIT_INERTIA, UNIT_DRAG, UNIT_FORCE, UNIT_FLUID, UNIT_BODY_DRAG = 0, 3, 6, 9, 12
-UNIT_COLUMNS = 13
+UNIT_NUMBERS = 13
 
-# The equations of a node: symmetric blocks on the diagonal and above it, residual [N], correction [m] of its position;
-# scratch of the elimination; tension [N] of the segment above it.
-DXX, DXY, DXZ, DYY, DYZ, DZZ, UXX, UXY, UXZ, UYY, UYZ, UZZ, RX, RY, RZ, CX, CY, CZ = range(18)
-SWEEP = 18
-TENSION = 27
-EQUATION_COLUMNS = 28
+GRID_END = UNIT_NUMBERS
+"""Longest line that leaves grid points to look ahead at [m]."""
 
-# The wide system of a line with bending, three rows for each node: half bandwidth 8, and the right side.
-CENTRE, RIGHT = 8, 17
-BAND_COLUMNS = 18
+# The boom tip now, where the equations hold, and at the end of the step: its motion in the order of a node's, time [s],
+# unstretched length of the line [m], its rate and acceleration.
+TIP_NUMBERS = 13
+NOW, MIDWAY, END = range(GRID_END + 1, GRID_END + 1 + 3 * TIP_NUMBERS, TIP_NUMBERS)
+TIP_X, TIP_Z, TIP_VX, TIP_VZ, TIP_AX, TIP_AZ = 0, 2, 3, 5, 6, 8
+TIME, TOTAL, RATE, ACCELERATION = range(9, 13)
 
-# Settings: generalised-alpha, Newton, seabed, wave, compensator; the largest step, and the one that the next
-# interval begins with (0: the largest).
+# Boom tip x, y, z and length at the start of an interval, their rates there, the same at its end.
+ENDS = END + TIP_NUMBERS
+ENDS_NUMBERS = 16
+
+# Segments in use; Newton iterations, steps taken and steps refused since the start.
+SEGMENTS, NEWTON, STEPS, REFUSED = range(ENDS + ENDS_NUMBERS, ENDS + ENDS_NUMBERS + 4)
+
+# What is seen of the line: acceleration of the unit [m/s^2], force of the line on its top end [N], size of that or 0
+# where the line would push, largest strain of a segment [-], number of segments without tension, vertical force of the
+# seabed on the unit [N], largest size of the force on the top end in the last interval [N].
+SEEN_AX, SEEN_FX, SEEN_TENSION, SEEN_STRAIN, SEEN_SLACK, SEEN_BED, SEEN_LARGEST = (
+    REFUSED + k for k in (1, 4, 7, 8, 9, 10, 11)
+)
+
+# Settings: generalised-alpha, Newton, seabed (BED_TOP is the height of its profile's highest point), wave, current
+# (rows of its profile; whether the water's motion changes at all), compensator, whether there are bodies on the cable
+# and whether it is stiff; the largest step, the one that the next interval begins with (0: the largest), and the time
+# for which steps stay short because the line was slack.
+SETTINGS = REFUSED + 12
 (
     ALPHA_F,
     ALPHA_M,
@@ -69,6 +126,7 @@ BAND_COLUMNS = 18
     ITERATIONS,
     BED_ON,
     BED_DEPTH,
+    BED_TOP,
     BED_SLOPE_X,
     BED_SLOPE_Y,
     BED_STIFFNESS,
@@ -81,6 +139,8 @@ BAND_COLUMNS = 18
     WAVE_NUMBER,
     WAVE_X,
     WAVE_Y,
+    CURRENT_ROWS,
+    FLOW_VARIES,
     SPRING_ON,
     SPRING_STIFFNESS,
     SPRING_DAMPING,
@@ -89,27 +149,24 @@ BAND_COLUMNS = 18
     SPRING_STOP,
     SPRING_STOP_DAMPING,
     SPRING_PRELOAD,
+    LUMPS_ON,
     BENDING_ON,
     STEP,
     RESUMED_STEP,
+    HELD_SHORT,
     PROFILE_X,
     PROFILE_Y,
     PROFILE_ROWS,
-) = range(34)
-SETTING_COLUMNS = 34
-"""The points of the seabed's profile follow, three numbers each: distance [m], height [m], slope."""
+    NUMBERS,
+) = range(SETTINGS, SETTINGS + 40)
+"""From NUMBERS on the points of the seabed's profile follow, three numbers each: distance [m], height [m], slope."""
 
-# Counters that a kernel writes: segments in use; Newton iterations, steps taken and steps refused since the start.
-SEGMENTS, NEWTON, STEPS, REFUSED = range(4)
-COUNTER_COLUMNS = 4
-
-# What is seen of the line after an evaluation: acceleration of the unit [m/s^2], largest strain of a segment [-], force
-# on the top end [N], number of segments without tension.
-SEEN_AX, SEEN_AY, SEEN_AZ, SEEN_STRAIN, SEEN_TENSION, SEEN_SLACK = range(6)
-SEEN_COLUMNS = 6
+# The wide system of a line with bending, three rows for each node: half bandwidth 8, and the right side.
+CENTRE, RIGHT = 8, 17
+BAND_COLUMNS = 18
 
 # Outcomes of an advance.
-DONE, NOT_CONVERGED, TOO_SHORT = range(3)
+DONE, NOT_CONVERGED, TOO_SHORT, BAD_MOTION, GRID_TOO_SHORT = range(5)
 
 SPLIT_AT = 0.7
 """A node is born when the cable beyond the next grid point exceeds this share of the spacing there..."""

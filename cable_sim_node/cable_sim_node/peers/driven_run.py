@@ -23,7 +23,7 @@ class DrivenResponse:
     unit_heave_amplitude, unit_heave_mean : first harmonic and mean of the unit's z [m]
     unit_heave_phase : lead of the unit over the boom tip [rad]
     tension_amplitude, tension_mean : first harmonic and mean of the top tension [N]
-    tension_min, tension_max : its extremes [N]
+    tension_min, tension_max : its extremes, the largest between the records too [N]
     times : of the records [s], shape (k,)
     unit : positions of the unit [m], shape (k, 3)
     tension : top tension [N], shape (k,)
@@ -96,7 +96,7 @@ def run_driven(
     plant.start_at_equilibrium(np.zeros(3))
     count = round(duration / tick)
     first = count - round(window / tick)
-    times, unit, tension = [], [], []
+    times, unit, tension, peaks = [], [], [], []
     start = motion(0.0)
     for k in range(1, count + 1):
         end = motion(k * tick)
@@ -106,6 +106,7 @@ def run_driven(
             times.append(end.time)
             unit.append(plant.unit_position)
             tension.append(plant.top_tension)
+            peaks.append(plant.largest_top_tension)
     record, heave = np.array(times), np.array(unit)[:, 2]
     mean, size, phase = first_harmonic(record, heave, frequency)
     tension_mean, tension_size, _ = first_harmonic(record, np.array(tension), frequency)
@@ -116,7 +117,7 @@ def run_driven(
         tension_mean=tension_mean,
         tension_amplitude=tension_size,
         tension_min=min(tension),
-        tension_max=max(tension),
+        tension_max=max(peaks),
         times=record,
         unit=np.array(unit),
         tension=np.array(tension),

@@ -49,11 +49,13 @@ class PeerRun:
     ----------
     times : [s], shape (k,)
     unit : positions of the unit relative to the top's mean [m], shape (k, 3)
+    tension : in the line at its top end [N], shape (k,)
     cpu_per_second : processor seconds per simulated second
     """
 
     times: Array
     unit: Array
+    tension: Array
     cpu_per_second: float
 
 
@@ -158,7 +160,7 @@ def run_moordyn(
     setting: Setting = RK4,
     step: float | None = None,
 ) -> PeerRun:
-    """Drive MoorDyn's line about the origin from the plant's own equilibrium; record the unit each tick.
+    """Drive MoorDyn's line about the origin from the plant's own equilibrium; record unit and top tension each tick.
 
     Parameters
     ----------
@@ -187,9 +189,10 @@ def run_moordyn(
         system = moordyn.Create(str(path))
         top = [0.0, 0.0, -_SUBMERGENCE]
         moordyn.Init(system, top, [0.0, 0.0, 0.0])
-        unit = moordyn.GetPoint(system, 1)
+        unit, line = moordyn.GetPoint(system, 1), moordyn.GetLine(system, 1)
         count = round(duration / tick)
         times, positions = np.linspace(tick, count * tick, count), np.zeros((count, 3))
+        tension = np.zeros(count)
         started = time.process_time()
         for k in range(count):
             # MoorDyn takes the position at the start of the step and the velocity over it
@@ -199,6 +202,7 @@ def run_moordyn(
             if moordyn.Step(system, list(place), list(velocity), k * tick, tick) is None:
                 raise RuntimeError(f"moordyn found no solution at {k * tick:g} s")
             positions[k] = moordyn.GetPointPos(unit)
+            tension[k] = math.hypot(*moordyn.GetLineNodeTen(line, parameters.segments))
         used = time.process_time() - started
         moordyn.Close(system)
-    return PeerRun(times, positions + np.array([0.0, 0.0, _SUBMERGENCE]), used / duration)
+    return PeerRun(times, positions + np.array([0.0, 0.0, _SUBMERGENCE]), tension, used / duration)

@@ -2,7 +2,7 @@
 
 A reading carries the time of its measurement; it is handed out later, at the first tick not before that time plus the
 latency. Every sensor has its own random stream and draws as many numbers in every tick, whatever it does with them:
-a fault, a rate or a latency changes nothing but itself.
+a fault, a rate or a latency changes nothing but itself. They are drawn for many ticks at once, in the same order.
 """
 
 from __future__ import annotations
@@ -18,6 +18,9 @@ from heave_node.numerics.quantisation import quantised
 from heave_node.numerics.randomness import random_stream
 
 from cable_sim_node.sensors.instruments import SensorParameters, SensorTruth, View
+
+_DRAWN_AT_ONCE = 256
+"""Ticks for which a sensor draws its noise in one go: a call costs as much as a hundred numbers."""
 
 
 class Sensor:
@@ -42,6 +45,8 @@ class Sensor:
         self._ones = np.ones(width)
         self._tick_period = tick_period
         self._random = random_stream(seed, f"cable_sim/{name}")
+        self._noise: list[Array] = []
+        self._gain = 1.0 + parameters.scale_error
         self._next_sample = 1.0 / parameters.rate
         self._rate = parameters.rate
         self._faulty_values = FaultyValues(self.faults)
@@ -50,12 +55,19 @@ class Sensor:
     def step(self, tick: int, truth: SensorTruth) -> tuple[Reading, ...]:
         """Look at the `truth` of t_k and return the readings delivered at `tick`, oldest delivery first."""
         time = tick * self._tick_period
-        noise = self._random.standard_normal(self._ones.size)
+        noise = self._draw()
         if self._is_due(time) and not self.faults.is_active("gap", time):
             view = self._parameters.view(truth)
             if view.is_available:
                 self._measure(time, view, noise)
         return self._deliver(time)
+
+    def _draw(self) -> Array:
+        """Return the noise of the next tick, of standard deviation 1."""
+        if not self._noise:
+            rows = self._random.standard_normal((_DRAWN_AT_ONCE, self._ones.size))
+            self._noise = list(rows[::-1])
+        return self._noise.pop()
 
     def _is_due(self, time: float) -> bool:
         """Return whether a sample is taken at `time`, and note when the next one is."""
@@ -72,7 +84,7 @@ class Sensor:
     def _measure(self, time: float, view: View, noise: Array) -> None:
         """Put what the sensor says at `time` on its way."""
         sigma = view.sigma * self._ones
-        right = view.value * (1.0 + self._parameters.scale_error) + view.bias + sigma * noise
+        right = view.value * self._gain + view.bias + sigma * noise
         read = self._faulty_values.apply(time, right)
         reading = Reading(time, quantised(read, view.resolution) if view.resolution > 0.0 else read, sigma)
         delay = self._parameters.latency + view.extra_latency + self.faults.total("delay", time)
@@ -80,7 +92,15 @@ class Sensor:
 
     def _deliver(self, time: float) -> tuple[Reading, ...]:
         """Return the readings due by `time`; those with a smaller delay may overtake."""
+        if not self._under_way:
+            return ()
         now = time + TIME_TOLERANCE
+        if len(self._under_way) == 1:
+            ((due_at, reading),) = self._under_way
+            if due_at > now:
+                return ()
+            self._under_way = []
+            return (reading,)
         due = [entry for entry in self._under_way if entry[0] <= now]
         if not due:
             return ()

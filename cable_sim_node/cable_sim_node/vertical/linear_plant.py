@@ -132,6 +132,11 @@ class LinearPlant:
         return float(max(self._static_tension + self._stiffness * stretch, 0.0))
 
     @property
+    def largest_top_tension(self) -> float:
+        """The same: between two ticks nothing snaps [N]."""
+        return self.top_tension
+
+    @property
     def largest_strain(self) -> float:
         """Strain of a cable without weight under the top tension [-]."""
         return self.top_tension / (self._stiffness * self._length)
@@ -140,6 +145,10 @@ class LinearPlant:
     def segment_tensions(self) -> Array:
         """Tension of the one segment [N], shape (1,)."""
         return np.array([self.top_tension])
+
+    def nodes_and_tensions(self) -> tuple[Array, Array]:
+        """Return `node_positions` and `segment_tensions`."""
+        return self.node_positions, self.segment_tensions
 
     @property
     def slack_segments(self) -> int:

@@ -204,6 +204,11 @@ class FaultSchedule:
         if wrong:
             raise ValueError(f"{self._name}: {wrong}")
 
+    @property
+    def is_empty(self) -> bool:
+        """Whether there is no fault at all, past or to come."""
+        return not self._faults
+
     def is_active(self, kind: str, time: float) -> bool:
         """Return whether a fault of `kind` is active at `time` [s]."""
         return bool(self._faults) and any(fault.kind == kind and fault.is_active(time) for fault in self._faults)
@@ -270,6 +275,9 @@ class FaultyValues:
     def apply(self, time: float, values: Array) -> Array:
         """Return what the device says at `time` [s] in place of `values`, shape (n,); call it once per sample."""
         faults = self._faults
+        if faults.is_empty:
+            self._last = values
+            return values
         if faults.any_active(time):
             values = values * (1.0 + self._scaled * (faults.product("scale", time) - 1.0))
             values = values + self._axes * (faults.total("jump", time) + faults.take_once("spike", time))

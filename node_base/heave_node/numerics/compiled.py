@@ -20,6 +20,12 @@ The way in from Python, which takes all arrays of a line apart, costs as much to
 """
 
 
+inlined_kernel = njit(cache=True, error_model="numpy", forceinline=True, **_WITHOUT_ENTRANCES)
+"""An inner kernel whose code is put where it is called, however long: for what must not wait for a call, or is to be
+vectorised with its caller.
+"""
+
+
 def is_compiled(function: Any) -> bool:
     """Return whether the kernel `function` is in numba's cache: its first call in a process is then quick."""
     return any(Path(function.stats.cache_path).glob(f"*.{function.__name__}-*.nbi"))

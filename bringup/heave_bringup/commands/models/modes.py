@@ -30,7 +30,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def execute(options: argparse.Namespace) -> None:
     """Print natural periods and resonant length; draw mode shapes and the resonance map, as `options` say."""
     from cable_sim_node.errors import PlantError
-    from cable_sim_node.line.step import evaluate
+    from cable_sim_node.line.observation import snapshot
     from cable_sim_node.reports.modes import modes_report
     from cable_sim_node.reports.report import PICTURE_ENDINGS, save_picture
     from heave_node.numerics.compiled import is_compiled
@@ -49,7 +49,7 @@ def execute(options: argparse.Namespace) -> None:
     if options.length is not None:
         plant = replace(plant, length=options.length)
     sea_period = sea.period if sea.boom_tip_source == "regular" else sea.peak_period
-    if not is_compiled(evaluate):
+    if not is_compiled(snapshot):
         ProgressLine().tell("compiling the plant: a few seconds, once after installation")
     try:
         report = modes_report(

@@ -14,40 +14,43 @@ from heave_node.numerics.compiled import inner_kernel, kernel
 
 from cable_sim_node.errors import NoEquilibriumError
 from cable_sim_node.line.arrays import LineArrays
-from cable_sim_node.line.bending import solve_with_bending
-from cable_sim_node.line.flow import set_flow
+from cable_sim_node.line.forces.bending import solve_with_bending
+from cable_sim_node.line.forces.flow import set_flow
 from cable_sim_node.line.layout import (
     BENDING_ON,
     CENTRE,
     CUBIC,
     CX,
-    CY,
-    CZ,
     FLOW_AX,
     FLOW_X,
     FLOW_Y,
     FLOW_Z,
+    LANES,
     LENGTH,
     LUMP_DRAG,
     LUMP_WEIGHT,
+    MIDDLE,
     NORMAL_DRAG,
     NOW,
     QUADRATIC,
-    SEGMENTS,
+    SHIFT,
     STIFFNESS,
+    STRIDE,
     TANGENTIAL_DRAG,
     TIME,
     UNIT_BODY_DRAG,
     UNIT_DRAG,
     UNIT_FORCE,
+    VX,
     WAVE_AMPLITUDE,
     WEIGHT,
     X,
     Y,
     Z,
 )
-from cable_sim_node.line.step import assemble
-from cable_sim_node.physics.drag import drag_force, resolve
+from cable_sim_node.line.observation import evaluate
+from cable_sim_node.line.tiles import take_present
+from cable_sim_node.physics.drag import Vector, drag_force, resolve
 from cable_sim_node.physics.tension_law import strain_at, yielding_words
 
 _PASSES = 200
@@ -79,7 +82,7 @@ def turn_of(pull: float, normal: float, along: float, across: float) -> float:
 
 
 @inner_kernel
-def aim(force: Array, u: Array, normal: float, tangential: float, direction: Array, drag: Array) -> float:
+def aim(force: Array, u: Vector, normal: float, tangential: float, direction: Array, drag: Array) -> float:
     """Set `direction` of a segment that holds `force` [N] below it in the current `u`, and half its `drag` [N].
 
     `normal` and `tangential` are half the segment's drags at 1 m/s. Returns the tension; at or below 0 nothing pulls.
@@ -108,62 +111,66 @@ def aim(force: Array, u: Array, normal: float, tangential: float, direction: Arr
 
 
 @kernel
-def march(line: LineArrays, n: int) -> bool:
+def march(line: LineArrays, n: int, force: Array, drag: Array, direction: Array) -> bool:
     """Place nodes 1..n above the unit by equilibrium in the current that flows where the nodes of `line` are until now.
 
-    Returns False where nothing pulls.
+    `force`, `drag` and `direction` are scratch, shape (3,). Returns False where nothing pulls.
     """
-    now, parts, unit = line.now, line.parts, line.unit
-    set_flow(n, line.top[NOW, TIME], now, line.settings, line.current, line.schedule, line.flow)
-    force, drag, direction = line.middle[0], line.middle[1], line.middle[2]  # free until the first step
-    water = line.flow[0]
+    tiles, numbers = line.tiles, line.numbers
+    take_present(tiles, n)
+    set_flow(line, n, numbers[NOW + TIME])
+    water = tiles[0]
     speed = math.sqrt(water[FLOW_X] ** 2 + water[FLOW_Y] ** 2 + water[FLOW_Z] ** 2)
     for k in range(3):
-        u = water[FLOW_X + k]
+        u = water[FLOW_X + k * STRIDE]
         # what the line above must hold: minus all steady forces below
-        force[k] = -(unit[UNIT_FORCE + k] + (unit[UNIT_DRAG + k] * abs(u) + unit[UNIT_BODY_DRAG] * speed) * u)
+        force[k] = -(numbers[UNIT_FORCE + k] + (numbers[UNIT_DRAG + k] * abs(u) + numbers[UNIT_BODY_DRAG] * speed) * u)
     for i in range(n):
-        part, water = parts[i], line.flow[i + 1]
-        length = part[LENGTH]
-        force[2] += 0.5 * part[WEIGHT] * length
+        tile, j = tiles[i >> SHIFT], i & LANES
+        above, m = tiles[(i + 1) >> SHIFT], (i + 1) & LANES
+        length = tile[LENGTH + j]
         half = 0.5 * length
-        tension = aim(force, water, part[NORMAL_DRAG] * half, part[TANGENTIAL_DRAG] * half, direction, drag)
+        u = (tile[FLOW_X + j + 1], tile[FLOW_Y + j + 1], tile[FLOW_Z + j + 1])
+        force[2] += half * tile[WEIGHT + j]
+        tension = aim(force, u, tile[NORMAL_DRAG + j] * half, tile[TANGENTIAL_DRAG + j] * half, direction, drag)
         if not tension > 0.0:
             return False
-        stretched = length * (1.0 + strain_at(part[STIFFNESS], part[QUADRATIC], part[CUBIC], tension))
+        strain = strain_at(tile[STIFFNESS + j], tile[QUADRATIC + j], tile[CUBIC + j], tension)
+        stretched = length * (1.0 + strain)
         if not stretched > length:
             return False
         for k in range(3):
-            now[i + 1, X + k] = now[i, X + k] + stretched * direction[k]
+            above[X + k * STRIDE + m] = tile[X + k * STRIDE + j] + stretched * direction[k]
             # the upper half of the segment hangs on the next one
             force[k] -= 2.0 * drag[k]
-        force[2] += 0.5 * part[WEIGHT] * length + parts[i + 1, LUMP_WEIGHT]
-        speed = math.sqrt(water[FLOW_X] ** 2 + water[FLOW_Y] ** 2 + water[FLOW_Z] ** 2)
-        lump_drag = parts[i + 1, LUMP_DRAG] * speed
+        force[2] += half * tile[WEIGHT + j] + above[LUMP_WEIGHT + m]
+        lump_drag = above[LUMP_DRAG + m] * math.sqrt(u[0] ** 2 + u[1] ** 2 + u[2] ** 2)
         for k in range(3):
-            force[k] -= lump_drag * water[FLOW_X + k]
+            force[k] -= lump_drag * u[k]
     return True
 
 
 @inner_kernel
-def add_drag_turning(n: int, nodes: Array, parts: Array, flow: Array, band: Array) -> None:
+def add_drag_turning(line: LineArrays, n: int) -> None:
     """Add to `band` how the drag of each segment at rest changes as the segment turns.
 
     With u the velocity through the water, the drag of `physics.drag` changes by
 
         -N (u_t u_n (u_n.de)/abs(u_n) + abs(u_n) ((u_n.de) e + u_t de)) + T (2 abs(u_t) (u_n.de) e + abs(u_t) u_t de)
 
-    `n` segments are in use; `nodes`, `parts` and `flow` are arrays of `LineArrays`.
+    `n` segments are in use.
     """
     for i in range(n):
-        row, low, high, water = parts[i], nodes[i], nodes[i + 1], flow[i + 1]
-        ex, ey, ez = high[X] - low[X], high[Y] - low[Y], high[Z] - low[Z]
+        tile, j = line.tiles[i >> SHIFT], i & LANES
+        ex = tile[MIDDLE + X + j + 1] - tile[MIDDLE + X + j]
+        ey = tile[MIDDLE + Y + j + 1] - tile[MIDDLE + Y + j]
+        ez = tile[MIDDLE + Z + j + 1] - tile[MIDDLE + Z + j]
         stretched = math.sqrt(ex * ex + ey * ey + ez * ez)
         e = (ex / stretched, ey / stretched, ez / stretched)
-        ut, un, speed = resolve(e, -water[FLOW_X], -water[FLOW_Y], -water[FLOW_Z])
+        ut, un, speed = resolve(e, -tile[FLOW_X + j + 1], -tile[FLOW_Y + j + 1], -tile[FLOW_Z + j + 1])
         if speed == 0.0:
             continue
-        normal, tangential = row[NORMAL_DRAG] * row[LENGTH], row[TANGENTIAL_DRAG] * row[LENGTH]
+        normal, tangential = tile[NORMAL_DRAG + j] * tile[LENGTH + j], tile[TANGENTIAL_DRAG + j] * tile[LENGTH + j]
         across = -normal * ut / speed
         mixed = 2.0 * tangential * abs(ut) - normal * speed
         same = tangential * abs(ut) * ut - normal * speed * ut
@@ -175,9 +182,9 @@ def add_drag_turning(n: int, nodes: Array, parts: Array, flow: Array, band: Arra
                     turning += same
                 turning *= 0.5 / stretched
                 for end in range(2):
-                    line_row = 3 * (i + end) + p
-                    band[line_row, CENTRE + 3 * (1 - end) + q - p] += turning
-                    band[line_row, CENTRE - 3 * end + q - p] -= turning
+                    row = 3 * (i + end) + p
+                    line.band[row, CENTRE + 3 * (1 - end) + q - p] += turning
+                    line.band[row, CENTRE - 3 * end + q - p] -= turning
 
 
 @kernel
@@ -193,17 +200,16 @@ def bend(line: LineArrays, n: int, tolerance: float) -> bool:
     What the tangent leaves out (the current's change with depth, the turning of the bending forces) is small, and only
     slows it.
     """
-    equations = line.equations
-    equations[n, CX] = equations[n, CY] = equations[n, CZ] = 0.0
     for _ in range(400):
-        assemble(line, n, 0.0, 0.0)
-        add_drag_turning(n, line.now, line.parts, line.flow, line.band)
-        solve_with_bending(n, equations, line.band)
+        evaluate(line)
+        add_drag_turning(line, n)
+        solve_with_bending(line, n)
         largest = 0.0
         for i in range(n):
-            for k in range(3):
-                correction = equations[i, CX + k]
-                line.now[i, X + k] += correction
+            tile, j = line.tiles[i >> SHIFT], i & LANES
+            for k in range(0, 3 * STRIDE, STRIDE):
+                correction = tile[CX + k + j]
+                tile[X + k + j] += correction
                 size = abs(correction)
                 if not size <= largest:
                     largest = size
@@ -214,12 +220,13 @@ def bend(line: LineArrays, n: int, tolerance: float) -> bool:
     return False
 
 
-def _cause(line: LineArrays, n: int) -> str:
+def _cause(line: LineArrays, n: int, scratch: Array) -> str:
     """Return why `n` segments of a line do not hang: their tension law, if they would hang by a straight one."""
-    straight = line._replace(parts=line.parts.copy())
-    straight.parts[:, QUADRATIC] = straight.parts[:, CUBIC] = 0.0
-    if march(straight, n):
-        return yielding_words(float(line.parts[0, QUADRATIC]), float(line.parts[0, CUBIC]))
+    straight = line._replace(tiles=line.tiles.copy())
+    for column in (QUADRATIC, CUBIC):
+        straight.write(column, np.zeros((n, 1)))
+    if march(straight, n, *scratch):
+        return yielding_words(float(line.column(QUADRATIC, 1)[0]), float(line.column(CUBIC, 1)[0]))
     return "the line does not hang: the weight of unit and cable in water must exceed the upward forces"
 
 
@@ -236,28 +243,33 @@ def hang(line: LineArrays, boom_tip: Array) -> None:
     NoEquilibriumError
         where unit and cable do not hang (buoyant, or a tension law that yields).
     """
-    n = int(line.counters[SEGMENTS])
-    total = float(np.sum(line.parts[:n, LENGTH]))
-    calm = line._replace(settings=line.settings.copy())
-    calm.settings[WAVE_AMPLITUDE] = 0.0
-    line.flow[:, FLOW_AX:] = 0.0
+    n = line.segments
+    total = float(np.sum(line.column(LENGTH, n)))
+    wave = line.numbers[WAVE_AMPLITUDE]
+    line.numbers[WAVE_AMPLITUDE] = 0.0
+    line.tiles[:, FLOW_AX : FLOW_AX + 3 * STRIDE] = 0.0
     unit_position = boom_tip - np.array([0.0, 0.0, total])
-    line.x[: n + 1] = np.linspace(unit_position, boom_tip, n + 1)
+    positions = np.linspace(unit_position, boom_tip, n + 1)
+    line.write(X, positions)
+    scratch = np.zeros((3, 3))
     # the line's position depends on the current and the current on the position: each pass shifts it by much less than
     # the one before
     for _ in range(_PASSES):
-        if not march(calm, n):
-            raise NoEquilibriumError(_cause(calm, n))
-        miss = boom_tip - line.x[n]
-        line.x[: n + 1] += miss
+        if not march(line, n, *scratch):
+            raise NoEquilibriumError(_cause(line, n, scratch))
+        positions = line.read(X, 3, n + 1)
+        miss = boom_tip - positions[n]
+        positions += miss
+        line.write(X, positions)
         if np.max(np.abs(miss)) < 1e-12 * total:
             break
     else:
         raise NoEquilibriumError("the line has no equilibrium in the current: the current changes too fast with depth")
-    line.x[n] = boom_tip
-    line.v[:] = 0.0
-    line.a[:] = 0.0
-    if line.settings[BENDING_ON] > 0.0 and not bend(line, n, 1e-10 * total):
+    positions[n] = boom_tip
+    line.write(X, positions)
+    line.write(VX, np.zeros((n + 1, 6)))
+    if line.numbers[BENDING_ON] > 0.0 and not bend(line, n, 1e-10 * total):
         raise NoEquilibriumError(
             "the bent line has no equilibrium: cable.bending_stiffness is too large for its tension"
         )
+    line.numbers[WAVE_AMPLITUDE] = wave

@@ -17,13 +17,13 @@ from heave_node.numerics.compiled import kernel
 from cable_sim_node.errors import NoEquilibriumError
 from cable_sim_node.line import layout as at
 from cable_sim_node.line.arrays import LineArrays
-from cable_sim_node.line.assembly import solve_blocks
-from cable_sim_node.line.bending import solve_with_bending
-from cable_sim_node.line.contact import hold_here
-from cable_sim_node.line.grid import settings_row
-from cable_sim_node.line.layout import BENDING_ON, CX, CY, CZ, X
+from cable_sim_node.line.elimination import solve_blocks
+from cable_sim_node.line.forces.bending import solve_with_bending
+from cable_sim_node.line.grid import settings_of
+from cable_sim_node.line.layout import BENDING_ON, CX, LANES, SHIFT, STRIDE, X
+from cable_sim_node.line.observation import evaluate
 from cable_sim_node.line.rest.hanging import add_drag_turning
-from cable_sim_node.line.step import advance, evaluate
+from cable_sim_node.line.step import advance
 from cable_sim_node.parameters import CableSimParameters
 from cable_sim_node.physics.seabed import Seabed
 
@@ -43,16 +43,15 @@ _CORRECTIONS = 60
 @kernel
 def correct(line: LineArrays, n: int) -> None:
     """Move nodes 0..n-1 of `line`, whose equations are assembled, by one correction of Newton's method."""
-    equations = line.equations
-    equations[n, CX] = equations[n, CY] = equations[n, CZ] = 0.0
-    if line.settings[BENDING_ON] > 0.0:
-        add_drag_turning(n, line.now, line.parts, line.flow, line.band)
-        solve_with_bending(n, equations, line.band)
+    if line.numbers[BENDING_ON] > 0.0:
+        add_drag_turning(line, n)
+        solve_with_bending(line, n)
     else:
-        solve_blocks(n, equations)
+        solve_blocks(line.tiles, n)
     for i in range(n):
-        for k in range(3):
-            line.now[i, X + k] += equations[i, CX + k]
+        tile, j = line.tiles[i >> SHIFT], i & LANES
+        for k in range(0, 3 * STRIDE, STRIDE):
+            tile[X + k + j] += tile[CX + k + j]
 
 
 def settle(line: LineArrays, parameters: CableSimParameters, boom_tip: Array) -> None:
@@ -69,65 +68,72 @@ def settle(line: LineArrays, parameters: CableSimParameters, boom_tip: Array) ->
     NoEquilibriumError
         where it does not come to rest.
     """
-    n = int(line.counters[at.SEGMENTS])
-    settings = line.settings.copy()
+    n, numbers = line.segments, line.numbers
+    settings = numbers[at.SETTINGS :].copy()
     solver = dataclasses.replace(parameters.solver, spectral_radius=0.0, time_step=_INTERVAL)
-    line.settings[:] = settings_row(dataclasses.replace(parameters, solver=solver))
-    line.settings[at.WAVE_AMPLITUDE] = line.settings[at.SPRING_ON] = 0.0
+    numbers[at.SETTINGS :] = settings_of(dataclasses.replace(parameters, solver=solver))
+    numbers[at.WAVE_AMPLITUDE] = numbers[at.SPRING_ON] = 0.0
     evaluate(line)  # sets the flow, by which it is laid out
     _lay_out(line, n, boom_tip, Seabed(parameters.seabed))
-    hold_here(line, n)
+    hold_here(line)
     rests = _let_go(line, n, boom_tip)
-    line.settings[:] = settings
-    line.counters[at.NEWTON :] = 0
+    numbers[at.SETTINGS :] = settings
+    numbers[[at.NEWTON, at.STEPS, at.REFUSED]] = 0.0
     if not rests:
         raise NoEquilibriumError(
             f"the line does not come to rest on the seabed within {_LONGEST:g} s: give it more friction or less current"
         )
 
 
+def hold_here(line: LineArrays) -> None:
+    """Let all nodes of the line hold to where they are."""
+    line.write(at.HOLD_X, line.read(at.X, 3, line.segments + 1))
+
+
 def _lay_out(line: LineArrays, n: int, boom_tip: Array, seabed: Seabed) -> None:
     """Place the nodes from below the boom tip straight up, what is longer along the seabed, down the current."""
     foot = np.append(boom_tip[:2], seabed.height(boom_tip))
-    current = line.flow[0, [at.FLOW_X, at.FLOW_Y]]
+    current = line.tiles[0, [at.FLOW_X, at.FLOW_Y]]
     speed = float(np.hypot(*current))
     along = np.append(current / speed if speed > 0.0 else np.array([1.0, 0.0]), 0.0)
-    label = np.append(0.0, np.cumsum(line.parts[:n, at.LENGTH]))
+    label = np.append(0.0, np.cumsum(line.column(at.LENGTH, n)))
     height = boom_tip[2] - foot[2]
     on_bed = max(label[-1] - height, 0.0)
     stretch = height / (label[-1] - on_bed)
     point, reached = foot, 0.0
+    positions = np.zeros((n + 1, 3))
     for i in range(n, -1, -1):
         step = max(on_bed - label[i], 0.0) - reached
         rise = seabed.height(point + step * along) - point[2]
         point = point + along * step * step / max(float(np.hypot(step, rise)), 1e-12)
         point[2] = seabed.height(point)
         reached += step
-        line.x[i] = point
-    line.x[: n + 1, 2] += np.maximum(label - on_bed, 0.0) * stretch
-    line.x[n] = boom_tip
+        positions[i] = point
+    positions[:, 2] += np.maximum(label - on_bed, 0.0) * stretch
+    positions[n] = boom_tip
+    line.write(at.X, positions)
 
 
 def _let_go(line: LineArrays, n: int, boom_tip: Array) -> bool:
     """Let the line move until it is at rest; return whether it got there."""
-    start_time = float(line.top[at.NOW, at.TIME])
-    ends = np.zeros((4, 4))
-    ends[0, :3] = ends[2, :3] = boom_tip
-    ends[0, 3] = ends[2, 3] = line.top[at.NOW, at.TOTAL]
-    lengths = line.parts[:n, at.LENGTH]
-    weight = float(np.abs(line.parts[:n, at.WEIGHT]) @ lengths) + abs(float(line.unit[at.UNIT_FORCE + 2]))
-    mass = line.parts[:n, at.MASS] * lengths
-    mass[0] += line.unit[at.UNIT_INERTIA]
+    numbers = line.numbers
+    start_time, total = float(numbers[at.NOW + at.TIME]), float(numbers[at.NOW + at.TOTAL])
+    still, ends = np.zeros(3), (total, 0.0, total, 0.0)
+    lengths = line.column(at.LENGTH, n)
+    weight = float(np.abs(line.column(at.WEIGHT, n)) @ lengths) + abs(float(numbers[at.UNIT_FORCE + 2]))
+    mass = line.column(at.MASS, n) * lengths
+    mass[0] += numbers[at.UNIT_INERTIA]
     energy, quiet = 0.0, _QUIET
     for _ in range(round(_LONGEST / _INTERVAL)):
-        if advance(line, _INTERVAL, ends) != at.DONE:
+        outcome = advance(*line, _INTERVAL, boom_tip, still, boom_tip, still, ends)
+        if outcome != at.DONE:
             return False
-        line.top[at.NOW, at.TIME] = start_time
-        now = float(mass @ np.sum(line.v[:n] ** 2, axis=1))
+        numbers[at.NOW + at.TIME] = start_time
+        now = float(mass @ np.sum(line.read(at.VX, 3, n) ** 2, axis=1))
         if now >= energy:
             energy = now
             continue
-        line.v[: n + 1] = line.a[: n + 1] = 0.0
+        line.write(at.VX, np.zeros((n + 1, 6)))
         energy = 0.0
         if _unbalanced(line, n) < quiet * weight:
             if _balance(line, n, _AT_REST * weight):
@@ -139,12 +145,12 @@ def _let_go(line: LineArrays, n: int, boom_tip: Array) -> bool:
 def _unbalanced(line: LineArrays, n: int) -> float:
     """Return the largest component of force [N] on a node of the line, which does not move."""
     evaluate(line)
-    return float(np.max(np.abs(line.residual[:n])))
+    return float(np.max(np.abs(line.read(at.RX, 3, n))))
 
 
 def _balance(line: LineArrays, n: int, tolerance: float) -> bool:
     """Move the nodes to where forces balance to the tolerance [N]; return whether it succeeds, else change nothing."""
-    before = line.now.copy()
+    before = line.read(at.X, 3, n)
     left = _unbalanced(line, n)
     for _ in range(_CORRECTIONS):
         if left < tolerance:
@@ -153,5 +159,5 @@ def _balance(line: LineArrays, n: int, tolerance: float) -> bool:
         last, left = left, _unbalanced(line, n)
         if not left < 10.0 * last:
             break
-    line.now[:] = before
+    line.write(at.X, before)
     return False

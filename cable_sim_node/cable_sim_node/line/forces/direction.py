@@ -13,13 +13,20 @@ as they are of a heap of cable.
 
 from __future__ import annotations
 
-from heave_node.numerics.compiled import inner_kernel
+from heave_node.numerics.compiled import inner_kernel, kernel
 
 FOLDED = 0.5
 """Chord over unstretched length below which a segment counts as folded.
 
 A taut segment has 1, a loop whose ends hang side by side 0; half of it is what a semicircle has 0.64 of.
 """
+
+
+@kernel
+def folded(ratio: float) -> float:
+    """Return f of a folded segment, at `ratio` r below FOLDED."""
+    share = ratio / FOLDED
+    return (1.5 - 0.5 * share * share) / FOLDED
 
 
 @inner_kernel
@@ -31,5 +38,4 @@ def direction_of(ratio: float) -> tuple[float, float]:
     if ratio >= FOLDED:
         inverse = 1.0 / ratio
         return inverse, -inverse * inverse * inverse
-    share = ratio / FOLDED
-    return (1.5 - 0.5 * share * share) / FOLDED, -1.0 / (FOLDED * FOLDED * FOLDED)
+    return folded(ratio), -1.0 / (FOLDED * FOLDED * FOLDED)
