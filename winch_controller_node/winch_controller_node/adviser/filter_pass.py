@@ -115,7 +115,8 @@ def run_pass(model: PassModel, record: PassInput, used: NDArray[np.bool_]) -> Pa
     excess = np.maximum(drag.quadratic * record.unit_speed - drag.damping, 0.0) / drag.inertia
     kept = np.exp(-0.5 * excess * drag.tick_period)
     slack, missing = model.slack, record.missing_push
-    gives = np.where(missing > 0.0, missing / (missing + slack.largest), 0.0) * slack.tick_period / slack.inertia
+    # beside the drag, which takes its share of the rate after it
+    gives = np.where(missing > 0.0, missing / (missing + slack.largest), 0.0) * slack.tick_period / slack.inertia / kept
     unknown = (DOUBT * excess * record.unit_speed) ** 2 + (DOUBT * missing / slack.inertia) ** 2
     unknown *= DOUBT_TIME * drag.tick_period
     _follow(
@@ -211,15 +212,13 @@ def _follow(
                 P[i, m] = total
                 P[m, i] = total
         if gives[k] > 0.0:
-            for i in range(n):
+            # those before it in the row have it already
+            for i in range(rate, n):
                 less = 0.0
                 for j in range(n):
                     less += half[i, j] * pull[j]
-                across[i] = gives[k] * less
-            for i in range(n):
-                P[i, rate] -= across[i]
-                if i != rate:
-                    P[rate, i] = P[i, rate]
+                P[i, rate] -= gives[k] * less
+                P[rate, i] = P[i, rate]
         x[rate] *= kept[k]
         P[rate] *= kept[k]
         P[:, rate] *= kept[k]
