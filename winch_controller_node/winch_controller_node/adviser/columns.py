@@ -90,10 +90,15 @@ def in_columns(
         offsets=readings[:, OFFSET].copy(),
         variances=sigmas**2,
         values=values,
-        unit_speed=np.abs(excerpt.tick_column("unit_rate")),
-        missing_push=excerpt.tick_column("missing_push"),
+        unit_speed=np.abs(_before(excerpt.tick_column("unit_rate"))),
+        missing_push=_before(excerpt.tick_column("missing_push")),
     )
     return Columns(data, index, firsts)
+
+
+def _before(column: Array) -> Array:
+    """Return a `column` as it was a tick before: a step goes by the state that it begins with."""
+    return np.concatenate([column[:1], column[:-1]])
 
 
 def _column(excerpt: Excerpt, kind: str, value: Array, time: Array) -> Array:
