@@ -113,9 +113,10 @@ def lateness(sequence: Array, taken: Array) -> Array:
         return np.zeros(len(sequence))
     place = np.arange(len(sequence), dtype=float)
     newest = np.maximum.accumulate(np.where(known, taken - sequence[0], -np.inf))
-    # order q is in effect at the end of tick `latest`, and was not at that of the tick before, `earliest`
+    # order q is in effect at the end of tick `latest`, and was not at that of the last known tick before, `earliest`
     latest = np.searchsorted(newest, place, side="left").astype(float)
-    earliest = np.where(latest > 0, latest - 1.0, -np.inf) + 1.0 - place
+    last_known = np.concatenate([[-np.inf], np.maximum.accumulate(np.where(known, place, -np.inf))])
+    earliest = last_known[latest.astype(np.int64)] + 1.0 - place
     latest = np.where(latest < len(sequence), latest, np.inf) + 1.0 - place
     bracketed = np.isfinite(earliest) & np.isfinite(latest)
     if not np.any(bracketed):
