@@ -195,7 +195,7 @@ def test_a_machine_that_stalls_now_and_then_is_not_taken_for_a_weak_winch(excerp
             if answer is not None:
                 assert answer.factor is None
                 believed = {n: b for n, b in believed.items() if n not in answer.nominal} | dict(answer.changed)
-                assert not believed
+    assert not believed
 
 
 def test_a_limit_that_waves_do_not_reach_any_more_stays_for_a_minute(excerpt_of):
