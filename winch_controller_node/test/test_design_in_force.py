@@ -4,6 +4,7 @@ import dataclasses
 
 import numpy as np
 import pytest
+from winch_controller_node.design.design import design_controller
 from winch_controller_node.design_in_force import DesignInForce
 from winch_controller_node.model.lqr import DesignError
 from winch_controller_node.node_parameters import WinchControllerParameters
@@ -37,8 +38,8 @@ def test_another_winch_keeps_every_state_and_repeats_the_oldest_command():
     in_force = DesignInForce(WinchControllerParameters(), tick_period=DT)
     old = in_force.design.model
     winch = dataclasses.replace(in_force.parameters.winch, command_delay=0.3)
-    prepared = in_force.prepared_for(dataclasses.replace(in_force.parameters, winch=winch))
-    matrix, _ = in_force.take_learnt(prepared)
+    other = dataclasses.replace(in_force.parameters, winch=winch)
+    matrix, _ = in_force.take_design(other, design_controller(other, tick_period=DT))
     new, x = in_force.design.model, np.random.default_rng(1).standard_normal(old.order)
     carried = matrix @ x
     for name in old.state_names:

@@ -11,11 +11,10 @@ from winch_controller_node.design.design import design_controller
 from winch_controller_node.estimation.handover import (
     SEEN_SIGMA,
     hand_over,
-    hand_over_scaled,
     hand_over_seen,
     hand_over_standing,
 )
-from winch_controller_node.interface.sensors import DEPTH_BIAS, MRU_SCALE, MruModelParameters
+from winch_controller_node.interface.sensors import MruModelParameters
 from winch_controller_node.node_parameters import WinchControllerParameters
 
 DT = 0.05
@@ -140,10 +139,6 @@ def test_a_unit_that_swings_under_a_winch_at_its_limits_has_not_landed():
 
 
 MRU_SIGMA = 0.1
-HANDOVERS = {
-    "seen": lambda model, x, P: hand_over_seen(model, x, P, payout=0.4, unit=np.array([-0.3, 0.2])),
-    "scaled": lambda model, x, P: hand_over_scaled(model, x, P, share=0.6, sigma=MRU_SIGMA),
-}
 
 
 @pytest.fixture(scope="module")
@@ -160,12 +155,11 @@ def random_covariance(model, seed):
 
 
 @pytest.mark.parametrize("seed", [1, 2, 3])
-@pytest.mark.parametrize("name", HANDOVERS)
-def test_what_is_believed_after_a_wrong_scale_is_a_covariance(followed_model, name, seed):
+def test_what_is_believed_after_a_wrong_scale_is_a_covariance(followed_model, seed):
     covariance = random_covariance(followed_model, seed)
     estimate = np.random.default_rng(seed).standard_normal(followed_model.order)
     before = (estimate.copy(), covariance.copy())
-    _, after = HANDOVERS[name](followed_model, estimate, covariance)
+    _, after = hand_over_seen(followed_model, estimate, covariance, payout=0.4, unit=np.array([-0.3, 0.2]))
     np.testing.assert_array_equal(after, after.T)
     assert np.min(np.linalg.eigvalsh(after)) > -1e-12
     # what was believed is not written into
@@ -187,45 +181,3 @@ def test_drum_and_unit_are_where_they_were_seen_and_all_else_is_as_it_was(follow
     np.testing.assert_array_equal(P[np.ix_(others, others)], covariance[np.ix_(others, others)])
     np.testing.assert_array_equal(P[np.ix_(doubted, doubted)], SEEN_SIGMA**2 * np.eye(4))
     assert not np.any(P[np.ix_(doubted, others)])
-
-
-def told_by_mru(model, estimate):
-    """Return heave and rate that the MRU should read, without what it adds itself: (1 + scale) of its output."""
-    scale = estimate[model.state(MRU_SCALE)]
-    return [(1.0 + scale) * float(model.row(name) @ estimate) for name in ("mru_heave", "mru_heave_rate")]
-
-
-@pytest.mark.parametrize("share", [0.5, 0.8, 2.0])
-def test_a_boom_tip_of_another_size_moves_its_share_and_nothing_else_does(followed_model, share):
-    model, covariance = followed_model, random_covariance(followed_model, 5)
-    estimate = np.random.default_rng(5).standard_normal(model.order)
-    x, P = hand_over_scaled(model, estimate, covariance, share=share, sigma=MRU_SIGMA)
-    for name in ("boom_tip_heave", "boom_tip_heave_rate", "mru_heave", "mru_heave_rate"):
-        row = model.row(name)
-        assert row @ x == pytest.approx(share * (row @ estimate))
-        assert row @ P @ row == pytest.approx(share**2 * (row @ covariance @ row))
-    for name in ("payout", "payout_rate", "unit_heave", "unit_heave_rate", DEPTH_BIAS):
-        assert x[model.state(name)] == estimate[model.state(name)]
-        assert P[model.state(name), model.state(name)] == covariance[model.state(name), model.state(name)]
-
-
-@pytest.mark.parametrize("share", [0.5, 2.0, 1.3])
-def test_an_mru_whose_scale_made_up_for_the_encoder_reads_the_same_as_before(followed_model, share):
-    model, covariance = followed_model, random_covariance(followed_model, 6)
-    estimate = np.random.default_rng(6).standard_normal(model.order)
-    x, P = hand_over_scaled(model, estimate, covariance, share=share, sigma=MRU_SIGMA)
-    row, scale = model.row("boom_tip_heave"), model.state(MRU_SCALE)
-    assert row @ x == pytest.approx(share * (row @ estimate))
-    np.testing.assert_allclose(told_by_mru(model, x), told_by_mru(model, estimate), rtol=1e-12)
-    # what was learnt of the scale was learnt of the encoder
-    assert P[scale, scale] == MRU_SIGMA**2
-    assert np.count_nonzero(P[scale]) == 1
-
-
-def test_an_encoder_of_half_the_scale_that_was_taken_for_an_mru_of_double_is_right_again(followed_model):
-    """The estimate holds half of the boom tip, and 1 + scale = 2: all of the boom tip, and a scale of 0."""
-    model, estimate = followed_model, np.ones(followed_model.order)
-    estimate[model.state(MRU_SCALE)] = 1.0
-    x, _ = hand_over_scaled(model, estimate, np.eye(model.order), share=2.0, sigma=MRU_SIGMA)
-    assert x[model.state(MRU_SCALE)] == pytest.approx(0.0, abs=1e-15)
-    assert model.row("boom_tip_heave") @ x == pytest.approx(2.0 * (model.row("boom_tip_heave") @ estimate))

@@ -6,7 +6,7 @@ import pytest
 from heave_node.interface.sensors import MruReading
 from heave_node.parameters import build_parameters
 from winch_controller_node.component import WinchController
-from winch_controller_node.estimation.reading_record import Surprise
+from winch_controller_node.estimation.surprise import Surprise
 from winch_controller_node.interface.readings import Measurements
 from winch_controller_node.model.estimator import Innovation
 from winch_controller_node.node_parameters import WinchControllerParameters

@@ -13,9 +13,8 @@ from winch_controller_node.design.design import at_cable, design_controller
 from winch_controller_node.design.feasibility import boom_tip_moments, feasibility_table, uncompensated_sigma
 from winch_controller_node.design.prediction import predict_loop
 from winch_controller_node.design.schedule import closed_loop_radius, design_schedule
-from winch_controller_node.design.seas import PATIENCE, SeaSeen, SeaTracker, sea_that_was_seen
+from winch_controller_node.design.seas import PATIENCE, SeaSeen, SeaTracker, sea_that_was_seen, sigma_and_frequency
 from winch_controller_node.design_in_force import DesignInForce
-from winch_controller_node.estimation import sea_adaptation
 from winch_controller_node.model.blocks import CableModel
 from winch_controller_node.model.lqr import DesignError
 from winch_controller_node.model.models import boom_tip_block
@@ -142,7 +141,7 @@ def test_the_sea_that_is_seen_has_the_moments_that_were_seen():
         parameters().sea,
         dataclasses.replace(parameters().sea, significant_wave_height=2.0, peak_period=9.5),
     )
-    heave, frequency = sea_adaptation.sigma_and_frequency(there, parameters().vessel)
+    heave, frequency = sigma_and_frequency(there, parameters().vessel)
     seen = SeaSeen(waves=1e4, heave=heave, frequency=frequency)
     found = sea_that_was_seen(seen, belief, belief, parameters().vessel)
     assert found.peak_period == pytest.approx(9.5, rel=1e-3)
@@ -152,7 +151,7 @@ def test_the_sea_that_is_seen_has_the_moments_that_were_seen():
 
 def test_a_few_waves_change_a_sea_less_unless_it_is_refuted():
     belief = parameters().sea
-    heave, frequency = sea_adaptation.sigma_and_frequency(belief, parameters().vessel)
+    heave, frequency = sigma_and_frequency(belief, parameters().vessel)
     few = SeaSeen(3.0, heave, 0.5 * frequency)
     shrunk, taken = (
         sea_that_was_seen(dataclasses.replace(few, is_refuted=known), belief, belief, parameters().vessel)

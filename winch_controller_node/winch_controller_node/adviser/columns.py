@@ -19,6 +19,12 @@ FACTOR, STEP, DELAY = "scale", "offset", "delay"
 """Kinds of column: what a sensor alone has read (its size is a factor on it less 1), 1 (an offset that is taken off),
 and the slope of what it has read (a delay that is made up for)."""
 
+SLOPE_OVER = 0.4
+"""Time over which readings tell by how much they change [s]: a small part of a wave."""
+
+TINY = 1e-12
+"""Readings of one and the same moment tell no slope."""
+
 KINDS = {"mru": (FACTOR, STEP, DELAY), "depth": (FACTOR,), "encoder": (FACTOR,)}
 """Columns of each sensor."""
 
@@ -90,10 +96,15 @@ def in_columns(
         offsets=readings[:, OFFSET].copy(),
         variances=sigmas**2,
         values=values,
-        unit_speed=np.abs(excerpt.tick_column("unit_rate")),
-        missing_push=excerpt.tick_column("missing_push"),
+        unit_speed=np.abs(_before(excerpt.tick_column("unit_rate"))),
+        missing_push=_before(excerpt.tick_column("missing_push")),
     )
     return Columns(data, index, firsts)
+
+
+def _before(column: Array) -> Array:
+    """Return a `column` as it was a tick before: a step goes by the state that it begins with."""
+    return np.concatenate([column[:1], column[:-1]])
 
 
 def _column(excerpt: Excerpt, kind: str, value: Array, time: Array) -> Array:
@@ -105,10 +116,18 @@ def _column(excerpt: Excerpt, kind: str, value: Array, time: Array) -> Array:
 
 
 def _slope(excerpt: Excerpt, value: Array, time: Array) -> Array:
-    """Return by how much each measurement changes in a tick at each of its readings."""
-    slope = np.zeros(len(value))
+    """Return by how much each measurement changes in a tick at each of its readings: of a line through those about it.
+
+    The difference of two readings would have more of their noise than of the motion.
+    """
+    slope, about = np.zeros(len(value)), np.ones(1 + 2 * round(0.5 * SLOPE_OVER / excerpt.dt))
     for row in range(len(excerpt.rows)):
         mine = excerpt.readings[:, ROW] == row
-        if np.count_nonzero(mine) > 2:
-            slope[mine] = np.gradient(value[mine], np.maximum.accumulate(time[mine] + 1e-6 * np.arange(mine.sum())))
+        if np.count_nonzero(mine) < len(about):
+            continue
+        t, z = time[mine] - time[mine][0], value[mine] - value[mine][0]
+        count, mean_t, mean_z, squares, products = (
+            np.convolve(one, about, mode="same") for one in (np.ones(len(t)), t, z, t * t, t * z)
+        )
+        slope[mine] = (count * products - mean_t * mean_z) / np.maximum(count * squares - mean_t**2, TINY)
     return slope

@@ -115,10 +115,11 @@ def lateness(sequence: Array, taken: Array) -> Array:
         return np.zeros(len(sequence))
     place = np.arange(len(sequence), dtype=float)
     newest = np.maximum.accumulate(np.where(known, taken - sequence[0], -np.inf))
-    # order q is in effect at the end of tick `latest`, and was not at that of the tick before, `earliest`
-    latest = np.searchsorted(newest, place, side="left").astype(float)
-    earliest = np.where(latest > 0, latest - 1.0, -np.inf) + 1.0 - place
-    latest = np.where(latest < len(sequence), latest, np.inf) + 1.0 - place
+    # order q is in effect at the end of tick `seen`, and was not at that of the last known tick before
+    seen = np.searchsorted(newest, place, side="left")
+    last_known = np.concatenate([[-np.inf], np.maximum.accumulate(np.where(known, place, -np.inf))])
+    earliest = last_known[seen] + 1.0 - place
+    latest = np.where(seen < len(sequence), seen, np.inf) + 1.0 - place
     bracketed = np.isfinite(earliest) & np.isfinite(latest)
     if not np.any(bracketed):
         return np.zeros(len(sequence))
@@ -126,8 +127,12 @@ def lateness(sequence: Array, taken: Array) -> Array:
     off = [np.sum(np.abs(_outside(edge, earliest[bracketed], latest[bracketed]))) for edge in edges]
     usual = float(edges[int(np.argmin(off))])
     late = np.where(np.isfinite(earliest) | np.isfinite(latest), _outside(usual, earliest, latest), 0.0)
+    effect = place + late
+    # what was late and was first seen with newer orders came with the newest of them, as after a stall of the machine
+    newest_seen = np.searchsorted(seen, seen, side="right") - 1
+    effect = np.where(late > 0.0, np.maximum(effect, effect[newest_seen]), effect)
     # an order is never taken before the one before it
-    return np.asarray(np.maximum.accumulate(place + late) - place)
+    return np.asarray(np.maximum.accumulate(effect) - place)
 
 
 def _outside(usual: float, earliest: Array, latest: Array) -> Array:

@@ -165,6 +165,8 @@ def _motion(model: PassModel, record: PassInput) -> Motion:
     excess = np.maximum(drag.quadratic * record.unit_speed - drag.damping, 0.0) / drag.inertia
     unknown = (DOUBT * excess * record.unit_speed) ** 2 + (DOUBT * missing / slack.inertia) ** 2
     filled = [np.flatnonzero(row) for row in model.F]
+    kept = np.exp(-0.5 * excess * drag.tick_period)
+    gives = np.where(missing > 0.0, missing / (missing + slack.largest), 0.0) * slack.tick_period / slack.inertia
     return Motion(
         F=np.ascontiguousarray(model.F),
         B=np.ascontiguousarray(model.B),
@@ -172,8 +174,9 @@ def _motion(model: PassModel, record: PassInput) -> Motion:
         filled=np.concatenate(filled),
         begins=np.cumsum([0, *(len(one) for one in filled)]),
         rate=drag.rate,
-        kept=np.exp(-0.5 * excess * drag.tick_period),
-        gives=np.where(missing > 0.0, missing / (missing + slack.largest), 0.0) * slack.tick_period / slack.inertia,
+        kept=kept,
+        # beside the drag, which takes its share of the rate after it
+        gives=gives / kept,
         pull=np.ascontiguousarray(slack.pull),
         unknown=unknown * DOUBT_TIME * drag.tick_period,
     )

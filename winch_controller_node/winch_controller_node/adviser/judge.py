@@ -361,8 +361,23 @@ class Judge:
                 for place, fitted in zip(mine, proof.fit(np.array(mine), starts / tick), strict=True):
                     changed = self._changed(changes, keys[place - 1], fitted)
                     if changed is not None:
+                        fitted = self._of_what_was_read(fitted, keys[place - 1], proof.counts)
                         found.append(self._hypothesis(changed, excluded, fitted, place, result, model))
         return found
+
+    def _of_what_was_read(self, fitted: Fitted, key: tuple[str, str, int], counts: Array) -> Fitted:
+        """Return `fitted` with the loss of what was read, not of what a factor makes of it.
+
+        A density is divided by the factor's size where its variable is multiplied by it: else what is divided by ever
+        more would be explained ever better. `counts` are the independent values of each measurement.
+        """
+        sensor, kind, since = key
+        if kind != FACTOR:
+            return fitted
+        last = self._excerpt.last
+        share = (last - max(since, self._first_judged)) / max(last - self._first_judged, 1)
+        count = share * float(np.sum(counts[[known == sensor for known in self._sensors]]))
+        return fitted._replace(loss=fitted.loss - count * math.log(abs(1.0 + fitted.weight)))
 
     def _changed(
         self, changes: Mapping[str, Change], key: tuple[str, str, int], fitted: Fitted

@@ -1,0 +1,254 @@
+"""The winch as its set-points and its encoder show it: what a virtual winch is, within the stated sigmas."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from cable_sim_node.winch.component import VirtualWinch, WinchCommand
+from cable_sim_node.winch.parameters import EncoderParameters, WinchParameters
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from winch_controller_node.adviser.drum_fit import FACTOR, LIMITS, PRICES, begun, fit_drum, identify
+from winch_controller_node.adviser.drum_prior import prior_of
+from winch_controller_node.adviser.drum_record import DrumRecord
+from winch_controller_node.adviser.record import SensorHistory
+from winch_controller_node.adviser.winch import WinchIdentifier
+from winch_controller_node.beliefs.drum import drum_of
+from winch_controller_node.model.drum_kernel import Drum, drum_records
+from winch_controller_node.node_parameters import WinchControllerParameters
+
+DT = 0.05
+AHEAD = 20
+BELIEF = WinchControllerParameters()
+PLACE = {name: place for place, name in enumerate(Drum._fields)}
+PRIOR = prior_of(BELIEF.winch, BELIEF.lag.largest)
+NOMINAL = np.array([*drum_of(BELIEF.winch), 1.0])
+
+
+def waves(seconds, size, noise=0.02, seed=1):
+    """Return set-points of two waves and a little noise, at most some 1.5 times `size` [m/s]."""
+    time, random = DT * np.arange(round(seconds / DT)), np.random.default_rng(seed)
+    return size * (np.sin(0.7 * time) + 0.5 * np.sin(1.1 * time)) + noise * random.standard_normal(len(time))
+
+
+def driven(winch, rates):
+    """Drive a virtual winch by rate set-points; return what its encoder reads at the end of each tick, and its state."""
+    virtual = VirtualWinch(winch, tick_period=DT, seed=1)
+    virtual.step(0, WinchCommand(1))
+    states = [virtual.step(tick, WinchCommand(tick + 1, 0.0, float(rate))) for tick, rate in enumerate(rates, start=1)]
+    return np.array([state.encoder_payout for state in states]), states
+
+
+def record_of(winch, seconds=30.0, size=0.6, seed=1):
+    """Return the record of a virtual winch, its first second left out as the orders before it."""
+    rates = waves(seconds, size, seed=seed)
+    readings, _ = driven(winch, rates)
+    return DrumRecord(np.zeros(len(rates)), rates, np.zeros(len(rates)), readings[AHEAD:], 0.0, DT)
+
+
+def sigma_of(found, name):
+    return found.sigmas[found.free.index(PLACE[name])]
+
+
+@settings(max_examples=12)
+@given(
+    lag=st.floats(0.05, 0.4),
+    delay=st.floats(0.08, 0.35),
+    gain=st.floats(0.75, 1.3),
+    size=st.sampled_from([0.3, 0.8]),
+    seed=st.integers(0, 2**31),
+)
+def test_lag_delay_and_gain_are_known_within_their_sigmas(lag, delay, gain, size, seed):
+    """From an encoder of 1 mm; belief 0.15 s, 0.2 s, 1."""
+    truth = WinchParameters(time_constant=lag, command_delay=delay, speed_gain=gain)
+    found = identify(record_of(truth, size=size, seed=seed), PRIOR, NOMINAL)
+    for name, value in (("lag", lag), ("delay", delay), ("gain", gain)):
+        assert abs(found.theta[PLACE[name]] - value) < 4.0 * sigma_of(found, name) + 1e-3, name
+    assert max(found.sigmas) < 0.05
+    assert not set(found.free) & {*LIMITS, FACTOR}
+
+
+@pytest.mark.parametrize(
+    ("winch", "field", "value"),
+    [
+        ({"speed_limit": 1.0}, "speed_out", 1.0),
+        ({"hauling_speed_share": 0.4}, "speed_in", 0.8),
+        ({"acceleration_limit": 0.6, "stop_deceleration": 0.6}, "acceleration_out", 0.6),
+        ({"hauling_acceleration_share": 0.4}, "acceleration_in", 0.6),
+        ({"speed_deadband": 0.05}, "deadband", 0.05),
+        ({"encoder": EncoderParameters(backlash=0.02)}, "backlash", 0.02),
+    ],
+    ids=["speed out", "speed in", "acceleration out", "acceleration in", "dead zone", "play"],
+)
+def test_a_limit_a_dead_zone_or_play_is_freed_and_known(winch, field, value):
+    """Limits to 2 %: what the virtual winch does within a step of its own is not in the model."""
+    found = identify(record_of(WinchParameters(**winch), size=1.4), PRIOR, NOMINAL)
+    assert PLACE[field] in found.free
+    assert found.theta[PLACE[field]] == pytest.approx(value, rel=0.02, abs=4.0 * sigma_of(found, field) + 2e-3)
+    assert (found.theta[PLACE["lag"]], found.theta[PLACE["delay"]]) == pytest.approx((0.15, 0.2), abs=0.02)
+    assert found.theta[PLACE["gain"]] == pytest.approx(1.0, abs=0.02)
+    assert found.residual < 2e-3
+
+
+def crept(gain, hauling, creep, seconds=30.0, lag=0.15):
+    """Return the record of a drum whose speed loop has no integral part, without a delay: exact by its exponential."""
+    rates, payout, rate, readings = waves(seconds, 0.5), 0.0, 0.0, []
+    for set_point in rates:
+        end = gain * (set_point if set_point > 0.0 else hauling * set_point) + creep
+        change = -(end - rate) * np.expm1(-DT / lag)
+        payout, rate = payout + end * DT - lag * change, rate + change
+        readings.append(1e-3 * round(1e3 * payout))
+    return DrumRecord(np.zeros(len(rates)), rates, np.zeros(len(rates)), np.array(readings[AHEAD:]), 0.0, DT)
+
+
+@pytest.mark.parametrize(("hauling", "creep"), [(0.76, 0.058), (1.3, -0.04), (1.0, 0.05)])
+def test_a_drum_that_creeps_and_hauls_in_with_another_gain_is_known(hauling, creep):
+    winch = replace(BELIEF.winch, command_delay=0.0)
+    prior = prior_of(winch, BELIEF.lag.largest)
+    found = identify(crept(0.94, hauling, creep), prior, np.array([*drum_of(winch), 1.0]))
+    assert found.theta[PLACE["gain"]] == pytest.approx(0.94, abs=0.01)
+    assert found.theta[PLACE["hauling"]] == pytest.approx(hauling, abs=0.02)
+    assert found.theta[PLACE["creep"]] == pytest.approx(creep, abs=0.005)
+    assert not set(found.free) & set(LIMITS)
+
+
+@pytest.mark.parametrize("before_end", [1.5, 3.0, 6.0, 11.0])
+@pytest.mark.parametrize("factor", [-1.0, 0.5, 2.0, -2.44])
+def test_an_encoder_that_changes_its_factor_is_known_with_its_onset(factor, before_end):
+    """A drum's gain does not jump: what does is the encoder's."""
+    seconds = 30.0
+    rates = waves(seconds, 0.6)
+    readings, states = driven(WinchParameters(), rates)
+    onset, drum = len(rates) - round(before_end / DT), np.array([state.payout for state in states])
+    # it counts on from where it stood
+    readings[onset:] = readings[onset - 1] + factor * (drum[onset:] - drum[onset - 1])
+    record = DrumRecord(np.zeros(len(rates)), rates, np.zeros(len(rates)), readings[AHEAD:], 0.0, DT)
+    found = identify(record, PRIOR, NOMINAL)
+    assert FACTOR in found.free
+    assert found.theta[FACTOR] == pytest.approx(factor, rel=0.03)
+    assert found.record.onset + AHEAD == pytest.approx(onset, abs=4)
+    assert not set(found.free) & set(LIMITS)
+
+
+def excerpts(excerpt_of, winch, seconds, *, size=0.6, seed=1, noise=0.0, resolution=1e-3, every=20):
+    """Yield the record of `every` so many ticks of a virtual winch, whose encoder has a `noise` and a `resolution` [m]."""
+    rates, random = waves(seconds, size, seed=seed), np.random.default_rng(seed)
+    _, states = driven(replace(winch, encoder=replace(winch.encoder, resolution=0.0)), rates)
+    read = np.array([s.encoder_payout for s in states]) + noise * random.standard_normal(len(states))
+    read = resolution * np.round(read / resolution)
+    taken = np.array([s.command_sequence for s in states], dtype=float)
+    for end in range(100, len(rates) + 1, every):
+        columns = {"order_rate": rates[:end], "sequence": 2.0 + np.arange(end), "taken": taken[:end]}
+        yield excerpt_of(end, encoder=read[:end], **columns)
+
+
+def believed_of(excerpt_of, winch, seconds, **record):
+    """Return what is believed of a winch after so many `seconds`, looked at each second, and each answer."""
+    identifier, believed, answers = WinchIdentifier(BELIEF, DT), {}, []
+    for excerpt in excerpts(excerpt_of, winch, seconds, **record):
+        answer = identifier.look(excerpt, SensorHistory(), {name: b.value for name, b in believed.items()})
+        if answer is not None:
+            answers.append(answer)
+            believed = {n: b for n, b in believed.items() if n not in answer.nominal} | dict(answer.changed)
+    return believed, answers
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("noise", "resolution"), [(1e-3, 1e-3), (5e-3, 1e-3), (0.0, 5e-3)], ids=["1", "5", "coarse"])
+def test_nothing_is_found_of_a_winch_that_is_as_believed(excerpt_of, noise, resolution):
+    """Twenty draws, each of 12 s, of an encoder of 1 mm, of one with noise of 5 mm, and of one that counts in 5 mm."""
+    found = {}
+    for seed in range(20):
+        believed, answers = believed_of(
+            excerpt_of, WinchParameters(), 12.0, seed=seed, noise=noise, resolution=resolution, every=60
+        )
+        if believed or any(answer.factor for answer in answers):
+            found[seed] = believed
+    assert found == {}
+
+
+def test_a_millisecond_of_jitter_of_the_delay_hides_no_limit(excerpt_of):
+    """0.2 s lies on the edge of a tick: each order comes in one tick or the next."""
+    weak = WinchParameters(command_jitter=1e-3, acceleration_limit=0.75, stop_deceleration=0.75)
+    believed, _ = believed_of(excerpt_of, weak, 30.0, size=0.9)
+    for name in ("winch.acceleration_out", "winch.acceleration_in"):
+        assert believed[name].value == pytest.approx(0.75, rel=0.04)
+    assert "winch.speed_gain" not in believed or believed["winch.speed_gain"].value == pytest.approx(1.0, abs=0.03)
+
+
+@pytest.mark.parametrize(("late", "every"), [(1, 97), (1, 140), (6, 97)])
+def test_a_machine_that_stalls_now_and_then_is_not_taken_for_a_weak_winch(excerpt_of, late, every):
+    """Each `every` ticks the commands of `late` ticks come together with the next, to a winch that is as believed."""
+    rates, virtual = waves(40.0, 0.6), VirtualWinch(WinchParameters(), tick_period=DT)
+    virtual.step(0, WinchCommand(1))
+    read, taken = np.empty(len(rates)), np.empty(len(rates))
+    identifier, believed = WinchIdentifier(BELIEF, DT), {}
+    for k, rate in enumerate(rates):
+        stalls = k > late and k % every < late
+        state = virtual.step(k + 1, None if stalls else WinchCommand(k + 2, 0.0, float(rate)))
+        read[k], taken[k] = state.encoder_payout, state.command_sequence
+        if k % 20 == 19 and k > 100:
+            begin = max(0, k + 1 - round(identifier.length / DT))
+            columns = {"order_rate": rates, "sequence": 2.0 + np.arange(len(rates)), "taken": taken, "encoder": read}
+            excerpt = excerpt_of(k + 1 - begin, first=begin, **{n: c[begin : k + 1] for n, c in columns.items()})
+            answer = identifier.look(excerpt, SensorHistory(), {n: b.value for n, b in believed.items()})
+            if answer is not None:
+                assert answer.factor is None
+                believed = {n: b for n, b in believed.items() if n not in answer.nominal} | dict(answer.changed)
+    assert not believed
+
+
+def test_a_limit_that_waves_do_not_reach_any_more_stays_for_a_minute(excerpt_of):
+    weak = WinchParameters(speed_limit=0.6)
+    identifier, believed, held = WinchIdentifier(BELIEF, DT), {}, []
+    rates = np.concatenate([waves(30.0, 0.8), waves(40.0, 0.2)])
+    readings, states = driven(weak, rates)
+    taken = np.array([s.command_sequence for s in states], dtype=float)
+    for end in range(200, len(rates), 20):
+        begin = max(0, end - round(identifier.length / DT))
+        columns = {"order_rate": rates, "sequence": 2.0 + np.arange(len(rates)), "taken": taken, "encoder": readings}
+        excerpt = excerpt_of(end - begin, first=begin, **{n: c[begin:end] for n, c in columns.items()})
+        answer = identifier.look(excerpt, SensorHistory(), {n: b.value for n, b in believed.items()})
+        if answer is not None:
+            believed = {n: b for n, b in believed.items() if n not in answer.nominal} | dict(answer.changed)
+        held.append(believed["winch.speed_out"].value if "winch.speed_out" in believed else 2.0)
+    assert held[20:] == pytest.approx(len(held[20:]) * [0.6], rel=0.05)
+
+
+def test_a_still_drum_tells_nothing(excerpt_of):
+    believed, answers = believed_of(excerpt_of, WinchParameters(time_constant=0.4), 15.0, size=0.0)
+    assert not any(answer.factor for answer in answers)
+    assert not believed
+
+
+def test_a_fit_never_leaves_what_a_drum_can_be():
+    found = fit_drum(
+        record_of(WinchParameters(speed_gain=0.3)), PRIOR, begun(record_of(WinchParameters()), NOMINAL), (0, 1, 2)
+    )
+    assert np.all(found.theta[: FACTOR + 1] >= PRIOR.lowest)
+    assert np.all(found.theta[: FACTOR + 1] <= PRIOR.highest)
+    assert all(price > 0.0 for price in PRICES.values())
+
+
+def test_a_position_loop_is_part_of_the_drum():
+    """Servo with k_p = 0.5 1/s: the virtual winch's own record, from the same set-points."""
+    rates = waves(20.0, 0.5)
+    encoder, _ = driven(WinchParameters(position_gain=0.5), rates)
+    payouts, orders = np.zeros(len(rates) + 10), np.concatenate([np.zeros(10), rates])
+    drums = np.array([drum_of(BELIEF.winch)])
+    drum = drum_records(payouts, orders, np.zeros(len(orders)), drums, np.zeros((1, 2)), 0.5, len(rates), DT)[0]
+    # the encoder rounds to 1 mm; the position loop's steps of 5 ms differ by less
+    np.testing.assert_allclose(drum, encoder, atol=1e-3)
+
+
+def test_orders_that_came_late_move_the_drum_late():
+    """A drum without lag or delay that is sent 1 m/s, the order of tick 10 three ticks late."""
+    drums, rates, late = (
+        np.array([[0.005, 0.0, 1.0, 0.0, 9.0, 9.0, 1e9, 1e9, 0.0, 1.0, 1.0, 0.0]]),
+        np.zeros(40),
+        np.zeros(40),
+    )
+    rates[10:], late[10:13] = 1.0, [3.0, 2.0, 1.0]
+    prompt = drum_records(np.zeros(40), rates, np.zeros(40), drums, np.zeros((1, 2)), 0.0, 40, DT)[0]
+    delayed = drum_records(np.zeros(40), rates, late, drums, np.zeros((1, 2)), 0.0, 40, DT)[0]
+    np.testing.assert_allclose(delayed[20:], prompt[17:37], atol=1e-9)

@@ -1,0 +1,190 @@
+"""Orders against the encoder over the last second or two: how far the drum is off, and what the encoder reads of them."""
+
+import numpy as np
+import pytest
+from cable_sim_node.winch.component import VirtualWinch, WinchCommand
+from cable_sim_node.winch.parameters import WinchParameters
+from winch_controller_node.node_parameters import WinchControllerParameters
+from winch_controller_node.supervision.watch.drum_watch import CHECKED_TIME, ORDERED_TIME, DrumWatch, Ordered
+from winch_controller_node.supervision.watch.encoder_reflex import (
+    BEGINNING,
+    LONGEST_ASIDE,
+    LOOKED_EVERY,
+    LOOKS,
+    Act,
+    EncoderReflex,
+)
+
+DT = 0.05
+BELIEF = WinchControllerParameters()
+
+
+def waves(seconds, size=0.5):
+    time = DT * np.arange(round(seconds / DT))
+    return size * (np.sin(0.7 * time) + 0.5 * np.sin(1.1 * time))
+
+
+def watched(*, seconds=20.0, factor=1.0, believed=None, size=0.5, gap=(), **winch):
+    """Return the watch of a winch whose encoder reads `factor` times the payout, its errors, and the payouts."""
+    watch, drum = (
+        DrumWatch(BELIEF.winch, BELIEF.lag.largest, DT),
+        VirtualWinch(WinchParameters(**winch), tick_period=DT),
+    )
+    watch.take(believed or {})
+    watch.reset()
+    drum.step(0, WinchCommand(1))
+    errors, payouts = [], []
+    for tick, rate in enumerate(waves(seconds, size), start=1):
+        state = drum.step(tick, WinchCommand(tick + 1, 0.0, float(rate)))
+        watch.add(0.0, float(rate), None if tick in gap else factor * state.encoder_payout)
+        errors.append(watch.error())
+        payouts.append(state.payout)
+    return watch, np.array(errors), np.array(payouts)
+
+
+def test_a_drum_as_believed_is_where_it_was_foreseen():
+    """Readings in millimetres: what a second of them foresees for the next is some millimetres at the most."""
+    _, errors, _ = watched()
+    assert np.max(np.abs(errors)) < 4e-3
+
+
+@pytest.mark.parametrize("winch", [{"speed_gain": 0.8}, {"time_constant": 0.5}, {"speed_limit": 0.4}], ids=str)
+def test_a_winch_other_than_believed_is_missed_until_it_is_believed(winch):
+    quantities = {"speed_gain": ["winch.speed_gain"], "time_constant": ["winch.time_constant"]}
+    quantities["speed_limit"] = ["winch.speed_out", "winch.speed_in"]
+    ((name, value),) = winch.items()
+    assert np.max(np.abs(watched(**winch)[1])) > 0.04
+    known = watched(believed=dict.fromkeys(quantities[name], value), **winch)[1]
+    assert np.max(np.abs(known)) < 6e-3
+
+
+def test_a_drum_at_its_speed_limit_under_larger_set_points_is_where_it_was_foreseen():
+    """There the rate at the start of a second tells nothing."""
+    known = watched(size=2.0, believed={"winch.speed_out": 1.1, "winch.speed_in": 1.1}, speed_limit=1.1)[1]
+    assert np.max(np.abs(known)) < 0.01
+
+
+def test_nothing_is_foreseen_from_too_few_readings_or_through_a_gap():
+    count = 2 * round(CHECKED_TIME / DT)
+    _, errors, _ = watched(speed_gain=0.5, gap=[200])
+    assert not np.any(errors[: count - 1])
+    assert not np.any(errors[199 : 199 + count])
+    assert errors[199 + count] != 0.0
+
+
+def test_a_restart_forgets_the_readings_and_a_reset_the_orders_as_well():
+    watch, *_ = watched(speed_gain=0.5)
+    assert watch.error() != 0.0
+    watch.restart()
+    assert (watch.error(), watch.ordered()) == (0.0, None)
+    watch.reset(2.0)
+    for _ in range(3 * round(CHECKED_TIME / DT)):
+        watch.add(2.0, 0.0, 2.0)
+    assert watch.error() == pytest.approx(0.0, abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("factor", "gain"),
+    [(1.0, 1.0), (0.5, 1.0), (-1.0, 1.0), (2.0, 1.0), (0.8, 1.0), (1.0, 0.8), (1.0, 1.3), (0.5, 1.3)],
+)
+def test_an_encoder_reads_its_factor_times_the_gain_of_the_winch_of_what_that_was_ordered(factor, gain):
+    """The speed at the start is known to a tick: 0.02 m/s for the lag of 0.15 s are 3 mm, of 3 cm and more."""
+    watch, _, payouts = watched(factor=factor, speed_gain=gain)
+    ordered, count = watch.ordered(), round(ORDERED_TIME / DT)
+    assert ordered.share == pytest.approx(factor * gain, rel=0.06)
+    assert ordered.left < 0.15
+    travel = (payouts[-1] - payouts[-1 - count]) / gain
+    assert ordered.payout == pytest.approx(factor * payouts[-1 - count] + travel, abs=0.02)
+
+
+def test_a_gain_that_is_believed_is_none_of_the_encoder():
+    ordered = watched(speed_gain=0.7, believed={"winch.speed_gain": 0.7})[0].ordered()
+    assert ordered.share == pytest.approx(1.0, rel=0.05)
+    assert ordered.is_true
+
+
+@pytest.mark.parametrize(
+    "case", [{"size": 0.002}, {"gap": range(390, 398)}, {"gap": [400 - 16]}, {"seconds": 0.5}], ids=str
+)
+def test_too_little_that_was_read_or_moved_tells_nothing_of_the_encoder(case):
+    assert watched(**case)[0].ordered() is None
+
+
+# the reflex
+
+TRUE, HALF, BACK = Ordered(1.0, 0.02, 3.0), Ordered(0.5, 0.02, 3.0), Ordered(-1.0, 0.02, 3.0)
+LOOK = round(LOOKED_EVERY / DT)
+
+
+def acts(shown, *, is_aside=False, reflex=None, start=0):
+    """Show what was ordered at each look, of a winch that moves without a pause; return acts with their looks."""
+    reflex, found = reflex or EncoderReflex(DT), []
+    for place, ordered in enumerate(shown):
+        for tick in range(start + place * LOOK, start + (place + 1) * LOOK):
+            act = reflex.look(tick, ordered, is_aside=is_aside)
+            if act is not Act.NOTHING:
+                found.append((place, act))
+                is_aside = act is Act.SET_ASIDE
+    return found, reflex
+
+
+def seconds(time):
+    return round(time / LOOKED_EVERY)
+
+
+def test_an_encoder_that_was_wrong_from_the_start_is_set_aside_at_once_and_nothing_can_be_done():
+    """Winch or encoder: which of them is turned over nobody knows."""
+    found, reflex = acts([BACK] * 3)
+    assert found == [(0, Act.SET_ASIDE)]
+    assert reflex.is_unresolved
+    assert reflex.inhibition
+
+
+def test_one_that_turns_over_later_is_set_aside_after_so_many_looks_and_the_loop_goes_on():
+    found, reflex = acts([TRUE] * seconds(BEGINNING) + [BACK] * 5)
+    assert found == [(seconds(BEGINNING) + LOOKS - 1, Act.SET_ASIDE)]
+    assert not reflex.is_unresolved
+    assert reflex.inhibition == ""
+
+
+def test_a_look_that_is_wrong_once_is_none():
+    assert acts(([TRUE] * 20 + [BACK]) * 10)[0] == []
+
+
+def test_a_scale_is_sudden_only_where_the_winch_is_known():
+    """A winch of half its gain from the start is the adviser's to find."""
+    assert acts([HALF] * 300)[0] == []
+    found, _ = acts([TRUE] * seconds(40.0) + [HALF] * 5)
+    assert [act for _, act in found] == [Act.SET_ASIDE]
+
+
+def test_one_that_goes_right_again_is_used_again():
+    found, reflex = acts([TRUE] * 200 + [BACK] * 10 + [TRUE] * 10)
+    assert [act for _, act in found] == [Act.SET_ASIDE, Act.USE_AGAIN]
+    assert not reflex.is_unresolved
+
+
+def test_one_that_stays_aside_for_long_is_unresolved_until_an_operator_asks():
+    found, reflex = acts([TRUE] * 200 + [BACK] * (seconds(LONGEST_ASIDE) + 5))
+    assert [act for _, act in found] == [Act.SET_ASIDE]
+    assert reflex.is_unresolved
+    reflex.restart()
+    assert not reflex.is_unresolved
+
+
+def test_a_rest_that_is_not_straight_is_no_reason():
+    """A drum at its limit lags behind: no multiple of what was ordered explains what it reads."""
+    assert acts([Ordered(-1.0, 0.4, 3.0)] * 50)[0] == []
+    assert acts([None] * 50)[0] == []
+
+
+@pytest.mark.parametrize("share", [-3.0, -0.5, 0.3, 0.55, 0.8, 1.0, 1.25, 1.5, 2.5])
+@pytest.mark.parametrize("left", [0.0, 0.14, 0.16, 0.9])
+def test_what_is_true_is_neither_reversed_nor_sudden(share, left):
+    one = Ordered(share, left, 0.0)
+    for was in (False, True):
+        assert not (one.is_true and (one.is_reversed(was=was) or one.is_sudden(was=was)))
+    assert not (one.is_right_way and one.is_reversed(was=True))
+    # what begins goes on: it ends further off than it begins
+    assert not one.is_reversed(was=False) or one.is_reversed(was=True)
+    assert not one.is_sudden(was=False) or one.is_sudden(was=True)

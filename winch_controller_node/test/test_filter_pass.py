@@ -1,0 +1,209 @@
+"""A pass over a record against the loop's own filter, and its linearity in the readings."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from winch_controller_node.adviser.filter_pass import PassInput, PassModel, run_pass
+from winch_controller_node.design.design import design_controller
+from winch_controller_node.model.estimator import KalmanEstimator, Measurement
+from winch_controller_node.model.slack_kernel import missing_push, no_slack
+from winch_controller_node.node_parameters import WinchControllerParameters
+
+DT = 0.05
+TICKS = 400
+NO_GATE = 1e12
+
+
+@pytest.fixture(scope="module")
+def design():
+    return design_controller(WinchControllerParameters(length=900.0), tick_period=DT)
+
+
+def model_of(design, *, with_drag=False, with_slack=False):
+    """Return the model of a pass; drag and slack are those of the design where they are asked for."""
+    model, known = design.model, design.measurements
+    rows = np.array([one.row for one in known])
+    change = rows @ model.A - rows
+    return PassModel(
+        F=model.A,
+        B=model.B[:, 0],
+        Q=model.noise_covariance,
+        start=design.initial_covariance,
+        rows=np.array([rows, change, change @ model.A - change]),
+        drag=design.drag if with_drag else design.drag._replace(quadratic=0.0),
+        slack=design.slack if with_slack else no_slack(model.order, len(known)),
+        state_names=model.state_names,
+    )
+
+
+def record_of(design, *, size=1.0, each_tick=1, seed=1):
+    """Return commands, and readings as (tick, measurement, offset, value): `each_tick` of them, in turn.
+
+    Readings are of no motion at all, `size` large: a filter has to follow whatever it is told.
+    """
+    random = np.random.default_rng(seed)
+    commands = 0.3 * np.sin(0.7 * DT * np.arange(TICKS)) + 0.05 * random.standard_normal(TICKS)
+    count = len(design.measurements)
+    readings = []
+    for tick in range(TICKS):
+        for i in range(each_tick):
+            which = (tick * each_tick + i) % count
+            value = size * np.sin(0.6 * DT * tick + which) + 0.02 * random.standard_normal()
+            readings.append((tick, which, random.uniform(-0.5, 0.5), value))
+    return commands, readings
+
+
+def input_of(design, commands, readings, *, speed=0.0, missing=0.0, values=None):
+    """Return a record in columns; `values` are those of the readings, shape (m, c), in place of the record's own."""
+    ticks, which, offsets, read = (np.array(column) for column in zip(*readings, strict=True))
+    columns = read[:, None] if values is None else values
+    moved = np.zeros((TICKS, columns.shape[1]))
+    moved[:, 0] = commands
+    return PassInput(
+        commands=moved,
+        ends=np.searchsorted(ticks, np.arange(TICKS), side="right").astype(np.int64),
+        which=which.astype(np.int64),
+        offsets=offsets,
+        variances=np.array([design.measurements[one].sigma for one in which]) ** 2,
+        values=np.ascontiguousarray(columns),
+        unit_speed=np.broadcast_to(speed, TICKS).astype(float),
+        missing_push=np.broadcast_to(missing, TICKS).astype(float),
+    )
+
+
+def followed(design, model, commands, readings):
+    """Return what the loop's filter makes of a record: innovations over sigma, variances, and speed and missing push.
+
+    Those are of the state before each tick, by which its step goes. It takes in all that it is told.
+    """
+    estimator = KalmanEstimator(
+        design.model, design.measurements, model.start, gate=NO_GATE, drag=model.drag, slack=model.slack
+    )
+    names = [known.name for known in design.measurements]
+    estimator.step(-1, 0.0, [])
+    speed, missing, said = [], [], []
+    for tick in range(TICKS):
+        x = estimator.estimate
+        speed.append(abs(x[model.drag.rate]))
+        missing.append(missing_push(model.slack, x))
+        mine = [Measurement(names[w], v, t, offset=o) for t, w, o, v in readings if t == tick]
+        estimator.step(tick, commands[tick], mine)
+        said += [estimator.innovations[one.name] for one in mine]
+    innovations = np.array([one.value / one.sigma for one in said])
+    return estimator, innovations, np.array([one.sigma**2 for one in said]), np.array(speed), np.array(missing)
+
+
+@pytest.mark.parametrize(
+    ("with_drag", "with_slack", "size"),
+    [(False, False, 1.0), (True, False, 3.0), (False, True, 8.0), (True, True, 8.0)],
+    ids=["linear", "drag", "slack", "both"],
+)
+def test_a_pass_says_of_each_reading_what_the_filter_of_the_loop_says(design, with_drag, with_slack, size):
+    """The compiled filter has a twin by a library of its own; one reading a tick: neither knows of another before."""
+    model = model_of(design, with_drag=with_drag, with_slack=with_slack)
+    commands, readings = record_of(design, size=size)
+    estimator, innovations, variances, speed, missing = followed(design, model, commands, readings)
+    # the record is one in which what is asked for acts
+    assert not with_drag or np.count_nonzero(model.drag.quadratic * speed > model.drag.damping) > 100
+    assert not with_slack or np.count_nonzero(missing) > 20
+    used = np.ones(len(design.measurements), dtype=np.bool_)
+    result = run_pass(model, input_of(design, commands, readings, speed=speed, missing=missing), used)
+    np.testing.assert_allclose(result.innovations[:, 0], innovations, atol=1e-9, rtol=1e-9)
+    np.testing.assert_allclose(result.variances, variances, rtol=1e-9)
+    np.testing.assert_allclose(result.state[:, 0], estimator.estimate, atol=1e-9)
+    np.testing.assert_allclose(result.covariance, estimator.covariance, atol=1e-9)
+
+
+def test_readings_of_one_tick_one_after_the_other_are_as_good_as_all_at_once(design):
+    """Their noises are independent: the state is the same, though each is judged by what those before have told."""
+    model = model_of(design)
+    commands, readings = record_of(design, each_tick=len(design.measurements))
+    estimator, *_ = followed(design, model, commands, readings)
+    used = np.ones(len(design.measurements), dtype=np.bool_)
+    result = run_pass(model, input_of(design, commands, readings), used)
+    np.testing.assert_allclose(result.state[:, 0], estimator.estimate, atol=1e-9)
+    np.testing.assert_allclose(result.covariance, estimator.covariance, atol=1e-9)
+
+
+def test_a_measurement_that_is_not_used_is_judged_and_changes_nothing(design):
+    model, used = model_of(design), np.ones(len(design.measurements), dtype=np.bool_)
+    used[-1] = False
+    commands, readings = record_of(design, each_tick=2)
+    kept = [one for one in readings if one[1] != len(used) - 1]
+    all_of_them = run_pass(model, input_of(design, commands, readings), used)
+    without = run_pass(model, input_of(design, commands, kept), np.ones_like(used))
+    mine = [one[1] != len(used) - 1 for one in readings]
+    np.testing.assert_array_equal(all_of_them.innovations[mine], without.innovations)
+    np.testing.assert_array_equal(all_of_them.state, without.state)
+    assert np.all(np.isfinite(all_of_them.innovations))
+
+
+@settings(max_examples=10)
+@given(st.lists(st.floats(-3.0, 3.0), min_size=3, max_size=3), st.integers(0, 2**31))
+def test_innovations_and_state_are_sums_of_those_of_the_columns(design, weights, seed):
+    """Drag and slack go by what was seen, and are the same for all columns."""
+    random = np.random.default_rng(seed)
+    model = model_of(design, with_drag=True, with_slack=True)
+    commands, readings = record_of(design, each_tick=2)
+    speed, missing = random.uniform(0.0, 3.0, TICKS), np.maximum(random.normal(0.0, 1.0, TICKS), 0.0)
+    columns = random.standard_normal((len(readings), 3))
+    used = np.ones(len(design.measurements), dtype=np.bool_)
+    whole = input_of(
+        design,
+        weights[0] * commands,
+        readings,
+        speed=speed,
+        missing=missing,
+        values=columns @ np.array(weights)[:, None],
+    )
+    apart = input_of(design, commands, readings, speed=speed, missing=missing, values=columns)
+    together, parts = run_pass(model, whole, used), run_pass(model, apart, used)
+    np.testing.assert_allclose(together.innovations[:, 0], parts.innovations @ weights, atol=1e-8)
+    np.testing.assert_allclose(together.state[:, 0], parts.state @ weights, atol=1e-8)
+    np.testing.assert_array_equal(together.variances, parts.variances)
+
+
+def test_some_columns_alone_are_what_they_are_among_all(design):
+    model, random = model_of(design), np.random.default_rng(5)
+    commands, readings = record_of(design)
+    record = input_of(design, commands, readings, values=random.standard_normal((len(readings), 5)))
+    used = np.ones(len(design.measurements), dtype=np.bool_)
+    whole, some = run_pass(model, record, used), run_pass(model, record.among(np.array([0, 3])), used)
+    np.testing.assert_allclose(some.innovations, whole.innovations[:, [0, 3]], atol=1e-12)
+
+
+def test_innovations_of_the_model_itself_are_white_and_of_variance_one(design):
+    """Two minutes drawn from the model that the pass has: theory says N(0, 1), independent."""
+    model, random = model_of(design), np.random.default_rng(2)
+    n = design.model.order
+    noise = np.linalg.cholesky(model.Q + 1e-18 * np.eye(n))
+    x = np.linalg.cholesky(model.start + 1e-12 * np.eye(n)) @ random.standard_normal(n)
+    commands, readings = record_of(design, each_tick=len(design.measurements))
+    read = []
+    for tick in range(TICKS):
+        x = model.F @ x + model.B * commands[tick] + noise @ random.standard_normal(n)
+        read += [
+            (tick, which, 0.0, float(known.row @ x + known.sigma * random.standard_normal()))
+            for which, known in enumerate(design.measurements)
+        ]
+    used = np.ones(len(design.measurements), dtype=np.bool_)
+    e = run_pass(model, input_of(design, commands, read), used).innovations[:, 0]
+    # 1,600 squares: a mean of 1 with a standard deviation of sqrt(2 / 1600) = 0.035
+    assert np.mean(e**2) == pytest.approx(1.0, abs=4.0 * np.sqrt(2.0 / len(e)))
+    assert abs(np.mean(e[1:] * e[:-1])) < 4.0 / np.sqrt(len(e))
+
+
+def test_a_model_of_a_pass_has_the_start_it_was_given(design):
+    """Without a reading the covariance is that of the start, propagated by the model."""
+    model = model_of(design)
+    commands, readings = record_of(design)
+    none = np.zeros(len(design.measurements), dtype=np.bool_)
+    result = run_pass(model, input_of(design, commands, readings), none)
+    P = model.start
+    for _ in range(TICKS):
+        P = model.F @ P @ model.F.T + model.Q
+    np.testing.assert_allclose(result.covariance, P, rtol=1e-9, atol=1e-12)
+    assert dataclasses.is_dataclass(result)

@@ -1,0 +1,88 @@
+"""What is new of what is believed is told once: of the winch when it has settled, of all else at once."""
+
+from dataclasses import replace
+from types import MappingProxyType
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from winch_controller_node.adviser.report import ABSOLUTE, LONGEST, RELATIVE, SETTLED, Report
+from winch_controller_node.beliefs.beliefs import Belief, Beliefs
+from winch_controller_node.beliefs.quantities import QUANTITIES
+from winch_controller_node.node_parameters import WinchControllerParameters
+
+NOMINAL = WinchControllerParameters()
+
+
+def beliefs(**values):
+    named = {name.replace("__", "."): value for name, value in values.items()}
+    return Beliefs(0, values=MappingProxyType({name: Belief(name, v, nats=60.0, since=7) for name, v in named.items()}))
+
+
+def told(each, seconds=1.0):
+    """Show each of the beliefs for so many `seconds`; return findings with the time at which they were told."""
+    report, found = Report(NOMINAL), []
+    for second, one in enumerate(one for one in each for _ in range(round(seconds))):
+        found += [(float(second), finding) for finding in report.news(one, float(second))]
+    return found
+
+
+def test_a_finding_is_data_with_value_unit_nominal_evidence_and_onset():
+    ((when, finding),) = told([beliefs(mru__scale=1.4)] * 5)
+    assert when == 0.0
+    assert finding == ("differs", "mru.scale", 1.4, "", 1.0, 60.0, 7)
+
+
+def test_nothing_believed_is_nothing_told():
+    assert told([beliefs()] * 100) == []
+
+
+def test_the_winch_is_told_once_it_has_settled():
+    hunting = [beliefs(winch__acceleration_out=value) for value in (1.2, 0.9, 0.85)]
+    ((when, finding),) = told([*hunting, *[beliefs(winch__acceleration_out=0.8)] * 60])
+    assert (finding.quantity, finding.value) == ("winch.acceleration_out", 0.8)
+    # the last change of more than a tenth was from 1.2 to 0.9 in the second, or third, second
+    assert SETTLED <= when <= 3.0 + SETTLED
+
+
+def test_a_winch_that_never_settles_is_told_at_the_latest_after_the_longest_time_and_not_more_often():
+    hunting = [beliefs(winch__time_constant=0.15 + 0.1 * (k % 2 + 1)) for k in range(200)]
+    times = [when for when, _ in told(hunting)]
+    assert times[0] <= LONGEST
+    assert all(b - a >= LONGEST for a, b in zip(times, times[1:], strict=False))
+
+
+def test_what_comes_back_to_nominal_is_told_as_nominal():
+    found = told([beliefs(depth__scale=-1.0), beliefs(), beliefs(depth__scale=-1.0)])
+    assert [(f.code, f.quantity, f.value) for _, f in found] == [
+        ("differs", "depth.scale", -1.0),
+        ("nominal", "depth.scale", 1.0),
+        ("differs", "depth.scale", -1.0),
+    ]
+
+
+def test_a_sensor_that_is_excluded_and_one_that_is_used_again_are_told_once_each():
+    without = replace(beliefs(), excluded="mru")
+    found = told([beliefs(), without, without, replace(beliefs(), excluded="depth"), beliefs(), beliefs()])
+    assert [(f.code, f.quantity) for _, f in found] == [
+        ("excluded", "mru"),
+        ("excluded", "depth"),
+        ("recovered", "depth"),
+    ]
+
+
+@pytest.mark.parametrize("name", [*RELATIVE, *ABSOLUTE])
+@given(share=st.floats(-0.95, 0.95))
+def test_a_change_of_less_than_is_worth_a_report_is_never_told(name, share):
+    nominal = QUANTITIES[name].nominal_in(NOMINAL)
+    value = nominal * (1.0 + share * RELATIVE[name] * 0.9) if name in RELATIVE else nominal + share * ABSOLUTE[name]
+    if name in RELATIVE and nominal == 0.0:
+        return
+    assert told([beliefs(**{name.replace(".", "__"): value})] * 60) == []
+
+
+@pytest.mark.parametrize("name", [name for name in QUANTITIES if name != "mru.bias_sigma"])
+def test_each_quantity_far_from_nominal_is_told_once(name):
+    nominal = QUANTITIES[name].nominal_in(NOMINAL)
+    ((_, finding),) = told([beliefs(**{name.replace(".", "__"): 2.0 * nominal + 0.5})] * 90)
+    assert (finding.quantity, finding.unit) == (name, QUANTITIES[name].unit)
