@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
+from heave_node.files.plausible import PLAUSIBLE, question
 from heave_node.numerics.arrays import Array
-from heave_node.plausible import PLAUSIBLE, question
 from numpy.typing import NDArray
 
 from heave_bags.play.ship_time import time_words

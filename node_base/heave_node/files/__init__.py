@@ -1,0 +1,1 @@
+"""What is read from files that anyone may have written, within bounds."""
