@@ -10,9 +10,9 @@ from pathlib import Path
 import pytest
 from foreign_bags import copy_messages
 from heave_bags.analyse import analysis
-from heave_bags.mcap.order import ClockWatch, Merge, Span, are_ascending
+from heave_bags.mcap.read.order import ClockWatch, Merge, Span, are_ascending
+from heave_bags.mcap.read.scan import Block, Place
 from heave_bags.mcap.reader import Bag, RawMessage
-from heave_bags.mcap.scan import Block, Place
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from made_up_run import MadeUpRun, write_run

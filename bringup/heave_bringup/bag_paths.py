@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from heave_bags.mcap.folder import is_bag
+from heave_bags.mcap.read.folder import is_bag
 
 
 def bag_folders(paths: Sequence[Path]) -> list[Path]:

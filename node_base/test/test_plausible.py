@@ -3,7 +3,7 @@
 import math
 
 import pytest
-from heave_node.plausible import PLAUSIBLE, is_plausible, question, refusal, sea_question
+from heave_node.files.plausible import PLAUSIBLE, is_plausible, question, refusal, sea_question
 
 
 @pytest.mark.parametrize("quantity", PLAUSIBLE)

@@ -181,7 +181,7 @@ def test_innovations_of_the_model_itself_are_white_and_of_variance_one(design):
     n = design.model.order
     noise = np.linalg.cholesky(model.Q + 1e-18 * np.eye(n))
     x = np.linalg.cholesky(model.start + 1e-12 * np.eye(n)) @ random.standard_normal(n)
-    commands, readings = record_of(design, each_tick=len(design.measurements))
+    commands, _readings = record_of(design, each_tick=len(design.measurements))
     read = []
     for tick in range(TICKS):
         x = model.F @ x + model.B * commands[tick] + noise @ random.standard_normal(n)

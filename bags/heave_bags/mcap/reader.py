@@ -19,8 +19,6 @@ from numpy.typing import NDArray
 from heave_bags.cdr.columns import Columns
 from heave_bags.errors import BagError
 from heave_bags.mcap.bounds import LATEST_TIME
-from heave_bags.mcap.decode import LOG_TIME, TIME, BagTopic, ColumnReader, MessageDecoder
-from heave_bags.mcap.definitions import definition
 from heave_bags.mcap.files import (
     OUTCOME_RECORD,
     RUN_RECORD,
@@ -33,13 +31,15 @@ from heave_bags.mcap.files import (
     listed_files,
     read_information,
 )
-from heave_bags.mcap.folder import find_files
 from heave_bags.mcap.loss import MISSING_FILE, Loss
-from heave_bags.mcap.passes import BagPasses, Progress, no_progress
+from heave_bags.mcap.read.decode import LOG_TIME, TIME, BagTopic, ColumnReader, MessageDecoder
+from heave_bags.mcap.read.definitions import definition
+from heave_bags.mcap.read.folder import find_files
+from heave_bags.mcap.read.passes import BagPasses, Progress, no_progress
+from heave_bags.mcap.read.scan import FileContents, RawMessage
+from heave_bags.mcap.read.survey import Survey, copies, in_order_of_files, match_listed, survey_file
 from heave_bags.mcap.recorded_loss import recorded_loss
 from heave_bags.mcap.ros.qos import from_yaml
-from heave_bags.mcap.scan import FileContents, RawMessage
-from heave_bags.mcap.survey import Survey, copies, in_order_of_files, match_listed, survey_file
 
 if TYPE_CHECKING:
     import pandas

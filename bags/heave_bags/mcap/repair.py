@@ -20,8 +20,8 @@ from heave_bags.mcap.files import (
 )
 from heave_bags.mcap.loss import Loss
 from heave_bags.mcap.packed import is_packed
+from heave_bags.mcap.read.scan import McapScan
 from heave_bags.mcap.reader import Bag, Progress, no_progress, summary_of
-from heave_bags.mcap.scan import McapScan
 
 
 @dataclass(frozen=True)

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
+from heave_node.files.plausible import PLAUSIBLE, question
 from heave_node.numerics.arrays import Array
-from heave_node.plausible import PLAUSIBLE, question
 from numpy.typing import NDArray
 
 from heave_bags.play.ship_time import time_words
@@ -41,7 +41,7 @@ class Findings:
             (self.notes if self.accepts else self.questions).append(question)
 
     def without_invalid(self, name: str, value: Array, good: NDArray[np.bool_], valid: str) -> Array:
-        """Return the samples of a channel, NaN where they are not `good`, which the column or field `valid` says."""
+        """Return samples `value` of the channel `name`, NaN where not `good`, as the column or field `valid` says."""
         bad = ~good & np.isfinite(value)
         if bad.any():
             self.notes.append(f"{name}: {int(bad.sum())} samples that {valid} calls invalid left out")
@@ -49,7 +49,7 @@ class Findings:
         return np.where(good, value, np.nan)
 
     def taken_out(self, name: str) -> int:
-        """Return how many samples of a channel were called invalid."""
+        """Return how many samples of the channel `name` were called invalid."""
         return self._invalid.get(name, 0)
 
 

@@ -13,9 +13,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
+from heave_node.files.plausible import question, refusal, sea_question
 from heave_node.numerics.arrays import Array
 from heave_node.numerics.spectral_estimate import RecordTooShortError, height_and_period
-from heave_node.plausible import question, refusal, sea_question
 from scipy.interpolate import CubicSpline
 
 from heave_bags.errors import BagError
@@ -65,7 +65,7 @@ def import_sea(
     accept_implausible : take all samples as they are; what is doubtful is in the notes
 
     Raises BagError if something named is missing, if nothing is in the window, if there are fewer than 10 samples, or
-    for figures that cannot well be (`heave_node.plausible`).
+    for figures that cannot well be (`heave_node.files.plausible`).
     """
     findings = Findings(accept_implausible)
     is_log = is_text(source)

@@ -8,9 +8,9 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
-from heave_node.columns import ColumnsError, read_columns
+from heave_node.files.columns import ColumnsError, read_columns
+from heave_node.files.text_files import TextFileError, read_text
 from heave_node.numerics.arrays import Array
-from heave_node.text_files import TextFileError, read_text
 from numpy.typing import NDArray
 
 from heave_bags.errors import BagError
@@ -34,7 +34,7 @@ _UNIT = re.compile(r"\s*[\[(].*?[\])]\s*")
 
 
 class ShipLog:
-    """A text file of columns; see `heave_node.columns` for its form.
+    """A text file of columns; see `heave_node.files.columns` for its form.
 
     Parameters
     ----------

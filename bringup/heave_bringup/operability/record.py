@@ -8,9 +8,9 @@ from pathlib import Path
 
 import numpy as np
 import pandas
+from heave_node.files.plausible import PLAUSIBLE, question
+from heave_node.files.text_files import TextFileError, read_text
 from heave_node.parameters import ParameterError
-from heave_node.plausible import PLAUSIBLE, question
-from heave_node.text_files import TextFileError, read_text
 from wave_vessel_node.sea.spectrum_files import read_spectra
 from wave_vessel_node.sea.spectrum_record import SpectrumFileError
 

@@ -15,8 +15,8 @@ from datetime import datetime, timedelta, timezone
 from pathlib import Path
 
 import numpy as np
+from heave_node.files.text_files import TextFileError, read_text
 from heave_node.numerics.arrays import Array
-from heave_node.text_files import TextFileError, read_text
 
 from wave_vessel_node.sea.spectra import SpectrumError, TabulatedSpectrum
 from wave_vessel_node.sea.spectrum_record import (

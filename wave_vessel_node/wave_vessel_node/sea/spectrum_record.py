@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from datetime import datetime, timedelta, timezone
 from typing import NoReturn
 
+from heave_node.files.plausible import sea_question
 from heave_node.numerics.arrays import Array
-from heave_node.plausible import sea_question
 
 from wave_vessel_node.implausible import ACCEPT
 from wave_vessel_node.sea.spectra import TabulatedSpectrum

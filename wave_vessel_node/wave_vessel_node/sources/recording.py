@@ -1,7 +1,7 @@
 """Recordings of boom-tip motion or of wave elevation, from CSV or from a bag (MCAP).
 
-CSV: comment lines begin with #, then a header and rows, in any form of `heave_node.columns`. Motion: columns time_s and
-z_m (or heave_m), x_m and y_m if there are; elevation: time_s and elevation_m.
+CSV: comment lines begin with #, then a header and rows, in any form of `heave_node.files.columns`. Motion: columns
+time_s and z_m (or heave_m), x_m and y_m if there are; elevation: time_s and elevation_m.
 """
 
 from __future__ import annotations
@@ -13,11 +13,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from heave_node.columns import ColumnsError, read_columns
+from heave_node.files.columns import ColumnsError, read_columns
+from heave_node.files.plausible import question, refusal
+from heave_node.files.text_files import TextFileError, read_text
 from heave_node.interface.codes import MruStatus
 from heave_node.numerics.arrays import Array
-from heave_node.plausible import question, refusal
-from heave_node.text_files import TextFileError, read_text
 from mcap.exceptions import McapError
 from mcap.reader import make_reader
 
@@ -62,7 +62,8 @@ def read_recording(path: str | Path, topic: str = "boom_tip", *, accept_implausi
 
     The mean is taken out, time begins at 0. Samples that are not numbers, that the MRU calls invalid, or that are not
     later than the one before are left out, with a warning. Raises RecordingError when the file is missing, of another
-    kind, has a gap of more than 2 s, fewer than 10 samples, or figures that cannot well be (`heave_node.plausible`).
+    kind, has a gap of more than 2 s, fewer than 10 samples, or figures that cannot well be
+    (`heave_node.files.plausible`).
     """
     path = Path(path)
     if not path.exists():

@@ -7,7 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-from heave_node.plausible import question, refusal
+from heave_node.files.plausible import question, refusal
 
 from wave_vessel_node.implausible import ACCEPT
 from wave_vessel_node.vessel.motion import DEGREES_OF_FREEDOM

@@ -15,10 +15,10 @@ from importlib import resources
 from pathlib import Path
 
 import numpy as np
-from heave_node.columns import Columns, ColumnsError, read_columns
+from heave_node.files.columns import Columns, ColumnsError, read_columns
+from heave_node.files.plausible import question
+from heave_node.files.text_files import TextFileError, read_text
 from heave_node.numerics.arrays import Array
-from heave_node.plausible import question
-from heave_node.text_files import TextFileError, read_text
 
 from wave_vessel_node.vessel.capytaine_files import read_capytaine
 from wave_vessel_node.vessel.motion import DEGREES_OF_FREEDOM
@@ -49,7 +49,7 @@ def read_rao(path: str | Path, speeds: Sequence[float] = (0.0,), accept_implausi
     accept_implausible : take figures that cannot well be as they are; they are in the table's warnings
 
     Raises RaoError when the file is missing, of another kind or broken, or for figures that cannot well be
-    (`heave_node.plausible`).
+    (`heave_node.files.plausible`).
     """
     if not str(path):
         return shipped_rao()

@@ -108,9 +108,9 @@ def execute(options: argparse.Namespace) -> None:
     from heave_bringup.network import set_up_transport
     from heave_bringup.output import write_result
     from heave_bringup.progress import be_quiet
+    from heave_bringup.run.checks.files import check_files
+    from heave_bringup.run.checks.rest import check_rest
     from heave_bringup.run.criteria import refuse_unknown
-    from heave_bringup.run.files import check_files
-    from heave_bringup.run.rest import check_rest
     from heave_bringup.run.run import new_run_folder, run_scenario
     from heave_bringup.scenarios import load_scenario
 

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from heapq import heapify, heappop, heappush
 from typing import NamedTuple
 
-from heave_bags.mcap.scan import Block, Place, RawMessage
+from heave_bags.mcap.read.scan import Block, Place, RawMessage
 
 MOST_HELD = 64 << 20
 """Bytes of messages that a merge keeps when it holds twice as many."""
@@ -46,7 +46,7 @@ class Span(NamedTuple):
 
 
 def are_ascending(spans: Iterable[Times]) -> bool:
-    """Return whether blocks, each with its first and last log time, follow each other without an overlap."""
+    """Return whether blocks with these `spans`, first and last log time of each, follow each other without overlap."""
     latest = -1
     for first, last in spans:
         if first < latest:
@@ -105,11 +105,7 @@ class FileOrder:
 
     Parameters
     ----------
-    note : what is known of the order before
-
-    Attributes
-    ----------
-    note : what a reader must know of the order; "" for files in order
+    note : what a reader must know of the order, at first what is known before; "" for files in order
     """
 
     def __init__(self, *, note: str = "") -> None:

@@ -9,9 +9,9 @@ from pathlib import Path
 
 from heave_bags.mcap.bounds import LATEST_TIME
 from heave_bags.mcap.loss import Loss
-from heave_bags.mcap.order import NOT_IN_ORDER, RESET, ClockWatch, FileOrder, Merge, Span, are_ascending
-from heave_bags.mcap.scan import Block, FileContents, McapScan, RawMessage
-from heave_bags.mcap.survey import Survey
+from heave_bags.mcap.read.order import NOT_IN_ORDER, RESET, ClockWatch, FileOrder, Merge, Span, are_ascending
+from heave_bags.mcap.read.scan import Block, FileContents, McapScan, RawMessage
+from heave_bags.mcap.read.survey import Survey
 
 Progress = Callable[[float], None]
 """Called with the share of the work that is done, 0 to 1."""

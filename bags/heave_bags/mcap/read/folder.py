@@ -14,7 +14,7 @@ from heave_bags.errors import BagError
 from heave_bags.mcap.files import METADATA_NAME, ListedFile
 from heave_bags.mcap.loss import Loss
 from heave_bags.mcap.packed import SUFFIX, first_bytes
-from heave_bags.mcap.scan import is_like_magic
+from heave_bags.mcap.read.scan import is_like_magic
 from heave_bags.mcap.summary import MAGIC
 
 ENDINGS = (".mcap", ".mcap" + SUFFIX, ".mcap.zst")

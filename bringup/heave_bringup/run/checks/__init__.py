@@ -1,0 +1,1 @@
+"""What a run is refused for before any node starts."""
