@@ -1,4 +1,4 @@
-"""Orders against the encoder over the last second or two: how far the drum is off, and what the encoder reads of them."""
+"""Orders against the encoder over the last second or two: how far the drum is off, and what the encoder reads."""
 
 import numpy as np
 import pytest
