@@ -333,29 +333,37 @@ def named_things(settings: Settings) -> dict[str, Named]:
 
     The encoder counts turns of the drum: the gain that it shows is without the error of the radius, and what the MRU
     reads over the payout that holds the unit is with it. A dead zone looks like a lower gain, play in the encoder's
-    gear like a longer lag. Limits are those of the weaker direction.
+    gear like a longer lag.
     """
     truth = {name.removeprefix("virtual_winch."): value for name, value in settings.items()}
     gain = truth.get("speed_gain", 1.0)
-    acceleration = truth.get("acceleration_limit", ACCELERATION) * truth.get("hauling_acceleration_share", 1.0)
-    speed = truth.get("speed_limit", SPEED) * truth.get("hauling_speed_share", 1.0)
+    acceleration, speed = truth.get("acceleration_limit", ACCELERATION), truth.get("speed_limit", SPEED)
     # power over a tension that is not known here: it can be a speed limit of any size
-    slowest = 0.0 if truth.get("power_limit", 0.0) > 0.0 else speed
+    has_power_limit = truth.get("power_limit", 0.0) > 0.0
+
+    def limit(believed: float, true: float, *, may_be_slower: bool = False) -> Named:
+        return named_by(believed, 0.0 if may_be_slower else min(true, believed), min(true, believed))
+
     play = 0.5 * truth.get("encoder.backlash", 0.0) / USUAL_SPEED
     servo, delay = truth.get("time_constant", SERVO), truth.get("command_delay", DELAY)
     scale = (1.0 + settings.get("wave_vessel.mru.scale_error", 0.0)) * (1.0 + truth.get("drum_radius_error", 0.0))
     return {
-        "acceleration limit": named_by(ACCELERATION, min(acceleration, ACCELERATION), min(acceleration, ACCELERATION)),
-        "speed limit": named_by(SPEED, min(slowest, SPEED), min(speed, SPEED)),
+        "acceleration limit paying out": limit(ACCELERATION, acceleration),
+        "acceleration limit hauling in": limit(
+            ACCELERATION, acceleration * truth.get("hauling_acceleration_share", 1.0)
+        ),
+        "speed limit paying out": limit(SPEED, speed, may_be_slower=has_power_limit),
+        "speed limit hauling in": limit(
+            SPEED, speed * truth.get("hauling_speed_share", 1.0), may_be_slower=has_power_limit
+        ),
+        "dead zone": Named(0.0, 0.0, truth.get("speed_deadband", 0.0), noticeable=0.01, far=0.02),
+        "encoder play": Named(0.0, 0.0, truth.get("encoder.backlash", 0.0), noticeable=3e-3, far=0.01),
         "gain by the encoder": named_by(1.0, gain * (1.0 - truth.get("speed_deadband", 0.0) / USUAL_SPEED), gain),
         "gain of hauling in over that": named_by(1.0, 1.0, 1.0),
         "creep": Named(0.0, 0.0, 0.0, noticeable=0.0, far=0.0),
         # a drum shows their sum: what one has too little the other has too much
         "time constant": Named(SERVO, servo, servo + play, noticeable=0.01, far=0.05),
         "command delay": Named(DELAY, delay, delay + play, noticeable=0.01, far=0.05),
-        "time constant and command delay together": Named(
-            SERVO + DELAY, servo + delay, servo + delay + play, noticeable=0.01, far=0.05
-        ),
         "mru or drum": named_by(1.0, scale, scale),
     }
 
@@ -365,8 +373,8 @@ def named_values(words: str) -> list[tuple[str, float]]:
     if "winch model updated: " in words:
         parts = words.split("winch model updated: ")[1]
         return [(name, float(value)) for name, value in re.findall(r"([a-z][a-z ]*?) (-?[\d.]+)[^,(]*\(was", parts)]
-    if "mru or drum suspect" in words:
-        return [("mru or drum", float(re.findall(r"is (-?[\d.]+) times", words)[0]))]
+    if "mru suspect: it reads " in words:
+        return [("mru or drum", float(re.findall(r"it reads (-?[\d.]+) times", words)[0]))]
     return []
 
 
@@ -378,7 +386,7 @@ def is_wrong(words: str, settings: Settings) -> bool:
     noises = {row: settings.get(name, sigma) / sigma for row, (name, sigma) in NOISE_ROWS.items()}
     wrongs = {
         **{f"noise of {row} is": factor < 1.5 for row, factor in noises.items()},
-        "mru suspect": not (is_filtered or is_late),
+        "mru suspect": not (is_filtered or is_late or named_values(words)),
         "depth suspect": True,
         "encoder suspect": True,
         "cable suspect": not any(settings.get(name, 1.0) != 1.0 for name in (INERTIA, DAMPING, DRAG)),
