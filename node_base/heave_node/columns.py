@@ -99,7 +99,7 @@ class Columns:
     notes: list[str] = field(default_factory=list)
 
     def number(self, text: str) -> float:
-        """Return a cell as a number; NaN where it is none."""
+        """Return the `text` of a cell as a number; NaN where it is none."""
         try:
             return float(text.replace(",", ".") if self.decimal_comma else text)
         except ValueError:

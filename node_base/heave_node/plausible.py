@@ -97,7 +97,13 @@ def question(quantity: str, value: float, where: str = "") -> str:
 
 
 def sea_question(significant_wave_height: float, zero_crossing_period: float, peak_period: float) -> str:
-    """Return what is doubtful about a sea of height [m] and periods [s], in one line; "" where it is plausible."""
+    """Return what is doubtful about a sea, in one line; "" where it is plausible.
+
+    Parameters
+    ----------
+    significant_wave_height : [m]
+    zero_crossing_period, peak_period : [s]
+    """
     steepness = 2.0 * math.pi * significant_wave_height / (STANDARD_GRAVITY * zero_crossing_period**2)
     steep = f"significant wave height {significant_wave_height:.3g} m at a zero-crossing period of "
     return (

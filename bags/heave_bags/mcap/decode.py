@@ -55,7 +55,7 @@ class MessageDecoder:
         """Messages that did not fit their definition."""
 
     def decode(self, data: bytes) -> Any:
-        """Return the message; None, and counted, if it does not fit the definition."""
+        """Return the message in `data`; None, and counted, if it does not fit the definition."""
         if self._decode is not None and self._canonical.fits(data):
             try:
                 return self._decode(data)
@@ -66,7 +66,14 @@ class MessageDecoder:
 
 
 class ColumnReader:
-    """Collects the messages of one topic and decodes them in batches."""
+    """Collects the messages of one topic and decodes them in batches.
+
+    Parameters
+    ----------
+    topic : with its definition
+    fields : that are wanted; None: all
+    longest : arrays and texts of more elements are left out; None: none is
+    """
 
     def __init__(self, topic: BagTopic, fields: Collection[str] | None, longest: int | None) -> None:
         self._decoder = ColumnDecoder(topic.type, topic.schema, _field_filter(fields), longest)

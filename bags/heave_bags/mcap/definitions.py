@@ -20,7 +20,7 @@ _OTHER_KINDS = {"ros1": "ROS 1", "ros1msg": "ROS 1", "protobuf": "Protobuf", "js
 
 
 def definition(channel: Channel, schema: Schema | None) -> tuple[str, str]:
-    """Return the `ros2msg` text of the type of a channel, and why there is none; one of them is ""."""
+    """Return the `ros2msg` text of the type of a `channel` by its `schema`, and why there is none; one is ""."""
     if schema is not None and schema.encoding == "ros2msg" and schema.data:
         return schema.data.decode("utf-8", "replace"), ""
     if channel.message_encoding not in ("cdr", ""):

@@ -39,12 +39,12 @@ class BagFiles:
 
 
 def is_bag(path: Path) -> bool:
-    """Return whether a folder holds a bag; a damaged one may have lost its index."""
+    """Return whether the folder `path` holds a bag; a damaged one may have lost its index."""
     return (path / METADATA_NAME).is_file() or (path.is_dir() and any(_is_named_so(file) for file in path.iterdir()))
 
 
 def find_files(path: Path, listed: Sequence[ListedFile]) -> BagFiles:
-    """Return the files of the bag `path`, a folder or a file, whose description lists files.
+    """Return the files of the bag `path`, a folder or a file, whose description has `listed` some.
 
     Raises BagError if there is none.
     """

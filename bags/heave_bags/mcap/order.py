@@ -46,7 +46,7 @@ class Span(NamedTuple):
 
 
 def are_ascending(spans: Iterable[Times]) -> bool:
-    """Return whether blocks, each with its first and last log time, follow each other without an overlap."""
+    """Return whether the `spans` of blocks, their first and last log times, follow each other without an overlap."""
     latest = -1
     for first, last in spans:
         if first < latest:
@@ -103,13 +103,9 @@ class ClockWatch:
 class FileOrder:
     """Puts the messages of blocks in order, block by block as they come, and notes what is not in order.
 
-    Parameters
-    ----------
-    note : what is known of the order before
-
     Attributes
     ----------
-    note : what a reader must know of the order; "" for files in order
+    note : what a reader must know of the order, at first what is known before; "" for files in order
     """
 
     def __init__(self, *, note: str = "") -> None:

@@ -35,7 +35,7 @@ def is_packed(path: Path) -> bool:
 
 
 def first_bytes(path: Path, count: int) -> bytes:
-    """Return the first `count` bytes of a file, unpacked. Raises OSError if it cannot be read."""
+    """Return the first `count` bytes of the file at `path`, unpacked. Raises OSError if it cannot be read."""
     with path.open("rb") as stream:
         begins = stream.read(count)
         if not begins.startswith(ZSTD_MAGIC):
@@ -88,7 +88,7 @@ def _read(reader: zstandard.ZstdDecompressionReader) -> bytes:
 
 
 def unpack_message(data: bytes) -> bytes | None:
-    """Return a message that was compressed by itself; None if it is damaged or larger than a record may be."""
+    """Return a message whose `data` were compressed alone; None if it is damaged or larger than a record may be."""
     try:
         size = zstandard.frame_content_size(data)
         if size > LARGEST_RECORD:

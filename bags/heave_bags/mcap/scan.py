@@ -500,7 +500,7 @@ class McapScan:
 
 
 def is_like_magic(begins: bytes) -> bool:
-    """Return whether the first bytes of a file are those of MCAP, one of them damaged at most."""
+    """Return whether the bytes with which a file `begins` are those of MCAP, one of them damaged at most."""
     return len(begins) == len(MAGIC) and sum(a != b for a, b in zip(begins, MAGIC, strict=True)) <= 1
 
 

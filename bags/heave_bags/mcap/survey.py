@@ -67,7 +67,7 @@ class Survey:
 
 
 def survey_file(path: Path, expected: int | None) -> Survey:
-    """Learn what a file holds, which has `expected` messages; None: that is not known."""
+    """Learn what the file at `path` holds, which has `expected` messages; None: that is not known."""
     with RecordFile(path) as file:
         summary = read_summary(file)
         if summary is not None and summary.counts is not None and summary.channels:
@@ -146,7 +146,7 @@ def _read_through(path: Path, expected: int | None, *, is_first: bool) -> Survey
 
 
 def in_order_of_files(surveys: Sequence[Survey], listed: Sequence[ListedFile]) -> list[Survey]:
-    """Return the files of a bag in their order: by their own numbers, as `listed`, or by their log times."""
+    """Return the `surveys` of a bag's files in their order: by own numbers, as `listed`, or by their log times."""
     numbers = [survey.number for survey in surveys]
     if None not in numbers and len(set(numbers)) == len(numbers):
         return sorted(surveys, key=lambda survey: survey.number or 0)
@@ -159,7 +159,7 @@ def in_order_of_files(surveys: Sequence[Survey], listed: Sequence[ListedFile]) -
 def match_listed(
     surveys: Sequence[Survey], listed: Sequence[ListedFile]
 ) -> tuple[dict[Path, ListedFile], list[ListedFile]]:
-    """Return which listed file each file is, by name or, if renamed, by its first message; and the missing ones."""
+    """Return which `listed` file each of the `surveys` is of, by name or by its first message; and the missing ones."""
     by_name = {part.name: part for part in listed}
     matched = {survey.path: by_name.pop(survey.path.name) for survey in surveys if survey.path.name in by_name}
     for survey in surveys:
@@ -172,7 +172,7 @@ def match_listed(
 
 
 def copies(surveys: Sequence[Survey], listed: Collection[str]) -> set[Path]:
-    """Return the files that hold the same messages as another, by their times and counts; `listed` ones go first."""
+    """Return the files of `surveys` that hold the same as another, by times and counts; `listed` ones go first."""
     found: dict[object, Path] = {}
     repeated: set[Path] = set()
     for survey in sorted(surveys, key=lambda survey: (survey.path.name not in listed, survey.path.name)):

@@ -41,7 +41,7 @@ class Findings:
             (self.notes if self.accepts else self.questions).append(question)
 
     def without_invalid(self, name: str, value: Array, good: NDArray[np.bool_], valid: str) -> Array:
-        """Return the samples of a channel, NaN where they are not `good`, which the column or field `valid` says."""
+        """Return the samples `value` of channel `name`, NaN if not `good`, as the column or field `valid` says."""
         bad = ~good & np.isfinite(value)
         if bad.any():
             self.notes.append(f"{name}: {int(bad.sum())} samples that {valid} calls invalid left out")
@@ -49,7 +49,7 @@ class Findings:
         return np.where(good, value, np.nan)
 
     def taken_out(self, name: str) -> int:
-        """Return how many samples of a channel were called invalid."""
+        """Return how many samples of the channel `name` were called invalid."""
         return self._invalid.get(name, 0)
 
 

@@ -237,14 +237,14 @@ def _times(count: int) -> str:
 
 
 def gps_time(week: Array, second: Array) -> tuple[Array, list[str]]:
-    """Return the Unix time [s] of GPS weeks and the seconds (or milliseconds) in them, and what was done."""
+    """Return the Unix time [s] of each GPS `week` and the `second` (or millisecond) in it, and what was done."""
     scale = 1e-3 if float(np.nanmax(second)) > WEEK else 1.0
     time = _GPS_EPOCH + WEEK * week + scale * second - _LEAP_SECONDS
     return time, [f"time: GPS week and seconds, less {_LEAP_SECONDS:g} leap seconds"]
 
 
 def is_gps(week: Array, second: Array) -> bool:
-    """Return whether two columns of numbers can be GPS weeks and the seconds or milliseconds in them."""
+    """Return whether `week` and `second`, two columns of numbers, can be GPS weeks and (milli)seconds in them."""
     if not (np.isfinite(week).any() and np.isfinite(second).any()):
         return False
     low, high = float(np.nanmin(week)), float(np.nanmax(week))

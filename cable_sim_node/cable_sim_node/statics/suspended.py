@@ -113,7 +113,7 @@ def _unless_overstrained(parameters: CableSimParameters, shape: StaticShape) -> 
 
 
 def refuse_floating(unit_height: float, boom_tip_height: float) -> None:
-    """Raise NoEquilibriumError for a unit that hangs upwards, above the boom tip; heights are above still water [m]."""
+    """Raise NoEquilibriumError where `unit_height` is above `boom_tip_height`; both above still water [m]."""
     if unit_height > boom_tip_height:
         raise NoEquilibriumError(
             f"the line does not hang: the unit's buoyancy lifts it above the boom tip, to {unit_height:.0f} m; "
