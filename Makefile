@@ -17,7 +17,11 @@ export PIP_DISABLE_PIP_VERSION_CHECK ?= 1
 # Trust the certificates that the machine trusts, as pip and git do.
 export UV_NATIVE_TLS ?= 1
 
-.PHONY: help run test validate lint docs gallery coverage install clean
+# The versions that were tested with the Python of .venv, where there is a file of them; LATEST=1 takes the newest instead.
+PINS = $(if $(LATEST),,$(wildcard constraints/$(shell $(BIN)/python -c 'import sys; print("python%d.%d" % sys.version_info[:2])').txt))
+PINNED = $(if $(PINS),UV_CONSTRAINT=$(CURDIR)/$(PINS) UV_BUILD_CONSTRAINT=$(CURDIR)/$(PINS) PIP_CONSTRAINT=$(CURDIR)/$(PINS))
+
+.PHONY: help run test validate lint docs gallery coverage install constraints clean
 .DELETE_ON_ERROR:
 
 help:  ## what can be made
@@ -29,7 +33,7 @@ run: $(VENV)/.installed  ## set up, then the calm-sea scenario for ten simulated
 test: lint  ## set up, then every check: ruff, mypy, pytest on two cores
 	$(BIN)/python -m pytest --numprocesses 2 --dist loadfile --no-loadscope-reorder $(PYTEST)
 
-validate: $(VENV)/.test-installed  ## the longest tests, and campaigns of two hours or three: 100 landings, 256 wrong beliefs of the winch and sensors and 256 of the plant too, 256 faults of sensors, 100 foreign seas, 192 draws of the day, 1,000 damaged bags, 100 killed runs, 1,000 storms
+validate: $(VENV)/.test-installed  ## the longest tests, and campaigns of two hours or three: 100 landings, 256 wrong beliefs of the winch and sensors and 256 of the plant too, 256 faults of sensors, 100 foreign seas, 192 draws of the day, 1,000 damaged bags, 1,000 hostile files, 100 killed runs, 200 interrupted studies, 1,000 storms
 	$(BIN)/python -m pytest -m long
 	$(BIN)/python -m tests.campaigns.landings
 	$(BIN)/python -m tests.campaigns.promise --draws 256
@@ -41,7 +45,9 @@ validate: $(VENV)/.test-installed  ## the longest tests, and campaigns of two ho
 	$(BIN)/python -m tests.campaigns.draws --kind seas --draws 32
 	$(BIN)/python -m tests.campaigns.draws --kind lifts --draws 32
 	$(BIN)/python -m tests.campaigns.damaged_bags
+	$(BIN)/python -m tests.campaigns.hostile_files
 	$(BIN)/python -m tests.campaigns.killed_processes
+	$(BIN)/python -m tests.campaigns.interrupted_studies
 	$(BIN)/python -m tests.campaigns.storms
 
 lint: $(VENV)/.test-installed  ## set up, then ruff and mypy
@@ -50,13 +56,13 @@ lint: $(VENV)/.test-installed  ## set up, then ruff and mypy
 	$(BIN)/mypy
 
 coverage: $(VENV)/.test-installed  ## the tests with the lines they reach
-	@VIRTUAL_ENV=$(CURDIR)/$(VENV) $(BIN)/uv pip install --quiet --requirement pyproject.toml --extra coverage
+	@$(PINNED) VIRTUAL_ENV=$(CURDIR)/$(VENV) $(BIN)/uv pip install --quiet --requirement pyproject.toml --extra coverage
 	$(BIN)/coverage run -m pytest $(PYTEST)
 	$(BIN)/coverage combine --quiet || true
 	$(BIN)/coverage report
 
 docs: $(VENV)/.installed  ## the documentation site, into docs/site: open docs/site/index.html; needs no network once its tools are there
-	@$(BIN)/python -c "import material" 2>/dev/null || VIRTUAL_ENV=$(CURDIR)/$(VENV) $(BIN)/uv pip install --quiet --requirement pyproject.toml --extra docs
+	@$(BIN)/python -c "import material" 2>/dev/null || $(PINNED) VIRTUAL_ENV=$(CURDIR)/$(VENV) $(BIN)/uv pip install --quiet --requirement pyproject.toml --extra docs
 	NO_MKDOCS_2_WARNING=1 $(BIN)/python -m mkdocs --quiet build --strict --config-file docs/mkdocs.yml
 	@echo "docs/site/index.html"
 
@@ -65,6 +71,11 @@ gallery: $(VENV)/.test-installed  ## every figure of the validation, in ten minu
 
 install: $(VENV)/.installed  ## set up only: .venv/bin/heave
 
+constraints: $(VENV)/.test-installed  ## write the versions of this environment to constraints/, which run and test then take
+	@sh tools/constraints.sh $(VENV) > constraints/.new
+	@mv constraints/.new constraints/$$($(BIN)/python -c 'import sys; print("python%d.%d" % sys.version_info[:2])').txt
+	@ls constraints
+
 # uv installs in a third of pip's time; where it cannot (a mirror that only pip is told of) pip does.
 $(VENV)/bin/uv:
 	@python=$$(sh tools/find_python.sh $(PYTHON)) && echo "setup: $$python" && "$$python" -m venv --clear $(VENV)
@@ -72,16 +83,17 @@ $(VENV)/bin/uv:
 
 $(VENV)/.installed: $(VENV)/bin/uv $(BUILD_INPUTS)
 	@echo "setup: ROS 2 from wheels, then the messages are compiled: two to four minutes"
-	@VIRTUAL_ENV=$(CURDIR)/$(VENV) $(BIN)/uv pip install --quiet --reinstall-package heave --editable . || \
-		$(BIN)/python -m pip install --quiet --editable .
+	@echo "setup: $(if $(PINS),the versions of $(PINS); the newest: make LATEST=1,the newest versions)"
+	@$(PINNED) VIRTUAL_ENV=$(CURDIR)/$(VENV) $(BIN)/uv pip install --quiet --reinstall-package heave --editable . || \
+		$(PINNED) $(BIN)/python -m pip install --quiet --editable .
 	@echo "setup: compiling the models, once"
 	@rm -rf $(VENV)/first-run && $(BIN)/heave run b2_calm_300 --duration 1 --no-report --bag $(VENV)/first-run > $(VENV)/first-run.log 2>&1 || \
 		echo "setup: left to the first run, which will start slowly; $(VENV)/first-run.log says why"
 	@touch $@
 
 $(VENV)/.test-installed: $(VENV)/.installed
-	@VIRTUAL_ENV=$(CURDIR)/$(VENV) $(BIN)/uv pip install --quiet --requirement pyproject.toml --extra test || \
-		$(BIN)/python -m pip install --quiet --editable '.[test]'
+	@$(PINNED) VIRTUAL_ENV=$(CURDIR)/$(VENV) $(BIN)/uv pip install --quiet --requirement pyproject.toml --extra test || \
+		$(PINNED) $(BIN)/python -m pip install --quiet --editable '.[test]'
 	@touch $@
 
 clean:  ## remove the environment and what was built; runs/ stays

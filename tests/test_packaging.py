@@ -11,6 +11,7 @@ import pytest
 from ament_index_python.packages import get_package_prefix, get_package_share_path
 from heave_bringup.nodes import PROCESS_BY_NAME
 from heave_node.ros.transport.environment import prepare_environment
+from packaging.requirements import Requirement
 
 if sys.version_info >= (3, 11):
     import tomllib
@@ -176,3 +177,27 @@ def test_every_node_of_the_loop_has_the_launch_file_that_the_loop_includes():
     for node in PROCESS_BY_NAME.values():
         share = get_package_share_path(node.module.partition(".")[0])
         assert (share / "launch" / f"{node.name}.launch.py").is_file()
+
+
+CONSTRAINTS = sorted((REPOSITORY / "constraints").glob("python3.*.txt"))
+
+
+@pytest.mark.parametrize("path", CONSTRAINTS, ids=lambda path: path.stem)
+def test_the_tested_versions_are_names_and_versions_that_pyproject_allows(path):
+    lines = [line for line in path.read_text().splitlines() if not line.startswith("#")]
+    assert all(re.fullmatch(r"[A-Za-z0-9._-]+==[A-Za-z0-9.!+_-]+", line) for line in lines)
+    pinned = {canonical(name): version for name, _, version in (line.partition("==") for line in lines)}
+    project = PYPROJECT["project"]
+    wanted = [*project["dependencies"], *project["optional-dependencies"]["test"]]
+    wanted += PYPROJECT["build-system"]["requires"]
+    python = {"python_version": path.stem.removeprefix("python")}
+    for requirement in map(Requirement, wanted):
+        if requirement.marker is None or requirement.marker.evaluate(python):
+            assert requirement.specifier.contains(pinned[canonical(requirement.name)]), str(requirement)
+
+
+def test_setting_up_takes_the_tested_versions():
+    make = (REPOSITORY / "Makefile").read_text()
+    installing = [line for line in make.splitlines() if " install --quiet" in line and "install --quiet uv" not in line]
+    assert len(installing) >= 6
+    assert all("$(PINNED)" in line for line in installing)

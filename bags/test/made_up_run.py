@@ -134,13 +134,14 @@ def write_run(
     *,
     close: bool = True,
     offset: int = 0,
+    scenario: bytes = SCENARIO,
 ) -> BagWriter:
-    """Write a made-up run to a bag, whose clock begins at `offset` [ns]; without `close`, the writer is left as a
-    killed process would leave it.
+    """Write a made-up run with a `scenario` to a bag, whose clock begins at `offset` [ns]; without `close`, the writer
+    is left as a killed process would leave it.
     """
     run = run or MadeUpRun()
     description = {"scenario": "made_up", "seed": "7", "transient_s": "10.0", "pacing": "lockstep"}
-    attachments = [Attachment("scenario.yaml", "application/yaml", SCENARIO)]
+    attachments = [Attachment("scenario.yaml", "application/yaml", scenario)]
     writer = BagWriter(
         folder,
         policy=policy or BagPolicy(ChunkPolicy(size=64 * 1024)),

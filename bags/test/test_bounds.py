@@ -1,4 +1,4 @@
-"""What a file may demand is bounded: in bytes, in depth, in time."""
+"""What a file may demand is bounded: in bytes, in time."""
 
 import resource
 import subprocess
@@ -6,7 +6,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from heave_bags.mcap.bounds import LARGEST_RECORD, BoundError, load_yaml, unpack, unpack_part
+from heave_bags.mcap.bounds import LARGEST_RECORD, BoundError, unpack, unpack_part
 from heave_bags.mcap.reader import Bag
 from heave_node.cdr.layout import LayoutError, MessageLayouts
 from hostile_bags import hostile_files, write_hostile_bags
@@ -74,28 +74,6 @@ def test_what_cannot_be_unpacked_in_part_gives_nothing():
     assert unpack_part("lz4", b"no frame at all") == b""
     assert unpack_part("rle", b"abc") == b""
     assert unpack_part("", b"abc") == b"abc"
-
-
-@pytest.mark.parametrize(
-    ("text", "complaint"),
-    [
-        ("[" * 40 + "]" * 40, "levels deep"),
-        ("a: &a 1\nb: *a", "aliases"),
-        ("a: [", "not valid YAML"),
-        ("a: 2001-99-99", "."),
-        ("!!python/object/apply:os.getcwd []", "not valid YAML"),
-        ("9" * 10_000, "."),
-        ("x" * (9 << 20), "characters"),
-    ],
-)
-def test_yaml_of_a_file_is_held_to_plain_values_of_bounded_depth(text, complaint):
-    with pytest.raises(ValueError, match=complaint):
-        load_yaml(text)
-
-
-def test_yaml_as_bags_have_it_is_read():
-    assert load_yaml("a: {b: [1, 2.5, text]}\n") == {"a": {"b": [1, 2.5, "text"]}}
-    assert load_yaml("") is None
 
 
 def test_a_definition_without_an_end_is_refused():

@@ -181,6 +181,41 @@ def test_a_live_recorder_that_is_killed_leaves_what_it_had_acknowledged(processe
     assert "its writer did not finish" in str(bag.losses[0])
 
 
+def test_a_recorder_that_was_stopped_for_a_while_says_what_it_missed(processes, tmp_path):
+    """SIGSTOP stands for a machine that has no time for the recorder: what the middleware drops has numbers."""
+    recorder = processes.record(tmp_path / "bag")
+    node = rclpy.create_node("talker")
+    publisher = node.create_publisher(String, "/chatter", 10)
+    wait_until(lambda: publisher.get_subscription_count() > 0, node)
+    sent = 0
+
+    def say(count: int) -> None:
+        nonlocal sent
+        for _ in range(count):
+            publisher.publish(String(data="x" * 1000))
+            sent += 1
+            time.sleep(0.0005)
+
+    say(20)
+    time.sleep(1.0)
+    recorder.send_signal(signal.SIGSTOP)
+    say(5000)
+    recorder.send_signal(signal.SIGCONT)
+    time.sleep(2.0)
+    say(20)
+    time.sleep(1.0)
+    recorder.send_signal(signal.SIGINT)
+    assert recorder.wait(WAIT) == 1
+    assert "dropped by the middleware before the recorder took them: /chatter" in recorder.stderr.read()
+    node.destroy_node()
+    bag = Bag(tmp_path / "bag")
+    held = bag.topics["/chatter"].message_count
+    (loss,) = bag.losses
+    assert held < sent
+    assert held + loss.messages == sent
+    assert bag.outcome["ended"] != "complete"
+
+
 def test_a_recorder_that_may_not_write_says_so_in_one_line(processes, tmp_path):
     (tmp_path / "taken").mkdir()
     recorder = processes.record(tmp_path / "taken")

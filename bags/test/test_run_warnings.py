@@ -5,7 +5,9 @@ import math
 import pytest
 from heave_bags.analyse import analysis, report, run_warnings, run_words
 from heave_bags.analyse.events import Interval
+from heave_bags.analyse.run_record import read_run
 from heave_bags.signals import Signal
+from made_up_run import MadeUpRun
 from numpy import arange, sin, where
 
 TOLD = "the encoder goes the other way than the winch is sent; in {} s at best"
@@ -134,3 +136,10 @@ def test_a_winch_that_does_harm_or_less_than_another_would_is_told_in_words(shar
     values = record.kpis() | {"unit_efficiency": unit, "outlet_efficiency": outlet, "baseline_efficiency": baseline}
     found = run_warnings.warnings(record, values)
     assert [text.startswith(word) for text, word in zip(found, words, strict=True)] == [True] * len(words)
+
+
+def test_a_run_of_no_length_has_nothing_to_be_warned_of(made_up_bag):
+    """One sample: the evaluation window is empty, and no share of it means anything."""
+    record = read_run(made_up_bag(run=MadeUpRun(duration=0.05)))
+    assert record.end == record.start
+    assert [line for line in run_warnings.warnings(record, record.kpis()) if "in force" in line] == []

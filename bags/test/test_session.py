@@ -8,7 +8,7 @@ from heave_bags.mcap.bag_writer import BagWriter
 from heave_bags.mcap.reader import Bag
 from heave_bags.mcap.ros.qos import OfferedQos
 from heave_bags.record.recorder_node import RecorderNode
-from heave_bags.record.session import RecordingSession, SnapshotRing, missing_messages
+from heave_bags.record.session import RecordingSession, SnapshotRing, missing_messages, missing_words
 from heave_node.ros.node import NodeError
 from made_up_run import MadeUpRun, tick_messages
 from rclpy.serialization import serialize_message
@@ -90,8 +90,11 @@ def test_a_snapshot_without_memory_is_refused(tmp_path):
 def test_what_was_published_and_not_recorded_is_named_with_its_number():
     published = {"/mru": 100, "/boom_tip": 100, "/clock": 100, "/never_seen": 5}
     recorded = {"/mru": 100, "/boom_tip": 97, "/clock": 0}
-    assert missing_messages(published, recorded) == "/boom_tip 3 of 100, /clock 100 of 100"
-    assert missing_messages({"/mru": 100}, {"/mru": 101, "/other": 0}) == ""
+    missing = missing_messages(published, recorded)
+    assert missing == {"/boom_tip": 3, "/clock": 100}
+    assert missing_words(missing, published) == "/boom_tip 3 of 100, /clock 100 of 100"
+    assert missing_messages({"/mru": 100}, {"/mru": 101, "/other": 0}) == {}
+    assert missing_words({}, {}) == ""
 
 
 def test_the_recorder_of_a_run_ends_in_an_error_that_names_what_is_missing(tmp_path):
@@ -112,11 +115,14 @@ def test_the_recorder_of_a_run_ends_in_an_error_that_names_what_is_missing(tmp_p
         _last_log_time=7,
         failure="",
     )
-    recorder._lost = lambda: RecorderNode._lost(recorder)
+    recorder._missing = lambda: RecorderNode._missing(recorder)
     recorder._final_metadata = lambda lost: RecorderNode._final_metadata(recorder, lost)
     with pytest.raises(NodeError, match="messages were lost: /mru 3 of 10"):
         RecorderNode.on_exit(recorder)
-    assert Bag(tmp_path / "bag").outcome["lost"] == "/mru 3 of 10"
+    bag = Bag(tmp_path / "bag")
+    assert bag.outcome["lost"] == "/mru 3 of 10"
+    assert bag.message_count == 7
+    assert [loss.messages for loss in bag.losses] == [3]
 
 
 def test_a_message_larger_than_a_bag_takes_is_counted_and_named_and_the_others_go_on(tmp_path, monkeypatch):

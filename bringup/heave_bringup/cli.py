@@ -17,6 +17,8 @@ from heave_bringup.parser import make_parser
 EXIT_OK = 0
 EXIT_FAILED = 1
 EXIT_USAGE = 2
+EXIT_INTERRUPTED = 130
+"""As a shell has it for a command that Ctrl-C ended."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -37,10 +39,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
         options.execute(options)
     except (ParameterError, NoRunError) as error:
         return _exit_with(error, EXIT_USAGE)
-    except (CommandError, BagError) as error:
-        return _exit_with(error, EXIT_FAILED)
+    except (CommandError, BagError, MemoryError) as error:
+        return _exit_with(str(error) or "out of memory", EXIT_FAILED)
     except KeyboardInterrupt:
-        return _exit_with("interrupted", EXIT_FAILED)
+        return _exit_with("interrupted", EXIT_INTERRUPTED)
     except OSError as error:
         return _refused_by_the_system(error)
     return EXIT_OK

@@ -217,7 +217,7 @@ def _found(given: Given, folder: Path | None = None) -> Given:
     if not (given.name.endswith(NAMES_OF_FILES) and isinstance(given.value, str) and given.value):
         return given
     places = [Path(given.value)] if folder is None else [folder / given.value, Path(given.value)]
-    path = next((place for place in places if place.exists()), None)
+    path = next((place for place in places if place.is_file() or place.is_dir()), None)
     if path is None:
         raise ParameterError(f"{given.where}: {given.name} = {given.value!r}: no such file")
     return replace(given, value=str(path.resolve()))

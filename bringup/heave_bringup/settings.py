@@ -10,10 +10,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
 
-import yaml
+from heave_node.files.bounded_yaml import YamlError, parse_yaml
 from heave_node.parameters import ParameterError, describe
 from heave_node.run_parameters import RunParameters
-from heave_node.scenario import WILDCARD, parse_yaml
+from heave_node.scenario import WILDCARD
 from heave_node.system_parameters import SYSTEM, owned_names
 
 from heave_bringup.nodes import NODE_BY_NAME, NODES
@@ -84,8 +84,8 @@ def parse_setting(text: str) -> Setting:
         raise ParameterError(f"{source}: must be NODE.PARAM=VALUE, for example system.sea.peak_period=9")
     try:
         return make_setting(place, parse_yaml(value), source)
-    except yaml.YAMLError as error:
-        raise ParameterError(f"{source}: {value!r} is not a YAML value") from error
+    except YamlError as error:
+        raise ParameterError(f"{source}: {value!r} is not a YAML value: {error}") from error
 
 
 def near_places(target: str, name: str) -> list[str]:

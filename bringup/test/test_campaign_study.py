@@ -158,7 +158,7 @@ class DyingPool:
 
 
 def test_a_process_that_dies_costs_its_own_case_only(campaign, monkeypatch):
-    monkeypatch.setattr(executors, "_pool", DyingPool)
+    monkeypatch.setattr(executors, "worker_pool", DyingPool)
     results = list(executors.run_tasks(make_tasks(campaign, list(campaign.cases())), processes=2))
     assert sorted(result.case.number for result in results) == list(range(1, 9))
     failures = {result.case.number: result.failure for result in results if result.failure}

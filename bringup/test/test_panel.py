@@ -198,6 +198,28 @@ def test_from_elsewhere_the_token_is_needed_once_and_then_its_cookie():
     assert ask(guard, host="ship:8080", kind="websocket", query="token=secret")[0]["type"] == "websocket.close"
 
 
+@pytest.mark.parametrize("headers", [{"host": "["}, {"host": "localhost:8080", "origin": "http://[::1"}])
+def test_an_address_that_is_none_is_refused(headers):
+    assert ask(Guard(application), **headers)[0]["status"] == 403
+    assert ask(Guard(application, "secret"), host="ship:8080", cookie="a b\x00[=;;")[0]["status"] == 403
+
+
+async def page_of_its_own(scope, receive, send):
+    await send({"type": "http.response.start", "status": 200, "headers": [(b"X-Frame-Options", b"SAMEORIGIN")]})
+
+
+@pytest.mark.parametrize("host", ["localhost:8080", "evil.example"])
+def test_no_answer_may_be_shown_in_the_frame_of_another_site(host):
+    (start, *_) = ask(Guard(page_of_its_own), host=host)
+    given = [(name.decode().lower(), value.decode()) for name, value in start["headers"]]
+    headers = dict(given)
+    assert len([name for name, _ in given if name == "x-frame-options"]) == 1
+    assert "frame-ancestors 'none'" in headers["content-security-policy"]
+    assert headers["x-frame-options"] == "DENY"
+    assert headers["x-content-type-options"] == "nosniff"
+    assert headers["referrer-policy"] == "no-referrer"
+
+
 def test_which_hosts_are_this_machine():
     assert all(is_loopback(host) for host in ("localhost", "127.0.0.1", "::1", "127.1.2.3"))
     assert not any(is_loopback(host) for host in ("0.0.0.0", "192.168.0.2", "::", "ship", "localhost.evil.example"))

@@ -528,3 +528,38 @@ def test_gain_and_limits_drift_in_a_straight_line_and_stay() -> None:
 def test_only_the_servo_drifts() -> None:
     with pytest.raises(ValueError, match="is one of drive = speed_servo"):
         WinchParameters(drive="pump_controlled", drift=WinchDriftParameters(duration=5.0))
+
+
+def test_the_emergency_stop_goes_before_a_fault_that_was_there_before_and_no_other_does() -> None:
+    faults = FaultParameters(kind=("emergency_stop",), start=(8.0,), duration=(1.0,), magnitude=(0.0,))
+    winch = VirtualWinch(WinchParameters(command_timeout=0.5, faults=faults), tick_period=TICK)
+    run(winch, 100, rate=1.0)
+    assert starve(winch, 40)[-1].fault is WinchFault.COMMAND_TIMEOUT
+    assert starve(winch, 60)[-1].fault is WinchFault.EMERGENCY_STOP
+    winch = VirtualWinch(WinchParameters(faults=faults, command_delay=0.0), tick_period=TICK)
+    assert run(winch, 170, rate=1.0)[-1].fault is WinchFault.EMERGENCY_STOP
+    assert run(winch, 20, rate=math.nan)[-1].fault is WinchFault.EMERGENCY_STOP, "the first fault stays the named one"
+
+
+def test_a_new_trip_takes_back_what_was_acknowledged_of_the_one_before() -> None:
+    winch = VirtualWinch(WinchParameters(command_timeout=0.5, command_delay=0.0), tick_period=TICK)
+    run(winch, 40, rate=1.0)
+    starve(winch, 60)
+    assert run(winch, 5, brake=True)[-1].release is WinchRelease.COMMAND
+    tripped = run(winch, 1, rate=math.nan)[-1]
+    assert tripped.release is WinchRelease.BRAKE_REQUEST
+    assert run(winch, 20, rate=1.0)[-1].fault is not WinchFault.NONE, "a command alone releases nothing"
+
+
+def test_no_command_releases_a_fault_while_the_drum_moves() -> None:
+    winch = VirtualWinch(
+        WinchParameters(command_timeout=0.5, command_delay=0.0, stop_deceleration=0.2), tick_period=TICK
+    )
+    run(winch, 100, rate=1.0)
+    starve(winch, 12)
+    run(winch, 1, brake=True)  # acknowledged, and the drum turns for seconds yet
+    moving = run(winch, 20, rate=1.0)
+    assert all(state.payout_rate > 0.0 for state in moving)
+    assert all(state.fault is WinchFault.COMMAND_TIMEOUT for state in moving)
+    speeds = [state.payout_rate for state in moving]
+    assert speeds == sorted(speeds, reverse=True), "it goes on to stop"

@@ -14,8 +14,7 @@ from functools import cache
 from importlib import resources
 from typing import Any
 
-import yaml
-
+from heave_node.files.bounded_yaml import parse_yaml
 from heave_node.parameters import Given, ParameterError
 
 KINDS = ("cable", "unit", "winch")
@@ -52,7 +51,7 @@ class Entry:
 def entries(kind: str) -> dict[str, Entry]:
     """Return the entries of a `kind` by name."""
     text = (resources.files("heave_node") / "catalogue.yaml").read_text(encoding="utf-8")
-    found = [entry for name, given in yaml.safe_load(text)[kind].items() for entry in _entries(kind, name, given)]
+    found = [entry for name, given in parse_yaml(text)[kind].items() for entry in _entries(kind, name, given)]
     return {entry.name: entry for entry in found}
 
 

@@ -16,43 +16,19 @@ import yaml
 
 from heave_node.bare_words import read_bare
 from heave_node.catalogue import with_entries
+from heave_node.files.bounded_yaml import EXPONENT, YamlError, parse_yaml
 from heave_node.parameters import Given, ParameterError
 from heave_node.system_parameters import SYSTEM, own_name
 
 WILDCARD = "/**"
 PARAMETERS_KEY = "ros__parameters"
+MOST_VALUES = 20_000
+"""Names and values of a file: all parameters of all nodes are two thousand."""
+MOST_SECTIONS = 500
+"""Sections of a file: each is matched with every node; a run has one for each of its nodes, and ten of them."""
 
 Sections = dict[str, dict[str, object]]
 """Parameter values by section and dotted parameter name, in the order of the file."""
-
-_EXPONENT = re.compile(r"^[-+]?(\d+\.?\d*|\.\d+)[eE][-+]?\d+$")
-
-
-class _RosLoader(yaml.SafeLoader):
-    """Reads numbers and names as the parameter reader of ROS 2 does: 1e-5 is a number, a time and every key a string.
-
-    A key that appears twice is refused: the first of the two values would be lost silently.
-    """
-
-    def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Any, Any]:
-        """Return a mapping; raise yaml.YAMLError for a key that appears twice.
-
-        Parameters
-        ----------
-        node : of the YAML document
-        deep : whether nested values are made at once
-        """
-        seen: set[str] = set()
-        for key, _ in node.value:
-            if not isinstance(key, yaml.ScalarNode):
-                continue
-            key.tag = "tag:yaml.org,2002:str"
-            if key.value in seen:
-                line = key.start_mark.line + 1
-                raise yaml.constructor.ConstructorError(None, None, f"{key.value} appears twice, again on line {line}")
-            seen.add(key.value)
-        mapping: dict[Any, Any] = super().construct_mapping(node, deep)
-        return mapping
 
 
 class _RosDumper(yaml.SafeDumper):
@@ -70,38 +46,10 @@ def _represent_text(dumper: _RosDumper, text: str) -> yaml.ScalarNode:
 
 
 _RosDumper.add_representer(str, _represent_text)
-_RosLoader.yaml_implicit_resolvers = {
-    first: [(tag, form) for tag, form in resolvers if tag != "tag:yaml.org,2002:timestamp"]
-    for first, resolvers in yaml.SafeLoader.yaml_implicit_resolvers.items()
-}
-for _reader_or_writer in (_RosLoader, _RosDumper):
-    _reader_or_writer.add_implicit_resolver("tag:yaml.org,2002:float", _EXPONENT, list("-+.0123456789"))
+_RosDumper.add_implicit_resolver("tag:yaml.org,2002:float", EXPONENT, list("-+.0123456789"))
 _RosDumper.add_representer(
     list, lambda dumper, data: dumper.represent_sequence("tag:yaml.org,2002:seq", data, flow_style=True)
 )
-
-
-class _WordsLoader(_RosLoader):
-    """Reads `on`, `off`, `yes` and `no` as words: only `true` and `false` are truth values, as in YAML 1.2."""
-
-
-_BOOLEAN = "tag:yaml.org,2002:bool"
-_WordsLoader.yaml_implicit_resolvers = {
-    first: [(tag, form) for tag, form in resolvers if tag != _BOOLEAN]
-    for first, resolvers in _RosLoader.yaml_implicit_resolvers.items()
-}
-_WordsLoader.add_implicit_resolver(_BOOLEAN, re.compile(r"^(true|True|TRUE|false|False|FALSE)$"), list("tTfF"))
-
-
-def parse_yaml(text: str, *, only_true_and_false: bool = False) -> Any:
-    """Return the value of a YAML text, numbers as ROS 2 reads them; raises yaml.YAMLError.
-
-    Parameters
-    ----------
-    text : a document
-    only_true_and_false : `off` is a word, not a truth value as ROS 2 and YAML 1.1 have it
-    """
-    return yaml.load(text, Loader=_WordsLoader if only_true_and_false else _RosLoader)
 
 
 def read_sections(path: Path) -> Sections:
@@ -127,13 +75,15 @@ def parse_sections(content: bytes, where: str) -> Sections:
     Raises ParameterError as `read_sections` does.
     """
     try:
-        nodes = parse_yaml(content.decode())
-    except (yaml.YAMLError, UnicodeDecodeError) as error:
-        raise ParameterError(f"{where}: is not valid YAML: {' '.join(str(error).split())}") from error
+        nodes = parse_yaml(content, most_values=MOST_VALUES)
+    except YamlError as error:
+        raise ParameterError(f"{where}: {error}") from error
     if not isinstance(nodes, Mapping):
         raise ParameterError(f"{where}: must be a mapping of node names to {PARAMETERS_KEY}")
     sections: Sections = {}
     _collect(nodes, "", where, sections)
+    if len(sections) > MOST_SECTIONS:
+        raise ParameterError(f"{where}: has {len(sections)} sections, {MOST_SECTIONS} are allowed")
     if not sections:
         raise ParameterError(f"{where}: has no parameters")
     return sections
@@ -184,14 +134,18 @@ def flatten_names(section: Mapping[str, Any], where: str, prefix: str = "") -> d
 
 
 def nest_names(values: Mapping[str, object]) -> dict[str, Any]:
-    """Turn the dotted names of `values` into nested mappings; the inverse of `flatten_names`."""
+    """Turn the dotted names of `values` into nested mappings; the inverse of `flatten_names`.
+
+    Below a name that has a value itself (`cable: wire`, `cable.normal_drag: 1.6`) names stay dotted.
+    """
     nested: dict[str, Any] = {}
     for name, value in values.items():
-        *groups, last = name.split(".")
+        parts = name.split(".")
+        depth = next((n for n in range(1, len(parts)) if ".".join(parts[:n]) in values), len(parts)) - 1
         place = nested
-        for group in groups:
+        for group in parts[:depth]:
             place = place.setdefault(group, {})
-        place[last] = list(value) if isinstance(value, tuple) else value
+        place[".".join(parts[depth:])] = list(value) if isinstance(value, tuple) else value
     return nested
 
 

@@ -20,6 +20,9 @@ from heave_node.tick.protocol import TickDone, TickStart
         (malformed.fault_in_join, TickJoin(node="sea", inputs=["/mru"]), "it has 1 inputs, 0 matched_publishers"),
         (malformed.fault_in_roster, TickRoster(tick_period=0.05), "its epoch is 0"),
         (malformed.fault_in_roster, TickRoster(epoch=1, tick_period=math.nan), "its tick_period is nan s"),
+        (malformed.fault_in_roster, TickRoster(epoch=1, tick_period=math.inf), "its tick_period is inf s"),
+        (malformed.fault_in_roster, TickRoster(epoch=1, tick_period=0.0), "its tick_period is 0.0 s"),
+        (malformed.fault_in_roster, TickRoster(epoch=1, tick_period=-0.05), "its tick_period is -0.05 s"),
         (
             malformed.fault_in_roster,
             TickRoster(epoch=1, tick_period=0.05, nodes=["sea"], identities=["ab"]),

@@ -58,3 +58,11 @@ def test_only_the_lawful_publisher_counts_whenever_the_roster_comes(senders, ros
     assert gate.is_complete()
     assert gate.take("/mru") == lawful
     assert len(strangers) == len(senders) - len(lawful)
+
+
+def test_a_topic_that_a_node_owns_is_never_released():
+    speakers = Speakers()
+    speakers.appoint(["own"])
+    speakers.release()
+    assert speakers.standing("own") is Standing.LAWFUL
+    assert speakers.standing("other") is Standing.STRANGER

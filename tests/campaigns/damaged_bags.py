@@ -16,20 +16,14 @@ import random
 import re
 import resource
 import shutil
-import signal
 import subprocess
 import sys
 import tempfile
 import time
-import traceback
 from collections import Counter
 from collections.abc import Callable, Sequence
-from contextlib import redirect_stderr, redirect_stdout
 from dataclasses import asdict, dataclass, field
-from io import StringIO
 from pathlib import Path
-from tempfile import TemporaryFile
-from types import FrameType
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "bags" / "test"))
 
@@ -45,6 +39,7 @@ from made_up_run import MadeUpRun, write_run
 from memory import peak_memory
 
 from tests.campaigns.commit import commit_line
+from tests.campaigns.in_process import Watch, heave, judge
 
 MEMORY = 500 << 20
 """Bytes that a process may take on any bag."""
@@ -102,11 +97,12 @@ def run_batch(sound: Sequence[Path], numbers: range, work: Path) -> list[Result]
         damage_one_file(bag, kind, chance)
         result = Result(f"{source.name} {number}", kind)
         _try_all(bag, result)
-        with _Watch(result, "reader"):
+        with Watch(result.wrong, "reader", LONGEST):
             after, losses = read_all(bag)
             result.lost = true_loss(originals[source], after)
             if stated_loss(losses) != result.lost:
                 result.wrong["reader"] = f"states {stated_loss(losses)}, lost {result.lost}"
+        result.memory = peak_memory()
         results.append(result)
         shutil.rmtree(bag.parent)
     return results
@@ -117,38 +113,16 @@ def run_hostile(work: Path) -> list[Result]:
     results = []
     for bag in sorted(work.iterdir()):
         result = Result(bag.name, "hostile")
-        with _Watch(result, "reader"):
+        with Watch(result.wrong, "reader", LONGEST):
             try:
                 for topic in Bag(bag).topics:
                     Bag(bag).frame(topic)
             except BagError:
                 pass
         _try_all(bag, result, may_state=False)
+        result.memory = peak_memory()
         results.append(result)
     return results
-
-
-class _Watch:
-    """Turns an exception, or more time than is allowed, into an entry of a result."""
-
-    def __init__(self, result: Result, command: str) -> None:
-        self._result, self._command = result, command
-
-    def __enter__(self) -> None:
-        signal.signal(signal.SIGALRM, self._late)
-        signal.alarm(LONGEST)
-
-    def _late(self, _number: int, _frame: FrameType | None) -> None:
-        raise TimeoutError(f"no end within {LONGEST} s")
-
-    def __exit__(self, kind: object, error: BaseException | None, _traceback: object) -> bool:
-        signal.alarm(0)
-        self._result.memory = peak_memory()
-        if error is None:
-            return True
-        lines = traceback.format_exception(error)
-        self._result.wrong[self._command] = f"{type(error).__name__}: {error}; {' '.join(lines[-2].split())}"
-        return True
 
 
 def _try_all(bag: Path, result: Result, *, may_state: bool = True) -> None:
@@ -162,39 +136,14 @@ def _try_all(bag: Path, result: Result, *, may_state: bool = True) -> None:
         "replay": ["replay", str(bag), "--delay", "0", "--rate", "100000", "--json", "-"],
     }
     for command, words in arguments.items():
-        with _Watch(result, command):
-            status, said, complaint = _heave(words)
-            problem = _judge(status, said, complaint)
+        with Watch(result.wrong, command, LONGEST):
+            status, said, complaint = heave(words)
+            problem = judge(status, said, complaint)
             if problem:
                 result.wrong[command] = problem
             elif may_state and status == 0 and command in ("kpi", "repair"):
                 _compare(result, command, said, bag)
     shutil.rmtree(out)
-
-
-def _heave(words: Sequence[str]) -> tuple[int, str, str]:
-    """Give a command in this process; return its status and what it said."""
-    from heave_bringup.cli import main  # noqa: PLC0415 - after the limits of this process are set
-
-    with TemporaryFile("w+") as err, redirect_stdout(StringIO()) as out, redirect_stderr(err):
-        try:
-            status = main(words)
-        except SystemExit as error:
-            status = int(error.code or 0)
-        err.seek(0)
-        complaint = err.read()
-    return status, out.getvalue(), complaint
-
-
-def _judge(status: int, said: str, complaint: str) -> str:
-    """Return what is wrong with the end of a command: it does what it says, or ends in one line."""
-    if "Traceback" in complaint:
-        return complaint
-    if status == 0:
-        json.loads(said)
-        return ""
-    last = complaint.strip().splitlines()[-1:] or [""]
-    return "" if status in (1, 2) and last[0].startswith("heave: ") else f"status {status}: {complaint[-300:]}"
 
 
 def _compare(result: Result, command: str, said: str, bag: Path) -> None:

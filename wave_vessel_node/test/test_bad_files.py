@@ -1,5 +1,6 @@
 """Whatever happens to a file, it is either read into numbers that make sense or refused with one line that names it."""
 
+import os
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +12,7 @@ from wave_vessel_node.sea.spectrum_record import doubt_of
 from wave_vessel_node.sources.recording import RecordingError, read_recording
 from wave_vessel_node.vessel.rao import RaoError
 from wave_vessel_node.vessel.rao_checks import response_questions
-from wave_vessel_node.vessel.rao_files import COLUMNS, read_rao_csv
+from wave_vessel_node.vessel.rao_files import COLUMNS, read_rao, read_rao_csv
 
 DATA = Path(__file__).parent / "data"
 FRAGMENTS = st.sampled_from(
@@ -139,3 +140,12 @@ def test_tables_in_other_units_orders_and_encodings(name, data, tmp_path):
     else:
         file = refused_or(SpectrumFileError, path, read_spectra)
         assert file is None or not any(doubt_of(record.spectrum) for record in file.records)
+
+
+@pytest.mark.parametrize(
+    ("read", "name"), [(read_rao, "own.csv"), (read_recording, "own.csv"), (read_spectra, "own.txt")]
+)
+def test_a_pipe_is_no_file(tmp_path, read, name):
+    os.mkfifo(tmp_path / name)  # to read it would wait for ever
+    with pytest.raises(ValueError, match=r"no such file|not a file"):
+        read(tmp_path / name)

@@ -25,7 +25,6 @@ from heave_bags.analyse.depth_programme import SPAN, take_out_programme
 from heave_bags.analyse.events import Interval
 from heave_bags.analyse.fields import Fields, on_one_clock
 from heave_bags.errors import BagError, one_line
-from heave_bags.mcap.bounds import check_yaml
 from heave_bags.mcap.files import COMPLETE, SNAPSHOT
 from heave_bags.mcap.loss import Loss
 from heave_bags.mcap.reader import Bag, Progress, no_progress
@@ -444,7 +443,6 @@ def _scenario(bag: Bag) -> tuple[tuple[Criterion, ...], dict[str, dict[str, Any]
     for name in (SCENARIO_ATTACHMENT, PARAMETERS_ATTACHMENT):
         try:
             content = attachments.get(name, b"")
-            check_yaml(content)  # held to bounds, since anyone may have written the bag
             sections = parse_sections(content, name)
             if name == SCENARIO_ATTACHMENT:
                 wanted = _wanted(sections, name)

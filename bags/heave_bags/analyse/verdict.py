@@ -175,7 +175,8 @@ def share_in_force(record: RunRecord, values: Mapping[str, float]) -> float:
     values : its figures of merit
     """
     rested = sum(time_within(record, mode) for mode in record.modes if mode.reason in RESTS_REQUESTED)
-    left = 1.0 - rested / (record.end - record.start)
+    span = record.end - record.start
+    left = 1.0 - rested / span if span > 0.0 else 0.0
     return values["compensating_percent"] / 100.0 / left if left > 0.0 else math.nan
 
 

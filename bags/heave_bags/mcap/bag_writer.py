@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from heave_node.cdr.definitions import DefinitionError, schema_text, type_hash
@@ -23,9 +23,11 @@ from heave_bags.mcap.files import (
     FileSummary,
     TopicSummary,
     file_name,
+    force_metadata,
     write_metadata,
 )
 from heave_bags.mcap.reader import Bag, summary_of
+from heave_bags.mcap.recorded_loss import RecordedLoss
 from heave_bags.mcap.ros.qos import OfferedQos, to_yaml
 from heave_bags.mcap.storage import DirectStorage, Storage
 from heave_bags.mcap.writer import ChunkPolicy, McapWriter
@@ -66,6 +68,26 @@ class _Topic:
     canonical: Callable[[bytes], bytes] | None = None
     channel: int = 0
     """Id in the present file; 0: not yet registered there."""
+
+
+@dataclass
+class _Lack:
+    """What is known of messages that a bag should hold and does not.
+
+    Attributes
+    ----------
+    refusal : of the disk; from then on nothing is written
+    loss : what is missing
+    saved : what the bag holds, once it was closed without being complete
+    """
+
+    refusal: StorageError | None = None
+    loss: RecordedLoss | None = None
+    saved: BagSummary | None = None
+
+    def to_custom_data(self) -> dict[str, str]:
+        """Return the loss as the bag states it; nothing where there is none."""
+        return self.loss.to_custom_data() if self.loss else {}
 
 
 class BagWriter:
@@ -110,7 +132,7 @@ class BagWriter:
         self._closed_files: list[FileSummary] = []
         self._ros_distro = ros_distro
         self._last_time = 0
-        self._refusal: StorageError | None = None
+        self._lack = _Lack()
         self._describe_at = 0.0
         self._has_new_topics = False
         self.closed = False
@@ -200,23 +222,23 @@ class BagWriter:
             data = known.canonical(data)
         published = log_time if publish_time is None else publish_time
         sequence = known.summary.message_count & 0xFFFFFFFF
-        if self._refusal is not None:
-            raise self._refusal
+        if self._lack.refusal is not None:
+            raise self._lack.refusal
         try:
             self._writer.write(known.channel, log_time, data, publish_time=published, sequence=sequence)
         except StorageError as error:
-            self._refusal = error
+            self._lack.refusal = error
             raise
 
     @contextmanager
     def _remembering_refusal(self) -> Iterator[None]:
         """Remember that the disk has refused something: from then on the bag is not what was written."""
-        if self._refusal is not None:
-            raise self._refusal
+        if self._lack.refusal is not None:
+            raise self._lack.refusal
         try:
             yield
         except StorageError as error:
-            self._refusal = error
+            self._lack.refusal = error
             raise
 
     def _must_split(self, log_time: int) -> bool:
@@ -267,7 +289,21 @@ class BagWriter:
         files = [*self._closed_files, self._file_summary()] if self._is_open else list(self._closed_files)
         topics = [self._topics[name].summary for name in sorted(self._topics)]
         mark = RECORDING_MARK if self._is_open else {}
-        return BagSummary(files, topics, {**self._run, **mark}, self._ros_distro)
+        lost = self._lack.to_custom_data()
+        return BagSummary(files, topics, {**self._run, **mark, **lost}, self._ros_distro)
+
+    def note_loss(self, reason: str, messages: int, start: int, end: int | None = None) -> None:
+        """Note that messages which belong into the bag are not in it: `metadata.yaml` says so, after `close` too.
+
+        Parameters
+        ----------
+        reason : why
+        messages : how many
+        start, end : log times between which they lie [ns]; None: one time
+        """
+        self._lack.loss = RecordedLoss(reason, messages, start, start if end is None else end).joined(self._lack.loss)
+        if self._lack.saved is not None:
+            self._force_metadata(self._lack.saved)
 
     def close(self, outcome: Mapping[str, str] | None = None) -> None:
         """Complete the bag; `outcome` goes into a metadata record of the last file. Closing twice does nothing.
@@ -300,13 +336,25 @@ class BagWriter:
         """Close what could not be completed, describe it as it is, and say what it lacks."""
         with suppress(StorageError, OSError):
             self._file.close()
-        saved = Bag(self.folder)
-        summary = summary_of(saved)
-        with suppress(OSError):
-            write_metadata(self.folder, summary)
         written = sum(topic.summary.message_count for topic in self._topics.values())
-        lost = written - saved.message_count
+        try:
+            saved = Bag(self.folder)
+            self._lack.saved = summary_of(saved)
+            lost, first = written - saved.message_count, saved.end_time
+        except BagError:
+            return f"its {written} messages were lost with the folder"
         if not lost:
+            self._force_metadata(self._lack.saved)
             return "no message was lost"
-        first, last = saved.end_time * 1e-9, self._last_time * 1e-9
-        return f"{lost} messages from {first:.3f} s to {last:.3f} s were lost"
+        self.note_loss(self._reason(), lost, first, self._last_time)
+        return f"{lost} messages from {first * 1e-9:.3f} s to {self._last_time * 1e-9:.3f} s were lost"
+
+    def _reason(self) -> str:
+        words = str(self._lack.refusal) if self._lack.refusal else "the bag could not be completed"
+        return words.replace(f"{self.folder}/", "").replace(f"{self.folder}: ", "")
+
+    def _force_metadata(self, saved: BagSummary) -> None:
+        """Describe the bag as it was `saved`, and what it lacks."""
+        lost = self._lack.to_custom_data()
+        with suppress(OSError):
+            force_metadata(self.folder, replace(saved, custom_data={**saved.custom_data, **lost}).to_yaml().encode())

@@ -4,10 +4,7 @@ them.
 
 from __future__ import annotations
 
-from typing import Any
-
 import lz4.frame
-import yaml
 import zstandard
 
 LARGEST_RECORD = 64 << 20
@@ -16,10 +13,6 @@ LARGEST_MESSAGE = 62 << 20
 """Bytes of one message, so that its chunk stays within LARGEST_RECORD with the definitions it needs."""
 LARGEST_SUMMARY = 64 << 20
 """Bytes of a file's summary: that of days of recording without a split."""
-LARGEST_YAML = 8 << 20
-"""Characters of a YAML text."""
-DEEPEST_YAML = 32
-"""Mappings and sequences within each other in a YAML text."""
 LATEST_TIME = (1 << 63) - 1
 """Times beyond this are not times [ns]: the year 2262."""
 
@@ -80,46 +73,3 @@ def _read_while_it_goes(reader: zstandard.ZstdDecompressionReader) -> bytes:
     except zstandard.ZstdError:
         pass  # what came before the damage is kept
     return b"".join(parts)
-
-
-_YAML_LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
-_NO_YAML = (yaml.YAMLError, ArithmeticError, LookupError, TypeError, AttributeError)
-
-
-def load_yaml(text: str | bytes) -> Any:
-    """Return the value of a YAML text that a file carries: plain values of bounded depth.
-
-    Raises ValueError if it is none, exceeds the bounds, or uses aliases, with which a short text expands to a huge one.
-    """
-    check_yaml(text)
-    try:
-        return yaml.load(text, Loader=_YAML_LOADER)
-    except _NO_YAML as error:
-        raise _no_yaml(error) from error
-
-
-def check_yaml(text: str | bytes) -> None:
-    """Hold a YAML `text` to the bounds, and make nothing of it; raises ValueError as `load_yaml` does."""
-    if len(text) > LARGEST_YAML:
-        raise BoundError(f"it has {len(text)} characters, {LARGEST_YAML} are allowed")
-    try:
-        _check_depth(text)
-    except _NO_YAML as error:
-        raise _no_yaml(error) from error
-
-
-def _no_yaml(error: Exception) -> ValueError:
-    return ValueError(f"it is not valid YAML: {' '.join(str(error).split())}")
-
-
-def _check_depth(text: str | bytes) -> None:
-    depth = 0
-    for event in yaml.parse(text, Loader=_YAML_LOADER):
-        if isinstance(event, yaml.AliasEvent):
-            raise BoundError("it uses aliases")
-        if isinstance(event, yaml.CollectionStartEvent):
-            depth += 1
-        elif isinstance(event, yaml.CollectionEndEvent):
-            depth -= 1
-        if depth > DEEPEST_YAML:
-            raise BoundError(f"it is more than {DEEPEST_YAML} levels deep")

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import yaml
+from heave_node.files.bounded_yaml import LARGEST_YAML, parse_yaml
 from mcap.records import Metadata
 
-from heave_bags.mcap.bounds import LARGEST_YAML, load_yaml
 from heave_bags.mcap.ros.qos import OfferedQos
 
 METADATA_NAME = "metadata.yaml"
@@ -129,7 +130,7 @@ def parse_information(text: str) -> dict[str, Any]:
     Empty where it says nothing sensible. Files of earlier versions of this project have METADATA_ROOT inside, too.
     """
     try:
-        content = load_yaml(text)
+        content = parse_yaml(text)
     except ValueError:
         return {}
     information = content.get(METADATA_ROOT, content) if isinstance(content, dict) else None
@@ -244,5 +245,20 @@ def write_metadata(bag: Path, summary: BagSummary) -> None:
 def replace_metadata(bag: Path, text: bytes) -> None:
     """Make `text` the `metadata.yaml` of a bag, in one step."""
     temporary = bag / (METADATA_NAME + ".new")
-    temporary.write_bytes(text)
-    temporary.replace(bag / METADATA_NAME)
+    try:
+        temporary.write_bytes(text)
+        temporary.replace(bag / METADATA_NAME)
+    except OSError:
+        with suppress(OSError):
+            temporary.unlink()
+        raise
+
+
+def force_metadata(bag: Path, text: bytes) -> None:
+    """Make `text` the `metadata.yaml` of a bag; on a full disk in the place of the old one, which has its blocks."""
+    try:
+        replace_metadata(bag, text)
+    except OSError:
+        with (bag / METADATA_NAME).open("r+b") as stream:
+            stream.write(text)
+            stream.truncate()

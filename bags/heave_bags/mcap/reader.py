@@ -38,6 +38,7 @@ from heave_bags.mcap.read.folder import find_files
 from heave_bags.mcap.read.passes import BagPasses, Progress, no_progress
 from heave_bags.mcap.read.scan import FileContents, RawMessage
 from heave_bags.mcap.read.survey import Survey, copies, in_order_of_files, match_listed, survey_file
+from heave_bags.mcap.recorded_loss import recorded_loss
 from heave_bags.mcap.ros.qos import from_yaml
 
 if TYPE_CHECKING:
@@ -52,7 +53,8 @@ class Bag:
     Attributes
     ----------
     path : the folder or file
-    losses : what could not be read in the last pass; empty for a sound bag
+    losses : what could not be read in the last pass, and what the recorder says it could not write; empty for a sound
+        bag
     notes : what else a reader must know, after the last pass
 
     Raises BagError if there is no bag at `path`.
@@ -64,6 +66,8 @@ class Bag:
         self._found = find_files(self.path, listed_files(self._described))
         self.losses: list[Loss] = []
         self.notes: list[str] = []
+        stated = recorded_loss(self._described)
+        self._not_recorded = [] if stated is None else [stated.to_loss(self.path)]
         self._topics: dict[str, BagTopic] | None = None
 
     @cached_property
@@ -227,7 +231,8 @@ class Bag:
             for channel_id, channel in survey.contents.channels.items():
                 known = topics.setdefault(channel.topic, _topic(channel, survey.contents.schemas))
                 known.message_count += survey.counts.get(channel_id, 0)
-        self.losses = [*self._unread(), *(loss for contents in self._surveyed() for loss in contents.losses)]
+        unread = [*self._unread(), *(loss for contents in self._surveyed() for loss in contents.losses)]
+        self.losses = [*unread, *self._not_recorded]
         self.notes = list(self._found.notes)
         return dict(sorted(topics.items()))
 
@@ -255,7 +260,7 @@ class Bag:
         passes = self._passes
         self.losses = []
         yield from passes.messages(wanted, start, end, progress)
-        self.losses = [*self._unread(), *passes.losses]
+        self.losses = [*self._unread(), *passes.losses, *self._not_recorded]
         self.notes = [*self._found.notes, *([f"{self.path.name}: {passes.note}"] if passes.note else [])]
 
     def decoded(self, topics: Collection[str] | None = None, **selection: Any) -> Iterator[tuple[RawMessage, Any]]:

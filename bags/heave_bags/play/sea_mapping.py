@@ -8,10 +8,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from heave_node.files.bounded_yaml import parse_yaml
+from heave_node.files.given_files import read_given
 from heave_node.interface.codes import MruStatus
 
 from heave_bags.errors import BagError
-from heave_bags.mcap.bounds import load_yaml
 from heave_bags.mcap.reader import Bag
 from heave_bags.play.ship_time import DATE_ORDERS
 
@@ -76,7 +77,7 @@ class SeaMapping:
 def read_mapping(path: Path) -> SeaMapping:
     """Read the mapping file `path` (YAML). Raises BagError with the file and the entry that is wrong."""
     try:
-        content = load_yaml(path.read_text(encoding="utf-8"))
+        content = parse_yaml(read_given(path))
     except (OSError, ValueError) as error:
         raise BagError(f"{path}: cannot be read as a mapping: {' '.join(str(error).split())}") from error
     if not isinstance(content, dict):

@@ -174,7 +174,9 @@ class ShipLog:
 
 def is_text(source: Path) -> bool:
     """Return whether a `source` is read as a log: a file that neither by its ending nor by its first bytes is a bag."""
-    if source.is_dir() or source.suffix.lower() in (".mcap", ".db3", ".bag", ".zstd", ".zst"):
+    if source.exists() and not source.is_file():
+        return not source.is_dir()  # a pipe is not opened: it may never end
+    if source.suffix.lower() in (".mcap", ".db3", ".bag", ".zstd", ".zst"):
         return False
     try:
         with source.open("rb") as file:

@@ -22,6 +22,7 @@ from heave_node.ros.node import steady_clock
 from heave_node.ros.node_parameters import read_parameters
 from heave_node.ros.spin import spin
 from heave_node.ros.transport.environment import prepare_environment
+from heave_node.ros.transport.start_watchdog import watched_start
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future
@@ -33,12 +34,15 @@ from heave_bags.mcap.storage import BackgroundStorage, DirectStorage
 from heave_bags.record.parameters import RecorderParameters
 from heave_bags.record.provenance import describe_run, scenario_attachment
 from heave_bags.record.recorder_services import RecorderServices
+from heave_bags.record.sequence_gaps import SequenceGaps
 from heave_bags.record.session import RecordingSession, SnapshotRing
 from heave_bags.record.topic_watch import TopicWatch
 
 LOOK_PERIOD = 0.2
 """Wall time between two looks for new topics [s]."""
 DIAGNOSTICS_PERIOD = 1.0
+TOO_LATE = "dropped by the middleware before the recorder took them"
+"""Why messages are missing whose publisher counted on: this machine was too busy, or the recorder was stopped."""
 
 
 class LiveRecorder(Node):
@@ -51,6 +55,8 @@ class LiveRecorder(Node):
         self._sees_faults = self.parameters.snapshot_duration > 0.0
         self.session = RecordingSession(self._make_writer, self._make_ring(), survive=True)
         self.watch = TopicWatch(self, self.parameters.exclude)
+        self._missed: dict[str, int] = {}
+        self._gaps = SequenceGaps(self._note_gap)
         self.controls = RecorderServices(self, self.session, Path(self.parameters.directory))
         diagnostics = topics.DIAGNOSTICS
         self._diagnostics = self.create_publisher(message_type(diagnostics.type), diagnostics.name, 10)
@@ -88,42 +94,55 @@ class LiveRecorder(Node):
                 self.get_logger().warning(problem)
             self.watch.subscribe(topic, self._taker(topic))
 
-    def _taker(self, topic: str) -> Callable[[bytes], None]:
+    def _note_gap(self, topic: str, messages: int) -> None:
+        """Note that a number of `messages` on a `topic` were dropped before they were taken."""
+        self._missed[topic] = self._missed.get(topic, 0) + messages
+        self.session.note_missed(messages, TOO_LATE)
+
+    def _taker(self, topic: str) -> Callable[..., None]:
         write, clock = self.session.write, self.get_clock()
         if topic == topics.DIAGNOSTICS.name and self._sees_faults:
 
-            def take_and_watch(data: bytes) -> None:
+            def take_and_watch(data: bytes, _: object) -> None:
                 write(topic, clock.now().nanoseconds, data)
                 self.controls.watch_for_faults(data)
 
-            return take_and_watch
+            return self._gaps.noting(topic, take_and_watch)
 
-        def take(data: bytes) -> None:
+        def take(data: bytes, _: object) -> None:
             write(topic, clock.now().nanoseconds, data)
 
-        return take
+        return self._gaps.noting(topic, take)
 
     def health(self) -> Health:
         """Report what is recorded and what is not."""
         state = self.session.state
         values = {"written": str(state.written), "not_written": str(state.unwritten)}
-        problems = [*state.problems, *self.watch.unreadable.values()]
+        wrong = self.problems()
+        problems = [*wrong, *self.watch.unreadable.values()]
         if problems:
-            return Health("recording", Level.ERROR if state.problems else Level.WARN, "; ".join(problems), values)
+            return Health("recording", Level.ERROR if wrong else Level.WARN, "; ".join(problems), values)
         return Health("recording", Level.OK, str(self.session.folder or "stopped"), values)
 
     def _publish_diagnostics(self) -> None:
         stamp = self.get_clock().now().to_msg()
         self._diagnostics.publish(diagnostic_array(self.get_name(), stamp, [self.health()]))
 
+    def problems(self) -> list[str]:
+        """Return what went wrong, each in a line."""
+        missed = ", ".join(f"{topic} {count}" for topic, count in sorted(self._missed.items()))
+        late = [f"{sum(self._missed.values())} messages are missing, {TOO_LATE}: {missed}"] if missed else []
+        return [*self.session.state.problems, *late]
+
     def close(self) -> list[str]:
         """End the bag, as whoever recorded wants it; return what went wrong."""
         if self.session.is_recording:
             try:
-                self.session.stop({"ended": "; ".join(self.session.state.problems) or COMPLETE})
+                self.session.stop({"ended": "; ".join(self.problems()) or COMPLETE})
             except BagError as error:
                 self.session.state.problems.append(str(error))
-        return self.session.state.problems
+        self.session.finish()
+        return self.problems()
 
 
 def record(args: list[str] | None = None) -> int:
@@ -132,8 +151,9 @@ def record(args: list[str] | None = None) -> int:
     Raises BagError or ParameterError for what cannot be recorded as asked.
     """
     prepare_environment()
-    rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
-    recorder = LiveRecorder()
+    with watched_start():
+        rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
+        recorder = LiveRecorder()
 
     def on_signal(_number: int, _frame: FrameType | None) -> None:
         if not recorder.finished.done():

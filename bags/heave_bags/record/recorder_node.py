@@ -38,7 +38,7 @@ from heave_bags.record.parameters import RecorderParameters
 from heave_bags.record.provenance import PARAMETERS_ATTACHMENT, describe_run, scenario_attachment
 from heave_bags.record.recorder_services import RecorderServices
 from heave_bags.record.recording import TickOrder
-from heave_bags.record.session import RecordingSession, SnapshotRing, missing_messages
+from heave_bags.record.session import RecordingSession, SnapshotRing, missing_messages, missing_words
 from heave_bags.record.topic_watch import TopicWatch
 
 LOOK_PERIOD = 0.1
@@ -365,11 +365,14 @@ class RecorderNode(ParticipantNode):
         if self._order is not None and self.run.is_lockstep:
             self._order.write_rest(session, self._take_everything, tick_start=self._last_log_time)
         problems = [*session.state.problems]
-        lost = self._lost() if session.is_recording else ""
+        missing = self._missing() if session.is_recording else {}
+        lost = missing_words(missing, self._expected)
         if lost:
             problems.append(f"messages were lost: {lost}")
+            session.note_missed(sum(missing.values()), f"did not come to the recorder: {lost}")
         if session.is_recording:
             session.stop(self._final_metadata(lost))
+        session.finish()
         if problems and not self.failure:
             raise NodeError("; ".join(problems))
 
@@ -388,13 +391,13 @@ class RecorderNode(ParticipantNode):
         inbox = self.gate.inboxes[topic]
         return inbox.take(inbox.received)
 
-    def _lost(self) -> str:
-        """Say which topics hold fewer messages than were published; "" where all are there.
+    def _missing(self) -> dict[str, int]:
+        """Return by how many messages topics hold fewer than were published; empty where all are there.
 
         Only of a bag that covers the whole run. The recorder's own /diagnostics are not in it.
         """
         if str(self.session.folder) != self.parameters.directory:
-            return ""
+            return {}
         published = {topic: count for topic, count in self._expected.items() if topic != self._diagnostics_topic}
         return missing_messages(published, self.session.counts())
 

@@ -4,15 +4,20 @@ split. No ROS.
 
 from __future__ import annotations
 
+import time
 from collections import deque
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
 from heave_bags.errors import BagError, StorageError
-from heave_bags.mcap.bag_writer import BagWriter
+from heave_bags.mcap.bag_writer import DESCRIPTION_PERIOD, BagWriter
 from heave_bags.mcap.files import SNAPSHOT
+from heave_bags.mcap.recorded_loss import RecordedLoss
 from heave_bags.mcap.ros.qos import OfferedQos
+
+STOPPED = "after that nothing was written"
+"""Why messages that came after a bag was given up are not in it."""
 
 
 class SnapshotRing:
@@ -92,7 +97,9 @@ class RecordingSession:
         self._topics: dict[str, _KnownTopic] = {}
         self._survive = survive
         self._writer: BagWriter | None = None
-        self._failed = False
+        self._broken: BagWriter | None = None
+        self._told_at = 0.0
+        self._since: RecordedLoss | None = None
         self.ring = ring
         self.state = SessionState()
         self.last_time = 0
@@ -111,7 +118,8 @@ class RecordingSession:
         """Begin a bag. Raises BagError while one is being written, or if the folder exists."""
         if self._writer:
             raise BagError(f"{self._writer.folder} is being recorded: stop it first")
-        self._failed = False
+        self._tell_unwritten(at_once=True)
+        self._broken = None
         self._writer = self._make_writer(folder)
         for name, topic in self._topics.items():
             self._writer.add_topic(name, topic.type, topic.qos)
@@ -158,7 +166,9 @@ class RecordingSession:
         if self.ring.span:
             self.ring.put(topic, log_time, data, latched=known.latched)
         if self._writer is None:
-            self.state.unwritten += self._failed
+            if self._broken is not None:
+                self.state.unwritten += 1
+                self._since = RecordedLoss(STOPPED, 1, log_time, log_time).joined(self._since)
             return
         try:
             self._writer.write(topic, log_time, data)
@@ -166,6 +176,7 @@ class RecordingSession:
             self._give_up()
         except BagError as error:  # one message that no bag takes; the others go on
             self.state.unwritten += 1
+            self._writer.note_loss("a message that no bag takes", 1, log_time)
             if str(error) not in self.state.problems:
                 self.state.problems.append(str(error))
         else:
@@ -174,6 +185,7 @@ class RecordingSession:
     def acknowledge(self) -> None:
         """Make what was written survive a crash of this process."""
         if self._writer is None:
+            self._tell_unwritten()
             return
         try:
             self._writer.acknowledge()
@@ -184,13 +196,31 @@ class RecordingSession:
         """End a bag that the disk refuses."""
         assert self._writer is not None
         writer, self._writer = self._writer, None
-        self._failed = True
+        self._broken = writer
         try:
             writer.close({"ended": "a write to the disk failed"})
         except StorageError as error:
             self.state.problems.append(str(error))
             if not self._survive:
                 raise
+
+    def note_missed(self, messages: int, why: str) -> None:
+        """Note that a number of `messages` did not come to the recorder, and `why`; the bag will say so."""
+        if self._writer is not None:
+            self.state.unwritten += messages
+            self._writer.note_loss(why, messages, self.last_time)
+
+    def finish(self) -> None:
+        """Let a bag that the disk has refused say how much was not written until now."""
+        self._tell_unwritten(at_once=True)
+
+    def _tell_unwritten(self, *, at_once: bool = False) -> None:
+        """Tell the bag that was given up, now and then, how many messages came since."""
+        if self._broken is None or self._since is None or (time.monotonic() < self._told_at and not at_once):
+            return
+        self._told_at = time.monotonic() + DESCRIPTION_PERIOD
+        lost, self._since = self._since, None
+        self._broken.note_loss(lost.reason, lost.messages, lost.start, lost.end)
 
     def save_snapshot(self, folder: Path, span: int = 0) -> int:
         """Write the last `span` [ns] (0: all that is kept) to a bag of their own; return the number of messages.
@@ -215,7 +245,14 @@ class RecordingSession:
         return {topic.name: topic.message_count for topic in self._writer.summary().topics}
 
 
-def missing_messages(published: Mapping[str, int], recorded: Mapping[str, int]) -> str:
-    """Say which recorded topics hold fewer messages than were published on them; "" where all are there."""
+def missing_messages(published: Mapping[str, int], recorded: Mapping[str, int]) -> dict[str, int]:
+    """Return by how many messages recorded topics hold fewer than were published on them; those that hold all are not
+    in it.
+    """
     lacking = {topic: count - recorded[topic] for topic, count in published.items() if topic in recorded}
-    return ", ".join(f"{topic} {count} of {published[topic]}" for topic, count in lacking.items() if count > 0)
+    return {topic: count for topic, count in lacking.items() if count > 0}
+
+
+def missing_words(missing: Mapping[str, int], published: Mapping[str, int]) -> str:
+    """Say what is `missing` of what was `published`, by topic; "" for nothing."""
+    return ", ".join(f"{topic} {count} of {published[topic]}" for topic, count in missing.items())

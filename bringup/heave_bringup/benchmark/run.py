@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import functools
-import multiprocessing
 import os
-from collections.abc import Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
+from collections.abc import Generator, Sequence
+from concurrent.futures import as_completed
+from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -18,6 +18,8 @@ from heave_bringup.benchmark.interface import Command, Controller, Measurement
 from heave_bringup.benchmark.outcome import figures_of
 from heave_bringup.benchmark.published_cases import published_cases
 from heave_bringup.benchmark.suite_cases import suite_cases
+from heave_bringup.errors import CommandError
+from heave_bringup.workers.pool import worker_pool
 
 
 @functools.cache
@@ -82,16 +84,24 @@ def check(tasks: Sequence[Task]) -> None:
         case.make(task.seed, case.duration)
 
 
-def run_all(tasks: Sequence[Task], processes: int | None) -> Iterator[Result]:
-    """Run `tasks` in this many `processes` (None: one per processor) and yield the results as they come."""
+def run_all(tasks: Sequence[Task], processes: int | None) -> Generator[Result, None, None]:
+    """Run `tasks` in this many `processes` (None: one per processor) and yield the results as they come.
+
+    Raises CommandError where a process is killed.
+    """
     workers = min(len(tasks), processes or os.cpu_count() or 1)
     if workers <= 1:
         yield from map(run_one, tasks)
         return
-    with ProcessPoolExecutor(workers, mp_context=multiprocessing.get_context("spawn")) as pool:
-        pending = [pool.submit(run_one, task) for task in tasks]
-        for finished in as_completed(pending):
-            yield finished.result()
+    try:
+        with worker_pool(workers) as pool:
+            pending = [pool.submit(run_one, task) for task in tasks]
+            for finished in as_completed(pending):
+                yield finished.result()
+    except BrokenProcessPool as error:
+        raise CommandError(
+            "a process ended without a result: it was killed, or out of memory (--processes 1)"
+        ) from error
 
 
 class _Checked:

@@ -30,9 +30,8 @@ from importlib import resources
 from pathlib import Path
 from typing import Any
 
-import yaml
+from heave_node.files.bounded_yaml import YamlError, parse_yaml
 from heave_node.parameters import ParameterError
-from heave_node.scenario import parse_yaml
 
 from heave_bringup.campaign.plan import Campaign, Link
 from heave_bringup.campaign.sampling import Draws
@@ -54,11 +53,11 @@ def find_campaign(name: str) -> Path:
 def read_campaign(path: Path) -> Campaign:
     """Read and check the campaign file `path`; raise ParameterError, in one line, for what is wrong with it."""
     try:
-        content = parse_yaml(path.read_text(encoding="utf-8"), only_true_and_false=True)
+        content = parse_yaml(path.read_bytes(), only_true_and_false=True)
     except OSError as error:
         raise ParameterError(f"{path}: cannot be read: {error.strerror}") from error
-    except (yaml.YAMLError, UnicodeDecodeError) as error:
-        raise ParameterError(f"{path}: is not valid YAML: {' '.join(str(error).split())}") from error
+    except YamlError as error:
+        raise ParameterError(f"{path}: {error}") from error
     if not isinstance(content, Mapping) or "scenario" not in content:
         raise ParameterError(f"{path}: must be a mapping with at least the key scenario")
     _refuse_unknown(content, _KEYS, str(path))

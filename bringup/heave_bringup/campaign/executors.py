@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import multiprocessing
 import os
-from collections.abc import Iterator, Sequence
-from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from collections.abc import Generator, Iterator, Sequence
+from concurrent.futures import FIRST_COMPLETED, Future, wait
 from concurrent.futures.process import BrokenProcessPool
 from typing import Any
 
@@ -14,6 +13,7 @@ from heave_node.parameters import ParameterError
 
 from heave_bringup.campaign.runs import CaseResult, Task, run_task
 from heave_bringup.errors import CommandError
+from heave_bringup.workers.pool import worker_pool
 
 DIED = "its process ended without a result, twice: it was killed, or out of memory"
 """What is said of a case that takes its process with it."""
@@ -22,7 +22,9 @@ IN_HAND = 2
 """Cases that a worker process has in hand: one runs, one waits."""
 
 
-def run_tasks(tasks: Sequence[Task], processes: int | None = None, dask: str | None = None) -> Iterator[CaseResult]:
+def run_tasks(
+    tasks: Sequence[Task], processes: int | None = None, dask: str | None = None
+) -> Generator[CaseResult, None, None]:
     """Run every case and yield the results as they come.
 
     Parameters
@@ -45,7 +47,7 @@ def _run_in_processes(tasks: Sequence[Task], processes: int) -> Iterator[CaseRes
     while waiting:
         in_hand: dict[Future[CaseResult], Task] = {}
         try:
-            with _pool(min(len(waiting), processes)) as pool:
+            with worker_pool(min(len(waiting), processes)) as pool:
                 while waiting or in_hand:
                     while waiting and len(in_hand) < IN_HAND * processes:
                         task = waiting[-1]
@@ -63,14 +65,10 @@ def _run_in_processes(tasks: Sequence[Task], processes: int) -> Iterator[CaseRes
 def _run_alone(task: Task) -> CaseResult:
     """Run a case in a process of its own, which alone dies with it."""
     try:
-        with _pool(1) as pool:
+        with worker_pool(1) as pool:
             return pool.submit(run_task, task).result()
     except BrokenProcessPool:
         return CaseResult(task.case, failure=DIED)
-
-
-def _pool(processes: int) -> ProcessPoolExecutor:
-    return ProcessPoolExecutor(processes, mp_context=multiprocessing.get_context("spawn"))
 
 
 def _run_on_dask(tasks: Sequence[Task], address: str) -> Iterator[CaseResult]:
@@ -87,11 +85,15 @@ def _run_on_dask(tasks: Sequence[Task], address: str) -> Iterator[CaseResult]:
     with client:
         futures = client.map(run_task, tasks, pure=False)
         case_of = {future.key: task.case for future, task in zip(futures, tasks, strict=True)}
-        for future in dask.as_completed(futures, loop=client.loop):
-            trouble = future.exception()
-            if trouble is None:
-                yield future.result()
-            else:
-                words = " ".join(str(trouble).split()) or type(trouble).__name__
-                yield CaseResult(case_of[future.key], failure=f"its worker was lost, or could not run it: {words}")
-            future.release()
+        try:
+            for future in dask.as_completed(futures, loop=client.loop):
+                trouble = future.exception()
+                if trouble is None:
+                    yield future.result()
+                else:
+                    words = " ".join(str(trouble).split()) or type(trouble).__name__
+                    yield CaseResult(case_of[future.key], failure=f"its worker was lost, or could not run it: {words}")
+                future.release()
+        except BaseException:
+            client.cancel(futures, force=True)  # else the workers would go on with cases that nobody waits for
+            raise

@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 import time
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from pathlib import Path
 
 import pandas
@@ -60,7 +60,8 @@ def run_study(
     results = {number: result for number, result in found.items() if result is not None}
     todo = [task for task in tasks if task.case.number not in results]
     with _saying_what_is_kept(journal, results):
-        _run(todo, results, journal, run_tasks(todo, processes, dask), campaign.scenario)
+        with closing(run_tasks(todo, processes, dask)) as coming:  # at once, not when it is collected
+            _run(todo, results, journal, coming, campaign.scenario)
         frame = case_frame(tasks, [results[task.case.number] for task in tasks], files)
         if output is not None and journal is not None:
             write_cases(frame, output, provenance(campaign, mark), files.values())

@@ -15,6 +15,7 @@ from heave_node.ros.process import in_namespace
 from heave_node.ros.spin import Spinner
 from heave_node.ros.transport.environment import prepare_environment
 from heave_node.ros.transport.qos import qos_of, reader_qos_of
+from heave_node.ros.transport.start_watchdog import watched_start
 from heave_node.tick.clock_rule import ClockRule
 from heave_node.tick.tick import seconds_of, stamp_of_seconds
 from rclpy.node import Node
@@ -49,8 +50,9 @@ def check_node(
     Raises CommandError where a run is under way in this ROS domain: the node would then take part in that run.
     """
     prepare_environment()
-    rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
-    listener = _Listener(contract, seconds, namespace)
+    with watched_start():
+        rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
+        listener = _Listener(contract, seconds, namespace)
     try:
         return listener.listen(rule)
     finally:

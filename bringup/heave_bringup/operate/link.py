@@ -19,6 +19,7 @@ from heave_node.ros.process import in_namespace
 from heave_node.ros.spin import Spinner
 from heave_node.ros.transport.environment import prepare_environment
 from heave_node.ros.transport.qos import qos_of
+from heave_node.ros.transport.start_watchdog import watched_start
 from heave_node.tick.tick import seconds_of
 from rclpy.action import ActionClient
 from rclpy.client import Client
@@ -75,14 +76,15 @@ class RunLink:
 
     def __init__(self, namespace: str = "") -> None:
         prepare_environment()
-        rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
         self._namespace = namespace.strip("/")
-        self._node = Node(
-            f"heave_operate_{os.getpid()}",
-            namespace=namespace,
-            cli_args=in_namespace(namespace),
-            start_parameter_services=False,
-        )
+        with watched_start():
+            rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
+            self._node = Node(
+                f"heave_operate_{os.getpid()}",
+                namespace=namespace,
+                cli_args=in_namespace(namespace),
+                start_parameter_services=False,
+            )
         self.situation = Situation()
         self.heard_at = self.wall_time
         self._surveyed_at = self.wall_time

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hmac
 from collections.abc import Awaitable, Callable, MutableMapping
-from http.cookies import SimpleCookie
+from http.cookies import CookieError, SimpleCookie
 from ipaddress import ip_address
 from typing import Any
 from urllib.parse import parse_qs, urlsplit
@@ -15,6 +15,15 @@ Receive = Callable[[], Awaitable[MutableMapping[str, Any]]]
 Application = Callable[[Scope, Receive, Send], Awaitable[None]]
 
 COOKIE, PARAMETER = "heave_panel", "token"
+PROTECTION = (
+    (b"content-security-policy", b"frame-ancestors 'none'; object-src 'none'; base-uri 'self'; form-action 'self'"),
+    (b"x-frame-options", b"DENY"),  # the first of these for browsers of before 2020
+    (b"x-content-type-options", b"nosniff"),
+    (b"referrer-policy", b"no-referrer"),  # the address may hold the token
+    (b"cross-origin-opener-policy", b"same-origin"),
+    (b"cross-origin-resource-policy", b"same-origin"),
+)
+"""Headers of every answer: no other site shows the page in a frame, where clicks on it could be led astray."""
 REFUSED = b"The token is missing or wrong: open the address that heave panel has printed.\n"
 
 
@@ -43,6 +52,7 @@ class Guard:
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Serve one request or connection."""
+        send = _protected(send)
         if scope["type"] not in ("http", "websocket") or self._may_pass(scope):
             await self._application(scope, receive, send)
         elif scope["type"] == "websocket":
@@ -57,11 +67,14 @@ class Guard:
         headers = {name.decode("latin-1").lower(): value.decode("latin-1") for name, value in scope["headers"]}
         host = headers.get("host", "")
         origin = headers.get("origin", "")
-        if origin and urlsplit(origin).netloc != host:
+        try:
+            if origin and urlsplit(origin).netloc != host:
+                return False
+            if not self._token:
+                return is_loopback(urlsplit(f"//{host}").hostname or "")
+            cookies = SimpleCookie(headers.get("cookie", ""))
+        except (ValueError, CookieError):  # no address, no cookie
             return False
-        if not self._token:
-            return is_loopback(urlsplit(f"//{host}").hostname or "")
-        cookies = SimpleCookie(headers.get("cookie", ""))
         return COOKIE in cookies and self._has_token(cookies[COOKIE].value)
 
     @staticmethod
@@ -71,6 +84,19 @@ class Guard:
 
     def _has_token(self, given: str) -> bool:
         return bool(self._token) and hmac.compare_digest(given.encode(), self._token.encode())
+
+
+def _protected(send: Send) -> Send:
+    """Return `send` with the headers of PROTECTION in every answer, in the place of such as the application has."""
+    names = {name for name, _ in PROTECTION}
+
+    async def send_protected(message: MutableMapping[str, Any]) -> None:
+        if message["type"] == "http.response.start":
+            others = [header for header in message.get("headers", ()) if header[0].lower() not in names]
+            message = {**message, "headers": [*others, *PROTECTION]}
+        await send(message)
+
+    return send_protected
 
 
 async def _answer(send: Send, status: int, body: bytes, headers: list[tuple[bytes, bytes]]) -> None:

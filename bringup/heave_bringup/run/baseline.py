@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 import zipfile
+import zlib
 from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import replace
@@ -160,7 +161,11 @@ def read_kept(file: Path, digest: str) -> RunSignals | None:
                 return None
             signals = RunSignals()
             for name in KEPT:
-                setattr(signals, name, Signal(*columns[name].astype(float)))
+                rows = columns[name].astype(float)
+                if rows.ndim != 2 or len(rows) != 2:
+                    return None
+                setattr(signals, name, Signal(*rows))
             return signals
-    except (OSError, ValueError, TypeError, KeyError, EOFError, zipfile.BadZipFile):
+    # zlib.error of a damaged member; MemoryError of a head that promises terabytes
+    except (OSError, ValueError, TypeError, LookupError, EOFError, MemoryError, zipfile.BadZipFile, zlib.error):
         return None

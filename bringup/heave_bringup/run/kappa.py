@@ -9,7 +9,6 @@ from pathlib import Path
 
 import numpy as np
 from heave_bags.analyse.run_record import RunRecord
-from heave_bags.mcap.bounds import check_yaml
 from heave_bags.mcap.reader import Bag
 from heave_node.numerics.arrays import Array
 from heave_node.parameters import build_parameters, describe, flatten
@@ -146,7 +145,6 @@ def scenario_of(bag: Path) -> Scenario | None:
 def _parsed(content: bytes) -> Scenario | None:
     """Return a scenario from the bytes of its file; None if they are none that this version can read."""
     try:
-        check_yaml(content)  # held to bounds, since it comes from a file that anyone may have written
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder) / "scenario.yaml"
             path.write_bytes(content)

@@ -15,6 +15,7 @@ from heave_node.interface.codes import without_figures
 from heave_node.ros.process import in_namespace
 from heave_node.ros.spin import Spinner
 from heave_node.ros.transport.qos import qos_of
+from heave_node.ros.transport.start_watchdog import watched_start
 from heave_node.ros.transport.strangers import PART as STRANGERS
 from heave_node.tick.tick import seconds_of
 from nav_msgs.msg import Odometry
@@ -92,10 +93,11 @@ class Monitor:
 
     def __init__(self, namespace: str = "") -> None:
         # The command handles Ctrl-C itself: it must end the nodes in order.
-        rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
-        self._node = Node(
-            "heave_command", namespace=namespace, cli_args=in_namespace(namespace), start_parameter_services=False
-        )
+        with watched_start():
+            rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
+            self._node = Node(
+                "heave_command", namespace=namespace, cli_args=in_namespace(namespace), start_parameter_services=False
+            )
         self.status: TickStatus | None = None
         self.kpi: CompensationKpi | None = None
         self.live = LiveFigures()

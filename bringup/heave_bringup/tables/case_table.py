@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import re
 from collections.abc import Iterable, Mapping
 from pathlib import Path
@@ -10,7 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 from heave_node.parameters import ParameterError
 
-from heave_bringup.tables.kept_files import KeptFile, from_metadata, to_metadata
+from heave_bringup.tables.kept_files import KeptFile, from_metadata, read_files, to_metadata
+from heave_bringup.tables.parquet_bounds import read_bounded
 
 if TYPE_CHECKING:
     import pandas
@@ -24,7 +24,7 @@ these name: JSON of digests (SHA-256) by path. The files themselves are in the t
 MARK = b"heave."
 """Opens the names of what the file itself says: campaign, versions, commit."""
 
-_REFERENCE = re.compile(rf"(.+{re.escape(ENDING)}):(\d+)")
+_REFERENCE = re.compile(rf"(.+{re.escape(ENDING)}):(\d{{1,9}})")
 
 
 def write_cases(frame: pandas.DataFrame, path: Path, about: Mapping[str, str], files: Iterable[KeptFile] = ()) -> None:
@@ -52,7 +52,11 @@ def read_cases(path: Path) -> tuple[pandas.DataFrame, dict[str, str]]:
     """Return the cases of the file at `path`, and what it says of itself; raise ParameterError for any other file."""
     table = _read(path)
     metadata = table.schema.metadata or {}
-    about = {name.removeprefix(MARK).decode(): text.decode() for name, text in metadata.items() if MARK in name[:6]}
+    about = {
+        name.removeprefix(MARK).decode(errors="replace"): text.decode(errors="replace")
+        for name, text in metadata.items()
+        if name.startswith(MARK)
+    }
     return table.to_pandas(), about
 
 
@@ -61,12 +65,16 @@ def _read(path: Path) -> Any:
         raise ParameterError(f"{path}: no such file")
     arrow, parquet = _pyarrow(path)
     try:
-        table = parquet.read_table(path)
-    except (OSError, arrow.ArrowException) as error:
+        table = read_bounded(parquet, path)
+    except (OSError, ValueError, arrow.ArrowException) as error:
         raise ParameterError(f"{path}: cannot be read as a table of cases: {str(error).splitlines()[0]}") from error
     missing = [name for name in (CASE, SCENARIO) if name not in table.column_names]
     if missing:
         raise ParameterError(f"{path}: is not a table of heave campaign: it has no column {missing[0]}")
+    kinds = {CASE: arrow.types.is_integer, SCENARIO: arrow.types.is_string, FILES: arrow.types.is_string}
+    other = [name for name, is_kind in kinds.items() if name in table.column_names and not is_kind(table[name].type)]
+    if other:
+        raise ParameterError(f"{path}: is not a table of heave campaign: its {other[0]} is {table[other[0]].type}")
     return table
 
 
@@ -104,7 +112,8 @@ def files_of(path: Path, number: int) -> tuple[dict[str, str], dict[str, KeptFil
         return {}, {}
     frame = table.select([CASE, FILES]).to_pandas()
     rows = [str(text) for text in frame.loc[frame[CASE] == number, FILES] if text]
-    return (json.loads(rows[0]) if rows else {}), from_metadata(table.schema.metadata or {})
+    read = read_files(rows[0], f"{path}: case {number}") if rows else {}
+    return read, from_metadata(table.schema.metadata or {}, str(path))
 
 
 def _pyarrow(path: Path) -> tuple[Any, Any]:

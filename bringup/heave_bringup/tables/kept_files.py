@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import base64
 import hashlib
-import io
 import json
-import zipfile
-from collections.abc import Collection, Iterable, Mapping
+import re
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from itertools import islice
 from pathlib import Path
 
 from heave_node.parameters import ParameterError
+
+from heave_bringup.tables.archive import digest_in, is_plain_name, pack, unpack
 
 MARK = b"heave_file."
 """Opens the names, with the digest of a file, under which a table's metadata holds it."""
@@ -28,8 +30,10 @@ MOST_READ = 10 * MOST_KEPT
 DIGITS = 12
 """Of a digest, for people."""
 
-_EPOCH = (1980, 1, 1, 0, 0, 0)
-"""Time of every packed file: equal contents give equal bytes."""
+MOST_IN_FOLDER = 10_000
+"""A folder with more files is none that a case read: a bag has one for each split."""
+
+_DIGEST = re.compile(r"[0-9a-f]{64}")
 
 
 @dataclass(frozen=True)
@@ -84,14 +88,51 @@ def to_metadata(files: Iterable[KeptFile]) -> dict[bytes, bytes]:
     }
 
 
-def from_metadata(metadata: Mapping[bytes, bytes]) -> dict[str, KeptFile]:
-    """Return the files that a table's `metadata` holds, by digest."""
+def from_metadata(metadata: Mapping[bytes, bytes], where: str) -> dict[str, KeptFile]:
+    """Return the files that a table's `metadata` holds, by digest; anyone may have written them.
+
+    Parameters
+    ----------
+    metadata : of the table
+    where : opens error messages: the table
+
+    Raises ParameterError for what is no kept file: a digest is 64 hex digits, a name that of a file in a folder.
+    """
     found = {}
     for key, value in metadata.items():
-        if key.startswith(MARK):
-            digest, content = key.removeprefix(MARK).decode(), json.loads(value)
-            found[digest] = KeptFile(content["name"], digest, content["size"], base64.b64decode(content["zip"]))
+        if not key.startswith(MARK):
+            continue
+        digest = _checked_digest(key.removeprefix(MARK).decode(errors="replace"), where)
+        try:
+            content = json.loads(value)
+            name, size, packed = content["name"], content["size"], base64.b64decode(content["zip"], validate=True)
+            is_good = is_plain_name(name) and type(size) is int and size >= 0
+        except (ValueError, TypeError, LookupError, RecursionError):
+            is_good = False
+        if not is_good:
+            raise ParameterError(f"{where}: what it keeps of the file {digest[:DIGITS]} is damaged")
+        found[digest] = KeptFile(name, digest, size, packed)
     return found
+
+
+def read_files(text: str, where: str) -> dict[str, str]:
+    """Return the digests of the files that a case read, by path, from the `text` in its row; `where` names the case.
+
+    Raises ParameterError for any other text.
+    """
+    try:
+        files = json.loads(text)
+    except (ValueError, RecursionError):
+        files = None
+    if not isinstance(files, dict):
+        raise ParameterError(f"{where}: its files are no digests by path")
+    return {path: _checked_digest(digest, where) for path, digest in files.items()}
+
+
+def _checked_digest(digest: object, where: str) -> str:
+    if not isinstance(digest, str) or not _DIGEST.fullmatch(digest):
+        raise ParameterError(f"{where}: {str(digest)[:80]!r} is no digest of a file: it must be 64 hex digits")
+    return digest
 
 
 def make_good(
@@ -112,34 +153,54 @@ def make_good(
     """
     anew, told = {}, []
     for path, digest in read.items():
-        found = digest_of(Path(path)) if Path(path).exists() else ""
-        if path not in named or found == digest:
+        if path not in named:
             continue
-        wrong = (
-            f"has changed since the case was run (sha256 {found[:DIGITS]}, not {digest[:DIGITS]})"
-            if found
-            else f"is not there (sha256 {digest[:DIGITS]})"
-        )
-        file = kept.get(digest)
-        if file is None or not file.packed:
-            size = f", {file.size / 2**20:.1f} MB," if file else ""
-            raise ParameterError(f"{where}: {path} {wrong}, and{size} was too large for the table to keep it")
+        if digest not in kept:
+            raise ParameterError(f"{where}: its table does not hold what it says of {path}: it is damaged")
+        file = kept[digest]
+        found = _found(Path(path), file)
+        if found == digest:
+            continue
+        has_changed = f"has changed since the case was run ({found[:DIGITS]}, not {digest[:DIGITS]})"
+        wrong = has_changed if found else f"is not there (sha256 {digest[:DIGITS]})"
+        if not file.packed:
+            size = f"{file.size / 2**20:.1f} MB"
+            raise ParameterError(f"{where}: {path} {wrong}, and, {size}, was too large for the table to keep it")
         anew[path] = str(_write(file, folder / digest[:DIGITS], where))
         told.append(f"{path} {wrong}: the case reads what its table kept, {anew[path]}")
     return anew, told
 
 
+def _found(path: Path, file: KeptFile) -> str:
+    """Return the digest of what is at a `path` now, or why it cannot be the `file`; "" where nothing is."""
+    try:
+        if not path.is_file() and not path.is_dir():
+            return ""
+        files = list(islice(_walk(path), MOST_IN_FOLDER))
+        size = sum(one.stat().st_size for one in files)
+        if size != file.size:  # not read: the table may name any file of this machine
+            return f"{size} bytes"
+        return digest_of(path)
+    except OSError as error:
+        return f"{error.strerror}"
+
+
 def _write(file: KeptFile, folder: Path, where: str) -> Path:
-    """Unpack a `file` into a `folder`; return its path."""
+    """Unpack a `file` into a `folder`, once its contents are those of its digest; return its path."""
+    try:
+        contents = unpack(file.packed, file.name, min(file.size, MOST_READ))
+    except ValueError as error:
+        raise ParameterError(f"{where}: {file.name} is damaged in the table: {error}") from error
+    digest = digest_in(contents, file.name)
+    if digest != file.digest:
+        raise ParameterError(f"{where}: {file.name} is damaged in the table: sha256 {digest[:DIGITS]}")
     path = folder / file.name
     try:
-        with zipfile.ZipFile(io.BytesIO(file.packed)) as archive:
-            archive.extractall(folder)
-        written = digest_of(path)
-    except (OSError, zipfile.BadZipFile) as error:
+        for name, content in contents.items():
+            (folder / name).parent.mkdir(parents=True, exist_ok=True)
+            (folder / name).write_bytes(content)
+    except OSError as error:
         raise ParameterError(f"{where}: {file.name} cannot be written to {folder}: {error}") from error
-    if written != file.digest:
-        raise ParameterError(f"{where}: {file.name} is damaged in the table: sha256 {written[:DIGITS]}")
     return path.resolve()
 
 
@@ -149,14 +210,13 @@ def _known(path: Path) -> KeptFile:
 
 
 def _packed(path: Path) -> bytes:
-    buffer = io.BytesIO()
-    with zipfile.ZipFile(buffer, "w") as archive:
-        for one in _files_in(path):
-            name = zipfile.ZipInfo(one.relative_to(path.parent).as_posix(), _EPOCH)
-            archive.writestr(name, one.read_bytes(), zipfile.ZIP_DEFLATED)
-    return buffer.getvalue()
+    return pack({one.relative_to(path.parent): one.read_bytes() for one in _files_in(path)})
 
 
 def _files_in(path: Path) -> list[Path]:
     """Return the files in a folder, or the file itself."""
-    return sorted(one for one in path.rglob("*") if one.is_file()) if path.is_dir() else [path]
+    return sorted(_walk(path))
+
+
+def _walk(path: Path) -> Iterator[Path]:
+    return (one for one in path.rglob("*") if one.is_file()) if path.is_dir() else iter([path])

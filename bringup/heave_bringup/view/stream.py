@@ -21,6 +21,7 @@ from heave_node.interface.messages import message_type
 from heave_node.ros.process import in_namespace
 from heave_node.ros.spin import Spinner
 from heave_node.ros.transport.environment import prepare_environment
+from heave_node.ros.transport.start_watchdog import watched_start
 from nav_msgs.msg import Odometry
 from rclpy.node import Node
 from rclpy.parameter import Parameter
@@ -55,15 +56,16 @@ class Stream:
 
     def __init__(self, namespace: str, port: int) -> None:
         prepare_environment()
-        rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
         self._prefix = f"/{namespace.strip('/')}" if namespace.strip("/") else ""
-        self._node = Node(
-            f"heave_view_{os.getpid()}",
-            namespace=namespace,
-            cli_args=in_namespace(namespace),
-            start_parameter_services=False,
-            parameter_overrides=[Parameter("use_sim_time", value=True)],
-        )
+        with watched_start():
+            rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
+            self._node = Node(
+                f"heave_view_{os.getpid()}",
+                namespace=namespace,
+                cli_args=in_namespace(namespace),
+                start_parameter_services=False,
+                parameter_overrides=[Parameter("use_sim_time", value=True)],
+            )
         self._watch = TopicWatch(self._node, exclude=("/rosout", "/parameter_events", "*/transition_event"))
         self._spinner = Spinner(self._node)
         self._shown: list[ShownTopic] = []

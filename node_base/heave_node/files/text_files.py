@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import gzip
-import zlib
 from dataclasses import dataclass
 from pathlib import Path
 
-_GZIP, _ZIP, _ZSTD = b"\x1f\x8b", b"PK\x03\x04", b"\x28\xb5\x2f\xfd"
+from heave_node.files.given_files import read_given
+
+_ZIP, _ZSTD = b"PK\x03\x04", b"\x28\xb5\x2f\xfd"
 _UTF_16 = (b"\xff\xfe", b"\xfe\xff")
 _TEXT_CONTROLS = frozenset("\t\n\r\f\v\x1a")
 
@@ -33,14 +33,15 @@ class Text:
 def read_text(path: Path) -> Text:
     """Read the text file at `path`.
 
-    Raises TextFileError for a file that is missing, broken, or not text; an archive or workbook is named.
+    Raises TextFileError for a file that is missing, broken, not text, or larger than `read_given` takes; an archive or
+    workbook is named.
     """
     try:
-        data = path.read_bytes()
-        if data.startswith(_GZIP):
-            data = gzip.decompress(data)
-    except (EOFError, OSError, zlib.error) as error:
+        data = read_given(path)
+    except OSError as error:
         raise TextFileError(f"{path}: cannot be read to its end: {error}") from error
+    except ValueError as error:
+        raise TextFileError(f"{path}: {error}") from error
     if data.startswith(_ZIP):
         raise TextFileError(f"{path}: is a ZIP archive or an Excel workbook: save it as CSV (or extract it) first")
     if data.startswith(_ZSTD):

@@ -41,10 +41,17 @@ def timed_callback(handle: Callable[[Any, str, int], object]) -> Callable[..., N
     The identity is that of the sender's process; the time is by the sender's clock [ns], 0 where the middleware does
     not tell. The events executor of some releases gives message and information as one argument, others as two.
     """
+    return with_information(
+        lambda message, info: handle(message, identity_of_sender(info), int(info.get("source_timestamp", 0)))
+    )
+
+
+def with_information(handle: Callable[[Any, Any], object]) -> Callable[..., None]:
+    """Return `handle`, which takes a message and the middleware's information on it, as a callback."""
 
     def on_message(*given: Any) -> None:
         message, info = given if len(given) == 2 else given[0]
-        handle(message, identity_of_sender(info), int(info.get("source_timestamp", 0)))
+        handle(message, info)
 
     on_message.__signature__ = _WITH_INFORMATION  # type: ignore[attr-defined]
     return on_message

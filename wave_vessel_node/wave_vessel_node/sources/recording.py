@@ -68,6 +68,8 @@ def read_recording(path: str | Path, topic: str = "boom_tip", *, accept_implausi
     path = Path(path)
     if not path.exists():
         raise RecordingError(f"{path}: no such file or folder")
+    if not path.is_file() and not path.is_dir():
+        raise RecordingError(f"{path}: is not a file")  # a pipe or a device may never end
     if path.suffix.lower() == ".csv":
         samples = list(_csv_samples(path))
     elif path.is_dir() or path.suffix.lower() == ".mcap":

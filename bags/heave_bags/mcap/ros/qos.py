@@ -7,8 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import yaml
-
-from heave_bags.mcap.bounds import load_yaml
+from heave_node.files.bounded_yaml import parse_yaml
 
 INFINITE = 9_223_372_036_854_775_807
 """A duration that never ends [ns]."""
@@ -97,4 +96,4 @@ def to_yaml(profiles: list[OfferedQos] | tuple[OfferedQos, ...]) -> str:
 
 def from_yaml(text: str) -> tuple[OfferedQos, ...]:
     """Read the YAML text of a channel's metadata; an empty one gives no profiles."""
-    return tuple(from_mapping(values) for values in load_yaml(text) or [])
+    return tuple(from_mapping(values) for values in parse_yaml(text) or [])

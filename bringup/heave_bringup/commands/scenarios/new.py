@@ -30,13 +30,14 @@ def execute(options: argparse.Namespace) -> None:
     """Write the file that `options` name, and check it."""
     from heave_bringup.output import write_result
     from heave_bringup.pages.commented_scenario import commented_scenario
-    from heave_bringup.scenarios import description_of, find_scenario, sections_for, write_scenario
+    from heave_bringup.scenarios import description_of, find_scenario, load_scenario, sections_for, write_scenario
 
     path = Path(options.file)
     path = path if path.suffix in (".yaml", ".yml") else path.with_name(f"{path.name}.yaml")
     if path.exists() and not options.force:
         raise CommandError(f"{path}: is there already; --force writes over it")
     model = find_scenario(options.like)
+    load_scenario(options.like, needs_files=False)  # what is wrong with it is said of it, not of what is made of it
     sections = _changed(sections_for(model, path.parent), options)
     title = f"{path.stem}: made from {description_of(model).rstrip('.') or model.stem}"
     text = commented_scenario(sections, title=title, path=str(path))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import math
 from collections.abc import Mapping, Sequence
+from contextlib import closing
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -103,9 +104,9 @@ def _run(tasks: Sequence[Task], processes: int | None) -> list[Result]:
     from heave_bringup.progress import ProgressLine
 
     done = {}
-    with ProgressLine() as progress:
+    with ProgressLine() as progress, closing(run_all(tasks, processes)) as coming:
         progress.show(f"{len(tasks)} runs", 0.0)
-        for result in run_all(tasks, processes):
+        for result in coming:
             task = result.task
             done[task] = result
             words = f"run {len(done)} of {len(tasks)}: {task.entrant.short_name} on {task.case}, seed {task.seed}"

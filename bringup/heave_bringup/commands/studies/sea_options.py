@@ -137,13 +137,12 @@ def _settings(options: argparse.Namespace) -> dict[str, object]:
 
 def yaml_value(text: str, source: str) -> object:
     """Return the YAML value that a `text` is; raise ParameterError, naming its `source`, where it is none."""
-    import yaml
-    from heave_node.scenario import parse_yaml
+    from heave_node.files.bounded_yaml import YamlError, parse_yaml
 
     try:
         return parse_yaml(text, only_true_and_false=True)
-    except yaml.YAMLError as error:
-        raise ParameterError(f"{source}: {text!r} is not a YAML value") from error
+    except YamlError as error:
+        raise ParameterError(f"{source}: {text!r} is not a YAML value: {error}") from error
 
 
 def study_criteria(

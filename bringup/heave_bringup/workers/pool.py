@@ -1,0 +1,71 @@
+"""Worker processes that end with what started them: at once where it is interrupted, and where it is killed."""
+
+from __future__ import annotations
+
+import ctypes
+import multiprocessing
+import os
+import signal
+import sys
+from collections.abc import Callable, Iterator
+from concurrent.futures import Future, ProcessPoolExecutor
+from contextlib import contextmanager
+from typing import Any, ParamSpec, TypeVar
+
+P = ParamSpec("P")
+T = TypeVar("T")
+
+_SIGNAL_OF_PARENTS_DEATH = 1
+"""`PR_SET_PDEATHSIG` of Linux: the kernel ends a process whose parent has ended, whatever it is doing."""
+
+
+@contextmanager
+def worker_pool(processes: int) -> Iterator[ProcessPoolExecutor]:
+    """Give a pool of worker processes; leave it by an exception, and they are killed in the midst of their work.
+
+    Parameters
+    ----------
+    processes : at most so many
+    """
+    before = set(multiprocessing.active_children())
+    pool = _Pool(
+        processes,
+        mp_context=multiprocessing.get_context("spawn"),
+        initializer=_end_with_parent,
+        initargs=(os.getpid(),),
+    )
+    try:
+        yield pool
+    except BaseException:
+        pool.shutdown(wait=False, cancel_futures=True)
+        for worker in set(multiprocessing.active_children()) - before:
+            worker.kill()
+        raise
+    finally:
+        pool.shutdown()
+
+
+class _Pool(ProcessPoolExecutor):
+    """A pool whose workers do not hear the Ctrl-C of a terminal, which is for the command: it ends them."""
+
+    def submit(self, function: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs) -> Future[T]:
+        """See `ProcessPoolExecutor.submit`, which may start a worker: what is blocked here is blocked there for good.
+
+        Parameters
+        ----------
+        function, args, kwargs : the work
+        """
+        before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+        try:
+            return super().submit(function, *args, **kwargs)
+        finally:
+            signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+def _end_with_parent(parent: int) -> None:
+    """Ask the kernel, in a worker, to be killed when the process `parent` ends."""
+    if sys.platform == "linux":
+        libc: Any = ctypes.CDLL(None)
+        libc.prctl(_SIGNAL_OF_PARENTS_DEATH, signal.SIGKILL)
+    if os.getppid() != parent:  # it ended before the kernel knew
+        os._exit(1)
