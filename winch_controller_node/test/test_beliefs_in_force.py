@@ -117,7 +117,8 @@ RESET = {
     "encoder": {"adopted", "surprise", "guard encoder", "reflex"},
     "depth sensor left out": {"adopted", "surprise", "guard depth"},
 }
-"""The policy: what each change restarts, and what becomes of the estimate. Guard: corrections of a sensor or the cable."""
+"""The policy: what each change restarts, and what becomes of the estimate; guard: of its corrections."""
+
 
 def spied(controller):
     """Return a set in which all that is reset of a controller is noted."""
@@ -261,13 +262,15 @@ def drawn_redesign(random, nominal):
 
 @pytest.mark.parametrize("seed", range(4))
 def test_after_redesigns_nobody_holds_another_sea_or_winch_than_nominal_or_believed(seed):
-    """Drawn at random, with beliefs of winch and sea in between: every holder there is, in core and adviser, is asked."""
+    """Drawn at random, with beliefs of winch and sea in between: each holder in core and adviser is asked."""
     random, controller = np.random.default_rng(seed), made()
-    adviser, tick, number = Adviser(NOMINAL, tick_period=DT), 1, 0
+    adviser, tick = Adviser(NOMINAL, tick_period=DT), 1
     nominal = NOMINAL
-    for _ in range(3):
-        number += 1
-        values = {"winch.speed_gain": float(random.uniform(0.8, 1.2)), "winch.speed_in": float(random.uniform(0.8, 1.9))}
+    for number in range(1, 4):
+        values = {
+            "winch.speed_gain": float(random.uniform(0.8, 1.2)),
+            "winch.speed_in": float(random.uniform(0.8, 1.9)),
+        }
         if random.integers(2):
             values |= {"winch.time_constant": 0.25, "sea.peak_period": float(random.uniform(7.0, 14.0))}
         given = answer(tick - 1, values, number=number, is_designed=True, nominal=nominal)

@@ -46,7 +46,9 @@ def test_the_first_column_is_the_record_as_it_is_and_the_only_one_with_commands(
 def test_each_sensor_has_its_columns_from_each_onset_on(excerpt, measurements):
     columns = in_columns(excerpt, measurements, SensorHistory(), onsets=(10.0, 5.0))
     assert columns.onsets == (0, TICKS - 1 - 200, TICKS - 1 - 100)
-    assert set(columns.index) == {(s, kind, first) for s, kinds in KINDS.items() for kind in kinds for first in columns.onsets}
+    assert set(columns.index) == {
+        (s, kind, first) for s, kinds in KINDS.items() for kind in kinds for first in columns.onsets
+    }
     for (sensor, _, first), column in columns.index.items():
         mine = excerpt.is_of(sensor) & (excerpt.readings[:, 1] >= first)
         assert not np.any(columns.data.values[~mine, column])

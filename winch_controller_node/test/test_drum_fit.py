@@ -32,7 +32,7 @@ def waves(seconds, size, noise=0.02, seed=1):
 
 
 def driven(winch, rates):
-    """Drive a virtual winch by rate set-points; return what its encoder reads at the end of each tick, and its state."""
+    """Drive a virtual winch by rate set-points; return its encoder at the end of each tick, and its states."""
     virtual = VirtualWinch(winch, tick_period=DT, seed=1)
     virtual.step(0, WinchCommand(1))
     states = [virtual.step(tick, WinchCommand(tick + 1, 0.0, float(rate))) for tick, rate in enumerate(rates, start=1)]
@@ -131,7 +131,7 @@ def test_an_encoder_that_changes_its_factor_is_known_with_its_onset(factor, befo
 
 
 def excerpts(excerpt_of, winch, seconds, *, size=0.6, seed=1, noise=0.0, resolution=1e-3, every=20):
-    """Yield the record of `every` so many ticks of a virtual winch, whose encoder has a `noise` and a `resolution` [m]."""
+    """Yield the record, `every` so many ticks, of a virtual winch with an encoder of a `noise` and `resolution` [m]."""
     rates, random = waves(seconds, size, seed=seed), np.random.default_rng(seed)
     _, states = driven(replace(winch, encoder=replace(winch.encoder, resolution=0.0)), rates)
     read = np.array([s.encoder_payout for s in states]) + noise * random.standard_normal(len(states))
@@ -222,7 +222,9 @@ def test_a_still_drum_tells_nothing(excerpt_of):
 
 
 def test_a_fit_never_leaves_what_a_drum_can_be():
-    found = fit_drum(record_of(WinchParameters(speed_gain=0.3)), PRIOR, begun(record_of(WinchParameters()), NOMINAL), (0, 1, 2))
+    found = fit_drum(
+        record_of(WinchParameters(speed_gain=0.3)), PRIOR, begun(record_of(WinchParameters()), NOMINAL), (0, 1, 2)
+    )
     assert np.all(found.theta[: FACTOR + 1] >= PRIOR.lowest)
     assert np.all(found.theta[: FACTOR + 1] <= PRIOR.highest)
     assert all(price > 0.0 for price in PRICES.values())
@@ -241,7 +243,11 @@ def test_a_position_loop_is_part_of_the_drum():
 
 def test_orders_that_came_late_move_the_drum_late():
     """A drum without lag or delay that is sent 1 m/s, the order of tick 10 three ticks late."""
-    drums, rates, late = np.array([[0.005, 0.0, 1.0, 0.0, 9.0, 9.0, 1e9, 1e9, 0.0, 1.0, 1.0, 0.0]]), np.zeros(40), np.zeros(40)
+    drums, rates, late = (
+        np.array([[0.005, 0.0, 1.0, 0.0, 9.0, 9.0, 1e9, 1e9, 0.0, 1.0, 1.0, 0.0]]),
+        np.zeros(40),
+        np.zeros(40),
+    )
     rates[10:], late[10:13] = 1.0, [3.0, 2.0, 1.0]
     prompt = drum_records(np.zeros(40), rates, np.zeros(40), drums, np.zeros((1, 2)), 0.0, 40, DT)[0]
     delayed = drum_records(np.zeros(40), rates, late, drums, np.zeros((1, 2)), 0.0, 40, DT)[0]

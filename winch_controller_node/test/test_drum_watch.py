@@ -1,4 +1,4 @@
-"""Orders against the encoder over the last second or two: how far the drum is off, and what the encoder reads of them."""
+"""Orders against the encoder over the last seconds: how far the drum is off, and what the encoder reads of them."""
 
 import numpy as np
 import pytest
@@ -26,7 +26,10 @@ def waves(seconds, size=0.5):
 
 def watched(*, seconds=20.0, factor=1.0, believed=None, size=0.5, gap=(), **winch):
     """Return the watch of a winch whose encoder reads `factor` times the payout, its errors, and the payouts."""
-    watch, drum = DrumWatch(BELIEF.winch, BELIEF.lag.largest, DT), VirtualWinch(WinchParameters(**winch), tick_period=DT)
+    watch, drum = (
+        DrumWatch(BELIEF.winch, BELIEF.lag.largest, DT),
+        VirtualWinch(WinchParameters(**winch), tick_period=DT),
+    )
     watch.take(believed or {})
     watch.reset()
     drum.step(0, WinchCommand(1))
@@ -100,7 +103,9 @@ def test_a_gain_that_is_believed_is_none_of_the_encoder():
     assert ordered.is_true
 
 
-@pytest.mark.parametrize("case", [{"size": 0.002}, {"gap": range(390, 398)}, {"gap": [400 - 16]}, {"seconds": 0.5}], ids=str)
+@pytest.mark.parametrize(
+    "case", [{"size": 0.002}, {"gap": range(390, 398)}, {"gap": [400 - 16]}, {"seconds": 0.5}], ids=str
+)
 def test_too_little_that_was_read_or_moved_tells_nothing_of_the_encoder(case):
     assert watched(**case)[0].ordered() is None
 

@@ -1,6 +1,7 @@
 """What is new of what is believed is told once: of the winch when it has settled, of all else at once."""
 
 from dataclasses import replace
+from itertools import pairwise
 from types import MappingProxyType
 
 import pytest
@@ -49,7 +50,7 @@ def test_a_winch_that_never_settles_is_told_at_the_latest_after_the_longest_time
     hunting = [beliefs(winch__time_constant=0.15 + 0.1 * (k % 2 + 1)) for k in range(200)]
     times = [when for when, _ in told(hunting)]
     assert times[0] <= LONGEST
-    assert all(b - a >= LONGEST for a, b in zip(times, times[1:], strict=False))
+    assert all(b - a >= LONGEST for a, b in pairwise(times))
 
 
 def test_what_comes_back_to_nominal_is_told_as_nominal():
@@ -64,7 +65,11 @@ def test_what_comes_back_to_nominal_is_told_as_nominal():
 def test_a_sensor_that_is_excluded_and_one_that_is_used_again_are_told_once_each():
     without = replace(beliefs(), excluded="mru")
     found = told([beliefs(), without, without, replace(beliefs(), excluded="depth"), beliefs(), beliefs()])
-    assert [(f.code, f.quantity) for _, f in found] == [("excluded", "mru"), ("excluded", "depth"), ("recovered", "depth")]
+    assert [(f.code, f.quantity) for _, f in found] == [
+        ("excluded", "mru"),
+        ("excluded", "depth"),
+        ("recovered", "depth"),
+    ]
 
 
 @pytest.mark.parametrize("name", [*RELATIVE, *ABSOLUTE])

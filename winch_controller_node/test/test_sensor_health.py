@@ -7,7 +7,6 @@ from heave_node.interface.sensors import MruReading
 from hypothesis import given
 from hypothesis import strategies as st
 from winch_controller_node.estimation.mru_steps import MruSteps
-from winch_controller_node.estimation.surprise import Surprise
 from winch_controller_node.estimation.sensor_health import (
     LARGEST_PLAY,
     REMEDIES,
@@ -19,6 +18,7 @@ from winch_controller_node.estimation.sensor_health import (
     judge_mru,
     remedy,
 )
+from winch_controller_node.estimation.surprise import Surprise
 from winch_controller_node.interface.readings import ScalarReading
 from winch_controller_node.model.estimator import Innovation
 from winch_controller_node.parameters.laws import HealthParameters

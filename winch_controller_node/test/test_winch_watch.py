@@ -51,7 +51,14 @@ def test_a_winch_that_does_what_is_foreseen_may_do_all(design):
 
 
 @pytest.mark.parametrize(
-    "winch", [{"speed_gain": 0.7}, {"speed_limit": 0.4}, {"acceleration_limit": 0.3, "stop_deceleration": 0.3}, {"time_constant": 0.6}], ids=str
+    "winch",
+    [
+        {"speed_gain": 0.7},
+        {"speed_limit": 0.4},
+        {"acceleration_limit": 0.3, "stop_deceleration": 0.3},
+        {"time_constant": 0.6},
+    ],
+    ids=str,
 )
 def test_a_weaker_winch_is_noticed_within_three_seconds_and_may_do_less(design, winch):
     """A drum of 0.4 m/s that is sent 0.8 m/s is 4 cm off after 0.1 s of that."""

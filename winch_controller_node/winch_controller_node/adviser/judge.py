@@ -361,8 +361,8 @@ class Judge:
                 for place, fitted in zip(mine, proof.fit(np.array(mine), starts / tick), strict=True):
                     changed = self._changed(changes, keys[place - 1], fitted)
                     if changed is not None:
-                        fitted = self._of_what_was_read(fitted, keys[place - 1], proof.counts)
-                        found.append(self._hypothesis(changed, excluded, fitted, place, result, model))
+                        judged = self._of_what_was_read(fitted, keys[place - 1], proof.counts)
+                        found.append(self._hypothesis(changed, excluded, judged, place, result, model))
         return found
 
     def _of_what_was_read(self, fitted: Fitted, key: tuple[str, str, int], counts: Array) -> Fitted:
