@@ -314,10 +314,9 @@ def test_a_case_that_cannot_be_run_says_why():
 
 
 def test_latency_is_taken_by_loops_that_are_made_from_then_on(monkeypatch):
-    monkeypatch.setattr(run.learning, "DESIGN_TIME", 1.0)
-    monkeypatch.setattr(run.winch_watch, "ANSWER_TIME", 0.2)
+    monkeypatch.setattr(run.beliefs_in_force, "LATENCY", 1.0)
     run.set_latency("3")
-    assert (run.learning.DESIGN_TIME, run.winch_watch.ANSWER_TIME) == (3.0, 3.0)
+    assert run.beliefs_in_force.LATENCY == 3.0
 
 
 def test_what_is_promised_is_what_stands_in_the_help():

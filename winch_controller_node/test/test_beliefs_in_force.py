@@ -117,7 +117,7 @@ RESET = {
     "encoder": {"adopted", "surprise", "guard encoder", "reflex"},
     "depth sensor left out": {"adopted", "surprise", "guard depth"},
 }
-"""The policy: what each change restarts, and what becomes of the estimate. Guard: of a sensor or the cable."""
+"""The policy: what each change restarts, and what becomes of the estimate; guard: of its corrections."""
 
 
 def spied(controller):
@@ -262,7 +262,7 @@ def drawn_redesign(random, nominal):
 
 @pytest.mark.parametrize("seed", range(4))
 def test_after_redesigns_nobody_holds_another_sea_or_winch_than_nominal_or_believed(seed):
-    """Drawn at random, with beliefs of winch and sea in between: every holder in core and adviser is asked."""
+    """Drawn at random, with beliefs of winch and sea in between: each holder in core and adviser is asked."""
     random, controller = np.random.default_rng(seed), made()
     adviser, tick = Adviser(NOMINAL, tick_period=DT), 1
     nominal = NOMINAL

@@ -32,7 +32,7 @@ def waves(seconds, size, noise=0.02, seed=1):
 
 
 def driven(winch, rates):
-    """Drive a virtual winch by rate set-points; return what its encoder reads after each tick, and its state."""
+    """Drive a virtual winch by rate set-points; return its encoder at the end of each tick, and its states."""
     virtual = VirtualWinch(winch, tick_period=DT, seed=1)
     virtual.step(0, WinchCommand(1))
     states = [virtual.step(tick, WinchCommand(tick + 1, 0.0, float(rate))) for tick, rate in enumerate(rates, start=1)]
@@ -131,7 +131,7 @@ def test_an_encoder_that_changes_its_factor_is_known_with_its_onset(factor, befo
 
 
 def excerpts(excerpt_of, winch, seconds, *, size=0.6, seed=1, noise=0.0, resolution=1e-3, every=20):
-    """Yield the record of `every` so many ticks of a virtual winch, its encoder with `noise` and `resolution` [m]."""
+    """Yield the record, `every` so many ticks, of a virtual winch with an encoder of a `noise` and `resolution` [m]."""
     rates, random = waves(seconds, size, seed=seed), np.random.default_rng(seed)
     _, states = driven(replace(winch, encoder=replace(winch.encoder, resolution=0.0)), rates)
     read = np.array([s.encoder_payout for s in states]) + noise * random.standard_normal(len(states))

@@ -55,7 +55,7 @@ def test_what_is_late_is_known_to_a_tick_beside_what_is_usual(usual, jitter, see
 @given(st.integers(2, 8), st.integers(2, 8), st.integers(50, 150))
 def test_a_delay_that_grows_in_mid_record_is_late_from_there_on(usual, further, at):
     delays = usual + 0.5 + np.where(np.arange(COUNT) >= at, float(further), 0.0)
-    sequence, taken, _true = taken_with(delays)
+    sequence, taken, _ = taken_with(delays)
     late = lateness(sequence, taken)[: COUNT - 20]
     steps = late[at:] - late[: at - 1].mean()
     assert steps == pytest.approx(further, abs=1.0)

@@ -1,4 +1,4 @@
-"""Orders against the encoder over the last second or two: how far the drum is off, and what the encoder reads."""
+"""Orders against the encoder over the last seconds: how far the drum is off, and what the encoder reads of them."""
 
 import numpy as np
 import pytest

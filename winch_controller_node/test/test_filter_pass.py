@@ -150,6 +150,7 @@ def test_innovations_and_state_are_sums_of_those_of_the_columns(design, weights,
     commands, readings = record_of(design, each_tick=2)
     speed, missing = random.uniform(0.0, 3.0, TICKS), np.maximum(random.normal(0.0, 1.0, TICKS), 0.0)
     columns = random.standard_normal((len(readings), 3))
+    sums = columns @ np.array(weights)[:, None]
     used = np.ones(len(design.measurements), dtype=np.bool_)
     whole = input_of(
         design,
@@ -157,7 +158,7 @@ def test_innovations_and_state_are_sums_of_those_of_the_columns(design, weights,
         readings,
         speed=speed,
         missing=missing,
-        values=columns @ np.array(weights)[:, None],
+        values=sums,
     )
     apart = input_of(design, commands, readings, speed=speed, missing=missing, values=columns)
     together, parts = run_pass(model, whole, used), run_pass(model, apart, used)
@@ -181,7 +182,7 @@ def test_innovations_of_the_model_itself_are_white_and_of_variance_one(design):
     n = design.model.order
     noise = np.linalg.cholesky(model.Q + 1e-18 * np.eye(n))
     x = np.linalg.cholesky(model.start + 1e-12 * np.eye(n)) @ random.standard_normal(n)
-    commands, _readings = record_of(design, each_tick=len(design.measurements))
+    commands, _ = record_of(design, each_tick=len(design.measurements))
     read = []
     for tick in range(TICKS):
         x = model.F @ x + model.B * commands[tick] + noise @ random.standard_normal(n)

@@ -63,7 +63,8 @@ WINGS = (
     ("laws",),
     ("node_parameters",),
     ("design",),
-    ("estimation",),
+    ("beliefs",),
+    ("estimation", "adviser"),
     ("identification",),
     ("supervision",),
 )
@@ -92,6 +93,24 @@ def test_arrows_between_the_wings_run_downwards():
         module = ".".join(path.relative_to(PACKAGE).with_suffix("").parts)
         upward += [f"{module} -> {name}" for name in imports_of(path) if height_of(name) > height_of(module)]
     assert not upward
+
+
+CORE = ("component", "estimation", "supervision", "beliefs_in_force", "design_in_force", "loop_command", "state_report")
+"""What a ship's controller runs in a tick."""
+
+
+def is_in(module, wings):
+    return any(module == wing or module.startswith(wing + ".") for wing in wings)
+
+
+def test_core_and_adviser_import_nothing_of_one_another():
+    """Both stand on the beliefs; the one runs without the other."""
+    across = []
+    for path in PACKAGE.rglob("*.py"):
+        module = ".".join(path.relative_to(PACKAGE).with_suffix("").parts)
+        own, other = (CORE, ("adviser",)) if is_in(module, CORE) else (("adviser",), CORE)
+        across += [f"{module} -> {name}" for name in imports_of(path) if is_in(module, own) and is_in(name, other)]
+    assert across == []
 
 
 def test_no_function_asks_for_more_than_ten_arguments():

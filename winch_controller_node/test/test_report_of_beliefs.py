@@ -1,7 +1,7 @@
 """What is new of what is believed is told once: of the winch when it has settled, of all else at once."""
 
-import itertools
 from dataclasses import replace
+from itertools import pairwise
 from types import MappingProxyType
 
 import pytest
@@ -50,7 +50,7 @@ def test_a_winch_that_never_settles_is_told_at_the_latest_after_the_longest_time
     hunting = [beliefs(winch__time_constant=0.15 + 0.1 * (k % 2 + 1)) for k in range(200)]
     times = [when for when, _ in told(hunting)]
     assert times[0] <= LONGEST
-    assert all(b - a >= LONGEST for a, b in itertools.pairwise(times))
+    assert all(b - a >= LONGEST for a, b in pairwise(times))
 
 
 def test_what_comes_back_to_nominal_is_told_as_nominal():
