@@ -4,7 +4,8 @@ A public function, method or class names each of its arguments: in a list under 
 where there is no such list, in its text. A list names every argument and nothing else. The fields of a dataclass are
 arguments too, unless a string below the field says what it is, or it is a node parameter with its own description. A
 module's docstring may say, after the word `Arguments`, what its functions have in common, or that they are `as in` a
-module beside it. A docstring that begins with `See` hands over to another one.
+module beside it, or in one named with dots from a folder above. A docstring that begins with `See` hands over to
+another one.
 """
 
 from __future__ import annotations
@@ -70,8 +71,11 @@ def common_arguments(path: Path) -> str:
     """Return what a module says of the arguments that its functions have in common."""
     text = ast.get_docstring(ast.parse(path.read_text(encoding="utf-8"))) or ""
     common = "\n".join(re.findall(r"\bArguments\b.*?(?=\n\n|\Z)", text, re.DOTALL))
-    beside = re.search(r"\bas in `(\w+)`", common)
-    return common + (common_arguments(path.with_name(f"{beside[1]}.py")) if beside else "")
+    other = re.search(r"\bas in `([\w.]+)`", common)
+    if other is None:
+        return common
+    file = other[1].replace(".", "/") + ".py"
+    return common + common_arguments(next(folder / file for folder in path.parents if (folder / file).exists()))
 
 
 def _of_body(body: list[ast.stmt], prefix: str) -> Iterator[Documented]:

@@ -5,8 +5,9 @@ as xx, xy, xz, yy, yz, zz. The top segment changes its length L' at the sheave, 
 x_{n-1})/l, material at the sheave has velocity x_n' - L' q and acceleration x_n'' - L'' q - 2 L' q'.
 
 Everything is taken in the middle state (`layout.MIDDLE`). Arguments have the same names everywhere: `line` the arrays,
-`n` segments in use, `tile` and `j` a row of the tiles and a place in it. The Jacobian is that of the residual by a
-node's position if its velocity moves by `c_velocity` [1/s] and its acceleration by `c_mass` [1/s^2] times as much.
+`tiles` and `numbers` two of them (see `arrays`), `n` segments in use, `tile` and `j` a row of the tiles and a place in
+it. The Jacobian is that of the residual by a node's position if its velocity moves by `c_velocity` [1/s] and its
+acceleration by `c_mass` [1/s^2] times as much.
 """
 
 from __future__ import annotations

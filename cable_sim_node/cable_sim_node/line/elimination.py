@@ -4,6 +4,7 @@ From the unit upwards S_i = D_i - U_(i-1) S_(i-1)^-1 U_(i-1), from the top downw
 with U_i the block between nodes i and i + 1. Both meet at a node in the middle, from where the corrections are found
 outwards. The two chains of divisions do not wait for one another, which is worth a third of the time. With adj the
 adjugate, U S^-1 U = U adj(S) U / det S, so that the product is formed while the division is under way.
+Arguments as in `assembly`.
 """
 
 from __future__ import annotations

@@ -127,7 +127,7 @@ def set_top_segment(n: int, total: float, tiles: Array) -> None:
 
 @inlined_kernel
 def follow_length(n: int, total: float, tiles: Array) -> None:
-    """Do `set_top_segment` if the top segment has another length than it was last done for."""
+    """Do `set_top_segment` if the top segment was last set for another length than `total` [m]."""
     j = (n - 1) & LANES
     tile = tiles[(n - 1) >> SHIFT]
     if tile[LENGTH + j] != total - tile[START + j]:

@@ -1,7 +1,7 @@
 """What is seen of the line at the end of an interval: motion of the unit, force on the top end, strains.
 
 The present state is looked at by the equations of `assembly`. All that is asked for in every tick stands at the line's
-two ends and in its strains: only its first and its last segment are assembled for it.
+two ends and in its strains: only its first and its last segment are assembled for it. Arguments as in `assembly`.
 """
 
 from __future__ import annotations
@@ -195,7 +195,7 @@ def observe_unit(line: LineArrays) -> None:
 def snapshot(tiles: Array, numbers: Array, water: Array, band: Array, positions: Array, tensions: Array) -> None:
     """Write the present positions [m] of all nodes to `positions` and the tensions [N] of all segments to `tensions`.
 
-    The line's arrays are taken one by one, see `step.advance`.
+    The line's arrays `tiles`, `numbers`, `water` and `band` are taken one by one, see `step.advance`.
     """
     line = LineArrays(tiles, numbers, water, band)
     n = int(numbers[SEGMENTS])

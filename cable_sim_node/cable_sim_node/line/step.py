@@ -169,7 +169,8 @@ def next_step(line: LineArrays, n: int, h: float, longest: float, ended: int, pa
     """Return the step [s] to try after one of `h` that `ended` well; at most `longest`.
 
     It is doubled, but stays short for half a heave period of the unit after a segment was slack: that is how long the
-    snap lasts in which the line takes up the unit's fall, and in it tension peaks.
+    snap lasts in which the line takes up the unit's fall, and in it tension peaks. It also stays as it is while
+    `patience`, the number of steps that must still succeed after a refused one, is positive.
     """
     numbers = line.numbers
     if ended == _SLACK:
@@ -252,7 +253,10 @@ def take_motion(
     end_velocity: Array,
     lengths: Motion,
 ) -> int:
-    """Take what boom tip and length do in an interval, see `advance`; return DONE where it can be done."""
+    """Take what boom tip and length do in an interval of `duration` [s]; return DONE where it can be done.
+
+    `start`, `start_velocity`, `end`, `end_velocity` and `lengths` as in `advance`, and what is returned otherwise.
+    """
     total, total_rate, end_total, end_rate = lengths
     check = total + total_rate + end_total + end_rate + duration
     for k in range(3):

@@ -1,4 +1,7 @@
-"""What is done along a tile's columns: borders kept, the largest and the sum of a column (see `layout`)."""
+"""What is done along a tile's columns: borders kept, the largest and the sum of a column (see `layout`).
+
+Arguments: `tiles` the line's, or one `tile` of them.
+"""
 
 from __future__ import annotations
 
@@ -34,7 +37,7 @@ def take_present(tiles: Array, n: int) -> None:
 
 @inner_kernel
 def larger(one: float, other: float) -> float:
-    """Return the larger of two numbers, or NaN where one is."""
+    """Return the larger of `one` and `other`, or NaN where one is."""
     is_none = other != other  # noqa: PLR0124 (NaN alone differs from itself, and is_nan would not vectorise)
     return other if other > one or is_none else one
 

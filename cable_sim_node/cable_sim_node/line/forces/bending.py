@@ -2,7 +2,7 @@
 
 Energy of the hinge at node i between segments of lengths l and m: (1/2) B |e_i - e_{i-1}|^2 with B = EI / ((l + m)/2),
 e the directions of the segments (`forces.direction`); |e_i - e_{i-1}| / ((l + m)/2) is the curvature.
-Arguments as in `assembly`; the middle state is bent.
+Arguments as in `line.assembly`; the middle state is bent.
 """
 
 from __future__ import annotations

@@ -1,4 +1,7 @@
-"""The passive compensator that may carry the sheave: spring, damper and stops along z."""
+"""The passive compensator that may carry the sheave: spring, damper and stops along z.
+
+Arguments as in `line.assembly`.
+"""
 
 from __future__ import annotations
 
@@ -36,7 +39,7 @@ from cable_sim_node.line.layout import (
 
 @inner_kernel
 def add_compensator(tile: Array, j: int, numbers: Array, c_mass: float, c_velocity: float) -> bool:
-    """Make node `j` of `tile` the sheave on a passive compensator, free along z only; arguments as in `assembly`.
+    """Make node `j` of `tile` the sheave on a passive compensator, free along z only.
 
     Stroke s = z_tip - z_n, upward force on the sheave F0 + k s + c s', beyond the half stroke stiffened by the stops.
     The preload F0 carries the moving mass as well, so that the static stroke is 0 where F0 is the static top

@@ -5,8 +5,8 @@ Along it the node holds to a place h by the same k and c, F = k (x - h) + c v, a
 mu N and takes its hold along, so that k |x - h| is mu N (Coulomb friction as return mapping: Simo & Hughes 1998,
 section 1.4). What sticks is therefore at rest for good, within mu N/k of where it came to hold.
 
-Arguments as in `assembly`; `place` is a node's position, `normal` the unit vector normal to the seabed there, upwards.
-A node above the highest point that the seabed could have there is not looked at further.
+Arguments as in `line.assembly`; `place` is a node's position, `normal` the unit vector normal to the seabed there,
+upwards. A node above the highest point that the seabed could have there is not looked at further.
 """
 
 from __future__ import annotations

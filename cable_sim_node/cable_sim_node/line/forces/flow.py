@@ -1,4 +1,7 @@
-"""Motion of the water along the line: current profile with a factor in time, and one regular deep-water wave (Airy)."""
+"""Motion of the water along the line: current profile with a factor in time, and one regular deep-water wave (Airy).
+
+Arguments: `line` the arrays, `time` [s].
+"""
 
 from __future__ import annotations
 

@@ -152,7 +152,7 @@ def march(line: LineArrays, n: int, force: Array, drag: Array, direction: Array)
 
 @inner_kernel
 def add_drag_turning(line: LineArrays, n: int) -> None:
-    """Add to `band` how the drag of each segment at rest changes as the segment turns.
+    """Add to the band of `line` how the drag of each segment at rest changes as the segment turns.
 
     With u the velocity through the water, the drag of `physics.drag` changes by
 
