@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import struct
 from typing import Any
 
@@ -31,6 +32,8 @@ class Definition:
     def __init__(self, name: str) -> None:
         self.types = parse_schema(name, schema_text(name))
         self.fields = self.types[next(iter(self.types))]
+        bounds = re.findall(r"\[<=(\d+)\]\s+(\w+)", schema_text(name))
+        self.most = {field: int(most) for most, field in bounds}
 
     def numbers_in(self, kind: str) -> list[str]:
         """Return the types of the numbers in a structure, or "text" for what is none."""
@@ -52,7 +55,7 @@ class Definition:
             kinds = self.numbers_in(field.type)
             width = len(kinds) * (1 if field.count is None else field.count)
             if field.count == -1:
-                return st.integers(0, 3).flatmap(
+                return st.integers(0, self.most.get(field.name, 3)).flatmap(
                     lambda n: st.lists(numbers(kinds[0]), min_size=n * len(kinds), max_size=n * len(kinds))
                 )
             return st.lists(numbers(kinds[0]), min_size=width, max_size=width)
@@ -64,7 +67,7 @@ class Definition:
             one = st.integers(-(2**31) * SECOND, 2**31 * SECOND - 1)
         else:
             one = st.tuples(*(self.values(member) for member in self.types[field.type]))
-        return one if field.count is None else st.lists(one, max_size=3)
+        return one if field.count is None else st.lists(one, max_size=self.most.get(field.name, 3))
 
     def message(self, fields: list[Field], make: Any, given: Any) -> Any:
         """Return a message of the class `make` with the values `given` to its fields."""
