@@ -59,7 +59,7 @@ def test_a_winch_that_goes_the_other_way_is_stopped_within_three_seconds_of_moti
     assert moving[-1] - moving[0] < 3.0
     assert modes_of(record) == ["standby", "compensating", "fade_out", "stopping", "standby"]
     # what was found is told once, and compensation is not tried again by itself
-    assert len([words for _, words in record.alarms if words.startswith("encoder suspect")]) == 1
+    assert len([words for _, words in record.alarms if words.startswith("encoder suspect: it goes the other way")]) == 1
     assert record.alarms[-1][1].startswith("mode standby")
 
 
@@ -68,7 +68,7 @@ def test_a_winch_that_goes_the_other_way_is_tried_again_once_an_operator_asks(wh
     """It is no better, and is stopped again; once it is right it would go on."""
     _, modes, alarms = run_of(who)
     assert modes == ["standby", "compensating", "fade_out", "stopping", "standby"]
-    assert len([words for words in alarms if words.startswith("encoder suspect")]) == 1
+    assert len([words for words in alarms if words.startswith("encoder suspect: it goes the other way")]) == 1
 
 
 def test_what_stands_beside_it_is_that_it_is_not_tried_again_until_an_operator_asks():
