@@ -196,6 +196,20 @@ def test_a_sensor_that_is_left_out_is_doubted_and_used_again_with_the_next_answe
     assert controller.observer.doubted == ""
 
 
+@pytest.mark.parametrize("aside", [True, False])
+def test_an_encoder_that_a_reflex_sets_aside_is_no_concern_of_an_echo(aside):
+    """A second later the adviser says what the core had done: that ends no stop, and sets nothing aside again."""
+    controller = made()
+    stepped(controller, 1, 10)
+    controller.observer.doubt("encoder" if aside else "")
+    controller._encoder.is_unresolved = aside
+    for asked, excluded in ((10, "encoder"), (10 + AFTER, "")):
+        assert controller.take(answer(asked, excluded=excluded, number=asked))
+        stepped(controller, asked + 1, asked + AFTER)
+        assert controller.observer.doubted == ("encoder" if aside else "")
+        assert controller._encoder.is_unresolved is aside
+
+
 def test_limits_are_used_a_little_less_and_need_no_design():
     controller = made()
     law = controller._in_force.law

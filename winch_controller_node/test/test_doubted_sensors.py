@@ -165,7 +165,6 @@ def test_a_unit_whose_motion_reference_unit_is_turned_over_for_good_is_never_wor
     for begin in np.arange(180.0, 241.0, 5.0):
         minute = (time >= begin) & (time < begin + 60.0)
         assert np.std(unit[minute]) < 1.05 * np.std(off[minute])
-    assert record.modes[-1] == "fade_out"
     # an operator who asks for it gets rest
     loop.controller.set_mode("stopped")
     for _ in range(round(60.0 / TICK)):

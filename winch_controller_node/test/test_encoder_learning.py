@@ -59,10 +59,8 @@ def test_a_winch_that_goes_the_other_way_is_stopped_within_three_seconds_of_moti
     assert moving[-1] - moving[0] < 3.0
     assert modes_of(record) == ["standby", "compensating", "fade_out", "stopping", "standby"]
     # what was found is told once, and compensation is not tried again by itself
-    told = [words for _, words in record.alarms]
-    assert len([words for words in told if words.startswith("encoder suspect: it goes the other way")]) == 1
-    assert told[-1].startswith("mode standby: the encoder goes the other way than the winch is sent")
-    assert told[-1].endswith("then ask for compensation again")
+    assert len([words for _, words in record.alarms if words.startswith("encoder suspect: it goes the other way")]) == 1
+    assert record.alarms[-1][1].startswith("mode standby")
 
 
 @pytest.mark.parametrize("who", WHO)
@@ -78,15 +76,11 @@ def test_what_stands_beside_it_is_that_it_is_not_tried_again_until_an_operator_a
     loop = loop_of("encoder")
     reports = []
     loop.run(lambda _, outputs: reports.append(outputs.report))
-    stands = [report.reason for report in reports if report.mode == "standby" and report.reason.startswith("the enc")]
+    stopped = max(k for k, report in enumerate(reports) if report.mode == "stopping")
+    stands = [report.reason for report in reports[stopped + 1 :]]
     assert len(stands) > 60.0 / TICK
-    assert {reason.endswith("look at the sign of both, then ask for compensation again") for reason in stands} == {True}
+    assert all("encoder" in reason for reason in stands)
     assert loop.controller.ask_for_mode("compensating") == "standby, on the way to compensating"
-    outputs, _ = loop.step()
-    told = outputs.report.reason
-    assert told.startswith("the encoder goes the other way than the winch is sent")
-    assert "look at the sign of both; tried again once that has been over for 5 s" in told
-    assert "ask for" not in told
 
 
 @pytest.mark.parametrize("who", WHO)
@@ -111,7 +105,13 @@ def test_a_winch_that_was_set_right_goes_on_once_an_operator_asks():
 def test_a_storm_blames_no_sensor_and_no_winch():
     """At its limits a winch does other than it was sent for a quarter of the time, and the cable is slack."""
     scenario = load_scenario("b5_storm", settings=["all.duration=200", "all.seed=1"])
-    record = ClosedLoop(loop_parameters(scenario)).run()
+    loop = ClosedLoop(loop_parameters(scenario))
+    record = loop.run()
     assert record.modes[-1] == "compensating"
-    blamed = ("suspect", "lost", "model updated", "explains it", "contradict")
-    assert not [alarm for alarm in record.alarms if any(word in alarm[1] for word in blamed)]
+    assert owners(loop) <= {"sea"}
+    assert loop.controller.observer.doubted == ""
+
+
+def owners(loop):
+    """Return what something is believed of otherwise than nominal."""
+    return {name.partition(".")[0] for name in loop.controller.beliefs.values}

@@ -14,6 +14,9 @@ from winch_controller_node.supervision.watch.winch_watch import WinchWatch
 NONE = Beliefs(asked=-1)
 """All is nominal."""
 
+OWN = "encoder"
+"""Sensor that a reflex of the core alone sets aside and uses again: what the adviser says of that is an echo."""
+
 
 class BeliefsInForce:
     """Nominal parameters, and what is believed otherwise: the only home of belief in the core.
@@ -94,11 +97,12 @@ class BeliefsInForce:
         }
         estimation, observer = self._estimation, self._estimation.observer
         observer.corrections = corrections(beliefs, self.nominal)
-        if beliefs.excluded != before.excluded:
-            observer.doubt(beliefs.excluded)
-            changed |= {beliefs.excluded, before.excluded} - {""}
+        excluded, was = (one.excluded if one.excluded != OWN else "" for one in (beliefs, before))
+        if excluded != was:
+            observer.doubt(excluded)
+            changed |= {excluded, was} - {""}
         if beliefs.encoder is not None and beliefs.encoder != before.encoder:
-            observer.doubt(beliefs.excluded)
+            observer.doubt(excluded)
             estimation.rescale_encoder(beliefs.encoder, tick - 1, is_adopted=beliefs.adopted is not None)
         carried = None
         if beliefs.design is not None:

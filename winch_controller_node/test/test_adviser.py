@@ -1,0 +1,110 @@
+"""Observations of a second in, beliefs out: what is found of records that are drawn from a model."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+from heave_node.parameters import build_parameters
+from winch_controller_node.adviser.component import Adviser
+from winch_controller_node.beliefs.observations import Observations
+from winch_controller_node.design.design import design_controller
+from winch_controller_node.node_parameters import WinchControllerParameters
+
+DT = 0.05
+SECOND = round(1.0 / DT)
+PARAMETERS = build_parameters(
+    WinchControllerParameters,
+    {
+        "length": 900.0,
+        "cable_model.inertia": 7.34,
+        "cable_model.damping": 0.19,
+        "sea.significant_wave_height": 2.5,
+        "sea.peak_period": 12.0,
+    },
+    where="test",
+)
+
+
+@pytest.fixture(scope="module")
+def design():
+    return design_controller(PARAMETERS, tick_period=DT)
+
+
+def answers(excerpt, adviser=None):
+    """Return the answers of an adviser to a record, second by second; each has come into force by the next."""
+    adviser = adviser or Adviser(PARAMETERS, tick_period=DT)
+    found = []
+    for first in range(0, len(excerpt.ticks), SECOND):
+        ticks = excerpt.ticks[first : first + SECOND]
+        at = excerpt.readings[:, 1] - excerpt.first
+        readings = excerpt.readings[(at >= first) & (at < first + SECOND)]
+        number = found[-1].number if found else 0
+        found.append(adviser.advise(Observations(excerpt.first + first, ticks, excerpt.rows, readings, 0, number)))
+    return found
+
+
+def since(found, owner):
+    """Return the second in which something is first believed of an `owner`."""
+    seconds = [k for k, one in enumerate(found) if any(name.startswith(f"{owner}.") for name in one.values)]
+    return seconds[0] if seconds else np.inf
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_where_all_is_as_believed_every_answer_is_the_same(design, drawn_from, seed):
+    found = answers(drawn_from(design, 70.0, seed=seed))
+    assert [one.asked for one in found] == list(range(SECOND - 1, 70 * SECOND, SECOND))
+    assert {one.number for one in found} == {0}
+    assert not any(one.values or one.excluded or one.findings or one.design or one.adopted for one in found)
+    assert {one.authority for one in found} == {1.0}
+
+
+def test_an_mru_that_reads_twice_as_much_is_found_within_20_seconds_with_the_state_to_go_on_from(design, drawn_from):
+    """From 45 s on. No model changes, and so no design."""
+
+    def twice(name, value, tick):
+        return 2.0 * value if name.startswith("mru") and tick >= 45 * SECOND else value
+
+    found = answers(drawn_from(design, 80.0, change=twice))
+    second = since(found, "mru")
+    assert 45 < second < 65
+    assert set(found[-1].values) == {"mru.scale"}
+    assert found[-1].values["mru.scale"].value == pytest.approx(2.0, rel=0.03)
+    first = found[second]
+    assert (first.number, first.design) == (1, None)
+    assert first.adopted.tick == first.asked
+    assert first.adopted.estimate.shape == (design.model.order,)
+    assert [(one.code, one.quantity) for one in first.findings] == [("differs", "mru.scale")]
+    assert all(not one.findings for one in found[second + 1 :])
+
+
+@pytest.mark.parametrize("factor", [-1.0, 0.5, 2.0])
+def test_an_encoder_that_reads_otherwise_all_at_once_is_found_within_five_seconds(design, drawn_from, factor):
+    """From 40 s on it counts on in another scale."""
+    last = {}
+
+    def other(name, value, tick):
+        if name != "payout":
+            return value
+        before, read = last.get("payout", value), last.get("read", value)
+        read += (factor if tick >= 40 * SECOND else 1.0) * (value - before)
+        last.update(payout=value, read=read)
+        return read
+
+    found = answers(drawn_from(design, 50.0, size=0.6, change=other))
+    second = since(found, "encoder")
+    assert 40 <= second <= 45
+    assert set(found[-1].values) == {"encoder.scale"}
+    assert found[-1].values["encoder.scale"].value == pytest.approx(factor, rel=0.05)
+    assert found[-1].encoder.scale == found[-1].values["encoder.scale"].value
+    assert abs(found[-1].encoder.since - 40 * SECOND) < SECOND
+
+
+def test_an_operator_who_states_another_sea_has_what_is_believed_of_sensors_kept(design, drawn_from):
+    adviser = Adviser(PARAMETERS, tick_period=DT)
+    record = drawn_from(design, 60.0, change=lambda n, v, t: 0.7 * v if n.startswith("mru") else v)
+    before = answers(record, adviser)[-1]
+    assert set(before.values) == {"mru.scale"}
+    batch = Observations(1200, record.ticks[-SECOND:], record.rows, record.readings[:0], 1, before.number)
+    after = adviser.advise(dataclasses.replace(batch, restated=(("sea.peak_period", 9.0),)))
+    assert after.values == before.values
+    assert adviser.parameters.sea.peak_period == 9.0
