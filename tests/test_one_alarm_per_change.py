@@ -28,6 +28,7 @@ def alarms_of(**changes):
             drive = make_drive(winch._parameters, 0.0)
             drive.state = winch._drive.state
             winch._drive = drive
+            winch._line._delay = winch._parameters.command_delay
 
     alarms = loop.run(change).alarms
     return [(time, words) for time, words in alarms if "winch" in words]
