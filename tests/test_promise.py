@@ -43,7 +43,7 @@ def test_the_worst_window_is_found_where_it_is():
 GAIN, LAG = "virtual_winch.speed_gain", "virtual_winch.time_constant"
 LIMIT, RADIUS_ERROR = "virtual_winch.acceleration_limit", "virtual_winch.drum_radius_error"
 TOLD_GAIN = "winch model updated: gain by the encoder {} (was 1.000)"
-TOLD_LIMIT = "winch model updated: acceleration limit {} m/s^2 (was 1.500), reached hauling in"
+TOLD_LIMIT = "winch model updated: acceleration limit hauling in {} m/s^2 (was 1.500)"
 TOLD_TWO = "9 s: winch model updated: time constant 0.115 s (was 0.150), gain by the encoder 1.080 (was 1.000)"
 
 
@@ -75,21 +75,21 @@ def has_power_limit(one: Draw) -> bool:
 @pytest.mark.parametrize(
     ("words", "truth", "wrong"),
     [
-        ("winch model updated: acceleration limit 0.776 m/s^2 (was 1.500)", PLAIN["acceleration 0.8"], False),
-        ("winch model updated: acceleration limit 0.776 m/s^2 (was 1.500)", {}, True),
-        ("winch model updated: speed limit 0.9 m/s (was 2.000), by its power limit", PLAIN["power 100 kW"], False),
+        ("winch model updated: acceleration limit paying out 0.776 m/s^2 (was 1.500)", PLAIN["acceleration 0.8"], False),
+        ("winch model updated: acceleration limit paying out 0.776 m/s^2 (was 1.500)", {}, True),
+        ("winch model updated: speed limit hauling in 0.9 m/s (was 2.000)", PLAIN["power 100 kW"], False),
         ("winch model updated: gain by the encoder 0.950 (was 1.000)", PLAIN["speed 1.0"], True),
         ("mru suspect: its heave has a high-pass", PLAIN["high-pass 30 s"], False),
         ("depth suspect: its readings contradict all others", PLAIN["high-pass 30 s"], True),
         ("cable suspect: it answers with 1.25 times the inertia", {promise.INERTIA: 0.8}, False),
         ("cable suspect: it answers with 1.25 times the inertia", {}, True),
-        ("mru or drum suspect: the heave that the one reads is 0.85 times what", PLAIN["MRU scale 0.85"], False),
-        ("mru or drum suspect: the heave that the one reads is 1.15 times what", PLAIN["MRU scale 0.85"], True),
-        ("mru or drum suspect: the heave that the one reads is 1.03 times what", PLAIN["drum radius 3 %"], False),
-        ("mru or drum suspect: the heave that the one reads is 0.95 times what", PLAIN["drum radius 3 %"], True),
-        ("mru or drum suspect: the heave that the one reads is 1.04 times what", {RADIUS_ERROR: -0.025}, True),
-        ("mru or drum suspect: the heave that the one reads is 1.04 times what", {RADIUS_ERROR: -0.01}, False),
-        ("mru or drum suspect: the heave that the one reads is 1.04 times what", PLAIN["high-pass 30 s"], True),
+        ("mru suspect: it reads 0.85 times the motion; corrected", PLAIN["MRU scale 0.85"], False),
+        ("mru suspect: it reads 1.15 times the motion; corrected", PLAIN["MRU scale 0.85"], True),
+        ("mru suspect: it reads 1.03 times the motion; corrected", PLAIN["drum radius 3 %"], False),
+        ("mru suspect: it reads 0.95 times the motion; corrected", PLAIN["drum radius 3 %"], True),
+        ("mru suspect: it reads 1.04 times the motion; corrected", {RADIUS_ERROR: -0.025}, True),
+        ("mru suspect: it reads 1.04 times the motion; corrected", {RADIUS_ERROR: -0.01}, False),
+        ("mru suspect: it reads 1.04 times the motion; corrected", PLAIN["high-pass 30 s"], True),
         ("noise of mru_heave is 0.05, 5.0 times what is believed", PLAIN["MRU noise x5"], False),
         ("noise of unit_heave is 0.1, 5.0 times what is believed", PLAIN["MRU noise x5"], True),
         (TOLD_LIMIT.format("1.200"), {LIMIT: 1.48}, True),

@@ -140,7 +140,7 @@ def test_a_factor_of_the_encoder_counts_from_its_onset_on():
     winch = WinchControllerParameters().winch
     theta = np.array([*drum_of(winch), 1.0, 0.0, 0.5])
     rates = np.full(112, 0.5)
-    record = DrumRecord(np.zeros(112), rates, np.zeros(112), np.zeros(100), 0.0, DT, onset=50)
+    record = DrumRecord(np.zeros(112), rates, np.zeros(112), np.zeros(100), np.zeros(100, bool), 0.0, DT, onset=50)
     thetas = np.array([theta, theta])
     thetas[1, FACTOR] = 2.0
     plain, doubled = record.simulated(thetas)

@@ -91,11 +91,12 @@ def test_a_sensor_better_than_believed_earns_nothing():
     assert proof.loss(np.array([0.01, 1.0])) == 0.0
 
 
-def test_evidence_counts_one_value_a_second_and_no_more_than_there_are():
-    """e = 2, 3 for the first measurement, in variances of 4 and 9; none of the second; six of the third."""
+def test_evidence_counts_one_value_a_second_of_those_in_which_there_are_any():
+    """e = 2, 3 for the first measurement, in variances of 4 and 9; none of the second; six in 4 s of the third."""
     innovations = np.array([[2.0], [3.0], *[[1.0]] * 6])
     variances = np.array([4.0, 9.0, *[1.0] * 6])
-    proof = evidence(innovations, variances, np.array([0, 0, 2, 2, 2, 2, 2, 2]), 3, 4.0)
+    seconds = np.array([7.0, 8.0, 1.0, 1.0, 2.0, 3.0, 30.0, 30.0])
+    proof = evidence(innovations, variances, np.array([0, 0, 2, 2, 2, 2, 2, 2]), 3, seconds)
     assert list(proof.counts) == [2.0, 0.0, 4.0]
     assert proof.grams[0, 0, 0] == pytest.approx((4.0 + 9.0) / 2.0)
     assert proof.spreads[0] == pytest.approx(0.5 * (math.log(4.0) + math.log(9.0)))

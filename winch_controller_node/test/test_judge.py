@@ -260,6 +260,15 @@ def test_what_leaves_the_record_unexplained_is_not_accepted():
     assert accepted([one, far], far, None, ["mru_heave"]) is one
 
 
+def test_one_culprit_more_is_no_other_explanation_and_is_not_taken_where_it_explains_no_more():
+    one, both = hypothesis(40.0, ["mru.scale"]), hypothesis(40.1, ["mru.scale", "cable.inertia_factor"])
+    assert accepted([one, both, PRESENT], PRESENT, None, ["mru_heave"]) is one
+    both = dataclasses.replace(both, loss=40.0 - 0.9 * CLEARLY)
+    assert accepted([both, one, PRESENT], PRESENT, None, ["mru_heave"]) is one
+    both = dataclasses.replace(both, loss=40.0 - 1.1 * CLEARLY)
+    assert accepted([both, one, PRESENT], PRESENT, None, ["mru_heave"]) is both
+
+
 def test_what_is_believed_is_not_news():
     assert accepted([PRESENT], PRESENT, PRESENT, ["mru_heave"]) is None
 

@@ -190,15 +190,18 @@ class Adviser:
         self._judge()
         return self._gain_is_winch
 
-    def _take_encoder(self, since: int, factor: float, sigma: float, nats: float) -> None:
-        """Believe that the encoder has read `factor` times as much as believed `since` a tick."""
-        self._rescale(since, factor * self._history.encoder_scale)
+    def _take_encoder(self, since: int, factor: float, sigma: float, step: float, nats: float) -> None:
+        """Believe that the encoder has read `factor` times as much as believed `since` a tick, after a `step` [m]."""
+        self._rescale(since, factor * self._history.encoder_scale, step)
         belief = Belief(ENCODER_SCALE, self._history.encoder_scale, sigma, nats, since)
         self._believe({**self._beliefs.values, ENCODER_SCALE: belief}, excluded="")
         self._adopt_present()
 
-    def _rescale(self, since: int, scale: float) -> None:
-        """Note that the encoder has another scale since a tick; in the first seconds it has had it from the start."""
+    def _rescale(self, since: int, scale: float, step: float = 0.0) -> None:
+        """Note that the encoder has another scale since a tick; in the first seconds it has had it from the start.
+
+        `step` is by how much its reading jumped there, as payout under the scale before [m].
+        """
         excerpt = self._record.last(self._record.duration)
         ticks = np.arange(excerpt.first, excerpt.last + 1)
         read = excerpt.tick_column("encoder")
@@ -207,7 +210,7 @@ class Adviser:
         reading = float(read[place]) if math.isfinite(read[place]) else 0.0
         old = self._history.encoder[-1] if self._history.encoder else EncoderScale()
         payout = old.payout + (reading - old.reading) / old.scale
-        begun = EncoderScale(int(ticks[place]), scale, reading, payout)
+        begun = EncoderScale(max(since, int(ticks[place])), scale, reading + step * old.scale, payout)
         self._history = self._history._replace(encoder=(*self._history.encoder, begun))
         self._beliefs = replace(self._beliefs, encoder=begun)
 
@@ -254,6 +257,9 @@ class Adviser:
             return
         self._tried, self._unexplained = self._seconds, worst
         ranked = judge.best()
+        if not ranked:
+            # what was read is beyond every model
+            return
         self._gain_is_winch = judge.rules_out_encoder(ranked)
         found = accepted(ranked, present, self._before, used)
         self._before = ranked[0] if ranked[0].changes or ranked[0].excluded != present.excluded else None

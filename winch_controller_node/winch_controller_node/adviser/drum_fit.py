@@ -30,6 +30,7 @@ PRICES: dict[tuple[int, ...], float] = {
     **{(index,): 12.0 for index in LIMITS},
     (SPEED_OUT, SPEED_IN): 12.0,
     (ACCELERATION_OUT, ACCELERATION_IN): 12.0,
+    LIMITS: 24.0,
     (DEADBAND,): 6.0,
     (BACKLASH,): 6.0,
     (HAULING, CREEP): 6.0,
@@ -61,8 +62,15 @@ LAGS = (0.4, 1.0, 2.5, 6.0)
 UNEXPLAINED = 4e-3
 """Standard deviation that is much [m]."""
 
-LEAST_BEFORE = 1.0
-"""Time before a sudden change of the encoder that must be on record [s]: only then is it sudden."""
+ONSETS = (1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0, 11.0, 15.0)
+"""Times before the end of the record from which on the encoder may read otherwise [s]."""
+
+LIMITED = 0.1
+"""Share of the ticks since then in which a limit may have acted: it has the drum do less than it was ordered."""
+
+LEAST_BEFORE, KNOWN = 1.0, 4e-3
+"""Time before a sudden change of the encoder that must be on record [s], and the most that may be left of it [m]: only
+then is it sudden."""
 
 ROUNDS = 5
 """Largest number of groups that are freed."""
@@ -94,7 +102,7 @@ class DrumFit:
     record : it was found in
     free : what was found
     sigmas : standard deviation of each of `free`
-    prior : (theta - nominal)^2 / sigma^2 / 2, summed [nats]
+    prior : how unlikely that is [nats]
     """
 
     theta: Array
@@ -131,7 +139,7 @@ def fit_drum(record: DrumRecord, prior: DrumPrior, start: Array, free: Sequence[
     highest = np.concatenate([prior.highest, [np.inf, np.inf]])
     nominal = np.concatenate([prior.nominal, [0.0, 0.0]])
     sigmas = np.concatenate([prior.sigmas, [np.inf, 2.0]])
-    precision = 1.0 / np.square(sigmas[columns])
+    nominal, sigmas = nominal[columns], sigmas[columns]
     count = int(np.count_nonzero(record.seen))
     # readings in a row that are off are not independent
     per_second = count / max(record.duration, record.dt)
@@ -140,8 +148,9 @@ def fit_drum(record: DrumRecord, prior: DrumPrior, start: Array, free: Sequence[
         residual, slopes = _linearised(record, theta, columns)
         squares = float(residual @ residual)
         weight = 1.0 / (per_second * (squares / count + FLOOR**2))
+        precision = _precision(theta[columns] - nominal, sigmas)
         information = weight * slopes.T @ slopes + np.diag(precision)
-        pull = weight * slopes.T @ residual + precision * (nominal[columns] - theta[columns])
+        pull = weight * slopes.T @ residual + precision * (nominal - theta[columns])
         step = _solved(information, pull)
         blocked = ((theta[columns] <= lowest[columns]) & (step < 0.0)) | (
             (theta[columns] >= highest[columns]) & (step > 0.0)
@@ -154,8 +163,8 @@ def fit_drum(record: DrumRecord, prior: DrumPrior, start: Array, free: Sequence[
         trials[:, columns] += np.outer(SHARES_OF_STEP, step)
         trials = np.clip(trials, lowest, highest)
         costs = 0.5 * weight * np.sum(np.square(record.residuals(trials)), axis=1)
-        costs += 0.5 * np.sum(precision * np.square(trials[:, columns] - nominal[columns]), axis=1)
-        before = 0.5 * weight * squares + 0.5 * float(precision @ np.square(theta[columns] - nominal[columns]))
+        costs += _improbability(trials[:, columns] - nominal, sigmas)
+        before = 0.5 * weight * squares + float(_improbability(theta[columns] - nominal, sigmas))
         best = int(np.argmin(costs))
         if costs[best] >= before:
             break
@@ -165,8 +174,22 @@ def fit_drum(record: DrumRecord, prior: DrumPrior, start: Array, free: Sequence[
             break
     squares = float(np.sum(np.square(record.residuals(theta[None, :]))))
     spread = np.sqrt(np.abs(np.diag(np.linalg.pinv(information, hermitian=True))))
-    off = np.square((theta[:FIELDS] - prior.nominal[:FIELDS]) / prior.sigmas[:FIELDS])
-    return DrumFit(theta, squares, count, record, tuple(free), spread[: len(free)], 0.5 * float(np.sum(off)))
+    unlikely = float(_improbability(theta[:FIELDS] - prior.nominal[:FIELDS], prior.sigmas[:FIELDS]))
+    return DrumFit(theta, squares, count, record, tuple(free), spread[: len(free)], unlikely)
+
+
+def _improbability(off: Array, sigmas: Array) -> Array:
+    """Return log(1 + z^2/2) of what is `off` by z sigmas, summed over the last axis [nats].
+
+    Near nominal it is a normal distribution's; but what is far off is seldom, not impossible: a servo may be ten times
+    as slow as stated.
+    """
+    return np.asarray(np.sum(np.log1p(0.5 * np.square(off / sigmas)), axis=-1))
+
+
+def _precision(off: Array, sigmas: Array) -> Array:
+    """Return the weights of squares that have its slope there: of reweighted least squares."""
+    return np.asarray(1.0 / (np.square(sigmas) * (1.0 + 0.5 * np.square(off / sigmas))))
 
 
 def _solved(information: Array, pull: Array) -> Array:
@@ -197,14 +220,22 @@ def identify(record: DrumRecord, prior: DrumPrior, believed: Array) -> DrumFit:
     # what is believed is found anew, but limits stay where the record does not reach them
     kept = [i for i in (DEADBAND, BACKLASH, HAULING, CREEP) if start[i] != prior.nominal[i]]
     best = fit_drum(record, prior, start, (*ALWAYS, *kept))
-    if best.residual > UNEXPLAINED:
-        for factor in LAGS:
-            other = start.copy()
-            other[LAG] = min(max(factor * start[LAG], prior.lowest[LAG]), prior.highest[LAG])
-            best = min(best, fit_drum(record, prior, other, (*ALWAYS, *kept)), key=lambda fit: fit.loss)
+    others = _other_starts(prior, start) if best.residual > UNEXPLAINED else []
+    best = min([best, *(fit_drum(record, prior, other, best.free) for other in others)], key=lambda fit: fit.loss)
     held_limits = {index for index in LIMITS if believed[index] < prior.nominal[index]}
-    best, freed = _with_groups(prior, best, held_limits)
+    onsets = _sudden(record, prior, believed) if best.residual > UNEXPLAINED else []
+    best, freed = _with_groups(prior, best, others, onsets, held_limits)
     return _without_held(prior, _without_passengers(prior, best, freed), held_limits)
+
+
+def _other_starts(prior: DrumPrior, start: Array) -> list[Array]:
+    """Return starts with other lags, all else nominal: a slow servo at its limits is far from what a lag alone fits."""
+    starts = []
+    for factor in LAGS:
+        other = np.concatenate([prior.nominal, start[START_PAYOUT:]])
+        other[LAG] = min(max(factor * prior.nominal[LAG], prior.lowest[LAG]), prior.highest[LAG])
+        starts.append(other)
+    return starts
 
 
 def begun(record: DrumRecord, believed: Array) -> Array:
@@ -219,15 +250,36 @@ def _price(group: tuple[int, ...], held: set[int]) -> float:
     return HELD if set(group) <= held else PRICES[group]
 
 
-def _with_groups(prior: DrumPrior, best: DrumFit, held: set[int]) -> tuple[DrumFit, set[tuple[int, ...]]]:
-    """Free one group after another as long as the record is likelier by more than its price; return which."""
+def _sudden(record: DrumRecord, prior: DrumPrior, believed: Array) -> list[int]:
+    """Return readings from which on the encoder may read otherwise: before them the drum did as it is `believed` to.
+
+    A drum does not change all at once; but one that is not known, or is at a limit, is weak before its encoder is wrong.
+    """
+    count, found = len(record.readings), []
+    for time in ONSETS:
+        onset = count - round(time / record.dt)
+        if onset < round(LEAST_BEFORE / record.dt) or np.mean(record.limited[onset:]) > LIMITED:
+            continue
+        before = record.until(onset)
+        if np.count_nonzero(before.seen) > 2 and fit_drum(before, prior, begun(before, believed), ()).residual < KNOWN:
+            found.append(onset)
+    return found
+
+
+def _with_groups(
+    prior: DrumPrior, best: DrumFit, others: Sequence[Array], onsets: Sequence[int], held: set[int]
+) -> tuple[DrumFit, set[tuple[int, ...]]]:
+    """Free one group after another as long as the record is likelier by more than its price; return which.
+
+    `others` are starts beside what is the best so far, `onsets` readings from which on the encoder may be wrong.
+    """
     freed: set[tuple[int, ...]] = set()
     for _ in range(ROUNDS):
         trials = [
             (fit.loss + _price(group, held) - best.loss, group, fit)
             for group in PRICES
             if not set(group) & set(best.free)
-            for fit in [_freed(prior, best, group)]
+            for fit in [_with_factor(prior, best, onsets) if group == (FACTOR,) else _freed(prior, best, group, others)]
             if fit is not None
         ]
         if not trials:
@@ -239,31 +291,33 @@ def _with_groups(prior: DrumPrior, best: DrumFit, held: set[int]) -> tuple[DrumF
     return best, freed
 
 
-def _freed(prior: DrumPrior, best: DrumFit, group: tuple[int, ...]) -> DrumFit | None:
+def _freed(prior: DrumPrior, best: DrumFit, group: tuple[int, ...], others: Sequence[Array]) -> DrumFit | None:
     """Return the fit with a `group` free besides; None: it cannot be."""
-    if group == (FACTOR,):
-        return _with_factor(prior, best) if best.residual > UNEXPLAINED else None
-    start, record = best.theta.copy(), best.record
+    begin = best.theta.copy()
     if set(group) <= set(LIMITS):
-        shown = shown_limits(record)
+        shown = shown_limits(best.record)
         for index in group:
-            start[index] = min(max(shown[index], prior.lowest[index]), prior.nominal[index])
-        if all(start[index] >= prior.nominal[index] for index in group):
+            begin[index] = min(max(shown[index], prior.lowest[index]), prior.nominal[index])
+        if all(begin[index] >= prior.nominal[index] for index in group):
             return None
     elif group in ((DEADBAND,), (BACKLASH,)):
-        start[group[0]] = max(start[group[0]], 0.01)
-    return fit_drum(record, prior, start, (*best.free, *group))
+        begin[group[0]] = max(begin[group[0]], 0.01)
+    starts = [begin]
+    for other in others if best.residual > UNEXPLAINED and set(group) <= set(LIMITS) else ():
+        start = other.copy()
+        start[list(LIMITS)] = best.theta[list(LIMITS)]
+        start[list(group)] = begin[list(group)]
+        starts.append(start)
+    free = (*best.free, *group)
+    return min((fit_drum(best.record, prior, start, free) for start in starts), key=lambda fit: fit.loss)
 
 
-def _with_factor(prior: DrumPrior, best: DrumFit) -> DrumFit | None:
-    """Return the fit with another factor of the encoder from the moment on that fits best; None: too short a record."""
+def _with_factor(prior: DrumPrior, best: DrumFit, onsets: Sequence[int]) -> DrumFit | None:
+    """Return the fit with another factor of the encoder from near that of the `onsets` on that fits best; None: none."""
     record = best.record
     count = len(record.readings)
-    onsets = [count - round(time / record.dt) for time in (1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0, 11.0, 15.0)]
     fits = []
     for onset in onsets:
-        if onset < round(LEAST_BEFORE / record.dt):
-            continue
         shifted = replace(record, onset=onset)
         for factor in (-1.0, 0.5, 2.0):
             start = best.theta.copy()
@@ -294,8 +348,9 @@ def shown_limits(record: DrumRecord) -> dict[int, float]:
 
 
 def _without_passengers(prior: DrumPrior, best: DrumFit, freed: Iterable[tuple[int, ...]]) -> DrumFit:
-    """Return the fit without those of the `freed` groups that it does not need beside the others."""
-    for group in sorted(freed):
+    """Return the fit without those of the `freed` groups, and of their parts, that it does not need beside the rest."""
+    found = {index for group in freed for index in group}
+    for group in sorted(group for group in PRICES if set(group) <= found):
         start = best.theta.copy()
         start[list(group)] = prior.nominal[list(group)]
         other = fit_drum(best.record, prior, start, tuple(i for i in best.free if i not in group))

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 from heave_node.numerics.arrays import Array
@@ -25,18 +26,22 @@ class DrumRecord:
     payouts, rates : set-points of the ticks, oldest first, more of them than readings by the longest delay [m], [m/s]
     late : by how much later than usual each took effect [ticks]
     readings : of the encoder at the end of the last ticks, as payout under what is believed of it [m]; NaN: none
+    limited : the winch says that a limit acted in the tick, same shape
     position_gain : of the servo's position loop [1/s]
     dt : tick period [s]
     onset : reading from which on the encoder's factor counts
+    breaks : readings from which on the encoder has another scale: it may have jumped there
     """
 
     payouts: Array
     rates: Array
     late: Array
     readings: Array
+    limited: NDArray[np.bool_]
     position_gain: float
     dt: float
     onset: int = 0
+    breaks: tuple[int, ...] = ()
 
     @property
     def seen(self) -> NDArray[np.bool_]:
@@ -62,9 +67,33 @@ class DrumRecord:
         return np.asarray(path)
 
     def residuals(self, thetas: Array) -> Array:
-        """Return what `thetas` leave of the readings that are there, (m, seen)."""
+        """Return what `thetas` leave of the readings that are there, (m, seen); steps where it has jumped are found."""
         seen = self.seen
-        return np.asarray(self.readings[seen] - self.simulated(thetas)[:, seen])
+        left = self.readings[seen] - self.simulated(thetas)[:, seen]
+        places = np.searchsorted(np.flatnonzero(seen), sorted({*self.breaks, self.onset} - {0}))
+        for first, end in pairwise([*places.tolist(), left.shape[1]]):
+            if first < end:
+                left[:, first:end] -= left[:, first:end].mean(axis=1, keepdims=True)
+        return np.asarray(left)
+
+    def until(self, place: int) -> DrumRecord:
+        """Return its beginning, without the readings from a `place` on."""
+        left = len(self.readings) - place
+        return replace(
+            self,
+            payouts=self.payouts[:-left],
+            rates=self.rates[:-left],
+            late=self.late[:-left],
+            readings=self.readings[:place],
+            limited=self.limited[:place],
+            onset=0,
+            breaks=tuple(one for one in self.breaks if one < place),
+        )
+
+    def step(self, theta: Array) -> float:
+        """Return by how much the encoder has jumped at the onset, under `theta` [m]."""
+        after = np.flatnonzero(self.seen) >= self.onset
+        return float(np.mean((self.readings[self.seen] - self.simulated(theta[None, :])[0, self.seen])[after]))
 
     def speeds(self, over: float) -> Array:
         """Return the speed of the encoder over each time `over` [s] [m/s]; NaN where a reading is missing."""
@@ -90,13 +119,16 @@ def drum_record(excerpt: Excerpt, window: float, ahead: int, history: SensorHist
         return None
     ticks = np.arange(excerpt.first + begin, excerpt.last + 1, dtype=float)
     readings = payouts(excerpt.tick_column("encoder")[begin:], ticks, history.encoder)
+    breaks = [one.since - (excerpt.first + first) for one in history.encoder]
     return DrumRecord(
         payouts=excerpt.tick_column("order_payout")[begin:].copy(),
         rates=np.where(excerpt.tick_column("brake")[begin:] > 0.0, 0.0, excerpt.tick_column("order_rate")[begin:]),
         late=lateness(excerpt.tick_column("sequence")[begin:], excerpt.tick_column("taken")[begin:]),
         readings=readings[ahead:].copy(),
+        limited=excerpt.tick_column("limits_hit")[first:] > 0.0,
         position_gain=gain,
         dt=excerpt.dt,
+        breaks=tuple(place for place in breaks if 0 < place < len(excerpt.ticks) - first),
     )
 
 

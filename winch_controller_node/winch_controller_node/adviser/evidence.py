@@ -97,7 +97,7 @@ class Evidence:
         ]
 
 
-def evidence(innovations: Array, variances: Array, which: NDArray[np.int64], count: int, seconds: float) -> Evidence:
+def evidence(innovations: Array, variances: Array, which: NDArray[np.int64], count: int, seconds: Array) -> Evidence:
     """Return the evidence of a pass.
 
     Parameters
@@ -105,7 +105,7 @@ def evidence(innovations: Array, variances: Array, which: NDArray[np.int64], cou
     innovations : normalised, of the judged readings (m, c); variances : foreseen (m,)
     which : judged measurement of each (m,)
     count : judged measurements
-    seconds : length of what is judged
+    seconds : in which each was taken, a whole number (m,)
     """
     columns = innovations.shape[1]
     grams, spreads, counts = np.zeros((count, columns, columns)), np.zeros(count), np.zeros(count)
@@ -114,5 +114,5 @@ def evidence(innovations: Array, variances: Array, which: NDArray[np.int64], cou
         if len(mine):
             grams[k] = mine.T @ mine / len(mine)
             spreads[k] = float(np.mean(np.log(variances[which == k])))
-            counts[k] = min(seconds, float(len(mine)))
+            counts[k] = len(np.unique(seconds[which == k]))
     return Evidence(grams, spreads, counts)

@@ -22,6 +22,9 @@ from winch_controller_node.model.slack_kernel import Slack
 SETTLING = 15.0
 """Time at the start of a record over which innovations are not judged [s]: the state is not known yet."""
 
+STOPPED = 30.0
+"""Exponent of drag that leaves nothing of a speed."""
+
 
 @dataclass(frozen=True)
 class PassModel:
@@ -165,7 +168,7 @@ def _motion(model: PassModel, record: PassInput) -> Motion:
     excess = np.maximum(drag.quadratic * record.unit_speed - drag.damping, 0.0) / drag.inertia
     unknown = (DOUBT * excess * record.unit_speed) ** 2 + (DOUBT * missing / slack.inertia) ** 2
     filled = [np.flatnonzero(row) for row in model.F]
-    kept = np.exp(-0.5 * excess * drag.tick_period)
+    kept = np.exp(-np.minimum(0.5 * excess * drag.tick_period, STOPPED))
     gives = np.where(missing > 0.0, missing / (missing + slack.largest), 0.0) * slack.tick_period / slack.inertia
     return Motion(
         F=np.ascontiguousarray(model.F),

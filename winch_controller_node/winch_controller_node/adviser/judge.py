@@ -54,6 +54,9 @@ PRICES = {
 SPREAD = 0.4
 """Standard deviation of the logarithm of a scale that is not nominal: one of 2.5 is less likely than one of 1.2."""
 
+USUAL = {MRU_OFFSET: 0.5, MRU_DELAY: 0.2}
+"""Standard deviation of what is not a ratio and not nominal, in its unit."""
+
 REVERSED = 4.0
 """Further price of a wrong sign [nats]."""
 
@@ -103,8 +106,8 @@ STARTS = {
 LEAST_FACTOR = 0.1
 """A sensor that is to read ten times as much as it should has another fault."""
 
-NEAR = (-2.0, -1.0, -0.5, -0.2, 0.2, 0.5, 1.0, 2.0, 3.5, 5.0)
-"""Onsets that are tried about the best one [s]."""
+NEAR = (0.75, 0.83, 0.9, 0.95, 0.98, 1.02, 1.05, 1.1, 1.2, 1.35)
+"""Onsets that are tried about the best one, over its time before the end of the record."""
 
 SAME = 0.02
 """Values of a model of which the logarithms differ by less are one."""
@@ -116,7 +119,7 @@ LARGEST_DELAY = 0.4
 """A delay beyond which a reading cannot be corrected by its slope [s]."""
 
 TELLING = 3.0
-"""Motion over the noise of a sensor that was left out in which it shows that it is right."""
+"""Motion over the noise of a sensor that was left out, 1 sigma, in which it shows that it is right."""
 
 
 class Change(NamedTuple):
@@ -143,6 +146,7 @@ class Hypothesis:
     excluded : sensor that is left out; empty: none
     loss, price : of the record, and of all that is held other than nominal [nats]
     misfits : mean squared normalised innovation by measurement
+    motion : that the sensor which is left out should have read over its noise, 1 sigma; NaN: none is
     state, covariance, state_names : at the end of the record
     """
 
@@ -154,6 +158,7 @@ class Hypothesis:
     state: Array = field(repr=False)
     covariance: Array = field(repr=False)
     state_names: tuple[str, ...] = field(repr=False)
+    motion: float = math.nan
 
     @property
     def total(self) -> float:
@@ -211,6 +216,7 @@ class Believed:
                 price += PRICES.get(name, 0.0)
                 if name in SCALES:
                     price += 0.5 * (math.log(abs(value)) / SPREAD) ** 2 + (REVERSED if value < 0.0 else 0.0)
+                price += 0.5 * ((value - nominal) / USUAL.get(name, math.inf)) ** 2
         scale = held.get(ENCODER_SCALE, 1.0)
         # what the encoder reads otherwise than the winch was sent is either's
         share = self.drum_gain / scale
@@ -241,7 +247,6 @@ class Judge:
         self._excerpt = excerpt.of(self._names)
         self._columns = in_columns(self._excerpt, measurements, believed.history, onsets)
         self._first_judged = excerpt.first + round(SETTLING / excerpt.dt)
-        self._seconds = max((excerpt.last - self._first_judged) * excerpt.dt, 1.0)
         self.present = self._of_model({}, believed.excluded, corrections=False)[0]
 
     @property
@@ -269,7 +274,7 @@ class Judge:
         found += self._of_models()
         found += self._refined(min(found, key=lambda one: one.total))
         least: dict[frozenset[str], Hypothesis] = {}
-        for one in found:
+        for one in (one for one in found if math.isfinite(one.total)):
             if one.culprits not in least or one.total < least[one.culprits].total:
                 least[one.culprits] = one
         return sorted(least.values(), key=lambda one: one.total)
@@ -280,9 +285,7 @@ class Judge:
         if onset <= excerpt.first:
             return []
         before = (excerpt.last - onset) * excerpt.dt
-        near = tuple(
-            before + step for step in NEAR if 0.5 < before + step < (excerpt.last - excerpt.first) * excerpt.dt
-        )
+        near = tuple(before * share for share in NEAR)
         return Judge(excerpt, self._believed, near)._of_model({}, best.excluded)
 
     def _of_models(self) -> list[Hypothesis]:
@@ -351,7 +354,8 @@ class Judge:
         late = self._excerpt.readings[:, TICK] >= self._first_judged
         which = self._columns.data.which
         which = np.where(np.array(self._names)[which] == ENCODER_ROW, -1, which)
-        proof = evidence(result.innovations[late], result.variances[late], which[late], len(self._names), self._seconds)
+        seconds = np.floor(self._excerpt.readings[late, TICK] * self._excerpt.dt)
+        proof = evidence(result.innovations[late], result.variances[late], which[late], len(self._names), seconds)
         changes = {name: Change(value, math.nan, self._excerpt.first) for name, value in values.items()}
         found = [self._hypothesis(changes, excluded, proof.plain(), 0, result, model)]
         for kind, starts in STARTS.items():
@@ -422,7 +426,18 @@ class Judge:
             state=state,
             covariance=result.covariance,
             state_names=model.state_names,
+            motion=self._motion_of(excluded, result),
         )
+
+    def _motion_of(self, excluded: str, result: PassResult) -> float:
+        """Return how far the sensor `excluded` should have seen move what it reads, over its noise; NaN: none is."""
+        data = self._columns.data
+        mine = np.array([sensor == excluded for sensor in self._sensors])[data.which]
+        mine &= self._excerpt.readings[:, TICK] >= self._first_judged
+        if not np.any(mine):
+            return math.nan
+        expected = data.values[mine, 0] - result.innovations[mine, 0] * np.sqrt(result.variances[mine])
+        return float(np.std(expected) / np.sqrt(np.mean(data.variances[mine])))
 
 
 START = {
@@ -483,14 +498,19 @@ def accepted(
     before : the best of the look before; None: there was none, or it was what is believed
     used : measurements that are used
     """
-    best = ranked[0]
+    # what is as good with fewer culprits is better; one more beside them is no other explanation
+    within = [one for one in ranked if one.culprits <= ranked[0].culprits and one.total < ranked[0].total + CLEARLY]
+    best = min(within, key=lambda one: len(one.culprits))
     gain = present.total - best.total
     if best.culprits == present.culprits and not best.changes:
         return None
-    others = [one.total for one in ranked[1:] if one.culprits != best.culprits]
+    others = [one.total for one in ranked if not one.culprits >= best.culprits]
     is_clear = not others or min(others) - best.total >= CLEARLY
     names = list(used)
     is_explained = best.worst(names) <= max(EXPLAINED, SHARE_LEFT * present.worst(names))
+    if present.excluded and present.excluded not in best.culprits and not present.motion > TELLING:
+        # a sensor that had nothing to see has not shown that it is right
+        return None
     is_again = before is not None and before.culprits == best.culprits
     return best if is_clear and is_explained and gain >= (AGAIN if is_again else ACCEPTED) else None
 

@@ -11,6 +11,7 @@ from heave_node.numerics.arrays import Array
 
 from winch_controller_node.adviser.drum_fit import (
     DELAY,
+    FLOOR,
     GAIN,
     LAG,
     LIMITS,
@@ -31,6 +32,9 @@ from winch_controller_node.node_parameters import WinchControllerParameters
 
 SHORTEST = 4.0
 """Record [s] from which on the winch is identified."""
+
+TURNS_WITHIN = 2.0
+"""A drum that has not turned for so long says nothing of how it turns: it may be its encoder that stands [s]."""
 
 WORTH = 6.0
 """What is found must explain the record so much better than what is believed [nats]."""
@@ -70,7 +74,8 @@ class WinchAnswer:
     ----------
     changed : beliefs by quantity; empty: what is believed is as good
     nominal : quantities that are as nominal again
-    factor : of the encoder since a tick, on what is believed of it; None: as believed
+    factor : tick since which the encoder reads otherwise, its factor on what is believed of it, the standard deviation
+        of that, and by how much it has jumped there [m]; None: as believed
     gain : of the drum under what is believed of the encoder, over the nominal one
     nats : by how much better the record is explained
     residual : what is left of it under what is believed [m]
@@ -78,7 +83,7 @@ class WinchAnswer:
 
     changed: Mapping[str, Belief] = field(default_factory=dict)
     nominal: frozenset[str] = frozenset()
-    factor: tuple[int, float, float] | None = None
+    factor: tuple[int, float, float, float] | None = None
     gain: float = 1.0
     nats: float = 0.0
     residual: float = 0.0
@@ -124,6 +129,10 @@ class WinchIdentifier:
         record = drum_record(excerpt, self._lag.window, self._ahead, history, self._winch.position_gain)
         if record is None or record.duration < SHORTEST or record.duration < 0.5 * len(record.readings) * self._dt:
             return None
+        newest = record.readings[-round(TURNS_WITHIN / self._dt) :]
+        newest = newest[np.isfinite(newest)]
+        if len(newest) == 0 or np.ptp(newest) <= FLOOR:
+            return None
         held = np.array([*drum_of(self._winch, believed), 1.0])
         self._looks += 1
         present = fit_drum(record, self._prior, begun(record, held), ())
@@ -136,12 +145,15 @@ class WinchIdentifier:
 
     def _answer(self, present: DrumFit, found: DrumFit, held: Array, excerpt: Excerpt) -> WinchAnswer:
         gain = float(found.theta[GAIN] / self._prior.nominal[GAIN])
+        is_explained = found.residual <= max(EXPLAINED, SHARE_LEFT * present.residual)
+        if FACTOR in found.free and not is_explained:
+            return WinchAnswer(gain=gain, residual=present.residual)
         if FACTOR in found.free:
             tick = excerpt.last + 1 - (len(found.record.readings) - found.record.onset)
             index = found.free.index(FACTOR)
             nats = present.loss - found.loss - PRICES[(FACTOR,)]
             return WinchAnswer(
-                factor=(tick, float(found.theta[FACTOR]), float(found.sigmas[index])),
+                factor=(tick, float(found.theta[FACTOR]), float(found.sigmas[index]), found.record.step(found.theta)),
                 gain=gain,
                 nats=nats,
                 residual=present.residual,
@@ -149,7 +161,6 @@ class WinchIdentifier:
         new = {i for i in found.free if held[i] == self._prior.nominal[i]}
         price = sum(PRICES[group] for group in PRICES if set(group) <= set(found.free) and set(group) & new)
         nats = present.loss - found.loss - price
-        is_explained = found.residual <= max(EXPLAINED, SHARE_LEFT * present.residual)
         values = self._worth_it(held, found, is_explained=found.residual <= EXPLAINED)
         values |= self._relaxed(found, held)
         is_better = nats >= WORTH and is_explained

@@ -85,13 +85,13 @@ class Adopted(NamedTuple):
 
 
 class EncoderScale(NamedTuple):
-    """Scale of the encoder from a tick on: payout there + (reading - reading there) / scale.
+    """Scale of the encoder from a tick on: payout + (what it reads - reading) / scale.
 
     Attributes
     ----------
     since : tick
     scale : reading over payout [-]
-    reading, payout : at that tick [m]
+    reading, payout : that belong together under it [m]
     """
 
     since: int = 0

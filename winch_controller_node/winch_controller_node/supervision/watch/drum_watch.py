@@ -53,20 +53,22 @@ class Ordered(NamedTuple):
     share : times as much
     left : standard deviation of the rest over that of the readings
     payout : where the drum should be by now, did it start where it was read [m]
+    is_limited : the winch says that it has been at a limit meanwhile
     """
 
     share: float
     left: float
     payout: float
+    is_limited: bool = False
 
     def is_reversed(self, *, was: bool) -> bool:
         """Tell whether the encoder goes the other way, and if it `was` so, still does."""
         return self.share < NOT_REVERSED if was else self.share < REVERSED and self.left < STRAIGHT
 
     def is_sudden(self, *, was: bool) -> bool:
-        """Tell whether the encoder reads far less or more, and if it `was` so, still does."""
+        """Tell whether the encoder reads far less or more than a drum without limits, and if it `was` so, still does."""
         least, most = NOT_SUDDEN if was else SUDDEN
-        return not least < self.share < most and (was or self.left < STRAIGHT)
+        return not least < self.share < most and (was or (self.left < STRAIGHT and not self.is_limited))
 
     @property
     def is_right_way(self) -> bool:
@@ -93,7 +95,7 @@ class DrumWatch:
         self._dt, self._nominal = tick_period, winch
         self._ahead = math.ceil((winch.command_delay + largest) / tick_period) + 3
         kept = round(LONGEST / tick_period) + self._ahead
-        self._payouts, self._rates, self._readings = Newest(kept), Newest(kept), Newest(kept)
+        self._payouts, self._rates, self._readings, self._limits = (Newest(kept) for _ in range(4))
         self.take({})
         self.reset()
         # compiled here, not in a tick of a run in real time
@@ -115,9 +117,14 @@ class DrumWatch:
     def restart(self) -> None:
         """Begin anew with the drum in motion, after something that no drum does."""
         self._readings.clear()
+        self._limits.clear()
 
-    def add(self, payout: float, rate: float, encoder: float | None) -> None:
-        """Take in the set-points `payout` [m] and `rate` [m/s] of a tick, and the `encoder` at its end [m], or None."""
+    def add(self, payout: float, rate: float, encoder: float | None, *, is_limited: bool = False) -> None:
+        """Take in the set-points `payout` [m] and `rate` [m/s] of a tick, and the `encoder` at its end [m], or None.
+
+        The winch says that a limit acted in it where it `is_limited`.
+        """
+        self._limits.append(float(is_limited))
         self._payouts.append(payout)
         self._rates.append(rate)
         self._readings.append(math.nan if encoder is None else encoder)
@@ -171,7 +178,8 @@ class DrumWatch:
             return None
         share = float(asked @ read) / asked_squares
         left = max(read_squares - share**2 * asked_squares, 0.0)
-        return Ordered(share, math.sqrt(left / read_squares), float(readings[0] + travel))
+        is_limited = bool(np.any(self._limits.last(count + 1) > 0.0))
+        return Ordered(share, math.sqrt(left / read_squares), float(readings[0] + travel), is_limited)
 
     def _rate_before(self, count: int) -> float:
         """Return the speed that the winch was ordered `count` ticks ago and has reached by now [m/s]."""

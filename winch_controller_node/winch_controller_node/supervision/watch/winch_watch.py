@@ -124,7 +124,8 @@ class WinchWatch:
             self.drum.add(given.payout, given.payout_rate, None)
             self.drum.restart()
         else:
-            self.drum.add(given.payout, given.payout_rate, payout)
+            is_limited = winch is not None and winch.limits_hit != 0
+            self.drum.add(given.payout, given.payout_rate, payout, is_limited=is_limited)
             error = abs(self.drum.error())
             self._cautious = CAUTIOUS_TIME if error > ALARMING else max(self._cautious - self._dt, 0.0)
         return report
