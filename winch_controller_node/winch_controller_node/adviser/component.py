@@ -103,6 +103,7 @@ class Adviser:
         self._before: Hypothesis | None = None
         self._tried, self._unexplained = -RESTS, 1.0
         self._gain_is_winch = self._drum_gain_is_open = False
+        self._leads_to: Hypothesis | None = None
         self._report = Report(nominal)
 
     def _compile(self) -> None:
@@ -134,6 +135,7 @@ class Adviser:
             self._begin(nominal, without_sea(self._beliefs))
         before = self._beliefs
         self._beliefs = replace(before, asked=observations.last, findings=(), design=None, adopted=None)
+        self._leads_to = None
         self._record.add(observations)
         self._seconds += 1
         is_due = observations.last >= before.asked + latency_ticks(self._dt)
@@ -147,6 +149,7 @@ class Adviser:
             if self._is_time_to_judge(observations):
                 self._judge()
             self._look_at_sea(observations)
+        self._adopt()
         findings = self._report.news(self._beliefs, observations.last * self._dt)
         changed = replace(before, asked=self._beliefs.asked, findings=(), design=None, adopted=None) != self._beliefs
         self._beliefs = replace(self._beliefs, findings=findings, number=before.number + int(changed or bool(findings)))
@@ -283,7 +286,7 @@ class Adviser:
         if "mru" in found.culprits:
             # the boom tip was not where it was taken to be
             self._begin_sea()
-        self._adopt(found)
+        self._leads_to = found
 
     def _note_corrections(self, changes: Mapping[str, Change], values: Mapping[str, Belief]) -> None:
         """Add what has changed of MRU and depth sensor to their history."""
@@ -295,9 +298,16 @@ class Adviser:
                 added.append((sensor, since.get(sensor, 0), correction))
         self._history = self._history._replace(corrections=(*self._history.corrections, *added))
 
-    def _adopt(self, found: Hypothesis) -> None:
-        """Have the core go on from the state at the end of the record under what was found."""
-        model = self._design.model
+    def _adopt_present(self) -> None:
+        """Have the core go on from the state that the last minute leads to under what is believed."""
+        if self._record.duration >= SHORTEST:
+            self._leads_to = Judge(self._record.last(min(MINUTE, self._record.duration)), self._believed()).present
+
+    def _adopt(self) -> None:
+        """Have the core go on from the state at the end of the record that what is believed by now leads to, if any."""
+        found, model = self._leads_to, self._design.model
+        if found is None:
+            return
         among = [found.state_names.index(name) for name in model.state_names if name in found.state_names]
         own = [model.state(name) for name in model.state_names if name in found.state_names]
         estimate, covariance = np.zeros(model.order), self._design.initial_covariance.copy()
@@ -305,11 +315,6 @@ class Adviser:
         covariance[own, :] = covariance[:, own] = 0.0
         covariance[np.ix_(own, own)] = found.covariance[np.ix_(among, among)]
         self._beliefs = replace(self._beliefs, adopted=Adopted(self._beliefs.asked, estimate, covariance))
-
-    def _adopt_present(self) -> None:
-        """Have the core go on from the state that the last minute leads to under what is believed."""
-        if self._record.duration >= SHORTEST:
-            self._adopt(Judge(self._record.last(min(MINUTE, self._record.duration)), self._believed()).present)
 
     # the sea
 

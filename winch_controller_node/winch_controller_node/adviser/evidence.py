@@ -18,6 +18,9 @@ ITERATIONS = 8
 TIE = 0.5
 """Losses that differ by less are as good: the later of two steps is the more exact [nats]."""
 
+NEAR = (np.linspace(0.9, 1.1, 21), np.linspace(0.992, 1.008, 9))
+"""Factors about that of least squares that are tried, and then about the best of them."""
+
 TINY = 1e-12
 """What has nothing to tell is divided by this."""
 
@@ -65,11 +68,18 @@ class Evidence:
         misfits = self.grams[:, 0, 0].copy()
         return Fitted(0.0, 0.0, self.loss(misfits), misfits)
 
-    def fit(self, columns: NDArray[np.int64], starts: Array) -> list[Fitted]:
+    def fit(self, columns: NDArray[np.int64], starts: Array, factors: Array | None = None) -> list[Fitted]:
         """Return the weight of each of `columns`, alone beside the record as it is, that explains it best.
 
-        `starts` are the weights at which to begin; the best of them is refined by reweighted least squares.
+        Parameters
+        ----------
+        columns : to be weighed
+        starts : weights at which to begin; the best of them is refined by reweighted least squares
+        factors : share of each measurement on which a weight w of the column is a factor 1 + w, (k, columns); None: of
+            none. What counts is the noise of what was read, that of what a factor makes of it over the factor: else
+            what is divided by ever more would be explained ever better.
         """
+        shares = np.zeros((len(self.counts), len(columns))) if factors is None else factors
         # q = a + 2 b w + c w^2 of each measurement and column
         a, b = self.grams[:, 0, 0, None], self.grams[:, 0, columns]
         c = self.grams[:, columns, columns]
@@ -78,17 +88,24 @@ class Evidence:
         def misfits(weights: Array) -> Array:
             return np.asarray(a + weights * (2.0 * b + weights * c))
 
-        def loss(found: Array) -> Array:
-            return np.asarray(0.5 * np.sum(counts * (np.log(np.maximum(found, 1.0)) + self.spreads[:, None]), axis=0))
+        def loss(weights: Array) -> Array:
+            read = misfits(weights) * np.maximum(np.abs(1.0 + weights), TINY) ** (-2.0 * shares)
+            return np.asarray(0.5 * np.sum(counts * (np.log(np.maximum(read, 1.0)) + self.spreads[:, None]), axis=0))
 
-        at_starts = np.array([loss(misfits(np.full(len(columns), start))) for start in starts])
+        at_starts = np.array([loss(np.full(len(columns), start)) for start in starts])
         best = starts[np.argmin(at_starts, axis=0)]
         least, weights = np.min(at_starts, axis=0), best
         for _ in range(ITERATIONS):
             share = counts / np.maximum(misfits(weights), 1.0)
             weights = -np.sum(share * b, axis=0) / np.maximum(np.sum(share * c, axis=0), TINY)
-            now = loss(misfits(weights))
+            now = loss(weights)
             best, least = np.where(now <= least + TIE, weights, best), np.minimum(now, least)
+        if factors is not None:
+            # least squares shrink a factor
+            for near in NEAR:
+                trials = np.array([(1.0 + best) * factor - 1.0 for factor in near])
+                losses = np.array([loss(trial) for trial in trials])
+                best, least = trials[np.argmin(losses, axis=0), np.arange(len(columns))], np.min(losses, axis=0)
         found = misfits(best)
         sigmas = 1.0 / np.sqrt(np.maximum(np.sum(counts / np.maximum(found, 1.0) * c, axis=0), TINY))
         return [

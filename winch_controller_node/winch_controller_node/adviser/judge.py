@@ -8,7 +8,7 @@ running, clearly better than with any other culprit, and the record explained.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
@@ -60,8 +60,9 @@ USUAL = {MRU_OFFSET: 0.5, MRU_DELAY: 0.2}
 REVERSED = 4.0
 """Further price of a wrong sign [nats]."""
 
-GAIN_SPREAD, IMPOSSIBLE = 0.06, 100.0
-"""Logarithm of a winch's gain over the nominal one that costs a nat, and the price of one that goes the other way."""
+RADIUS_SPREAD, GAIN, GAIN_SPREAD, IMPOSSIBLE = 0.03, 12.0, 0.06, 100.0
+"""Standard deviation of the logarithm of a winch's gain over the nominal one, as by another radius of the drum; the
+price of another gain; the logarithm of one that costs a further nat; and the price of one that goes the other way."""
 
 EXCLUSION = 18.0
 """And to leave a sensor out: that explains nothing."""
@@ -220,7 +221,10 @@ class Believed:
         scale = held.get(ENCODER_SCALE, 1.0)
         # what the encoder reads otherwise than the winch was sent is either's
         share = self.drum_gain / scale
-        return price + (abs(math.log(share)) / GAIN_SPREAD if share > 0.0 else IMPOSSIBLE)
+        if share <= 0.0:
+            return price + IMPOSSIBLE
+        off = abs(math.log(share))
+        return price + min(0.5 * (off / RADIUS_SPREAD) ** 2, GAIN) + off / GAIN_SPREAD
 
 
 class Judge:
@@ -347,6 +351,9 @@ class Judge:
                 cable = replace(cable, b=cable.b * share, drag=cable.drag * share)
         model, _ = pass_model(parameters, cable, self._believed.design)
         keys = [key for key in self._columns.index if key[0] != excluded and since in (None, key[2])]
+        if any(one.since > self._excerpt.first for one in self._believed.history.encoder):
+            # it has changed within the record, and from then on it is known
+            keys = [key for key in keys if key[0] != "encoder"]
         keys = keys if corrections else []
         columns = np.array([0, *(self._columns.index[key] for key in keys)])
         used = np.array([sensor != excluded for sensor in self._sensors])
@@ -362,26 +369,19 @@ class Judge:
             mine = [place for place, key in enumerate(keys, start=1) if key[1] == kind]
             if mine:
                 tick = self._excerpt.dt if kind == DELAY else 1.0
-                for place, fitted in zip(mine, proof.fit(np.array(mine), starts / tick), strict=True):
+                factors = self._shares([keys[place - 1] for place in mine]) if kind == FACTOR else None
+                for place, fitted in zip(mine, proof.fit(np.array(mine), starts / tick, factors), strict=True):
                     changed = self._changed(changes, keys[place - 1], fitted)
                     if changed is not None:
-                        read = self._of_what_was_read(fitted, keys[place - 1], proof.counts)
-                        found.append(self._hypothesis(changed, excluded, read, place, result, model))
+                        found.append(self._hypothesis(changed, excluded, fitted, place, result, model))
         return found
 
-    def _of_what_was_read(self, fitted: Fitted, key: tuple[str, str, int], counts: Array) -> Fitted:
-        """Return `fitted` with the loss of what was read, not of what a factor makes of it.
-
-        A density is divided by the factor's size where its variable is multiplied by it: else what is divided by ever
-        more would be explained ever better. `counts` are the independent values of each measurement.
-        """
-        sensor, kind, since = key
-        if kind != FACTOR:
-            return fitted
-        last = self._excerpt.last
-        share = (last - max(since, self._first_judged)) / max(last - self._first_judged, 1)
-        count = share * float(np.sum(counts[[known == sensor for known in self._sensors]]))
-        return fitted._replace(loss=fitted.loss - count * math.log(abs(1.0 + fitted.weight)))
+    def _shares(self, keys: Sequence[tuple[str, str, int]]) -> Array:
+        """Return the share of what is judged of each measurement that columns of `keys` change, (k, len(keys))."""
+        last, first = self._excerpt.last, self._first_judged
+        shares = [(last - max(since, first)) / max(last - first, 1) for _, _, since in keys]
+        is_of = [[known == sensor for sensor, _, _ in keys] for known in self._sensors]
+        return np.where(is_of, shares, 0.0)
 
     def _changed(
         self, changes: Mapping[str, Change], key: tuple[str, str, int], fitted: Fitted
