@@ -14,6 +14,7 @@ from types import MappingProxyType
 import numpy as np
 
 from winch_controller_node.adviser.judge import (
+    CLEARLY,
     Believed,
     Change,
     Hypothesis,
@@ -326,6 +327,8 @@ class Adviser:
         if self._beliefs.excluded == "mru" or "mru" not in parameters.sensors.use:
             return
         self._watch_sea(observations)
+        if self._record.duration < SHORTEST:
+            return
         seen, now = self._sea.newly_seen(), observations.last * self._dt
         noise = parameters.sensors.mru.rate_noise
         if seen is None or seen.heave * seen.frequency < CLEAR * noise or now - self._sea_compared < self._sea_patience:
@@ -333,7 +336,7 @@ class Adviser:
         self._sea_compared, self._sea_patience = now, min(LONGER * self._sea_patience, LONGEST_SEA_PATIENCE)
         seas = possible_seas(seen, self._nominal.sea, parameters.sea, parameters.vessel)
         found = likeliest_sea(parameters, self._design, seas, self._record.last(self._record.duration), self._history)
-        if found is None:
+        if found is None or not self._is_sea(replace(parameters, sea=found)):
             return
         self._sea_patience = SEA_PATIENCE
         values = dict(self._beliefs.values)
@@ -348,6 +351,12 @@ class Adviser:
             else:
                 values[name] = Belief(name, value, since=observations.last)
         self._believe(values)
+
+    def _is_sea(self, parameters: WinchControllerParameters) -> bool:
+        """Tell whether the last minute is explained by the sea of `parameters` about as well as by any other culprit."""
+        judge = Judge(self._record.last(min(MINUTE, self._record.duration)), self._believed())
+        ranked = judge.best()
+        return not ranked or judge.explains(parameters) < ranked[0].total + CLEARLY
 
     def _watch_sea(self, observations: Observations) -> None:
         """Have the motion of the boom tip in a batch seen."""

@@ -119,6 +119,9 @@ ENCODER_ROW = "payout"
 LARGEST_DELAY = 0.4
 """A delay beyond which a reading cannot be corrected by its slope [s]."""
 
+LEAST_READ = 10
+"""Seconds in which a sensor must have been read for a correction of it, or its acquittal."""
+
 TELLING = 3.0
 """Motion over the noise of a sensor that was left out, 1 sigma, in which it shows that it is right."""
 
@@ -217,7 +220,8 @@ class Believed:
                 price += PRICES.get(name, 0.0)
                 if name in SCALES:
                     price += 0.5 * (math.log(abs(value)) / SPREAD) ** 2 + (REVERSED if value < 0.0 else 0.0)
-                price += 0.5 * ((value - nominal) / USUAL.get(name, math.inf)) ** 2
+                # far off is seldom, not impossible
+                price += math.log1p(0.5 * ((value - nominal) / USUAL.get(name, math.inf)) ** 2)
         scale = held.get(ENCODER_SCALE, 1.0)
         # what the encoder reads otherwise than the winch was sent is either's
         share = self.drum_gain / scale
@@ -251,6 +255,11 @@ class Judge:
         self._excerpt = excerpt.of(self._names)
         self._columns = in_columns(self._excerpt, measurements, believed.history, onsets)
         self._first_judged = excerpt.first + round(SETTLING / excerpt.dt)
+        late = self._excerpt.readings[:, TICK] >= self._first_judged
+        seconds = np.floor(self._excerpt.readings[:, TICK] * excerpt.dt)
+        self._read_for = {
+            sensor: len(np.unique(seconds[late & self._excerpt.is_of(sensor)])) for sensor in self._sensors
+        }
         self.present = self._of_model({}, believed.excluded, corrections=False)[0]
 
     @property
@@ -266,6 +275,11 @@ class Judge:
         with_it = [one.total for one in ranked if "encoder" in one.culprits]
         without = [one.total for one in ranked if "encoder" not in one.culprits]
         return min(with_it, default=math.inf) >= min(without) + CLEARLY
+
+    def explains(self, parameters: WinchControllerParameters) -> float:
+        """Return the total of what is believed with other `parameters`, as of another sea [nats]."""
+        other = replace(self._believed, parameters=parameters)
+        return Judge(self._excerpt, other, ()).present.total
 
     def best(self) -> list[Hypothesis]:
         """Return the best hypothesis of each set of culprits, the best of all first; what is believed is one."""
@@ -351,6 +365,7 @@ class Judge:
                 cable = replace(cable, b=cable.b * share, drag=cable.drag * share)
         model, _ = pass_model(parameters, cable, self._believed.design)
         keys = [key for key in self._columns.index if key[0] != excluded and since in (None, key[2])]
+        keys = [key for key in keys if self._read_for[key[0]] >= LEAST_READ]
         if any(one.since > self._excerpt.first for one in self._believed.history.encoder):
             # it has changed within the record, and from then on it is known
             keys = [key for key in keys if key[0] != "encoder"]
@@ -434,7 +449,7 @@ class Judge:
         data = self._columns.data
         mine = np.array([sensor == excluded for sensor in self._sensors])[data.which]
         mine &= self._excerpt.readings[:, TICK] >= self._first_judged
-        if not np.any(mine):
+        if not np.any(mine) or self._read_for[excluded] < LEAST_READ:
             return math.nan
         expected = data.values[mine, 0] - result.innovations[mine, 0] * np.sqrt(result.variances[mine])
         return float(np.std(expected) / np.sqrt(np.mean(data.variances[mine])))
