@@ -30,6 +30,7 @@ from winch_controller_node.beliefs.quantities import (
     with_value,
 )
 from winch_controller_node.design.design import ControllerDesign, measurement_models, model_inputs
+from winch_controller_node.interface.sensors import MRU_BIAS
 from winch_controller_node.model.blocks import CableModel
 from winch_controller_node.model.models import augmented_model
 from winch_controller_node.model.simulated_unit import cable_slack, unit_drag
@@ -461,7 +462,6 @@ START = {
     "unit_heave": 10.0,
     "unit_heave_rate": 1.0,
     "depth_bias": 10.0,
-    "mru_bias": 1.0,
     "mru_offset": 0.5,
     "mru_offset_rate": 0.5,
 }
@@ -491,6 +491,11 @@ def pass_model(
     known = [name for name in model.state_names if design.model.has_state(name) and name not in START]
     new, old = [model.state(name) for name in known], [design.model.state(name) for name in known]
     start[np.ix_(new, new)] = design.initial_covariance[np.ix_(old, old)]
+    if model.has_state(MRU_BIAS):
+        # as large as it is believed to be: a larger one would explain what is an offset
+        bias = model.state(MRU_BIAS)
+        start[bias, :] = start[:, bias] = 0.0
+        start[bias, bias] = parameters.sensors.mru.bias_sigma**2
     if boom_tip is not None:
         of_tip = [model.state(name) for name in boom_tip.state_names]
         start[of_tip, :] = start[:, of_tip] = 0.0
