@@ -17,6 +17,7 @@ from heave_node.interface.faults import FaultParameters
 from heave_node.interface.sensors import MruReading
 from heave_node.parameters import build_parameters
 from wave_vessel_node.parameters import WaveVesselParameters
+from winch_controller_node.adviser.record import Record
 from winch_controller_node.component import WinchController
 from winch_controller_node.interface.readings import Measurements, ScalarReading, WinchReading
 from winch_controller_node.model.lqr import DesignError
@@ -580,6 +581,19 @@ def test_a_controller_that_is_started_anew_compensates_where_the_drum_stands(win
     # benchmark B3's 0.5 cm
     assert np.std(unit[-600:]) < 0.005
     assert np.mean(payout[-600:]) == pytest.approx(np.mean(set_point[-600:]), abs=0.1)
+
+
+def test_a_controller_that_is_started_anew_on_the_edge_of_a_batch_begins_another_record():
+    """Its mean and zeros are others: joined to the readings before, they were a depth sensor that reads 1.2 times."""
+    record, batches = Record(DT), []
+    for first in (1, 41):
+        controller = WinchController(WinchControllerParameters(), tick_period=DT)
+        outputs = [controller.step(tick, Measurements()) for tick in range(first, first + 40)]
+        batches += [one.observations for one in outputs if one.observations is not None]
+    assert [(batch.first, batch.epoch) for batch in batches] == [(1, 1), (21, 1), (41, 41), (61, 41)]
+    for batch in batches:
+        record.add(batch)
+    assert (record.last(60.0).first, record.duration) == (41, 2.0)
 
 
 @pytest.mark.parametrize("zero", [0.5, -10.0])

@@ -10,7 +10,7 @@ pytest.importorskip("heave_msgs")
 from heave_node.interface.codes import OPERATOR, SensorLevel, told_in
 from heave_node.ros.diagnostics import Level
 from winch_controller_node.interface.readings import SensorState
-from winch_controller_node.node import WinchControllerNode
+from winch_controller_node.node import ADVISER, WinchControllerNode
 from winch_controller_node.supervision.modes import Event
 
 
