@@ -59,7 +59,7 @@ def test_each_sensor_has_its_columns_from_each_onset_on_and_the_encoder_for_the_
 
 
 def test_a_factor_on_a_sensor_is_a_multiple_of_its_column(excerpt, measurements):
-    """1 + w times what the MRU reads is the record and w times its column; the encoder's counts from where it begins."""
+    """1 + w times what the MRU reads is the record and w times its column; the encoder's counts from its start."""
     columns = in_columns(excerpt, measurements, SensorHistory(), onsets=(5.0,))
     first = columns.onsets[-1]
     mru = excerpt.is_of("mru") & (excerpt.readings[:, 1] >= first)

@@ -357,7 +357,7 @@ class Adviser:
     # what is believed
 
     def _believe(self, values: Mapping[str, Belief], *, excluded: str | None = None) -> None:
-        """Believe other `values`, and design for them where the model is another one; not what cannot be designed for."""
+        """Believe other `values`, and design for them where the model is another one; where that fails, nothing new."""
         before = self.parameters
         beliefs = replace(
             self._beliefs,
