@@ -165,10 +165,11 @@ HALVED = {"speed_limit": 1.0, "acceleration_limit": 0.75, "stop_deceleration": 0
 """Half of the virtual winch's 2 m/s and 1.5 m/s^2."""
 
 
+@pytest.mark.parametrize("seed", [1, 3])
 @pytest.mark.parametrize(("size", "limits"), [(0.6, {}), (1.4, HALVED)], ids=["alone", "with halved limits"])
-def test_a_servo_ten_times_as_slow_as_stated_is_found(size, limits):
+def test_a_servo_ten_times_as_slow_as_stated_is_found(size, limits, seed):
     """1.5 s for 0.15 s: 27 of the prior's sigmas of 0.05 s away."""
-    found = identify(record_of(WinchParameters(time_constant=1.5, **limits), size=size), PRIOR, NOMINAL)
+    found = identify(record_of(WinchParameters(time_constant=1.5, **limits), size=size, seed=seed), PRIOR, NOMINAL)
     assert found.theta[PLACE["lag"]] == pytest.approx(1.5, rel=0.03)
     assert found.theta[PLACE["gain"]] == pytest.approx(1.0, rel=0.03)
     assert FACTOR not in found.free
