@@ -9,7 +9,7 @@ import pytest
 from cable_sim_node.node_parameters import CableSimNodeParameters, LinearModelParameters
 from cable_sim_node.parameters import UnitParameters
 from cable_sim_node.winch.parameters import WinchParameters
-from heave_bringup.closed_loop import ClosedLoop, LoopParameters
+from heave_bringup.closed_loop import COLUMNS, ClosedLoop, LoopParameters
 from heave_bringup.closed_loop import loop_parameters as parameters_of
 from heave_bringup.scenarios import load_scenario
 from heave_node.interface.codes import SensorLevel, WinchFault
@@ -17,6 +17,7 @@ from heave_node.interface.faults import FaultParameters
 from heave_node.interface.sensors import MruReading
 from heave_node.parameters import build_parameters
 from wave_vessel_node.parameters import WaveVesselParameters
+from winch_controller_node.adviser.record import Record
 from winch_controller_node.component import WinchController
 from winch_controller_node.interface.readings import Measurements, ScalarReading, WinchReading
 from winch_controller_node.model.lqr import DesignError
@@ -300,7 +301,7 @@ def test_an_operator_lowers_the_unit_while_it_is_compensated_and_a_joystick_that
     assert controller.mean.point.rate == 0.0
     rows = np.array(rows)
     # benchmark B3's 0.5 cm twice, while the mean comes to rest
-    assert np.std((rows[:, 2] + rows[:, 9])[500:]) < 0.01
+    assert np.std((rows[:, 2] + rows[:, COLUMNS.index("depth_set_point")])[500:]) < 0.01
     assert np.max(np.abs(np.diff(rows[:, 5]))) <= 1.5 * DT + 1e-9
     told = []
     for _ in range(500):
@@ -423,10 +424,11 @@ def test_an_identified_winch_that_cannot_be_designed_for_is_an_alarm_and_the_loo
     def refuse(parameters):
         raise DesignError("no gain for that winch")
 
-    monkeypatch.setattr(loop.controller._in_force, "prepared_for", refuse)
+    monkeypatch.setattr(loop.adviser, "_designed", refuse)
     outputs = [loop.step()[0] for _ in range(800)]
     told = [words for tick in outputs for words in tick.alarms if "not used" in words]
-    assert told == ["what was learnt is not used: no gain for that winch"]
+    assert [words.split(";")[0] for words in told] == ["winch differs from what is assumed"]
+    assert loop.controller.parameters == loop.controller.nominal
     assert outputs[-1].report.mode == "compensating"
 
 
@@ -573,11 +575,25 @@ def test_a_controller_that_is_started_anew_compensates_where_the_drum_stands(win
     assert not any("harmful" in words or "disagree" in words or "suspect" in words for words in alarms)
     assert {outputs.mode for outputs, _ in after[-600:]} == {"compensating"}
     rows = np.array([row for _, row in after])
+    payout, set_point, unit = (rows[:, COLUMNS.index(name)] for name in ("payout", "depth_set_point", "unit"))
     # a wave's amplitude at most, 1 m, is between where the drum was stopped and the 2 m of the move
-    assert np.all(np.abs(rows[:, 9] - 2.0) < 1.0), "also what is told before that is known"
+    assert np.all(np.abs(set_point - 2.0) < 1.0), "also what is told before that is known"
     # benchmark B3's 0.5 cm
-    assert np.std(rows[-600:, 2]) < 0.005
-    assert np.mean(rows[-600:, 4]) == pytest.approx(np.mean(rows[-600:, 9]), abs=0.1)
+    assert np.std(unit[-600:]) < 0.005
+    assert np.mean(payout[-600:]) == pytest.approx(np.mean(set_point[-600:]), abs=0.1)
+
+
+def test_a_controller_that_is_started_anew_on_the_edge_of_a_batch_begins_another_record():
+    """Its mean and zeros are others: joined to the readings before, they were a depth sensor that reads 1.2 times."""
+    record, batches = Record(DT), []
+    for first in (1, 41):
+        controller = WinchController(WinchControllerParameters(), tick_period=DT)
+        outputs = [controller.step(tick, Measurements()) for tick in range(first, first + 40)]
+        batches += [one.observations for one in outputs if one.observations is not None]
+    assert [(batch.first, batch.epoch) for batch in batches] == [(1, 1), (21, 1), (41, 41), (61, 41)]
+    for batch in batches:
+        record.add(batch)
+    assert (record.last(60.0).first, record.duration) == (41, 2.0)
 
 
 @pytest.mark.parametrize("zero", [0.5, -10.0])

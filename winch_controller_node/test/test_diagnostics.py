@@ -10,11 +10,11 @@ pytest.importorskip("heave_msgs")
 from heave_node.interface.codes import OPERATOR, SensorLevel, told_in
 from heave_node.ros.diagnostics import Level
 from winch_controller_node.interface.readings import SensorState
-from winch_controller_node.node import WinchControllerNode
+from winch_controller_node.node import ADVISER, WinchControllerNode
 from winch_controller_node.supervision.modes import Event
 
 
-def parts_of(mode, *, is_inhibited=False, reason="", sensors=(), asked=None):
+def parts_of(mode, *, is_inhibited=False, reason="", sensors=(), asked=None, adviser=None):
     """Return the parts that `diagnose` says, the mode first."""
     report = SimpleNamespace(
         mode=mode, is_inhibited=is_inhibited, reason=reason, authority=0.0, sensors=sensors, solver_status="free"
@@ -25,6 +25,8 @@ def parts_of(mode, *, is_inhibited=False, reason="", sensors=(), asked=None):
         _changes={},
         _told={},
         _asked=asked or {},
+        _has_adviser=adviser is not None,
+        adviser=adviser,
         _diagnose_commands=lambda: None,
     )
     return WinchControllerNode.diagnose(node)
@@ -77,3 +79,11 @@ def test_what_an_operator_asked_for_is_told_with_its_time_and_is_no_warning():
     (part,) = [one for one in parts_of("compensating", asked=asked) if one is not None and one.part == OPERATOR]
     assert (part.level, part.values) == (Level.OK, asked)
     assert told_in(part.message) == [(1.2, "factor 0.8"), (1.55, "speed +0.20 m/s")]
+
+
+@pytest.mark.parametrize(("is_well", "level"), [(True, Level.OK), (False, Level.WARN)])
+def test_an_adviser_that_is_not_well_is_a_warning_and_a_run_without_one_says_nothing_of_it(is_well, level):
+    adviser = SimpleNamespace(is_well=is_well, words="no answer for 4 s", values={"answers": "7"})
+    (part,) = [one for one in parts_of("compensating", adviser=adviser) if one is not None and one.part == ADVISER]
+    assert (part.level, part.message, part.values) == (level, "no answer for 4 s", {"answers": "7"})
+    assert ADVISER not in {one.part for one in parts_of("compensating") if one is not None}

@@ -8,12 +8,13 @@ from cable_sim_node.winch.component import VirtualWinch, WinchCommand
 from cable_sim_node.winch.parameters import EncoderParameters, WinchParameters
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from winch_controller_node.adviser.drum_fit import FACTOR, LIMITS, PRICES, begun, fit_drum, identify
+from winch_controller_node.adviser.drum_fit import FACTOR, LIMITS, PRICES, _improbability, begun, fit_drum, identify
 from winch_controller_node.adviser.drum_prior import prior_of
 from winch_controller_node.adviser.drum_record import DrumRecord
 from winch_controller_node.adviser.record import SensorHistory
 from winch_controller_node.adviser.winch import WinchIdentifier
 from winch_controller_node.beliefs.drum import drum_of
+from winch_controller_node.interface.observations import TICK_COLUMNS
 from winch_controller_node.model.drum_kernel import Drum, drum_records
 from winch_controller_node.node_parameters import WinchControllerParameters
 
@@ -39,11 +40,21 @@ def driven(winch, rates):
     return np.array([state.encoder_payout for state in states]), states
 
 
+def recorded(rates, readings, limited=()):
+    """Return the record of `readings` of a drum that was sent `rates`, its first second left out as orders before it.
+
+    Those readings are `limited` in whose ticks the winch says that a limit acted.
+    """
+    none = np.zeros(len(rates))
+    was_limited = np.isin(np.arange(len(rates)), limited)
+    return DrumRecord(none, rates, none, np.array(readings[AHEAD:]), was_limited[AHEAD:], 0.0, DT)
+
+
 def record_of(winch, seconds=30.0, size=0.6, seed=1):
-    """Return the record of a virtual winch, its first second left out as the orders before it."""
+    """Return the record of a virtual winch."""
     rates = waves(seconds, size, seed=seed)
-    readings, _ = driven(winch, rates)
-    return DrumRecord(np.zeros(len(rates)), rates, np.zeros(len(rates)), readings[AHEAD:], np.zeros(len(readings) - AHEAD, bool), 0.0, DT)
+    readings, states = driven(winch, rates)
+    return recorded(rates, readings, [tick for tick, state in enumerate(states) if state.limits_hit])
 
 
 def sigma_of(found, name):
@@ -98,7 +109,7 @@ def crept(gain, hauling, creep, seconds=30.0, lag=0.15):
         change = -(end - rate) * np.expm1(-DT / lag)
         payout, rate = payout + end * DT - lag * change, rate + change
         readings.append(1e-3 * round(1e3 * payout))
-    return DrumRecord(np.zeros(len(rates)), rates, np.zeros(len(rates)), np.array(readings[AHEAD:]), np.zeros(len(readings) - AHEAD, bool), 0.0, DT)
+    return recorded(rates, readings)
 
 
 @pytest.mark.parametrize(("hauling", "creep"), [(0.76, 0.058), (1.3, -0.04), (1.0, 0.05)])
@@ -112,22 +123,70 @@ def test_a_drum_that_creeps_and_hauls_in_with_another_gain_is_known(hauling, cre
     assert not set(found.free) & set(LIMITS)
 
 
+def scaled_from(factor, before_end, limited=(), **winch):
+    """Return the record of a winch whose encoder counts `factor` times as much for the last `before_end` [s]; onset."""
+    rates = waves(30.0, 0.6)
+    readings, states = driven(WinchParameters(**winch), rates)
+    onset, drum = len(rates) - round(before_end / DT), np.array([state.payout for state in states])
+    # it counts on from where it stood
+    readings[onset:] = readings[onset - 1] + factor * (drum[onset:] - drum[onset - 1])
+    return recorded(rates, readings, limited), onset - AHEAD
+
+
 @pytest.mark.parametrize("before_end", [1.5, 3.0, 6.0, 11.0])
 @pytest.mark.parametrize("factor", [-1.0, 0.5, 2.0, -2.44])
 def test_an_encoder_that_changes_its_factor_is_known_with_its_onset(factor, before_end):
     """A drum's gain does not jump: what does is the encoder's."""
-    seconds = 30.0
-    rates = waves(seconds, 0.6)
-    readings, states = driven(WinchParameters(), rates)
-    onset, drum = len(rates) - round(before_end / DT), np.array([state.payout for state in states])
-    # it counts on from where it stood
-    readings[onset:] = readings[onset - 1] + factor * (drum[onset:] - drum[onset - 1])
-    record = DrumRecord(np.zeros(len(rates)), rates, np.zeros(len(rates)), readings[AHEAD:], np.zeros(len(readings) - AHEAD, bool), 0.0, DT)
+    record, onset = scaled_from(factor, before_end)
     found = identify(record, PRIOR, NOMINAL)
     assert FACTOR in found.free
     assert found.theta[FACTOR] == pytest.approx(factor, rel=0.03)
-    assert found.record.onset + AHEAD == pytest.approx(onset, abs=4)
+    assert found.record.onset == pytest.approx(onset, abs=4)
     assert not set(found.free) & set(LIMITS)
+
+
+@pytest.mark.parametrize(("every", "is_found"), [(5, False), (20, True)])
+def test_an_encoder_is_not_blamed_where_the_winch_was_often_at_a_limit(every, is_found):
+    """In a fifth of the ticks, twice LIMITED, or in a twentieth, half of it: what is read is the same."""
+    record, _ = scaled_from(0.5, 6.0, limited=range(0, 600, every))
+    assert (FACTOR in identify(record, PRIOR, NOMINAL).free) is is_found
+
+
+@pytest.mark.parametrize("is_known", [False, True])
+def test_an_encoder_is_not_blamed_where_the_drum_was_not_as_believed_before(is_known):
+    """A winch of 0.7 of its gain is weak before its encoder is wrong; once that is believed the encoder may be."""
+    record, _ = scaled_from(0.5, 6.0, speed_gain=0.7)
+    known = {"winch.speed_gain": 0.7} if is_known else {}
+    found = identify(record, PRIOR, np.array([*drum_of(BELIEF.winch, known), 1.0]))
+    assert (FACTOR in found.free) is is_known
+
+
+HALVED = {"speed_limit": 1.0, "acceleration_limit": 0.75, "stop_deceleration": 0.75}
+"""Half of the virtual winch's 2 m/s and 1.5 m/s^2."""
+
+
+@pytest.mark.parametrize("seed", [1, 3])
+@pytest.mark.parametrize(("size", "limits"), [(0.6, {}), (1.4, HALVED)], ids=["alone", "with halved limits"])
+def test_a_servo_ten_times_as_slow_as_stated_is_found(size, limits, seed):
+    """1.5 s for 0.15 s: 27 of the prior's sigmas of 0.05 s away."""
+    found = identify(record_of(WinchParameters(time_constant=1.5, **limits), size=size, seed=seed), PRIOR, NOMINAL)
+    assert found.theta[PLACE["lag"]] == pytest.approx(1.5, rel=0.03)
+    assert found.theta[PLACE["gain"]] == pytest.approx(1.0, rel=0.03)
+    assert FACTOR not in found.free
+    shown = {"speed_out": 1.0, "speed_in": 1.0, "acceleration_out": 0.75, "acceleration_in": 0.75} if limits else {}
+    assert {name: found.theta[PLACE[name]] for name in shown} == pytest.approx(shown, rel=0.03)
+    assert bool(set(found.free) & set(LIMITS)) is bool(limits)
+
+
+@given(st.floats(1e-3, 0.02), st.floats(1e3, 1e6), st.floats(0.01, 10.0))
+def test_how_unlikely_a_drum_is_grows_with_the_square_near_nominal_and_with_the_logarithm_far_off(near, far, sigma):
+    """log(1 + z^2/2) is z^2/2 less its square's half, and log(z^2/2) and at most 2/z^2 more; nothing for no prior."""
+    sigmas = np.array([sigma, np.inf])
+    close, remote = (float(_improbability(np.array([z * sigma, 1.0]), sigmas)) for z in (near, far))
+    assert close == pytest.approx(0.5 * near**2, rel=0.25 * near**2 + 1e-9)
+    assert remote == pytest.approx(2.0 * np.log(far) - np.log(2.0), abs=2.0 / far**2 + 1e-9)
+    both = _improbability(np.array([near * sigma, far * sigma]), np.array([sigma, sigma]))
+    assert float(both) == pytest.approx(close + remote)
 
 
 def excerpts(excerpt_of, winch, seconds, *, size=0.6, seed=1, noise=0.0, resolution=1e-3, every=20):
@@ -213,6 +272,18 @@ def test_a_limit_that_waves_do_not_reach_any_more_stays_for_a_minute(excerpt_of)
             believed = {n: b for n, b in believed.items() if n not in answer.nominal} | dict(answer.changed)
         held.append(believed["winch.speed_out"].value if "winch.speed_out" in believed else 2.0)
     assert held[20:] == pytest.approx(len(held[20:]) * [0.6], rel=0.05)
+
+
+@pytest.mark.parametrize(("still", "is_answered"), [(1.5, True), (2.1, False)])
+def test_a_drum_that_has_not_turned_for_two_seconds_is_not_judged(excerpt_of, still, is_answered):
+    """It may be its encoder that stands: a slow servo, which is answered as such else, whose readings stand."""
+    *_, excerpt = excerpts(excerpt_of, WinchParameters(time_constant=0.4), 15.0)
+    count, column = round(still / DT), TICK_COLUMNS.index("encoder")
+    ticks = excerpt.ticks.copy()
+    ticks[-count:, column] = ticks[-count, column]
+    excerpt = replace(excerpt, ticks=ticks)
+    answer = WinchIdentifier(BELIEF, DT).look(excerpt, SensorHistory(), {})
+    assert (answer is not None) is is_answered
 
 
 def test_a_still_drum_tells_nothing(excerpt_of):

@@ -1,5 +1,7 @@
 """What a drum was ordered and read, and by how much its orders came later than usual."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -148,3 +150,37 @@ def test_a_factor_of_the_encoder_counts_from_its_onset_on():
     np.testing.assert_allclose(np.diff(doubled), np.where(np.arange(99) < 49, 0.025, 0.05), atol=1e-12)
     assert record.simulated(thetas[1:])[0, 49] == plain[49]
     assert START_PAYOUT == FACTOR + 1
+
+
+def jumping():
+    """Return a record with a break at reading 30 and an onset at 60, theta of its drum, and what it simulates."""
+    theta = np.array([*drum_of(WinchControllerParameters().winch), 1.0, 0.0, 0.5])
+    theta[FACTOR] = 0.5
+    rates = 0.5 + 0.3 * np.sin(0.1 * np.arange(112))
+    none = np.zeros(112)
+    record = DrumRecord(none, rates, none, np.zeros(100), np.zeros(100, bool), 0.0, DT, onset=60, breaks=(30,))
+    return record, theta, record.simulated(theta[None, :])[0]
+
+
+@pytest.mark.parametrize("missing", [(), (30, 60, 61), tuple(range(25, 35))], ids=str)
+@given(at_break=st.floats(-2.0, 2.0), at_onset=st.floats(-2.0, 2.0), noise=st.integers(0, 2**31))
+def test_what_is_left_does_not_depend_on_how_far_the_encoder_jumped_at_a_break_or_an_onset(
+    missing, at_break, at_onset, noise
+):
+    record, theta, drum = jumping()
+    readings = drum + 0.01 * np.random.default_rng(noise).standard_normal(100)
+    readings[list(missing)] = np.nan
+    place = np.arange(100)
+    jumped = readings + np.where(place >= 30, at_break, 0.0) + np.where(place >= 60, at_onset, 0.0)
+    plain, same = (dataclasses.replace(record, readings=one).residuals(theta[None, :]) for one in (readings, jumped))
+    np.testing.assert_allclose(same, plain, atol=1e-12)
+    # before the first of them a jump is one of the drum
+    elsewhere = dataclasses.replace(record, readings=readings + np.where(place >= 10, 1.0, 0.0))
+    assert np.ptp(elsewhere.residuals(theta[None, :])[0, :25]) > 0.9
+
+
+@pytest.mark.parametrize("jump", [-0.4, 0.0, 1.5])
+def test_how_far_an_encoder_jumped_at_the_onset_is_known(jump):
+    record, theta, drum = jumping()
+    jumped = dataclasses.replace(record, readings=drum + np.where(np.arange(100) >= 60, jump, 0.0))
+    assert jumped.step(theta) == pytest.approx(jump, abs=1e-12)

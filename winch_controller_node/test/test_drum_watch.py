@@ -24,8 +24,11 @@ def waves(seconds, size=0.5):
     return size * (np.sin(0.7 * time) + 0.5 * np.sin(1.1 * time))
 
 
-def watched(*, seconds=20.0, factor=1.0, believed=None, size=0.5, gap=(), **winch):
-    """Return the watch of a winch whose encoder reads `factor` times the payout, its errors, and the payouts."""
+def watched(*, seconds=20.0, factor=1.0, believed=None, size=0.5, gap=(), limited=(), **winch):
+    """Return the watch of a winch whose encoder reads `factor` times the payout, its errors, and the payouts.
+
+    There is no reading in the ticks of the `gap`; a limit acts in those that are `limited`.
+    """
     watch, drum = (
         DrumWatch(BELIEF.winch, BELIEF.lag.largest, DT),
         VirtualWinch(WinchParameters(**winch), tick_period=DT),
@@ -36,7 +39,8 @@ def watched(*, seconds=20.0, factor=1.0, believed=None, size=0.5, gap=(), **winc
     errors, payouts = [], []
     for tick, rate in enumerate(waves(seconds, size), start=1):
         state = drum.step(tick, WinchCommand(tick + 1, 0.0, float(rate)))
-        watch.add(0.0, float(rate), None if tick in gap else factor * state.encoder_payout)
+        read = None if tick in gap else factor * state.encoder_payout
+        watch.add(0.0, float(rate), read, is_limited=tick in limited)
         errors.append(watch.error())
         payouts.append(state.payout)
     return watch, np.array(errors), np.array(payouts)
@@ -110,6 +114,14 @@ def test_too_little_that_was_read_or_moved_tells_nothing_of_the_encoder(case):
     assert watched(**case)[0].ordered() is None
 
 
+@pytest.mark.parametrize(
+    ("limited", "is_limited"), [((400,), True), ((386,), True), ((380,), False), ((), False)], ids=str
+)
+def test_a_limit_counts_where_it_acted_while_orders_and_encoder_are_compared(limited, is_limited):
+    """Of 400 ticks the last 0.8 s, which are 16."""
+    assert watched(limited=limited)[0].ordered().is_limited is is_limited
+
+
 # the reflex
 
 TRUE, HALF, BACK = Ordered(1.0, 0.02, 3.0), Ordered(0.5, 0.02, 3.0), Ordered(-1.0, 0.02, 3.0)
@@ -156,6 +168,18 @@ def test_a_scale_is_sudden_only_where_the_winch_is_known():
     assert acts([HALF] * 300)[0] == []
     found, _ = acts([TRUE] * seconds(40.0) + [HALF] * 5)
     assert [act for _, act in found] == [Act.SET_ASIDE]
+
+
+def test_a_scale_is_not_sudden_while_a_limit_acts():
+    """A drum at a limit does less than it was ordered; one that turns the other way has no such excuse."""
+    half, back = (one._replace(is_limited=True) for one in (HALF, BACK))
+    assert acts([TRUE] * seconds(40.0) + [half] * 50)[0] == []
+    # the winch is known for 10 log(0.98 / 0.8) = 2 s more
+    found, _ = acts([TRUE] * seconds(40.0) + [half] * seconds(1.0) + [HALF] * 5)
+    assert [act for _, act in found] == [Act.SET_ASIDE]
+    assert [act for _, act in acts([TRUE] * seconds(40.0) + [back] * 5)[0]] == [Act.SET_ASIDE]
+    # one that is set aside already is not used again for that
+    assert half.is_sudden(was=True)
 
 
 def test_one_that_goes_right_again_is_used_again():

@@ -14,6 +14,7 @@ from winch_controller_node.adviser.judge import (
     CLEARLY,
     EXCLUSION,
     PRICES,
+    TELLING,
     Believed,
     Change,
     Hypothesis,
@@ -267,6 +268,19 @@ def test_one_culprit_more_is_no_other_explanation_and_is_not_taken_where_it_expl
     assert accepted([both, one, PRESENT], PRESENT, None, ["mru_heave"]) is one
     both = dataclasses.replace(both, loss=40.0 - 1.1 * CLEARLY)
     assert accepted([both, one, PRESENT], PRESENT, None, ["mru_heave"]) is both
+
+
+@pytest.mark.parametrize(
+    ("motion", "is_used"), [(0.9 * TELLING, False), (1.1 * TELLING, True), (math.nan, False)], ids=str
+)
+def test_a_sensor_that_was_left_out_shows_that_it_is_right_by_motion_alone(motion, is_used):
+    """One that reads nothing but its mean agrees with all others in a calm; NaN: it reads nothing at all."""
+    without = dataclasses.replace(PRESENT, excluded="depth", motion=motion)
+    again = hypothesis(0.0)
+    assert (accepted([again, without], without, again, ["mru_heave"]) is again) is is_used
+    # another finding beside it says nothing of the sensor
+    other = dataclasses.replace(hypothesis(0.0, ["mru.scale"]), excluded="depth")
+    assert accepted([other, without], without, other, ["mru_heave"]) is other
 
 
 def test_what_is_believed_is_not_news():

@@ -72,6 +72,14 @@ def test_a_sensor_that_is_excluded_and_one_that_is_used_again_are_told_once_each
     ]
 
 
+def test_what_cannot_be_designed_for_is_told_once_of_each_owner():
+    report, found = Report(NOMINAL), []
+    for second, owner in enumerate(["winch", "winch", "cable", "winch"]):
+        report.refuse(owner)
+        found += [(second, finding.code, finding.quantity) for finding in report.news(beliefs(), float(second))]
+    assert found == [(0, "refused", "winch"), (2, "refused", "cable")]
+
+
 @pytest.mark.parametrize("name", [*RELATIVE, *ABSOLUTE])
 @given(share=st.floats(-0.95, 0.95))
 def test_a_change_of_less_than_is_worth_a_report_is_never_told(name, share):

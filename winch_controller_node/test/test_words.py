@@ -36,6 +36,13 @@ def test_a_sensor_that_is_excluded_or_used_again_is_named(code, sensor):
     assert told.startswith(sensor)
 
 
+@pytest.mark.parametrize("owner", ["winch", "cable", "mru"])
+def test_what_was_found_and_cannot_be_designed_for_is_named_and_said_not_to_be_used(owner):
+    (told,) = sentences([Finding("refused", owner)])
+    assert told.startswith(owner)
+    assert "not used" in told
+
+
 def test_all_that_is_new_of_the_winch_is_one_sentence_and_so_is_that_of_the_sea():
     findings = [Finding("differs", name, 0.5, QUANTITIES[name].unit, 1.0) for name in (*WINCH_LABELS, *SEA_LABELS)]
     winch, sea = sentences(findings)

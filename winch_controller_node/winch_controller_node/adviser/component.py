@@ -371,7 +371,7 @@ class Adviser:
     # what is believed
 
     def _believe(self, values: Mapping[str, Belief], *, excluded: str | None = None) -> None:
-        """Believe other `values`, and design for them where the model is another one."""
+        """Believe other `values`, and design for them where the model is another one; where that fails, nothing new."""
         before = self.parameters
         beliefs = replace(
             self._beliefs,
@@ -382,6 +382,9 @@ class Adviser:
         try:
             design = self._designed(after) if _needs_design(before, after) else None
         except DesignError:
+            for name in {*values, *self._beliefs.values}:
+                if values.get(name) != self._beliefs.values.get(name):
+                    self._report.refuse(QUANTITIES[name].owner)
             return
         if design is not None:
             self._design = design

@@ -56,6 +56,11 @@ class Report:
         self._reported: dict[str, float] = {}
         self._excluded = ""
         self._pending: dict[str, tuple[float, float, float]] = {}  # value, since it rests, since it is new
+        self._refused: dict[str, bool] = {}  # owner, is reported
+
+    def refuse(self, owner: str) -> None:
+        """Note that no controller can be designed for what was found of an `owner`."""
+        self._refused.setdefault(owner, False)
 
     def news(self, beliefs: Beliefs, now: float) -> tuple[Finding, ...]:
         """Return what is new of `beliefs` at a time `now` [s]."""
@@ -77,6 +82,8 @@ class Report:
             elif self._excluded:
                 found.append(Finding("recovered", self._excluded))
             self._excluded = beliefs.excluded
+        found += [Finding("refused", owner) for owner, is_reported in self._refused.items() if not is_reported]
+        self._refused = dict.fromkeys(self._refused, True)
         return tuple(found)
 
     def _is_due(self, name: str, value: float, before: float, now: float, *, waits: bool) -> bool:

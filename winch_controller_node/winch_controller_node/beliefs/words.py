@@ -71,6 +71,11 @@ def _sentence(finding: Finding) -> str:
         )
     if finding.code == "recovered":
         return f"{finding.quantity} agrees with all others again; used"
+    if finding.code == "refused":
+        return (
+            f"{finding.quantity} differs from what is assumed; what was found is not used: no controller can be "
+            "designed for it. Check its parameters"
+        )
     owner = QUANTITIES[finding.quantity].owner
     if finding.code == "nominal":
         return f"{owner} as assumed again"

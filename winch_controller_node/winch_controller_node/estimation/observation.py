@@ -161,6 +161,10 @@ class Observer:
         """Take the readings of a `sensor` as those of a witness only from now on; empty: of none that is in use."""
         self.doubted = sensor
 
+    def correct(self, corrections: dict[str, Correction]) -> None:
+        """Take off what is believed to be wrong with readings, `corrections` by sensor, from now on."""
+        self.corrections = corrections
+
     def trust(self) -> None:
         """Try a frozen encoder and a doubted depth sensor again: an operator asks for it, and any harm is found again.
 

@@ -28,19 +28,20 @@ class ObservationLog:
 
     Attributes
     ----------
-    epoch : of the record: it grows where readings before and after do not belong together
+    epoch : tick with which the record begins: readings before and after do not belong together, nor do those before and
+        after the controller was started anew
     """
 
     def __init__(self, tick_period: float) -> None:
         self._batch = max(1, round(BATCH / tick_period))
         self._ticks: list[tuple[float, ...]] = []
         self._readings: list[tuple[float, ...]] = []
-        self._first = 0
-        self.epoch = 0
+        self._first = self.epoch = 0
+        self._is_broken = True
 
     def break_record(self) -> None:
-        """Begin another epoch: the state has jumped, or counts from another mean."""
-        self.epoch += 1
+        """Begin another record: the state has jumped, or counts from another mean."""
+        self._is_broken = True
         self._ticks, self._readings = [], []
 
     def add(
@@ -66,6 +67,7 @@ class ObservationLog:
         """
         if not self._ticks:
             self._first = loop.number
+            self.epoch, self._is_broken = (self._first if self._is_broken else self.epoch), False
         sequence, payout, rate, brake = WinchOrder(0, 0.0, 0.0, True) if order is None else order
         brake = brake or (winch is not None and (winch.brake or winch.fault != WinchFault.NONE))
         encoder = math.nan if observer.payout is None else observer.encoder.as_read

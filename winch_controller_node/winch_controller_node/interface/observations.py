@@ -51,7 +51,7 @@ class Observations:
     ticks : table, a row a tick, shape (t, len(TICK_COLUMNS))
     rows : names of the measurements that readings refer to
     readings : table, in the order of delivery, shape (m, len(READING_COLUMNS))
-    epoch : grows wherever readings before and after do not belong to one record: the state has jumped, or the mean
+    epoch : tick with which the record begins: the state jumped there, or the mean, or the controller was started
     beliefs : number of the beliefs in force at the end of the batch
     excluded : sensor that a reflex of the core has set aside; empty: none
     is_trusted : depth sensor and estimate agree, as the guard sees it
