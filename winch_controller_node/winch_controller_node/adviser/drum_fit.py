@@ -253,7 +253,7 @@ def _price(group: tuple[int, ...], held: set[int]) -> float:
 def _sudden(record: DrumRecord, prior: DrumPrior, believed: Array) -> list[int]:
     """Return readings from which on the encoder may read otherwise: before them the drum did as it is `believed` to.
 
-    A drum does not change all at once; but one that is not known, or is at a limit, is weak before its encoder is wrong.
+    A drum does not change all at once; one that is unknown, or at a limit, is weak before its encoder is wrong.
     """
     count, found = len(record.readings), []
     for time in ONSETS:
@@ -313,7 +313,7 @@ def _freed(prior: DrumPrior, best: DrumFit, group: tuple[int, ...], others: Sequ
 
 
 def _with_factor(prior: DrumPrior, best: DrumFit, onsets: Sequence[int]) -> DrumFit | None:
-    """Return the fit with another factor of the encoder from near that of the `onsets` on that fits best; None: none."""
+    """Return the fit with another factor of the encoder from near one of the `onsets` on that fits best; None: none."""
     record = best.record
     count = len(record.readings)
     fits = []

@@ -66,7 +66,7 @@ class Ordered(NamedTuple):
         return self.share < NOT_REVERSED if was else self.share < REVERSED and self.left < STRAIGHT
 
     def is_sudden(self, *, was: bool) -> bool:
-        """Tell whether the encoder reads far less or more than a drum without limits, and if it `was` so, still does."""
+        """Tell whether the encoder reads far less or more than a drum without limits, and, if it `was`, still does."""
         least, most = NOT_SUDDEN if was else SUDDEN
         return not least < self.share < most and (was or (self.left < STRAIGHT and not self.is_limited))
 
