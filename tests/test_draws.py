@@ -314,9 +314,9 @@ def test_a_case_that_cannot_be_run_says_why():
 
 
 def test_latency_is_taken_by_loops_that_are_made_from_then_on(monkeypatch):
-    monkeypatch.setattr(run.beliefs_in_force, "LATENCY", 1.0)
+    monkeypatch.setattr(run.beliefs, "LATENCY", 1.0)
     run.set_latency("3")
-    assert run.beliefs_in_force.LATENCY == 3.0
+    assert run.beliefs.LATENCY == 3.0
 
 
 def test_what_is_promised_is_what_stands_in_the_help():

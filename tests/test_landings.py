@@ -30,11 +30,14 @@ def test_a_landing_on_a_soft_wire_is_known_and_held_at_constant_tension(one):
 
 
 @pytest.mark.slow
-def test_a_landing_is_known_by_tension_where_the_depth_sensor_is_doubted():
-    """The drum pays out 4 % less than it reads: the depth sensor is set aside, and 5 m went out onto a landed unit."""
+def test_a_landing_is_known_by_tension_where_encoder_and_depth_sensor_contradict_each_other():
+    """The encoder reads 1 / 1.04 = 0.96 of what is paid out: where the depth sensor was blamed, and set aside, 5 m went
+    out onto a landed unit.
+    """
     settings = ["all.seed=1741", "virtual_winch.drum_radius_error=0.04", "all.duration=320"]
     record = ClosedLoop(loop_parameters(load_scenario("b7_landing", settings=settings))).run()
-    assert any("depth suspect" in words for _, words in record.alarms)
+    assert any("encoder suspect: it reads 0.96 times the payout" in words for _, words in record.alarms)
+    assert not any("depth suspect" in words for _, words in record.alarms)
     time, force = record.column("time"), record.column("touchdown_force")
     (told,) = (when for when, words in record.alarms if words == "touchdown")
     assert told - time[np.argmax(force > 0.0)] < 15.0

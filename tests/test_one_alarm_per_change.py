@@ -11,9 +11,17 @@ from heave_bringup.scenarios import load_scenario
 CHANGED, DURATION = 120.0, 300.0
 """When the winch changes, and end of the run [s]."""
 
+GAIN_TOLD = (
+    re.compile(r"winch model updated: gain by the encoder ([\d.]+) \(was [\d.]+\)"),
+    re.compile(r"encoder suspect: it reads ([\d.]+) times the payout; .*"),
+)
+"""Of what was sent and what was read, neither tells a gain of the winch from one of its encoder."""
+
+DELAY_TOLD = (re.compile(r"winch model updated: command delay ([\d.]+) s \(was [\d.]+\)"),)
+
 
 def alarms_of(**changes):
-    """Return time and words of what is told of the winch of benchmark B3, which has `changes` from CHANGED on.
+    """Return time and words of what is told of parts of benchmark B3, whose winch has `changes` from CHANGED on.
 
     That a part of the sea is left alone meanwhile is told as well, and that commands take effect later.
     """
@@ -30,31 +38,40 @@ def alarms_of(**changes):
             winch._drive = drive
             winch._line._delay = winch._parameters.command_delay
 
-    alarms = loop.run(change).alarms
-    return [(time, words) for time, words in alarms if "winch" in words]
+    return loop.run(change).alarms
+
+
+def parts_told(alarms):
+    """Return the `alarms` that say what a part is believed to be, or that blame one."""
+    return [(time, words) for time, words in alarms if "model updated" in words or "suspect" in words]
+
+
+def assert_told_once(alarms, forms, value):
+    """Check that one alarm, in one of the `forms`, names a part with its `value`, and that none names another part."""
+    ((time, words),) = parts_told(alarms)
+    assert CHANGED < time < CHANGED + 60.0
+    found = next(filter(None, (form.fullmatch(words) for form in forms)), None)
+    assert found is not None, words
+    assert float(found.group(1)) == pytest.approx(value, rel=0.07)
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    ("changes", "learnt", "value"),
-    [
-        ({"speed_gain": 0.85}, "gain by the encoder", 0.85),
-        ({"speed_gain": 1.15}, "gain by the encoder", 1.15),
-        ({"command_delay": 0.3}, "command delay", 0.3),
-    ],
-    ids=["lower gain", "higher gain", "delay"],
-)
-def test_a_change_of_the_winch_is_one_alarm_that_names_it(changes, learnt, value):
-    alarms = alarms_of(**changes)
-    ((time, words),) = [alarm for alarm in alarms if alarm[1].startswith("winch model updated")]
-    assert CHANGED < time < CHANGED + 60.0
-    found = re.fullmatch(rf"winch model updated: {learnt} ([\d.]+)( s)? \(was [\d.]+\)", words)
-    assert found is not None, words
-    assert float(found.group(1)) == pytest.approx(value, rel=0.07)
-    is_later = "command_delay" in changes
-    assert any("later than modelled" in words for _, words in alarms) is is_later
+@pytest.mark.parametrize("gain", [0.85, 1.15], ids=["lower gain", "higher gain"])
+def test_a_change_of_the_gain_is_one_alarm_that_names_winch_or_encoder(gain):
+    alarms = alarms_of(speed_gain=gain)
+    assert_told_once(alarms, GAIN_TOLD, gain)
+    assert not any("later than modelled" in words for _, words in alarms)
+
+
+@pytest.mark.slow
+def test_a_change_of_the_delay_is_one_alarm_that_names_it():
+    alarms = alarms_of(command_delay=0.3)
+    assert_told_once(alarms, DELAY_TOLD, 0.3)
+    assert any("later than modelled" in words for _, words in alarms)
 
 
 @pytest.mark.slow
 def test_a_winch_that_stays_as_it_is_gives_none():
-    assert not alarms_of()
+    alarms = alarms_of()
+    assert not parts_told(alarms)
+    assert not [words for _, words in alarms if "winch" in words]

@@ -93,8 +93,11 @@ def test_a_winch_that_is_slow_and_weak_is_known_as_it_is_in_a_high_sea():
     assert np.isfinite(at)
     assert worst < 0.6
     assert believed["winch.time_constant"] == pytest.approx(1.5, rel=0.02)
-    assert believed["winch.speed_in"] == pytest.approx(1.0, rel=0.05)
-    assert believed["winch.acceleration_in"] == pytest.approx(0.75, rel=0.05)
+    # of both directions where both were reached
+    for limit, true in (("speed", 1.0), ("acceleration", 0.75)):
+        found = [value for name, value in believed.items() if name.startswith(f"winch.{limit}_")]
+        assert found
+        assert found == pytest.approx([true] * len(found), rel=0.05)
 
 
 @pytest.mark.slow
