@@ -14,7 +14,8 @@ from types import MappingProxyType
 import numpy as np
 
 from winch_controller_node.adviser.judge import (
-    CLEARLY,
+    AGAIN,
+    SEA,
     Believed,
     Change,
     Hypothesis,
@@ -336,27 +337,31 @@ class Adviser:
         self._sea_compared, self._sea_patience = now, min(LONGER * self._sea_patience, LONGEST_SEA_PATIENCE)
         seas = possible_seas(seen, self._nominal.sea, parameters.sea, parameters.vessel)
         found = likeliest_sea(parameters, self._design, seas, self._record.last(self._record.duration), self._history)
-        if found is None or not self._is_sea(replace(parameters, sea=found)):
+        if found is None:
+            return
+        whole, swell = found, found.swell
+        heights_and_periods = (
+            *(whole.significant_wave_height, whole.peak_period),
+            *(swell.significant_wave_height, swell.peak_period),
+        )
+        sea = dict(zip(SEA, heights_and_periods, strict=True))
+        if not self._is_sea(sea):
             return
         self._sea_patience = SEA_PATIENCE
-        values = dict(self._beliefs.values)
-        for name, value in (
-            ("sea.significant_wave_height", found.significant_wave_height),
-            ("sea.peak_period", found.peak_period),
-            ("sea.swell.significant_wave_height", found.swell.significant_wave_height),
-            ("sea.swell.peak_period", found.swell.peak_period),
-        ):
-            if value == QUANTITIES[name].nominal_in(self._nominal):
-                values.pop(name, None)
-            else:
-                values[name] = Belief(name, value, since=observations.last)
+        values = {name: belief for name, belief in self._beliefs.values.items() if name not in SEA}
+        values |= {
+            name: Belief(name, value, since=observations.last)
+            for name, value in sea.items()
+            if value != QUANTITIES[name].nominal_in(self._nominal)
+        }
         self._believe(values)
 
-    def _is_sea(self, parameters: WinchControllerParameters) -> bool:
-        """Tell whether the last minute is explained by the sea of `parameters` about as well as by any other culprit."""
+    def _is_sea(self, sea: Mapping[str, float]) -> bool:
+        """Tell whether no other culprit would explain the last minute better than another `sea`."""
         judge = Judge(self._record.last(min(MINUTE, self._record.duration)), self._believed())
-        ranked = judge.best()
-        return not ranked or judge.explains(parameters) < ranked[0].total + CLEARLY
+        others = [one.total for one in judge.best() if one.changes or one.excluded != judge.present.excluded]
+        other = min(others, default=math.inf)
+        return other > judge.present.total - AGAIN or judge.total_with(sea) < other
 
     def _watch_sea(self, observations: Observations) -> None:
         """Have the motion of the boom tip in a batch seen."""

@@ -38,6 +38,8 @@ from winch_controller_node.node_parameters import WinchControllerParameters
 
 HIGH_PASS, DRIFT, DRIFT_SIGMA = "mru.high_pass_period", "mru.bias_drift", "mru.bias_sigma"
 INERTIA, DAMPING = "cable.inertia_factor", "cable.damping_factor"
+SEA = ("sea.significant_wave_height", "sea.peak_period", "sea.swell.significant_wave_height", "sea.swell.peak_period")
+SEA_PERIOD, SWELL_PERIOD = SEA[1::2]
 
 PRICES = {
     INERTIA: 6.0,
@@ -49,11 +51,14 @@ PRICES = {
     ENCODER_SCALE: 12.0,
     DEPTH_SCALE: 16.0,
     DRIFT: 24.0,
+    SEA_PERIOD: 3.0,
+    SWELL_PERIOD: 3.0,
 }
 """What it costs to hold a quantity other than nominal [nats]: how seldom that is."""
 
-SPREAD = 0.4
-"""Standard deviation of the logarithm of a scale that is not nominal: one of 2.5 is less likely than one of 1.2."""
+SPREAD, PERIOD_SPREAD = 0.4, 0.3
+"""Standard deviation of the logarithm of a scale that is not nominal: one of 2.5 is less likely than one of 1.2; and of
+a period of the sea over the nominal one."""
 
 USUAL = {MRU_OFFSET: 0.5, MRU_DELAY: 0.2}
 """Standard deviation of what is not a ratio and not nominal, in its unit."""
@@ -221,6 +226,8 @@ class Believed:
                 price += PRICES.get(name, 0.0)
                 if name in SCALES:
                     price += 0.5 * (math.log(abs(value)) / SPREAD) ** 2 + (REVERSED if value < 0.0 else 0.0)
+                if name in (SEA_PERIOD, SWELL_PERIOD):
+                    price += 0.5 * (math.log(value / nominal) / PERIOD_SPREAD) ** 2
                 # far off is seldom, not impossible
                 price += math.log1p(0.5 * ((value - nominal) / USUAL.get(name, math.inf)) ** 2)
         scale = held.get(ENCODER_SCALE, 1.0)
@@ -277,10 +284,9 @@ class Judge:
         without = [one.total for one in ranked if "encoder" not in one.culprits]
         return min(with_it, default=math.inf) >= min(without) + CLEARLY
 
-    def explains(self, parameters: WinchControllerParameters) -> float:
-        """Return the total of what is believed with other `parameters`, as of another sea [nats]."""
-        other = replace(self._believed, parameters=parameters)
-        return Judge(self._excerpt, other, ()).present.total
+    def total_with(self, values: Mapping[str, float]) -> float:
+        """Return the total of what is believed with other `values`, as of another sea [nats]."""
+        return self._of_model(values, self._believed.excluded, corrections=False)[0].total
 
     def best(self) -> list[Hypothesis]:
         """Return the best hypothesis of each set of culprits, the best of all first; what is believed is one."""
@@ -319,6 +325,9 @@ class Judge:
             families.append((HIGH_PASS, HIGH_PASSES, 1))
         for quantity, values, power in families:
             found += self._of_family(quantity, values, power)
+        stated = {name: QUANTITIES[name].nominal_in(self._believed.nominal) for name in SEA}
+        if any(name in self._believed.values for name in SEA):
+            found += self._of_model(stated, self._believed.excluded, since=self._excerpt.first)
         if uses_mru:
             for drift in DRIFTS:
                 if drift > self._parameters.sensors.mru.bias_drift:
