@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -68,6 +69,14 @@ class Evidence:
         misfits = self.grams[:, 0, 0].copy()
         return Fitted(0.0, 0.0, self.loss(misfits), misfits)
 
+    def at(self, column: int, weight: float) -> Fitted:
+        """Return the record with a `weight` of a column that is no factor on what is judged."""
+        w = np.array([1.0, weight])
+        misfits = np.einsum("i,kij,j->k", w, self.grams[:, [0, column]][:, :, [0, column]], w)
+        share = self.counts / np.maximum(misfits, 1.0)
+        sigma = 1.0 / math.sqrt(max(float(share @ self.grams[:, column, column]), TINY))
+        return Fitted(weight, sigma, self.loss(misfits), misfits)
+
     def fit(self, columns: NDArray[np.int64], starts: Array, factors: Array | None = None) -> list[Fitted]:
         """Return the weight of each of `columns`, alone beside the record as it is, that explains it best.
 
@@ -88,9 +97,9 @@ class Evidence:
         def misfits(weights: Array) -> Array:
             return np.asarray(a + weights * (2.0 * b + weights * c))
 
-        def loss(weights: Array) -> Array:
+        def loss(weights: Array, least: float = 1.0) -> Array:
             read = misfits(weights) * np.maximum(np.abs(1.0 + weights), TINY) ** (-2.0 * shares)
-            return np.asarray(0.5 * np.sum(counts * (np.log(np.maximum(read, 1.0)) + self.spreads[:, None]), axis=0))
+            return np.asarray(0.5 * np.sum(counts * (np.log(np.maximum(read, least)) + self.spreads[:, None]), axis=0))
 
         at_starts = np.array([loss(np.full(len(columns), start)) for start in starts])
         best = starts[np.argmin(at_starts, axis=0)]
@@ -101,11 +110,12 @@ class Evidence:
             now = loss(weights)
             best, least = np.where(now <= least + TIE, weights, best), np.minimum(now, least)
         if factors is not None:
-            # least squares shrink a factor
+            # least squares shrink a factor, and what is as good as noise is best where it is least
             for near in NEAR:
                 trials = np.array([(1.0 + best) * factor - 1.0 for factor in near])
-                losses = np.array([loss(trial) for trial in trials])
-                best, least = trials[np.argmin(losses, axis=0), np.arange(len(columns))], np.min(losses, axis=0)
+                losses = np.array([loss(trial, TINY) for trial in trials])
+                best = trials[np.argmin(losses, axis=0), np.arange(len(columns))]
+            least = loss(best)
         found = misfits(best)
         sigmas = 1.0 / np.sqrt(np.maximum(np.sum(counts / np.maximum(found, 1.0) * c, axis=0), TINY))
         return [

@@ -256,7 +256,7 @@ class Judge:
     def __init__(self, excerpt: Excerpt, believed: Believed, onsets: tuple[float, ...] = ONSETS) -> None:
         self._believed = believed
         self._parameters = _linear(believed.parameters)
-        _, model = pass_model(self._parameters, believed.cable, believed.design)
+        plain, model = pass_model(self._parameters, believed.cable, believed.design)
         measurements = measurement_models(self._parameters, model, believed.cable)
         self._names = tuple(known.name for known in measurements)
         self._sensors = tuple(known.sensor for known in measurements)
@@ -268,7 +268,25 @@ class Judge:
         self._read_for = {
             sensor: len(np.unique(seconds[late & self._excerpt.is_of(sensor)])) for sensor in self._sensors
         }
+        alone = self._columns.data.among(np.array([0]))
+        used = np.array([sensor != believed.excluded for sensor in self._sensors])
+        self._shows_unit = self._unit_is_shown(run_pass(plain, alone, used))
         self.present = self._of_model({}, believed.excluded, corrections=False)[0]
+
+    def _unit_is_shown(self, result: PassResult) -> bool:
+        """Tell whether the unit has moved by more than the noise of the depth sensor, as it reads or as is expected.
+
+        One that is held still says nothing of the cable, nor of the sensor that sees it.
+        """
+        data = self._columns.data
+        mine = np.array(self._sensors)[data.which] == "depth"
+        mine &= self._excerpt.readings[:, TICK] >= self._first_judged
+        if not np.any(mine):
+            return True
+        read = data.values[mine, 0]
+        expected = read - result.innovations[mine, 0] * np.sqrt(result.variances[mine])
+        noise = np.sqrt(np.mean(data.variances[mine]))
+        return bool(max(np.std(read), np.std(expected)) > TELLING * noise)
 
     @property
     def used(self) -> tuple[str, ...]:
@@ -316,7 +334,7 @@ class Judge:
     def _of_models(self) -> list[Hypothesis]:
         """Return hypotheses with another model: first values, then the best of each kind refined."""
         found: list[Hypothesis] = []
-        families = [
+        families = self._shows_unit * [
             (INERTIA, tuple(self._believed.value(INERTIA) * factor for factor in INERTIAS), 1),
             (DAMPING, tuple(self._believed.value(DAMPING) * factor for factor in DAMPINGS), 3),
         ]
@@ -375,7 +393,7 @@ class Judge:
                 cable = replace(cable, b=cable.b * share, drag=cable.drag * share)
         model, _ = pass_model(parameters, cable, self._believed.design)
         keys = [key for key in self._columns.index if key[0] != excluded and since in (None, key[2])]
-        keys = [key for key in keys if self._read_for[key[0]] >= LEAST_READ]
+        keys = [key for key in keys if self._read_for[key[0]] >= LEAST_READ and (key[0] != "depth" or self._shows_unit)]
         if any(one.since > self._excerpt.first for one in self._believed.history.encoder):
             # it has changed within the record, and from then on it is known
             keys = [key for key in keys if key[0] != "encoder"]
@@ -395,7 +413,11 @@ class Judge:
             if mine:
                 tick = self._excerpt.dt if kind == DELAY else 1.0
                 factors = self._shares([keys[place - 1] for place in mine]) if kind == FACTOR else None
-                for place, fitted in zip(mine, proof.fit(np.array(mine), starts / tick, factors), strict=True):
+                fits = list(zip(mine, proof.fit(np.array(mine), starts / tick, factors), strict=True))
+                # the encoder reads all that the drum does otherwise than nominal, or what fits best
+                whole = self._believed.value(ENCODER_SCALE) / self._believed.drum_gain - 1.0
+                fits += [(place, proof.at(place, whole)) for place in mine if keys[place - 1][0] == "encoder"]
+                for place, fitted in fits:
                     changed = self._changed(changes, keys[place - 1], fitted)
                     if changed is not None:
                         found.append(self._hypothesis(changed, excluded, fitted, place, result, model))
