@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from heave_node.parameters import build_parameters
 from winch_controller_node.adviser.component import Adviser
-from winch_controller_node.interface.observations import Observations
 from winch_controller_node.design.design import design_controller
+from winch_controller_node.interface.observations import Observations
 from winch_controller_node.node_parameters import WinchControllerParameters
 
 DT = 0.05

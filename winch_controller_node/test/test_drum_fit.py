@@ -43,7 +43,15 @@ def record_of(winch, seconds=30.0, size=0.6, seed=1):
     """Return the record of a virtual winch, its first second left out as the orders before it."""
     rates = waves(seconds, size, seed=seed)
     readings, _ = driven(winch, rates)
-    return DrumRecord(np.zeros(len(rates)), rates, np.zeros(len(rates)), readings[AHEAD:], np.zeros(len(readings) - AHEAD, bool), 0.0, DT)
+    return DrumRecord(
+        np.zeros(len(rates)),
+        rates,
+        np.zeros(len(rates)),
+        readings[AHEAD:],
+        np.zeros(len(readings) - AHEAD, bool),
+        0.0,
+        DT,
+    )
 
 
 def sigma_of(found, name):
@@ -98,7 +106,15 @@ def crept(gain, hauling, creep, seconds=30.0, lag=0.15):
         change = -(end - rate) * np.expm1(-DT / lag)
         payout, rate = payout + end * DT - lag * change, rate + change
         readings.append(1e-3 * round(1e3 * payout))
-    return DrumRecord(np.zeros(len(rates)), rates, np.zeros(len(rates)), np.array(readings[AHEAD:]), np.zeros(len(readings) - AHEAD, bool), 0.0, DT)
+    return DrumRecord(
+        np.zeros(len(rates)),
+        rates,
+        np.zeros(len(rates)),
+        np.array(readings[AHEAD:]),
+        np.zeros(len(readings) - AHEAD, bool),
+        0.0,
+        DT,
+    )
 
 
 @pytest.mark.parametrize(("hauling", "creep"), [(0.76, 0.058), (1.3, -0.04), (1.0, 0.05)])
@@ -122,7 +138,15 @@ def test_an_encoder_that_changes_its_factor_is_known_with_its_onset(factor, befo
     onset, drum = len(rates) - round(before_end / DT), np.array([state.payout for state in states])
     # it counts on from where it stood
     readings[onset:] = readings[onset - 1] + factor * (drum[onset:] - drum[onset - 1])
-    record = DrumRecord(np.zeros(len(rates)), rates, np.zeros(len(rates)), readings[AHEAD:], np.zeros(len(readings) - AHEAD, bool), 0.0, DT)
+    record = DrumRecord(
+        np.zeros(len(rates)),
+        rates,
+        np.zeros(len(rates)),
+        readings[AHEAD:],
+        np.zeros(len(readings) - AHEAD, bool),
+        0.0,
+        DT,
+    )
     found = identify(record, PRIOR, NOMINAL)
     assert FACTOR in found.free
     assert found.theta[FACTOR] == pytest.approx(factor, rel=0.03)
