@@ -77,11 +77,11 @@ def in_columns(
             alone = np.where(mine, _column(excerpt, kind, value, time), 0.0)
             # one that changes on the way is seen by the drum, which was not ordered to jump
             for first in firsts[:1] if sensor == "encoder" else firsts:
-                since = mine & (readings[:, TICK] >= first)
+                counts = mine & (readings[:, TICK] >= first)
                 # a scale of the encoder counts from where the drum stood when it began
-                begin = alone[since][0] if sensor == "encoder" and np.any(since) else 0.0
+                begin = alone[counts][0] if sensor == "encoder" and np.any(counts) else 0.0
                 index[sensor, kind, first] = len(columns)
-                columns.append(np.where(since, alone - begin, 0.0))
+                columns.append(np.where(counts, alone - begin, 0.0))
     values = np.ascontiguousarray(np.array(columns).T)
     commands = np.zeros((len(excerpt.ticks), values.shape[1]))
     commands[1:, 0] = excerpt.tick_column("command")[1:]
