@@ -17,6 +17,9 @@ GAIN_TOLD = (
 )
 """Of what was sent and what was read, neither tells a gain of the winch from one of its encoder."""
 
+NAMING = ("model updated", "suspect", "as assumed again")
+"""Words of an alarm that says what a part is believed to be."""
+
 DELAY_TOLD = (re.compile(r"winch model updated: command delay ([\d.]+) s \(was [\d.]+\)"),)
 
 
@@ -42,13 +45,15 @@ def alarms_of(**changes):
 
 
 def parts_told(alarms):
-    """Return the `alarms` that say what a part is believed to be, or that blame one."""
-    return [(time, words) for time, words in alarms if "model updated" in words or "suspect" in words]
+    """Return the `alarms` that say what a part is believed to be."""
+    return [(time, words) for time, words in alarms if any(word in words for word in NAMING)]
 
 
 def assert_told_once(alarms, forms, value):
     """Check that one alarm, in one of the `forms`, names a part with its `value`, and that none names another part."""
-    ((time, words),) = parts_told(alarms)
+    told = parts_told(alarms)
+    assert len(told) == 1, told
+    time, words = told[0]
     assert CHANGED < time < CHANGED + 60.0
     found = next(filter(None, (form.fullmatch(words) for form in forms)), None)
     assert found is not None, words

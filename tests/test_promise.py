@@ -75,7 +75,11 @@ def has_power_limit(one: Draw) -> bool:
 @pytest.mark.parametrize(
     ("words", "truth", "wrong"),
     [
-        ("winch model updated: acceleration limit paying out 0.776 m/s^2 (was 1.500)", PLAIN["acceleration 0.8"], False),
+        (
+            "winch model updated: acceleration limit paying out 0.776 m/s^2 (was 1.500)",
+            PLAIN["acceleration 0.8"],
+            False,
+        ),
         ("winch model updated: acceleration limit paying out 0.776 m/s^2 (was 1.500)", {}, True),
         ("winch model updated: speed limit hauling in 0.9 m/s (was 2.000)", PLAIN["power 100 kW"], False),
         ("winch model updated: gain by the encoder 0.950 (was 1.000)", PLAIN["speed 1.0"], True),

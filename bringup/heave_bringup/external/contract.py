@@ -173,8 +173,8 @@ CONTRACTS: tuple[Contract, ...] = (
         "controller keeps the last beliefs, or the nominal, and says so.",
         advice="`asked` is the number of the last tick of the batch: `first`, plus the number of rows of `ticks`, less "
         "one. Stamp the answer with the start of the last tick before it is active, so that it is taken in that tick. "
-        "The smallest answer is `asked` and `authority: 1.0`. `heave run --without winch_adviser` has no adviser at "
-        "all.",
+        "The smallest answer is `asked` and `authority: 1.0`. `heave run SCENARIO --without winch_adviser` has "
+        "no adviser at all.",
     ),
     Contract(
         "virtual_winch",
