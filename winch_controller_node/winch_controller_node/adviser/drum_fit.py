@@ -245,6 +245,15 @@ def begun(record: DrumRecord, believed: Array) -> Array:
     return np.concatenate([believed, [first[0], rate]])
 
 
+def price_of(new: Iterable[int]) -> float:
+    """Return what it costs to hold what is `new`, by the groups that cover it at the least price [nats]."""
+    left, price = {index for index in new if any(index in group for group in PRICES)}, 0.0
+    while left:
+        group = max(PRICES, key=lambda group: len(left & set(group)) / PRICES[group])
+        left, price = left - set(group), price + PRICES[group]
+    return price
+
+
 def _price(group: tuple[int, ...], held: set[int]) -> float:
     """Return what it costs to free a `group`: little where its limits are `held` already."""
     return HELD if set(group) <= held else PRICES[group]

@@ -66,10 +66,11 @@ class Report:
         """Return what is new of `beliefs` at a time `now` [s]."""
         found: list[Finding] = []
         for name, quantity in QUANTITIES.items():
-            if name == "mru.bias_sigma":
-                continue
             nominal = quantity.nominal_in(self._nominal)
             belief = beliefs.values.get(name, Belief(name, nominal))
+            if name == "mru.bias_sigma" or belief.nats == 0.0:
+                # it goes with the drift, or is assumed and no record says so
+                continue
             before = self._reported.get(name, nominal)
             if not self._is_due(name, belief.value, before, now, waits=quantity.owner == "winch"):
                 continue

@@ -20,6 +20,7 @@ from winch_controller_node.adviser.drum_fit import (
     begun,
     fit_drum,
     identify,
+    price_of,
     shown_limits,
 )
 from winch_controller_node.adviser.drum_prior import prior_of
@@ -55,6 +56,18 @@ STEPS = {
 
 LIMIT_STEP = 0.03
 """The same of limits, and by how much they are relaxed where they have not been reached for long, relative."""
+
+SPEED_OUT, SPEED_IN, ACCELERATION_OUT, ACCELERATION_IN = LIMITS
+OTHER_DIRECTION = {
+    SPEED_OUT: SPEED_IN,
+    SPEED_IN: SPEED_OUT,
+    ACCELERATION_OUT: ACCELERATION_IN,
+    ACCELERATION_IN: ACCELERATION_OUT,
+}
+"""Limits that are alike in most winches."""
+
+ASSUMED = 0.0
+"""Nats of what no record says: it is not reported."""
 
 PATIENCE = 60.0
 """Time for which a limit that is not reached stands before it is relaxed [s]."""
@@ -159,15 +172,20 @@ class WinchIdentifier:
                 residual=present.residual,
             )
         new = {i for i in found.free if held[i] == self._prior.nominal[i]}
-        price = sum(PRICES[group] for group in PRICES if set(group) <= set(found.free) and set(group) & new)
-        nats = present.loss - found.loss - price
+        nats = present.loss - found.loss - price_of(new)
         values = self._worth_it(held, found, is_explained=found.residual <= EXPLAINED)
         values |= self._relaxed(found, held)
         is_better = nats >= WORTH and is_explained
         values = values if is_better else {i: value for i, value in values.items() if i in self._let_up}
+        alike = self._alike(values, held, found)
+        values |= alike
         changed = {
             QUANTITY_OF[Drum._fields[i]]: Belief(
-                QUANTITY_OF[Drum._fields[i]], value, self._sigma(found, i), nats, excerpt.last
+                QUANTITY_OF[Drum._fields[i]],
+                value,
+                self._sigma(found, i),
+                ASSUMED if i in alike else nats,
+                excerpt.last,
             )
             for i, value in values.items()
             if value != self._prior.nominal[i]
@@ -200,6 +218,16 @@ class WinchIdentifier:
             if found.theta[index] != held[index]:
                 values[index] = float(found.theta[index])
         return values
+
+    def _alike(self, values: Mapping[int, float], held: Array, found: DrumFit) -> dict[int, float]:
+        """Return limits of the other direction: most winches have the same, and one that is not reached is not known."""
+        shown, assumed = shown_limits(found.record), {}
+        for index, other in OTHER_DIRECTION.items():
+            value = values.get(index, self._prior.nominal[index])
+            is_unknown = other not in values and held[other] == self._prior.nominal[other]
+            if value < held[index] and is_unknown and shown[other] < value:
+                assumed[other] = min(value, float(self._prior.nominal[other]))
+        return assumed
 
     def _relaxed(self, found: DrumFit, held: Array) -> dict[int, float]:
         """Return limits that have stood unreached for long, a little higher: false ones heal so."""
