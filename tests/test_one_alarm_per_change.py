@@ -62,9 +62,14 @@ def assert_told_once(alarms, forms, value):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("gain", [0.85, 1.15], ids=["lower gain", "higher gain"])
-def test_a_change_of_the_gain_is_one_alarm_that_names_winch_or_encoder(gain):
+def test_a_change_of_the_gain_is_told_of_the_encoder_or_the_winch(gain):
+    """All at once it is the encoder's, for no drum changes so; the depth sensor may tell later that it is the winch's."""
     alarms = alarms_of(speed_gain=gain)
-    assert_told_once(alarms, GAIN_TOLD, gain)
+    first, *later = parts_told(alarms)
+    assert_told_once([first], GAIN_TOLD, gain)
+    values = [form.fullmatch(words) for _, words in later for form in GAIN_TOLD]
+    assert all(float(found.group(1)) == pytest.approx(gain, rel=0.07) for found in values if found is not None)
+    assert all(words.startswith(("encoder", "winch model updated: gain by")) for _, words in later)
     assert not any("later than modelled" in words for _, words in alarms)
 
 
