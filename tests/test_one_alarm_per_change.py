@@ -63,7 +63,7 @@ def assert_told_once(alarms, forms, value):
 @pytest.mark.slow
 @pytest.mark.parametrize("gain", [0.85, 1.15], ids=["lower gain", "higher gain"])
 def test_a_change_of_the_gain_is_told_of_the_encoder_or_the_winch(gain):
-    """All at once it is the encoder's, for no drum changes so; the depth sensor may tell later that it is the winch's."""
+    """All at once it is the encoder's, for no drum changes so; the depth sensor may tell later it is the drum's."""
     alarms = alarms_of(speed_gain=gain)
     first, *later = parts_told(alarms)
     assert_told_once([first], GAIN_TOLD, gain)

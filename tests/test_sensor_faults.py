@@ -153,7 +153,7 @@ def test_an_encoder_that_changes_on_the_way_and_back_is_no_limit_of_the_winch_an
 
 @pytest.mark.slow
 def test_an_mru_of_a_wrong_scale_for_a_minute_blames_no_cable():
-    """It reads 1.6 times for a minute and is right again. The cable was blamed, compensation went on: 1.10 times off."""
+    """It reads 1.6 times for a minute and is right again. The cable was blamed: 1.10 times off."""
     one = replace(
         fault("mru", "scale", 128.4, lasting=60.0, magnitude=1.6, scenario="b4_limit_900_tp10"), law="lqg", number=5007
     )

@@ -10,12 +10,16 @@ import numpy as np
 from heave_node.numerics.arrays import Array
 
 from winch_controller_node.adviser.drum_fit import (
+    ACCELERATION_IN,
+    ACCELERATION_OUT,
     DELAY,
     FLOOR,
     GAIN,
     LAG,
     LIMITS,
     PRICES,
+    SPEED_IN,
+    SPEED_OUT,
     DrumFit,
     begun,
     fit_drum,
@@ -57,7 +61,6 @@ STEPS = {
 LIMIT_STEP = 0.03
 """The same of limits, and by how much they are relaxed where they have not been reached for long, relative."""
 
-SPEED_OUT, SPEED_IN, ACCELERATION_OUT, ACCELERATION_IN = LIMITS
 OTHER_DIRECTION = {
     SPEED_OUT: SPEED_IN,
     SPEED_IN: SPEED_OUT,
@@ -220,7 +223,7 @@ class WinchIdentifier:
         return values
 
     def _alike(self, values: Mapping[int, float], held: Array, found: DrumFit) -> dict[int, float]:
-        """Return limits of the other direction: most winches have the same, and one that is not reached is not known."""
+        """Return limits of the other direction, as yet unknown: most winches have the same."""
         shown, assumed = shown_limits(found.record), {}
         for index, other in OTHER_DIRECTION.items():
             value = values.get(index, self._prior.nominal[index])
