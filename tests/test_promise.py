@@ -200,7 +200,6 @@ def test_a_wrong_belief_is_found_out_before_it_does_harm(name):
 @pytest.mark.parametrize(
     ("number", "duration"),
     [
-        (51, 115.0),
         (255, 130.0),
         *(pytest.param(number, 180.0, marks=pytest.mark.long) for number in (31, 36, 44, 48, 89, 130, 217)),
     ],

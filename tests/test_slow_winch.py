@@ -23,7 +23,6 @@ def run(scenario, *settings):
         ("b3_deep_900", "mpc", "time_constant", 0.4, 3),
         ("b2_calm_300", "lqg", "time_constant", 0.6, 4),
         ("b3_deep_900", "mpc", "speed_gain", 0.4, 5),
-        ("b3_deep_900", "mpc", "speed_gain", 2.5, 5),
     ],
 )
 def test_a_winch_that_is_several_times_off_is_known_within_half_a_minute_and_holds_the_unit(

@@ -103,7 +103,7 @@ class Adviser:
         self._winch = WinchIdentifier(nominal, self._dt)
         self._begin_sea()
         self._before: Hypothesis | None = None
-        self._tried, self._unexplained = -RESTS, 1.0
+        self._best_since, self._tried, self._unexplained = 0, -RESTS, 1.0
         self._gain_is_winch = self._drum_gain_is_open = False
         self._leads_to: Hypothesis | None = None
         self._report = Report(nominal)
@@ -252,7 +252,8 @@ class Adviser:
         present, used = judge.present, judge.used
         self._gain_is_winch = False
         worst = present.worst(used)
-        is_off = worst > MISFIT or bool(self._beliefs.excluded)
+        # an encoder that is set aside is the drum's record to judge
+        is_off = worst > MISFIT or self._beliefs.excluded not in ("", "encoder")
         is_off |= abs(math.log(abs(self._drum_gain / self._history.encoder_scale))) > UNCERTAIN_GAIN
         if not is_off:
             self._before = None
@@ -266,7 +267,10 @@ class Adviser:
             # what was read is beyond every model
             return
         self._gain_is_winch = judge.rules_out_encoder(ranked)
-        found = accepted(ranked, present, self._before, used)
+        if self._before is None or self._before.culprits != ranked[0].culprits:
+            self._best_since = self._seconds
+        is_old = self._seconds - self._best_since >= JUDGED_EVERY
+        found = accepted(ranked, present, self._before if is_old else None, used)
         self._before = ranked[0] if ranked[0].changes or ranked[0].excluded != present.excluded else None
         if found is not None:
             self._before = None

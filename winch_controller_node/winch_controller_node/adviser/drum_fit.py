@@ -39,7 +39,7 @@ PRICES: dict[tuple[int, ...], float] = {
 """What it costs to free a group [nats]."""
 
 HELD = 3.0
-"""What it costs to move a limit that is believed already, and what a record must say against one to drop it [nats]."""
+"""What it costs to move a limit that is believed already [nats]."""
 
 FLOOR = 1e-3
 """Least standard deviation of what is left [m]: no drum is known better, and an encoder reads in millimetres."""
@@ -225,7 +225,7 @@ def identify(record: DrumRecord, prior: DrumPrior, believed: Array) -> DrumFit:
     held_limits = {index for index in LIMITS if believed[index] < prior.nominal[index]}
     onsets = _sudden(record, prior, believed) if best.residual > UNEXPLAINED else []
     best, freed = _with_groups(prior, best, others, onsets, held_limits)
-    return _without_held(prior, _without_passengers(prior, best, freed), held_limits)
+    return _without_held(prior, _without_passengers(prior, best, freed, believed), held_limits)
 
 
 def _other_starts(prior: DrumPrior, start: Array) -> list[Array]:
@@ -356,12 +356,15 @@ def shown_limits(record: DrumRecord) -> dict[int, float]:
     }
 
 
-def _without_passengers(prior: DrumPrior, best: DrumFit, freed: Iterable[tuple[int, ...]]) -> DrumFit:
-    """Return the fit without those of the `freed` groups, and of their parts, that it does not need beside the rest."""
+def _without_passengers(prior: DrumPrior, best: DrumFit, freed: Iterable[tuple[int, ...]], believed: Array) -> DrumFit:
+    """Return the fit without those of the `freed` groups, and of their parts, that it does not need beside the rest.
+
+    They are as `believed` again.
+    """
     found = {index for group in freed for index in group}
     for group in sorted(group for group in PRICES if set(group) <= found):
         start = best.theta.copy()
-        start[list(group)] = prior.nominal[list(group)]
+        start[list(group)] = believed[list(group)]
         other = fit_drum(best.record, prior, start, tuple(i for i in best.free if i not in group))
         if other.loss - best.loss < PRICES[group]:
             best = other
@@ -369,10 +372,16 @@ def _without_passengers(prior: DrumPrior, best: DrumFit, freed: Iterable[tuple[i
 
 
 def _without_held(prior: DrumPrior, best: DrumFit, held: set[int]) -> DrumFit:
-    """Return the fit without those limits that are `held` and that the record speaks against."""
+    """Return the fit with those limits raised that are `held` and that the record speaks against: to what it shows.
+
+    One that goes with the load is not gone where it was exceeded once.
+    """
+    shown = shown_limits(best.record)
     for index in sorted(held - set(best.free)):
         start = best.theta.copy()
-        start[index] = prior.nominal[index]
+        start[index] = min(max(shown[index], start[index]), prior.nominal[index])
+        if start[index] == best.theta[index]:
+            continue
         other = fit_drum(best.record, prior, start, best.free)
         if other.loss + HELD < best.loss:
             best = other

@@ -66,9 +66,9 @@ USUAL = {MRU_OFFSET: 0.5, MRU_DELAY: 0.2}
 REVERSED = 4.0
 """Further price of a wrong sign [nats]."""
 
-RADIUS_SPREAD, GAIN, GAIN_SPREAD, IMPOSSIBLE = 0.03, 12.0, 0.06, 100.0
+RADIUS_SPREAD, GAIN, IMPOSSIBLE = 0.03, 12.0, 100.0
 """Standard deviation of the logarithm of a winch's gain over the nominal one, as by another radius of the drum; the
-price of another gain; the logarithm of one that costs a further nat; and the price of one that goes the other way."""
+price of another gain, which is then as likely as a scale; and of one that goes the other way."""
 
 EXCLUSION = 18.0
 """And to leave a sensor out: that explains nothing."""
@@ -236,7 +236,7 @@ class Believed:
         if share <= 0.0:
             return price + IMPOSSIBLE
         off = abs(math.log(share))
-        return price + min(0.5 * (off / RADIUS_SPREAD) ** 2, GAIN) + off / GAIN_SPREAD
+        return price + min(0.5 * (off / RADIUS_SPREAD) ** 2, GAIN) + 0.5 * (off / SPREAD) ** 2
 
 
 class Judge:
@@ -546,7 +546,7 @@ def accepted(
     ----------
     ranked : the best of each culprit, the best first
     present : what is believed
-    before : the best of the look before; None: there was none, or it was what is believed
+    before : the best of the looks of the last seconds; None: there was none, or it was what is believed
     used : measurements that are used
     """
     # what is as good with fewer culprits is better; one more beside them is no other explanation
