@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 import zstandard
 from bags_of_others import PERIOD, START, TOPIC, heave_at, samples, write_mcap, write_metadata, write_split
+from heave_bags.analyse.run_record import read_run
 from heave_bags.errors import BagError
 from heave_bags.mcap import repair
 from heave_bags.mcap.bag_writer import BagPolicy
@@ -190,6 +191,13 @@ def test_a_bag_of_which_nothing_can_be_read_is_refused_with_the_reason(tmp_path)
     (folder / "bag_0.mcap").write_bytes(b"")
     with pytest.raises(BagError, match=r"bag_0\.mcap: the file is empty"):
         Bag(folder)
+
+
+def test_a_bag_of_no_run_is_called_so_whatever_was_lost_of_it(tmp_path):
+    write_split(tmp_path / "bag", ("bag_0.mcap", "bag_1.mcap"))
+    (tmp_path / "bag" / "bag_1.mcap").write_bytes(b"")
+    with pytest.raises(BagError, match=f"none of a run's topics; it holds {TOPIC}; bag_1.mcap: the file is empty"):
+        read_run(tmp_path / "bag")
 
 
 @pytest.mark.parametrize("version", [9, 4], ids=["counts by file", "names only"])
@@ -388,3 +396,13 @@ def test_the_test_bags_of_rosbag2_are_read_as_the_reference_reader_reads_them():
         assert times == sorted(times), folder
         assert len(times) == bag.stated["message_count"], folder
         assert bag.losses == [], folder
+
+
+def test_a_compressed_file_that_is_cut_is_not_said_to_lack_the_topic_alone(tmp_path):
+    path = tmp_path / "a.mcap"
+    write_mcap(path, samples(), chunk_size=1 << 30)
+    packed = zstandard.compress(path.read_bytes())
+    cut = tmp_path / "one trial.mcap.zstd"
+    cut.write_bytes(packed[: len(packed) - 3000])
+    with pytest.raises(BagError, match=r"no topic /mru/heave; it has none: one trial\.mcap\.zstd: "):
+        import_sea(cut, "/mru/heave")
