@@ -32,22 +32,27 @@ def waves(seconds, size, noise=0.02, seed=1):
     return size * (np.sin(0.7 * time) + 0.5 * np.sin(1.1 * time)) + noise * random.standard_normal(len(time))
 
 
-def driven(winch, rates):
+def driven(winch, rates, tensions=None):
     """Drive a virtual winch by rate set-points; return its encoder at the end of each tick, and its states."""
     virtual = VirtualWinch(winch, tick_period=DT, seed=1)
     virtual.step(0, WinchCommand(1))
-    states = [virtual.step(tick, WinchCommand(tick + 1, 0.0, float(rate))) for tick, rate in enumerate(rates, start=1)]
+    under = np.full(len(rates), np.nan) if tensions is None else tensions
+    states = [
+        virtual.step(tick, WinchCommand(tick + 1, 0.0, float(rate)), float(tension))
+        for tick, (rate, tension) in enumerate(zip(rates, under, strict=True), start=1)
+    ]
     return np.array([state.encoder_payout for state in states]), states
 
 
-def recorded(rates, readings, limited=()):
+def recorded(rates, readings, limited=(), tensions=None):
     """Return the record of `readings` of a drum that was sent `rates`, its first second left out as orders before it.
 
     Those readings are `limited` in whose ticks the winch says that a limit acted.
     """
     none = np.zeros(len(rates))
+    tensions = np.full(len(rates), np.nan) if tensions is None else tensions
     was_limited = np.isin(np.arange(len(rates)), limited)
-    return DrumRecord(none, rates, none, np.array(readings[AHEAD:]), was_limited[AHEAD:], 0.0, DT)
+    return DrumRecord(none, rates, none, tensions, np.array(readings[AHEAD:]), was_limited[AHEAD:], 0.0, DT)
 
 
 def record_of(winch, seconds=30.0, size=0.6, seed=1):
@@ -99,6 +104,30 @@ def test_a_limit_a_dead_zone_or_play_is_freed_and_known(winch, field, value):
     assert (found.theta[PLACE["lag"]], found.theta[PLACE["delay"]]) == pytest.approx((0.15, 0.2), abs=0.02)
     assert found.theta[PLACE["gain"]] == pytest.approx(1.0, abs=0.02)
     assert found.residual < 2e-3
+
+
+@pytest.mark.parametrize(("power", "swing"), [(25e3, 0.5), (60e3, 0.3), (60e3, 0.9)])
+def test_a_limit_of_the_power_is_freed_and_known_by_the_tension(power, swing):
+    """Its speed goes with the tension: taken for a constant limit of the speed, it is wrong with every wave.
+
+    The tension is that at the start of each tick, as the virtual winch has it, and known at its end.
+    """
+    rates = waves(30.0, 0.9)
+    tensions = 1e5 * (1.0 + swing * np.sin(0.9 * DT * np.arange(len(rates))))
+    readings, states = driven(WinchParameters(power_limit=power), rates, tensions)
+    limited = [tick for tick, state in enumerate(states) if state.limits_hit]
+    found = identify(recorded(rates, readings, limited, np.append(tensions[1:], tensions[-1])), PRIOR, NOMINAL)
+    assert set(found.free) & set(LIMITS) == {PLACE["power"]}
+    assert found.theta[PLACE["power"]] == pytest.approx(power, rel=0.02)
+    assert (found.theta[PLACE["lag"]], found.theta[PLACE["delay"]]) == pytest.approx((0.15, 0.2), abs=0.02)
+    assert found.residual < 2e-3
+
+
+def test_of_a_power_that_no_tension_shows_nothing_is_found():
+    """A limit of the speed alone explains as much, and what is read does not say that it is one of the power."""
+    readings, states = driven(WinchParameters(power_limit=6e4), (rates := waves(30.0, 0.9)), np.full(600, 1e5))
+    found = identify(recorded(rates, readings, [i for i, one in enumerate(states) if one.limits_hit]), PRIOR, NOMINAL)
+    assert set(found.free) & set(LIMITS) == {PLACE["speed_out"], PLACE["speed_in"]}
 
 
 def crept(gain, hauling, creep, seconds=30.0, lag=0.15):
@@ -307,7 +336,9 @@ def test_a_position_loop_is_part_of_the_drum():
     encoder, _ = driven(WinchParameters(position_gain=0.5), rates)
     payouts, orders = np.zeros(len(rates) + 10), np.concatenate([np.zeros(10), rates])
     drums = np.array([drum_of(BELIEF.winch)])
-    drum = drum_records(payouts, orders, np.zeros(len(orders)), drums, np.zeros((1, 2)), 0.5, len(rates), DT)[0]
+    drum = drum_records(
+        payouts, orders, np.zeros(len(orders)), np.zeros(len(orders)), drums, np.zeros((1, 2)), 0.5, len(rates), DT
+    )[0]
     # the encoder rounds to 1 mm; the position loop's steps of 5 ms differ by less
     np.testing.assert_allclose(drum, encoder, atol=1e-3)
 
@@ -320,6 +351,6 @@ def test_orders_that_came_late_move_the_drum_late():
         np.zeros(40),
     )
     rates[10:], late[10:13] = 1.0, [3.0, 2.0, 1.0]
-    prompt = drum_records(np.zeros(40), rates, np.zeros(40), drums, np.zeros((1, 2)), 0.0, 40, DT)[0]
-    delayed = drum_records(np.zeros(40), rates, late, drums, np.zeros((1, 2)), 0.0, 40, DT)[0]
+    prompt = drum_records(np.zeros(40), rates, np.zeros(40), np.zeros(40), drums, np.zeros((1, 2)), 0.0, 40, DT)[0]
+    delayed = drum_records(np.zeros(40), rates, late, np.zeros(40), drums, np.zeros((1, 2)), 0.0, 40, DT)[0]
     np.testing.assert_allclose(delayed[20:], prompt[17:37], atol=1e-9)

@@ -142,7 +142,9 @@ def test_a_factor_of_the_encoder_counts_from_its_onset_on():
     winch = WinchControllerParameters().winch
     theta = np.array([*drum_of(winch), 1.0, 0.0, 0.5])
     rates = np.full(112, 0.5)
-    record = DrumRecord(np.zeros(112), rates, np.zeros(112), np.zeros(100), np.zeros(100, bool), 0.0, DT, onset=50)
+    record = DrumRecord(
+        np.zeros(112), rates, np.zeros(112), np.zeros(112), np.zeros(100), np.zeros(100, bool), 0.0, DT, onset=50
+    )
     thetas = np.array([theta, theta])
     thetas[1, FACTOR] = 2.0
     plain, doubled = record.simulated(thetas)
@@ -158,7 +160,7 @@ def jumping():
     theta[FACTOR] = 0.5
     rates = 0.5 + 0.3 * np.sin(0.1 * np.arange(112))
     none = np.zeros(112)
-    record = DrumRecord(none, rates, none, np.zeros(100), np.zeros(100, bool), 0.0, DT, onset=60, breaks=(30,))
+    record = DrumRecord(none, rates, none, none, np.zeros(100), np.zeros(100, bool), 0.0, DT, onset=60, breaks=(30,))
     return record, theta, record.simulated(theta[None, :])[0]
 
 

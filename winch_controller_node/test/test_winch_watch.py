@@ -39,7 +39,7 @@ def shares(design, winch, seconds=20.0, *, believed=None, says=None, slips_at=No
             command_sequence=state.command_sequence,
             limits_hit=limits,
         )
-        watch.watch(reading, payout, PARAMETERS)
+        watch.watch(reading, payout, np.nan, PARAMETERS)
         found.append(watch.share)
     return np.array(found), watch
 

@@ -402,7 +402,7 @@ class WinchController:
 
     def _decide(self, loop: LoopTick, measurements: Measurements) -> Decision:
         """Have winch and loop supervised."""
-        transport = self._winch.watch(measurements.winch, loop.sensed.payout, self.parameters)
+        transport = self._winch.watch(measurements.winch, loop.sensed.payout, loop.sensed.tension, self.parameters)
         decision = self._supervisor.decide(
             loop,
             WinchSituation(

@@ -136,6 +136,7 @@ class DesignInForce:
             creep=winch.creep,
             speed_limit=winch.speed_limit,
             acceleration_limit=winch.acceleration_limit,
+            power_limit=winch.power_limit,
         )
         if kept == mine:
             return

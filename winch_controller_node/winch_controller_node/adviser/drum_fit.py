@@ -15,13 +15,13 @@ import numpy as np
 from heave_node.numerics.arrays import Array
 
 from winch_controller_node.adviser.drum_record import FACTOR, FIELDS, START_PAYOUT, START_RATE, DrumRecord
-from winch_controller_node.model.drum_kernel import Drum
+from winch_controller_node.model.drum_kernel import NO_POWER_LIMIT, Drum
 
 LAG, DELAY, GAIN, DEADBAND, BACKLASH, HAULING, CREEP = (
     Drum._fields.index(name) for name in ("lag", "delay", "gain", "deadband", "backlash", "hauling", "creep")
 )
-SPEED_OUT, SPEED_IN, ACCELERATION_OUT, ACCELERATION_IN = LIMITS = tuple(
-    Drum._fields.index(name) for name in ("speed_out", "speed_in", "acceleration_out", "acceleration_in")
+SPEED_OUT, SPEED_IN, ACCELERATION_OUT, ACCELERATION_IN, POWER = LIMITS = tuple(
+    Drum._fields.index(name) for name in ("speed_out", "speed_in", "acceleration_out", "acceleration_in", "power")
 )
 
 ALWAYS = (LAG, DELAY, GAIN)
@@ -30,7 +30,6 @@ PRICES: dict[tuple[int, ...], float] = {
     **{(index,): 12.0 for index in LIMITS},
     (SPEED_OUT, SPEED_IN): 12.0,
     (ACCELERATION_OUT, ACCELERATION_IN): 12.0,
-    LIMITS: 24.0,
     (DEADBAND,): 6.0,
     (BACKLASH,): 6.0,
     (HAULING, CREEP): 6.0,
@@ -48,7 +47,7 @@ ITERATIONS, CONVERGED = 12, 1e-4
 """Largest number of Gauss-Newton steps; they end with a step of every parameter below the second."""
 
 DIFFERENCE = 1e-4
-"""Step of the sensitivities."""
+"""Step of the sensitivities; of a power relative."""
 
 SHARES_OF_STEP = (1.0, 0.5, 0.25, 0.1, 0.03)
 """Shares of a Gauss-Newton step of which the best is taken."""
@@ -168,7 +167,7 @@ def fit_drum(record: DrumRecord, prior: DrumPrior, start: Array, free: Sequence[
         best = int(np.argmin(costs))
         if costs[best] >= before:
             break
-        moved = float(np.max(np.abs(trials[best] - theta)))
+        moved = float(np.max(np.abs(trials[best] - theta) / _sizes(theta)))
         theta = trials[best]
         if moved < CONVERGED:
             break
@@ -199,9 +198,16 @@ def _solved(information: Array, pull: Array) -> Array:
     return np.asarray(step / size)
 
 
+def _sizes(theta: Array) -> Array:
+    """Return what a step of each place of `theta` is to be compared with: a power with itself."""
+    sizes = np.ones(len(theta))
+    sizes[POWER] = theta[POWER]
+    return sizes
+
+
 def _linearised(record: DrumRecord, theta: Array, columns: Sequence[int]) -> tuple[Array, Array]:
     """Return the residuals, shape (count,), and how the record goes with each of `columns`, (count, columns)."""
-    steps = np.array([-DIFFERENCE if column in LIMITS else DIFFERENCE for column in columns])
+    steps = np.array([-DIFFERENCE if column in LIMITS else DIFFERENCE for column in columns]) * _sizes(theta)[columns]
     thetas = np.tile(theta, (len(columns) + 1, 1))
     thetas[np.arange(1, len(thetas)), list(columns)] += steps
     left = record.residuals(thetas)
@@ -344,7 +350,10 @@ def _with_factor(prior: DrumPrior, best: DrumFit, onsets: Sequence[int]) -> Drum
 
 
 def shown_limits(record: DrumRecord) -> dict[int, float]:
-    """Return the largest speeds [m/s] and accelerations [m/s^2] that a `record` shows, out and in, by limit."""
+    """Return the largest speeds [m/s] and accelerations [m/s^2] that a `record` shows, out and in, and power [W].
+
+    It shows none where the tension is not known.
+    """
     speed = record.speeds(SHOWN_OVER)
     n = max(1, round(SHOWN_OVER / record.dt))
     change = (speed[n:] - speed[:-n]) / (n * record.dt)
@@ -353,6 +362,7 @@ def shown_limits(record: DrumRecord) -> dict[int, float]:
         SPEED_IN: float(np.nanmax(-speed, initial=0.0)),
         ACCELERATION_OUT: float(np.nanmax(change, initial=0.0)),
         ACCELERATION_IN: float(np.nanmax(-change, initial=0.0)),
+        POWER: float(np.nanmax(np.abs(speed) * record.tensions[-len(speed) :], initial=0.0)) or NO_POWER_LIMIT,
     }
 
 

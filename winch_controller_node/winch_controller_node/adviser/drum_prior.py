@@ -11,7 +11,7 @@ from winch_controller_node.beliefs.drum import drum_of
 from winch_controller_node.model.drum_kernel import Drum
 from winch_controller_node.parameters.model import WinchModelParameters
 
-SIGMAS = Drum(0.05, 0.1, 0.2, 0.02, np.inf, np.inf, np.inf, np.inf, 0.005, np.inf, 0.2, 0.05)
+SIGMAS = Drum(0.05, 0.1, 0.2, 0.02, np.inf, np.inf, np.inf, np.inf, 0.005, np.inf, 0.2, 0.05, np.inf)
 """How far a drum may well be from the nominal one, 1 sigma; of limits nothing is known."""
 
 SMALLEST_LAG, LARGEST_LAG = 0.005, 2.0
@@ -22,6 +22,9 @@ GAINS, LARGEST_DEADBAND, LARGEST_BACKLASH, LOWEST_LIMIT = (0.25, 4.0), 0.2, 0.2,
 
 LARGEST_UNEVENNESS, LARGEST_CREEP = 2.0, 0.2
 """Largest factor between the gains of paying out and hauling in [-], and creep beyond the nominal one [m/s]."""
+
+LEAST_POWER = 1.0
+"""Of a winch at all [W]."""
 
 LARGEST_FACTOR = 5.0
 """Of an encoder, either way."""
@@ -37,6 +40,7 @@ def prior_of(winch: WinchModelParameters, largest: float) -> DrumPrior:
         gain=GAINS[0],
         hauling=nominal.hauling / LARGEST_UNEVENNESS,
         creep=nominal.creep - LARGEST_CREEP,
+        power=LEAST_POWER,
         **{name: LOWEST_LIMIT * getattr(nominal, name) for name in limits},
     )
     highest = nominal._replace(

@@ -25,6 +25,7 @@ class DrumRecord:
     ----------
     payouts, rates : set-points of the ticks, oldest first, more of them than readings by the longest delay [m], [m/s]
     late : by how much later than usual each took effect [ticks]
+    tensions : at the top at the end of each of these ticks [N]; NaN: unknown
     readings : of the encoder at the end of the last ticks, as payout under what is believed of it [m]; NaN: none
     limited : the winch says that a limit acted in the tick, same shape
     position_gain : of the servo's position loop [1/s]
@@ -36,6 +37,7 @@ class DrumRecord:
     payouts: Array
     rates: Array
     late: Array
+    tensions: Array
     readings: Array
     limited: NDArray[np.bool_]
     position_gain: float
@@ -58,7 +60,9 @@ class DrumRecord:
         drums = np.ascontiguousarray(thetas[:, :FIELDS])
         starts = np.ascontiguousarray(thetas[:, START_PAYOUT:])
         count = len(self.readings)
-        path = drum_records(self.payouts, self.rates, self.late, drums, starts, self.position_gain, count, self.dt)
+        path = drum_records(
+            self.payouts, self.rates, self.late, self.tensions, drums, starts, self.position_gain, count, self.dt
+        )
         factor = thetas[:, FACTOR, None]
         if np.all(factor == 1.0):
             return np.asarray(path)
@@ -84,6 +88,7 @@ class DrumRecord:
             payouts=self.payouts[:-left],
             rates=self.rates[:-left],
             late=self.late[:-left],
+            tensions=self.tensions[:-left],
             readings=self.readings[:place],
             limited=self.limited[:place],
             onset=0,
@@ -124,6 +129,7 @@ def drum_record(excerpt: Excerpt, window: float, ahead: int, history: SensorHist
         payouts=excerpt.tick_column("order_payout")[begin:].copy(),
         rates=np.where(excerpt.tick_column("brake")[begin:] > 0.0, 0.0, excerpt.tick_column("order_rate")[begin:]),
         late=lateness(excerpt.tick_column("sequence")[begin:], excerpt.tick_column("taken")[begin:]),
+        tensions=excerpt.tick_column("tension")[begin:].copy(),
         readings=readings[ahead:].copy(),
         limited=excerpt.tick_column("limits_hit")[first:] > 0.0,
         position_gain=gain,

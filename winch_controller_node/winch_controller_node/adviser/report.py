@@ -16,6 +16,7 @@ RELATIVE = {
     "winch.speed_in": 0.1,
     "winch.acceleration_out": 0.1,
     "winch.acceleration_in": 0.1,
+    "winch.power_limit": 0.1,
     "winch.speed_gain": 0.02,
     "winch.hauling_gain": 0.05,
     "mru.scale": 0.05,

@@ -16,6 +16,7 @@ from heave_node.numerics.arrays import Array
 from winch_controller_node.beliefs.quantities import (
     ACCELERATION_IN,
     ACCELERATION_OUT,
+    POWER_LIMIT,
     QUANTITIES,
     SPEED_IN,
     SPEED_OUT,
@@ -143,10 +144,10 @@ def parameters_under(beliefs: Beliefs, nominal: WinchControllerParameters) -> Wi
         path = QUANTITIES[name].path
         if path and name not in LIMITS:
             parameters = with_value(parameters, path, beliefs.values[name].value)
-    for pair in ((SPEED_OUT, SPEED_IN), (ACCELERATION_OUT, ACCELERATION_IN)):
-        identified = [beliefs.values[name].value for name in pair if name in beliefs.values]
+    for names in ((SPEED_OUT, SPEED_IN), (ACCELERATION_OUT, ACCELERATION_IN), (POWER_LIMIT,)):
+        identified = [beliefs.values[name].value for name in names if name in beliefs.values]
         if identified:
-            parameters = with_value(parameters, QUANTITIES[pair[0]].path, USED * min(identified))
+            parameters = with_value(parameters, QUANTITIES[names[0]].path, USED * min(identified))
     return parameters
 
 
@@ -156,7 +157,7 @@ def without_sea(beliefs: Beliefs) -> Beliefs:
     return replace(beliefs, values=MappingProxyType(values), design=None, adopted=None)
 
 
-LIMITS = (SPEED_OUT, SPEED_IN, ACCELERATION_OUT, ACCELERATION_IN)
+LIMITS = (SPEED_OUT, SPEED_IN, ACCELERATION_OUT, ACCELERATION_IN, POWER_LIMIT)
 
 
 def latency_ticks(tick_period: float) -> int:

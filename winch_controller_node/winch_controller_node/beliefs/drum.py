@@ -9,10 +9,11 @@ from winch_controller_node.beliefs.quantities import (
     ACCELERATION_OUT,
     BACKLASH,
     DEADBAND,
+    POWER_LIMIT,
     SPEED_IN,
     SPEED_OUT,
 )
-from winch_controller_node.model.drum_kernel import Drum
+from winch_controller_node.model.drum_kernel import NO_POWER_LIMIT, Drum
 from winch_controller_node.parameters.model import WinchModelParameters
 
 QUANTITY_OF = {
@@ -27,6 +28,7 @@ QUANTITY_OF = {
     "acceleration_in": ACCELERATION_IN,
     "deadband": DEADBAND,
     "backlash": BACKLASH,
+    "power": POWER_LIMIT,
 }
 """What is believed of each field of `Drum`; of its reach nothing else is."""
 
@@ -44,6 +46,7 @@ def drum_of(winch: WinchModelParameters, believed: Mapping[str, float] | None = 
         acceleration_out=winch.acceleration_limit,
         acceleration_in=winch.acceleration_limit,
         reach=winch.set_point_reach,
+        power=winch.power_limit if winch.power_limit > 0.0 else NO_POWER_LIMIT,
     )
     held = believed or {}
     return drum._replace(**{name: held[quantity] for name, quantity in QUANTITY_OF.items() if quantity in held})

@@ -12,7 +12,7 @@ from winch_controller_node.node_parameters import WinchControllerParameters
 
 SPEED_OUT, SPEED_IN = "winch.speed_out", "winch.speed_in"
 ACCELERATION_OUT, ACCELERATION_IN = "winch.acceleration_out", "winch.acceleration_in"
-DEADBAND, BACKLASH = "winch.deadband", "winch.backlash"
+DEADBAND, BACKLASH, POWER_LIMIT = "winch.deadband", "winch.backlash", "winch.power_limit"
 ENCODER_SCALE, DEPTH_SCALE, MRU_SCALE = "encoder.scale", "depth.scale", "mru.scale"
 MRU_OFFSET, MRU_DELAY = "mru.offset", "mru.delay"
 
@@ -59,6 +59,7 @@ QUANTITIES = {
         Quantity(ACCELERATION_IN, "m/s^2", "winch.acceleration_limit"),
         Quantity(DEADBAND, "m/s"),
         Quantity(BACKLASH, "m"),
+        Quantity(POWER_LIMIT, "W", "winch.power_limit"),
         Quantity(ENCODER_SCALE, "", nominal=1.0),
         Quantity(DEPTH_SCALE, "", nominal=1.0),
         Quantity(MRU_SCALE, "", nominal=1.0),

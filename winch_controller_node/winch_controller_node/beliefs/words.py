@@ -20,6 +20,7 @@ WINCH_LABELS = {
     "winch.speed_in": "speed limit hauling in",
     "winch.acceleration_out": "acceleration limit paying out",
     "winch.acceleration_in": "acceleration limit hauling in",
+    "winch.power_limit": "power limit",
     "winch.deadband": "dead zone",
     "winch.backlash": "encoder play",
 }
@@ -60,6 +61,11 @@ def sentences(findings: Sequence[Finding]) -> list[str]:
 
 
 def _change(label: str, finding: Finding, digits: int) -> str:
+    if finding.unit == "W":
+        value, before = (
+            f"{power / 1e3:.1f} kW" if power > 0.0 else "none" for power in (finding.value, finding.nominal)
+        )
+        return f"{label} {value} (was {before})"
     value = f"{finding.value:.{digits}f} {finding.unit}".rstrip()
     return f"{label} {value} (was {finding.nominal:.{digits}f})"
 

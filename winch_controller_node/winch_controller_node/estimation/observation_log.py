@@ -76,7 +76,15 @@ class ObservationLog:
         self._ticks.append(
             (
                 *(loop.command.compensating, payout, rate, sequence, brake, encoder, taken, limits),
-                *(authority, compensates, tip, tip_rate, loop.estimate[loop.rows.unit_states[1]], loop.missing_push),
+                *(
+                    loop.sensed.tension,
+                    authority,
+                    compensates,
+                    tip,
+                    tip_rate,
+                    loop.estimate[loop.rows.unit_states[1]],
+                    loop.missing_push,
+                ),
             )
         )
         innovations = loop.sensed.innovations

@@ -18,6 +18,7 @@ TICK_COLUMNS = (
     "encoder",  # encoder reading at the tick, jumps taken off, as read (no scale) [m]; NaN: none
     "taken",  # number of the newest order in effect at the tick, as the winch says; NaN: no state came
     "limits_hit",  # heave_node.interface.codes.WinchLimit; 0: none
+    "tension",  # at the top, the newest that the load cell read [N]; NaN: none yet
     "authority",  # share of the sea that is compensated [-]
     "compensates",  # mode compensating, 0 or 1
     "tip_heave",  # estimated heave of the boom tip [m]

@@ -21,6 +21,9 @@ RATE_STEP = 1e-3
 EDGE = 1e-9
 """Part of a tick that counts as none."""
 
+NO_POWER_LIMIT = 1e9
+"""Power that no winch has [W]."""
+
 WEAK_SLOPE = 1e-6
 """Effect of the rate at the start on the payout that counts as none, as at the limit of the speed [s]."""
 
@@ -40,6 +43,7 @@ class Drum(NamedTuple):
     reach : largest set-point that has an effect, over the limit of the speed [-]
     hauling : gain of hauling in, over that of paying out [-]
     creep : speed at a set-point of 0 [m/s]
+    power : it turns no faster than this over the tension [W]
     """
 
     lag: float
@@ -54,6 +58,7 @@ class Drum(NamedTuple):
     reach: float = 1.0
     hauling: float = 1.0
     creep: float = 0.0
+    power: float = NO_POWER_LIMIT
 
 
 @inner_kernel
@@ -100,6 +105,29 @@ def _set_point(demand: float, drum: Drum) -> float:
 
 
 @inner_kernel
+def _under(drum: Drum, tension: float) -> Drum:
+    """Return the drum under a `tension` [N], the limit of its power being one of its speed there."""
+    if drum.power >= NO_POWER_LIMIT or not tension > 0.0:
+        return drum
+    fastest = drum.power / tension
+    return Drum(
+        drum.lag,
+        drum.delay,
+        drum.gain,
+        drum.deadband,
+        min(drum.speed_out, fastest),
+        min(drum.speed_in, fastest),
+        drum.acceleration_out,
+        drum.acceleration_in,
+        drum.backlash,
+        drum.reach,
+        drum.hauling,
+        drum.creep,
+        drum.power,
+    )
+
+
+@inner_kernel
 def _piece(
     u: float, v: float, payout: float, rate: float, drum: Drum, position_gain: float, h: float, left: float
 ) -> tuple[float, float]:
@@ -120,6 +148,7 @@ def drum_records(
     payouts: Array,
     rates: Array,
     late: Array,
+    tensions: Array,
     drums: Array,
     starts: Array,
     position_gain: float,
@@ -132,7 +161,8 @@ def drum_records(
     ----------
     payouts, rates : set-points of the ticks, oldest first, at least count + delay/dt + 1 of them [m], [m/s]
     late : by how much later than the delay each of them took effect (ticks), same shape
-    drums : fields of `Drum`, shape (m, 12)
+    tensions : at the top at the end of each tick, same shape [N]; NaN where unknown: there the power limits nothing
+    drums : fields of `Drum`, shape (m, 13)
     starts : payout and rate at the start of the `count` ticks, shape (m, 2) [m], [m/s]
     position_gain : of the servo's position loop [1/s]; 0: none
     count : ticks
@@ -142,7 +172,7 @@ def drum_records(
     first = len(rates) - count
     for m in range(len(drums)):
         p = drums[m]
-        drum = Drum(p[0], p[1], p[2], p[3], p[4], p[5], p[6], p[7], p[8], p[9], p[10], p[11])
+        drum = Drum(p[0], p[1], p[2], p[3], p[4], p[5], p[6], p[7], p[8], p[9], p[10], p[11], p[12])
         delay = drum.delay / dt
         u, v = starts[m, 0], starts[m, 1]
         play = 0.5 * drum.backlash
@@ -152,6 +182,7 @@ def drum_records(
         length, left = -1.0, 0.0
         for j in range(count):
             now, end = float(first + j), float(first + j + 1)
+            under = _under(drum, tensions[max(first + j - 1, 0)])
             while now < end:
                 until = end
                 if k + 1 < len(rates):
@@ -163,7 +194,7 @@ def drum_records(
                 h = (until - now) * dt
                 if h != length:
                     length, left = h, _left_of_error(drum, position_gain, h)
-                u, v = _piece(u, v, payouts[k], rates[k], drum, position_gain, h, left)
+                u, v = _piece(u, v, payouts[k], rates[k], under, position_gain, h, left)
                 now = until
             reading = min(max(reading, u - play), u + play)
             out[m, j] = reading
@@ -172,7 +203,14 @@ def drum_records(
 
 @kernel
 def predicted_reading(
-    payouts: Array, rates: Array, readings: Array, drum: Array, position_gain: float, fitted: int, dt: float
+    payouts: Array,
+    rates: Array,
+    tensions: Array,
+    readings: Array,
+    drum: Array,
+    position_gain: float,
+    fitted: int,
+    dt: float,
 ) -> float:
     """Return what the encoder should read at the end of the last tick [m].
 
@@ -181,8 +219,9 @@ def predicted_reading(
     Parameters
     ----------
     payouts, rates : set-points of the ticks, oldest first, more of them than readings by the delay [m], [m/s]
+    tensions : at the top at the end of each of these ticks [N]; NaN: unknown
     readings : at the start of the record and at the end of each of its ticks [m], shape (count + 1,)
-    drum : fields of `Drum`, shape (12,)
+    drum : fields of `Drum`, shape (13,)
     position_gain : of the servo's position loop [1/s]; 0: none
     fitted : readings
     dt : tick period [s]
@@ -194,7 +233,9 @@ def predicted_reading(
     starts[0, 0], starts[0, 1] = readings[0], (readings[1] - readings[0]) / dt
     for _ in range(START_STEPS):
         starts[1, 0], starts[1, 1] = starts[0, 0], starts[0, 1] + RATE_STEP
-        simulated = drum_records(payouts[:end], rates[:end], late[:end], drums, starts, position_gain, fitted, dt)
+        simulated = drum_records(
+            payouts[:end], rates[:end], late[:end], tensions[:end], drums, starts, position_gain, fitted, dt
+        )
         left = readings[1 : fitted + 1] - simulated[0]
         slopes = (simulated[1] - simulated[0]) / RATE_STEP
         about = slopes - slopes.mean()
@@ -202,4 +243,5 @@ def predicted_reading(
         rate = about @ left / spread if spread > fitted * WEAK_SLOPE**2 else 0.0
         starts[0, 0] += left.mean() - rate * slopes.mean()
         starts[0, 1] += rate
-    return float(drum_records(payouts, rates, late, drums[:1], starts[:1], position_gain, count, dt)[0, -1])
+    path = drum_records(payouts, rates, late, tensions, drums[:1], starts[:1], position_gain, count, dt)
+    return float(path[0, -1])

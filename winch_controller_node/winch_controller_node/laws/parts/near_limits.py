@@ -50,7 +50,7 @@ class NearLimits:
         x : state, shape (n,)
         unit_use : what the unit's own error asks for, over what it may [-]
         """
-        speed = abs(float(self._speed @ x)) / self._limits.speed
+        speed = abs(float(self._speed @ x)) / self._limits.usual_speed
         acceleration = abs(float(self._acceleration @ x)) / self._limits.acceleration
         self._share = max(speed, acceleration, unit_use, self._kept * self._share)
         self._are_near = self._share > (ENDS if self._are_near else BEGINS)

@@ -20,6 +20,7 @@ class WinchLimits:
     power : largest [W]; infinite without a limit
     minimum_tension : least tension at the top that a plan may have [N]
     maximum_tension : highest; above it the winch gives way [N]
+    static_tension : while all hangs at rest [N]; NaN: not known
     """
 
     speed: float
@@ -29,6 +30,12 @@ class WinchLimits:
     power: float = math.inf
     minimum_tension: float = 0.0
     maximum_tension: float = math.inf
+    static_tension: float = math.nan
+
+    @property
+    def usual_speed(self) -> float:
+        """Speed limit [m/s] under the static tension."""
+        return self.speed_under(self.static_tension)
 
     def speed_under(self, tension: float) -> float:
         """Return the speed limit [m/s] under `tension` [N], the power limit included."""
@@ -50,4 +57,5 @@ def winch_limits(winch: WinchModelParameters, limits: LimitParameters, static_te
         power=winch.power_limit if winch.power_limit > 0.0 else math.inf,
         minimum_tension=limits.minimum_tension_ratio * static_tension,
         maximum_tension=highest * static_tension if highest > 0.0 else math.inf,
+        static_tension=static_tension,
     )

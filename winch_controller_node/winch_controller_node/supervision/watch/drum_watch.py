@@ -95,7 +95,7 @@ class DrumWatch:
         self._dt, self._nominal = tick_period, winch
         self._ahead = math.ceil((winch.command_delay + largest) / tick_period) + 3
         kept = round(LONGEST / tick_period) + self._ahead
-        self._payouts, self._rates, self._readings, self._limits = (Newest(kept) for _ in range(4))
+        self._payouts, self._rates, self._tensions, self._readings, self._limits = (Newest(kept) for _ in range(5))
         self.take({})
         self.reset()
         # compiled here, not in a tick of a run in real time
@@ -109,24 +109,40 @@ class DrumWatch:
         """Begin anew with the drum at rest at `payout` [m]."""
         self._payouts.clear()
         self._rates.clear()
+        self._tensions.clear()
         self.restart()
         for _ in range(self._ahead):
             self._payouts.append(payout)
             self._rates.append(0.0)
+            self._tensions.append(math.nan)
 
     def restart(self) -> None:
         """Begin anew with the drum in motion, after something that no drum does."""
         self._readings.clear()
         self._limits.clear()
 
-    def add(self, payout: float, rate: float, encoder: float | None, *, is_limited: bool = False) -> None:
-        """Take in the set-points `payout` [m] and `rate` [m/s] of a tick, and the `encoder` at its end [m], or None.
+    def add(
+        self,
+        payout: float,
+        rate: float,
+        encoder: float | None,
+        *,
+        tension: float = math.nan,
+        is_limited: bool = False,
+    ) -> None:
+        """Take a tick in.
 
-        The winch says that a limit acted in it where it `is_limited`.
+        Parameters
+        ----------
+        payout, rate : set-points [m], [m/s]
+        encoder : at its end [m]; None: no reading
+        tension : at its end [N]; NaN: unknown
+        is_limited : the winch says that a limit acted in it
         """
         self._limits.append(float(is_limited))
         self._payouts.append(payout)
         self._rates.append(rate)
+        self._tensions.append(tension)
         self._readings.append(math.nan if encoder is None else encoder)
 
     def error(self) -> float:
@@ -142,9 +158,9 @@ class DrumWatch:
 
     def _error_after(self, readings: Array) -> float:
         needed = len(readings) + self._ahead
-        payouts, rates = self._payouts.last(needed), self._rates.last(needed)
+        sent = (self._payouts.last(needed), self._rates.last(needed), self._tensions.last(needed))
         gain, half = self._nominal.position_gain, len(readings) // 2
-        return float(readings[-1] - predicted_reading(payouts, rates, readings, self._drum, gain, half, self._dt))
+        return float(readings[-1] - predicted_reading(*sent, readings, self._drum, gain, half, self._dt))
 
     def ordered(self) -> Ordered | None:
         """Return what the encoder reads of what the winch was ordered, as it is believed to be; None: unknown."""
@@ -164,6 +180,7 @@ class DrumWatch:
             payouts,
             rates,
             np.zeros(len(rates)),
+            self._tensions.last(needed),
             self._drum[np.newaxis],
             start,
             self._nominal.position_gain,

@@ -84,7 +84,7 @@ class WinchDemand:
         """Return the significant amplitude of standard deviations [m/s], [m/s^2] over the `limits` [-]."""
         speed = min(SIGNIFICANT * rate, self._highest_rate)
         acceleration = min(SIGNIFICANT * acceleration, self._highest_acceleration)
-        return max(speed / limits.speed, acceleration / limits.acceleration)
+        return max(speed / limits.usual_speed, acceleration / limits.acceleration)
 
     def largest_share(self, limits: WinchLimits, effort: Effort, limit_use: float) -> float:
         """Return the largest share of the sea, up to 1, whose peaks take up no more than `limit_use` of the limits.
@@ -94,7 +94,7 @@ class WinchDemand:
         group_peak = GROWING_PEAK if self._growth.is_seen else GROUP_PEAK
         speed = max(PEAK * self._rate.sigma, group_peak * self._group_rate.sigma)
         acceleration = max(PEAK * self._acceleration.sigma, group_peak * self._group_acceleration.sigma)
-        peak = max(effort.speed * speed / limits.speed, effort.acceleration * acceleration / limits.acceleration)
+        peak = max(effort.speed * speed / limits.usual_speed, effort.acceleration * acceleration / limits.acceleration)
         return min(1.0, limit_use / peak) if peak > 0.0 else 1.0
 
 

@@ -98,7 +98,11 @@ class WinchWatch:
         self._given = order
 
     def watch(
-        self, winch: WinchReading | None, payout: float | None, parameters: WinchControllerParameters
+        self,
+        winch: WinchReading | None,
+        payout: float | None,
+        tension: float,
+        parameters: WinchControllerParameters,
     ) -> TransportReport:
         """Put the set-points of the last tick and what the encoder made of them on record; notice late commands.
 
@@ -106,6 +110,7 @@ class WinchWatch:
         ----------
         winch : what the winch says of itself; None: nothing came
         payout : accepted encoder reading [m]; None: none
+        tension : at the top, measured [N]; NaN: not known
         parameters : with the model of the winch in force
         """
         given = self._given
@@ -121,11 +126,11 @@ class WinchWatch:
             self.drum.reset(0.0 if given is None else given.payout)
         elif winch is not None and winch.limits_hit & PAYOUT:
             # every other limit, also of torque, pressure and flow, acts as one of speed or acceleration
-            self.drum.add(given.payout, given.payout_rate, None)
+            self.drum.add(given.payout, given.payout_rate, None, tension=tension)
             self.drum.restart()
         else:
             is_limited = winch is not None and winch.limits_hit != 0
-            self.drum.add(given.payout, given.payout_rate, payout, is_limited=is_limited)
+            self.drum.add(given.payout, given.payout_rate, payout, tension=tension, is_limited=is_limited)
             error = abs(self.drum.error())
             self._cautious = CAUTIOUS_TIME if error > ALARMING else max(self._cautious - self._dt, 0.0)
         return report
