@@ -419,5 +419,6 @@ def _needs_design(before: WinchControllerParameters, after: WinchControllerParam
         creep=mine.creep,
         speed_limit=mine.speed_limit,
         acceleration_limit=mine.acceleration_limit,
+        power_limit=mine.power_limit,
     )
     return replace(after, winch=same_winch) != before
