@@ -1,0 +1,1 @@
+"""Devices of others as they speak: lines, datagrams and messages to quantities in SI units and the suite's signs."""

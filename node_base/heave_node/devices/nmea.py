@@ -1,0 +1,82 @@
+"""Lines that look like NMEA 0183: framing and checksum by pynmea2, fields by `nmea_sentences`."""
+
+from __future__ import annotations
+
+import re
+
+import pynmea2
+
+from heave_node.devices.lines import LineSplitter
+from heave_node.devices.nmea_sentences import SENTENCES, WITHOUT_CHECKSUM, Quality
+from heave_node.devices.sample import Counters, Sample
+
+_NAME = re.compile(r"(P[A-Z0-9]{3,9}|[A-Z]{2}([A-Z]{3}))$")
+_WRONG = (ValueError, LookupError, TypeError, AttributeError, OverflowError)
+
+
+class NmeaDecoder:
+    """Reads sentences of a serial line, of datagrams or of a log, in which other text may stand before each.
+
+    Parameters
+    ----------
+    needs_checksum : a sentence without one is refused; sentences that never have one are taken all the same
+    """
+
+    def __init__(self, *, needs_checksum: bool = True) -> None:
+        self.counters = Counters()
+        self._needs_checksum = needs_checksum
+        self._lines = LineSplitter(self.counters)
+        self._quality = Quality()
+
+    def feed(self, data: bytes) -> list[Sample]:
+        """See Decoder."""
+        return [sample for line in self._lines.feed(data) if (sample := self._read(line)) is not None]
+
+    def end(self) -> list[Sample]:
+        """See Decoder."""
+        line = self._lines.end()
+        if line and "*" not in line[-3:] and self._needs_checksum:
+            self.counters.half_lines += 1
+            return []
+        sample = self._read(line) if line else None
+        return [] if sample is None else [sample]
+
+    def _read(self, line: str) -> Sample | None:
+        """Return the sample of the last sentence that a line holds."""
+        *before, sentence = line.split("$")
+        if not before:
+            self.counters.malformed += 1
+            return None
+        self.counters.half_lines += sum("*" not in part for part in before[1:])
+        name, _, rest = sentence.partition(",")
+        found = _NAME.match(name)
+        reader = SENTENCES.get(found[2] or found[1]) if found else None
+        if not self._is_whole(f"${sentence}", name):
+            self.counters.checksum_errors += 1
+            return None
+        if reader is None:
+            self.counters.note_unknown(name[:10])
+            return None
+        try:
+            sample = reader(rest.partition("*")[0].split(","), self._quality)
+        except _WRONG:
+            self.counters.malformed += 1
+            return None
+        if sample is None:
+            self.counters.note_unknown(f"{name},{rest.partition(',')[0]}"[:16])
+            return None
+        self.counters.samples += 1
+        return sample
+
+    def _is_whole(self, sentence: str, name: str) -> bool:
+        """Return whether the checksum of a sentence fits, or is not needed."""
+        has_checksum = "*" in sentence
+        if not has_checksum and (name in WITHOUT_CHECKSUM or not self._needs_checksum):
+            return True
+        try:
+            pynmea2.parse(sentence, check=True)
+        except (pynmea2.SentenceTypeError, IndexError):
+            return True  # after the checksum was found to fit
+        except pynmea2.ParseError:
+            return False
+        return True
